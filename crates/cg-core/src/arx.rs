@@ -1,0 +1,245 @@
+//! Classical shift-form ARX least squares (eqs. 5.1, 5.2).
+
+use crate::design::ChannelDesign;
+use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
+use crate::linalg::Triangle;
+use crate::ratio::Measured;
+use crate::real::Real;
+
+/// Classical shift-form ARX `[na nb nk]` (eq. 5.1):
+///
+/// ```text
+///     y(t) + a1 y(t−1) + … = b1 u(t−nk) + … + b_nb u(t−nk−nb+1) + e(t)
+/// ```
+///
+/// `na`: past outputs; `nb`: input terms; `nk`: samples until the input first acts.
+/// `N` is the room for unknowns, `na + nb ≤ N`; the unknowns are `a1 … a_na, b1 … b_nb`.
+///
+/// ```
+/// use cg_core::{Answer, Arx};
+///
+/// let mut arx = Arx::<f64, 2>::new(1, 1, 1).unwrap();
+/// let (mut y, mut u) = (0.0, 0.0);
+/// for k in 0..20 {
+///     arx.push(u, y, true);
+///     y = 0.8 * y + 0.5 * u;
+///     u = if k % 3 == 0 { 1.0 } else { -0.4 };
+/// }
+/// let Answer::Ready(fit) = arx.fit() else { panic!("well excited") };
+/// assert!((fit.ratio.value - 2.5).abs() < 1e-10); // 0.5 / (1 − 0.8)
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Arx<T, const N: usize> {
+    na: usize,
+    nb: usize,
+    nk: usize,
+    with_constant: bool,
+    past_y: [T; N],
+    past_u: [T; N],
+    seen: usize,
+    triangle: Triangle<T, N>,
+    moments: Moments<T>,
+}
+
+impl<T: Real, const N: usize> Arx<T, N> {
+    /// An empty identifier, or `None` unless `1 ≤ nb`, `na + nb ≤ N` and `nk + nb ≤ N + 1`
+    /// (the past input that fits in the object).
+    pub fn new(na: usize, nb: usize, nk: usize) -> Option<Self> {
+        let fits = nb >= 1 && na.checked_add(nb)? <= N && nk.checked_add(nb)? <= N + 1;
+        fits.then(|| Self { na, nb, nk, ..Self::empty() })
+    }
+
+    fn empty() -> Self {
+        Self {
+            na: 0,
+            nb: 1,
+            nk: 0,
+            with_constant: false,
+            past_y: [T::zero(); N],
+            past_u: [T::zero(); N],
+            seen: 0,
+            triangle: Triangle::new(),
+            moments: Moments::new(),
+        }
+    }
+
+    /// The same with a constant as one more unknown (an offset of input or output);
+    /// `None` if there is no room for it.
+    #[must_use]
+    pub fn with_constant(mut self) -> Option<Self> {
+        self.with_constant = true;
+        (self.unknowns() <= N).then_some(self)
+    }
+
+    /// Takes in one sample of input and output, equally spaced in time; its row counts only
+    /// if `use_row` says so.
+    pub fn push(&mut self, input: T, output: T, use_row: bool) {
+        if self.seen >= self.na.max(self.nb + self.nk - 1) {
+            let mut row = [T::zero(); N];
+            for k in 0..N {
+                if k < self.na {
+                    row[k] = -self.past_y[k];
+                } else if k < self.na + self.nb {
+                    // u(t − lag); past_u[0] is u(t−1)
+                    let lag = k - self.na + self.nk;
+                    let past = lag.checked_sub(1).and_then(|i| self.past_u.get(i));
+                    row[k] = past.copied().unwrap_or(input);
+                } else if self.with_constant && k == self.na + self.nb {
+                    row[k] = T::one();
+                }
+            }
+            if use_row {
+                self.triangle.push(row, output);
+                self.moments.push(input, output);
+            }
+        } else {
+            self.seen += 1;
+        }
+        for k in (1..N).rev() {
+            self.past_y[k] = self.past_y[k - 1];
+            self.past_u[k] = self.past_u[k - 1];
+        }
+        if let (Some(y), Some(u)) = (self.past_y.first_mut(), self.past_u.first_mut()) {
+            (*y, *u) = (output, input);
+        }
+    }
+
+    /// Forgets the past samples but keeps the information: call it where the log has a gap.
+    pub fn restart(&mut self) {
+        self.seen = 0;
+    }
+
+    /// The least-squares answer.
+    pub fn fit(&self) -> Answer<T> {
+        let unknowns = self.unknowns();
+        let rows = self.moments.rows;
+        if rows as usize <= unknowns {
+            return Answer::Unexcited(Unexcited::TooFewRows { rows });
+        }
+        let theta = match self.triangle.solve(unknowns) {
+            Ok(theta) => theta,
+            Err(unknown) => return Answer::Unexcited(Unexcited::Direction { unknown }),
+        };
+        let freedom = T::of(f64::from(rows)) - T::of(unknowns as f64);
+        let variance = self.triangle.sum_of_squares_at(&theta) / freedom;
+        let (mut denominator, mut numerator) = (T::one(), T::zero());
+        for k in 0..N {
+            if k < self.na {
+                denominator += theta[k];
+            } else if k < self.na + self.nb {
+                numerator += theta[k];
+            }
+        }
+        let ratio = numerator / denominator;
+        let mut gradient = [T::zero(); N];
+        for k in 0..N {
+            if k < self.na {
+                gradient[k] = -ratio / denominator;
+            } else if k < self.na + self.nb {
+                gradient[k] = T::one() / denominator;
+            }
+        }
+        let ratio_sd = (variance * self.triangle.variance_of(&gradient, unknowns)).root();
+        let (snr_db, fit_percent) = self.moments.quality(variance, T::zero());
+        Answer::Ready(Fit {
+            ratio: Measured { value: ratio, sd: ratio_sd },
+            noise_sd_rad: variance.root(),
+            snr_db,
+            fit_percent,
+            rows,
+        })
+    }
+
+    /// Covariance of the coefficients, for the noise that [`fit`](Self::fit) reports.
+    pub fn covariance(&self) -> Option<[[T; N]; N]> {
+        let Answer::Ready(fit) = self.fit() else { return None };
+        let mut covariance = self.triangle.covariance(self.unknowns());
+        for entry in covariance.iter_mut().flatten() {
+            *entry *= fit.noise_sd_rad * fit.noise_sd_rad;
+        }
+        Some(covariance)
+    }
+
+    /// The coefficients `a1 … a_na, b1 … b_nb` (and the constant), if the data determine them.
+    pub fn coefficients(&self) -> Option<[T; N]> {
+        self.triangle.solve(self.unknowns()).ok()
+    }
+
+    fn unknowns(&self) -> usize {
+        self.na + self.nb + usize::from(self.with_constant)
+    }
+}
+
+
+/// Settings of [`SampledArx`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArxOptions<T> {
+    /// Order: `na = nb = order`, `nk = 1`; at most [`SampledArx::GREATEST_ORDER`].
+    pub order: usize,
+    /// Sampling interval of the identification: faster logs are thinned out, seconds.
+    pub interval_s: T,
+}
+
+/// [`Arx`] behind the estimator: thins the log out to the identification's interval and
+/// carries a constant.
+///
+/// For comparison with the source. Its DC ratio has a bias that more data do not remove and
+/// that grows with the sampling rate; prefer [`FilteredArx`](crate::FilteredArx).
+#[derive(Clone, Copy, Debug)]
+pub struct SampledArx<T> {
+    arx: Arx<T, 21>,
+    interval_s: T,
+    elapsed_s: T,
+    origin: Option<(T, T)>,
+}
+
+impl<T: Real> SampledArx<T> {
+    /// The greatest order that fits.
+    pub const GREATEST_ORDER: usize = 10;
+}
+
+impl<T: Real> Identify<T> for SampledArx<T> {
+    type Options = ArxOptions<T>;
+
+    fn for_channel(_: &ChannelDesign<T>, options: ArxOptions<T>) -> Self {
+        let order = options.order.clamp(1, Self::GREATEST_ORDER);
+        Self {
+            arx: Arx { na: order, nb: order, nk: 1, with_constant: true, ..Arx::empty() },
+            interval_s: options.interval_s,
+            elapsed_s: T::zero(),
+            origin: None,
+        }
+    }
+
+    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
+        self.elapsed_s += interval_s;
+        let first = self.origin.is_none();
+        let (input_0, roll_0) = *self.origin.get_or_insert((input, roll_rad));
+        // Within half a per cent of the interval counts as it: time stamps are rounded.
+        if first || self.elapsed_s >= self.interval_s * T::of(0.995) {
+            self.elapsed_s = T::zero();
+            self.arx.push(input - input_0, roll_rad - roll_0, use_row);
+        }
+    }
+
+    fn clear(&mut self) {
+        self.arx.triangle = Triangle::new();
+        self.arx.moments = Moments::new();
+    }
+
+    fn restart(&mut self) {
+        self.clear();
+        self.arx.seen = 0;
+        self.elapsed_s = T::zero();
+        self.origin = None;
+    }
+
+    fn forget(&mut self, factor: T) {
+        self.arx.triangle.scale(factor.root());
+        self.arx.moments.scale(factor);
+    }
+
+    fn fit(&self) -> Answer<T> {
+        self.arx.fit()
+    }
+}

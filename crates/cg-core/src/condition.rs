@@ -1,0 +1,172 @@
+//! From sensors to the two signals that the identification wants.
+//!
+//! * Roll is taken from the roll sensor, or from an inclinometer by taking off what it feels
+//!   of the lateral acceleration: `φ = tilt − a_y/g`.
+//! * Each input is multiplied by the roll angle that the design expects of it at the present
+//!   speed and mass (at the reference height). The scheduled input is thus "expected roll",
+//!   in radians; the ratio identified from it is near one, and a speed that changes slowly
+//!   does no harm.
+//! * Turning and straight driving are told apart by lateral acceleration, with hysteresis.
+
+use core::fmt;
+
+use crate::design::{Channel, Design};
+use crate::real::Real;
+use crate::sample::Sample;
+
+/// Lateral acceleration above which the truck turns.
+const TURNING_MPS2: f64 = 0.5;
+/// Lateral acceleration below which it drives straight.
+const STRAIGHT_MPS2: f64 = 0.3;
+/// Lateral acceleration above which the linear model is not trusted.
+const LINEAR_MPS2: f64 = 3.5;
+
+/// A sample that the estimator refuses; its state is unchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SampleError {
+    /// Time does not increase.
+    TimeOrder {
+        /// Time stamp of the sample before, µs.
+        previous_us: u64,
+        /// Time stamp of this sample, µs.
+        time_us: u64,
+    },
+}
+
+impl fmt::Display for SampleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimeOrder { previous_us, time_us } => {
+                write!(f, "time stamp {time_us} µs does not follow {previous_us} µs")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SampleError {}
+
+/// One conditioned sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<T> {
+    /// Time stamp, µs.
+    pub time_us: u64,
+    /// Roll angle, rad.
+    pub roll_rad: T,
+    /// Expected roll at the reference height from each channel's input, rad; NaN if absent.
+    pub expected_rad: [T; 2],
+    /// Speed, the last one known.
+    pub speed_mps: T,
+    /// Trailer mass, the last one known.
+    pub trailer_mass_kg: T,
+    /// Lateral acceleration, measured or (if absent) expected from steer.
+    pub lateral_acceleration_mps2: T,
+    /// Whether the truck turns.
+    pub turning: bool,
+    /// Whether the linear model holds here: speed and mass on the design's axes, lateral
+    /// acceleration small enough.
+    pub usable: bool,
+}
+
+/// The stage from [`Sample`] to [`Row`].
+#[derive(Clone, Copy, Debug)]
+pub struct Conditioner<T> {
+    previous_us: Option<u64>,
+    speed_mps: T,
+    trailer_mass_kg: T,
+    turning: bool,
+    /// Roll per unit of each input at the reference height, for the speed and mass beside it.
+    gains: Option<[T; 2]>,
+}
+
+impl<T: Real> Conditioner<T> {
+    /// Before the first sample.
+    pub fn new(design: &Design<T>) -> Self {
+        let mut conditioner = Self {
+            previous_us: None,
+            speed_mps: design.nominal_speed_mps,
+            trailer_mass_kg: design.nominal_trailer_mass_kg,
+            turning: false,
+            gains: None,
+        };
+        conditioner.gains = conditioner.gains_here(design);
+        conditioner
+    }
+
+    fn gains_here(&self, design: &Design<T>) -> Option<[T; 2]> {
+        let mut gains = [T::zero(); 2];
+        for channel in Channel::ALL {
+            let line = design.line(channel, self.speed_mps, self.trailer_mass_kg)?;
+            let compensation = design.channels[channel.index()].compensation.value;
+            gains[channel.index()] = line.ratio_at(design.reference_height_m) * compensation;
+        }
+        Some(gains)
+    }
+
+    /// Conditions one sample; `None` if it has no roll angle or no input.
+    ///
+    /// # Errors
+    /// [`SampleError::TimeOrder`] if time does not increase.
+    pub fn push(
+        &mut self,
+        design: &Design<T>,
+        sample: &Sample<T>,
+    ) -> Result<Option<Row<T>>, SampleError> {
+        let time_us = sample.time_us;
+        if let Some(previous_us) = self.previous_us {
+            if time_us <= previous_us {
+                return Err(SampleError::TimeOrder { previous_us, time_us });
+            }
+        }
+        self.previous_us = Some(time_us);
+        self.schedule(design, sample);
+
+        let lateral = if sample.lateral_acceleration_mps2.present() {
+            sample.lateral_acceleration_mps2
+        } else {
+            sample.yaw_rate_radps * self.speed_mps
+        };
+        let roll_rad = if sample.roll_rad.present() {
+            sample.roll_rad
+        } else {
+            sample.tilt_rad - lateral / design.gravity_mps2
+        };
+        if !roll_rad.present() || !(sample.steer_rad.present() || lateral.present()) {
+            return Ok(None);
+        }
+        let gains = self.gains.unwrap_or([T::absent(); 2]);
+        let expected_rad = [gains[0] * sample.steer_rad, gains[1] * lateral];
+        let felt = if lateral.present() { lateral } else { expected_rad[0] / gains[1] };
+        self.turning = if self.turning {
+            felt.abs() > T::of(STRAIGHT_MPS2)
+        } else {
+            felt.abs() > T::of(TURNING_MPS2)
+        };
+        Ok(Some(Row {
+            time_us,
+            roll_rad,
+            expected_rad,
+            speed_mps: self.speed_mps,
+            trailer_mass_kg: self.trailer_mass_kg,
+            lateral_acceleration_mps2: felt,
+            turning: self.turning,
+            usable: self.gains.is_some() && felt.abs() < T::of(LINEAR_MPS2),
+        }))
+    }
+
+    /// Keeps the last known speed and mass, and the gains that belong to them.
+    fn schedule(&mut self, design: &Design<T>, sample: &Sample<T>) {
+        let (speed, mass) = (sample.speed_mps, sample.trailer_mass_kg);
+        let new_speed = speed.present() && speed != self.speed_mps;
+        let new_mass = mass.present() && mass != self.trailer_mass_kg;
+        if new_speed {
+            self.speed_mps = speed;
+        }
+        if new_mass {
+            self.trailer_mass_kg = mass;
+        }
+        if new_speed || new_mass {
+            self.gains = self.gains_here(design);
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! The constants of one truck: what the offline model hands to the estimator.
+
+use core::fmt;
+
+use crate::ratio::{Measured, RatioLine};
+use crate::real::Real;
+use crate::reduced::Reduced5;
+use crate::rollover::RolloverDesign;
+
+/// Speeds at which a design holds ratio lines.
+pub const SPEEDS: usize = 8;
+/// Trailer masses at which a design holds ratio lines.
+pub const MASSES: usize = 6;
+
+/// What drives the roll angle: the input of the identified transfer function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Road-wheel steer angle (the source's choice): knows the tyres and the speed.
+    Steer,
+    /// Lateral acceleration of the trailer: needs no tyre data.
+    LateralAcceleration,
+}
+
+impl Channel {
+    /// Both channels, in the order of [`Design::channels`].
+    pub const ALL: [Self; 2] = [Self::Steer, Self::LateralAcceleration];
+
+    /// Its place in [`Channel::ALL`].
+    pub const fn index(self) -> usize {
+        match self {
+            Self::Steer => 0,
+            Self::LateralAcceleration => 1,
+        }
+    }
+}
+
+impl fmt::Display for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Steer => "steer",
+            Self::LateralAcceleration => "lateral-acceleration",
+        })
+    }
+}
+
+/// The model of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelDesign<T> {
+    /// The reduced model at the nominal speed, mass and reference height: shape of the dynamics.
+    pub model: Reduced5<T>,
+    /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All
+    /// are scaled to `b0 + b1 h = 1` at the reference height, so that they can be blended.
+    pub lines: [[RatioLine<T>; MASSES]; SPEEDS],
+    /// `R_c`, the DC ratio of the compensation (eq. 5.19), and its standard deviation.
+    pub compensation: Measured<T>,
+    /// Relative standard deviation of the model's ratio beyond that of `R_c`.
+    pub model_sd_relative: T,
+}
+
+/// The constants of one truck, plain numbers, checked by [`Design::validate`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Design<T> {
+    /// Speed axis of the ratio lines, strictly increasing.
+    pub speed_mps: [T; SPEEDS],
+    /// Trailer-mass axis of the ratio lines (sprung mass and axles), strictly increasing.
+    pub trailer_mass_kg: [T; MASSES],
+    /// The two channels, in the order of [`Channel::ALL`].
+    pub channels: [ChannelDesign<T>; 2],
+    /// Speed used when a sample has none.
+    pub nominal_speed_mps: T,
+    /// Trailer mass used when a sample has none.
+    pub nominal_trailer_mass_kg: T,
+    /// Height at which the models are taken and the ratio lines scaled.
+    pub reference_height_m: T,
+    /// The lowest height that this trailer can have.
+    pub least_height_m: T,
+    /// The greatest height that this trailer can have.
+    pub greatest_height_m: T,
+    /// Acceleration of gravity.
+    pub gravity_mps2: T,
+    /// What the rollover threshold needs.
+    pub rollover: RolloverDesign<T>,
+}
+
+/// What is wrong with a design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DesignError {
+    /// A number is not finite; the field is named.
+    NotFinite(&'static str),
+    /// An axis is not strictly increasing; the field is named.
+    NotIncreasing(&'static str),
+    /// A number that must be positive is not; the field is named.
+    NotPositive(&'static str),
+    /// The reduced model of this channel is unstable.
+    Unstable(Channel),
+}
+
+impl fmt::Display for DesignError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite(field) => write!(f, "{field} must be a finite number"),
+            Self::NotIncreasing(field) => write!(f, "{field} must increase strictly"),
+            Self::NotPositive(field) => write!(f, "{field} must be positive"),
+            Self::Unstable(channel) => write!(f, "the reduced model of the {channel} channel is unstable"),
+        }
+    }
+}
+
+impl core::error::Error for DesignError {}
+
+impl<T: Real> Design<T> {
+    /// Checks every number once, so that the pipeline need not.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn validate(&self) -> Result<(), DesignError> {
+        increasing(&self.speed_mps, "speed_mps")?;
+        increasing(&self.trailer_mass_kg, "trailer_mass_kg")?;
+        increasing(
+            &[self.least_height_m, self.reference_height_m, self.greatest_height_m],
+            "least, reference and greatest height_m",
+        )?;
+        for channel in Channel::ALL {
+            let design = &self.channels[channel.index()];
+            if !design.model.is_stable() {
+                return Err(DesignError::Unstable(channel));
+            }
+            positive(design.compensation.value, "compensation")?;
+            for line in design.lines.iter().flatten() {
+                positive(line.ratio_at(self.reference_height_m), "ratio at the reference height")?;
+            }
+        }
+        positive(self.nominal_speed_mps, "nominal_speed_mps")?;
+        positive(self.nominal_trailer_mass_kg, "nominal_trailer_mass_kg")?;
+        positive(self.gravity_mps2, "gravity_mps2")
+    }
+
+    /// The ratio line of a channel at a speed and trailer mass, by bilinear interpolation;
+    /// `None` outside the axes.
+    pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
+        let (i, u) = locate(&self.speed_mps, speed_mps)?;
+        let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
+        let lines = &self.channels[channel.index()].lines;
+        let slow = lines.get(i)?.get(j)?.blend(lines.get(i)?.get(j + 1)?, m);
+        let fast = lines.get(i + 1)?.get(j)?.blend(lines.get(i + 1)?.get(j + 1)?, m);
+        Some(slow.blend(&fast, u))
+    }
+}
+
+fn increasing<T: Real>(axis: &[T], field: &'static str) -> Result<(), DesignError> {
+    for value in axis {
+        if !value.present() {
+            return Err(DesignError::NotFinite(field));
+        }
+    }
+    if axis.windows(2).all(|pair| matches!(pair, [a, b] if a < b)) {
+        Ok(())
+    } else {
+        Err(DesignError::NotIncreasing(field))
+    }
+}
+
+fn positive<T: Real>(value: T, field: &'static str) -> Result<(), DesignError> {
+    if !value.present() {
+        Err(DesignError::NotFinite(field))
+    } else if value > T::zero() {
+        Ok(())
+    } else {
+        Err(DesignError::NotPositive(field))
+    }
+}
+
+/// The interval of a strictly increasing axis that holds `value`, and how far into it.
+fn locate<T: Real, const N: usize>(axis: &[T; N], value: T) -> Option<(usize, T)> {
+    let mut i = 0;
+    for pair in axis.windows(2) {
+        if let [low, high] = pair {
+            if value >= *low && value <= *high {
+                return Some((i, (value - *low) / (*high - *low)));
+            }
+        }
+        i += 1;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axis_ends_belong_to_it_and_nothing_beyond() {
+        let axis = [1.0, 2.0, 4.0];
+        assert_eq!(locate(&axis, 1.0), Some((0, 0.0)));
+        assert_eq!(locate(&axis, 4.0), Some((1, 1.0)));
+        assert_eq!(locate(&axis, 3.0), Some((1, 0.5)));
+        assert_eq!(locate(&axis, 0.99), None);
+        assert_eq!(locate(&axis, f64::NAN), None);
+    }
+
+    #[test]
+    fn an_axis_that_does_not_increase_is_refused() {
+        assert_eq!(increasing(&[1.0, 1.0], "x"), Err(DesignError::NotIncreasing("x")));
+        assert_eq!(increasing(&[1.0, f64::NAN], "x"), Err(DesignError::NotFinite("x")));
+    }
+}

@@ -1,0 +1,397 @@
+//! All stages joined: samples in, height out.
+//!
+//! A *maneuver* is a stretch with at least one turn: it opens when the truck starts to turn
+//! (the straight driving before it still counts, fading with a half-life of two seconds),
+//! and closes after four seconds of straight driving, after forty seconds, when the speed has
+//! changed too much, at a gap, or at [`Estimator::finish`]. Each closed maneuver gives a
+//! ratio and a height per channel; heights of maneuvers are fused.
+
+use core::fmt;
+
+use crate::condition::{Conditioner, Row, SampleError};
+use crate::design::{Channel, Design};
+use crate::height::{Fusion, Height};
+use crate::identify::{Answer, Fit, Identify, Unexcited};
+use crate::ratio::{HeightError, Measured, solve_height};
+use crate::real::Real;
+use crate::sample::Sample;
+
+/// When maneuvers open and close, and what is good enough. Times in microseconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings<T> {
+    /// Straight driving that ends a maneuver.
+    pub straight_us: u64,
+    /// The longest maneuver; a longer turn is cut.
+    pub longest_us: u64,
+    /// The longest hole between two samples that a straight line may bridge.
+    pub gap_us: u64,
+    /// Half-life of the straight driving before a maneuver.
+    pub fade_us: u64,
+    /// After a hole in a turn: time until the filters have forgotten their wrong start.
+    pub settle_us: u64,
+    /// The greatest relative deviation of speed from that at the maneuver's start.
+    pub speed_spread: T,
+    /// The greatest relative standard deviation of a ratio that counts.
+    pub ratio_sd_relative: T,
+    /// Relative change of the trailer mass that means another load.
+    pub mass_change: T,
+}
+
+impl<T: Real> Settings<T> {
+    /// For trucks on roads.
+    pub fn truck() -> Self {
+        Self {
+            straight_us: 4_000_000,
+            longest_us: 40_000_000,
+            gap_us: 500_000,
+            fade_us: 2_000_000,
+            settle_us: 3_000_000,
+            speed_spread: T::of(0.3),
+            ratio_sd_relative: T::of(0.2),
+            mass_change: T::of(0.05),
+        }
+    }
+}
+
+/// What the estimator is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// No roll angle or no input in this sample.
+    Absent,
+    /// Driving straight: nothing to learn.
+    Straight,
+    /// In a maneuver.
+    Turning,
+}
+
+/// Why a maneuver gave no height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Reject<T> {
+    /// The channel's signal was absent.
+    Absent,
+    /// The data do not determine the ratio.
+    Unexcited(Unexcited),
+    /// The ratio is too uncertain.
+    Imprecise {
+        /// Relative standard deviation of the ratio.
+        ratio_sd_relative: T,
+    },
+    /// Speed or trailer mass are not covered by the design.
+    OutsideDesign {
+        /// Mean speed of the maneuver.
+        speed_mps: T,
+        /// Trailer mass.
+        trailer_mass_kg: T,
+    },
+    /// No height, or none that can be, explains the ratio.
+    Height(HeightError<T>),
+}
+
+impl<T: Real> fmt::Display for Reject<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Absent => write!(f, "the signal is absent"),
+            Self::Unexcited(reason) => reason.fmt(f),
+            Self::Imprecise { ratio_sd_relative } => {
+                write!(f, "ratio uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
+            }
+            Self::OutsideDesign { speed_mps, trailer_mass_kg } => write!(
+                f,
+                "speed {:.1} m/s or trailer mass {:.0} kg is outside the design",
+                speed_mps.as_f64(),
+                trailer_mass_kg.as_f64()
+            ),
+            Self::Height(error) => error.fmt(f),
+        }
+    }
+}
+
+/// What one channel says of one maneuver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome<T> {
+    /// Quality of the identification, with `ratio` the DC ratio `R_i` in rad per unit of input.
+    pub fit: Option<Fit<T>>,
+    /// Height with the noise's standard deviation, or why there is none.
+    pub height_m: Result<Measured<T>, Reject<T>>,
+    /// Standard deviation of the height from compensation and model.
+    pub systematic_sd_m: T,
+}
+
+/// One closed maneuver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Maneuver<T> {
+    /// First time stamp.
+    pub start_us: u64,
+    /// Last time stamp.
+    pub end_us: u64,
+    /// Mean speed of the rows used.
+    pub speed_mps: T,
+    /// Trailer mass.
+    pub trailer_mass_kg: T,
+    /// Per channel, in the order of [`Channel::ALL`].
+    pub outcomes: [Outcome<T>; 2],
+}
+
+/// The estimator's answer to one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<T> {
+    /// What it is doing.
+    pub status: Status,
+    /// The maneuver that this sample closed.
+    pub closed: Option<Maneuver<T>>,
+}
+
+/// One channel's identifier and the time of its last sample.
+#[derive(Clone, Copy, Debug)]
+struct Lane<T: Real, I> {
+    identifier: I,
+    last_us: Option<u64>,
+    settled_us: u64,
+    fusion: Fusion<T>,
+}
+
+/// The stretch of log that the identifiers hold.
+#[derive(Clone, Copy, Debug)]
+struct Window<T> {
+    start_us: u64,
+    last_us: u64,
+    last_turn_us: Option<u64>,
+    faded_us: u64,
+    start_speed_mps: T,
+    speed_sum: T,
+    rows: T,
+}
+
+/// Samples in, height out. Fixed size, no heap.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimator<T: Real, I> {
+    design: Design<T>,
+    settings: Settings<T>,
+    conditioner: Conditioner<T>,
+    lanes: [Lane<T, I>; 2],
+    window: Option<Window<T>>,
+    trailer_mass_kg: T,
+    fused_mass_kg: Option<T>,
+}
+
+impl<T: Real, I: Identify<T>> Estimator<T, I> {
+    /// Before the first sample. The design must be [valid](Design::validate).
+    pub fn new(design: &Design<T>, settings: Settings<T>, options: I::Options) -> Self {
+        let lane = |channel: Channel| Lane {
+            identifier: I::for_channel(&design.channels[channel.index()], options),
+            last_us: None,
+            settled_us: 0,
+            fusion: Fusion::default(),
+        };
+        Self {
+            design: *design,
+            settings,
+            conditioner: Conditioner::new(design),
+            lanes: [lane(Channel::Steer), lane(Channel::LateralAcceleration)],
+            window: None,
+            trailer_mass_kg: design.nominal_trailer_mass_kg,
+            fused_mass_kg: None,
+        }
+    }
+
+    /// The design in use.
+    pub fn design(&self) -> &Design<T> {
+        &self.design
+    }
+
+    /// Takes in one sample.
+    ///
+    /// # Errors
+    /// [`SampleError`] if the sample is refused; the state is then as before it.
+    pub fn push(&mut self, sample: &Sample<T>) -> Result<Step<T>, SampleError> {
+        let Some(row) = self.conditioner.push(&self.design, sample)? else {
+            return Ok(Step { status: Status::Absent, closed: None });
+        };
+        let closed = if self.must_close(&row) { self.close() } else { None };
+        self.identify(&row);
+        self.note(&row);
+        let turning = self.window.is_some_and(|w| w.last_turn_us.is_some());
+        let status = if turning { Status::Turning } else { Status::Straight };
+        Ok(Step { status, closed })
+    }
+
+    /// Ends the log: closes the open maneuver.
+    pub fn finish(&mut self) -> Option<Maneuver<T>> {
+        self.close()
+    }
+
+    /// The fused height of one channel, or `None` before its first good maneuver.
+    pub fn height(&self, channel: Channel) -> Option<Height<T>> {
+        self.lanes[channel.index()].fusion.height()
+    }
+
+    /// The channel whose height is known best.
+    pub fn best_channel(&self) -> Option<Channel> {
+        let sd = |channel| self.height(channel).map(|height| height.height_m.sd);
+        match (sd(Channel::Steer), sd(Channel::LateralAcceleration)) {
+            (Some(steer), Some(lateral)) if lateral < steer => Some(Channel::LateralAcceleration),
+            (None, Some(_)) => Some(Channel::LateralAcceleration),
+            (Some(_), _) => Some(Channel::Steer),
+            (None, None) => None,
+        }
+    }
+
+    /// Whether this row belongs to a new stretch.
+    fn must_close(&self, row: &Row<T>) -> bool {
+        let Some(window) = &self.window else { return false };
+        let since = |time_us: u64| row.time_us.saturating_sub(time_us);
+        let speed_change = (row.speed_mps - window.start_speed_mps).abs();
+        let too_fast = speed_change > self.settings.speed_spread * window.start_speed_mps;
+        since(window.last_us) > self.settings.gap_us
+            || too_fast
+            || window.last_turn_us.is_some_and(|turn_us| {
+                since(turn_us) > self.settings.straight_us
+                    || since(window.start_us) > self.settings.longest_us
+            })
+    }
+
+    fn identify(&mut self, row: &Row<T>) {
+        for (lane, expected) in self.lanes.iter_mut().zip(row.expected_rad) {
+            if !expected.present() {
+                continue;
+            }
+            let interval_us = lane.last_us.map(|last_us| row.time_us.saturating_sub(last_us));
+            match interval_us {
+                Some(interval_us) if interval_us <= self.settings.gap_us => {}
+                _ => {
+                    lane.identifier.restart();
+                    // In a turn the filters start from a wrong state of rest.
+                    let wait = if row.turning { self.settings.settle_us } else { 0 };
+                    lane.settled_us = row.time_us.saturating_add(wait);
+                }
+            }
+            lane.last_us = Some(row.time_us);
+            let interval_s = seconds(interval_us.unwrap_or(0));
+            let use_row = row.usable && row.time_us >= lane.settled_us;
+            lane.identifier.push(expected, row.roll_rad, interval_s, use_row);
+        }
+    }
+
+    /// Keeps account of the stretch that the identifiers hold.
+    fn note(&mut self, row: &Row<T>) {
+        let window = self.window.get_or_insert(Window {
+            start_us: row.time_us,
+            last_us: row.time_us,
+            last_turn_us: None,
+            faded_us: row.time_us,
+            start_speed_mps: row.speed_mps,
+            speed_sum: T::zero(),
+            rows: T::zero(),
+        });
+        window.last_us = row.time_us;
+        self.trailer_mass_kg = row.trailer_mass_kg;
+        if row.turning {
+            window.last_turn_us = Some(row.time_us);
+            window.speed_sum += row.speed_mps;
+            window.rows += T::one();
+        } else if window.last_turn_us.is_none()
+            && row.time_us.saturating_sub(window.faded_us) >= self.settings.fade_us
+        {
+            window.faded_us = row.time_us;
+            window.start_us = row.time_us;
+            window.start_speed_mps = row.speed_mps;
+            for lane in &mut self.lanes {
+                lane.identifier.forget(T::of(0.5));
+            }
+        }
+    }
+
+    fn close(&mut self) -> Option<Maneuver<T>> {
+        let window = self.window.take()?;
+        let maneuver = window.last_turn_us.map(|_| self.judge(&window));
+        for lane in &mut self.lanes {
+            lane.identifier.clear();
+        }
+        let maneuver = maneuver?;
+        self.fuse(&maneuver);
+        Some(maneuver)
+    }
+
+    fn judge(&self, window: &Window<T>) -> Maneuver<T> {
+        let speed_mps = window.speed_sum / window.rows;
+        Maneuver {
+            start_us: window.start_us,
+            end_us: window.last_us,
+            speed_mps,
+            trailer_mass_kg: self.trailer_mass_kg,
+            outcomes: Channel::ALL.map(|channel| self.outcome(channel, speed_mps)),
+        }
+    }
+
+    fn outcome(&self, channel: Channel, speed_mps: T) -> Outcome<T> {
+        let rejected =
+            |fit, reject| Outcome { fit, height_m: Err(reject), systematic_sd_m: T::zero() };
+        let lane = &self.lanes[channel.index()];
+        if lane.last_us.is_none() {
+            return rejected(None, Reject::Absent);
+        }
+        let mut fit = match lane.identifier.fit() {
+            Answer::Ready(fit) => fit,
+            Answer::Unexcited(reason) => return rejected(None, Reject::Unexcited(reason)),
+        };
+        let trailer_mass_kg = self.trailer_mass_kg;
+        let Some(line) = self.design.line(channel, speed_mps, trailer_mass_kg) else {
+            return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
+        };
+        let model = &self.design.channels[channel.index()];
+        let expected = line.ratio_at(self.design.reference_height_m) * model.compensation.value;
+        let ratio_sd_relative = (fit.ratio.sd / fit.ratio.value).abs();
+        fit.ratio.value *= expected;
+        fit.ratio.sd *= expected;
+        if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
+            return rejected(Some(fit), Reject::Imprecise { ratio_sd_relative });
+        }
+        let exact = Measured::exact(model.compensation.value);
+        let height = solve_height(&line, fit.ratio, exact, T::zero());
+        let systematic = solve_height(
+            &line,
+            Measured::exact(fit.ratio.value),
+            model.compensation,
+            model.model_sd_relative,
+        );
+        match (height, systematic) {
+            (Ok(height), Ok(systematic)) if self.is_possible(height.value) => {
+                Outcome { fit: Some(fit), height_m: Ok(height), systematic_sd_m: systematic.sd }
+            }
+            (Ok(height), _) => {
+                let height_m = height.value;
+                rejected(Some(fit), Reject::Height(HeightError::OutOfRange { height_m }))
+            }
+            (Err(error), _) => rejected(Some(fit), Reject::Height(error)),
+        }
+    }
+
+    fn is_possible(&self, height_m: T) -> bool {
+        height_m >= self.design.least_height_m && height_m <= self.design.greatest_height_m
+    }
+
+    fn fuse(&mut self, maneuver: &Maneuver<T>) {
+        let mass = maneuver.trailer_mass_kg;
+        let other_load = self
+            .fused_mass_kg
+            .is_some_and(|fused| (mass - fused).abs() > self.settings.mass_change * fused);
+        if other_load {
+            for lane in &mut self.lanes {
+                lane.fusion = Fusion::default();
+            }
+        }
+        self.fused_mass_kg = Some(mass);
+        for (lane, outcome) in self.lanes.iter_mut().zip(&maneuver.outcomes) {
+            if let Ok(height_m) = outcome.height_m {
+                lane.fusion.push(height_m, outcome.systematic_sd_m);
+            }
+        }
+    }
+}
+
+/// Microseconds to seconds.
+fn seconds<T: Real>(interval_us: u64) -> T {
+    // Intervals are below the gap limit: 32 bits hold them exactly.
+    T::of(f64::from(u32::try_from(interval_us).unwrap_or(u32::MAX))) * T::of(1e-6)
+}

@@ -1,0 +1,312 @@
+//! ARX least squares on filtered signals: the production identifier.
+
+use crate::design::ChannelDesign;
+use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
+use crate::linalg::Triangle;
+use crate::ratio::Measured;
+use crate::real::Real;
+use crate::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
+
+/// Unknowns of [`FilteredArx`]: five denominator coefficients, the gain, five
+/// numerator coefficients, the constant offset.
+pub const UNKNOWNS: usize = 2 * ORDER + 2;
+
+const GAIN: usize = ORDER;
+const OFFSET: usize = 2 * ORDER + 1;
+
+/// Prior knowledge that [`FilteredArx`] starts from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior<T> {
+    /// Relative standard deviation of each coefficient of the dynamics about the reduced
+    /// model: 0 = nominal dynamics, only the gain is free; infinity = no prior.
+    pub dynamics_sd: T,
+    /// Least standard deviation of the residual, radians: the sensor's resolution. Without
+    /// it a clean log would switch the prior off.
+    pub noise_floor_rad: T,
+    /// Standard deviation of a constant roll offset, radians; 0 = no offset regressor,
+    /// infinity = a free one.
+    pub offset_sd_rad: T,
+}
+
+impl<T: Real> Prior<T> {
+    /// Dynamics within 20 %, a sensor of 0.01 degrees (2e-4 rad), a free offset.
+    pub fn standard() -> Self {
+        Self {
+            dynamics_sd: T::of(0.2),
+            noise_floor_rad: T::of(2e-4),
+            offset_sd_rad: T::one() / T::zero(),
+        }
+    }
+}
+
+/// ARX on filtered signals, with prior knowledge of the dynamics.
+///
+/// With `y_k`, `u_k` the roll and the input filtered by `sᵏ/B(s)` and `G = A/B` the reduced
+/// model, each sample gives one row in the *deviations* from that model,
+///
+/// ```text
+///     y − G u = −Σ δb_k y_k  +  γ (G u)  +  Σ_{k≥1} δa_k u_k  +  c  +  e
+/// ```
+///
+/// where `γ` scales the whole response and `δa_k`, `δb_k` bend its shape. The deviations are
+/// small numbers, which is what keeps `f32` accurate, and the prior on each is a row
+/// `δ = 0 ± sd`. The DC ratio is `A0 (1 + γ) / (B0 + δb_0)`. Time runs in units of
+/// `B0^(−1/5)` inside. With `dynamics_sd = 0` only `γ` (and the offset `c`) are free.
+#[derive(Clone, Copy, Debug)]
+pub struct FilteredArx<T: Real> {
+    model: Reduced5<T>, // in scaled time
+    scale_radps: T,
+    prior: Prior<T>,
+    interval_s: T,
+    step: StepMatrices<T>,
+    input: StateVariableFilter<T>,
+    roll: StateVariableFilter<T>,
+    started: bool,
+    triangle: Triangle<T, UNKNOWNS>,
+    moments: Moments<T>,
+    reference_rad: T,
+    newest_share: [T; ORDER],
+}
+
+impl<T: Real> FilteredArx<T> {
+    /// An empty identifier around `model`.
+    pub fn new(model: &Reduced5<T>, prior: Prior<T>) -> Self {
+        let scale_radps = model.time_scale_radps();
+        let model = model.in_scaled_time(scale_radps);
+        Self {
+            model,
+            scale_radps,
+            prior,
+            interval_s: T::zero(),
+            step: StepMatrices::new(&model, T::zero()),
+            input: StateVariableFilter::at_rest(&model, T::zero()),
+            roll: StateVariableFilter::at_rest(&model, T::zero()),
+            started: false,
+            triangle: Triangle::new(),
+            moments: Moments::new(),
+            reference_rad: T::zero(),
+            newest_share: [T::zero(); ORDER],
+        }
+    }
+
+    fn take_row(&mut self, input: T, roll: T) {
+        let u = self.input.derivatives(&self.model);
+        let y = self.roll.derivatives(&self.model);
+        let nominal = self.model.response(&u);
+        let mut row = [T::zero(); UNKNOWNS];
+        row[GAIN] = nominal;
+        if self.prior.dynamics_sd > T::zero() {
+            for k in 0..ORDER {
+                row[k] = -y[k];
+                row[GAIN + 1 + k] = u[k + 1];
+            }
+        }
+        if self.prior.offset_sd_rad > T::zero() {
+            row[OFFSET] = T::one();
+        }
+        for (sum, share) in self.newest_share.iter_mut().zip(self.step.newest_share()) {
+            *sum += share;
+        }
+        self.triangle.push(row, roll - nominal);
+        self.moments.push(input, roll);
+    }
+
+    /// The expected roll angle of the reduced model now, radians from the first sample's.
+    pub fn nominal_roll_rad(&self) -> T {
+        self.model.response(&self.input.derivatives(&self.model))
+    }
+
+    /// Standard deviation of the expected roll angle over the rows, radians: how much the
+    /// input moves the vehicle.
+    pub fn excitation_rad(&self) -> T {
+        self.moments.input_variance().root() * self.model.dc_gain().abs()
+    }
+
+    /// The triangle with the prior rows for a residual of standard deviation `noise_sd`.
+    fn with_prior(&self, noise_sd: T) -> Triangle<T, UNKNOWNS> {
+        let mut triangle = self.triangle;
+        let gain = self.model.dc_gain().abs();
+        for k in 0..UNKNOWNS {
+            let size = if k < ORDER {
+                self.model.denominator[k].abs()
+            } else if k == GAIN || k == OFFSET {
+                T::one()
+            } else {
+                // A numerator coefficient that happens to be small is not known better.
+                self.model.numerator[k - GAIN].abs().max(gain * T::of(0.2))
+            };
+            let sd = match k {
+                GAIN => continue,
+                OFFSET => self.prior.offset_sd_rad,
+                _ => self.prior.dynamics_sd * size,
+            };
+            // A fixed unknown has a zero column: any weight keeps it at zero.
+            let weight = if sd > T::zero() { noise_sd / sd } else { T::one() };
+            let mut row = [T::zero(); UNKNOWNS];
+            row[k] = weight;
+            triangle.push(row, T::zero());
+        }
+        triangle
+    }
+
+    /// Covariance of the deviations (scaled time; see the type's documentation for their order).
+    pub fn covariance(&self) -> Option<[[T; UNKNOWNS]; UNKNOWNS]> {
+        let (_, noise_sd, triangle) = self.solve().ok()?;
+        let mut covariance = triangle.covariance(UNKNOWNS);
+        for entry in covariance.iter_mut().flatten() {
+            *entry *= noise_sd * noise_sd;
+        }
+        Some(covariance)
+    }
+
+    /// Deviations, residual standard deviation, and the triangle that gave them.
+    fn solve(&self) -> Result<([T; UNKNOWNS], T, Triangle<T, UNKNOWNS>), Unexcited> {
+        let floor = self.prior.noise_floor_rad;
+        let rows = self.moments.rows;
+        if (rows as usize) < UNKNOWNS {
+            return Err(Unexcited::TooFewRows { rows });
+        }
+        // Written so that NaN fails too.
+        if !(self.excitation_rad() > floor) {
+            return Err(Unexcited::Input);
+        }
+        let freedom = (self.moments.weight - T::of(UNKNOWNS as f64)).max(T::one());
+        // The prior's weight depends on the noise and the noise on the answer: three rounds
+        // settle it, since the residual hardly depends on the prior.
+        let mut noise_sd = floor;
+        let mut answer = ([T::zero(); UNKNOWNS], noise_sd, self.triangle);
+        for _ in 0..3 {
+            let triangle = self.with_prior(noise_sd);
+            let theta = triangle
+                .solve(UNKNOWNS)
+                .map_err(|unknown| Unexcited::Direction { unknown })?;
+            noise_sd = (self.triangle.sum_of_squares_at(&theta) / freedom).root().max(floor);
+            answer = (theta, noise_sd, triangle);
+        }
+        let (theta, noise_sd, triangle) = &mut answer;
+        if self.prior.dynamics_sd > T::zero() {
+            // White roll noise of variance σ² sits in the regressors −y_k too, with the share
+            // that the newest sample has in them, and pulls Σ φ e by −σ² Σ share: put it back.
+            let mut pull = [T::zero(); UNKNOWNS];
+            for k in 0..ORDER {
+                pull[k] = self.newest_share[k] * *noise_sd * *noise_sd;
+            }
+            for (theta, shift) in theta.iter_mut().zip(triangle.shift_for(&pull, UNKNOWNS)) {
+                *theta += shift;
+            }
+        }
+        Ok(answer)
+    }
+
+    fn describe(
+        &self,
+        triangle: &Triangle<T, UNKNOWNS>,
+        theta: &[T; UNKNOWNS],
+        noise_sd: T,
+    ) -> Fit<T> {
+        // R = A0 (1 + γ) / (B0 + δb_0)
+        let denominator = self.model.denominator[0] + theta[0];
+        let gain = self.model.numerator[0] / denominator;
+        let ratio = gain * (T::one() + theta[GAIN]);
+        let mut gradient = [T::zero(); UNKNOWNS];
+        gradient[0] = -ratio / denominator;
+        gradient[GAIN] = gain;
+        let ratio_sd = noise_sd * triangle.variance_of(&gradient, UNKNOWNS).root();
+        let rest = theta[OFFSET] / denominator;
+        let (snr_db, fit_percent) = self.moments.quality(noise_sd * noise_sd, rest);
+        Fit {
+            ratio: Measured { value: ratio, sd: ratio_sd },
+            noise_sd_rad: noise_sd,
+            snr_db,
+            fit_percent,
+            rows: self.moments.rows,
+        }
+    }
+
+    /// The identified transfer function (time in seconds), if the data determine one.
+    pub fn model(&self) -> Option<Reduced5<T>> {
+        let (theta, _, _) = self.solve().ok()?;
+        let mut model = self.model;
+        for k in 0..ORDER {
+            model.denominator[k] += theta[k];
+        }
+        let gain = T::one() + theta[GAIN];
+        for k in 0..=ORDER {
+            model.numerator[k] *= gain;
+            if k > 0 {
+                model.numerator[k] += theta[GAIN + k];
+            }
+        }
+        Some(model.in_scaled_time(T::one() / self.scale_radps))
+    }
+}
+
+impl<T: Real> Identify<T> for FilteredArx<T> {
+    type Options = Prior<T>;
+
+    /// The estimator's input is the expected roll angle, so the model is taken at unit gain.
+    fn for_channel(channel: &ChannelDesign<T>, prior: Prior<T>) -> Self {
+        let mut model = channel.model;
+        let gain = model.dc_gain();
+        for coefficient in &mut model.numerator {
+            *coefficient /= gain;
+        }
+        Self::new(&model, prior)
+    }
+
+    /// Advances the filters to the next sample, `interval_s` after the one before, and takes
+    /// its row in if `use_row` says so.
+    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
+        if !self.started {
+            self.started = true;
+            // Roll from its first value on: a large constant would cost digits in f32. Without
+            // an offset regressor it must not move, though.
+            if self.prior.offset_sd_rad > T::zero() {
+                self.reference_rad = roll_rad;
+            }
+            self.input = StateVariableFilter::at_rest(&self.model, input);
+            self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
+        } else {
+            if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
+                self.interval_s = interval_s;
+                self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
+            }
+            self.input.push(&self.step, input);
+            self.roll.push(&self.step, roll_rad - self.reference_rad);
+        }
+        if use_row {
+            self.take_row(input, roll_rad - self.reference_rad);
+        }
+    }
+
+    /// Forgets the rows, keeps the filters running.
+    fn clear(&mut self) {
+        self.triangle = Triangle::new();
+        self.moments = Moments::new();
+        self.newest_share = [T::zero(); ORDER];
+    }
+
+    /// Forgets the filters too: the next sample is taken as a state of rest.
+    fn restart(&mut self) {
+        self.started = false;
+        self.clear();
+    }
+
+    /// Multiplies the weight of all rows so far by `factor` (forgetting).
+    fn forget(&mut self, factor: T) {
+        self.triangle.scale(factor.root());
+        self.moments.scale(factor);
+        for sum in &mut self.newest_share {
+            *sum *= factor;
+        }
+    }
+
+    fn fit(&self) -> Answer<T> {
+        match self.solve() {
+            Ok((theta, noise_sd, triangle)) => {
+                Answer::Ready(self.describe(&triangle, &theta, noise_sd))
+            }
+            Err(reason) => Answer::Unexcited(reason),
+        }
+    }
+}

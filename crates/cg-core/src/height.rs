@@ -1,0 +1,107 @@
+//! Heights of maneuvers, fused into one.
+
+use crate::ratio::Measured;
+use crate::real::Real;
+
+/// The trailer's c.g. height (sprung mass, above ground at rest).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Height<T> {
+    /// Height and total standard deviation, metres.
+    pub height_m: Measured<T>,
+    /// The part of the standard deviation that more maneuvers would reduce.
+    pub random_sd_m: T,
+    /// Maneuvers that went in.
+    pub maneuvers: u32,
+}
+
+/// Inverse-variance mean of the maneuvers' heights.
+///
+/// Noise averages out; the uncertainty of compensation and model is common to all maneuvers
+/// and does not. If the maneuvers scatter more than their noise explains, the random part is
+/// widened by the Birge ratio `√(χ²/(n − 1))`.
+#[derive(Clone, Copy, Debug)]
+pub struct Fusion<T> {
+    weight: T,
+    mean: T,
+    scatter: T, // Σ w (h − mean)²
+    systematic: T,
+    maneuvers: u32,
+}
+
+impl<T: Real> Default for Fusion<T> {
+    fn default() -> Self {
+        let zero = T::zero();
+        Self { weight: zero, mean: zero, scatter: zero, systematic: zero, maneuvers: 0 }
+    }
+}
+
+impl<T: Real> Fusion<T> {
+    /// Takes in one maneuver: its height with the noise's standard deviation, and the standard
+    /// deviation that compensation and model add.
+    pub fn push(&mut self, height_m: Measured<T>, systematic_sd_m: T) {
+        let variance = height_m.sd * height_m.sd;
+        if !(variance > T::zero()) || !variance.present() || !height_m.value.present() {
+            return;
+        }
+        let weight = T::one() / variance;
+        self.weight += weight;
+        let share = weight / self.weight;
+        let deviation = height_m.value - self.mean;
+        self.mean += share * deviation;
+        self.scatter += weight * deviation * (height_m.value - self.mean);
+        self.systematic += share * (systematic_sd_m - self.systematic);
+        self.maneuvers = self.maneuvers.saturating_add(1);
+    }
+
+    /// The fused height, or `None` before the first maneuver.
+    pub fn height(&self) -> Option<Height<T>> {
+        if self.maneuvers == 0 {
+            return None;
+        }
+        let mut variance = T::one() / self.weight;
+        if self.maneuvers > 1 {
+            let freedom = T::of(f64::from(self.maneuvers - 1));
+            variance *= (self.scatter / freedom).max(T::one());
+        }
+        let sd = (variance + self.systematic * self.systematic).root();
+        Some(Height {
+            height_m: Measured { value: self.mean, sd },
+            random_sd_m: variance.root(),
+            maneuvers: self.maneuvers,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_averages_out_and_the_systematic_part_stays() {
+        let mut fusion = Fusion::<f64>::default();
+        for value in [1.99, 2.01, 2.0, 2.0] {
+            fusion.push(Measured { value, sd: 0.02 }, 0.03);
+        }
+        let height = fusion.height().unwrap();
+        assert!((height.height_m.value - 2.0).abs() < 1e-12);
+        assert!((height.random_sd_m - 0.01).abs() < 1e-12);
+        assert!((height.height_m.sd - 0.001_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn scatter_beyond_the_noise_widens_the_interval() {
+        let mut fusion = Fusion::<f64>::default();
+        fusion.push(Measured { value: 1.9, sd: 0.01 }, 0.0);
+        fusion.push(Measured { value: 2.1, sd: 0.01 }, 0.0);
+        // χ² = 2 (0.1/0.01)² = 200, one degree of freedom: √(0.01²/2 · 200) = 0.1
+        assert!((fusion.height().unwrap().random_sd_m - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_height_without_a_number_is_left_out() {
+        let mut fusion = Fusion::<f64>::default();
+        fusion.push(Measured { value: f64::NAN, sd: 0.1 }, 0.0);
+        fusion.push(Measured { value: 2.0, sd: 0.0 }, 0.0);
+        assert_eq!(fusion.height(), None);
+    }
+}

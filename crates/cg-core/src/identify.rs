@@ -1,0 +1,155 @@
+//! Identification of the input-to-roll transfer function by ARX least squares.
+//!
+//! Two regressors on one kernel ([`Triangle`](crate::linalg::Triangle)):
+//!
+//! * [`Arx`](crate::Arx): the classical shift form (eq. 5.1), for parity with the source, MATLAB
+//!   and Octave. Use it in `f64`: its regressors are nearly collinear.
+//! * [`FilteredArx`](crate::FilteredArx): the production form. Input and roll pass through the filters
+//!   `sᵏ/B(s)` of the reduced model, which makes the rows well conditioned (20–270
+//!   against 1e10 and more), so that `f32` suffices.
+//!
+//! **Reference.** Ljung, *System Identification*, 2nd ed., §4.2 (ARX), §10.1 (QR);
+//! Garnier and Wang, *Identification of Continuous-time Models from Sampled Data*, §1.3.
+
+use core::fmt;
+
+use crate::design::ChannelDesign;
+use crate::ratio::Measured;
+use crate::real::Real;
+
+/// What cannot be told from the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Unexcited {
+    /// Fewer rows than unknowns.
+    TooFewRows {
+        /// Rows seen.
+        rows: u32,
+    },
+    /// The input hardly moved.
+    Input,
+    /// The input moved, but the DC ratio stays undetermined (for an [`Arx`](crate::Arx): the
+    /// regressor with this index is a combination of the ones before it).
+    Direction {
+        /// Index of the undetermined unknown.
+        unknown: usize,
+    },
+}
+
+impl fmt::Display for Unexcited {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFewRows { rows } => write!(f, "only {rows} rows: fewer than unknowns"),
+            Self::Input => write!(f, "the input hardly moves: no turn to learn from"),
+            Self::Direction { unknown } => {
+                write!(f, "the input does not excite unknown {unknown} of the model")
+            }
+        }
+    }
+}
+
+/// An identified model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit<T> {
+    /// The DC ratio `R_i = A0/B0`, radians of roll per unit of input, and its standard deviation.
+    pub ratio: Measured<T>,
+    /// Standard deviation of the residual, radians (not below the noise floor).
+    pub noise_sd_rad: T,
+    /// Mean square of the roll response over the noise, dB.
+    pub snr_db: T,
+    /// `100 (1 − ‖residual‖/‖roll − mean‖)`, %.
+    pub fit_percent: T,
+    /// Rows used.
+    pub rows: u32,
+}
+
+/// The identifier's answer: a state of the world, not an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer<T> {
+    /// An identified model.
+    Ready(Fit<T>),
+    /// The data do not determine one.
+    Unexcited(Unexcited),
+}
+
+/// Sums over the rows for the mean squares.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moments<T> {
+    pub(crate) weight: T,
+    pub(crate) rows: u32,
+    input: T,
+    input_square: T,
+    roll: T,
+    roll_square: T,
+}
+
+impl<T: Real> Moments<T> {
+    pub(crate) fn new() -> Self {
+        let zero = T::zero();
+        Self { weight: zero, rows: 0, input: zero, input_square: zero, roll: zero, roll_square: zero }
+    }
+
+    pub(crate) fn push(&mut self, input: T, roll: T) {
+        self.weight += T::one();
+        self.rows = self.rows.saturating_add(1);
+        self.input += input;
+        self.input_square += input * input;
+        self.roll += roll;
+        self.roll_square += roll * roll;
+    }
+
+    pub(crate) fn scale(&mut self, factor: T) {
+        self.weight *= factor;
+        self.input *= factor;
+        self.input_square *= factor;
+        self.roll *= factor;
+        self.roll_square *= factor;
+    }
+
+    pub(crate) fn input_variance(&self) -> T {
+        let mean = self.input / self.weight;
+        (self.input_square / self.weight - mean * mean).max(T::zero())
+    }
+
+    fn roll_variance(&self) -> T {
+        let mean = self.roll / self.weight;
+        (self.roll_square / self.weight - mean * mean).max(T::zero())
+    }
+
+    /// `(snr_db, fit_percent)` for a residual of variance `noise_variance`; the signal is
+    /// the roll about `rest`.
+    pub(crate) fn quality(&self, noise_variance: T, rest: T) -> (T, T) {
+        let mean_square = self.roll_square / self.weight
+            - T::of(2.0) * rest * self.roll / self.weight
+            + rest * rest;
+        let signal = (mean_square - noise_variance).max(noise_variance * T::of(1e-6));
+        let snr_db = T::of(10.0) * (signal / noise_variance).decimal_log();
+        let variance = self.roll_variance();
+        let fit = if variance > T::zero() {
+            T::of(100.0) * (T::one() - (noise_variance / variance).root())
+        } else {
+            T::zero()
+        };
+        (snr_db, fit)
+    }
+}
+
+/// An identifier of the DC ratio, as the estimator uses it.
+pub trait Identify<T: Real>: Copy {
+    /// Settings of this identifier.
+    type Options: Copy;
+
+    /// An empty identifier for one channel of the design.
+    fn for_channel(channel: &ChannelDesign<T>, options: Self::Options) -> Self;
+    /// Takes in the next sample, `interval_s` after the one before; its row counts only if
+    /// `use_row` says so.
+    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
+    /// Forgets the rows, keeps the memory of past samples.
+    fn clear(&mut self);
+    /// Forgets everything: the next sample is a new beginning.
+    fn restart(&mut self);
+    /// Multiplies the weight of all rows so far by `factor`.
+    fn forget(&mut self, factor: T);
+    /// The answer for all rows so far.
+    fn fit(&self) -> Answer<T>;
+}

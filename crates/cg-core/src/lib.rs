@@ -1,0 +1,60 @@
+//! The centre-of-gravity (c.g.) height of a semitrailer, from steer (or lateral
+//! acceleration) and trailer roll angle, sample by sample.
+//!
+//! `no_std`, no heap, no panic, no `unsafe`; generic over [`Real`] (`f32` on the
+//! truck, `f64` as its witness).
+//!
+//! | stage, in flow order | takes | gives | source |
+//! |---|---|---|---|
+//! | [`sample`] | sensor values, SI, ISO 8855 | a checked [`Sample`] | – |
+//! | [`design`] | – | [`Design`]: the constants of one truck | thesis ch. 4, 5.4, 5.5 |
+//! | [`condition`] | [`Sample`] | roll free of tilt, gaps found, straight or turning | – |
+//! | [`reduced`] | input signal | [`Reduced5`]: the reduced 5th-order compensated model | eq. 5.12 |
+//! | [`identify`], [`arx`], [`filtered`] | input, roll | [`Fit`]: DC ratio and its standard deviation | eqs. 5.1, 5.2 |
+//! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
+//! | [`height`] | heights of maneuvers | one height, fused | – |
+//! | [`rollover`] | height | rollover threshold and margin | – |
+//! | [`estimator`] | [`Sample`] | [`Step`] | all of the above, joined |
+//!
+//! A module uses only modules above it; `tests/layers.rs` fails otherwise.
+//!
+//! The heart of it in four lines, with the numbers printed in the source (inches
+//! there, any consistent unit here):
+//!
+//! ```
+//! use cg_core::ratio::{solve_height, Measured, RatioLine};
+//!
+//! let line: RatioLine<f64> = RatioLine { a0: -1.9772e270, a1: -1.0268e270, b0: 1.6703e272, b1: -2.9656e269 };
+//! let (ratio, compensation) = (Measured::exact(-0.8456), Measured::exact(1.4894));
+//! let height = solve_height(&line, ratio, compensation, 0.0).unwrap();
+//! assert!((height.value - 77.69_f64).abs() < 0.005); // inches, Table 5.7
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod real;
+pub mod linalg;
+pub mod sample;
+pub mod reduced;
+pub mod ratio;
+pub mod rollover;
+pub mod design;
+pub mod condition;
+pub mod identify;
+pub mod arx;
+pub mod filtered;
+pub mod height;
+pub mod estimator;
+
+pub use condition::{Conditioner, SampleError};
+pub use design::{Channel, ChannelDesign, Design, DesignError};
+pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
+pub use height::Height;
+pub use arx::Arx;
+pub use filtered::{FilteredArx, Prior};
+pub use identify::{Answer, Fit, Identify, Unexcited};
+pub use ratio::{HeightError, Measured, RatioLine};
+pub use real::Real;
+pub use reduced::Reduced5;
+pub use rollover::{Rollover, RolloverDesign};
+pub use sample::Sample;

@@ -1,0 +1,185 @@
+//! The DC ratio as a function of height, and back.
+//!
+//! The static equations of the vehicle are linear in the height `h` in one row
+//! only, so by Cramer's rule both the numerator and the denominator of the DC
+//! ratio are exactly linear in `h`:
+//!
+//! ```text
+//!     R_a(h) = (a1 h + a0) / (b1 h + b0)                    eq. 5.18
+//!     R_c R_a(h) = R_i                                      eq. 5.20
+//!     h = (a0 − x b0) / (x b1 − a1),   x = R_i / R_c
+//! ```
+
+use core::fmt;
+
+use crate::real::Real;
+
+/// A value and its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured<T> {
+    /// The value.
+    pub value: T,
+    /// Its standard deviation, same unit.
+    pub sd: T,
+}
+
+impl<T: Real> Measured<T> {
+    /// A value known without error.
+    pub fn exact(value: T) -> Self {
+        Self { value, sd: T::zero() }
+    }
+
+    /// The squared relative standard deviation.
+    pub fn relative_variance(&self) -> T {
+        let relative = self.sd / self.value;
+        relative * relative
+    }
+}
+
+/// The DC ratio `(a1 h + a0) / (b1 h + b0)` of one channel at one speed and mass
+/// (eq. 5.17; only the ratios of the four numbers matter).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RatioLine<T> {
+    /// Numerator at zero height.
+    pub a0: T,
+    /// Numerator per metre.
+    pub a1: T,
+    /// Denominator at zero height.
+    pub b0: T,
+    /// Denominator per metre.
+    pub b1: T,
+}
+
+impl<T: Real> RatioLine<T> {
+    /// The DC ratio at height `height_m` (eq. 5.18).
+    pub fn ratio_at(&self, height_m: T) -> T {
+        (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
+    }
+
+    /// `weight` of `other`, the rest of `self`, coefficient by coefficient.
+    #[must_use]
+    pub fn blend(&self, other: &Self, weight: T) -> Self {
+        let mix = |a: T, b: T| a + (b - a) * weight;
+        Self {
+            a0: mix(self.a0, other.a0),
+            a1: mix(self.a1, other.a1),
+            b0: mix(self.b0, other.b0),
+            b1: mix(self.b1, other.b1),
+        }
+    }
+}
+
+/// Why a ratio has no height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum HeightError<T> {
+    /// The ratio is not a finite number, or no height gives it.
+    NoSolution {
+        /// The identified ratio over the compensation.
+        ratio: T,
+    },
+    /// A height explains the ratio, but no such vehicle exists.
+    OutOfRange {
+        /// The height that would explain it, metres.
+        height_m: T,
+    },
+}
+
+impl<T: Real> fmt::Display for HeightError<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSolution { ratio } => {
+                write!(f, "no height gives the ratio {:.4}", ratio.as_f64())
+            }
+            Self::OutOfRange { height_m } => {
+                write!(f, "height {:.2} m is outside the physical range", height_m.as_f64())
+            }
+        }
+    }
+}
+
+impl<T: Real> core::error::Error for HeightError<T> {}
+
+/// Solves eq. 5.20 for the height, with the standard deviations of the identified
+/// ratio, of the compensation and of the model itself (relative, on the ratio)
+/// carried over to first order.
+///
+/// # Errors
+/// [`HeightError::NoSolution`] if the ratio is not finite or the line is flat there.
+pub fn solve_height<T: Real>(
+    line: &RatioLine<T>,
+    identified: Measured<T>,
+    compensation: Measured<T>,
+    model_sd_relative: T,
+) -> Result<Measured<T>, HeightError<T>> {
+    let x = identified.value / compensation.value;
+    let slope = x * line.b1 - line.a1;
+    let value = (line.a0 - x * line.b0) / slope;
+    // dh/dx = (a1 b0 − a0 b1) / (x b1 − a1)², each factor divided by the slope first:
+    // the coefficients of eq. 5.17 reach 1e272 and their products would overflow.
+    let derivative =
+        (line.a1 / slope) * (line.b0 / slope) - (line.a0 / slope) * (line.b1 / slope);
+    let relative_variance = identified.relative_variance()
+        + compensation.relative_variance()
+        + model_sd_relative * model_sd_relative;
+    let sd = (derivative * x).abs() * relative_variance.root();
+    if value.present() && sd.present() {
+        Ok(Measured { value, sd })
+    } else {
+        Err(HeightError::NoSolution { ratio: x })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const THESIS: RatioLine<f64> =
+        RatioLine { a0: -1.9772e270, a1: -1.0268e270, b0: 1.6703e272, b1: -2.9656e269 };
+
+    /// Tables 5.6 and 5.7: printed four-digit ratio, printed height in inches.
+    #[test]
+    fn tables_5_6_and_5_7_to_all_printed_decimals() {
+        let to_four = [(-0.8459, 77.7147), (-0.8462, 77.7390), (-0.8463, 77.7470), (-0.8464, 77.7551)];
+        let to_two = [
+            (-0.8456, 77.69),
+            (-0.8430, 77.48),
+            (-0.8466, 77.77),
+            (-0.8405, 77.28),
+            (-0.8342, 76.77),
+            (-0.8511, 78.13),
+        ];
+        let solve = |ratio| {
+            solve_height(&THESIS, Measured::exact(ratio), Measured::exact(1.4894), 0.0).unwrap().value
+        };
+        // Half a unit of the last printed decimal.
+        for (ratio, height_in) in to_four {
+            assert!((solve(ratio) - height_in).abs() <= 0.5e-4, "{ratio}: {}", solve(ratio));
+        }
+        for (ratio, height_in) in to_two {
+            assert!((solve(ratio) - height_in).abs() <= 0.5e-2, "{ratio}: {}", solve(ratio));
+        }
+    }
+
+    #[test]
+    fn the_standard_deviation_is_the_slope_times_the_ratio_error() {
+        let ratio = Measured { value: -0.8456, sd: 0.001 };
+        let exact = Measured::exact(1.4894);
+        let sd = solve_height(&THESIS, ratio, exact, 0.0).unwrap().sd;
+        let at = |r| solve_height(&THESIS, Measured::exact(r), exact, 0.0).unwrap().value;
+        let difference = (at(-0.8466) - at(-0.8446)).abs() / 2.0;
+        // Second-order terms of a 0.1 % step: about 1e-3 of the difference squared.
+        assert!((sd / difference - 1.0).abs() < 1e-4);
+        // numerics: d ln R / d ln h = 1.136 at the baseline
+        let h = at(-0.8456);
+        assert!(((0.001 / 0.8456) / (sd / h) - 1.136).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_ratio_that_no_height_gives_is_an_error() {
+        let flat = RatioLine { a0: 1.0, a1: 0.0, b0: 1.0, b1: 0.0 };
+        assert!(solve_height(&flat, Measured::exact(2.0), Measured::exact(1.0), 0.0).is_err());
+        let nan = Measured::exact(f64::NAN);
+        assert!(solve_height(&THESIS, nan, Measured::exact(1.0), 0.0).is_err());
+    }
+}

@@ -1,0 +1,87 @@
+//! The two floating-point types that the pipeline runs in.
+
+use nalgebra::RealField;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// `f32` (the product) or `f64` (its witness).
+///
+/// Square root and logarithm come from `libm` on every target, so a host and a
+/// Cortex-M4F give the same bits.
+pub trait Real: RealField + Copy + sealed::Sealed {
+    /// The nearest value to `value`.
+    fn of(value: f64) -> Self;
+    /// This value as `f64`.
+    fn as_f64(self) -> f64;
+    /// Square root (NaN for negative arguments).
+    fn root(self) -> Self;
+    /// `self` to the power `exponent`.
+    fn power(self, exponent: Self) -> Self;
+    /// Decimal logarithm.
+    fn decimal_log(self) -> Self;
+    /// The machine epsilon.
+    fn machine_epsilon() -> Self;
+    /// Not a number: in a [`Sample`](crate::Sample), an absent signal.
+    fn absent() -> Self;
+    /// Whether the signal is there: neither NaN nor infinite.
+    fn present(self) -> bool;
+}
+
+impl Real for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+    fn as_f64(self) -> f64 {
+        self
+    }
+    fn root(self) -> Self {
+        libm::sqrt(self)
+    }
+    fn power(self, exponent: Self) -> Self {
+        libm::pow(self, exponent)
+    }
+    fn decimal_log(self) -> Self {
+        libm::log10(self)
+    }
+    fn machine_epsilon() -> Self {
+        f64::EPSILON
+    }
+    fn absent() -> Self {
+        f64::NAN
+    }
+    fn present(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Real for f32 {
+    #[allow(clippy::cast_possible_truncation)] // rounding to f32 is the purpose
+    fn of(value: f64) -> Self {
+        value as f32
+    }
+    fn as_f64(self) -> f64 {
+        f64::from(self)
+    }
+    fn root(self) -> Self {
+        libm::sqrtf(self)
+    }
+    fn power(self, exponent: Self) -> Self {
+        libm::powf(self, exponent)
+    }
+    fn decimal_log(self) -> Self {
+        libm::log10f(self)
+    }
+    fn machine_epsilon() -> Self {
+        f32::EPSILON
+    }
+    fn absent() -> Self {
+        f32::NAN
+    }
+    fn present(self) -> bool {
+        self.is_finite()
+    }
+}

@@ -1,0 +1,289 @@
+//! The reduced 5th-order compensated model, and the filters that its denominator makes.
+//!
+//! ```text
+//!              A5 s⁵ + A4 s⁴ + A3 s³ + A2 s² + A1 s + A0
+//!     G(s) =  ───────────────────────────────────────────       eq. 5.12
+//!                s⁵ + B4 s⁴ + B3 s³ + B2 s² + B1 s + B0
+//! ```
+//!
+//! One set of filters `sᵏ/B(s)`, k = 0…5, serves twice: weighted with the numerator
+//! it simulates the expected roll angle, and applied to input and roll it gives the
+//! regressors of [`FilteredArx`](crate::FilteredArx). Between samples the signals
+//! are taken as straight lines (first-order hold), for which the discretisation is exact.
+//!
+//! **Reference.** Franklin, Powell and Workman, *Digital Control of Dynamic Systems*,
+//! 3rd ed., §6.3.2 (first-order hold); Garnier and Wang, *Identification of
+//! Continuous-time Models from Sampled Data*, §1.3 (state-variable filters).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::real::Real;
+
+/// The order of the reduced model.
+pub const ORDER: usize = 5;
+
+/// The reduced 5th-order compensated model (eq. 5.12), input to trailer roll angle.
+///
+/// ```
+/// use cg_core::Reduced5;
+///
+/// // eq. 5.12 with our signs (left-hand turns and their roll positive)
+/// let model = Reduced5::<f64> {
+///     numerator: [51.7785, 27.8430, 24.3105, -0.9015, 2.6063, -0.2554],
+///     denominator: [61.2322, 83.2666, 57.4175, 22.6413, 5.8858],
+/// };
+/// assert!((model.dc_gain() - 0.8456).abs() < 5e-5);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduced5<T> {
+    /// `A0 … A5`, ascending powers of s (1/s), radians of roll per unit of input.
+    pub numerator: [T; ORDER + 1],
+    /// `B0 … B4`, ascending powers of s; the coefficient of s⁵ is one.
+    pub denominator: [T; ORDER],
+}
+
+impl<T: Real> Reduced5<T> {
+    /// The DC ratio `A0/B0`: steady roll angle per unit of input.
+    pub fn dc_gain(&self) -> T {
+        self.numerator[0] / self.denominator[0]
+    }
+
+    /// `B0^(1/5)`, rad/s: the time scale in which the coefficients are near one.
+    pub fn time_scale_radps(&self) -> T {
+        self.denominator[0].power(T::of(1.0 / ORDER as f64))
+    }
+
+    /// The same model in the time `τ = ω t`.
+    #[must_use]
+    pub fn in_scaled_time(&self, scale_radps: T) -> Self {
+        let mut scaled = *self;
+        let mut factor = T::one(); // ω^(k−5), from k = 5 down
+        for k in (0..=ORDER).rev() {
+            scaled.numerator[k] *= factor;
+            if k < ORDER {
+                scaled.denominator[k] *= factor;
+            }
+            factor /= scale_radps;
+        }
+        scaled
+    }
+
+    /// Whether the denominator is a stable polynomial (Routh's criterion) and every
+    /// coefficient finite: an unstable reduction must not be used.
+    pub fn is_stable(&self) -> bool {
+        let [b0, b1, b2, b3, b4] = self.denominator;
+        // Routh array of s⁵ + b4 s⁴ + b3 s³ + b2 s² + b1 s + b0
+        let c1 = (b4 * b3 - b2) / b4;
+        let c2 = (b4 * b1 - b0) / b4;
+        let d1 = (c1 * b2 - b4 * c2) / c1;
+        let e1 = (d1 * c2 - c1 * b0) / d1;
+        let positive = |x: T| x.present() && x > T::zero();
+        positive(b4) && positive(c1) && positive(d1) && positive(e1) && positive(b0)
+            && self.numerator.iter().all(|a| a.present())
+    }
+
+    /// The model's answer to filtered input: `Σ A_k (s^k/B) u`.
+    pub fn response(&self, filtered: &[T; ORDER + 1]) -> T {
+        let mut sum = T::zero();
+        for k in 0..=ORDER {
+            sum += self.numerator[k] * filtered[k];
+        }
+        sum
+    }
+}
+
+/// One step of the filters `sᵏ/B(s)` over a fixed sampling interval, exact for
+/// signals that are straight lines between samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepMatrices<T: Real> {
+    /// `exp(A h) − I`: kept without the identity, so that short steps lose nothing in `f32`.
+    increment: SMatrix<T, ORDER, ORDER>,
+    held: SVector<T, ORDER>,
+    ramp: SVector<T, ORDER>,
+}
+
+impl<T: Real> StepMatrices<T> {
+    /// The step over `step` (in the time unit of `model`).
+    pub fn new(model: &Reduced5<T>, step: T) -> Self {
+        // d/dt (x, u, u̇) with u̇ in units of one step:  M = step · ┌ A B 0 ┐ + ┌ 0 0 0 ┐
+        //                                                         │ 0 0 0 │   │ 0 0 1 │
+        //                                                         └ 0 0 0 ┘   └ 0 0 0 ┘
+        let mut m = SMatrix::<T, 7, 7>::zeros();
+        for k in 0..ORDER - 1 {
+            m[(k, k + 1)] = step;
+        }
+        for k in 0..ORDER {
+            m[(ORDER - 1, k)] = -model.denominator[k] * step;
+        }
+        m[(ORDER - 1, ORDER)] = step;
+        m[(ORDER, ORDER + 1)] = T::one();
+        let f = exponential_minus_identity(&m);
+        Self {
+            increment: SMatrix::from_fn(|i, j| f[(i, j)]),
+            held: SVector::from_fn(|i, _| f[(i, ORDER)]),
+            ramp: SVector::from_fn(|i, _| f[(i, ORDER + 1)]),
+        }
+    }
+}
+
+impl<T: Real> StepMatrices<T> {
+    /// How much of the newest sample is in the signal filtered by `sᵏ/B(s)`, k = 0…4.
+    pub fn newest_share(&self) -> [T; ORDER] {
+        self.ramp.into()
+    }
+}
+
+/// `exp(M) − I` by scaling, a 12-term Taylor series and `(I + F)² − I = 2F + F²`.
+fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7> {
+    let mut largest = T::zero();
+    for i in 0..7 {
+        let mut sum = T::zero();
+        for j in 0..7 {
+            sum += m[(i, j)].abs();
+        }
+        largest = largest.max(sum);
+    }
+    let mut scaled = *m;
+    let mut squarings = 0;
+    // ‖M‖ ≤ 1/4 leaves a remainder of 4⁻¹³/13! = 2e-18.
+    while largest > T::of(0.25) && squarings < 40 {
+        largest *= T::of(0.5);
+        scaled *= T::of(0.5);
+        squarings += 1;
+    }
+    let mut term = scaled;
+    let mut f = scaled;
+    for k in 2..=12 {
+        term = term * scaled / T::of(f64::from(k));
+        f += term;
+    }
+    for _ in 0..squarings {
+        f = f * T::of(2.0) + f * f;
+    }
+    f
+}
+
+/// The filters `sᵏ/B(s)`, k = 0…5, running on one signal.
+#[derive(Clone, Copy, Debug)]
+pub struct StateVariableFilter<T: Real> {
+    state: SVector<T, ORDER>,
+    input: T,
+}
+
+impl<T: Real> StateVariableFilter<T> {
+    /// Filters at rest under the constant signal `input`.
+    pub fn at_rest(model: &Reduced5<T>, input: T) -> Self {
+        let mut state = SVector::zeros();
+        state[0] = input / model.denominator[0];
+        Self { state, input }
+    }
+
+    /// Advances to the next sample of the signal.
+    #[inline]
+    pub fn push(&mut self, step: &StepMatrices<T>, input: T) {
+        let change = step.increment * self.state
+            + step.held * self.input
+            + step.ramp * (input - self.input);
+        self.state += change;
+        self.input = input;
+    }
+
+    /// The signal filtered by `sᵏ/B(s)`, k = 0…5.
+    #[inline]
+    pub fn derivatives(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
+        let mut out = [T::zero(); ORDER + 1];
+        let mut highest = self.input;
+        for k in 0..ORDER {
+            out[k] = self.state[k];
+            highest -= model.denominator[k] * self.state[k];
+        }
+        out[ORDER] = highest;
+        out
+    }
+}
+
+/// Simulates the reduced model sample by sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Simulation<T: Real> {
+    model: Reduced5<T>,
+    step: StepMatrices<T>,
+    filter: StateVariableFilter<T>,
+}
+
+impl<T: Real> Simulation<T> {
+    /// Starts `model` at rest under the constant `input`, sampled every `interval_s`.
+    pub fn new(model: &Reduced5<T>, interval_s: T, input: T) -> Self {
+        let scale = model.time_scale_radps();
+        let model = model.in_scaled_time(scale);
+        Self {
+            model,
+            step: StepMatrices::new(&model, interval_s * scale),
+            filter: StateVariableFilter::at_rest(&model, input),
+        }
+    }
+
+    /// The present roll angle, radians.
+    pub fn roll_rad(&self) -> T {
+        self.model.response(&self.filter.derivatives(&self.model))
+    }
+
+    /// Advances one interval to the next input sample; returns the roll angle there, radians.
+    pub fn push(&mut self, input: T) -> T {
+        self.filter.push(&self.step, input);
+        self.roll_rad()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// (s + 1)(s + 2)(s + 3)(s + 4)(s + 5) under 120: unit DC gain, known answers.
+    fn five_lags() -> Reduced5<f64> {
+        Reduced5 {
+            numerator: [120.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            denominator: [120.0, 274.0, 225.0, 85.0, 15.0],
+        }
+    }
+
+    #[test]
+    fn the_ramp_response_is_exact_whatever_the_interval() {
+        // Partial fractions of 120/(s² Π(s+k)): t − Σ 1/k + Σ c_k e^(−kt),
+        // c_k = 120/(k² Π_{j≠k}(j − k)).
+        let c = [5.0, -5.0, 10.0 / 3.0, -1.25, 0.2];
+        let exact = |t: f64| {
+            let lag: f64 = (1..=5).map(|k| 1.0 / f64::from(k)).sum();
+            let decay: f64 = (1..=5).map(|k| c[k - 1] * (-(k as f64) * t).exp()).sum();
+            t - lag + decay
+        };
+        for interval in [0.001, 0.05, 0.5] {
+            let mut simulation = Simulation::new(&five_lags(), interval, 0.0);
+            let mut t = 0.0;
+            while t < 2.0 {
+                t += interval;
+                let roll = simulation.push(t);
+                // Rounding only: 2000 steps of ε on values of order one.
+                assert!((roll - exact(t)).abs() < 2e-12, "{interval} {t}: {roll} {}", exact(t));
+            }
+        }
+    }
+
+    #[test]
+    fn at_rest_stays_at_rest() {
+        let mut simulation = Simulation::new(&five_lags(), 0.01, 3.0);
+        for _ in 0..1000 {
+            simulation.push(3.0);
+        }
+        assert!((simulation.roll_rad() - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn routh_tells_stable_from_unstable() {
+        assert!(five_lags().is_stable());
+        let mut unstable = five_lags(); // (s + 1)(s + 2)(s + 3)(s² − s + 9)
+        unstable.denominator = [54.0, 93.0, 49.0, 14.0, 5.0];
+        assert!(!unstable.is_stable());
+        unstable.denominator[0] = -1.0;
+        assert!(!unstable.is_stable());
+    }
+}

@@ -1,0 +1,48 @@
+//! The source's reduced model (eq. 5.12) as a plant, its rounded step, and white noise.
+#![allow(dead_code)] // each test file uses its part
+
+use cg_core::ratio::{Measured, RatioLine, solve_height};
+use cg_core::reduced::Simulation;
+use cg_core::Reduced5;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution, Normal};
+
+/// Eq. 5.12 with ISO 8855 signs.
+pub(crate) const EQ_5_12: Reduced5<f64> = Reduced5 {
+    numerator: [51.7785, 27.8430, 24.3105, -0.9015, 2.6063, -0.2554],
+    denominator: [61.2322, 83.2666, 57.4175, 22.6413, 5.8858],
+};
+
+/// Eq. 5.17 with ISO 8855 signs, heights in inches.
+pub(crate) const EQ_5_17: RatioLine<f64> =
+    RatioLine { a0: 1.9772e270, a1: 1.0268e270, b0: 1.6703e272, b1: -2.9656e269 };
+
+/// Eq. 5.19.
+pub(crate) const COMPENSATION: f64 = 29.55 / 19.84;
+
+/// Rounded step of unit height and rate `a` (eq. 5.3) at time `t`.
+pub(crate) fn rounded_step(t: f64, a: f64) -> f64 {
+    2.0 * ((-(-a * t).exp()).exp2() - 0.5)
+}
+
+/// `(steer, roll)` of eq. 5.12 under a rounded step, `n` samples `interval_s` apart.
+pub(crate) fn rounded_step_response(n: usize, interval_s: f64, a: f64) -> Vec<(f64, f64)> {
+    let steer = |k: usize| 0.05 * rounded_step(interval_s * k as f64, a);
+    let mut plant = Simulation::new(&EQ_5_12, interval_s, 0.0);
+    (0..n).map(|k| (steer(k), if k == 0 { 0.0 } else { plant.push(steer(k)) })).collect()
+}
+
+/// Adds white noise to the roll, `snr_db` below its mean square.
+pub(crate) fn with_noise(clean: &[(f64, f64)], snr_db: f64, seed: u64) -> Vec<(f64, f64)> {
+    let mean_square = clean.iter().map(|(_, y)| y * y).sum::<f64>() / clean.len() as f64;
+    let sd = (mean_square * 10f64.powf(-snr_db / 10.0)).sqrt();
+    let normal = Normal::new(0.0, sd).unwrap();
+    let mut rng = StdRng::seed_from_u64(seed);
+    clean.iter().map(|&(u, y)| (u, y + normal.sample(&mut rng))).collect()
+}
+
+/// Height in inches and its standard deviation that a ratio means by eqs. 5.17–5.20.
+pub(crate) fn height_in(ratio: Measured<f64>) -> Measured<f64> {
+    solve_height(&EQ_5_17, ratio, Measured::exact(COMPENSATION), 0.0).unwrap()
+}

@@ -1,0 +1,3 @@
+//! Vehicle files, the linear model of a tractor-semitrailer, its reduction, and log files.
+
+pub mod log;
