@@ -110,6 +110,41 @@ impl fmt::Display for DesignError {
 impl core::error::Error for DesignError {}
 
 impl<T: Real> Design<T> {
+    /// The same design in the other precision.
+    pub fn cast<U: Real>(&self) -> Design<U> {
+        let to = |x: T| U::of(x.as_f64());
+        Design {
+            speed_mps: self.speed_mps.map(to),
+            trailer_mass_kg: self.trailer_mass_kg.map(to),
+            channels: self.channels.map(|c| ChannelDesign {
+                model: Reduced5 {
+                    numerator: c.model.numerator.map(to),
+                    denominator: c.model.denominator.map(to),
+                },
+                lines: c.lines.map(|row| {
+                    row.map(|l| RatioLine { a0: to(l.a0), a1: to(l.a1), b0: to(l.b0), b1: to(l.b1) })
+                }),
+                compensation: Measured {
+                    value: to(c.compensation.value),
+                    sd: to(c.compensation.sd),
+                },
+                model_sd_relative: to(c.model_sd_relative),
+            }),
+            nominal_speed_mps: to(self.nominal_speed_mps),
+            nominal_trailer_mass_kg: to(self.nominal_trailer_mass_kg),
+            reference_height_m: to(self.reference_height_m),
+            least_height_m: to(self.least_height_m),
+            greatest_height_m: to(self.greatest_height_m),
+            gravity_mps2: to(self.gravity_mps2),
+            rollover: RolloverDesign {
+                half_track_m: to(self.rollover.half_track_m),
+                unsprung_mass_kg: to(self.rollover.unsprung_mass_kg),
+                unsprung_height_m: to(self.rollover.unsprung_height_m),
+                roll_center_height_m: to(self.rollover.roll_center_height_m),
+            },
+        }
+    }
+
     /// Checks every number once, so that the pipeline need not.
     ///
     /// # Errors
@@ -136,10 +171,11 @@ impl<T: Real> Design<T> {
         positive(self.gravity_mps2, "gravity_mps2")
     }
 
-    /// The ratio line of a channel at a speed and trailer mass, by bilinear interpolation;
-    /// `None` outside the axes.
+    /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes.
+    ///
+    /// Bilinear in squared speed (a steady turn depends on speed through `U²`) and mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
-        let (i, u) = locate(&self.speed_mps, speed_mps)?;
+        let (i, u) = locate(&self.speed_mps.map(|u| u * u), speed_mps * speed_mps)?;
         let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
         let lines = &self.channels[channel.index()].lines;
         let slow = lines.get(i)?.get(j)?.blend(lines.get(i)?.get(j + 1)?, m);

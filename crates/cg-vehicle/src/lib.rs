@@ -1,3 +1,32 @@
-//! Vehicle files, the linear model of a tractor-semitrailer, its reduction, and log files.
+//! The offline half: vehicle files, the linear model of a tractor-semitrailer, its reduction,
+//! the design that the estimator runs on, log files and simulated logs.
+//!
+//! | module | what | source |
+//! |---|---|---|
+//! | [`vehicle`] | the vehicle file | ch. 2 |
+//! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
+//! | [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
+//! | [`response`] | transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
+//! | [`reduction`] | the reduced 5th-order model | section 5.5 |
+//! | [`design`] | the constants for `cg_core` | – |
+//! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
+//! | [`log`] | log files in and out | – |
+//!
+//! Axes and signs are those of [`cg_core::sample`] (ISO 8855).
 
-pub mod log;
+pub mod error;
+mod validate;
+pub mod vehicle;
+pub mod balance;
+pub mod response;
+mod as_printed;
+pub mod linear;
+pub mod reduction;
+pub mod design;
+//pub mod maneuver;
+//pub mod simulate;
+// pub mod log;
+
+pub use error::VehicleError;
+pub use linear::{LinearModel, Variant};
+pub use vehicle::{Load, Vehicle};

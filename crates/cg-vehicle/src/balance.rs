@@ -1,0 +1,178 @@
+//! Static balance: axle and fifth-wheel loads (eqs. 2.1–2.4, 2.6).
+//!
+//! Each unit is a rigid body on its supports; axles of one load group are one support that
+//! shares its load equally. Tractor and trailer frames meet at the fifth wheel. With a support
+//! each at the front and rear of the tractor and one on the trailer, the loads follow from
+//! forces and moments alone; with more, from the stiffness of springs and tyres too. One linear
+//! system serves both cases.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::VehicleError;
+use crate::vehicle::{Load, PlacedAxle, SprungMass, Vehicle};
+
+/// Static loads of a vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticBalance {
+    /// Vertical load of each axle on the road, tractor first.
+    pub axle_load_n: Vec<f64>,
+    /// Vertical load of the trailer on the fifth wheel.
+    pub hitch_load_n: f64,
+    /// Moment balance left over about each unit's c.g.: rounding only.
+    pub residual_nm: f64,
+}
+
+/// A group of axles that shares its load equally.
+struct Support {
+    on_trailer: bool,
+    /// Ahead of the fifth wheel (tractor) or behind it (trailer).
+    position_m: f64,
+    axles: Vec<usize>,
+    /// Deflection of the frame per newton of suspension load.
+    compliance_m_per_n: f64,
+    /// Height of the unloaded frame line at this support.
+    free_height_m: f64,
+}
+
+fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>]) -> Vec<Support> {
+    let mut supports: Vec<(Option<u32>, Support)> = Vec::new();
+    for (i, placed) in axles.iter().enumerate() {
+        let group = placed.axle.load_group;
+        let known = supports.iter_mut().find(|(other, support)| {
+            group.is_some() && *other == group && support.on_trailer == placed.on_trailer
+        });
+        if let Some((_, support)) = known {
+            support.axles.push(i);
+        } else {
+            let support = Support {
+                on_trailer: placed.on_trailer,
+                position_m: 0.0,
+                axles: vec![i],
+                compliance_m_per_n: 0.0,
+                free_height_m: 0.0,
+            };
+            supports.push((group, support));
+        }
+    }
+    let mut supports: Vec<Support> = supports.into_iter().map(|(_, support)| support).collect();
+    for support in &mut supports {
+        // Group values are means over the axles, each of which carries 1/n of the load.
+        #[allow(clippy::cast_precision_loss)]
+        let n = support.axles.len() as f64;
+        for &i in &support.axles {
+            let placed = &axles[i];
+            let tyres_n_per_m = placed.tyres() * placed.tyre.vertical_stiffness_n_per_m;
+            let springs_n_per_m = 2.0 * placed.axle.spring_stiffness_n_per_m;
+            let weight_n = placed.axle.unsprung_mass_kg * vehicle.gravity_mps2;
+            let position_m = if placed.on_trailer {
+                placed.position_m
+            } else {
+                placed.position_m + vehicle.tractor.hitch_behind_cg_m
+            };
+            support.position_m += position_m / n;
+            support.compliance_m_per_n += (1.0 / springs_n_per_m + 1.0 / tyres_n_per_m) / (n * n);
+            support.free_height_m += (placed.tyre.unloaded_radius_m.unwrap_or(0.0)
+                + placed.axle.spring_free_rise_m
+                - weight_n / tyres_n_per_m)
+                / n;
+        }
+    }
+    supports
+}
+
+/// Static loads for a load of the trailer.
+///
+/// # Errors
+/// [`VehicleError`] if the vehicle tips (an axle or the fifth wheel is lifted), if the mass is
+/// below empty, or if stiffness decides the loads and a tyre has no `unloaded_radius_m`.
+pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
+    let axles = vehicle.axles();
+    let sprung = vehicle.trailer_sprung_mass(load)?;
+    let supports = supports(vehicle, &axles);
+    check_determined(&supports, &axles)?;
+    let solution = solve(vehicle, &sprung, &supports)?;
+
+    let g = vehicle.gravity_mps2;
+    let mut axle_load_n = vec![0.0; axles.len()];
+    for (support, force_n) in supports.iter().zip(solution.iter()) {
+        #[allow(clippy::cast_precision_loss)]
+        let n = support.axles.len() as f64;
+        for &i in &support.axles {
+            axle_load_n[i] = force_n / n + axles[i].axle.unsprung_mass_kg * g;
+        }
+    }
+    let hitch_load_n = solution[supports.len()];
+    if let Some(i) = axle_load_n.iter().position(|&force| force.is_nan() || force <= 0.0) {
+        return Err(VehicleError::Model(format!(
+            "static balance: axle {} carries {:.0} N, so the vehicle tips over its other axles; \
+             check positions and masses",
+            i + 1,
+            axle_load_n[i]
+        )));
+    }
+    let moment_nm: f64 = supports
+        .iter()
+        .zip(solution.iter())
+        .filter(|(support, _)| support.on_trailer)
+        .map(|(support, force_n)| support.position_m * force_n)
+        .sum();
+    let residual_nm = moment_nm - sprung.mass_kg * g * sprung.cg_behind_hitch_m;
+    Ok(StaticBalance { axle_load_n, hitch_load_n, residual_nm })
+}
+
+fn check_determined(supports: &[Support], axles: &[PlacedAxle<'_>]) -> Result<(), VehicleError> {
+    let on_trailer = supports.iter().filter(|support| support.on_trailer).count();
+    let statically_determined = on_trailer == 1 && supports.len() == 3;
+    if supports.len() - on_trailer < 2 {
+        return Err(VehicleError::Model(
+            "static balance: the tractor needs at least two axles (or load groups)".to_owned(),
+        ));
+    }
+    let missing = axles.iter().find(|placed| placed.tyre.unloaded_radius_m.is_none());
+    match missing {
+        Some(placed) if !statically_determined => Err(VehicleError::Model(format!(
+            "static balance: with this many axles the loads depend on stiffness; give tyre \
+             \"{}\" its unloaded_radius_m, or axles that share their load a load_group",
+            placed.tyre.name
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Suspension force of each support and the hitch load, N.
+fn solve(
+    vehicle: &Vehicle,
+    sprung: &SprungMass,
+    supports: &[Support],
+) -> Result<DVector<f64>, VehicleError> {
+    // Unknowns: support forces F, hitch load H (on the tractor, down), frame height z at the
+    // hitch, slope of each frame (rise per metre away from the hitch).
+    let n = supports.len();
+    let (hitch, height, slope) = (n, n + 1, n + 2);
+    let mut a = DMatrix::zeros(n + 4, n + 4);
+    let mut b = DVector::zeros(n + 4);
+    let g = vehicle.gravity_mps2;
+    // A force of 1 MN is as "large" as a deflection of 1 m: keeps the system well scaled.
+    let scale_n = 1e6;
+    for (i, support) in supports.iter().enumerate() {
+        // z + slope · position + compliance · F = free height
+        a[(i, height)] = 1.0;
+        a[(i, slope + usize::from(support.on_trailer))] = support.position_m;
+        a[(i, i)] = support.compliance_m_per_n * scale_n;
+        b[i] = support.free_height_m;
+        let unit = n + 2 * usize::from(support.on_trailer);
+        a[(unit, i)] = 1.0;
+        a[(unit + 1, i)] = support.position_m;
+    }
+    // Forces and moments about the hitch (eqs. 2.1–2.4).
+    a[(n, hitch)] = -1.0;
+    b[n] = vehicle.tractor.sprung_mass_kg * g / scale_n;
+    b[n + 1] = b[n] * vehicle.tractor.hitch_behind_cg_m;
+    a[(n + 2, hitch)] = 1.0;
+    b[n + 2] = sprung.mass_kg * g / scale_n;
+    b[n + 3] = b[n + 2] * sprung.cg_behind_hitch_m;
+    let solution = a.lu().solve(&b).filter(|x| x.iter().all(|value| value.is_finite()));
+    solution.map(|x| x * scale_n).ok_or_else(|| {
+        VehicleError::Model("static balance: two supports of one unit coincide".to_owned())
+    })
+}

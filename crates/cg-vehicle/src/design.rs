@@ -1,0 +1,150 @@
+//! From a vehicle to the constants that the estimator runs on.
+
+use cg_core::design::{MASSES, SPEEDS};
+use cg_core::{Channel, ChannelDesign, Design, Measured, RatioLine, RolloverDesign};
+
+use crate::balance::static_balance;
+use crate::error::VehicleError;
+use crate::linear::{Equations, Variant, ratio_line};
+use crate::reduction::reduce;
+use crate::vehicle::{Load, Vehicle};
+
+/// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
+const GRID_MPS: [f64; SPEEDS] = [3.0, 6.0, 9.0, 12.0, 15.0, 19.0, 24.0, 30.0];
+
+/// The greatest payload of the grid.
+const GREATEST_PAYLOAD_KG: f64 = 34_000.0;
+
+/// Computes the design of a vehicle.
+///
+/// # Errors
+/// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load.
+pub fn design(vehicle: &Vehicle, variant: Variant) -> Result<Design<f64>, VehicleError> {
+    let load = vehicle.reference_load();
+    let speed_mps = speeds(vehicle.nominal_speed_mps);
+    let trailer_mass_kg = masses(vehicle, variant);
+    let flat = RatioLine { a0: 0.0, a1: 0.0, b0: 0.0, b1: 0.0 };
+    let mut lines = [[[flat; MASSES]; SPEEDS]; 2];
+    for (i, &speed_mps) in speed_mps.iter().enumerate() {
+        for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
+            let trailer_mass_kg = match variant {
+                Variant::Complete => mass_kg,
+                Variant::AsPrinted => load.trailer_mass_kg, // known there only
+            };
+            let load = Load { trailer_mass_kg, ..load };
+            let both = ratio_line(vehicle, variant, speed_mps, load)?;
+            for (channel, line) in both.into_iter().enumerate() {
+                lines[channel][i][j] = line;
+            }
+        }
+    }
+    let equations = Equations::new(vehicle, variant, vehicle.nominal_speed_mps, load)?;
+    let reduced = reduce(&equations.state_space()?)?;
+    let channel = |channel: Channel, model, sd| ChannelDesign {
+        model,
+        lines: lines[channel.index()],
+        compensation: Measured { value: 1.0, sd },
+        model_sd_relative: 0.0,
+    };
+    let uncertainty = &vehicle.uncertainty;
+    let design = Design {
+        speed_mps,
+        trailer_mass_kg,
+        channels: [
+            channel(Channel::Steer, reduced.steer, uncertainty.steer_ratio_sd),
+            channel(
+                Channel::LateralAcceleration,
+                reduced.lateral_acceleration,
+                uncertainty.lateral_acceleration_ratio_sd,
+            ),
+        ],
+        nominal_speed_mps: vehicle.nominal_speed_mps,
+        nominal_trailer_mass_kg: load.trailer_mass_kg,
+        reference_height_m: load.cg_height_m,
+        least_height_m: vehicle.height.least_m,
+        greatest_height_m: vehicle.height.greatest_m,
+        gravity_mps2: vehicle.gravity_mps2,
+        rollover: rollover(vehicle, load)?,
+    };
+    design.validate().map_err(|error| {
+        VehicleError::Model(format!("vehicle \"{}\" makes no usable design: {error}", vehicle.name))
+    })?;
+    Ok(design)
+}
+
+fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {
+    let mut speeds = GRID_MPS;
+    let nearest = (1..SPEEDS - 1)
+        .min_by(|&i, &j| {
+            (speeds[i] - nominal_mps).abs().total_cmp(&(speeds[j] - nominal_mps).abs())
+        })
+        .unwrap_or(1);
+    if nominal_mps > speeds[nearest - 1] && nominal_mps < speeds[nearest + 1] {
+        speeds[nearest] = nominal_mps;
+    }
+    speeds
+}
+
+#[allow(clippy::cast_precision_loss)] // indices
+fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
+    let reference_kg = vehicle.trailer.reference_mass_kg;
+    if variant == Variant::AsPrinted {
+        // 0.1 % either way: that load and no other.
+        return std::array::from_fn(|j| reference_kg * (1.0 + 4e-4 * (j as f64 - 2.5)));
+    }
+    // From just below empty, so that a weighing error does not fall off the grid.
+    let empty_kg = vehicle.empty_trailer_mass_kg();
+    let least_kg = empty_kg * 0.996;
+    let greatest_kg = (empty_kg + GREATEST_PAYLOAD_KG).max(reference_kg * 1.1);
+    let mut masses: [f64; MASSES] = std::array::from_fn(|j| {
+        least_kg + (greatest_kg - least_kg) * j as f64 / (MASSES - 1) as f64
+    });
+    let nearest = (1..MASSES - 1)
+        .min_by(|&i, &j| {
+            (masses[i] - reference_kg).abs().total_cmp(&(masses[j] - reference_kg).abs())
+        })
+        .unwrap_or(1);
+    if reference_kg > masses[nearest - 1] && reference_kg < masses[nearest + 1] {
+        masses[nearest] = reference_kg;
+    }
+    masses
+}
+
+/// The trailer rests on its own axles and, over the fifth wheel, on the tractor's rear axles:
+/// the effective half track is their mean, weighted with what each carries of the trailer.
+fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
+    let balance = static_balance(vehicle, load)?;
+    let axles = vehicle.axles();
+    let hitch_behind_m = vehicle.tractor.hitch_behind_cg_m;
+    let middle_m = |positions_m: &[f64]| {
+        #[allow(clippy::cast_precision_loss)] // one or two tyres
+        let n = positions_m.len() as f64;
+        positions_m.iter().sum::<f64>() / n
+    };
+    let nearest_hitch = axles
+        .iter()
+        .filter(|placed| !placed.on_trailer)
+        .min_by(|a, b| {
+            let far = |placed: f64| (placed + hitch_behind_m).abs();
+            far(a.position_m).total_cmp(&far(b.position_m))
+        })
+        .map_or(0.0, |placed| middle_m(&placed.axle.tyre_positions_m));
+    let (mut moment, mut force_n) =
+        (balance.hitch_load_n * nearest_hitch, balance.hitch_load_n);
+    let (mut unsprung, mut center, mut roll_axis) = (0.0, 0.0, 0.0);
+    for (placed, load_n) in axles.iter().zip(&balance.axle_load_n) {
+        if placed.on_trailer {
+            moment += load_n * middle_m(&placed.axle.tyre_positions_m);
+            force_n += load_n;
+            unsprung += placed.axle.unsprung_mass_kg;
+            center += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
+            roll_axis += placed.axle.unsprung_mass_kg * placed.axle.roll_center_height_m;
+        }
+    }
+    Ok(RolloverDesign {
+        half_track_m: moment / force_n,
+        unsprung_mass_kg: unsprung,
+        unsprung_height_m: center / unsprung,
+        roll_center_height_m: roll_axis / unsprung,
+    })
+}

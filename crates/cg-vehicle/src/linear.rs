@@ -1,0 +1,382 @@
+//! The linear yaw/roll model of a tractor-semitrailer at constant speed (chapters 3 and 4).
+//!
+//! Degrees of freedom: lateral velocity of the tractor, yaw of both units, roll of both sprung
+//! masses, roll of each axle about its suspension's roll centre. ISO 8855 signs.
+//!
+//! ```text
+//!     w = (v, r1, r2, φ̇1, φ̇2, φ̇u…)      velocities
+//!     q = (ψ1 − ψ2, φ1, φ2, φu…)          articulation and roll angles
+//!     M ẇ + C w + K q = b δ
+//! ```
+//!
+//! * [`Variant::Complete`] (default): written from virtual power, each body with its own mass
+//!   and c.g. inertia, tyre forces at the road, the fifth wheel's lateral and vertical force
+//!   about each sprung c.g. included.
+//! * [`Variant::AsPrinted`]: appendix B with its misprints corrected. It lumps each unit's mass
+//!   for the lateral motion, counts `m Xc²` twice in yaw and leaves the fifth wheel's force out
+//!   of the roll equations; kept because it reproduces the source.
+//!
+//! In the static equations the trailer's c.g. height enters one row only (trailer roll) and
+//! there linearly, which is what makes [`ratio_line`] exact.
+
+use nalgebra::{DMatrix, DVector};
+
+use cg_core::RatioLine;
+
+use crate::as_printed;
+use crate::balance::{StaticBalance, static_balance};
+use crate::error::VehicleError;
+use crate::response::StateSpace;
+use crate::vehicle::{Load, PlacedAxle, Vehicle};
+
+/// Which equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Variant {
+    /// All terms.
+    #[default]
+    Complete,
+    /// Appendix B with its misprints corrected.
+    AsPrinted,
+}
+
+/// Index of each velocity in `w` (axle `i` follows at `AXLE + i`).
+pub(crate) mod w {
+    pub(crate) const LATERAL: usize = 0;
+    pub(crate) const YAW_1: usize = 1;
+    pub(crate) const YAW_2: usize = 2;
+    pub(crate) const ROLL_1: usize = 3;
+    pub(crate) const ROLL_2: usize = 4;
+    pub(crate) const AXLE: usize = 5;
+}
+
+/// Index of each angle in `q` (axle `i` follows at `AXLE + i`).
+pub(crate) mod q {
+    pub(crate) const ARTICULATION: usize = 0;
+    pub(crate) const ROLL_1: usize = 1;
+    pub(crate) const ROLL_2: usize = 2;
+    pub(crate) const AXLE: usize = 3;
+}
+
+/// The equations of motion at one speed and load.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// Forward speed.
+    pub speed_mps: f64,
+    pub(crate) mass: DMatrix<f64>,
+    pub(crate) damping: DMatrix<f64>,
+    pub(crate) stiffness: DMatrix<f64>,
+    pub(crate) steer: DVector<f64>,
+    /// Lateral acceleration of the trailer's sprung c.g. as `j ẇ + U r2-part`: row on ẇ.
+    pub(crate) lateral_rate: DVector<f64>,
+    /// The same: row on w.
+    pub(crate) lateral_bias: DVector<f64>,
+}
+
+impl Equations {
+    pub(crate) fn zeros(axles: usize, speed_mps: f64) -> Self {
+        let (nw, nq) = (w::AXLE + axles, q::AXLE + axles);
+        Self {
+            speed_mps,
+            mass: DMatrix::zeros(nw, nw),
+            damping: DMatrix::zeros(nw, nw),
+            stiffness: DMatrix::zeros(nw, nq),
+            steer: DVector::zeros(nw),
+            lateral_rate: DVector::zeros(nw),
+            lateral_bias: DVector::zeros(nw),
+        }
+    }
+
+    /// The equations of a vehicle.
+    ///
+    /// # Errors
+    /// [`VehicleError`] if the load is impossible, or if the printed model is asked for where
+    /// it is not known.
+    pub fn new(
+        vehicle: &Vehicle,
+        variant: Variant,
+        speed_mps: f64,
+        load: Load,
+    ) -> Result<Self, VehicleError> {
+        if !(speed_mps.is_finite() && speed_mps > 0.0) {
+            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
+        }
+        match variant {
+            Variant::Complete => complete(vehicle, speed_mps, load),
+            Variant::AsPrinted => as_printed::equations(vehicle, speed_mps, load),
+        }
+    }
+
+    /// First-order form with every response as an output.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] if the mass matrix is singular.
+    pub fn state_space(&self) -> Result<StateSpace, VehicleError> {
+        let (nw, nq) = self.stiffness.shape();
+        let lu = self.mass.clone().lu();
+        let singular = || VehicleError::Model("the mass matrix is singular".to_owned());
+        let rates = |rhs: DMatrix<f64>| lu.solve(&rhs).ok_or_else(singular);
+        let mut a = DMatrix::zeros(nw + nq, nw + nq);
+        a.view_mut((0, 0), (nw, nw)).copy_from(&rates(-&self.damping)?);
+        a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-&self.stiffness)?);
+        a[(nw + q::ARTICULATION, w::YAW_1)] = 1.0;
+        a[(nw + q::ARTICULATION, w::YAW_2)] = -1.0;
+        for i in q::ROLL_1..nq {
+            a[(nw + i, w::ROLL_1 + i - q::ROLL_1)] = 1.0;
+        }
+        let mut b = DVector::zeros(nw + nq);
+        let kick = lu.solve(&self.steer).ok_or_else(singular)?;
+        b.rows_mut(0, nw).copy_from(&kick);
+        let state = |i: usize| {
+            let mut row = DVector::zeros(nw + nq);
+            row[i] = 1.0;
+            row
+        };
+        let mut lateral = (self.lateral_rate.transpose() * a.rows(0, nw)).transpose();
+        for i in 0..nw {
+            lateral[i] += self.lateral_bias[i];
+        }
+        Ok(StateSpace {
+            trailer_roll: state(nw + q::ROLL_2),
+            tractor_roll: state(nw + q::ROLL_1),
+            trailer_yaw_rate: state(w::YAW_2),
+            tractor_yaw_rate: state(w::YAW_1),
+            articulation: state(nw + q::ARTICULATION),
+            tractor_lateral_velocity: state(w::LATERAL),
+            axle_roll: (q::AXLE..nq).map(|i| state(nw + i)).collect(),
+            lateral_feedthrough: self.lateral_rate.dot(&kick),
+            lateral_acceleration: lateral,
+            a,
+            b,
+        })
+    }
+
+    /// The static system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…)`: no accelerations,
+    /// both units at one yaw rate.
+    fn steady(&self) -> DMatrix<f64> {
+        let (nw, nq) = self.stiffness.shape();
+        let mut s = DMatrix::zeros(nw, nw);
+        s.set_column(0, &self.damping.column(w::LATERAL));
+        s.set_column(1, &(self.damping.column(w::YAW_1) + self.damping.column(w::YAW_2)));
+        s.view_mut((0, 2), (nw, nq)).copy_from(&self.stiffness);
+        s
+    }
+}
+
+/// Columns of [`Equations::steady`].
+const STEADY_YAW_RATE: usize = 1;
+const STEADY_TRAILER_ROLL: usize = 2 + q::ROLL_2;
+
+/// `(N_φ, N_r, D)` of Cramer's rule: numerators of trailer roll and yaw rate, denominator.
+fn determinants(equations: &Equations) -> (f64, f64, f64) {
+    let s = equations.steady();
+    let replaced = |column: usize| {
+        let mut s = s.clone();
+        s.set_column(column, &equations.steer);
+        s.determinant()
+    };
+    (replaced(STEADY_TRAILER_ROLL), replaced(STEADY_YAW_RATE), s.determinant())
+}
+
+/// The analytic DC ratios as functions of height (eq. 5.17): roll per steer angle, and roll
+/// per lateral acceleration (rad per m/s²), both scaled to `b0 + b1 h = 1` at the reference
+/// height of `load`.
+///
+/// # Errors
+/// As [`Equations::new`].
+pub fn ratio_line(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    load: Load,
+) -> Result<[RatioLine<f64>; 2], VehicleError> {
+    let at = |cg_height_m: f64| {
+        Equations::new(vehicle, variant, speed_mps, Load { cg_height_m, ..load })
+            .map(|equations| determinants(&equations))
+    };
+    // Any two heights will do, since both are exactly linear; half a metre keeps rounding small.
+    let step_m = 0.5;
+    let here = at(load.cg_height_m)?;
+    let above = at(load.cg_height_m + step_m)?;
+    let line = |numerator: (f64, f64), denominator: (f64, f64)| {
+        let scale = denominator.0;
+        let (a1, b1) = (
+            (numerator.1 - numerator.0) / step_m / scale,
+            (denominator.1 - denominator.0) / step_m / scale,
+        );
+        RatioLine {
+            a0: numerator.0 / scale - a1 * load.cg_height_m,
+            a1,
+            b0: 1.0 - b1 * load.cg_height_m,
+            b1,
+        }
+    };
+    let roll = (here.0, above.0);
+    // Steady lateral acceleration is speed times yaw rate.
+    let lateral = (here.1 * speed_mps, above.1 * speed_mps);
+    Ok([line(roll, (here.2, above.2)), line(roll, lateral)])
+}
+
+/// Lateral motion of a point: its velocity as a row on `w`, and whether it turns with the trailer.
+#[derive(Clone)]
+struct Point {
+    velocity: DVector<f64>,
+    on_trailer: bool,
+}
+
+impl Point {
+    fn moved(&self, index: usize, arm_m: f64) -> Self {
+        let mut point = self.clone();
+        point.velocity[index] += arm_m;
+        point
+    }
+}
+
+fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {
+    let sprung = vehicle.trailer_sprung_mass(load)?;
+    let balance = static_balance(vehicle, load)?;
+    let axles = vehicle.axles();
+    let mut e = Equations::zeros(axles.len(), speed_mps);
+    let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
+    // A point z above a c.g. moves by −z φ̇ to the left; one x ahead of it by +x r.
+    let tractor_above_m = tractor.cg_height_m - hitch.height_m;
+    let trailer_above_m = sprung.cg_height_m - hitch.height_m;
+    let mut velocity = DVector::zeros(e.mass.nrows());
+    velocity[w::LATERAL] = 1.0;
+    let tractor_cg = Point { velocity, on_trailer: false };
+    let at_hitch = tractor_cg
+        .moved(w::YAW_1, -tractor.hitch_behind_cg_m)
+        .moved(w::ROLL_1, tractor_above_m);
+    let mut trailer_cg =
+        at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m).moved(w::ROLL_2, -trailer_above_m);
+    trailer_cg.on_trailer = true;
+
+    add_mass(&mut e, tractor.sprung_mass_kg, &tractor_cg);
+    add_mass(&mut e, sprung.mass_kg, &trailer_cg);
+    for (index, inertia) in [
+        (w::YAW_1, tractor.yaw_inertia_kgm2),
+        (w::YAW_2, sprung.yaw_inertia_kgm2),
+        (w::ROLL_1, tractor.roll_inertia_kgm2),
+        (w::ROLL_2, sprung.roll_inertia_kgm2),
+    ] {
+        e.mass[(index, index)] += inertia;
+    }
+    // The fifth wheel: roll spring, and its vertical force above or below each sprung c.g.
+    let k5 = hitch.roll_stiffness_nm_per_rad;
+    e.stiffness[(w::ROLL_1, q::ROLL_1)] += k5 + balance.hitch_load_n * tractor_above_m;
+    e.stiffness[(w::ROLL_2, q::ROLL_2)] += k5 - balance.hitch_load_n * trailer_above_m;
+    e.stiffness[(w::ROLL_1, q::ROLL_2)] -= k5;
+    e.stiffness[(w::ROLL_2, q::ROLL_1)] -= k5;
+    for (i, placed) in axles.iter().enumerate() {
+        let cg = if placed.on_trailer { &trailer_cg } else { &tractor_cg };
+        let (ahead_m, cg_height_m) = if placed.on_trailer {
+            (sprung.cg_behind_hitch_m - placed.position_m, sprung.cg_height_m)
+        } else {
+            (placed.position_m, tractor.cg_height_m)
+        };
+        let load = AxleLoad {
+            total_n: balance.axle_load_n[i],
+            sprung_n: balance.axle_load_n[i] - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
+        };
+        add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), load);
+    }
+    e.lateral_rate.copy_from(&trailer_cg.velocity);
+    // d/dt of the lateral velocity in the turning frame: U r1 for both units, since the
+    // articulation rate is part of the trailer's lateral velocity.
+    e.lateral_bias[w::YAW_1] = speed_mps;
+    Ok(e)
+}
+
+/// Inertia of a mass at a point: `m j (jᵀẇ + U r)`.
+fn add_mass(e: &mut Equations, mass_kg: f64, point: &Point) {
+    let j = &point.velocity;
+    e.mass += mass_kg * j * j.transpose();
+    let mut column = e.damping.column_mut(w::YAW_1);
+    column += mass_kg * e.speed_mps * j;
+}
+
+struct AxleLoad {
+    total_n: f64,
+    sprung_n: f64,
+}
+
+fn add_axle(
+    e: &mut Equations,
+    i: usize,
+    placed: &PlacedAxle<'_>,
+    cg: &Point,
+    (ahead_m, cg_height_m): (f64, f64),
+    load: AxleLoad,
+) {
+    let axle = placed.axle;
+    let unit = usize::from(cg.on_trailer);
+    let (yaw, body, own) = (w::YAW_1 + unit, w::ROLL_1 + unit, w::AXLE + i);
+    let (body_angle, own_angle) = (q::ROLL_1 + unit, q::AXLE + i);
+    let below_cg_m = cg_height_m - axle.roll_center_height_m;
+    let above_axle_m = axle.roll_center_height_m - axle.center_height_m;
+    let roll_center = cg.moved(yaw, ahead_m).moved(body, below_cg_m);
+    let contact = roll_center.moved(own, axle.roll_center_height_m).velocity;
+
+    add_mass(e, axle.unsprung_mass_kg, &roll_center.moved(own, above_axle_m));
+    e.mass[(own, own)] += axle.roll_inertia_kgm2;
+    e.mass[(yaw, yaw)] += axle.roll_inertia_kgm2;
+
+    // Tyres: slip angle α = (velocity at the road)/U − δ (+ articulation for the trailer);
+    // force −C α at the road, aligning moment +M α.
+    let (cornering, aligning) = placed.tyre.stiffness_at(load.total_n / placed.tyres());
+    let mut force = -placed.tyres() * cornering * &contact;
+    force[yaw] += placed.tyres() * aligning;
+    e.damping -= &force * contact.transpose() / e.speed_mps;
+    if cg.on_trailer {
+        let mut column = e.stiffness.column_mut(q::ARTICULATION);
+        column -= &force;
+    }
+    if placed.steered {
+        e.steer -= &force;
+    }
+
+    // Springs and dampers; the static loads act on lengthening arms (second-order geometry
+    // of the roll centre sliding along the axle, see the potential in docs/model.md).
+    let spring = placed.suspension_roll_stiffness_nm_per_rad();
+    let tyres = placed.tyre_roll_stiffness_nm_per_rad();
+    e.stiffness[(body, body_angle)] += spring - load.sprung_n * below_cg_m;
+    e.stiffness[(body, own_angle)] -= spring;
+    e.stiffness[(own, body_angle)] -= spring;
+    e.stiffness[(own, own_angle)] += spring + tyres
+        - load.total_n * axle.center_height_m
+        - load.sprung_n * above_axle_m;
+    let damper = axle.roll_damping_nms_per_rad;
+    e.damping[(body, body)] += damper;
+    e.damping[(body, own)] -= damper;
+    e.damping[(own, body)] -= damper;
+    e.damping[(own, own)] += damper;
+}
+
+/// Everything that a model at one speed and load says.
+#[derive(Clone, Debug)]
+pub struct LinearModel {
+    /// First-order form.
+    pub state_space: StateSpace,
+    /// DC ratios over height, in the order of `cg_core::Channel::ALL`.
+    pub ratio: [RatioLine<f64>; 2],
+    /// Static loads.
+    pub balance: StaticBalance,
+}
+
+impl LinearModel {
+    /// Builds the model.
+    ///
+    /// # Errors
+    /// As [`Equations::new`].
+    pub fn new(
+        vehicle: &Vehicle,
+        variant: Variant,
+        speed_mps: f64,
+        load: Load,
+    ) -> Result<Self, VehicleError> {
+        Ok(Self {
+            state_space: Equations::new(vehicle, variant, speed_mps, load)?.state_space()?,
+            ratio: ratio_line(vehicle, variant, speed_mps, load)?,
+            balance: static_balance(vehicle, load)?,
+        })
+    }
+}
