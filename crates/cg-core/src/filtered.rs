@@ -159,7 +159,7 @@ impl<T: Real> FilteredArx<T> {
         Some(covariance)
     }
 
-    /// Deviations, residual standard deviation, and the triangle that gave them.
+    /// Deviations, residual standard deviation (floored), and the triangle that gave them.
     fn solve(&self) -> Result<([T; UNKNOWNS], T, Triangle<T, UNKNOWNS>), Unexcited> {
         let floor = self.prior.noise_floor_rad;
         let rows = self.moments.rows;
@@ -173,23 +173,24 @@ impl<T: Real> FilteredArx<T> {
         let freedom = (self.moments.weight - T::of(UNKNOWNS as f64)).max(T::one());
         // The prior's weight depends on the noise and the noise on the answer: three rounds
         // settle it, since the residual hardly depends on the prior.
-        let mut noise_sd = floor;
+        let (mut noise_sd, mut residual_sd) = (floor, floor);
         let mut answer = ([T::zero(); UNKNOWNS], noise_sd, self.triangle);
         for _ in 0..3 {
             let triangle = self.with_prior(noise_sd);
             let theta = triangle
                 .solve(UNKNOWNS)
                 .map_err(|unknown| Unexcited::Direction { unknown })?;
-            noise_sd = (self.triangle.sum_of_squares_at(&theta) / freedom).root().max(floor);
+            residual_sd = (self.triangle.sum_of_squares_at(&theta) / freedom).root();
+            noise_sd = residual_sd.max(floor);
             answer = (theta, noise_sd, triangle);
         }
-        let (theta, noise_sd, triangle) = &mut answer;
+        let (theta, _, triangle) = &mut answer;
         if self.prior.dynamics_sd > T::zero() {
             // White roll noise of variance σ² sits in the regressors −y_k too, with the share
             // that the newest sample has in them, and pulls Σ φ e by −σ² Σ share: put it back.
             let mut pull = [T::zero(); UNKNOWNS];
             for k in 0..ORDER {
-                pull[k] = self.newest_share[k] * *noise_sd * *noise_sd;
+                pull[k] = self.newest_share[k] * residual_sd * residual_sd;
             }
             for (theta, shift) in theta.iter_mut().zip(triangle.shift_for(&pull, UNKNOWNS)) {
                 *theta += shift;

@@ -23,9 +23,10 @@ mod as_printed;
 pub mod linear;
 pub mod reduction;
 pub mod design;
-//pub mod maneuver;
-//pub mod simulate;
-// pub mod log;
+pub mod maneuver;
+pub mod simulate;
+pub mod log;
+pub mod estimate;
 
 pub use error::VehicleError;
 pub use linear::{LinearModel, Variant};

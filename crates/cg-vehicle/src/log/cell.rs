@@ -1,0 +1,140 @@
+//! One cell of a CSV row.
+
+use super::columns::Column;
+use super::error::{ColumnName, LogError, Place, shown_bytes};
+use super::signal::Signal;
+
+/// The column that a field belongs to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub(super) signal: usize,
+    times: f64,
+    per: f64,
+}
+
+impl From<&Column> for Slot {
+    fn from(column: &Column) -> Self {
+        Self { signal: column.signal as usize, times: column.times, per: column.per }
+    }
+}
+
+/// What a cell holds if not a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum BadCell {
+    Text,
+    Infinite,
+}
+
+impl Slot {
+    /// A number in SI units.
+    #[inline]
+    pub(super) fn si(self, value: f64) -> f64 {
+        value * self.times / self.per
+    }
+
+    /// The number at the head of `rest` and the bytes it takes, if it is finite and ends at
+    /// the delimiter: the case of nearly every cell of nearly every log.
+    #[inline]
+    pub(super) fn plain(self, rest: &[u8], delimiter: u8) -> Option<(f64, usize)> {
+        let (value, length) = fast_float2::parse_partial::<f64, _>(rest).ok()?;
+        let ends = rest.get(length).is_none_or(|&byte| byte == delimiter);
+        let value = self.si(value);
+        (ends && value.is_finite()).then_some((value, length))
+    }
+
+    /// The number in a whole cell; NaN for the ways to write an absent one.
+    pub(super) fn any(self, cell: &[u8]) -> Result<f64, BadCell> {
+        let cell = cell.trim_ascii();
+        if cell.is_empty() || cell.eq_ignore_ascii_case(b"na") {
+            return Ok(f64::NAN);
+        }
+        let value = fast_float2::parse::<f64, _>(cell).map_err(|_| BadCell::Text)?;
+        let value = self.si(value);
+        if value.is_infinite() { Err(BadCell::Infinite) } else { Ok(value) }
+    }
+}
+
+/// The error for a cell, with the remedy its text suggests.
+pub(super) fn bad_cell(place: Place, column: ColumnName, cell: &[u8], bad: BadCell) -> LogError {
+    let cell = cell.trim_ascii();
+    let text = shown_bytes(cell);
+    match bad {
+        BadCell::Infinite => LogError::Infinite { place, column, text },
+        BadCell::Text => LogError::NotANumber { place, column, text, remedy: remedy(cell) },
+    }
+}
+
+fn remedy(cell: &[u8]) -> &'static str {
+    let numeric = |byte: &u8| byte.is_ascii_digit() || b"+-,.".contains(byte);
+    if cell.contains(&b',') && cell.len() < 40 && cell.iter().all(numeric) {
+        "write decimals with a point, and no thousands separators"
+    } else {
+        "correct it, or leave the cell empty where there is no value"
+    }
+}
+
+/// One slot for each field of a row, empty where the field is not read.
+pub(super) fn plan(columns: &[Column], fields: usize) -> Box<[Option<Slot>]> {
+    let mut plan = vec![None; fields];
+    for column in columns {
+        plan[column.index] = Some(Slot::from(column));
+    }
+    plan.into()
+}
+
+/// Why the plain way through a row ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// A field in quotes: the row has to be split with care.
+    Quote,
+    /// Not as many fields as the header has columns.
+    Count(usize),
+    /// A field, and where it begins and ends.
+    Cell(usize, std::ops::Range<usize>, BadCell),
+}
+
+/// Reads the planned fields of a row without quotes into `values`.
+#[inline]
+pub(super) fn read_plain(
+    row: &[u8],
+    delimiter: u8,
+    plan: &[Option<Slot>],
+    values: &mut [f64; Signal::COUNT],
+) -> Result<(), Stop> {
+    let mut start = 0;
+    let last = plan.len() - 1;
+    for (field, slot) in plan.iter().enumerate() {
+        let rest = &row[start..];
+        let length = if let Some(slot) = slot {
+            if let Some((value, length)) = slot.plain(rest, delimiter) {
+                values[slot.signal] = value;
+                length
+            } else {
+                let length = field_length(rest, delimiter)?;
+                let stop = |bad| Stop::Cell(field, start..start + length, bad);
+                values[slot.signal] = slot.any(&rest[..length]).map_err(stop)?;
+                length
+            }
+        } else {
+            field_length(rest, delimiter)?
+        };
+        match (field == last, length == rest.len()) {
+            (false, false) => start += length + 1,
+            (true, true) => {}
+            (false, true) => return Err(Stop::Count(field + 1)),
+            (true, false) => {
+                let more = memchr::memchr_iter(delimiter, rest).count();
+                return Err(Stop::Count(field + 1 + more));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[inline]
+fn field_length(rest: &[u8], delimiter: u8) -> Result<usize, Stop> {
+    if rest.first() == Some(&b'"') {
+        return Err(Stop::Quote);
+    }
+    Ok(rest.iter().position(|&byte| byte == delimiter).unwrap_or(rest.len()))
+}

@@ -1,0 +1,52 @@
+//! Logs: the rows of sensors that come in and go out as files.
+//!
+//! | stage | file | what goes on |
+//! |---|---|---|
+//! | bytes | `source` | counted, unpacked where they are gzip |
+//! | lines | `lines` | cut at line feeds, refused when too long |
+//! | cells | `cell`, `quoted` | numbers read in place; rows with quotes split with care |
+//! | rows | `rows`, `batches` | CSV or parquet; comments and blank lines dropped |
+//! | signals | `columns`, `options`, `signal` | header names to signals, units to SI, signs flipped |
+//! | log | `reader`, `writer`, `draft` | time checked; the public face |
+//!
+//! # Format
+//!
+//! A header of names with units, then one row of numbers for each instant:
+//!
+//! | signal | column | also accepted | needed |
+//! |---|---|---|---|
+//! | time | `time_s` | `_ms`, `_us` | yes |
+//! | mean road-wheel angle | `steer_rad` | `_deg` | this … |
+//! | steering-wheel angle | `steering_wheel_rad` | `_deg` | … or this |
+//! | roll angle | `roll_rad` | `_deg` | this … |
+//! | accelerometer inclinometer | `tilt_rad` | `_deg` | … or this |
+//! | forward speed | `speed_mps` | `_kmh` | |
+//! | lateral acceleration | `lateral_acceleration_mps2` | `_g` | |
+//! | yaw rate | `yaw_rate_radps` | `_degps` | |
+//! | whole semitrailer as weighed | `trailer_mass_kg` | `_t` | |
+//!
+//! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are passed over, but one of
+//! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a
+//! semicolon or a tab, whichever the header has most of. A line that begins with `#` is a
+//! comment and never looked into; blank lines, CRLF, a byte order mark and quotes are fine.
+//! An empty cell, `NaN` or `NA` is an absent value. Time must be there and increase.
+
+mod batches;
+mod cell;
+mod columns;
+mod draft;
+mod error;
+mod lines;
+mod options;
+mod quoted;
+mod reader;
+mod rows;
+mod signal;
+mod source;
+mod writer;
+
+pub use error::{ColumnName, LogError, Place, Position};
+pub use options::{ColumnMap, LogOptions, OptionError};
+pub use reader::LogReader;
+pub use signal::{LogRow, Signal};
+pub use writer::LogWriter;

@@ -1,0 +1,248 @@
+//! The reader: one row at a time, whatever the file.
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::batches::Batches;
+use super::columns::Column;
+use super::error::{ColumnName, LogError, Place, Position};
+use super::options::LogOptions;
+use super::rows::Rows;
+use super::signal::{LogRow, Signal};
+use super::source::{Counted, Magic, Sniffed, sniff, text};
+
+/// A log, read row by row in constant memory.
+///
+/// Reads CSV, plain or gzip, and parquet; which of them, the first bytes of the file tell,
+/// not its name. It is an iterator as well.
+///
+/// # Example
+///
+/// ```
+/// use cg_vehicle::log::{LogOptions, LogReader};
+///
+/// let csv = "time_s,steer_deg,roll_rad\n0.00,1.5,0.010\n0.01,1.6,\n";
+/// let options = LogOptions::default();
+/// let mut log = LogReader::from_reader("example", Box::new(csv.as_bytes()), &options)?;
+/// let first = log.next_row()?.expect("two rows");
+/// assert_eq!(first.steer_rad, 1.5_f64.to_radians());
+/// let second = log.next_row()?.expect("two rows");
+/// assert!(second.roll_rad.is_nan() && log.line() == 3);
+/// assert!(log.next_row()?.is_none());
+/// # Ok::<(), cg_vehicle::log::LogError>(())
+/// ```
+pub struct LogReader {
+    body: Body,
+    signals: Box<[Signal]>,
+    time_index: usize,
+    values: [f64; Signal::COUNT],
+    previous_s: f64,
+    /// Whether a row was seen, good or bad.
+    begun: bool,
+    taken_bytes: Arc<AtomicU64>,
+    total_bytes: Option<u64>,
+}
+
+enum Body {
+    Text(Box<Rows>),
+    Parquet(Box<Batches>),
+}
+
+impl LogReader {
+    /// Opens a `.csv`, `.csv.gz` or `.parquet` file and reads its header.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be opened or read, or its header is not that of a log.
+    pub fn open(path: &Path, options: &LogOptions) -> Result<Self, LogError> {
+        let name = path.display().to_string();
+        let place = || Place { file: name.as_str().into(), position: Position::File };
+        let open = |source| LogError::Open { place: place(), source };
+        let file = File::open(path).map_err(open)?;
+        let about = file.metadata().map_err(open)?;
+        let total_bytes = about.is_file().then_some(about.len());
+        let (counted, taken_bytes) = Counted::new(file.try_clone().map_err(open)?);
+        let read = |source| LogError::Read { place: place(), source };
+        let sniffed = sniff(counted).map_err(read)?;
+        let named_parquet = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
+        let body = if sniffed.magic == Magic::Parquet || named_parquet {
+            if total_bytes.is_none() {
+                return Err(LogError::ParquetStream { place: place() });
+            }
+            let mut file = file;
+            file.rewind().map_err(read)?;
+            Body::Parquet(Box::new(Batches::open(&name, file, options)?))
+        } else {
+            text_body(&name, sniffed, options)?
+        };
+        Ok(Self::new(body, taken_bytes, total_bytes))
+    }
+
+    /// Reads CSV, plain or gzip, from a stream such as the standard input; `name` is what
+    /// messages call it.
+    ///
+    /// # Errors
+    ///
+    /// The stream cannot be read, is parquet, or its header is not that of a log.
+    pub fn from_reader(
+        name: &str,
+        stream: Box<dyn Read + Send>,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        let place = || Place { file: name.into(), position: Position::File };
+        let (counted, taken_bytes) = Counted::new(stream);
+        let sniffed = sniff(counted).map_err(|source| LogError::Read { place: place(), source })?;
+        if sniffed.magic == Magic::Parquet {
+            return Err(LogError::ParquetStream { place: place() });
+        }
+        let body = text_body(name, sniffed, options)?;
+        Ok(Self::new(body, taken_bytes, None))
+    }
+
+    fn new(body: Body, taken_bytes: Arc<AtomicU64>, total_bytes: Option<u64>) -> Self {
+        let columns = body.columns();
+        let mut signals: Vec<Signal> = columns.iter().map(|column| column.signal).collect();
+        signals.sort_unstable();
+        let time = columns.iter().find(|column| column.signal == Signal::Time);
+        let time_index = time.map_or(0, |column| column.index);
+        Self {
+            body,
+            signals: signals.into(),
+            time_index,
+            values: [f64::NAN; Signal::COUNT],
+            previous_s: f64::NEG_INFINITY,
+            begun: false,
+            taken_bytes,
+            total_bytes,
+        }
+    }
+
+    /// The next row; `None` at the end of the log.
+    ///
+    /// # Errors
+    ///
+    /// A row is not as the format says: the next call goes on with the row after it. Or the
+    /// file cannot be read further: the next call returns `None`.
+    #[inline]
+    pub fn next_row(&mut self) -> Result<Option<LogRow>, LogError> {
+        let more = match &mut self.body {
+            Body::Text(rows) => rows.read(&mut self.values),
+            Body::Parquet(batches) => batches.read(&mut self.values),
+        };
+        if !matches!(more, Ok(true)) {
+            return self.stopped(more);
+        }
+        self.begun = true;
+        let time_s = self.values[Signal::Time as usize];
+        if time_s > self.previous_s {
+            self.previous_s = time_s;
+            Ok(Some(LogRow::from_values(self.values)))
+        } else {
+            Err(self.bad_time(time_s))
+        }
+    }
+
+    #[cold]
+    fn stopped(&mut self, more: Result<bool, LogError>) -> Result<Option<LogRow>, LogError> {
+        let first = !std::mem::replace(&mut self.begun, true);
+        match more {
+            Err(error) => Err(error),
+            Ok(_) if first => Err(LogError::NoRows { place: self.body.place() }),
+            Ok(_) => Ok(None),
+        }
+    }
+
+    #[cold]
+    fn bad_time(&self, time_s: f64) -> LogError {
+        let (place, column) = (self.body.place(), self.body.name(self.time_index));
+        if time_s.is_nan() {
+            LogError::AbsentTime { place, column }
+        } else {
+            LogError::TimeOrder { place, column, previous_s: self.previous_s, time_s }
+        }
+    }
+
+    /// Whether the log has a column for this signal.
+    pub fn has(&self, signal: Signal) -> bool {
+        self.signals.contains(&signal)
+    }
+
+    /// The signals of the log, in the order of [`Signal::ALL`].
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// The line the last row stands in, comments and blank lines counted, from one; in a
+    /// parquet file the number of the row.
+    pub fn line(&self) -> u64 {
+        match self.body.position() {
+            Position::Line(number) | Position::Row(number) => number,
+            Position::File => 0,
+        }
+    }
+
+    /// The bytes taken from the file so far, before unpacking. In a parquet file, whose
+    /// columns are read in any order, the share of its size that the rows read stand for.
+    pub fn bytes_read(&self) -> u64 {
+        match (&self.body, self.total_bytes) {
+            (Body::Parquet(batches), Some(total_bytes)) => batches.share(total_bytes),
+            _ => self.taken_bytes.load(Ordering::Relaxed),
+        }
+    }
+
+    /// The size of the file; `None` for a stream.
+    pub fn total_bytes(&self) -> Option<u64> {
+        self.total_bytes
+    }
+}
+
+impl Iterator for LogReader {
+    type Item = Result<LogRow, LogError>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_row().transpose()
+    }
+}
+
+impl Body {
+    fn columns(&self) -> &[Column] {
+        match self {
+            Self::Text(rows) => rows.columns(),
+            Self::Parquet(batches) => batches.columns(),
+        }
+    }
+
+    fn name(&self, index: usize) -> ColumnName {
+        match self {
+            Self::Text(rows) => rows.name(index),
+            Self::Parquet(batches) => batches.name(index),
+        }
+    }
+
+    fn position(&self) -> Position {
+        match self {
+            Self::Text(rows) => rows.position(),
+            Self::Parquet(batches) => batches.position(),
+        }
+    }
+
+    fn place(&self) -> Place {
+        match self {
+            Self::Text(rows) => rows.place(),
+            Self::Parquet(batches) => batches.place(),
+        }
+    }
+}
+
+fn text_body<R: Read + Send + 'static>(
+    name: &str,
+    sniffed: Sniffed<R>,
+    options: &LogOptions,
+) -> Result<Body, LogError> {
+    let gzip = sniffed.magic == Magic::Gzip;
+    Ok(Body::Text(Box::new(Rows::open(name, text(sniffed), gzip, options)?)))
+}

@@ -1,0 +1,69 @@
+//! Bytes of a log: counted, and unpacked where they are gzip.
+
+use std::io::{self, Chain, Cursor, Read};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use flate2::bufread::MultiGzDecoder;
+
+/// What the first bytes say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Magic {
+    Text,
+    Gzip,
+    Parquet,
+}
+
+const MAGIC_BYTES: usize = 4;
+
+/// A stream whose first bytes were looked at and put back.
+pub(super) struct Sniffed<R> {
+    pub(super) magic: Magic,
+    pub(super) stream: Chain<Cursor<Vec<u8>>, R>,
+}
+
+/// Looks at the first bytes.
+pub(super) fn sniff<R: Read>(mut stream: R) -> io::Result<Sniffed<R>> {
+    let mut head = Vec::with_capacity(MAGIC_BYTES);
+    Read::by_ref(&mut stream).take(MAGIC_BYTES as u64).read_to_end(&mut head)?;
+    let magic = match head.as_slice() {
+        [0x1f, 0x8b, ..] => Magic::Gzip,
+        b"PAR1" => Magic::Parquet,
+        _ => Magic::Text,
+    };
+    Ok(Sniffed { magic, stream: Cursor::new(head).chain(stream) })
+}
+
+/// The text of a stream that is plain or gzip, of one member or several.
+pub(super) fn text<R: Read + Send + 'static>(sniffed: Sniffed<R>) -> Box<dyn Read + Send> {
+    const PACKED_BYTES: usize = 64 * 1024;
+    let stream = sniffed.stream;
+    if sniffed.magic == Magic::Gzip {
+        let packed = io::BufReader::with_capacity(PACKED_BYTES, stream);
+        Box::new(MultiGzDecoder::new(packed))
+    } else {
+        Box::new(stream)
+    }
+}
+
+/// A stream that counts the bytes taken from it.
+pub(super) struct Counted<R> {
+    inner: R,
+    count: Arc<AtomicU64>,
+}
+
+impl<R> Counted<R> {
+    /// The stream, and its counter.
+    pub(super) fn new(inner: R) -> (Self, Arc<AtomicU64>) {
+        let count = Arc::new(AtomicU64::new(0));
+        (Self { inner, count: Arc::clone(&count) }, count)
+    }
+}
+
+impl<R: Read> Read for Counted<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let bytes = self.inner.read(buffer)?;
+        self.count.fetch_add(bytes as u64, Ordering::Relaxed);
+        Ok(bytes)
+    }
+}
