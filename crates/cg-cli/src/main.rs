@@ -1,1 +1,61 @@
-fn main() {}
+//! `cg`: the centre-of-gravity height of a semitrailer, from logs.
+//!
+//! | file | what |
+//! |---|---|
+//! | `cli` | the arguments |
+//! | `estimate` | `cg estimate`: logs to heights, in parallel |
+//! | `sink` | their output as table, JSON Lines or CSV |
+//! | `model` | `cg model`: what the vehicle model says |
+//! | `simulate` | `cg simulate`: logs with known truth |
+//!
+//! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
+
+mod cli;
+mod estimate;
+mod model;
+mod simulate;
+mod sink;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::{Cli, Command};
+
+/// What a command that ran has to say.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Outcome {
+    /// Everything asked for.
+    Done,
+    /// It ran, but some log gave no height.
+    NoAnswer,
+    /// Some input could not be read (already reported).
+    Unreadable,
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Estimate(arguments) => estimate::run(&arguments),
+        Command::Model(arguments) => model::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+    };
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::NoAnswer) => ExitCode::from(1),
+        Ok(Outcome::Unreadable) => ExitCode::from(2),
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("cg: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The reader of our output has seen enough (`cg … | head`): not an error.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+    })
+}

@@ -1,16 +1,20 @@
 //! Logs, read and written: one test for each promise of the format.
 
-use std::fs::{self, File};
-use std::io::{self, Read, Write};
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::float_cmp, reason = "numbers come through exactly")]
 
-use arrow::array::{ArrayRef, Float32Array, Float64Array, Int16Array, RecordBatch, StringArray};
-use cg_vehicle::log::{ColumnMap, LogError, LogOptions, LogReader, LogRow, LogWriter, Signal};
-use flate2::{Compression, write::GzEncoder};
-use parquet::arrow::ArrowWriter;
-use proptest::prelude::*;
+use std::io;
+
+use cg_vehicle::log::{LogError, LogOptions, LogReader, LogRow, Signal};
+
+#[path = "log/files.rs"]
+mod files;
+#[path = "log/options.rs"]
+mod options;
+#[path = "log/parquet.rs"]
+mod parquet;
+#[path = "log/writer.rs"]
+mod writer;
 
 fn options(columns: &[&str], flip: &[Signal]) -> LogOptions {
     let columns = columns.iter().map(|text| text.parse().unwrap()).collect();
@@ -47,46 +51,10 @@ fn says(error: &LogError, words: &[&str]) {
 
 #[track_caller]
 fn refused(csv: impl AsRef<[u8]>, words: &[&str]) {
-    says(&read(csv).expect_err("should be refused"), words);
-}
-
-fn gzip(text: impl AsRef<[u8]>) -> Vec<u8> {
-    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
-    packed.write_all(text.as_ref()).unwrap();
-    packed.finish().unwrap()
-}
-
-fn steady(rows: usize) -> String {
-    let rows = (0..rows).map(|k| format!("{k},0.{k},-0.{k}\n"));
-    std::iter::once("time_s,steer_rad,roll_rad\n".into()).chain(rows).collect()
+    says(&read(csv).unwrap_err(), words);
 }
 
 const ONE: &str = "time_s,steer_rad,roll_rad\n0,0.1,-0.2\n";
-
-/// A head and then one part for ever, counting what is taken.
-struct Endless(Vec<u8>, Vec<u8>, Arc<AtomicUsize>);
-
-impl Read for Endless {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.0.as_slice().read(buffer)?;
-        self.0.drain(..count);
-        if self.0.is_empty() {
-            self.0 = self.1.clone();
-        }
-        self.2.fetch_add(count, Ordering::Relaxed);
-        Ok(count)
-    }
-}
-
-/// The error of an endless stream, which must come before a mebibyte of it is read.
-fn soon(head: &[u8], part: &[u8]) -> LogError {
-    let taken = Arc::new(AtomicUsize::new(0));
-    let stream = Endless(head.to_vec(), part.to_vec(), Arc::clone(&taken));
-    let log = LogReader::from_reader("drive.csv", Box::new(stream), &LogOptions::default());
-    let error = log.and_then(Iterator::collect::<Result<Vec<_>, _>>).unwrap_err();
-    assert!(taken.load(Ordering::Relaxed) < 1 << 20, "{taken:?} bytes taken");
-    error
-}
 
 #[test]
 fn every_signal_in_si_is_read_as_it_is_and_an_absent_one_is_nan() {
@@ -165,7 +133,8 @@ fn windows_line_ends_marks_quotes_spaces_and_an_open_last_line_are_tolerated() {
 
 #[test]
 fn a_missing_column_is_an_error_that_lists_what_was_found_and_proposes_an_option() {
-    let words = ["line 1", "roll_rad or tilt_rad", "time_s, steer_rad, a", "--column roll=NAME[deg]"];
+    let words =
+        ["line 1", "roll_rad or tilt_rad", "time_s, steer_rad, a", "--column roll=NAME[deg]"];
     refused("time_s,steer_rad,a\n0,0,0\n", &words);
     refused("t,steer_rad,roll_rad\n0,0,0\n", &["time_s", "--column time=NAME[s]"]);
     refused("time_s,a,roll_rad\n0,0,0\n", &["steer_rad or steering_wheel_rad", "--column steer="]);

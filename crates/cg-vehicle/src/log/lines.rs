@@ -98,6 +98,13 @@ impl Lines {
         }
     }
 
+    /// Reads and drops what is left, up to a limit, to learn whether it can be read.
+    pub(super) fn drain(&mut self) -> io::Result<()> {
+        const DRAINED_BYTES: u64 = 256 << 20;
+        io::copy(&mut Read::by_ref(&mut self.source).take(DRAINED_BYTES), &mut io::sink())?;
+        Ok(())
+    }
+
     /// One read from the source, behind the line that is not whole yet.
     fn fill(&mut self) -> io::Result<()> {
         if self.start == self.end || self.buffer.len() - self.end < LIMIT_BYTES {

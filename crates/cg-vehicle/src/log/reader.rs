@@ -124,8 +124,9 @@ impl LogReader {
     ///
     /// # Errors
     ///
-    /// A row is not as the format says: the next call goes on with the row after it. Or the
-    /// file cannot be read further: the next call returns `None`.
+    /// A row is not as the format says: the next call goes on with the row after it, but in
+    /// a gzip log returns `None`, because the rest was searched for damage that explains the
+    /// row. Or the file cannot be read further: the next call returns `None`.
     #[inline]
     pub fn next_row(&mut self) -> Result<Option<LogRow>, LogError> {
         let more = match &mut self.body {
@@ -141,7 +142,8 @@ impl LogReader {
             self.previous_s = time_s;
             Ok(Some(LogRow::from_values(self.values)))
         } else {
-            Err(self.bad_time(time_s))
+            let error = self.bad_time(time_s);
+            self.stopped(Err(error))
         }
     }
 
@@ -149,7 +151,7 @@ impl LogReader {
     fn stopped(&mut self, more: Result<bool, LogError>) -> Result<Option<LogRow>, LogError> {
         let first = !std::mem::replace(&mut self.begun, true);
         match more {
-            Err(error) => Err(error),
+            Err(error) => Err(self.body.damage().unwrap_or(error)),
             Ok(_) if first => Err(LogError::NoRows { place: self.body.place() }),
             Ok(_) => Ok(None),
         }
@@ -220,6 +222,13 @@ impl Body {
         match self {
             Self::Text(rows) => rows.name(index),
             Self::Parquet(batches) => batches.name(index),
+        }
+    }
+
+    fn damage(&mut self) -> Option<LogError> {
+        match self {
+            Self::Text(rows) => rows.damage(),
+            Self::Parquet(_) => None,
         }
     }
 

@@ -48,9 +48,8 @@ impl Rows {
         if !rows.advance()? {
             return Err(LogError::Empty { place: rows.place() });
         }
-        rows.names = rows.header()?;
-        rows.columns = resolve(&rows.place(), &rows.names, options)?;
-        rows.plan = plan(&rows.columns, rows.names.len());
+        let header = rows.header(options);
+        header.map_err(|error| rows.damage().unwrap_or(error))?;
         Ok(rows)
     }
 
@@ -83,6 +82,17 @@ impl Rows {
         }
     }
 
+    /// What is behind a bad row of a gzip log, if it is the file that is bad: damaged data
+    /// unpack to nonsense until a checksum, often the last, gives them away. Looking for it
+    /// ends the log.
+    pub(super) fn damage(&mut self) -> Option<LogError> {
+        if !self.gzip || self.over {
+            return None;
+        }
+        self.over = true;
+        self.lines.drain().err().map(|source| self.fail(Fault::Io(source)))
+    }
+
     /// Takes the next line that is neither comment nor blank. `false` at the end.
     #[inline]
     fn advance(&mut self) -> Result<bool, LogError> {
@@ -96,7 +106,10 @@ impl Rows {
                     self.over = true;
                     return Ok(false);
                 }
-                Err(fault) => return Err(self.fail(fault)),
+                Err(fault) => {
+                    self.line = self.lines.number() + 1;
+                    return Err(self.fail(fault));
+                }
             }
             self.line = self.lines.number();
             match self.lines.line() {
@@ -111,7 +124,6 @@ impl Rows {
     #[cold]
     fn fail(&mut self, fault: Fault) -> LogError {
         self.over = true;
-        self.line = self.lines.number() + 1;
         let place = self.place();
         match fault {
             Fault::TooLong => LogError::TooLong { place, limit_bytes: LIMIT_BYTES },
@@ -122,8 +134,15 @@ impl Rows {
         }
     }
 
-    /// The column names in the line at hand.
-    fn header(&mut self) -> Result<Box<[Box<str>]>, LogError> {
+    /// Reads the header in the line at hand.
+    fn header(&mut self, options: &LogOptions) -> Result<(), LogError> {
+        self.names = self.split_names()?;
+        self.columns = resolve(&self.place(), &self.names, options)?;
+        self.plan = plan(&self.columns, self.names.len());
+        Ok(())
+    }
+
+    fn split_names(&mut self) -> Result<Box<[Box<str>]>, LogError> {
         let mut record = self.lines.line();
         if self.line == 1 {
             record = record.strip_prefix(BYTE_ORDER_MARK.as_bytes()).unwrap_or(record);
@@ -159,9 +178,7 @@ impl Rows {
                 Err(fault) => return Err(self.fail(fault)),
             };
             if self.quoted.text_bytes() > LIMIT_BYTES {
-                self.over = true;
-                let place = self.place();
-                return Err(LogError::TooLong { place, limit_bytes: LIMIT_BYTES });
+                return Err(self.fail(Fault::TooLong));
             }
         }
         let found = self.quoted.fields().len();

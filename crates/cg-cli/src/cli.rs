@@ -1,0 +1,261 @@
+//! The arguments.
+
+use std::path::PathBuf;
+
+use cg_core::Channel;
+use cg_core::arx::SampledArx;
+use cg_vehicle::estimate::Method;
+use cg_vehicle::log::{ColumnMap, Signal};
+use cg_vehicle::maneuver::Maneuver;
+use cg_vehicle::simulate::Plant;
+use cg_vehicle::{Load, Vehicle, Variant};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
+#[derive(Debug, Parser)]
+#[command(name = "cg", version, about, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Estimate the c.g. height from logs
+    Estimate(EstimateArgs),
+    /// Print what the vehicle model says: transfer function, ratio, reduced model, loads
+    Model(ModelArgs),
+    /// Write a log with known truth
+    Simulate(SimulateArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EstimateArgs {
+    /// Logs: .csv, .csv.gz or .parquet; `-` reads CSV from standard input
+    #[arg(required = true, value_name = "LOG")]
+    pub(crate) logs: Vec<PathBuf>,
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// Output format; JSON is one object per line
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(crate) format: Format,
+    /// How the DC ratio is identified
+    #[arg(long, value_enum, default_value_t = MethodArg::Filtered)]
+    pub(crate) method: MethodArg,
+    /// What drives the roll angle; `auto` takes what knows the height best
+    #[arg(long, value_enum, default_value_t = ChannelArg::Auto)]
+    pub(crate) channel: ChannelArg,
+    /// Order of the classical ARX (with --method arx)
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
+    pub(crate) order: usize,
+    /// Forward speed, whatever the log says
+    #[arg(long, value_name = "U", value_parser = positive)]
+    pub(crate) speed_mps: Option<f64>,
+    /// Mass of the whole semitrailer as weighed, whatever the log says
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub(crate) trailer_mass_kg: Option<f64>,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
+    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
+    pub(crate) column: Vec<ColumnMap>,
+    /// Sensors mounted the other way round: `roll,steer`
+    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
+    pub(crate) flip: Vec<Signal>,
+    /// Print the known heights of this JSON file beside (the estimator never reads it)
+    #[arg(long, value_name = "TRUTH.json")]
+    pub(crate) truth: Option<PathBuf>,
+    /// Logs read at the same time
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub(crate) jobs: usize,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ModelArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+    /// Forward speed [default: the vehicle file's]
+    #[arg(long, value_name = "U", value_parser = positive)]
+    pub(crate) speed_mps: Option<f64>,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    /// Output format
+    #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
+    pub(crate) format: ModelFormat,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LoadArgs {
+    /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
+    #[arg(long, value_name = "H", value_parser = positive)]
+    pub(crate) height_m: Option<f64>,
+    /// Mass of the whole semitrailer [default: the vehicle file's]
+    #[arg(long, value_name = "M", value_parser = positive, conflicts_with = "payload_kg")]
+    pub(crate) trailer_mass_kg: Option<f64>,
+    /// Payload, in place of the mass of the whole semitrailer
+    #[arg(long, value_name = "P", value_parser = not_negative)]
+    pub(crate) payload_kg: Option<f64>,
+}
+
+impl LoadArgs {
+    pub(crate) fn load(&self, vehicle: &Vehicle) -> Load {
+        let reference = vehicle.reference_load();
+        let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
+        Load {
+            trailer_mass_kg: self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
+            cg_height_m: self.height_m.unwrap_or(reference.cg_height_m),
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SimulateArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// What the driver does
+    #[arg(long, value_enum)]
+    pub(crate) maneuver: ManeuverArg,
+    /// What moves
+    #[arg(long, value_enum, default_value_t = PlantArg::Linear)]
+    pub(crate) plant: PlantArg,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    /// Forward speed [default: the vehicle file's]
+    #[arg(long, value_name = "U", value_parser = positive)]
+    pub(crate) speed_mps: Option<f64>,
+    /// Road-wheel steer amplitude [default: for 0.17 g]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    pub(crate) steer_rad: Option<f64>,
+    /// Samples per second
+    #[arg(long, value_name = "F", default_value_t = 100.0, value_parser = positive)]
+    pub(crate) rate_hz: f64,
+    /// Straight driving before the maneuver
+    #[arg(long, value_name = "T", default_value_t = 2.0, value_parser = not_negative)]
+    pub(crate) start_s: f64,
+    /// Length of the log, from time 0 [default: 20, a drive 300]
+    #[arg(long, value_name = "T", value_parser = positive)]
+    pub(crate) duration_s: Option<f64>,
+    /// White noise on the roll angle, decibels below its mean square
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub(crate) snr_db: Option<f64>,
+    /// Seed of the noise and of the drive
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The log to write: .csv or .csv.gz; `-` writes CSV to standard output
+    #[arg(short, long, value_name = "LOG.csv")]
+    pub(crate) output: PathBuf,
+    /// Also write the truth as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| "expected a number".to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
+    })
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if value >= 0.0 { Ok(value) } else { Err("must not be negative".to_owned()) }
+    })
+}
+
+fn order(text: &str) -> Result<usize, String> {
+    let greatest = SampledArx::<f64>::GREATEST_ORDER;
+    match text.parse() {
+        Ok(order) if (1..=greatest).contains(&order) => Ok(order),
+        _ => Err(format!("expected a whole number from 1 to {greatest}")),
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    Table,
+    Json,
+    Csv,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ModelFormat {
+    Table,
+    Json,
+}
+
+/// An argument with the values of a library's enumeration.
+macro_rules! mirrored {
+    ($name:ident => $target:ty { $($(#[$doc:meta])* $variant:ident => $value:expr),+ $(,)? }) => {
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+        pub(crate) enum $name { $($(#[$doc])* $variant),+ }
+
+        impl From<$name> for $target {
+            fn from(argument: $name) -> Self {
+                match argument { $($name::$variant => $value),+ }
+            }
+        }
+    };
+}
+
+mirrored!(MethodArg => Method {
+    /// Filtered signals and prior dynamics
+    Filtered => Self::Filtered,
+    /// Classical shift form, as in the source
+    Arx => Self::Arx,
+    /// Nominal dynamics, only the gain is free
+    Gain => Self::Gain,
+});
+
+mirrored!(ChannelArg => Option<Channel> {
+    /// The one that knows the height best
+    Auto => None,
+    /// Steer angle
+    Steer => Some(Channel::Steer),
+    /// Lateral acceleration, or yaw rate times speed
+    LateralAcceleration => Some(Channel::LateralAcceleration),
+});
+
+mirrored!(ModelArg => Variant {
+    /// All terms
+    Complete => Self::Complete,
+    /// The source's appendix B, misprints corrected
+    AsPrinted => Self::AsPrinted,
+});
+
+mirrored!(PlantArg => Plant {
+    /// The linear model in full
+    Linear => Self::Linear,
+    /// The reduced 5th-order model
+    Reduced => Self::Reduced,
+});
+
+mirrored!(ManeuverArg => Maneuver {
+    /// Rounded step, held
+    RoundedStep => Self::RoundedStep,
+    /// Into a turn and out again
+    SteadyTurn => Self::SteadyTurn,
+    /// One sine of three seconds
+    LaneChange => Self::LaneChange,
+    /// Sine of 0.2 Hz
+    Sine => Self::Sine,
+    /// Linearly growing
+    Ramp => Self::Ramp,
+    /// Random turns and straights
+    Drive => Self::Drive,
+});

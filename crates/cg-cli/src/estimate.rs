@@ -1,0 +1,149 @@
+//! `cg estimate`: logs to heights, in parallel, memory independent of their length.
+
+use std::collections::HashMap;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+use cg_vehicle::Vehicle;
+use cg_vehicle::design::design;
+use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
+use cg_vehicle::log::{LogOptions, LogReader};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use crate::Outcome;
+use crate::cli::EstimateArgs;
+use crate::sink;
+
+/// Rows between two updates of the progress bar.
+const ROWS_PER_TICK: u32 = 8192;
+
+/// The answer for one log and what is known of it.
+pub(crate) struct Answer {
+    /// The log's name as given.
+    pub(crate) log: String,
+    /// The answer.
+    pub(crate) estimate: LogEstimate,
+    /// Known height, if `--truth` has one.
+    pub(crate) known_m: Option<f64>,
+}
+
+pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
+    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let options = EstimateOptions {
+        variant: arguments.model.into(),
+        method: arguments.method.into(),
+        order: arguments.order,
+        channel: arguments.channel.into(),
+        speed_mps: arguments.speed_mps,
+        trailer_mass_kg: arguments.trailer_mass_kg,
+    };
+    if let Some(mass_kg) = arguments.trailer_mass_kg {
+        let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };
+        vehicle.trailer_sprung_mass(load).context("--trailer-mass-kg")?;
+    }
+    let design = design(&vehicle, options.variant)?;
+    let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
+    if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
+        return Err(anyhow!("standard input (-) can be read once only"));
+    }
+    let estimator = LogEstimator::from_design(&design, vehicle.steering_ratio, options);
+    let log_options = LogOptions { columns: arguments.column.clone(), flip: arguments.flip.clone() };
+    let progress = progress_bar(&arguments.logs);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
+    let results: Vec<anyhow::Result<LogEstimate>> = pool.install(|| {
+        arguments
+            .logs
+            .par_iter()
+            .map(|log| estimate_log(log, &log_options, estimator.clone(), &progress))
+            .collect()
+    });
+    progress.finish_and_clear();
+
+    let mut outcome = Outcome::Done;
+    let mut answers = Vec::with_capacity(results.len());
+    for (log, result) in arguments.logs.iter().zip(results) {
+        match result {
+            Ok(estimate) => {
+                if estimate.status == Verdict::Rejected {
+                    outcome = outcome.max(Outcome::NoAnswer);
+                }
+                let known_m = truth.as_ref().and_then(|truth| truth.height_m(log));
+                answers.push(Answer { log: log.display().to_string(), estimate, known_m });
+            }
+            Err(error) => {
+                eprintln!("cg: {error:#}");
+                outcome = Outcome::Unreadable;
+            }
+        }
+    }
+    sink::write(arguments.format, &answers)?;
+    Ok(outcome)
+}
+
+fn estimate_log(
+    log: &Path,
+    options: &LogOptions,
+    mut estimator: LogEstimator,
+    progress: &ProgressBar,
+) -> anyhow::Result<LogEstimate> {
+    let mut reader = if log.as_os_str() == "-" {
+        LogReader::from_reader("standard input", Box::new(std::io::stdin()), options)?
+    } else {
+        LogReader::open(log, options)?
+    };
+    let mut seen = 0;
+    let mut rows = 0;
+    while let Some(row) = reader.next_row()? {
+        estimator
+            .push(&row)
+            .with_context(|| format!("{}: line {}", log.display(), reader.line()))?;
+        rows += 1;
+        if rows % ROWS_PER_TICK == 0 {
+            progress.inc(reader.bytes_read() - seen);
+            seen = reader.bytes_read();
+        }
+    }
+    progress.inc(reader.bytes_read() - seen);
+    Ok(estimator.finish())
+}
+
+/// A bar over the bytes of all logs, on a terminal only.
+fn progress_bar(logs: &[PathBuf]) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let bytes = logs.iter().filter_map(|log| Some(log.metadata().ok()?.len())).sum();
+    let style = ProgressStyle::with_template("{bar:40} {bytes}/{total_bytes} {eta}");
+    ProgressBar::new(bytes).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Known heights, by the file name of the log.
+struct Truth(HashMap<String, f64>);
+
+#[derive(Deserialize)]
+struct KnownLog {
+    log: String,
+    height_m: f64,
+}
+
+impl Truth {
+    fn load(path: &Path) -> anyhow::Result<Self> {
+        let file = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("{file}"))?;
+        let known: Vec<KnownLog> = serde_json::from_str(&text).with_context(|| {
+            format!("{file}: expected a JSON list of objects with \"log\" and \"height_m\"")
+        })?;
+        Ok(Self(known.into_iter().map(|k| (file_name(Path::new(&k.log)), k.height_m)).collect()))
+    }
+
+    fn height_m(&self, log: &Path) -> Option<f64> {
+        self.0.get(&file_name(log)).copied()
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,160 @@
+//! `cg model`: transfer function, poles, zeros, DC ratio, reduced model and static loads.
+
+use std::io::Write;
+
+use cg_core::RatioLine;
+use cg_core::reduced::ORDER;
+use cg_vehicle::reduction::{Method, reduce};
+use cg_vehicle::response::TransferFunction;
+use cg_vehicle::{LinearModel, Vehicle};
+use serde::Serialize;
+
+use crate::Outcome;
+use crate::cli::{ModelArgs, ModelFormat};
+
+/// The JSON output.
+#[derive(Serialize)]
+struct Description {
+    vehicle: String,
+    speed_mps: f64,
+    height_m: f64,
+    trailer_mass_kg: f64,
+    numerator: Vec<f64>,
+    denominator: Vec<f64>,
+    poles: Vec<(f64, f64)>,
+    zeros: Vec<(f64, f64)>,
+    gain: f64,
+    dc_gain: f64,
+    ratio: Line,
+    lateral_acceleration_ratio: Line,
+    reduced: Reduced,
+    static_balance: Balance,
+}
+
+/// `R_a(h) = (a1 h + a0)/(b1 h + b0)`, h in metres.
+#[derive(Serialize)]
+struct Line {
+    a0: f64,
+    a1: f64,
+    b0: f64,
+    b1: f64,
+}
+
+#[derive(Serialize)]
+struct Reduced {
+    order: usize,
+    method: &'static str,
+    numerator: Vec<f64>,
+    denominator: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct Balance {
+    axle_load_n: Vec<f64>,
+    hitch_load_n: f64,
+    residual_nm: f64,
+}
+
+pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
+    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let description = describe(arguments, &vehicle)?;
+    let mut out = std::io::stdout().lock();
+    match arguments.format {
+        ModelFormat::Json => writeln!(out, "{}", serde_json::to_string(&description)?)?,
+        ModelFormat::Table => print(&mut out, &description)?,
+    }
+    Ok(Outcome::Done)
+}
+
+fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Description> {
+    let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
+    let load = arguments.load.load(vehicle);
+    let model = LinearModel::new(vehicle, arguments.model.into(), speed_mps, load)?;
+    let state_space = &model.state_space;
+    let TransferFunction { numerator, denominator, poles, zeros, gain, dc_gain } =
+        state_space.transfer_function(&state_space.trailer_roll, 0.0)?;
+    let models = reduce(state_space)?;
+    let line = |line: &RatioLine<f64>| Line { a0: line.a0, a1: line.a1, b0: line.b0, b1: line.b1 };
+    let mut reduced_denominator = vec![1.0];
+    reduced_denominator.extend(models.steer.denominator.iter().rev());
+    Ok(Description {
+        vehicle: vehicle.name.clone(),
+        speed_mps,
+        height_m: load.cg_height_m,
+        trailer_mass_kg: load.trailer_mass_kg,
+        numerator,
+        denominator,
+        poles,
+        zeros,
+        gain,
+        dc_gain,
+        ratio: line(&model.ratio[0]),
+        lateral_acceleration_ratio: line(&model.ratio[1]),
+        reduced: Reduced {
+            order: ORDER,
+            method: match models.method {
+                Method::Pade => "pade",
+                Method::SlowestPoles => "slowest-poles",
+            },
+            numerator: models.steer.numerator.iter().rev().copied().collect(),
+            denominator: reduced_denominator,
+        },
+        static_balance: Balance {
+            axle_load_n: model.balance.axle_load_n,
+            hitch_load_n: model.balance.hitch_load_n,
+            residual_nm: model.balance.residual_nm,
+        },
+    })
+}
+
+fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{}: {:.2} m/s, c.g. height {:.3} m, trailer {:.0} kg",
+        d.vehicle, d.speed_mps, d.height_m, d.trailer_mass_kg
+    )?;
+    writeln!(out, "\nSteer angle to trailer roll angle (ISO 8855: left turns positive)")?;
+    writeln!(out, "  DC gain {:.5} rad/rad, leading coefficient {:.6}", d.dc_gain, d.gain)?;
+    writeln!(out, "\n  power      numerator    denominator")?;
+    let degree = d.denominator.len() - 1;
+    let lead = d.denominator.len() - d.numerator.len();
+    for (k, denominator) in d.denominator.iter().enumerate() {
+        let numerator = k
+            .checked_sub(lead)
+            .and_then(|k| d.numerator.get(k))
+            .map_or_else(String::new, |a| format!("{a:.5e}"));
+        writeln!(out, "  s^{:<4}  {numerator:>13}  {denominator:>13.5e}", degree - k)?;
+    }
+    for (name, roots) in [("Poles", &d.poles), ("Zeros", &d.zeros)] {
+        writeln!(out, "\n  {name}, rad/s")?;
+        for (re, im) in roots.iter().filter(|root| root.1 >= 0.0) {
+            if *im == 0.0 {
+                writeln!(out, "  {re:12.4}")?;
+            } else {
+                writeln!(out, "  {re:12.4} ± {im:.4}i")?;
+            }
+        }
+    }
+    writeln!(out, "\nDC ratio over height, R = (a1 h + a0) / (b1 h + b0), h in metres")?;
+    for (name, line) in
+        [("steer", &d.ratio), ("lateral acceleration", &d.lateral_acceleration_ratio)]
+    {
+        writeln!(
+            out,
+            "  {name:<21} a0 {:+.6}  a1 {:+.6}  b0 {:+.6}  b1 {:+.6}",
+            line.a0, line.a1, line.b0, line.b1
+        )?;
+    }
+    writeln!(out, "\nReduced to order {} ({}), descending powers", d.reduced.order, d.reduced.method)?;
+    writeln!(out, "  numerator   {:?}", rounded(&d.reduced.numerator))?;
+    writeln!(out, "  denominator {:?}", rounded(&d.reduced.denominator))?;
+    writeln!(out, "\nStatic loads")?;
+    for (i, load_n) in d.static_balance.axle_load_n.iter().enumerate() {
+        writeln!(out, "  axle {}       {:9.2} kN", i + 1, load_n / 1e3)?;
+    }
+    writeln!(out, "  fifth wheel  {:9.2} kN", d.static_balance.hitch_load_n / 1e3)
+}
+
+fn rounded(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| (value * 1e4).round() / 1e4).collect()
+}
