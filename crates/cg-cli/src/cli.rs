@@ -8,7 +8,7 @@ use cg_vehicle::estimate::Method;
 use cg_vehicle::log::{ColumnMap, Signal};
 use cg_vehicle::maneuver::Maneuver;
 use cg_vehicle::simulate::Plant;
-use cg_vehicle::{Load, Vehicle, Variant};
+use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
@@ -167,9 +167,11 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
-    })
+    number(text).and_then(
+        |value| {
+            if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
+        },
+    )
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {

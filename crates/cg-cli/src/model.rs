@@ -145,7 +145,11 @@ fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
             line.a0, line.a1, line.b0, line.b1
         )?;
     }
-    writeln!(out, "\nReduced to order {} ({}), descending powers", d.reduced.order, d.reduced.method)?;
+    writeln!(
+        out,
+        "\nReduced to order {} ({}), descending powers",
+        d.reduced.order, d.reduced.method
+    )?;
     writeln!(out, "  numerator   {:?}", rounded(&d.reduced.numerator))?;
     writeln!(out, "  denominator {:?}", rounded(&d.reduced.denominator))?;
     writeln!(out, "\nStatic loads")?;

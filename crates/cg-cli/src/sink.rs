@@ -31,11 +31,8 @@ struct Line<'a> {
 fn json(answers: &[Answer]) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     for answer in answers {
-        let line = Line {
-            log: &answer.log,
-            estimate: &answer.estimate,
-            known_height_m: answer.known_m,
-        };
+        let line =
+            Line { log: &answer.log, estimate: &answer.estimate, known_height_m: answer.known_m };
         // To a string first: a line is written whole or not at all.
         writeln!(out, "{}", serde_json::to_string(&line)?)?;
     }

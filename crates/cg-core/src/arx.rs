@@ -120,7 +120,8 @@ impl<T: Real, const N: usize> Arx<T, N> {
             Ok(theta) => theta,
             Err(unknown) => return Answer::Unexcited(Unexcited::Direction { unknown }),
         };
-        let freedom = T::of(f64::from(rows)) - T::of(unknowns as f64);
+        #[allow(clippy::cast_possible_truncation)] // more rows than unknowns: it fits
+        let freedom = T::of(f64::from(rows - unknowns as u32));
         let variance = self.triangle.sum_of_squares_at(&theta) / freedom;
         let (mut denominator, mut numerator) = (T::one(), T::zero());
         for k in 0..N {
@@ -169,7 +170,6 @@ impl<T: Real, const N: usize> Arx<T, N> {
         self.na + self.nb + usize::from(self.with_constant)
     }
 }
-
 
 /// Settings of [`SampledArx`].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -113,10 +113,10 @@ impl<T: Real> Conditioner<T> {
         sample: &Sample<T>,
     ) -> Result<Option<Row<T>>, SampleError> {
         let time_us = sample.time_us;
-        if let Some(previous_us) = self.previous_us {
-            if time_us <= previous_us {
-                return Err(SampleError::TimeOrder { previous_us, time_us });
-            }
+        if let Some(previous_us) = self.previous_us
+            && time_us <= previous_us
+        {
+            return Err(SampleError::TimeOrder { previous_us, time_us });
         }
         self.previous_us = Some(time_us);
         self.schedule(design, sample);

@@ -102,7 +102,9 @@ impl fmt::Display for DesignError {
             Self::NotFinite(field) => write!(f, "{field} must be a finite number"),
             Self::NotIncreasing(field) => write!(f, "{field} must increase strictly"),
             Self::NotPositive(field) => write!(f, "{field} must be positive"),
-            Self::Unstable(channel) => write!(f, "the reduced model of the {channel} channel is unstable"),
+            Self::Unstable(channel) => {
+                write!(f, "the reduced model of the {channel} channel is unstable")
+            }
         }
     }
 }
@@ -122,7 +124,12 @@ impl<T: Real> Design<T> {
                     denominator: c.model.denominator.map(to),
                 },
                 lines: c.lines.map(|row| {
-                    row.map(|l| RatioLine { a0: to(l.a0), a1: to(l.a1), b0: to(l.b0), b1: to(l.b1) })
+                    row.map(|l| RatioLine {
+                        a0: to(l.a0),
+                        a1: to(l.a1),
+                        b0: to(l.b0),
+                        b1: to(l.b1),
+                    })
                 }),
                 compensation: Measured {
                     value: to(c.compensation.value),
@@ -209,14 +216,13 @@ fn positive<T: Real>(value: T, field: &'static str) -> Result<(), DesignError> {
 
 /// The interval of a strictly increasing axis that holds `value`, and how far into it.
 fn locate<T: Real, const N: usize>(axis: &[T; N], value: T) -> Option<(usize, T)> {
-    let mut i = 0;
-    for pair in axis.windows(2) {
-        if let [low, high] = pair {
-            if value >= *low && value <= *high {
-                return Some((i, (value - *low) / (*high - *low)));
-            }
+    for (i, pair) in axis.windows(2).enumerate() {
+        if let [low, high] = pair
+            && value >= *low
+            && value <= *high
+        {
+            return Some((i, (value - *low) / (*high - *low)));
         }
-        i += 1;
     }
     None
 }

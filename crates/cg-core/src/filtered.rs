@@ -11,6 +11,12 @@ use crate::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
 /// numerator coefficients, the constant offset.
 pub const UNKNOWNS: usize = 2 * ORDER + 2;
 
+/// [`UNKNOWNS`] as a number.
+const UNKNOWNS_F64: f64 = 12.0;
+
+/// Rows taken into the triangle at once.
+const BLOCK: usize = 8;
+
 const GAIN: usize = ORDER;
 const OFFSET: usize = 2 * ORDER + 1;
 
@@ -39,6 +45,38 @@ impl<T: Real> Prior<T> {
     }
 }
 
+/// Rows that wait for their block to fill; the rest of it is zero and says nothing.
+#[derive(Clone, Copy, Debug)]
+struct Pending<T> {
+    rows: usize,
+    columns: [[T; BLOCK]; UNKNOWNS],
+    observations: [T; BLOCK],
+}
+
+impl<T: Real> Pending<T> {
+    fn new() -> Self {
+        let zero = T::zero();
+        Self { rows: 0, columns: [[zero; BLOCK]; UNKNOWNS], observations: [zero; BLOCK] }
+    }
+
+    fn push(&mut self, row: [T; UNKNOWNS], observation: T) {
+        if let Some(place) = self.observations.get_mut(self.rows) {
+            *place = observation;
+            for (column, value) in self.columns.iter_mut().zip(row) {
+                if let Some(place) = column.get_mut(self.rows) {
+                    *place = value;
+                }
+            }
+            self.rows += 1;
+        }
+    }
+
+    fn folded_into(&self, mut triangle: Triangle<T, UNKNOWNS>) -> Triangle<T, UNKNOWNS> {
+        triangle.push_block(self.columns, self.observations);
+        triangle
+    }
+}
+
 /// ARX on filtered signals, with prior knowledge of the dynamics.
 ///
 /// With `y_k`, `u_k` the roll and the input filtered by `sᵏ/B(s)` and `G = A/B` the reduced
@@ -63,6 +101,7 @@ pub struct FilteredArx<T: Real> {
     roll: StateVariableFilter<T>,
     started: bool,
     triangle: Triangle<T, UNKNOWNS>,
+    pending: Pending<T>,
     moments: Moments<T>,
     reference_rad: T,
     newest_share: [T; ORDER],
@@ -83,6 +122,7 @@ impl<T: Real> FilteredArx<T> {
             roll: StateVariableFilter::at_rest(&model, T::zero()),
             started: false,
             triangle: Triangle::new(),
+            pending: Pending::new(),
             moments: Moments::new(),
             reference_rad: T::zero(),
             newest_share: [T::zero(); ORDER],
@@ -107,7 +147,11 @@ impl<T: Real> FilteredArx<T> {
         for (sum, share) in self.newest_share.iter_mut().zip(self.step.newest_share()) {
             *sum += share;
         }
-        self.triangle.push(row, roll - nominal);
+        self.pending.push(row, roll - nominal);
+        if self.pending.rows == BLOCK {
+            self.triangle = self.pending.folded_into(self.triangle);
+            self.pending = Pending::new();
+        }
         self.moments.push(input, roll);
     }
 
@@ -123,8 +167,8 @@ impl<T: Real> FilteredArx<T> {
     }
 
     /// The triangle with the prior rows for a residual of standard deviation `noise_sd`.
-    fn with_prior(&self, noise_sd: T) -> Triangle<T, UNKNOWNS> {
-        let mut triangle = self.triangle;
+    fn with_prior(&self, data: &Triangle<T, UNKNOWNS>, noise_sd: T) -> Triangle<T, UNKNOWNS> {
+        let mut triangle = *data;
         let gain = self.model.dc_gain().abs();
         for k in 0..UNKNOWNS {
             let size = if k < ORDER {
@@ -170,17 +214,17 @@ impl<T: Real> FilteredArx<T> {
         if !(self.excitation_rad() > floor) {
             return Err(Unexcited::Input);
         }
-        let freedom = (self.moments.weight - T::of(UNKNOWNS as f64)).max(T::one());
+        let freedom = (self.moments.weight - T::of(UNKNOWNS_F64)).max(T::one());
         // The prior's weight depends on the noise and the noise on the answer: three rounds
         // settle it, since the residual hardly depends on the prior.
         let (mut noise_sd, mut residual_sd) = (floor, floor);
-        let mut answer = ([T::zero(); UNKNOWNS], noise_sd, self.triangle);
+        let data = self.pending.folded_into(self.triangle);
+        let mut answer = ([T::zero(); UNKNOWNS], noise_sd, data);
         for _ in 0..3 {
-            let triangle = self.with_prior(noise_sd);
-            let theta = triangle
-                .solve(UNKNOWNS)
-                .map_err(|unknown| Unexcited::Direction { unknown })?;
-            residual_sd = (self.triangle.sum_of_squares_at(&theta) / freedom).root();
+            let triangle = self.with_prior(&data, noise_sd);
+            let theta =
+                triangle.solve(UNKNOWNS).map_err(|unknown| Unexcited::Direction { unknown })?;
+            residual_sd = (data.sum_of_squares_at(&theta) / freedom).root();
             noise_sd = residual_sd.max(floor);
             answer = (theta, noise_sd, triangle);
         }
@@ -258,7 +302,14 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     /// Advances the filters to the next sample, `interval_s` after the one before, and takes
     /// its row in if `use_row` says so.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
-        if !self.started {
+        if self.started {
+            if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
+                self.interval_s = interval_s;
+                self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
+            }
+            self.input.push(&self.step, input);
+            self.roll.push(&self.step, roll_rad - self.reference_rad);
+        } else {
             self.started = true;
             // Roll from its first value on: a large constant would cost digits in f32. Without
             // an offset regressor it must not move, though.
@@ -267,13 +318,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
             }
             self.input = StateVariableFilter::at_rest(&self.model, input);
             self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
-        } else {
-            if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
-                self.interval_s = interval_s;
-                self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
-            }
-            self.input.push(&self.step, input);
-            self.roll.push(&self.step, roll_rad - self.reference_rad);
         }
         if use_row {
             self.take_row(input, roll_rad - self.reference_rad);
@@ -283,6 +327,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     /// Forgets the rows, keeps the filters running.
     fn clear(&mut self) {
         self.triangle = Triangle::new();
+        self.pending = Pending::new();
         self.moments = Moments::new();
         self.newest_share = [T::zero(); ORDER];
     }
@@ -295,6 +340,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// Multiplies the weight of all rows so far by `factor` (forgetting).
     fn forget(&mut self, factor: T) {
+        self.triangle = self.pending.folded_into(self.triangle);
+        self.pending = Pending::new();
         self.triangle.scale(factor.root());
         self.moments.scale(factor);
         for sum in &mut self.newest_share {

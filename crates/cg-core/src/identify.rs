@@ -86,7 +86,14 @@ pub(crate) struct Moments<T> {
 impl<T: Real> Moments<T> {
     pub(crate) fn new() -> Self {
         let zero = T::zero();
-        Self { weight: zero, rows: 0, input: zero, input_square: zero, roll: zero, roll_square: zero }
+        Self {
+            weight: zero,
+            rows: 0,
+            input: zero,
+            input_square: zero,
+            roll: zero,
+            roll_square: zero,
+        }
     }
 
     pub(crate) fn push(&mut self, input: T, roll: T) {

@@ -46,12 +46,12 @@ pub mod filtered;
 pub mod height;
 pub mod estimator;
 
+pub use arx::Arx;
 pub use condition::{Conditioner, SampleError};
 pub use design::{Channel, ChannelDesign, Design, DesignError};
 pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
-pub use height::Height;
-pub use arx::Arx;
 pub use filtered::{FilteredArx, Prior};
+pub use height::Height;
 pub use identify::{Answer, Fit, Identify, Unexcited};
 pub use ratio::{HeightError, Measured, RatioLine};
 pub use real::Real;

@@ -117,8 +117,7 @@ pub fn solve_height<T: Real>(
     let value = (line.a0 - x * line.b0) / slope;
     // dh/dx = (a1 b0 − a0 b1) / (x b1 − a1)², each factor divided by the slope first:
     // the coefficients of eq. 5.17 reach 1e272 and their products would overflow.
-    let derivative =
-        (line.a1 / slope) * (line.b0 / slope) - (line.a0 / slope) * (line.b1 / slope);
+    let derivative = (line.a1 / slope) * (line.b0 / slope) - (line.a0 / slope) * (line.b1 / slope);
     let relative_variance = identified.relative_variance()
         + compensation.relative_variance()
         + model_sd_relative * model_sd_relative;
@@ -140,7 +139,8 @@ mod tests {
     /// Tables 5.6 and 5.7: printed four-digit ratio, printed height in inches.
     #[test]
     fn tables_5_6_and_5_7_to_all_printed_decimals() {
-        let to_four = [(-0.8459, 77.7147), (-0.8462, 77.7390), (-0.8463, 77.7470), (-0.8464, 77.7551)];
+        let to_four =
+            [(-0.8459, 77.7147), (-0.8462, 77.7390), (-0.8463, 77.7470), (-0.8464, 77.7551)];
         let to_two = [
             (-0.8456, 77.69),
             (-0.8430, 77.48),
@@ -150,7 +150,9 @@ mod tests {
             (-0.8511, 78.13),
         ];
         let solve = |ratio| {
-            solve_height(&THESIS, Measured::exact(ratio), Measured::exact(1.4894), 0.0).unwrap().value
+            solve_height(&THESIS, Measured::exact(ratio), Measured::exact(1.4894), 0.0)
+                .unwrap()
+                .value
         };
         // Half a unit of the last printed decimal.
         for (ratio, height_in) in to_four {

@@ -18,10 +18,13 @@ pub trait Real: RealField + Copy + sealed::Sealed {
     /// This value as `f64`.
     fn as_f64(self) -> f64;
     /// Square root (NaN for negative arguments).
+    #[must_use]
     fn root(self) -> Self;
     /// `self` to the power `exponent`.
+    #[must_use]
     fn power(self, exponent: Self) -> Self;
     /// Decimal logarithm.
+    #[must_use]
     fn decimal_log(self) -> Self;
     /// The machine epsilon.
     fn machine_epsilon() -> Self;

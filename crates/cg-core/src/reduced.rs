@@ -50,7 +50,7 @@ impl<T: Real> Reduced5<T> {
 
     /// `B0^(1/5)`, rad/s: the time scale in which the coefficients are near one.
     pub fn time_scale_radps(&self) -> T {
-        self.denominator[0].power(T::of(1.0 / ORDER as f64))
+        self.denominator[0].power(T::of(0.2))
     }
 
     /// The same model in the time `τ = ω t`.
@@ -78,7 +78,11 @@ impl<T: Real> Reduced5<T> {
         let d1 = (c1 * b2 - b4 * c2) / c1;
         let e1 = (d1 * c2 - c1 * b0) / d1;
         let positive = |x: T| x.present() && x > T::zero();
-        positive(b4) && positive(c1) && positive(d1) && positive(e1) && positive(b0)
+        positive(b4)
+            && positive(c1)
+            && positive(d1)
+            && positive(e1)
+            && positive(b0)
             && self.numerator.iter().all(|a| a.present())
     }
 
@@ -181,9 +185,8 @@ impl<T: Real> StateVariableFilter<T> {
     /// Advances to the next sample of the signal.
     #[inline]
     pub fn push(&mut self, step: &StepMatrices<T>, input: T) {
-        let change = step.increment * self.state
-            + step.held * self.input
-            + step.ramp * (input - self.input);
+        let change =
+            step.increment * self.state + step.held * self.input + step.ramp * (input - self.input);
         self.state += change;
         self.input = input;
     }
@@ -253,7 +256,11 @@ mod tests {
         let c = [5.0, -5.0, 10.0 / 3.0, -1.25, 0.2];
         let exact = |t: f64| {
             let lag: f64 = (1..=5).map(|k| 1.0 / f64::from(k)).sum();
-            let decay: f64 = (1..=5).map(|k| c[k - 1] * (-(k as f64) * t).exp()).sum();
+            let decay: f64 = c
+                .iter()
+                .zip([1.0, 2.0, 3.0, 4.0, 5.0])
+                .map(|(c, k): (_, f64)| c * (-k * t).exp())
+                .sum();
             t - lag + decay
         };
         for interval in [0.001, 0.05, 0.5] {

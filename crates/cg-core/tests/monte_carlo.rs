@@ -1,6 +1,7 @@
 //! Statistical efficiency of the identifiers on the source's own reduced model:
 //! 201 samples at 0.05 s, rounded step a = 3, white noise on the roll.
 #![allow(clippy::cast_precision_loss)]
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 mod common;
 
@@ -48,7 +49,9 @@ fn the_production_identifier_meets_its_targets() {
     // Targets: RMSE 0.26 / 0.80 / 2.3 / 3.9 % at 30 / 20 / 10 / 5 dB, |bias| ≤ 0.3 RMSE
     // (at 20 dB ≤ 0.25 %), 95 % intervals that hold the truth in 93–97 % of the runs.
     // 1000 runs: the RMSE itself scatters by 1/√2000 = 2.2 %, the coverage by 0.7 %.
-    for (snr_db, rmse, bias) in [(30.0, 0.26, 0.08), (20.0, 0.80, 0.25), (10.0, 2.3, 0.7), (5.0, 3.9, 1.2)] {
+    for (snr_db, rmse, bias) in
+        [(30.0, 0.26, 0.08), (20.0, 0.80, 0.25), (10.0, 2.3, 0.7), (5.0, 3.9, 1.2)]
+    {
         let score = score(without_offset(0.2), snr_db, 1000);
         println!(
             "{snr_db} dB: bias {:+.3} % rmse {:.3} % coverage {:.1} %",

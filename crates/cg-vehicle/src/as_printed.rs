@@ -55,12 +55,12 @@ struct Context<'a> {
     speed_mps: f64,
     gravity_mps2: f64,
     axles: Vec<PlacedAxle<'a>>,
-    hitch_behind_m: f64,     // Xsc1
-    hitch_ahead_m: f64,      // Xsc2
-    tractor_cg_m: f64,       // h1
-    trailer_cg_m: f64,       // h
-    tractor_above_m: f64,    // Zsc1
-    trailer_above_m: f64,    // Zsc2
+    hitch_behind_m: f64,       // Xsc1
+    hitch_ahead_m: f64,        // Xsc2
+    tractor_cg_m: f64,         // h1
+    trailer_cg_m: f64,         // h
+    tractor_above_m: f64,      // Zsc1
+    trailer_above_m: f64,      // Zsc2
     trailer_unit_above_m: f64, // Zc2
 }
 
@@ -188,8 +188,7 @@ impl Context<'_> {
         let (p, n) = (self.printed, self.axles.len());
         let mut steer = vec![0.0; column::AXLE + n];
         let (a1, a2) = (self.tractor_acceleration(), self.trailer_acceleration());
-        let mut lateral =
-            self.zero().add(p.tractor_mass_kg, &a1).add(p.trailer_mass_kg, &a2); // 4.11
+        let mut lateral = self.zero().add(p.tractor_mass_kg, &a1).add(p.trailer_mass_kg, &a2); // 4.11
         let mut yaw_1 = self // 4.30
             .zero()
             .add(-p.tractor_cg_ahead_of_hitch_m * p.tractor_mass_kg, &a1)
@@ -229,7 +228,8 @@ impl Context<'_> {
                 yaw_1 = yaw_1.add(arm, &slip);
                 steer[1] += arm * delta;
             }
-            let inertia = self.axle_inertia(velocity, placed, own, (yaw, ahead_m), (roll, below_cg_m));
+            let inertia =
+                self.axle_inertia(&velocity, placed, own, (yaw, ahead_m), (roll, below_cg_m));
             let reaction = inertia.add(tyres.cornering, &slip); // F_R without its φu terms
             let sprung_n = p.axle_load_n[i] - p.unsprung_weight_n[i];
             let spring = placed.suspension_roll_stiffness_nm_per_rad();
@@ -260,17 +260,18 @@ impl Context<'_> {
         (yaw, ahead_m): (usize, f64),
         (roll, below_cg_m): (usize, f64),
     ) -> Form {
-        let v_axle = velocity
-            .plus(yaw, 1, ahead_m)
-            .plus(roll, 1, -below_cg_m)
-            .plus(own, 1, -placed.axle.roll_center_height_m);
+        let v_axle = velocity.plus(yaw, 1, ahead_m).plus(roll, 1, -below_cg_m).plus(
+            own,
+            1,
+            -placed.axle.roll_center_height_m,
+        );
         self.zero().add(1.0 / self.speed_mps, &v_axle)
     }
 
     /// `m_u` times the lateral acceleration of the axle, eq. 4.8.
     fn axle_inertia(
         &self,
-        velocity: Form,
+        velocity: &Form,
         placed: &PlacedAxle<'_>,
         own: usize,
         (yaw, ahead_m): (usize, f64),

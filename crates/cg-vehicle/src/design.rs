@@ -129,8 +129,7 @@ fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, Vehicl
             far(a.position_m).total_cmp(&far(b.position_m))
         })
         .map_or(0.0, |placed| middle_m(&placed.axle.tyre_positions_m));
-    let (mut moment, mut force_n) =
-        (balance.hitch_load_n * nearest_hitch, balance.hitch_load_n);
+    let (mut moment, mut force_n) = (balance.hitch_load_n * nearest_hitch, balance.hitch_load_n);
     let (mut unsprung, mut center, mut roll_axis) = (0.0, 0.0, 0.0);
     for (placed, load_n) in axles.iter().zip(&balance.axle_load_n) {
         if placed.on_trailer {

@@ -377,7 +377,9 @@ impl LogEstimator {
             maneuvers: self
                 .maneuvers
                 .iter()
-                .map(|maneuver| describe_maneuver(maneuver, &maneuver.outcomes[shown.index()], origin_s))
+                .map(|maneuver| {
+                    describe_maneuver(maneuver, &maneuver.outcomes[shown.index()], origin_s)
+                })
                 .collect(),
             messages: Vec::new(),
         }

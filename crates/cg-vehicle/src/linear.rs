@@ -243,9 +243,8 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     let mut velocity = DVector::zeros(e.mass.nrows());
     velocity[w::LATERAL] = 1.0;
     let tractor_cg = Point { velocity, on_trailer: false };
-    let at_hitch = tractor_cg
-        .moved(w::YAW_1, -tractor.hitch_behind_cg_m)
-        .moved(w::ROLL_1, tractor_above_m);
+    let at_hitch =
+        tractor_cg.moved(w::YAW_1, -tractor.hitch_behind_cg_m).moved(w::ROLL_1, tractor_above_m);
     let mut trailer_cg =
         at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m).moved(w::ROLL_2, -trailer_above_m);
     trailer_cg.on_trailer = true;
@@ -277,7 +276,7 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
             total_n: balance.axle_load_n[i],
             sprung_n: balance.axle_load_n[i] - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
         };
-        add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), load);
+        add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
     }
     e.lateral_rate.copy_from(&trailer_cg.velocity);
     // d/dt of the lateral velocity in the turning frame: U r1 for both units, since the
@@ -305,7 +304,7 @@ fn add_axle(
     placed: &PlacedAxle<'_>,
     cg: &Point,
     (ahead_m, cg_height_m): (f64, f64),
-    load: AxleLoad,
+    load: &AxleLoad,
 ) {
     let axle = placed.axle;
     let unit = usize::from(cg.on_trailer);
@@ -341,9 +340,8 @@ fn add_axle(
     e.stiffness[(body, body_angle)] += spring - load.sprung_n * below_cg_m;
     e.stiffness[(body, own_angle)] -= spring;
     e.stiffness[(own, body_angle)] -= spring;
-    e.stiffness[(own, own_angle)] += spring + tyres
-        - load.total_n * axle.center_height_m
-        - load.sprung_n * above_axle_m;
+    e.stiffness[(own, own_angle)] +=
+        spring + tyres - load.total_n * axle.center_height_m - load.sprung_n * above_axle_m;
     let damper = axle.roll_damping_nms_per_rad;
     e.damping[(body, body)] += damper;
     e.damping[(body, own)] -= damper;

@@ -95,7 +95,8 @@ impl SteerHistory {
     fn driven(&self, time_s: f64) -> f64 {
         let mut previous = 0.0;
         let mut steer = 0.0;
-        for &(start_s, target) in self.segments.iter().take_while(|(start_s, _)| *start_s < time_s) {
+        for &(start_s, target) in self.segments.iter().take_while(|(start_s, _)| *start_s < time_s)
+        {
             let x = (time_s - start_s) / DRIVER_LAG_S;
             steer += (target - previous) * (1.0 - (1.0 + x) * (-x).exp());
             previous = target;

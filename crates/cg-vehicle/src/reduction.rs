@@ -67,10 +67,11 @@ pub fn pade(series: &[f64], order: usize) -> Option<Rational> {
         *value = *value / leading * scale.powi(exponent);
     }
     let numerator = matched_numerator(&denominator, series);
-    numerator.iter().chain(&denominator).all(|x| x.is_finite()).then_some(Rational {
-        numerator,
-        denominator,
-    })
+    numerator
+        .iter()
+        .chain(&denominator)
+        .all(|x| x.is_finite())
+        .then_some(Rational { numerator, denominator })
 }
 
 fn time_scale(series: &[f64], order: usize) -> f64 {
@@ -82,9 +83,7 @@ fn time_scale(series: &[f64], order: usize) -> f64 {
 
 /// The numerator over `denominator` that matches the series in its first terms.
 fn matched_numerator(denominator: &[f64], series: &[f64]) -> Vec<f64> {
-    (0..denominator.len())
-        .map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum())
-        .collect()
+    (0..denominator.len()).map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum()).collect()
 }
 
 /// The first terms of `numerator / denominator`, both series in s.

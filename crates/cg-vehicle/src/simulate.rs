@@ -117,9 +117,8 @@ impl LogSimulation {
         let lateral_gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough)?;
         let yaw_gain = model.steady(&model.trailer_yaw_rate, 0.0)?;
         let ratio = model.steady(&model.trailer_roll, 0.0)?;
-        let steer_rad = scenario
-            .steer_rad
-            .unwrap_or(DEFAULT_LATERAL_G * vehicle.gravity_mps2 / lateral_gain);
+        let steer_rad =
+            scenario.steer_rad.unwrap_or(DEFAULT_LATERAL_G * vehicle.gravity_mps2 / lateral_gain);
         let history = SteerHistory::new(
             scenario.maneuver,
             steer_rad,
@@ -172,8 +171,7 @@ impl LogSimulation {
     fn clean<E>(&self, mut write: impl FnMut(LogRow) -> Result<(), E>) -> Result<(), E> {
         let interval_s = 1.0 / self.scenario.rate_hz;
         let mut linear = self.model.simulation(interval_s);
-        let mut reduced =
-            self.reduced.map(|model| ReducedSimulation::new(&model, interval_s, 0.0));
+        let mut reduced = self.reduced.map(|model| ReducedSimulation::new(&model, interval_s, 0.0));
         let mut roll_rad = 0.0;
         for k in 0..self.samples {
             #[allow(clippy::cast_precision_loss)]

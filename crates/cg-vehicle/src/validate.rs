@@ -14,7 +14,7 @@ pub(crate) struct Invalid {
 }
 
 impl Invalid {
-    fn new(path: &str, value: impl ToString, remedy: &str) -> Self {
+    fn new(path: &str, value: impl std::fmt::Display, remedy: &str) -> Self {
         Self { path: path.to_owned(), value: value.to_string(), remedy: remedy.to_owned() }
     }
 
@@ -37,7 +37,6 @@ impl Invalid {
 fn locate(text: &str, path: &str) -> (usize, usize) {
     let mut offset = 0;
     if let Ok(root) = DeTable::parse(text) {
-        let mut here: Option<&DeValue<'_>> = None;
         let mut table = Some(root.get_ref());
         for step in path.split('.') {
             let (key, index) = match step.split_once('[') {
@@ -46,14 +45,14 @@ fn locate(text: &str, path: &str) -> (usize, usize) {
             };
             let Some(entry) = table.and_then(|table| table.get(key)) else { break };
             offset = entry.span().start;
-            here = Some(entry.get_ref());
-            if let (Some(index), Some(DeValue::Array(items))) = (index, here) {
+            let mut here = entry.get_ref();
+            if let (Some(index), DeValue::Array(items)) = (index, here) {
                 let Some(item) = items.get(index) else { break };
                 offset = item.span().start;
-                here = Some(item.get_ref());
+                here = item.get_ref();
             }
             table = match here {
-                Some(DeValue::Table(table)) => Some(table),
+                DeValue::Table(table) => Some(table),
                 _ => None,
             };
         }
@@ -162,7 +161,8 @@ fn heights_and_masses(v: &Vehicle) -> Result<(), Invalid> {
     }
     let reference = v.trailer.reference_cg_height_m;
     if !(reference > least && reference < greatest) {
-        let remedy = format!("must lie between height.least_m = {least} and height.greatest_m = {greatest}");
+        let remedy =
+            format!("must lie between height.least_m = {least} and height.greatest_m = {greatest}");
         return Err(Invalid::new("trailer.reference_cg_height_m", reference, &remedy));
     }
     let (mass, empty) = (v.trailer.reference_mass_kg, v.empty_trailer_mass_kg());
@@ -175,7 +175,11 @@ fn heights_and_masses(v: &Vehicle) -> Result<(), Invalid> {
 
 fn units(v: &Vehicle) -> Result<(), Invalid> {
     if !v.tractor.axle.iter().any(|a| a.steered) {
-        return Err(Invalid::new("tractor.axle", v.tractor.axle.len(), "one axle must have steered = true"));
+        return Err(Invalid::new(
+            "tractor.axle",
+            v.tractor.axle.len(),
+            "one axle must have steered = true",
+        ));
     }
     if v.trailer.axle.is_empty() {
         return Err(Invalid::new("trailer.axle", 0, "the trailer needs at least one axle"));
@@ -183,7 +187,11 @@ fn units(v: &Vehicle) -> Result<(), Invalid> {
     for (i, a) in v.tractor.axle.iter().enumerate() {
         let path = format!("tractor.axle[{i}]");
         if !a.ahead_of_cg_m.is_finite() {
-            return Err(Invalid::new(&format!("{path}.ahead_of_cg_m"), a.ahead_of_cg_m, "must be finite"));
+            return Err(Invalid::new(
+                &format!("{path}.ahead_of_cg_m"),
+                a.ahead_of_cg_m,
+                "must be finite",
+            ));
         }
         axle(&path, &a.axle, v)?;
     }
@@ -219,7 +227,11 @@ fn axle(path: &str, a: &Axle, v: &Vehicle) -> Result<(), Invalid> {
         return Err(Invalid::new(&format!("{path}.tyre"), &a.tyre, &remedy));
     }
     if a.tyre_positions_m.is_empty() {
-        return Err(Invalid::new(&format!("{path}.tyre_positions_m"), "[]", "needs one entry (single tyres) or two (dual)"));
+        return Err(Invalid::new(
+            &format!("{path}.tyre_positions_m"),
+            "[]",
+            "needs one entry (single tyres) or two (dual)",
+        ));
     }
     for (j, &position) in a.tyre_positions_m.iter().enumerate() {
         positive(&format!("{path}.tyre_positions_m[{j}]"), position)?;
@@ -230,10 +242,17 @@ fn axle(path: &str, a: &Axle, v: &Vehicle) -> Result<(), Invalid> {
 fn tyre_table(path: &str, tyre: &Tyre) -> Result<(), Invalid> {
     positive(&format!("{path}.vertical_stiffness_n_per_m"), tyre.vertical_stiffness_n_per_m)?;
     positive(&format!("{path}.unloaded_radius_m"), tyre.unloaded_radius_m.unwrap_or(1.0))?;
-    not_negative(&format!("{path}.overturning_stiffness_nm_per_rad"), tyre.overturning_stiffness_nm_per_rad)?;
+    not_negative(
+        &format!("{path}.overturning_stiffness_nm_per_rad"),
+        tyre.overturning_stiffness_nm_per_rad,
+    )?;
     let loads = &tyre.load_n;
     if loads.len() < 2 || !loads.windows(2).all(|pair| pair[0] < pair[1]) {
-        return Err(Invalid::new(&format!("{path}.load_n"), format!("{loads:?}"), "needs two or more strictly increasing loads"));
+        return Err(Invalid::new(
+            &format!("{path}.load_n"),
+            format!("{loads:?}"),
+            "needs two or more strictly increasing loads",
+        ));
     }
     for (key, table) in [
         ("cornering_stiffness_n_per_rad", &tyre.cornering_stiffness_n_per_rad),
@@ -241,7 +260,11 @@ fn tyre_table(path: &str, tyre: &Tyre) -> Result<(), Invalid> {
     ] {
         if table.len() != loads.len() {
             let remedy = format!("needs one value per load: {}", loads.len());
-            return Err(Invalid::new(&format!("{path}.{key}"), format!("{} values", table.len()), &remedy));
+            return Err(Invalid::new(
+                &format!("{path}.{key}"),
+                format!("{} values", table.len()),
+                &remedy,
+            ));
         }
         for (j, &value) in table.iter().enumerate() {
             not_negative(&format!("{path}.{key}[{j}]"), value)?;
@@ -258,7 +281,11 @@ fn as_printed(v: &Vehicle) -> Result<(), Invalid> {
     {
         if values.len() != axles {
             let remedy = format!("needs one value per axle: {axles}");
-            return Err(Invalid::new(&format!("as_printed.{key}"), format!("{} values", values.len()), &remedy));
+            return Err(Invalid::new(
+                &format!("as_printed.{key}"),
+                format!("{} values", values.len()),
+                &remedy,
+            ));
         }
     }
     Ok(())

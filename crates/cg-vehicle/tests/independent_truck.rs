@@ -1,4 +1,5 @@
 //! The independent truck's logs with the nominal vehicle file: no calibration, both channels.
+#![allow(clippy::unwrap_used)] // helpers of tests
 
 use std::path::PathBuf;
 
@@ -62,40 +63,79 @@ fn static_loads_agree_with_the_multibody_model() {
         let load = Load { trailer_mass_kg: known.trailer_mass_kg, cg_height_m: known.height_m };
         let ours = static_balance(&kraz(), load).unwrap();
         for (ours, theirs) in ours.axle_load_n.iter().zip(&known.axle_load_n) {
-            println!("{}: {ours:.0} N, {theirs:.0} N", known.log);
+            // Positions and masses are documented to about 1 cm of 5 m and 10 kg of 10 t; the
+            // frame pitches by 0.7 degrees, which the flat lever arms here leave out (1 %).
+            assert!((ours / theirs - 1.0).abs() < 0.01, "{}: {ours:.0} {theirs:.0}", known.log);
         }
     }
 }
 
-fn errors(channel: Channel, method: Method) -> Vec<(String, f64)> {
-    known()
-        .iter()
-        .map(|known| {
-            let options = EstimateOptions { channel: Some(channel), method, ..Default::default() };
-            let estimate = estimate(known, options);
-            let height_m = estimate.height_m.unwrap_or(f64::NAN);
-            println!(
-                "{:28} {channel:20} {:.3} m of {:.3} m, {:+.2} % ± {:.2} %, {} maneuvers {:?} {:?}",
-                known.log,
-                height_m,
-                known.height_m,
-                100.0 * (height_m / known.height_m - 1.0),
-                100.0 * estimate.height_sd_m.unwrap_or(f64::NAN) / known.height_m,
-                estimate.maneuvers.len(),
-                estimate.ratio,
-                estimate.messages,
-            );
-            (known.log.clone(), height_m / known.height_m - 1.0)
-        })
-        .collect()
+/// Error of the height of every log, relative.
+fn errors(channel: Channel) -> Vec<f64> {
+    let mut errors = Vec::new();
+    for known in known() {
+        let options = EstimateOptions { channel: Some(channel), ..Default::default() };
+        let estimate = estimate(&known, options);
+        let (height_m, sd_m) = (estimate.height_m.unwrap(), estimate.height_sd_m.unwrap());
+        let error = height_m / known.height_m - 1.0;
+        println!(
+            "{:28} {channel:20} {height_m:.3} ± {sd_m:.3} m, known {:.3} m: {:+.1} %",
+            known.log,
+            known.height_m,
+            100.0 * error
+        );
+        // The truth within two standard deviations: the vehicle file says how far the
+        // uncalibrated model is trusted.
+        assert!((height_m - known.height_m).abs() <= 2.0 * sd_m, "{}", known.log);
+        errors.push(error);
+    }
+    errors
 }
 
+fn rms(errors: &[f64]) -> f64 {
+    #[allow(clippy::cast_precision_loss)] // ten logs
+    let n = errors.len() as f64;
+    (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt()
+}
+
+/// Steady gains of the same model give 3.5 % rms, 9.8 % at worst (the empty trailer, whose roll
+/// is a fifth of a degree per m/s²); identification may add a half of that on its own.
 #[test]
-fn heights_without_calibration() {
+fn heights_from_lateral_acceleration_without_calibration() {
+    let errors = errors(Channel::LateralAcceleration);
+    assert!(rms(&errors) < 0.05, "{:.3}", rms(&errors));
+}
+
+/// The steer channel knows the tyres, and they are those of another maker: 15 % rms with steady
+/// gains. Only calibration mends that.
+#[test]
+fn heights_from_steer_without_calibration() {
+    let errors = errors(Channel::Steer);
+    assert!(rms(&errors) < 0.18, "{:.3}", rms(&errors));
+}
+
+/// The thesis's own form and the gain-only form run on the same logs.
+#[test]
+fn every_method_answers() {
+    let known = known();
+    let laden = known.iter().find(|known| known.log.starts_with("A_p20_h190")).unwrap();
     for method in [Method::Filtered, Method::Gain, Method::Arx] {
-        for channel in Channel::ALL {
-            println!("{method:?}");
-            errors(channel, method);
-        }
+        let channel = Some(Channel::LateralAcceleration);
+        let options = EstimateOptions { channel, method, ..Default::default() };
+        let height_m = estimate(laden, options).height_m.unwrap();
+        println!("{method:?}: {height_m:.3} m");
+        // The model's own error (3 %) and that of the least exact method (3 %).
+        assert!((height_m / laden.height_m - 1.0).abs() < 0.06, "{method:?}: {height_m}");
     }
+}
+
+/// A speed that varies within the drive costs little: the expected roll angle follows it.
+#[test]
+fn an_ordinary_drive_is_as_good_as_a_step() {
+    let known = known();
+    let drive = known.iter().find(|known| known.log.starts_with("F_drive1")).unwrap();
+    let estimate = estimate(drive, EstimateOptions::default());
+    let good = estimate.maneuvers.iter().filter(|m| m.height_m.is_some()).count();
+    assert!(good >= 5, "{good} of {} maneuvers", estimate.maneuvers.len());
+    assert!((estimate.height_m.unwrap() / drive.height_m - 1.0).abs() < 0.05);
 }

@@ -1,5 +1,5 @@
 //! The printed numbers of the source, from `fixtures/vehicles/baseline.toml`.
-#![allow(clippy::unreadable_literal)]
+#![allow(clippy::unreadable_literal, clippy::unwrap_used)] // printed numbers; helpers of tests
 
 use cg_core::{Measured, ratio::solve_height};
 use cg_vehicle::linear::{Equations, ratio_line};
@@ -8,12 +8,18 @@ use cg_vehicle::{LinearModel, Load, Variant, Vehicle};
 const METRES_PER_INCH: f64 = 0.0254;
 
 fn baseline() -> Vehicle {
-    Vehicle::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml")).unwrap()
+    Vehicle::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml"))
+        .unwrap()
 }
 
 fn as_printed(vehicle: &Vehicle) -> LinearModel {
-    LinearModel::new(vehicle, Variant::AsPrinted, vehicle.nominal_speed_mps, vehicle.reference_load())
-        .unwrap()
+    LinearModel::new(
+        vehicle,
+        Variant::AsPrinted,
+        vehicle.nominal_speed_mps,
+        vehicle.reference_load(),
+    )
+    .unwrap()
 }
 
 /// Table 4.1: all 35 coefficients to 1.2e-4 (A16 is printed with three digits: 1.1e-4 of
@@ -49,13 +55,26 @@ fn table_4_1() {
 #[test]
 fn table_4_2() {
     let poles = [
-        (-24.2492, 87.2522), (-22.1080, 85.3078), (-24.9767, 62.2282), (-20.5391, 60.6393),
-        (-7.6665, 60.6146), (-5.0701, 51.9695), (-10.1493, 0.0), (-1.3959, 5.5499),
-        (-6.2942, 0.0), (-1.2621, 1.2798),
+        (-24.2492, 87.2522),
+        (-22.1080, 85.3078),
+        (-24.9767, 62.2282),
+        (-20.5391, 60.6393),
+        (-7.6665, 60.6146),
+        (-5.0701, 51.9695),
+        (-10.1493, 0.0),
+        (-1.3959, 5.5499),
+        (-6.2942, 0.0),
+        (-1.2621, 1.2798),
     ];
     let zeros = [
-        (-532.7544, 0.0), (493.8908, 0.0), (-24.2487, 87.2532), (-23.6844, 86.2743),
-        (-0.0009, 63.4241), (-25.0791, 62.2382), (-24.2174, 61.3193), (-3.9795, 6.3251),
+        (-532.7544, 0.0),
+        (493.8908, 0.0),
+        (-24.2487, 87.2532),
+        (-23.6844, 86.2743),
+        (-0.0009, 63.4241),
+        (-25.0791, 62.2382),
+        (-24.2174, 61.3193),
+        (-3.9795, 6.3251),
         (0.4710, 2.9178),
     ];
     let model = as_printed(&baseline()).state_space;
@@ -93,7 +112,8 @@ fn the_ratio_is_exactly_linear_over_linear_in_height() {
         let lines = ratio_line(&vehicle, variant, 17.0, vehicle.reference_load()).unwrap();
         for cg_height_m in [1.2, 1.7, 2.7] {
             let load = Load { cg_height_m, ..vehicle.reference_load() };
-            let model = Equations::new(&vehicle, variant, 17.0, load).unwrap().state_space().unwrap();
+            let model =
+                Equations::new(&vehicle, variant, 17.0, load).unwrap().state_space().unwrap();
             let roll = model.steady(&model.trailer_roll, 0.0).unwrap();
             let lateral =
                 model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
@@ -105,7 +125,7 @@ fn the_ratio_is_exactly_linear_over_linear_in_height() {
 }
 
 /// The fifth wheel's moment makes one calibration good over the whole range: the source's own
-/// eight measured gains (Table 5.11 through eq. 5.17), R_c fixed at 1.973 m.
+/// eight measured gains (Table 5.11 through eq. 5.17), `R_c` fixed at 1.973 m.
 #[test]
 fn the_complete_model_recovers_the_eight_heights() {
     let heights = [1.854, 1.905, 1.973, 2.007, 2.057, 2.108, 2.159, 2.210];
@@ -114,13 +134,18 @@ fn the_complete_model_recovers_the_eight_heights() {
     let printed = [0.5291, 0.5455, 0.5676, 0.5788, 0.5953, 0.6122, 0.6293, 0.6466];
     let vehicle = baseline();
     let line = |variant| {
-        ratio_line(&vehicle, variant, vehicle.nominal_speed_mps, vehicle.reference_load()).unwrap()[0]
+        ratio_line(&vehicle, variant, vehicle.nominal_speed_mps, vehicle.reference_load()).unwrap()
+            [0]
     };
     let (ours, theirs) = (line(Variant::Complete), line(Variant::AsPrinted));
     let compensation = measured[2] / ours.ratio_at(1.973);
     for k in 0..8 {
         // Four digits: one unit of the fourth.
-        assert!((ours.ratio_at(heights[k]) - complete[k]).abs() < 1e-4, "{}", ours.ratio_at(heights[k]));
+        assert!(
+            (ours.ratio_at(heights[k]) - complete[k]).abs() < 1e-4,
+            "{}",
+            ours.ratio_at(heights[k])
+        );
         assert!((theirs.ratio_at(heights[k]) - printed[k]).abs() < 1e-4);
         let ratio = Measured::exact(measured[k]);
         let found = solve_height(&ours, ratio, Measured::exact(compensation), 0.0).unwrap().value;

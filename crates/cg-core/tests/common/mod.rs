@@ -1,9 +1,10 @@
 //! The source's reduced model (eq. 5.12) as a plant, its rounded step, and white noise.
-#![allow(dead_code)] // each test file uses its part
+#![allow(dead_code, clippy::cast_precision_loss, clippy::unwrap_used)] // each test file uses its part; indices are small
 
+use cg_core::design::{MASSES, SPEEDS};
 use cg_core::ratio::{Measured, RatioLine, solve_height};
 use cg_core::reduced::Simulation;
-use cg_core::Reduced5;
+use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
@@ -45,4 +46,48 @@ pub(crate) fn with_noise(clean: &[(f64, f64)], snr_db: f64, seed: u64) -> Vec<(f
 /// Height in inches and its standard deviation that a ratio means by eqs. 5.17–5.20.
 pub(crate) fn height_in(ratio: Measured<f64>) -> Measured<f64> {
     solve_height(&EQ_5_17, ratio, Measured::exact(COMPENSATION), 0.0).unwrap()
+}
+
+/// A design whose both channels are eq. 5.12 (lateral acceleration: steady gain 34 m/s² per
+/// rad), with the baseline's ratio line at every speed and mass, in metres.
+pub(crate) fn design() -> Design<f64> {
+    let steer_line = RatioLine { a0: 0.013_731, a1: 0.280_738, b0: 1.159_981, b1: -0.081_082 };
+    let channel = |gain: f64| {
+        let scaled =
+            |line: RatioLine<f64>| RatioLine { a0: line.a0 / gain, a1: line.a1 / gain, ..line };
+        ChannelDesign {
+            model: Reduced5 {
+                numerator: EQ_5_12.numerator.map(|a| a / gain),
+                denominator: EQ_5_12.denominator,
+            },
+            lines: [[scaled(steer_line); MASSES]; SPEEDS],
+            compensation: Measured { value: 1.489_6, sd: 0.02 },
+            model_sd_relative: 0.0,
+        }
+    };
+    let design = Design {
+        speed_mps: [2.0, 5.0, 8.0, 11.0, 14.0, 18.0, 24.0, 30.0],
+        trailer_mass_kg: [8e3, 15e3, 20e3, 25e3, 31e3, 40e3],
+        channels: [channel(1.0), channel(34.0)],
+        nominal_speed_mps: 13.9,
+        nominal_trailer_mass_kg: 31.3e3,
+        reference_height_m: 1.973,
+        least_height_m: 1.0,
+        greatest_height_m: 3.0,
+        gravity_mps2: 9.81,
+        rollover: RolloverDesign {
+            half_track_m: 0.95,
+            unsprung_mass_kg: 1.36e3,
+            unsprung_height_m: 0.508,
+            roll_center_height_m: 0.686,
+        },
+    };
+    design.validate().unwrap();
+    design
+}
+
+/// To single precision.
+#[allow(clippy::cast_possible_truncation)]
+pub(crate) fn narrow(value: f64) -> f32 {
+    value as f32
 }

@@ -1,0 +1,65 @@
+//! Logs for the benches.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use cg_vehicle::Vehicle;
+use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+
+/// A file under `fixtures/`.
+pub fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures").join(name)
+}
+
+/// The independent truck.
+///
+/// # Panics
+/// If the fixture is gone.
+#[allow(clippy::expect_used)] // a bench without its fixture has nothing to say
+pub fn kraz() -> Vehicle {
+    Vehicle::load(fixture("vehicles/kraz.toml")).expect("a good vehicle file")
+}
+
+/// The rows of the independent truck's drive (330 s at 50 Hz).
+///
+/// # Panics
+/// If the fixture is gone.
+#[allow(clippy::expect_used)]
+pub fn drive() -> Vec<LogRow> {
+    let path = fixture("logs/F_drive1_p15_h155.csv.gz");
+    let mut reader = LogReader::open(&path, &LogOptions::default()).expect("a good log");
+    std::iter::from_fn(|| reader.next_row().expect("a good row")).collect()
+}
+
+/// Writes the drive over and over, time going on, until the file has `rows` rows; seven
+/// columns as a logger writes them. Returns its path in the system's temporary folder.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn long_log(rows: usize) -> std::io::Result<PathBuf> {
+    let path = std::env::temp_dir().join(format!("cg-bench-{rows}.csv"));
+    let drive = drive();
+    let mut out = BufWriter::with_capacity(1 << 20, File::create(&path)?);
+    writeln!(
+        out,
+        "time_s,steer_rad,roll_rad,speed_mps,lateral_acceleration_mps2,yaw_rate_radps,trailer_mass_kg"
+    )?;
+    for k in 0..rows {
+        let row = &drive[k % drive.len()];
+        #[allow(clippy::cast_precision_loss)]
+        let time_s = k as f64 * 0.02;
+        writeln!(
+            out,
+            "{time_s:.2},{:.6},{:.7},{:.4},{:.4},{:.6},{:.0}",
+            row.steer_rad,
+            row.roll_rad,
+            row.speed_mps,
+            row.lateral_acceleration_mps2,
+            row.yaw_rate_radps,
+            row.trailer_mass_kg
+        )?;
+    }
+    out.flush()?;
+    Ok(path)
+}

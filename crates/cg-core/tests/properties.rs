@@ -1,0 +1,128 @@
+//! What holds for any input.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use cg_core::{Answer, Arx, Channel, Estimator, FilteredArx, Prior, Sample, Settings};
+use common::{rounded_step_response, with_noise};
+use proptest::prelude::*;
+
+fn estimator() -> Estimator<f32, FilteredArx<f32>> {
+    Estimator::new(&common::design().cast(), Settings::truck(), Prior::standard())
+}
+
+/// A log with one turn as samples, starting at `origin_us`.
+fn one_turn(origin_us: u64) -> Vec<Sample<f32>> {
+    let straight = vec![(0.0, 0.0); 200];
+    let turn = rounded_step_response(1500, 0.01, 3.0);
+    straight
+        .into_iter()
+        .chain(turn)
+        .zip(0_u64..)
+        .map(|((u, y), k)| {
+            let mut sample = Sample::absent(origin_us + 10_000 * k);
+            sample.steer_rad = common::narrow(u);
+            sample.roll_rad = common::narrow(y);
+            sample.speed_mps = 13.9;
+            sample
+        })
+        .collect()
+}
+
+fn height_of(samples: &[Sample<f32>]) -> Option<f32> {
+    let mut estimator = estimator();
+    for sample in samples {
+        estimator.push(sample).unwrap();
+    }
+    estimator.finish();
+    estimator.height(Channel::Steer).map(|height| height.height_m.value)
+}
+
+proptest! {
+    /// Any bits in any field, any time order: an answer or a refusal, never a panic.
+    #[test]
+    fn push_survives_anything(fields in prop::collection::vec((any::<u64>(), any::<[u32; 7]>()), 1..60)) {
+        let mut estimator = estimator();
+        for (time_us, bits) in fields {
+            let [steer, roll, tilt, speed, lateral, yaw, mass] = bits.map(f32::from_bits);
+            let sample = Sample {
+                time_us,
+                steer_rad: steer,
+                roll_rad: roll,
+                tilt_rad: tilt,
+                speed_mps: speed,
+                lateral_acceleration_mps2: lateral,
+                yaw_rate_radps: yaw,
+                trailer_mass_kg: mass,
+            };
+            let _ = estimator.push(&sample);
+        }
+        estimator.finish();
+        for channel in Channel::ALL {
+            if let Some(height) = estimator.height(channel) {
+                // Whatever comes out is a height that this trailer can have.
+                prop_assert!((1.0..=3.0).contains(&height.height_m.value));
+            }
+        }
+    }
+
+    /// Where the clock starts does not matter.
+    #[test]
+    fn time_has_no_origin(origin_us in 0_u64..1_000_000_000_000_000) {
+        prop_assert_eq!(height_of(&one_turn(0)), height_of(&one_turn(origin_us)));
+    }
+
+    /// Roll in other units gives the ratio in those units.
+    #[test]
+    fn the_ratio_scales_with_the_roll(scale in 0.01_f64..100.0, seed in any::<u64>()) {
+        let data = with_noise(&rounded_step_response(201, 0.05, 3.0), 30.0, seed);
+        let ratio = |scale: f64| {
+            let mut arx = Arx::<f64, 6>::new(3, 3, 1).unwrap();
+            for &(u, y) in &data {
+                arx.push(u, scale * y, true);
+            }
+            let Answer::Ready(fit) = arx.fit() else { panic!("excited") };
+            fit.ratio.value
+        };
+        // Condition number near 1e4, times the scale where the columns differ in size.
+        prop_assert!((ratio(scale) / scale / ratio(1.0) - 1.0).abs() < 1e-8);
+    }
+}
+
+#[test]
+fn without_a_turn_there_is_no_answer() {
+    let mut straight = one_turn(0);
+    straight.truncate(200);
+    assert_eq!(height_of(&straight), None);
+}
+
+#[test]
+fn a_turn_gives_the_height_that_made_it() {
+    // R_c R_a(h) = 0.8456 on the design's line: h = 1.9729 m.
+    let height = height_of(&one_turn(0)).unwrap();
+    assert!((height - 1.973).abs() < 0.002, "{height}");
+}
+
+#[test]
+fn a_sample_out_of_order_is_refused_and_changes_nothing() {
+    let samples = one_turn(0);
+    let mut estimator = estimator();
+    for (k, sample) in samples.iter().enumerate() {
+        estimator.push(sample).unwrap();
+        if k == 700 {
+            assert!(estimator.push(&samples[300]).is_err());
+        }
+    }
+    estimator.finish();
+    let height = estimator.height(Channel::Steer).map(|height| height.height_m.value);
+    assert_eq!(height, height_of(&samples));
+}
+
+#[test]
+fn a_hole_in_the_middle_of_a_turn_costs_accuracy_but_not_the_answer() {
+    let mut samples = one_turn(0);
+    samples.drain(600..700); // one second, longer than a straight line may bridge
+    let height = height_of(&samples).unwrap();
+    assert!((height - 1.973).abs() < 0.02, "{height}");
+}
