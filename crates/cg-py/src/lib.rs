@@ -1,1 +1,49 @@
-//! x
+//! `cgheight._native`: the compiled half of the Python package `cgheight`.
+//!
+//! | file | what Python sees |
+//! |---|---|
+//! | `vehicle` | `Vehicle` |
+//! | `options` | the options that every estimate shares |
+//! | `signals` | `estimate_arrays`: arrays in, answer out |
+//! | `log` | `estimate_file`, `resolve_columns`: logs and the names of their columns |
+//! | `stream` | `Stream`: row by row |
+//! | `results` | answers as the dataclasses of `cgheight._results` |
+//! | `arx`, `linear` | `fit_arx`, `linear_model` |
+//! | `error` | exceptions |
+//!
+//! Arrays are read in place and loops run detached from the interpreter, so other Python
+//! threads go on; every now and then a loop looks whether it was interrupted. What is
+//! convenient (lists, other number types, data frames) is made into arrays in Python.
+// PyO3 takes arguments by value.
+#![allow(clippy::needless_pass_by_value)]
+
+mod error;
+mod vehicle;
+mod options;
+mod results;
+mod signals;
+mod log;
+mod stream;
+mod arx;
+mod linear;
+
+/// The compiled half of cgheight.
+#[pyo3::pymodule(gil_used = false)]
+mod _native {
+    #[pymodule_export]
+    use crate::arx::fit_arx;
+    #[pymodule_export]
+    use crate::linear::linear_model;
+    #[pymodule_export]
+    use crate::log::{estimate_file, resolve_columns};
+    #[pymodule_export]
+    use crate::signals::estimate_arrays;
+    #[pymodule_export]
+    use crate::stream::Stream;
+    #[pymodule_export]
+    use crate::vehicle::Vehicle;
+
+    /// The version of the package.
+    #[pymodule_export]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Runs every bench and writes benches/RESULTS.md: where, when, what, raw output.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+raw=$(mktemp)
+trap 'rm -f "$raw"' EXIT
+cargo bench --package cg-bench | tee "$raw"
+{
+  echo "# Bench results"
+  echo
+  echo "Written by \`make bench\`. Times are of one run on a shared machine; compare only within it."
+  echo
+  echo "| | |"
+  echo "|---|---|"
+  echo "| date | $(date -u +%Y-%m-%d) |"
+  echo "| commit | $(git describe --always --dirty --exclude '*') |"
+  echo "| compiler | $(rustc --version) |"
+  echo "| machine | $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores |"
+  echo "| rows of the batch log | ${CG_BENCH_ROWS:-10000000} |"
+  echo
+  python3 benches/summary.py "$raw"
+  echo "## Raw output"
+  echo
+  echo '```text'
+  grep -E '^(Timer|identify|batch|├|╰|│| )' "$raw"
+  echo '```'
+} > benches/RESULTS.md.new
+mv benches/RESULTS.md.new benches/RESULTS.md

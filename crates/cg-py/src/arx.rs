@@ -1,0 +1,173 @@
+//! Classical ARX least squares.
+
+use cg_core::{Answer, Arx, Fit, Unexcited};
+use numpy::{PyArray1, PyArray2, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::value_error;
+use crate::results;
+use crate::signals::slice;
+
+/// The greatest number of coefficients.
+const GREATEST: usize = 40;
+/// Room of the small identifier.
+const SMALL: usize = 16;
+/// Room of the large one, which holds the past input of great delays too.
+const LARGE: usize = 48;
+
+/// Orders that were checked.
+#[derive(Clone, Copy)]
+struct Orders {
+    na: usize,
+    nb: usize,
+    nk: usize,
+}
+
+impl Orders {
+    fn checked(na: i64, nb: i64, nk: i64) -> PyResult<Self> {
+        let order = |name: &str, value: i64, least: usize| {
+            usize::try_from(value).ok().filter(|&order| order >= least).ok_or_else(|| {
+                value_error(format!("{name} is {value}: it must be {least} or more"))
+            })
+        };
+        let orders = Self { na: order("na", na, 0)?, nb: order("nb", nb, 1)?, nk: order("nk", nk, 0)? };
+        if orders.na.saturating_add(orders.nb) > GREATEST {
+            return Err(value_error(format!(
+                "na + nb is {}: it must be {GREATEST} or less",
+                orders.na.saturating_add(orders.nb)
+            )));
+        }
+        if orders.nk.saturating_add(orders.nb) > LARGE + 1 {
+            return Err(value_error(format!(
+                "nk + nb is {}: it must be {} or less; shift u instead",
+                orders.nk.saturating_add(orders.nb),
+                LARGE + 1
+            )));
+        }
+        Ok(orders)
+    }
+
+    fn count(self) -> usize {
+        self.na + self.nb
+    }
+
+    /// The regressor that belongs to a coefficient.
+    fn regressor(self, unknown: usize) -> String {
+        match unknown.checked_sub(self.na) {
+            None => format!("y(t-{})", unknown + 1),
+            Some(k) if k + self.nk == 0 => "u(t)".to_owned(),
+            Some(k) => format!("u(t-{})", k + self.nk),
+        }
+    }
+
+    fn explain(self, reason: Unexcited) -> String {
+        match reason {
+            Unexcited::TooFewRows { rows } => format!(
+                "unexcited: {rows} rows for {} coefficients; give a longer log or lower orders",
+                self.count()
+            ),
+            Unexcited::Direction { unknown } => format!(
+                "unexcited: the regressor {} is a combination of the ones before it; give data \
+                 in which the input moves more, or lower orders",
+                self.regressor(unknown)
+            ),
+            other => format!("unexcited: {other}"),
+        }
+    }
+}
+
+/// What the least squares give.
+struct Fitted {
+    fit: Fit<f64>,
+    theta: Vec<f64>,
+    covariance: Vec<Vec<f64>>,
+}
+
+fn fitted<const N: usize>(u: &[f64], y: &[f64], orders: Orders) -> Result<Fitted, String> {
+    let mut arx = Arx::<f64, N>::new(orders.na, orders.nb, orders.nk)
+        .ok_or_else(|| "the orders do not fit".to_owned())?;
+    for (&input, &output) in u.iter().zip(y) {
+        arx.push(input, output, true);
+    }
+    let fit = match arx.fit() {
+        Answer::Ready(fit) => fit,
+        Answer::Unexcited(reason) => return Err(orders.explain(reason)),
+    };
+    let n = orders.count();
+    let determined = arx.coefficients().zip(arx.covariance());
+    let (theta, covariance) = determined.ok_or_else(|| "the data determine no model".to_owned())?;
+    Ok(Fitted {
+        fit,
+        theta: theta[..n].to_vec(),
+        covariance: covariance[..n].iter().map(|row| row[..n].to_vec()).collect(),
+    })
+}
+
+fn checked(name: &str, values: &[f64]) -> PyResult<()> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(value_error(format!(
+            "{name}[{index}] is {}: a regression in shift form needs every value",
+            values[index]
+        ))),
+    }
+}
+
+/// Fit an ARX model to 1-D contiguous float64 arrays.
+#[pyfunction]
+#[pyo3(signature = (u, y, na, nb, nk, ts, /))]
+pub(crate) fn fit_arx<'py>(
+    py: Python<'py>,
+    u: PyReadonlyArrayDyn<'py, f64>,
+    y: PyReadonlyArrayDyn<'py, f64>,
+    na: i64,
+    nb: i64,
+    nk: i64,
+    ts: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (u, y) = (slice("u", &u)?, slice("y", &y)?);
+    if u.len() != y.len() {
+        return Err(value_error(format!(
+            "y has {} values and u has {}: they must be of one length",
+            y.len(),
+            u.len()
+        )));
+    }
+    if !(ts.is_finite() && ts > 0.0) {
+        return Err(value_error(format!("ts is {ts}: it must be positive and finite")));
+    }
+    checked("u", u)?;
+    checked("y", y)?;
+    let orders = Orders::checked(na, nb, nk)?;
+    let small = orders.count() <= SMALL && orders.nk + orders.nb <= SMALL + 1;
+    let fitted = py
+        .detach(|| if small { fitted::<SMALL>(u, y, orders) } else { fitted::<LARGE>(u, y, orders) })
+        .map_err(value_error)?;
+    model(py, orders, ts, &fitted)
+}
+
+fn model<'py>(
+    py: Python<'py>,
+    orders: Orders,
+    ts: f64,
+    fitted: &Fitted,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (past, input) = fitted.theta.split_at(orders.na);
+    let a = [&[1.0], past].concat();
+    let b = [&vec![0.0; orders.nk], input].concat();
+    let fields = PyDict::new(py);
+    fields.set_item("a", PyArray1::from_vec(py, a))?;
+    fields.set_item("b", PyArray1::from_vec(py, b))?;
+    fields.set_item("na", orders.na)?;
+    fields.set_item("nb", orders.nb)?;
+    fields.set_item("nk", orders.nk)?;
+    fields.set_item("ts", ts)?;
+    fields.set_item("covariance", PyArray2::from_vec2(py, &fitted.covariance)?)?;
+    fields.set_item("noise_variance", fitted.fit.noise_sd_rad * fitted.fit.noise_sd_rad)?;
+    fields.set_item("dc_gain", fitted.fit.ratio.value)?;
+    fields.set_item("dc_gain_sd", fitted.fit.ratio.sd)?;
+    fields.set_item("fit_percent", fitted.fit.fit_percent)?;
+    fields.set_item("rows", fitted.fit.rows)?;
+    results::make(py, "ArxModel", &fields)
+}

@@ -1,0 +1,150 @@
+//! The linear model of a vehicle.
+
+use cg_core::RatioLine;
+use cg_core::reduced::ORDER;
+use cg_vehicle::reduction::{Method, ReducedModels, reduce};
+use cg_vehicle::response::TransferFunction;
+use cg_vehicle::{Load, VehicleError};
+use numpy::{Complex64, PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::vehicle_error;
+use crate::options::{positive, variant};
+use crate::results::make;
+use crate::vehicle::Vehicle;
+
+/// Everything that is computed before Python sees it.
+struct Computed {
+    model: cg_vehicle::LinearModel,
+    transfer: TransferFunction,
+    reduced: ReducedModels,
+}
+
+/// The linear model of a vehicle: transfer function from steer angle to trailer roll angle.
+///
+/// Parameters
+/// ----------
+/// vehicle : Vehicle
+///     The vehicle.
+/// model : {"complete", "as-printed"}
+///     Equations: all terms, or those of the thesis as printed (corrected).
+/// speed_mps : float, optional
+///     Forward speed, m/s; the vehicle's nominal speed if absent.
+/// height_m : float, optional
+///     Height of the trailer's sprung c.g. above ground, m; the vehicle's reference if absent.
+/// trailer_mass_kg : float, optional
+///     Mass of the whole semitrailer as weighed, kg; the vehicle's reference if absent.
+///
+/// Returns
+/// -------
+/// LinearModel
+///
+/// Raises
+/// ------
+/// ValueError
+///     The load is impossible, the vehicle tips or is unstable, or the printed model is not
+///     known at this load.
+#[pyfunction]
+#[pyo3(signature = (
+    vehicle, *, model = "complete", speed_mps = None, height_m = None, trailer_mass_kg = None
+))]
+pub(crate) fn linear_model<'py>(
+    py: Python<'py>,
+    vehicle: &Bound<'py, Vehicle>,
+    model: &str,
+    speed_mps: Option<f64>,
+    height_m: Option<f64>,
+    trailer_mass_kg: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let variant = variant(model)?;
+    let vehicle = &vehicle.get().inner;
+    let speed_mps = positive("speed_mps", speed_mps)?.unwrap_or(vehicle.nominal_speed_mps);
+    let reference = vehicle.reference_load();
+    let load = Load {
+        trailer_mass_kg: positive("trailer_mass_kg", trailer_mass_kg)?
+            .unwrap_or(reference.trailer_mass_kg),
+        cg_height_m: positive("height_m", height_m)?.unwrap_or(reference.cg_height_m),
+    };
+    let compute = || -> Result<Computed, VehicleError> {
+        let model = cg_vehicle::LinearModel::new(vehicle, variant, speed_mps, load)?;
+        let transfer = model.state_space.transfer_function(&model.state_space.trailer_roll, 0.0)?;
+        let reduced = reduce(&model.state_space)?;
+        Ok(Computed { model, transfer, reduced })
+    };
+    let computed = py.detach(compute).map_err(vehicle_error)?;
+    let fields = PyDict::new(py);
+    fields.set_item("vehicle", &vehicle.name)?;
+    fields.set_item("speed_mps", speed_mps)?;
+    fields.set_item("height_m", load.cg_height_m)?;
+    fields.set_item("trailer_mass_kg", load.trailer_mass_kg)?;
+    set_transfer_function(&fields, computed.transfer)?;
+    set_state_space(&fields, &computed.model)?;
+    fields.set_item("ratio", ratio_line(py, &computed.model.ratio[0])?)?;
+    fields.set_item("lateral_acceleration_ratio", ratio_line(py, &computed.model.ratio[1])?)?;
+    fields.set_item("reduced", reduced_model(py, &computed.reduced)?)?;
+    fields.set_item("static_balance", static_balance(py, computed.model)?)?;
+    make(py, "LinearModel", &fields)
+}
+
+fn set_transfer_function(fields: &Bound<'_, PyDict>, transfer: TransferFunction) -> PyResult<()> {
+    let py = fields.py();
+    let complex = |roots: &[(f64, f64)]| {
+        PyArray1::from_iter(py, roots.iter().map(|&(re, im)| Complex64::new(re, im)))
+    };
+    fields.set_item("poles", complex(&transfer.poles))?;
+    fields.set_item("zeros", complex(&transfer.zeros))?;
+    fields.set_item("numerator", PyArray1::from_vec(py, transfer.numerator))?;
+    fields.set_item("denominator", PyArray1::from_vec(py, transfer.denominator))?;
+    fields.set_item("gain", transfer.gain)?;
+    fields.set_item("dc_gain", transfer.dc_gain)
+}
+
+fn set_state_space(
+    fields: &Bound<'_, PyDict>,
+    model: &cg_vehicle::LinearModel,
+) -> PyResult<()> {
+    let (py, space) = (fields.py(), &model.state_space);
+    let n = space.a.nrows();
+    let a: Vec<Vec<f64>> =
+        (0..n).map(|i| (0..n).map(|j| space.a[(i, j)]).collect()).collect();
+    let b: Vec<Vec<f64>> = space.b.iter().map(|&entry| vec![entry]).collect();
+    let c: Vec<f64> = space.trailer_roll.iter().copied().collect();
+    fields.set_item("A", PyArray2::from_vec2(py, &a)?)?;
+    fields.set_item("B", PyArray2::from_vec2(py, &b)?)?;
+    fields.set_item("C", PyArray2::from_vec2(py, &[c])?)?;
+    fields.set_item("D", PyArray2::from_vec2(py, &[vec![0.0]])?)
+}
+
+fn ratio_line<'py>(py: Python<'py>, line: &RatioLine<f64>) -> PyResult<Bound<'py, PyAny>> {
+    let fields = PyDict::new(py);
+    fields.set_item("a0", line.a0)?;
+    fields.set_item("a1", line.a1)?;
+    fields.set_item("b0", line.b0)?;
+    fields.set_item("b1", line.b1)?;
+    make(py, "RatioLine", &fields)
+}
+
+fn reduced_model<'py>(py: Python<'py>, models: &ReducedModels) -> PyResult<Bound<'py, PyAny>> {
+    let steer = &models.steer;
+    let numerator = steer.numerator.iter().rev().copied().collect();
+    let denominator = std::iter::once(1.0).chain(steer.denominator.iter().rev().copied()).collect();
+    let method = match models.method {
+        Method::Pade => "pade",
+        Method::SlowestPoles => "slowest-poles",
+    };
+    let fields = PyDict::new(py);
+    fields.set_item("order", ORDER)?;
+    fields.set_item("method", method)?;
+    fields.set_item("numerator", PyArray1::from_vec(py, numerator))?;
+    fields.set_item("denominator", PyArray1::from_vec(py, denominator))?;
+    make(py, "ReducedModel", &fields)
+}
+
+fn static_balance(py: Python<'_>, model: cg_vehicle::LinearModel) -> PyResult<Bound<'_, PyAny>> {
+    let fields = PyDict::new(py);
+    fields.set_item("axle_load_n", PyArray1::from_vec(py, model.balance.axle_load_n))?;
+    fields.set_item("hitch_load_n", model.balance.hitch_load_n)?;
+    fields.set_item("residual_nm", model.balance.residual_nm)?;
+    make(py, "StaticBalance", &fields)
+}

@@ -1,0 +1,121 @@
+//! Logs, and the names of their columns.
+
+use std::path::PathBuf;
+
+use cg_vehicle::estimate::LogEstimator;
+use cg_vehicle::log::{LogError, LogOptions, LogReader, LogRow, Signal};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{log_error, option_error, value_error, vehicle_error};
+use crate::options::Options;
+use crate::results;
+use crate::signals::ROWS_BETWEEN_LOOKS;
+use crate::vehicle::Vehicle;
+
+/// `columns` in text form (`roll=MyName[deg]`), `flip` names of signals (`roll`).
+fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
+    let columns = columns.iter().map(|text| text.parse()).collect::<Result<_, _>>();
+    let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, _>>();
+    Ok(LogOptions { columns: columns.map_err(option_error)?, flip: flip.map_err(option_error)? })
+}
+
+/// Estimate from a log file (CSV, CSV in gzip, parquet).
+#[pyfunction]
+#[pyo3(signature = (vehicle, path, columns, flip, options, /))]
+pub(crate) fn estimate_file<'py>(
+    py: Python<'py>,
+    vehicle: &Bound<'py, Vehicle>,
+    path: PathBuf,
+    columns: Vec<String>,
+    flip: Vec<String>,
+    options: Options,
+) -> PyResult<Bound<'py, PyAny>> {
+    let options = options.checked()?;
+    let log_options = log_options(&columns, &flip)?;
+    let vehicle = vehicle.get();
+    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+    let steering_ratio = vehicle.inner.steering_ratio;
+    let mut estimator = LogEstimator::from_design(design, steering_ratio, options);
+    let mut reader = py.detach(|| LogReader::open(&path, &log_options)).map_err(log_error)?;
+    while py.detach(|| push_some(&mut reader, &mut estimator, &path)).map_err(Refused::raise)? {
+        py.check_signals()?;
+    }
+    let answer = py.detach(|| estimator.finish());
+    results::estimate(py, &answer)
+}
+
+/// Why a log was not read to its end.
+enum Refused {
+    Log(LogError),
+    Sample(String),
+}
+
+impl Refused {
+    fn raise(self) -> PyErr {
+        match self {
+            Self::Log(error) => log_error(error),
+            Self::Sample(message) => value_error(message),
+        }
+    }
+}
+
+/// Takes in the next rows. `false` at the end of the log.
+fn push_some(
+    reader: &mut LogReader,
+    estimator: &mut LogEstimator,
+    path: &std::path::Path,
+) -> Result<bool, Refused> {
+    for _ in 0..ROWS_BETWEEN_LOOKS {
+        let Some(row) = reader.next_row().map_err(Refused::Log)? else { return Ok(false) };
+        estimator.push(&row).map_err(|error| {
+            Refused::Sample(format!("{}, line {}: {error}", path.display(), reader.line()))
+        })?;
+    }
+    Ok(true)
+}
+
+/// Find the columns of a log among the names of a table.
+///
+/// Returns a dict from SI column names to (index of the column, factor to SI, sign included).
+#[pyfunction]
+#[pyo3(signature = (names, columns, flip, /))]
+pub(crate) fn resolve_columns<'py>(
+    py: Python<'py>,
+    names: Vec<String>,
+    columns: Vec<String>,
+    flip: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = log_options(&columns, &flip)?;
+    // The rules for names and units are those of the log reader, so the log reader is asked:
+    // it gets a log with these names and two rows. The first row is one in every column, which
+    // comes out as the factor to SI; the second is the number of the column.
+    let found = probe(&names, &options).map_err(log_error)?;
+    let result = PyDict::new(py);
+    if let Some((first, second)) = found {
+        for signal in Signal::ALL {
+            let (factor, value) = (first.get(signal), second.get(signal));
+            if !factor.is_nan() {
+                // Exact up to rounding; the second row counts from two, so that time increases.
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                let index = (value / factor).round() as usize - 2;
+                result.set_item(signal.column(), (index, factor))?;
+            }
+        }
+    }
+    Ok(result)
+}
+
+fn probe(names: &[String], options: &LogOptions) -> Result<Option<(LogRow, LogRow)>, LogError> {
+    let quoted: Vec<String> = names
+        .iter()
+        .map(|name| format!("\"{}\"", name.replace('"', "\"\"").replace(['\r', '\n'], " ")))
+        .collect();
+    let ones = vec!["1".to_owned(); names.len()];
+    let numbers: Vec<String> = (2..names.len() + 2).map(|number| number.to_string()).collect();
+    let text = [quoted, ones, numbers].map(|row| row.join(",") + "\n").concat();
+    let stream = Box::new(std::io::Cursor::new(text.into_bytes()));
+    let mut reader = LogReader::from_reader("the table", stream, options)?;
+    let first = reader.next_row()?;
+    Ok(first.zip(reader.next_row()?))
+}

@@ -1,0 +1,80 @@
+//! The options that every estimate shares.
+
+use cg_core::Channel;
+use cg_core::arx::SampledArx;
+use cg_vehicle::Variant;
+use cg_vehicle::estimate::{EstimateOptions, Method};
+use pyo3::prelude::*;
+
+use crate::error::value_error;
+
+/// The options as Python hands them over: a dict with these keys.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Options {
+    method: String,
+    channel: String,
+    order: i64,
+    model: String,
+    speed_mps: Option<f64>,
+    trailer_mass_kg: Option<f64>,
+}
+
+impl Options {
+    /// The options checked.
+    pub(crate) fn checked(&self) -> PyResult<EstimateOptions> {
+        let method = match self.method.as_str() {
+            "filtered" => Method::Filtered,
+            "arx" => Method::Arx,
+            "gain" => Method::Gain,
+            other => return Err(unknown("method", other, "\"filtered\", \"arx\" or \"gain\"")),
+        };
+        let channel = match self.channel.as_str() {
+            "auto" => None,
+            "steer" => Some(Channel::Steer),
+            "lateral-acceleration" => Some(Channel::LateralAcceleration),
+            other => {
+                let known = "\"auto\", \"steer\" or \"lateral-acceleration\"";
+                return Err(unknown("channel", other, known));
+            }
+        };
+        let greatest = SampledArx::<f64>::GREATEST_ORDER;
+        let order = usize::try_from(self.order)
+            .ok()
+            .filter(|order| (1..=greatest).contains(order))
+            .ok_or_else(|| {
+                value_error(format!("order is {}: it must be from 1 to {greatest}", self.order))
+            })?;
+        Ok(EstimateOptions {
+            variant: variant(&self.model)?,
+            method,
+            order,
+            channel,
+            speed_mps: positive("speed_mps", self.speed_mps)?,
+            trailer_mass_kg: positive("trailer_mass_kg", self.trailer_mass_kg)?,
+        })
+    }
+}
+
+/// The equations that `model` names.
+pub(crate) fn variant(model: &str) -> PyResult<Variant> {
+    match model {
+        "complete" => Ok(Variant::Complete),
+        "as-printed" => Ok(Variant::AsPrinted),
+        other => Err(unknown("model", other, "\"complete\" or \"as-printed\"")),
+    }
+}
+
+fn unknown(argument: &str, value: &str, known: &str) -> PyErr {
+    value_error(format!("{argument} is {value:?}: it must be {known}"))
+}
+
+/// A number that must be positive if it is there.
+pub(crate) fn positive(argument: &str, value: Option<f64>) -> PyResult<Option<f64>> {
+    match value {
+        Some(number) if !(number.is_finite() && number > 0.0) => {
+            Err(value_error(format!("{argument} is {number}: it must be positive and finite")))
+        }
+        _ => Ok(value),
+    }
+}

@@ -1,0 +1,71 @@
+//! Answers as the dataclasses of `cgheight._results`.
+
+use cg_vehicle::estimate::{LogEstimate, ManeuverEstimate, Method, Verdict};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple, PyType};
+
+use crate::error::in_python;
+
+/// Makes an object of a class of `cgheight._results`.
+pub(crate) fn make<'py>(
+    py: Python<'py>,
+    class: &str,
+    fields: &Bound<'py, PyDict>,
+) -> PyResult<Bound<'py, PyAny>> {
+    py.import("cgheight._results")?.getattr(class)?.call((), Some(fields))
+}
+
+fn verdict(status: Verdict) -> &'static str {
+    match status {
+        Verdict::Ok => "ok",
+        Verdict::Rejected => "rejected",
+    }
+}
+
+fn maneuver<'py>(py: Python<'py>, maneuver: &ManeuverEstimate) -> PyResult<Bound<'py, PyAny>> {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    let fields = PyDict::new(py);
+    fields.set_item("start_s", maneuver.start_s)?;
+    fields.set_item("end_s", maneuver.end_s)?;
+    fields.set_item("height_m", maneuver.height_m)?;
+    fields.set_item("height_sd_m", maneuver.height_sd_m)?;
+    fields.set_item("ratio", maneuver.ratio)?;
+    fields.set_item("ratio_sd", maneuver.ratio_sd)?;
+    fields.set_item("snr_db", maneuver.snr_db)?;
+    fields.set_item("status", verdict(maneuver.status))?;
+    fields.set_item("reason", maneuver.reason.as_deref())?;
+    CLASS.import(py, "cgheight._results", "Maneuver")?.call((), Some(&fields))
+}
+
+/// `Estimate`.
+pub(crate) fn estimate<'py>(
+    py: Python<'py>,
+    answer: &LogEstimate,
+) -> PyResult<Bound<'py, PyAny>> {
+    let fields = PyDict::new(py);
+    fields.set_item("status", verdict(answer.status))?;
+    fields.set_item("height_m", answer.height_m)?;
+    fields.set_item("height_sd_m", answer.height_sd_m)?;
+    fields.set_item("height_ci95_m", answer.height_ci95_m.map(|[low, high]| (low, high)))?;
+    fields.set_item("ratio", answer.ratio)?;
+    fields.set_item("ratio_sd", answer.ratio_sd)?;
+    let method = match answer.method {
+        Method::Filtered => "filtered",
+        Method::Arx => "arx",
+        Method::Gain => "gain",
+    };
+    fields.set_item("method", method)?;
+    fields.set_item("channel", answer.channel.as_deref())?;
+    fields.set_item("speed_mps", answer.speed_mps)?;
+    fields.set_item("trailer_mass_kg", answer.trailer_mass_kg)?;
+    fields.set_item("snr_db", answer.snr_db)?;
+    fields.set_item("fit_percent", answer.fit_percent)?;
+    fields.set_item("static_rollover_threshold_g", answer.static_rollover_threshold_g)?;
+    let maneuvers: Vec<_> =
+        answer.maneuvers.iter().map(|one| maneuver(py, one)).collect::<PyResult<_>>()?;
+    fields.set_item("maneuvers", PyTuple::new(py, maneuvers)?)?;
+    let messages = answer.messages.iter().map(|message| in_python(message));
+    fields.set_item("messages", PyTuple::new(py, messages.collect::<Vec<_>>())?)?;
+    make(py, "Estimate", &fields)
+}

@@ -1,0 +1,171 @@
+//! Arrays in, answer out.
+
+use cg_vehicle::estimate::LogEstimator;
+use cg_vehicle::log::{LogRow, Signal};
+use numpy::{PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{value_error, vehicle_error};
+use crate::options::Options;
+use crate::results;
+use crate::vehicle::Vehicle;
+
+/// Rows between two looks whether the user wants to stop.
+pub(crate) const ROWS_BETWEEN_LOOKS: usize = 1 << 18;
+
+/// One-dimensional, contiguous, finite or NaN: what Rust reads in place.
+pub(crate) fn slice<'a>(
+    name: &str,
+    array: &'a PyReadonlyArrayDyn<'_, f64>,
+) -> PyResult<&'a [f64]> {
+    if array.ndim() != 1 {
+        let shape = array.shape();
+        return Err(value_error(format!(
+            "{name} has shape {shape:?}: it must be one-dimensional, one value for each row"
+        )));
+    }
+    array.as_slice().map_err(|_| {
+        value_error(format!("{name} is not contiguous: give np.ascontiguousarray({name})"))
+    })
+}
+
+/// The columns of a log in memory, one optional slice for each of [`Signal::ALL`].
+struct Columns<'a> {
+    values: [Option<&'a [f64]>; Signal::ALL.len()],
+    time_s: &'a [f64],
+}
+
+impl<'a> Columns<'a> {
+    fn new(values: [Option<&'a [f64]>; Signal::ALL.len()]) -> PyResult<Self> {
+        let absent = |signals: &[Signal]| signals.iter().all(|&s| values[s as usize].is_none());
+        let time_s = values[Signal::Time as usize]
+            .filter(|time_s| !time_s.is_empty())
+            .ok_or_else(|| value_error("time_s is empty: an estimate needs rows"))?;
+        if absent(&[Signal::Roll, Signal::Tilt]) {
+            return Err(value_error("roll_rad is absent: give it, or tilt_rad"));
+        }
+        let inputs = [
+            Signal::Steer,
+            Signal::SteeringWheel,
+            Signal::LateralAcceleration,
+            Signal::YawRate,
+        ];
+        if absent(&inputs) {
+            return Err(value_error(
+                "steer_rad is absent: give it, steering_wheel_rad, lateral_acceleration_mps2 or \
+                 yaw_rate_radps",
+            ));
+        }
+        for (signal, column) in Signal::ALL.iter().zip(&values) {
+            let Some(column) = column else { continue };
+            if column.len() != time_s.len() {
+                return Err(value_error(format!(
+                    "{} has {} values and time_s has {}: they must be of one length",
+                    signal.column(),
+                    column.len(),
+                    time_s.len()
+                )));
+            }
+        }
+        Ok(Self { values, time_s })
+    }
+
+    fn row(&self, index: usize) -> LogRow {
+        let at = |signal: Signal| self.values[signal as usize].map_or(f64::NAN, |v| v[index]);
+        LogRow {
+            time_s: self.time_s[index],
+            steer_rad: at(Signal::Steer),
+            steering_wheel_rad: at(Signal::SteeringWheel),
+            roll_rad: at(Signal::Roll),
+            tilt_rad: at(Signal::Tilt),
+            speed_mps: at(Signal::Speed),
+            lateral_acceleration_mps2: at(Signal::LateralAcceleration),
+            yaw_rate_radps: at(Signal::YawRate),
+            trailer_mass_kg: at(Signal::TrailerMass),
+        }
+    }
+
+    fn push_range(
+        &self,
+        estimator: &mut LogEstimator,
+        range: std::ops::Range<usize>,
+    ) -> Result<(), String> {
+        for index in range {
+            let row = self.row(index);
+            self.check(index, &row)?;
+            estimator
+                .push(&row)
+                .map_err(|error| format!("time_s[{index}] = {}: {error}", row.time_s))?;
+        }
+        Ok(())
+    }
+
+    fn check(&self, index: usize, row: &LogRow) -> Result<(), String> {
+        if let Some(previous_s) = index.checked_sub(1).map(|before| self.time_s[before])
+            && row.time_s <= previous_s
+        {
+            return Err(format!(
+                "time_s[{index}] = {} does not come after time_s[{}] = {previous_s}: sort the \
+                 rows by time, or drop the duplicate",
+                row.time_s,
+                index - 1
+            ));
+        }
+        check_row(row).map_err(|(name, value)| match value {
+            None => format!("{name}[{index}] is NaN: every row needs its time"),
+            Some(value) => {
+                format!("{name}[{index}] = {value} is not finite: use NaN where there is no value")
+            }
+        })
+    }
+}
+
+/// The first signal of a row that cannot be: an absent time (`None`), an infinite value.
+pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)> {
+    if row.time_s.is_nan() {
+        return Err((Signal::Time.column(), None));
+    }
+    for signal in Signal::ALL {
+        let value = row.get(signal);
+        if value.is_infinite() {
+            return Err((signal.column(), Some(value)));
+        }
+    }
+    Ok(())
+}
+
+/// Estimate from arrays: a dict from SI column names to 1-D contiguous float64 arrays.
+#[pyfunction]
+#[pyo3(signature = (vehicle, signals, options, /))]
+pub(crate) fn estimate_arrays<'py>(
+    py: Python<'py>,
+    vehicle: &Bound<'py, Vehicle>,
+    signals: &Bound<'py, PyDict>,
+    options: Options,
+) -> PyResult<Bound<'py, PyAny>> {
+    let options = options.checked()?;
+    let mut arrays = [const { None }; Signal::ALL.len()];
+    for (array, signal) in arrays.iter_mut().zip(Signal::ALL) {
+        if let Some(value) = signals.get_item(signal.column())? {
+            *array = Some(value.extract::<PyReadonlyArrayDyn<'py, f64>>()?);
+        }
+    }
+    let mut values = [None; Signal::ALL.len()];
+    for ((value, array), signal) in values.iter_mut().zip(&arrays).zip(Signal::ALL) {
+        *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;
+    }
+    let columns = Columns::new(values)?;
+    let vehicle = vehicle.get();
+    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+    let steering_ratio = vehicle.inner.steering_ratio;
+    let mut estimator = LogEstimator::from_design(design, steering_ratio, options);
+    let rows = columns.time_s.len();
+    for start in (0..rows).step_by(ROWS_BETWEEN_LOOKS) {
+        let range = start..rows.min(start + ROWS_BETWEEN_LOOKS);
+        py.detach(|| columns.push_range(&mut estimator, range)).map_err(value_error)?;
+        py.check_signals()?;
+    }
+    let answer = py.detach(|| estimator.finish());
+    results::estimate(py, &answer)
+}
