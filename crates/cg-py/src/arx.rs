@@ -31,7 +31,8 @@ impl Orders {
                 value_error(format!("{name} is {value}: it must be {least} or more"))
             })
         };
-        let orders = Self { na: order("na", na, 0)?, nb: order("nb", nb, 1)?, nk: order("nk", nk, 0)? };
+        let orders =
+            Self { na: order("na", na, 0)?, nb: order("nb", nb, 1)?, nk: order("nk", nk, 0)? };
         if orders.na.saturating_add(orders.nb) > GREATEST {
             return Err(value_error(format!(
                 "na + nb is {}: it must be {GREATEST} or less",
@@ -142,7 +143,9 @@ pub(crate) fn fit_arx<'py>(
     let orders = Orders::checked(na, nb, nk)?;
     let small = orders.count() <= SMALL && orders.nk + orders.nb <= SMALL + 1;
     let fitted = py
-        .detach(|| if small { fitted::<SMALL>(u, y, orders) } else { fitted::<LARGE>(u, y, orders) })
+        .detach(
+            || if small { fitted::<SMALL>(u, y, orders) } else { fitted::<LARGE>(u, y, orders) },
+        )
         .map_err(value_error)?;
     model(py, orders, ts, &fitted)
 }

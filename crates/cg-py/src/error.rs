@@ -63,10 +63,8 @@ pub(crate) fn in_python(message: &str) -> String {
             Some(quoted) => quoted.split_once('\'').unwrap_or((quoted, "")),
             None => part.split_at(part.find([' ', ';', ',', ')']).unwrap_or(part.len())),
         };
-        out += &match map.split_once('=') {
-            Some((signal, name)) => format!("columns={{{signal:?}: {name:?}}}{rest}"),
-            None => format!("columns {part}"),
-        };
+        let (signal, name) = map.split_once('=').unwrap_or((map, ""));
+        out.extend(["columns={\"", signal, "\": \"", name, "\"}", rest]);
     }
     out
 }

@@ -14,8 +14,8 @@
 //! Arrays are read in place and loops run detached from the interpreter, so other Python
 //! threads go on; every now and then a loop looks whether it was interrupted. What is
 //! convenient (lists, other number types, data frames) is made into arrays in Python.
-// PyO3 takes arguments by value.
-#![allow(clippy::needless_pass_by_value)]
+// PyO3 takes arguments by value, and doc comments become docstrings in numpydoc's form.
+#![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
 mod error;
 mod vehicle;
@@ -45,5 +45,6 @@ mod _native {
 
     /// The version of the package.
     #[pymodule_export]
+    #[allow(non_upper_case_globals)] // its name in Python
     const __version__: &str = env!("CARGO_PKG_VERSION");
 }

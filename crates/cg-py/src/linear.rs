@@ -100,14 +100,10 @@ fn set_transfer_function(fields: &Bound<'_, PyDict>, transfer: TransferFunction)
     fields.set_item("dc_gain", transfer.dc_gain)
 }
 
-fn set_state_space(
-    fields: &Bound<'_, PyDict>,
-    model: &cg_vehicle::LinearModel,
-) -> PyResult<()> {
+fn set_state_space(fields: &Bound<'_, PyDict>, model: &cg_vehicle::LinearModel) -> PyResult<()> {
     let (py, space) = (fields.py(), &model.state_space);
     let n = space.a.nrows();
-    let a: Vec<Vec<f64>> =
-        (0..n).map(|i| (0..n).map(|j| space.a[(i, j)]).collect()).collect();
+    let a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| space.a[(i, j)]).collect()).collect();
     let b: Vec<Vec<f64>> = space.b.iter().map(|&entry| vec![entry]).collect();
     let c: Vec<f64> = space.trailer_roll.iter().copied().collect();
     fields.set_item("A", PyArray2::from_vec2(py, &a)?)?;

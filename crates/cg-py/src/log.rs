@@ -80,12 +80,12 @@ fn push_some(
 /// Returns a dict from SI column names to (index of the column, factor to SI, sign included).
 #[pyfunction]
 #[pyo3(signature = (names, columns, flip, /))]
-pub(crate) fn resolve_columns<'py>(
-    py: Python<'py>,
+pub(crate) fn resolve_columns(
+    py: Python<'_>,
     names: Vec<String>,
     columns: Vec<String>,
     flip: Vec<String>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let options = log_options(&columns, &flip)?;
     // The rules for names and units are those of the log reader, so the log reader is asked:
     // it gets a log with these names and two rows. The first row is one in every column, which

@@ -39,10 +39,7 @@ fn maneuver<'py>(py: Python<'py>, maneuver: &ManeuverEstimate) -> PyResult<Bound
 }
 
 /// `Estimate`.
-pub(crate) fn estimate<'py>(
-    py: Python<'py>,
-    answer: &LogEstimate,
-) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<Bound<'py, PyAny>> {
     let fields = PyDict::new(py);
     fields.set_item("status", verdict(answer.status))?;
     fields.set_item("height_m", answer.height_m)?;

@@ -2,7 +2,7 @@
 
 use cg_vehicle::estimate::LogEstimator;
 use cg_vehicle::log::{LogRow, Signal};
-use numpy::{PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -15,10 +15,7 @@ use crate::vehicle::Vehicle;
 pub(crate) const ROWS_BETWEEN_LOOKS: usize = 1 << 18;
 
 /// One-dimensional, contiguous, finite or NaN: what Rust reads in place.
-pub(crate) fn slice<'a>(
-    name: &str,
-    array: &'a PyReadonlyArrayDyn<'_, f64>,
-) -> PyResult<&'a [f64]> {
+pub(crate) fn slice<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<&'a [f64]> {
     if array.ndim() != 1 {
         let shape = array.shape();
         return Err(value_error(format!(
@@ -45,12 +42,8 @@ impl<'a> Columns<'a> {
         if absent(&[Signal::Roll, Signal::Tilt]) {
             return Err(value_error("roll_rad is absent: give it, or tilt_rad"));
         }
-        let inputs = [
-            Signal::Steer,
-            Signal::SteeringWheel,
-            Signal::LateralAcceleration,
-            Signal::YawRate,
-        ];
+        let inputs =
+            [Signal::Steer, Signal::SteeringWheel, Signal::LateralAcceleration, Signal::YawRate];
         if absent(&inputs) {
             return Err(value_error(
                 "steer_rad is absent: give it, steering_wheel_rad, lateral_acceleration_mps2 or \

@@ -158,8 +158,7 @@ impl Stream {
             yaw_rate_radps,
             trailer_mass_kg,
         };
-        let mut state =
-            self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.push(&row).map_err(value_error)
     }
 

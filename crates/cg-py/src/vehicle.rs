@@ -54,8 +54,7 @@ impl Vehicle {
     #[staticmethod]
     #[pyo3(signature = (path, /))]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let inner =
-            py.detach(|| cg_vehicle::Vehicle::load(&path)).map_err(vehicle_error)?;
+        let inner = py.detach(|| cg_vehicle::Vehicle::load(&path)).map_err(vehicle_error)?;
         Ok(Self { inner, complete: OnceLock::new(), as_printed: OnceLock::new() })
     }
 

@@ -1,0 +1,110 @@
+"""The compiled half of cgheight."""
+
+import os
+from typing import Any, Final, Literal, Self, final
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import disjoint_base
+
+from cgheight._results import ArxModel, Estimate, LinearModel
+
+__all__ = [
+    "Stream",
+    "Vehicle",
+    "__version__",
+    "estimate_arrays",
+    "estimate_file",
+    "fit_arx",
+    "linear_model",
+    "resolve_columns",
+]
+
+__version__: Final[str]
+
+@final
+class Vehicle:
+    """A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`."""
+
+    @staticmethod
+    def load(path: str | os.PathLike[str], /) -> Vehicle:
+        """Read and check a vehicle file."""
+    @property
+    def name(self) -> str:
+        """Name of the vehicle."""
+    @property
+    def nominal_speed_mps(self) -> float:
+        """Speed taken when nothing else is said, m/s."""
+    @property
+    def reference_trailer_mass_kg(self) -> float:
+        """Mass of the whole semitrailer when nothing else is said, kg."""
+    @property
+    def reference_height_m(self) -> float:
+        """Height of the trailer's sprung c.g. above ground when nothing else is said, m."""
+
+@disjoint_base
+class Stream:
+    """The estimator, one row at a time. `cgheight.Estimator` gives it its options."""
+
+    def __new__(cls, vehicle: Vehicle, options: dict[str, Any], /) -> Self:
+        """Begin a log."""
+    def push(
+        self,
+        time_s: float,
+        steer_rad: float = ...,
+        roll_rad: float = ...,
+        *,
+        speed_mps: float = ...,
+        lateral_acceleration_mps2: float = ...,
+        yaw_rate_radps: float = ...,
+        trailer_mass_kg: float = ...,
+        steering_wheel_rad: float = ...,
+        tilt_rad: float = ...,
+    ) -> Literal["absent", "straight", "turning"]:
+        """Take in one row. Signals that are absent stay NaN."""
+    def estimate(self) -> Estimate:
+        """Return the answer so far, as if the log ended here; more rows may follow."""
+
+def estimate_arrays(
+    vehicle: Vehicle,
+    signals: dict[str, NDArray[np.float64]],
+    options: dict[str, Any],
+    /,
+) -> Estimate:
+    """Estimate from arrays: SI column names to 1-D contiguous float64 arrays."""
+
+def estimate_file(
+    vehicle: Vehicle,
+    path: str | os.PathLike[str],
+    columns: list[str],
+    flip: list[str],
+    options: dict[str, Any],
+    /,
+) -> Estimate:
+    """Estimate from a log file (CSV, CSV in gzip, parquet)."""
+
+def resolve_columns(
+    names: list[str], columns: list[str], flip: list[str], /
+) -> dict[str, tuple[int, float]]:
+    """Find the columns of a log among the names of a table."""
+
+def fit_arx(
+    u: NDArray[np.float64],
+    y: NDArray[np.float64],
+    na: int,
+    nb: int,
+    nk: int,
+    ts: float,
+    /,
+) -> ArxModel:
+    """Fit an ARX model to 1-D contiguous float64 arrays."""
+
+def linear_model(
+    vehicle: Vehicle,
+    *,
+    model: Literal["complete", "as-printed"] = "complete",
+    speed_mps: float | None = None,
+    height_m: float | None = None,
+    trailer_mass_kg: float | None = None,
+) -> LinearModel:
+    """Return the linear model of a vehicle at one speed and load."""
