@@ -39,12 +39,12 @@ embedded:
 # The Python package in a fresh environment: build, tests, stubs against the binary, lint.
 python:
 	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/python -m pip install --quiet --upgrade pip
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
-	cd crates/cg-py && VIRTUAL_ENV=$(abspath $(VENV)) $(abspath $(VENV))/bin/maturin develop --release
-	$(VENV)/bin/python -m pytest -q crates/cg-py/tests
+	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release -m crates/cg-py/Cargo.toml
+	$(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy.stubtest cgheight
 	$(VENV)/bin/ruff check crates/cg-py
+	$(VENV)/bin/ruff format --check crates/cg-py
 
 # Every bench once on little data: shows that they run, measures nothing.
 bench-short:

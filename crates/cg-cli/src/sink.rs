@@ -11,6 +11,9 @@ use crate::cli::Format;
 use crate::estimate::Answer;
 
 pub(crate) fn write(format: Format, answers: &[Answer]) -> anyhow::Result<()> {
+    if answers.is_empty() {
+        return Ok(()); // every log was unreadable, which has been said
+    }
     match format {
         Format::Table => table(answers),
         Format::Json => json(answers),

@@ -153,7 +153,7 @@ pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
     let poles = model.poles()?;
     if let Some((re, im)) = poles.iter().find(|pole| pole.0 >= 0.0) {
         return Err(VehicleError::Model(format!(
-            "the vehicle is unstable at this speed and load (pole {re:.3} ± {im:.3}i rad/s)"
+            "the vehicle is unstable at this speed and load (pole {re:.3} {im:+.3}i rad/s)"
         )));
     }
     let terms = 2 * ORDER + 1;

@@ -319,9 +319,10 @@ impl Vehicle {
     /// # Errors
     /// [`VehicleError`] naming file, line, column, key and value.
     pub fn parse(text: &str, file: &str) -> Result<Self, VehicleError> {
+        // Unknown keys first: a misspelt key is also a missing one, and its place says more.
+        validate::known_axle_keys(text, file)?;
         let vehicle: Self =
             toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
-        validate::known_axle_keys(text, file)?;
         validate::physical(&vehicle).map_err(|invalid| invalid.located(text, file))?;
         Ok(vehicle)
     }
