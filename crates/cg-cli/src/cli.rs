@@ -11,6 +11,9 @@ use cg_vehicle::simulate::Plant;
 use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+/// The most logs read at the same time.
+const GREATEST_JOBS: usize = 256;
+
 /// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
 #[derive(Debug, Parser)]
 #[command(name = "cg", version, about, arg_required_else_help = true)]
@@ -50,10 +53,10 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
     pub(crate) order: usize,
     /// Forward speed, whatever the log says
-    #[arg(long, value_name = "U", value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) speed_mps: Option<f64>,
     /// Mass of the whole semitrailer as weighed, whatever the log says
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) trailer_mass_kg: Option<f64>,
     /// Equations of the vehicle model
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
@@ -68,7 +71,7 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "TRUTH.json")]
     pub(crate) truth: Option<PathBuf>,
     /// Logs read at the same time
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = jobs)]
     pub(crate) jobs: usize,
 }
 
@@ -81,7 +84,7 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
     pub(crate) model: ModelArg,
     /// Forward speed [default: the vehicle file's]
-    #[arg(long, value_name = "U", value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) speed_mps: Option<f64>,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
@@ -93,13 +96,13 @@ pub(crate) struct ModelArgs {
 #[derive(Debug, Args)]
 pub(crate) struct LoadArgs {
     /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
-    #[arg(long, value_name = "H", value_parser = positive)]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) height_m: Option<f64>,
     /// Mass of the whole semitrailer [default: the vehicle file's]
-    #[arg(long, value_name = "M", value_parser = positive, conflicts_with = "payload_kg")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive, conflicts_with = "payload_kg")]
     pub(crate) trailer_mass_kg: Option<f64>,
     /// Payload, in place of the mass of the whole semitrailer
-    #[arg(long, value_name = "P", value_parser = not_negative)]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) payload_kg: Option<f64>,
 }
 
@@ -131,22 +134,22 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     /// Forward speed [default: the vehicle file's]
-    #[arg(long, value_name = "U", value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) speed_mps: Option<f64>,
     /// Road-wheel steer amplitude [default: for 0.17 g]
-    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = number)]
     pub(crate) steer_rad: Option<f64>,
     /// Samples per second
-    #[arg(long, value_name = "F", default_value_t = 100.0, value_parser = positive)]
+    #[arg(long, value_name = "F", default_value_t = 100.0, allow_negative_numbers = true, value_parser = positive)]
     pub(crate) rate_hz: f64,
     /// Straight driving before the maneuver
-    #[arg(long, value_name = "T", default_value_t = 2.0, value_parser = not_negative)]
+    #[arg(long, value_name = "T", default_value_t = 2.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) start_s: f64,
     /// Length of the log, from time 0 [default: 20, a drive 300]
-    #[arg(long, value_name = "T", value_parser = positive)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
     pub(crate) duration_s: Option<f64>,
     /// White noise on the roll angle, decibels below its mean square
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = decibels)]
     pub(crate) snr_db: Option<f64>,
     /// Seed of the noise and of the drive
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -178,6 +181,24 @@ fn not_negative(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| {
         if value >= 0.0 { Ok(value) } else { Err("must not be negative".to_owned()) }
     })
+}
+
+fn decibels(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if value.abs() <= 300.0 {
+            Ok(value)
+        } else {
+            Err("must lie between -300 and 300".to_owned())
+        }
+    })
+}
+
+/// Zero means as many as there are processors; each costs a thread, so there is an end to them.
+fn jobs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(jobs) if jobs <= GREATEST_JOBS => Ok(jobs),
+        _ => Err(format!("expected a whole number from 0 (all processors) to {GREATEST_JOBS}")),
+    }
 }
 
 fn order(text: &str) -> Result<usize, String> {

@@ -5,10 +5,10 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::log::{LogOptions, LogReader};
+use cg_vehicle::{LinearModel, Variant, Vehicle};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -43,6 +43,11 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
     if let Some(mass_kg) = arguments.trailer_mass_kg {
         let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };
         vehicle.trailer_sprung_mass(load).context("--trailer-mass-kg")?;
+        if options.variant == Variant::AsPrinted {
+            let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
+            LinearModel::new(&vehicle, options.variant, speed_mps, load)
+                .context("--trailer-mass-kg")?;
+        }
     }
     let design = design(&vehicle, options.variant)?;
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
@@ -75,12 +80,12 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
                 answers.push(Answer { log: log.display().to_string(), estimate, known_m });
             }
             Err(error) => {
-                eprintln!("cg: {error:#}");
+                crate::report(&error);
                 outcome = Outcome::Unreadable;
             }
         }
     }
-    sink::write(arguments.format, &answers)?;
+    sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
     Ok(outcome)
 }
 
@@ -90,17 +95,19 @@ fn estimate_log(
     mut estimator: LogEstimator,
     progress: &ProgressBar,
 ) -> anyhow::Result<LogEstimate> {
+    let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
-        LogReader::from_reader("standard input", Box::new(std::io::stdin()), options)?
+        LogReader::from_reader(&name, Box::new(std::io::stdin()), options)?
     } else {
         LogReader::open(log, options)?
     };
     let mut seen = 0;
     let mut rows = 0;
     while let Some(row) = reader.next_row()? {
-        estimator
-            .push(&row)
-            .with_context(|| format!("{}: line {}", log.display(), reader.line()))?;
+        estimator.push(&row).with_context(|| {
+            let line = reader.line();
+            format!("{name}, line {line}: time stamps must be a microsecond apart or more")
+        })?;
         rows += 1;
         if rows % ROWS_PER_TICK == 0 {
             progress.inc(reader.bytes_read() - seen);
@@ -133,7 +140,8 @@ struct KnownLog {
 impl Truth {
     fn load(path: &Path) -> anyhow::Result<Self> {
         let file = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("{file}"))?;
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("{file}: cannot be read; check the path given to --truth"))?;
         let known: Vec<KnownLog> = serde_json::from_str(&text).with_context(|| {
             format!("{file}: expected a JSON list of objects with \"log\" and \"height_m\"")
         })?;

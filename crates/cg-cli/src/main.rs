@@ -16,6 +16,7 @@ mod model;
 mod simulate;
 mod sink;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -45,10 +46,23 @@ fn main() -> ExitCode {
         Ok(Outcome::Unreadable) => ExitCode::from(2),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("cg: {error:#}");
+            report(&error);
             ExitCode::from(2)
         }
     }
+}
+
+/// Tells an error and its causes, each once: a library's message may hold its cause already.
+fn report(error: &anyhow::Error) {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += if text.is_empty() { "" } else { ": " };
+            text += &cause;
+        }
+    }
+    // A closed standard error leaves nobody to tell; `eprintln!` would panic.
+    let _ = writeln!(std::io::stderr(), "cg: {text}");
 }
 
 /// The reader of our output has seen enough (`cg … | head`): not an error.

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use anyhow::Context;
 use cg_core::RatioLine;
 use cg_core::reduced::ORDER;
 use cg_vehicle::reduction::{Method, reduce};
@@ -60,9 +61,10 @@ pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
     let description = describe(arguments, &vehicle)?;
     let mut out = std::io::stdout().lock();
     match arguments.format {
-        ModelFormat::Json => writeln!(out, "{}", serde_json::to_string(&description)?)?,
-        ModelFormat::Table => print(&mut out, &description)?,
+        ModelFormat::Json => writeln!(out, "{}", serde_json::to_string(&description)?),
+        ModelFormat::Table => print(&mut out, &description),
     }
+    .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }
 

@@ -1,7 +1,8 @@
 //! `cg simulate`: logs with known truth.
 
+use std::fs::File;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use cg_vehicle::Vehicle;
@@ -49,6 +50,14 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
         .flatten()
         .map(|(key, value)| format!("truth {key} = {value}"))
         .collect();
+    // The truth is on the disk before the log is begun: if it cannot be, there is no log either.
+    let draft = match &arguments.truth {
+        Some(path) if *path == arguments.output => {
+            return Err(anyhow!("{}: given to --output and to --truth", path.display()));
+        }
+        Some(path) => Some(TruthDraft::write(path, &serde_json::to_string_pretty(&truth)?)?),
+        None => None,
+    };
     let mut writer = if arguments.output.as_os_str() == "-" {
         LogWriter::from_writer("standard output", Box::new(std::io::stdout()), &comments, &COLUMNS)?
     } else {
@@ -57,10 +66,7 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
     };
     simulation.run(|row| writer.write_row(row))?;
     writer.finish()?;
-    if let Some(path) = &arguments.truth {
-        write_whole(path, &serde_json::to_string_pretty(&truth)?)
-            .with_context(|| format!("{}", path.display()))?;
-    }
+    draft.map_or(Ok(()), TruthDraft::publish)?;
     Ok(Outcome::Done)
 }
 
@@ -73,12 +79,37 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
     }
 }
 
-/// Writes beside the target and renames: never half a file.
-fn write_whole(path: &Path, text: &str) -> std::io::Result<()> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let mut file = std::fs::File::create(&partial)?;
-    writeln!(file, "{text}")?;
-    file.sync_all()?;
-    std::fs::rename(&partial, path)
+/// The truth beside its place, whole; dropped before it is published, it removes itself.
+struct TruthDraft {
+    partial: PathBuf,
+    target: PathBuf,
+}
+
+impl TruthDraft {
+    fn write(target: &Path, text: &str) -> anyhow::Result<Self> {
+        let remedy = || {
+            format!("{}: cannot be written; check the folder and its permissions", target.display())
+        };
+        if target.is_dir() {
+            return Err(anyhow!("{}: is a folder; give --truth a file", target.display()));
+        }
+        let mut partial = target.as_os_str().to_owned();
+        partial.push(".partial");
+        let draft = Self { partial: partial.into(), target: target.to_owned() };
+        let mut file = File::create(&draft.partial).with_context(remedy)?;
+        writeln!(file, "{text}").and_then(|()| file.sync_all()).with_context(remedy)?;
+        Ok(draft)
+    }
+
+    fn publish(self) -> anyhow::Result<()> {
+        std::fs::rename(&self.partial, &self.target)
+            .with_context(|| format!("{}: cannot be written", self.target.display()))
+    }
+}
+
+impl Drop for TruthDraft {
+    fn drop(&mut self) {
+        // After publishing there is nothing to remove.
+        let _ = std::fs::remove_file(&self.partial);
+    }
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum VehicleError {
     /// The file cannot be read.
-    #[error("{file}: cannot be read: {source}")]
+    #[error("{file}: cannot be read ({source}); check that it is a text file and may be read")]
     Read {
         /// The file.
         file: String,

@@ -1,0 +1,25 @@
+//! The command line as its users meet it: the built binary, its exit status, both its streams
+//! and the files it leaves.
+//!
+//! | file | what |
+//! |---|---|
+//! | `common` | scratch folders, runs, and what every refusal has in common |
+//! | `logs` | logs that are no logs, and logs that hold no answer |
+//! | `streams` | lines without end, standard input, closed pipes |
+//! | `vehicles` | vehicle files with one mistake each |
+//! | `usage` | arguments that make no sense |
+//! | `output` | the formats of `cg estimate` |
+//! | `model` | `cg model` beside the printed numbers |
+//! | `simulate` | logs with known truth, there and back |
+//! | `memory` | long logs in the memory of short ones |
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+mod logs;
+mod memory;
+mod model;
+mod output;
+mod simulate;
+mod streams;
+mod usage;
+mod vehicles;

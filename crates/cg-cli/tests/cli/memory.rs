@@ -1,0 +1,51 @@
+//! Long logs in the memory of short ones.
+#![cfg(target_os = "linux")]
+
+use std::io::Write;
+use std::process::Stdio;
+
+use crate::common::{Scratch, command, kraz};
+
+/// The greatest resident size of a process so far (`VmHWM`).
+fn peak_kb(id: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse().unwrap()
+}
+
+/// The peak when all of a log but what the pipe holds (64 KiB) has been read. The child cannot
+/// end before the pipe is closed, so there is always a process to ask.
+fn peak_of_reading_kb(log: &str) -> u64 {
+    let vehicle = kraz();
+    let arguments = ["estimate", "-", "--vehicle", &vehicle, "--format", "json", "--jobs", "1"];
+    let mut child = command(&arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    pipe.write_all(&std::fs::read(log).unwrap()).unwrap();
+    let peak_kb = peak_kb(child.id());
+    drop(pipe);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    peak_kb
+}
+
+#[test]
+fn memory_does_not_grow_with_the_log() {
+    let scratch = Scratch::new();
+    let drive = |name: &str, duration_s: &str| {
+        let more = ["--maneuver", "drive", "--rate-hz", "100", "--duration-s", duration_s];
+        scratch.simulate(name, &kraz(), &more)
+    };
+    let (short, long) = (drive("short.csv", "360"), drive("long.csv", "1800"));
+    let [short_bytes, long_bytes] =
+        [&short, &long].map(|log| std::fs::metadata(log).unwrap().len());
+    let [short_kb, long_kb] = [&short, &long].map(|log| peak_of_reading_kb(log));
+    println!("{short_bytes} bytes: {short_kb} kB, {long_bytes} bytes: {long_kb} kB");
+    // Fewer than 200 more maneuvers of less than 1 kB each, and the pages the allocator rounds to.
+    assert!(long_kb < short_kb + 400, "{short_kb} kB, then {long_kb} kB");
+    assert!(long_bytes - short_bytes > 20 * 400 * 1024, "{short_bytes} {long_bytes}");
+}

@@ -1,0 +1,135 @@
+//! Logs with known truth, there and back.
+
+use serde_json::Value;
+
+use crate::common::{Scratch, baseline, cg, estimate, height_m, kraz};
+
+const MANEUVERS: [&str; 6] =
+    ["rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"];
+
+/// Relative error of the height that the steer channel finds in each maneuver's noise-free log.
+fn errors(vehicle: &str, plant: &str) -> Vec<(&'static str, f64)> {
+    let scratch = Scratch::new();
+    MANEUVERS
+        .map(|maneuver| {
+            let truth = scratch.path("truth.json");
+            let more = ["--maneuver", maneuver, "--plant", plant, "--truth", &truth];
+            let log = scratch.simulate("log.csv", vehicle, &more);
+            let truth: Value = serde_json::from_slice(&std::fs::read(truth).unwrap()).unwrap();
+            let answer = estimate(&log, vehicle, &["--channel", "steer"]).done().answer();
+            assert_eq!(answer["status"], "ok", "{maneuver}: {answer}");
+            let error = height_m(&answer) / height_m(&truth) - 1.0;
+            println!("{plant} {maneuver}: {:+.6} %", 100.0 * error);
+            (maneuver, error)
+        })
+        .to_vec()
+}
+
+#[test]
+fn a_log_of_the_linear_plant_gives_back_its_height_within_one_per_cent() {
+    for vehicle in [baseline(), kraz()] {
+        for (maneuver, error) in errors(&vehicle, "linear") {
+            // The contract. Order 5 misses what orders 18 and 20 do besides; without noise the
+            // free dynamics take that up, even in the lane change, which has no steady part.
+            assert!(error.abs() < 0.01, "{vehicle} {maneuver}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_log_of_the_reduced_plant_gives_back_its_height_almost_exactly() {
+    for vehicle in [baseline(), kraz()] {
+        for (maneuver, error) in errors(&vehicle, "reduced") {
+            // The plant is the prior's own model: what is left is its sampling, (dt w)^2 / 12 of
+            // the part of the input that a first-order hold does not follow: 0.01 s, 1 rad/s.
+            assert!(error.abs() < 1e-5, "{vehicle} {maneuver}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_height_and_mass_that_were_asked_for_are_found() {
+    let scratch = Scratch::new();
+    let load = ["--height-m", "2.2", "--payload-kg", "20000", "--maneuver", "steady-turn"];
+    let log = scratch.simulate("log.csv", &kraz(), &load);
+    let answer = estimate(&log, &kraz(), &["--channel", "steer"]).done().answer();
+    assert!((height_m(&answer) / 2.2 - 1.0).abs() < 0.01, "{answer}");
+    assert_eq!(answer["trailer_mass_kg"], 28_684.0);
+}
+
+fn bytes(path: &str) -> Vec<u8> {
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_does_not() {
+    let scratch = Scratch::new();
+    let noisy = |maneuver: &str, name: &str, seed: &str| {
+        let more = ["--maneuver", maneuver, "--snr-db", "20", "--duration-s", "30", "--seed", seed];
+        bytes(&scratch.simulate(name, &kraz(), &more))
+    };
+    for maneuver in ["sine", "drive"] {
+        for name in ["log.csv", "log.csv.gz"] {
+            assert_eq!(noisy(maneuver, name, "7"), noisy(maneuver, name, "7"));
+            assert_ne!(noisy(maneuver, name, "7"), noisy(maneuver, name, "8"));
+        }
+    }
+}
+
+#[test]
+fn the_truth_stands_at_the_head_of_the_log_and_is_not_read() {
+    let scratch = Scratch::new();
+    let truth = scratch.path("truth.json");
+    let more = ["--maneuver", "steady-turn", "--snr-db", "20", "--truth", &truth];
+    let log = scratch.simulate("log.csv", &kraz(), &more);
+    let text = std::fs::read_to_string(&log).unwrap();
+    // As text: the digits are the same in both places.
+    let json = std::fs::read_to_string(truth).unwrap();
+    let truth: Vec<&str> = json.lines().filter_map(|line| line.strip_prefix("  ")).collect();
+    assert!(truth.len() >= 7, "{json}");
+    for (line, entry) in text.lines().zip(&truth) {
+        let (key, value) = entry.trim_end_matches(',').split_once(": ").unwrap();
+        assert_eq!(line, format!("# truth {} = {value}", key.trim_matches('"')));
+    }
+    assert!(text.lines().nth(truth.len()).unwrap().starts_with("time_s,steer_rad,roll_rad"));
+
+    let right = estimate(&log, &kraz(), &[]).done().out;
+    let body: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    let lies = "# truth height_m = 9.9\n# truth trailer_mass_kg = 1\n# truth speed_mps = 99\n";
+    for head in [lies, ""] {
+        scratch.file("log.csv", format!("{head}{}\n", body.join("\n")));
+        // Same name, same bytes: nothing of the head got through.
+        assert_eq!(estimate(&log, &kraz(), &[]).done().out, right);
+    }
+}
+
+#[test]
+fn a_simulation_that_cannot_be_written_leaves_nothing() {
+    let scratch = Scratch::new();
+    let (log, nowhere) = (scratch.path("log.csv"), scratch.path("nowhere/file.csv"));
+    let folder = scratch.path("folder");
+    std::fs::create_dir(&folder).unwrap();
+    let truth = scratch.path("truth.json");
+    for (log, truth, parts) in [
+        (&nowhere, &truth, ["file.csv", "cannot be written", "check the folder"]),
+        (&log, &nowhere, ["file.csv", "cannot be written", "check the folder"]),
+        (&log, &folder, ["folder", "is a folder", "give --truth a file"]),
+        (&folder, &truth, ["folder", ".csv or .csv.gz", "--output"]),
+    ] {
+        let vehicle = kraz();
+        let simulate = ["simulate", "--vehicle", &vehicle, "--maneuver", "sine"];
+        cg(&[&simulate[..], &["-o", log, "--truth", truth]].concat()).refused(&parts);
+        assert_eq!(scratch.names(), ["folder"]);
+    }
+}
+
+#[test]
+fn a_simulation_that_fails_keeps_the_log_that_was_there() {
+    let scratch = Scratch::new();
+    let log = scratch.file("log.csv", "precious");
+    let vehicle = kraz();
+    let simulate = ["simulate", "--vehicle", &vehicle, "--maneuver", "sine", "-o", &log];
+    cg(&[&simulate[..], &["--rate-hz", "1e7"]].concat())
+        .refused(&["log.csv, line ", "does not come after"]);
+    assert_eq!((scratch.names(), bytes(&log)), (vec!["log.csv".to_owned()], b"precious".to_vec()));
+}

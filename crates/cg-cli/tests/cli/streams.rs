@@ -1,0 +1,129 @@
+//! Lines without end, standard input, closed pipes.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Command, Stdio};
+
+use crate::common::{Run, Scratch, cg_fed, command, estimate, kraz};
+
+/// 2 GiB.
+const ENDLESS_BYTES: usize = 2 << 30;
+
+/// The binary with less room than a quarter of such a line (`ulimit -v` counts kilobytes).
+fn cramped(arguments: &[&str]) -> Command {
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -v 524288 && exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_cg")]);
+    command.args(arguments).args(["--vehicle", &kraz(), "--format", "json", "--jobs", "1"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_line_of_two_gigabytes_on_standard_input_is_refused_at_once() {
+    let mut child = cramped(&["estimate", "-"]).spawn().unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    let writer = std::thread::spawn(move || {
+        let block = vec![b'1'; 1 << 16];
+        let mut taken_bytes = 0;
+        while taken_bytes < ENDLESS_BYTES && pipe.write_all(&block).is_ok() {
+            taken_bytes += block.len();
+        }
+        taken_bytes
+    });
+    let run: Run = child.wait_with_output().unwrap().into();
+    run.refused(&["standard input, line 1: the line is longer than 65536 bytes", "line feeds"]);
+    // What was not taken cannot be held: the line costs at most this much memory.
+    let taken_bytes = writer.join().unwrap();
+    assert!(taken_bytes < 4 << 20, "{taken_bytes} bytes were taken");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_sparse_file_of_two_gigabytes_is_refused_at_once() {
+    let scratch = Scratch::new();
+    let log = scratch.path("sparse.csv");
+    std::fs::File::create(&log).unwrap().set_len(ENDLESS_BYTES as u64).unwrap();
+    let run: Run = cramped(&["estimate", &log]).output().unwrap().into();
+    let place = format!("{log}, line 1: the line is longer than 65536 bytes");
+    run.refused(&[&place, "line feeds"]);
+    assert_eq!(scratch.names(), ["sparse.csv"]);
+}
+
+#[test]
+fn standard_input_gives_the_answer_of_the_file() {
+    let scratch = Scratch::new();
+    for name in ["log.csv", "log.csv.gz"] {
+        let log = scratch.simulate(name, &kraz(), &["--maneuver", "steady-turn"]);
+        let mut from_file = estimate(&log, &kraz(), &[]).done().answer();
+        let arguments = ["estimate", "-", "--vehicle", &kraz(), "--format", "json"];
+        let run = cg_fed(&arguments, &std::fs::read(&log).unwrap()).done();
+        from_file["log"] = "-".into();
+        assert_eq!(run.answer(), from_file);
+    }
+}
+
+#[test]
+fn what_is_wrong_on_standard_input_is_called_by_that_name() {
+    let arguments = ["estimate", "-", "--vehicle", &kraz()];
+    let run = cg_fed(&arguments, b"time_s,steer_rad,roll_rad\n0,x,0\n");
+    run.refused(&["standard input, line 2, column 2 `steer_rad`: `x` is not a number"]);
+}
+
+/// Reads one line of the output, closes it and gives the exit status and the complaints.
+fn head(arguments: &[&str]) -> (String, Option<i32>, String) {
+    let mut child = command(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::with_capacity(64, child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let mut complaints = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut complaints).unwrap();
+    (line, child.wait().unwrap().code(), complaints)
+}
+
+#[test]
+fn a_pipe_closed_by_its_reader_is_no_error() {
+    let scratch = Scratch::new();
+    let log = scratch.simulate("log.csv", &kraz(), &["--maneuver", "steady-turn"]);
+    // Many answers, more than a pipe holds (64 KiB), so that some of them find it closed.
+    let mut arguments = vec!["estimate", "--vehicle"];
+    let vehicle = kraz();
+    arguments.extend([&vehicle, "--format", "json"]);
+    arguments.extend([log.as_str(); 200]);
+    let (line, code, complaints) = head(&arguments);
+    assert!(line.starts_with("{\"log\":") && line.ends_with("}\n"), "{line}");
+    assert!(200 * line.len() > 2 << 16, "{line}");
+    assert_eq!((code, complaints.as_str()), (Some(0), ""));
+
+    let simulate = ["simulate", "--vehicle", &vehicle, "--maneuver", "sine", "-o", "-"];
+    let (line, code, complaints) = head(&[&simulate[..], &["--duration-s", "300"]].concat());
+    assert!(line.starts_with("# truth "), "{line}");
+    assert_eq!((code, complaints.as_str()), (Some(0), ""));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_behind_standard_output_is_an_error_that_says_so() {
+    let vehicle = kraz();
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    for arguments in [
+        &["estimate", "-", "--vehicle", &vehicle, "--format", "csv"][..],
+        &["model", "--vehicle", &vehicle],
+        &["simulate", "--vehicle", &vehicle, "--maneuver", "sine", "-o", "-"],
+    ] {
+        let log = "time_s,steer_rad,roll_rad\n0,0,0\n";
+        let mut child = command(arguments)
+            .stdin(Stdio::piped())
+            .stdout(full())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // The commands that read nothing close the pipe.
+        let _ = child.stdin.take().unwrap().write_all(log.as_bytes());
+        let run: Run = child.wait_with_output().unwrap().into();
+        run.refused(&["standard output", "No space left on device"]);
+    }
+}
