@@ -327,6 +327,10 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     fn outcome(&self, channel: Channel, speed_mps: T) -> Outcome<T> {
         let rejected =
             |fit, reject| Outcome { fit, height_m: Err(reject), systematic_sd_m: T::zero() };
+        let trailer_mass_kg = self.trailer_mass_kg;
+        let Some(line) = self.design.line(channel, speed_mps, trailer_mass_kg) else {
+            return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
+        };
         let lane = &self.lanes[channel.index()];
         if lane.last_us.is_none() {
             return rejected(None, Reject::Absent);
@@ -334,10 +338,6 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         let mut fit = match lane.identifier.fit() {
             Answer::Ready(fit) => fit,
             Answer::Unexcited(reason) => return rejected(None, Reject::Unexcited(reason)),
-        };
-        let trailer_mass_kg = self.trailer_mass_kg;
-        let Some(line) = self.design.line(channel, speed_mps, trailer_mass_kg) else {
-            return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
         };
         let model = &self.design.channels[channel.index()];
         let expected = line.ratio_at(self.design.reference_height_m) * model.compensation.value;
