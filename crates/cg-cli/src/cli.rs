@@ -11,6 +11,8 @@ use cg_vehicle::simulate::Plant;
 use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::calibrate::RunArg;
+
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
 
@@ -26,6 +28,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Estimate the c.g. height from logs
     Estimate(EstimateArgs),
+    /// Calibrate a vehicle with logs of known height
+    Calibrate(CalibrateArgs),
     /// Print what the vehicle model says: transfer function, ratio, reduced model, loads
     Model(ModelArgs),
     /// Write a log with known truth
@@ -40,13 +44,16 @@ pub(crate) struct EstimateArgs {
     /// The vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
+    /// A calibration of this vehicle (from `cg calibrate`)
+    #[arg(long, value_name = "C.toml")]
+    pub(crate) calibration: Option<PathBuf>,
     /// Output format; JSON is one object per line
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
     /// How the DC ratio is identified
     #[arg(long, value_enum, default_value_t = MethodArg::Filtered)]
     pub(crate) method: MethodArg,
-    /// What drives the roll angle; `auto` takes what knows the height best
+    /// What drives the roll angle; `auto` combines both by what each knows
     #[arg(long, value_enum, default_value_t = ChannelArg::Auto)]
     pub(crate) channel: ChannelArg,
     /// Order of the classical ARX (with --method arx)
@@ -73,6 +80,34 @@ pub(crate) struct EstimateArgs {
     /// Logs read at the same time
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = jobs)]
     pub(crate) jobs: usize,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrateArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// A log with turns at steady speed and its known height; may be repeated. One run fixes the
+    /// compensation, more (an empty and a laden one) the truck's parameters
+    #[arg(
+        long,
+        required = true,
+        allow_hyphen_values = true,
+        value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]"
+    )]
+    pub(crate) run: Vec<RunArg>,
+    /// The calibration file to write
+    #[arg(short, long, value_name = "C.toml")]
+    pub(crate) output: PathBuf,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
+    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
+    pub(crate) column: Vec<ColumnMap>,
+    /// Sensors mounted the other way round: `roll,steer`
+    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
+    pub(crate) flip: Vec<Signal>,
 }
 
 #[derive(Debug, Args)]
@@ -246,7 +281,7 @@ mirrored!(MethodArg => Method {
 });
 
 mirrored!(ChannelArg => Option<Channel> {
-    /// The one that knows the height best
+    /// Both, by what each knows
     Auto => None,
     /// Steer angle
     Steer => Some(Channel::Steer),

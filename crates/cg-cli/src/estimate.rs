@@ -5,7 +5,9 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use cg_vehicle::design::design;
+use cg_vehicle::belief::Belief;
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::design::design_with;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::log::{LogOptions, LogReader};
 use cg_vehicle::{LinearModel, Variant, Vehicle};
@@ -49,7 +51,20 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
                 .context("--trailer-mass-kg")?;
         }
     }
-    let design = design(&vehicle, options.variant)?;
+    let belief = match &arguments.calibration {
+        Some(path) => {
+            let calibration = Calibration::load(path, &vehicle)?;
+            if calibration.model != options.variant {
+                return Err(anyhow!(
+                    "{}: made for the other model; give the same --model as to cg calibrate",
+                    path.display()
+                ));
+            }
+            calibration.belief()
+        }
+        None => Belief::prior(&vehicle),
+    };
+    let design = design_with(&vehicle, options.variant, &belief)?;
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
     if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read once only"));
@@ -95,6 +110,17 @@ fn estimate_log(
     mut estimator: LogEstimator,
     progress: &ProgressBar,
 ) -> anyhow::Result<LogEstimate> {
+    feed(log, options, &mut estimator, progress)?;
+    Ok(estimator.finish())
+}
+
+/// Hands the rows of a log to an estimator.
+pub(crate) fn feed(
+    log: &Path,
+    options: &LogOptions,
+    estimator: &mut LogEstimator,
+    progress: &ProgressBar,
+) -> anyhow::Result<()> {
     let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
         LogReader::from_reader(&name, Box::new(std::io::stdin()), options)?
@@ -115,7 +141,7 @@ fn estimate_log(
         }
     }
     progress.inc(reader.bytes_read() - seen);
-    Ok(estimator.finish())
+    Ok(())
 }
 
 /// A bar over the bytes of all logs, on a terminal only.

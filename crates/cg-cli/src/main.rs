@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `cli` | the arguments |
 //! | `estimate` | `cg estimate`: logs to heights, in parallel |
+//! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
 //! | `sink` | their output as table, JSON Lines or CSV |
 //! | `model` | `cg model`: what the vehicle model says |
 //! | `simulate` | `cg simulate`: logs with known truth |
+//! | `draft` | files written whole or not at all |
 //!
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
 
+mod calibrate;
 mod cli;
+mod draft;
 mod estimate;
 mod model;
 mod simulate;
@@ -37,6 +41,7 @@ enum Outcome {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Estimate(arguments) => estimate::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
     };

@@ -1,10 +1,8 @@
 //! `cg simulate`: logs with known truth.
 
-use std::fs::File;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use cg_vehicle::Vehicle;
 use cg_vehicle::log::{LogWriter, Signal};
 use cg_vehicle::maneuver::Maneuver;
@@ -12,6 +10,7 @@ use cg_vehicle::simulate::{LogSimulation, Scenario};
 
 use crate::Outcome;
 use crate::cli::SimulateArgs;
+use crate::draft::Draft;
 
 const COLUMNS: [Signal; 7] = [
     Signal::Time,
@@ -55,7 +54,7 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
         Some(path) if *path == arguments.output => {
             return Err(anyhow!("{}: given to --output and to --truth", path.display()));
         }
-        Some(path) => Some(TruthDraft::write(path, &serde_json::to_string_pretty(&truth)?)?),
+        Some(path) => Some(Draft::write(path, "--truth", &serde_json::to_string_pretty(&truth)?)?),
         None => None,
     };
     let mut writer = if arguments.output.as_os_str() == "-" {
@@ -66,7 +65,7 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
     };
     simulation.run(|row| writer.write_row(row))?;
     writer.finish()?;
-    draft.map_or(Ok(()), TruthDraft::publish)?;
+    draft.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
 }
 
@@ -76,40 +75,5 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
         Ok(())
     } else {
         Err(anyhow!("{name}: a log ends in .csv or .csv.gz; give --output such a name"))
-    }
-}
-
-/// The truth beside its place, whole; dropped before it is published, it removes itself.
-struct TruthDraft {
-    partial: PathBuf,
-    target: PathBuf,
-}
-
-impl TruthDraft {
-    fn write(target: &Path, text: &str) -> anyhow::Result<Self> {
-        let remedy = || {
-            format!("{}: cannot be written; check the folder and its permissions", target.display())
-        };
-        if target.is_dir() {
-            return Err(anyhow!("{}: is a folder; give --truth a file", target.display()));
-        }
-        let mut partial = target.as_os_str().to_owned();
-        partial.push(".partial");
-        let draft = Self { partial: partial.into(), target: target.to_owned() };
-        let mut file = File::create(&draft.partial).with_context(remedy)?;
-        writeln!(file, "{text}").and_then(|()| file.sync_all()).with_context(remedy)?;
-        Ok(draft)
-    }
-
-    fn publish(self) -> anyhow::Result<()> {
-        std::fs::rename(&self.partial, &self.target)
-            .with_context(|| format!("{}: cannot be written", self.target.display()))
-    }
-}
-
-impl Drop for TruthDraft {
-    fn drop(&mut self) {
-        // After publishing there is nothing to remove.
-        let _ = std::fs::remove_file(&self.partial);
     }
 }

@@ -6,6 +6,9 @@
 //!   speed and mass (at the reference height). The scheduled input is thus "expected roll",
 //!   in radians; the ratio identified from it is near one, and a speed that changes slowly
 //!   does no harm.
+//! * The steer channel counts at steady speed only: traction and braking change how a truck
+//!   answers its steering (by some 60 % per m/s² on the independent truck), while the roll angle
+//!   that belongs to a lateral acceleration stays what it is.
 //! * Turning and straight driving are told apart by lateral acceleration, with hysteresis.
 
 use core::fmt;
@@ -20,6 +23,12 @@ const TURNING_MPS2: f64 = 0.5;
 const STRAIGHT_MPS2: f64 = 0.3;
 /// Lateral acceleration above which the linear model is not trusted.
 const LINEAR_MPS2: f64 = 3.5;
+
+/// Longitudinal acceleration above which steer says little about lateral acceleration: 3 % of
+/// the ratio at the sensitivity named above.
+const STEADY_MPS2: f64 = 0.05;
+/// Time constant of the filter that differentiates the speed: 0.05 m/s of noise become 0.025 m/s².
+const SPEED_FILTER_S: f64 = 2.0;
 
 /// A sample that the estimator refuses; its state is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,9 +72,9 @@ pub struct Row<T> {
     pub lateral_acceleration_mps2: T,
     /// Whether the truck turns.
     pub turning: bool,
-    /// Whether the linear model holds here: speed and mass on the design's axes, lateral
-    /// acceleration small enough.
-    pub usable: bool,
+    /// Whether the model of each channel holds here: speed and mass on the design's axes,
+    /// lateral acceleration small enough, for steer a steady speed.
+    pub usable: [bool; 2],
 }
 
 /// The stage from [`Sample`] to [`Row`].
@@ -73,6 +82,8 @@ pub struct Row<T> {
 pub struct Conditioner<T> {
     previous_us: Option<u64>,
     speed_mps: T,
+    /// The speed through a first-order lag of [`SPEED_FILTER_S`].
+    lagging_mps: Option<T>,
     trailer_mass_kg: T,
     turning: bool,
     /// Roll per unit of each input at the reference height, for the speed and mass beside it.
@@ -85,6 +96,7 @@ impl<T: Real> Conditioner<T> {
         let mut conditioner = Self {
             previous_us: None,
             speed_mps: design.nominal_speed_mps,
+            lagging_mps: None,
             trailer_mass_kg: design.nominal_trailer_mass_kg,
             turning: false,
             gains: None,
@@ -97,7 +109,7 @@ impl<T: Real> Conditioner<T> {
         let mut gains = [T::zero(); 2];
         for channel in Channel::ALL {
             let line = design.line(channel, self.speed_mps, self.trailer_mass_kg)?;
-            let compensation = design.channels[channel.index()].compensation.value;
+            let compensation = design.channels[channel.index()].compensation;
             gains[channel.index()] = line.ratio_at(design.reference_height_m) * compensation;
         }
         Some(gains)
@@ -118,8 +130,10 @@ impl<T: Real> Conditioner<T> {
         {
             return Err(SampleError::TimeOrder { previous_us, time_us });
         }
+        let interval_us = self.previous_us.map_or(0, |previous_us| time_us - previous_us);
         self.previous_us = Some(time_us);
         self.schedule(design, sample);
+        let steady = self.acceleration_mps2(seconds(interval_us)).abs() < T::of(STEADY_MPS2);
 
         let lateral = if sample.lateral_acceleration_mps2.present() {
             sample.lateral_acceleration_mps2
@@ -142,6 +156,7 @@ impl<T: Real> Conditioner<T> {
         } else {
             felt.abs() > T::of(TURNING_MPS2)
         };
+        let linear = self.gains.is_some() && felt.abs() < T::of(LINEAR_MPS2);
         Ok(Some(Row {
             time_us,
             roll_rad,
@@ -150,8 +165,16 @@ impl<T: Real> Conditioner<T> {
             trailer_mass_kg: self.trailer_mass_kg,
             lateral_acceleration_mps2: felt,
             turning: self.turning,
-            usable: self.gains.is_some() && felt.abs() < T::of(LINEAR_MPS2),
+            usable: [linear && steady, linear],
         }))
+    }
+
+    /// Longitudinal acceleration, smoothed; zero while the speed is not known.
+    fn acceleration_mps2(&mut self, interval_s: T) -> T {
+        let filter_s = T::of(SPEED_FILTER_S);
+        let lagging = self.lagging_mps.get_or_insert(self.speed_mps);
+        *lagging += (self.speed_mps - *lagging) * interval_s / (filter_s + interval_s);
+        (self.speed_mps - *lagging) / filter_s
     }
 
     /// Keeps the last known speed and mass, and the gains that belong to them.
@@ -169,4 +192,10 @@ impl<T: Real> Conditioner<T> {
             self.gains = self.gains_here(design);
         }
     }
+}
+
+/// Microseconds to seconds.
+pub(crate) fn seconds<T: Real>(interval_us: u64) -> T {
+    // More than an hour is a hole of any length: 32 bits hold the rest exactly.
+    T::of(f64::from(u32::try_from(interval_us).unwrap_or(u32::MAX))) * T::of(1e-6)
 }

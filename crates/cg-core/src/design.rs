@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::ratio::{Measured, RatioLine};
+use crate::ratio::RatioLine;
 use crate::real::Real;
 use crate::reduced::Reduced5;
 use crate::rollover::RolloverDesign;
@@ -51,10 +51,28 @@ pub struct ChannelDesign<T> {
     /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All
     /// are scaled to `b0 + b1 h = 1` at the reference height, so that they can be blended.
     pub lines: [[RatioLine<T>; MASSES]; SPEEDS],
-    /// `R_c`, the DC ratio of the compensation (eq. 5.19), and its standard deviation.
-    pub compensation: Measured<T>,
-    /// Relative standard deviation of the model's ratio beyond that of `R_c`.
-    pub model_sd_relative: T,
+    /// `R_c`, the DC ratio of the compensation (eq. 5.19).
+    pub compensation: T,
+}
+
+/// How well the DC ratios of both channels are known at one speed and mass: what calibration
+/// and model leave open, which no amount of driving averages out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread<T> {
+    /// Relative standard deviation of each channel's ratio, in the order of [`Channel::ALL`].
+    pub sd: [T; 2],
+    /// Correlation of the two: springs and roll centres act on both.
+    pub correlation: T,
+}
+
+impl<T: Real> Spread<T> {
+    /// `weight` of `other`, the rest of `self`.
+    #[must_use]
+    fn blend(&self, other: &Self, weight: T) -> Self {
+        let mix = |a: T, b: T| a + (b - a) * weight;
+        let ([a, b], [c, d]) = (self.sd, other.sd);
+        Self { sd: [mix(a, c), mix(b, d)], correlation: mix(self.correlation, other.correlation) }
+    }
 }
 
 /// The constants of one truck, plain numbers, checked by [`Design::validate`].
@@ -66,6 +84,8 @@ pub struct Design<T> {
     pub trailer_mass_kg: [T; MASSES],
     /// The two channels, in the order of [`Channel::ALL`].
     pub channels: [ChannelDesign<T>; 2],
+    /// Uncertainty of their ratios, `[speed][mass]`.
+    pub spread: [[Spread<T>; MASSES]; SPEEDS],
     /// Speed used when a sample has none.
     pub nominal_speed_mps: T,
     /// Trailer mass used when a sample has none.
@@ -131,11 +151,10 @@ impl<T: Real> Design<T> {
                         b1: to(l.b1),
                     })
                 }),
-                compensation: Measured {
-                    value: to(c.compensation.value),
-                    sd: to(c.compensation.sd),
-                },
-                model_sd_relative: to(c.model_sd_relative),
+                compensation: to(c.compensation),
+            }),
+            spread: self.spread.map(|row| {
+                row.map(|s| Spread { sd: s.sd.map(to), correlation: to(s.correlation) })
             }),
             nominal_speed_mps: to(self.nominal_speed_mps),
             nominal_trailer_mass_kg: to(self.nominal_trailer_mass_kg),
@@ -168,9 +187,17 @@ impl<T: Real> Design<T> {
             if !design.model.is_stable() {
                 return Err(DesignError::Unstable(channel));
             }
-            positive(design.compensation.value, "compensation")?;
+            positive(design.compensation, "compensation")?;
             for line in design.lines.iter().flatten() {
                 positive(line.ratio_at(self.reference_height_m), "ratio at the reference height")?;
+            }
+        }
+        for spread in self.spread.iter().flatten() {
+            let [steer, lateral] = spread.sd;
+            positive(steer, "spread of the steer ratio")?;
+            positive(lateral, "spread of the lateral-acceleration ratio")?;
+            if !(spread.correlation.abs() <= T::one()) {
+                return Err(DesignError::NotFinite("correlation of the channels"));
             }
         }
         positive(self.nominal_speed_mps, "nominal_speed_mps")?;
@@ -182,12 +209,27 @@ impl<T: Real> Design<T> {
     ///
     /// Bilinear in squared speed (a steady turn depends on speed through `U²`) and mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
+        let lines = &self.channels[channel.index()].lines;
+        self.between(lines, speed_mps, trailer_mass_kg, RatioLine::blend)
+    }
+
+    /// The uncertainty of the ratios at a speed and trailer mass; `None` outside the axes.
+    pub fn spread(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Spread<T>> {
+        self.between(&self.spread, speed_mps, trailer_mass_kg, Spread::blend)
+    }
+
+    fn between<E>(
+        &self,
+        table: &[[E; MASSES]; SPEEDS],
+        speed_mps: T,
+        trailer_mass_kg: T,
+        blend: impl Fn(&E, &E, T) -> E,
+    ) -> Option<E> {
         let (i, u) = locate(&self.speed_mps.map(|u| u * u), speed_mps * speed_mps)?;
         let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
-        let lines = &self.channels[channel.index()].lines;
-        let slow = lines.get(i)?.get(j)?.blend(lines.get(i)?.get(j + 1)?, m);
-        let fast = lines.get(i + 1)?.get(j)?.blend(lines.get(i + 1)?.get(j + 1)?, m);
-        Some(slow.blend(&fast, u))
+        let slow = blend(table.get(i)?.get(j)?, table.get(i)?.get(j + 1)?, m);
+        let fast = blend(table.get(i + 1)?.get(j)?, table.get(i + 1)?.get(j + 1)?, m);
+        Some(blend(&slow, &fast, u))
     }
 }
 

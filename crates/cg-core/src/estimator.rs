@@ -8,7 +8,7 @@
 
 use core::fmt;
 
-use crate::condition::{Conditioner, Row, SampleError};
+use crate::condition::{Conditioner, Row, SampleError, seconds};
 use crate::design::{Channel, Design};
 use crate::height::{Fusion, Height};
 use crate::identify::{Answer, Fit, Identify, Unexcited};
@@ -131,6 +131,8 @@ pub struct Maneuver<T> {
     pub trailer_mass_kg: T,
     /// Per channel, in the order of [`Channel::ALL`].
     pub outcomes: [Outcome<T>; 2],
+    /// Correlation of the two channels' systematic errors.
+    pub correlation: T,
 }
 
 /// The estimator's answer to one sample.
@@ -173,6 +175,7 @@ pub struct Estimator<T: Real, I> {
     window: Option<Window<T>>,
     trailer_mass_kg: T,
     fused_mass_kg: Option<T>,
+    correlation: T,
 }
 
 impl<T: Real, I: Identify<T>> Estimator<T, I> {
@@ -192,6 +195,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             window: None,
             trailer_mass_kg: design.nominal_trailer_mass_kg,
             fused_mass_kg: None,
+            correlation: T::one(),
         }
     }
 
@@ -226,6 +230,15 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         self.lanes[channel.index()].fusion.height()
     }
 
+    /// The height from both channels, weighted by what each knows that the other does not; from
+    /// one of them where the other has none.
+    pub fn combined_height(&self) -> Option<Height<T>> {
+        match (self.height(Channel::Steer), self.height(Channel::LateralAcceleration)) {
+            (Some(steer), Some(lateral)) => Some(lateral.combined(&steer, self.correlation)),
+            (steer, lateral) => steer.or(lateral),
+        }
+    }
+
     /// The channel whose height is known best.
     pub fn best_channel(&self) -> Option<Channel> {
         let sd = |channel| self.height(channel).map(|height| height.height_m.sd);
@@ -252,7 +265,9 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     }
 
     fn identify(&mut self, row: &Row<T>) {
-        for (lane, expected) in self.lanes.iter_mut().zip(row.expected_rad) {
+        for ((lane, expected), usable) in
+            self.lanes.iter_mut().zip(row.expected_rad).zip(row.usable)
+        {
             if !expected.present() {
                 continue;
             }
@@ -268,7 +283,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             }
             lane.last_us = Some(row.time_us);
             let interval_s = seconds(interval_us.unwrap_or(0));
-            let use_row = row.usable && row.time_us >= lane.settled_us;
+            let use_row = usable && row.time_us >= lane.settled_us;
             lane.identifier.push(expected, row.roll_rad, interval_s, use_row);
         }
     }
@@ -321,6 +336,10 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             speed_mps,
             trailer_mass_kg: self.trailer_mass_kg,
             outcomes: Channel::ALL.map(|channel| self.outcome(channel, speed_mps)),
+            correlation: self
+                .design
+                .spread(speed_mps, self.trailer_mass_kg)
+                .map_or(T::one(), |spread| spread.correlation),
         }
     }
 
@@ -328,7 +347,10 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         let rejected =
             |fit, reject| Outcome { fit, height_m: Err(reject), systematic_sd_m: T::zero() };
         let trailer_mass_kg = self.trailer_mass_kg;
-        let Some(line) = self.design.line(channel, speed_mps, trailer_mass_kg) else {
+        let (Some(line), Some(spread)) = (
+            self.design.line(channel, speed_mps, trailer_mass_kg),
+            self.design.spread(speed_mps, trailer_mass_kg),
+        ) else {
             return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
         };
         let lane = &self.lanes[channel.index()];
@@ -339,22 +361,23 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             Answer::Ready(fit) => fit,
             Answer::Unexcited(reason) => return rejected(None, Reject::Unexcited(reason)),
         };
-        let model = &self.design.channels[channel.index()];
-        let expected = line.ratio_at(self.design.reference_height_m) * model.compensation.value;
+        let compensation = self.design.channels[channel.index()].compensation;
+        let expected = line.ratio_at(self.design.reference_height_m) * compensation;
         let ratio_sd_relative = (fit.ratio.sd / fit.ratio.value).abs();
         fit.ratio.value *= expected;
         fit.ratio.sd *= expected;
         if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
             return rejected(Some(fit), Reject::Imprecise { ratio_sd_relative });
         }
-        let exact = Measured::exact(model.compensation.value);
-        let height = solve_height(&line, fit.ratio, exact, T::zero());
-        let systematic = solve_height(
-            &line,
-            Measured::exact(fit.ratio.value),
-            model.compensation,
-            model.model_sd_relative,
-        );
+        let compensation = Measured::exact(compensation);
+        let height = solve_height(&line, fit.ratio, compensation, T::zero());
+        let exact = Measured::exact(fit.ratio.value);
+        let [steer_sd, lateral_sd] = spread.sd;
+        let model_sd = match channel {
+            Channel::Steer => steer_sd,
+            Channel::LateralAcceleration => lateral_sd,
+        };
+        let systematic = solve_height(&line, exact, compensation, model_sd);
         match (height, systematic) {
             (Ok(height), Ok(systematic)) if self.is_possible(height.value) => {
                 Outcome { fit: Some(fit), height_m: Ok(height), systematic_sd_m: systematic.sd }
@@ -382,16 +405,11 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             }
         }
         self.fused_mass_kg = Some(mass);
+        self.correlation = maneuver.correlation;
         for (lane, outcome) in self.lanes.iter_mut().zip(&maneuver.outcomes) {
             if let Ok(height_m) = outcome.height_m {
                 lane.fusion.push(height_m, outcome.systematic_sd_m);
             }
         }
     }
-}
-
-/// Microseconds to seconds.
-fn seconds<T: Real>(interval_us: u64) -> T {
-    // Intervals are below the gap limit: 32 bits hold them exactly.
-    T::of(f64::from(u32::try_from(interval_us).unwrap_or(u32::MAX))) * T::of(1e-6)
 }

@@ -72,6 +72,42 @@ impl<T: Real> Fusion<T> {
     }
 }
 
+impl<T: Real> Height<T> {
+    /// The best mean of the two channels' heights, given the correlation of what model and
+    /// calibration leave open in each.
+    ///
+    /// Both channels see the same roll angle, so their noise counts as fully correlated; a
+    /// weight that would leave the interval from 0 to 1 to exploit that is not believed.
+    #[must_use]
+    pub fn combined(&self, other: &Self, correlation: T) -> Self {
+        let variance = |height: &Self| height.height_m.sd * height.height_m.sd;
+        let systematic = |height: &Self| {
+            (variance(height) - height.random_sd_m * height.random_sd_m).max(T::zero()).root()
+        };
+        let (mine, theirs) = (variance(self), variance(other));
+        let common = self.random_sd_m * other.random_sd_m
+            + correlation * systematic(self) * systematic(other);
+        let spread = mine + theirs - T::of(2.0) * common;
+        let weight = if spread > T::zero() {
+            ((mine - common) / spread).max(T::zero()).min(T::one())
+        } else {
+            T::zero()
+        };
+        let rest = T::one() - weight;
+        let mix = |a: T, b: T| rest * a + weight * b;
+        let total =
+            rest * rest * mine + weight * weight * theirs + T::of(2.0) * rest * weight * common;
+        Self {
+            height_m: Measured {
+                value: mix(self.height_m.value, other.height_m.value),
+                sd: total.max(T::zero()).root(),
+            },
+            random_sd_m: mix(self.random_sd_m, other.random_sd_m),
+            maneuvers: self.maneuvers.max(other.maneuvers),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,5 +139,22 @@ mod tests {
         fusion.push(Measured { value: f64::NAN, sd: 0.1 }, 0.0);
         fusion.push(Measured { value: 2.0, sd: 0.0 }, 0.0);
         assert_eq!(fusion.height(), None);
+    }
+
+    #[test]
+    fn channels_are_weighted_by_what_each_knows_alone() {
+        let height = |value: f64, sd: f64| Height {
+            height_m: Measured { value, sd },
+            random_sd_m: 0.0,
+            maneuvers: 1,
+        };
+        let (a, b) = (height(1.9, 0.03), height(2.0, 0.04));
+        // Independent: weights 16/25 and 9/25, sd 0.03·0.04/0.05.
+        let combined = a.combined(&b, 0.0).height_m;
+        assert!((combined.value - (1.9 * 16.0 + 2.0 * 9.0) / 25.0).abs() < 1e-12);
+        assert!((combined.sd - 0.024).abs() < 1e-12);
+        // Beyond a correlation of sd/sd the worse one has nothing to add.
+        assert_eq!(a.combined(&b, 0.8).height_m, a.height_m);
+        assert_eq!(b.combined(&a, 0.8).height_m, a.height_m);
     }
 }

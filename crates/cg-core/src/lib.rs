@@ -48,7 +48,7 @@ pub mod estimator;
 
 pub use arx::Arx;
 pub use condition::{Conditioner, SampleError};
-pub use design::{Channel, ChannelDesign, Design, DesignError};
+pub use design::{Channel, ChannelDesign, Design, DesignError, Spread};
 pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
 pub use filtered::{FilteredArx, Prior};
 pub use height::Height;

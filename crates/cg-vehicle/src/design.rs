@@ -1,9 +1,10 @@
 //! From a vehicle to the constants that the estimator runs on.
 
 use cg_core::design::{MASSES, SPEEDS};
-use cg_core::{Channel, ChannelDesign, Design, Measured, RatioLine, RolloverDesign};
+use cg_core::{Channel, ChannelDesign, Design, RatioLine, RolloverDesign, Spread};
 
 use crate::balance::static_balance;
+use crate::belief::Belief;
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant, ratio_line};
 use crate::reduction::reduce;
@@ -15,16 +16,31 @@ const GRID_MPS: [f64; SPEEDS] = [3.0, 6.0, 9.0, 12.0, 15.0, 19.0, 24.0, 30.0];
 /// The greatest payload of the grid.
 const GREATEST_PAYLOAD_KG: f64 = 34_000.0;
 
-/// Computes the design of a vehicle.
+/// Computes the design of a vehicle as its file says.
 ///
 /// # Errors
 /// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load.
 pub fn design(vehicle: &Vehicle, variant: Variant) -> Result<Design<f64>, VehicleError> {
+    design_with(vehicle, variant, &Belief::prior(vehicle))
+}
+
+/// Computes the design of a vehicle with what is believed of its parameters: the prior, or a
+/// calibration.
+///
+/// # Errors
+/// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load.
+pub fn design_with(
+    file: &Vehicle,
+    variant: Variant,
+    belief: &Belief,
+) -> Result<Design<f64>, VehicleError> {
+    let vehicle = &belief.applied_to(file);
     let load = vehicle.reference_load();
     let speed_mps = speeds(vehicle.nominal_speed_mps);
     let trailer_mass_kg = masses(vehicle, variant);
     let flat = RatioLine { a0: 0.0, a1: 0.0, b0: 0.0, b1: 0.0 };
     let mut lines = [[[flat; MASSES]; SPEEDS]; 2];
+    let mut spread = [[Spread { sd: [0.0; 2], correlation: 0.0 }; MASSES]; SPEEDS];
     for (i, &speed_mps) in speed_mps.iter().enumerate() {
         for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
             let trailer_mass_kg = match variant {
@@ -36,28 +52,27 @@ pub fn design(vehicle: &Vehicle, variant: Variant) -> Result<Design<f64>, Vehicl
             for (channel, line) in both.into_iter().enumerate() {
                 lines[channel][i][j] = line;
             }
+            let [[steer, common], [_, lateral]] =
+                belief.ratio_covariance(file, variant, speed_mps, load)?;
+            let sd = [steer.sqrt(), lateral.sqrt()];
+            spread[i][j] = Spread { sd, correlation: (common / (sd[0] * sd[1])).clamp(-1.0, 1.0) };
         }
     }
     let equations = Equations::new(vehicle, variant, vehicle.nominal_speed_mps, load)?;
     let reduced = reduce(&equations.state_space()?)?;
-    let channel = |channel: Channel, model, sd| ChannelDesign {
+    let channel = |channel: Channel, model| ChannelDesign {
         model,
         lines: lines[channel.index()],
-        compensation: Measured { value: 1.0, sd },
-        model_sd_relative: 0.0,
+        compensation: belief.gain(channel),
     };
-    let uncertainty = &vehicle.uncertainty;
     let design = Design {
         speed_mps,
         trailer_mass_kg,
         channels: [
-            channel(Channel::Steer, reduced.steer, uncertainty.steer_ratio_sd),
-            channel(
-                Channel::LateralAcceleration,
-                reduced.lateral_acceleration,
-                uncertainty.lateral_acceleration_ratio_sd,
-            ),
+            channel(Channel::Steer, reduced.steer),
+            channel(Channel::LateralAcceleration, reduced.lateral_acceleration),
         ],
+        spread,
         nominal_speed_mps: vehicle.nominal_speed_mps,
         nominal_trailer_mass_kg: load.trailer_mass_kg,
         reference_height_m: load.cg_height_m,

@@ -21,6 +21,8 @@ pub mod balance;
 pub mod response;
 mod as_printed;
 pub mod linear;
+pub mod belief;
+pub mod calibration;
 pub mod reduction;
 pub mod design;
 pub mod maneuver;

@@ -30,7 +30,8 @@ use crate::response::StateSpace;
 use crate::vehicle::{Load, PlacedAxle, Vehicle};
 
 /// Which equations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Variant {
     /// All terms.
     #[default]

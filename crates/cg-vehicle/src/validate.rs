@@ -123,8 +123,6 @@ pub(crate) fn physical(v: &Vehicle) -> Result<(), Invalid> {
         ("nominal_speed_mps", v.nominal_speed_mps),
         ("steering_ratio", v.steering_ratio.unwrap_or(1.0)),
         ("height.least_m", v.height.least_m),
-        ("uncertainty.steer_ratio_sd", v.uncertainty.steer_ratio_sd),
-        ("uncertainty.lateral_acceleration_ratio_sd", v.uncertainty.lateral_acceleration_ratio_sd),
         ("hitch.height_m", v.hitch.height_m),
         ("hitch.roll_stiffness_nm_per_rad", v.hitch.roll_stiffness_nm_per_rad),
         ("tractor.sprung_mass_kg", t.sprung_mass_kg),
@@ -145,6 +143,25 @@ pub(crate) fn physical(v: &Vehicle) -> Result<(), Invalid> {
         ("trailer.payload.width_m", s.payload.width_m),
     ] {
         positive(path, value)?;
+    }
+    let u = &v.uncertainty;
+    for (key, value) in [
+        ("roll_stiffness_sd", u.roll_stiffness_sd),
+        ("roll_center_height_sd_m", u.roll_center_height_sd_m),
+        ("tractor_cg_height_sd_m", u.tractor_cg_height_sd_m),
+        ("fifth_wheel_stiffness_sd", u.fifth_wheel_stiffness_sd),
+        ("tyre_vertical_stiffness_sd", u.tyre_vertical_stiffness_sd),
+        ("cornering_stiffness_sd", u.cornering_stiffness_sd),
+        ("steering_gain_sd", u.steering_gain_sd),
+        ("lateral_acceleration_gain_sd", u.lateral_acceleration_gain_sd),
+        ("compensation_sd", u.compensation_sd),
+        ("residual_sd", u.residual_sd),
+    ] {
+        // One (a factor of e) or a metre: nothing is known, and linearisation ends.
+        if !(0.0..=1.0).contains(&value) {
+            let remedy = "must lie between 0 (known exactly) and 1 (hardly known)";
+            return Err(Invalid::new(&format!("uncertainty.{key}"), value, remedy));
+        }
     }
     heights_and_masses(v)?;
     for (i, tyre) in v.tyre.iter().enumerate() {

@@ -56,14 +56,31 @@ pub struct HeightRange {
     pub greatest_m: f64,
 }
 
-/// Relative standard deviation of the model's DC ratios without calibration.
+/// How well the file is trusted: standard deviations of what calibration can change (see
+/// [`crate::belief`]), relative where no unit is named.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Uncertainty {
-    /// Roll per steer angle.
-    pub steer_ratio_sd: f64,
-    /// Roll per lateral acceleration.
-    pub lateral_acceleration_ratio_sd: f64,
+    /// Roll stiffness of the suspensions, trailer and tractor each.
+    pub roll_stiffness_sd: f64,
+    /// Height of the suspensions' roll centres.
+    pub roll_center_height_sd_m: f64,
+    /// Height of the tractor's sprung c.g.
+    pub tractor_cg_height_sd_m: f64,
+    /// Roll stiffness of the fifth wheel.
+    pub fifth_wheel_stiffness_sd: f64,
+    /// Vertical stiffness of the tyres.
+    pub tyre_vertical_stiffness_sd: f64,
+    /// Cornering stiffness of steered, drive and trailer tyres, each.
+    pub cornering_stiffness_sd: f64,
+    /// Steer-angle sensor (or steering ratio).
+    pub steering_gain_sd: f64,
+    /// Lateral-acceleration sensor.
+    pub lateral_acceleration_gain_sd: f64,
+    /// Roll sensor, and what the model gets wrong everywhere alike.
+    pub compensation_sd: f64,
+    /// What the model gets wrong otherwise: new at each speed, load and road.
+    pub residual_sd: f64,
 }
 
 /// The fifth wheel.

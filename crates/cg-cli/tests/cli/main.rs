@@ -4,6 +4,7 @@
 //! | file | what |
 //! |---|---|
 //! | `common` | scratch folders, runs, and what every refusal has in common |
+//! | `calibrate` | calibrations made, used and refused |
 //! | `logs` | logs that are no logs, and logs that hold no answer |
 //! | `streams` | lines without end, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
@@ -14,6 +15,7 @@
 //! | `memory` | long logs in the memory of short ones |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
+mod calibrate;
 mod common;
 mod logs;
 mod memory;

@@ -51,7 +51,8 @@ fn a_wrong_key_in_an_axle_is_named_with_the_keys_there_are() {
 #[test]
 fn a_wrong_key_in_a_tyre_is_named_with_the_keys_there_are() {
     let parts = ["unknown field `vertical_stiffness`", "`vertical_stiffness_n_per_m`"];
-    refused("vertical_stiffness_n_per_m", "vertical_stiffness", "vertical_stiffness", &parts);
+    let from = "\nvertical_stiffness_n_per_m";
+    refused(from, "\nvertical_stiffness", "vertical_stiffness =", &parts);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use cg_core::design::{MASSES, SPEEDS};
 use cg_core::ratio::{Measured, RatioLine, solve_height};
 use cg_core::reduced::Simulation;
-use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign};
+use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign, Spread};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
@@ -61,14 +61,14 @@ pub(crate) fn design() -> Design<f64> {
                 denominator: EQ_5_12.denominator,
             },
             lines: [[scaled(steer_line); MASSES]; SPEEDS],
-            compensation: Measured { value: 1.489_6, sd: 0.02 },
-            model_sd_relative: 0.0,
+            compensation: 1.489_6,
         }
     };
     let design = Design {
         speed_mps: [2.0, 5.0, 8.0, 11.0, 14.0, 18.0, 24.0, 30.0],
         trailer_mass_kg: [8e3, 15e3, 20e3, 25e3, 31e3, 40e3],
         channels: [channel(1.0), channel(34.0)],
+        spread: [[Spread { sd: [0.013, 0.013], correlation: 0.5 }; MASSES]; SPEEDS],
         nominal_speed_mps: 13.9,
         nominal_trailer_mass_kg: 31.3e3,
         reference_height_m: 1.973,

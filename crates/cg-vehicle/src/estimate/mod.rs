@@ -1,11 +1,14 @@
 //! One log in, one answer out: the glue that the command line and Python share.
 
-use cg_core::arx::{ArxOptions, SampledArx};
-use cg_core::estimator::{Maneuver, Outcome};
-use cg_core::{
-    Channel, Design, Estimator, FilteredArx, Prior, Rollover, Sample, SampleError, Settings, Step,
-};
+mod answer;
+mod engine;
+
+use cg_core::estimator::Maneuver;
+use cg_core::{Channel, Design, Measured, Rollover, Sample, SampleError};
 use serde::Serialize;
+
+pub use answer::{LogEstimate, ManeuverEstimate, Verdict};
+use engine::Engine;
 
 use crate::design::design;
 use crate::error::VehicleError;
@@ -16,8 +19,8 @@ use crate::vehicle::Vehicle;
 /// Two-sided 95 % quantile of the normal distribution.
 const QUANTILE_95: f64 = 1.959_964;
 
-/// Interval of the classical ARX (the source's 0.05 s): faster logs are thinned out.
-const ARX_INTERVAL_S: f64 = 0.05;
+/// What [`LogEstimate::channel`] says when both went in.
+const COMBINED: &str = "combined";
 
 /// How the DC ratio is identified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -41,7 +44,7 @@ pub struct EstimateOptions {
     pub method: Method,
     /// Order of the classical ARX.
     pub order: usize,
-    /// The channel to use; `None` takes the one that knows the height best.
+    /// The channel to use; `None` combines both, each with the weight of what it knows.
     pub channel: Option<Channel>,
     /// Speed, whatever the log says.
     pub speed_mps: Option<f64>,
@@ -62,127 +65,19 @@ impl Default for EstimateOptions {
     }
 }
 
-/// Whether a log (or a maneuver) gave a height.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// It did.
-    Ok,
-    /// It did not; the reason stands beside.
-    Rejected,
-}
-
-/// The answer for one log. Field names are the keys of the JSON output.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LogEstimate {
-    /// Whether there is a height.
-    pub status: Verdict,
-    /// C.g. height of the trailer's sprung mass above ground at rest.
-    pub height_m: Option<f64>,
-    /// Its standard deviation, model uncertainty included.
-    pub height_sd_m: Option<f64>,
-    /// Its 95 % interval.
-    pub height_ci95_m: Option<[f64; 2]>,
-    /// DC ratio, rad of roll per rad of steer or per m/s², at `speed_mps`.
-    pub ratio: Option<f64>,
-    /// Its standard deviation from noise.
-    pub ratio_sd: Option<f64>,
-    /// Identification used.
-    pub method: Method,
-    /// Channel used: `steer` or `lateral-acceleration`.
-    pub channel: Option<String>,
+/// What a log says of the DC ratios.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identified {
     /// Mean speed of the maneuvers.
-    pub speed_mps: Option<f64>,
+    pub speed_mps: f64,
     /// Trailer mass taken.
     pub trailer_mass_kg: f64,
-    /// Signal to noise of the best maneuver, dB.
-    pub snr_db: Option<f64>,
-    /// Fit of the best maneuver, %.
-    pub fit_percent: Option<f64>,
-    /// Lateral acceleration of wheel lift, in g.
-    pub static_rollover_threshold_g: Option<f64>,
-    /// Every maneuver, in the channel used.
-    pub maneuvers: Vec<ManeuverEstimate>,
+    /// Whether log or options gave it (or else the vehicle file).
+    pub trailer_mass_is_known: bool,
+    /// DC ratios in the order of [`Channel::ALL`], with the standard deviation from noise.
+    pub ratio: [Option<Measured<f64>>; 2],
     /// What a reader should know.
     pub messages: Vec<String>,
-}
-
-/// One maneuver.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ManeuverEstimate {
-    /// First time stamp used, as in the log.
-    pub start_s: f64,
-    /// Last time stamp used.
-    pub end_s: f64,
-    /// Height.
-    pub height_m: Option<f64>,
-    /// Its standard deviation from noise.
-    pub height_sd_m: Option<f64>,
-    /// DC ratio.
-    pub ratio: Option<f64>,
-    /// Its standard deviation from noise.
-    pub ratio_sd: Option<f64>,
-    /// Signal to noise, dB.
-    pub snr_db: Option<f64>,
-    /// Whether there is a height.
-    pub status: Verdict,
-    /// Why not.
-    pub reason: Option<String>,
-}
-
-/// The estimator of the chosen method.
-#[derive(Clone)]
-enum Engine {
-    Filtered(Box<Estimator<f64, FilteredArx<f64>>>),
-    Arx(Box<Estimator<f64, SampledArx<f64>>>),
-}
-
-impl Engine {
-    fn new(design: &Design<f64>, options: &EstimateOptions) -> Self {
-        let settings = Settings::truck();
-        let standard = Prior::standard();
-        match options.method {
-            Method::Filtered => {
-                Self::Filtered(Box::new(Estimator::new(design, settings, standard)))
-            }
-            Method::Gain => {
-                let fixed = Prior { dynamics_sd: 0.0, ..standard };
-                Self::Filtered(Box::new(Estimator::new(design, settings, fixed)))
-            }
-            Method::Arx => {
-                let arx = ArxOptions { order: options.order, interval_s: ARX_INTERVAL_S };
-                Self::Arx(Box::new(Estimator::new(design, settings, arx)))
-            }
-        }
-    }
-
-    fn push(&mut self, sample: &Sample<f64>) -> Result<Step<f64>, SampleError> {
-        match self {
-            Self::Filtered(estimator) => estimator.push(sample),
-            Self::Arx(estimator) => estimator.push(sample),
-        }
-    }
-
-    fn finish(&mut self) -> Option<Maneuver<f64>> {
-        match self {
-            Self::Filtered(estimator) => estimator.finish(),
-            Self::Arx(estimator) => estimator.finish(),
-        }
-    }
-
-    fn height(&self, channel: Channel) -> Option<cg_core::Height<f64>> {
-        match self {
-            Self::Filtered(estimator) => estimator.height(channel),
-            Self::Arx(estimator) => estimator.height(channel),
-        }
-    }
-
-    fn best_channel(&self) -> Option<Channel> {
-        match self {
-            Self::Filtered(estimator) => estimator.best_channel(),
-            Self::Arx(estimator) => estimator.best_channel(),
-        }
-    }
 }
 
 /// Estimates one log, row by row. Memory grows with the number of maneuvers only.
@@ -300,8 +195,14 @@ impl LogEstimator {
             .filter_map(|maneuver| Some((maneuver, outcome(maneuver).height_m.ok()?.sd)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(maneuver, _)| *maneuver);
-        let fused = channel.and_then(|channel| self.engine.height(channel));
+        let fused = match self.options.channel {
+            Some(channel) => self.engine.height(channel),
+            None => self.engine.combined_height(),
+        };
         let mut estimate = self.unanswered(shown, channel);
+        if self.options.channel.is_none() && self.is_combined() {
+            estimate.channel = Some(COMBINED.to_owned());
+        }
         estimate.messages = self.messages();
         let (Some(best), Some(fused)) = (best, fused) else {
             let reason = self.rejection(shown);
@@ -320,6 +221,11 @@ impl LogEstimator {
         estimate
     }
 
+    /// Whether both channels have a height.
+    fn is_combined(&self) -> bool {
+        Channel::ALL.iter().all(|&channel| self.engine.height(channel).is_some())
+    }
+
     /// Ratio, speed and rollover threshold of the fused height.
     fn describe(
         &self,
@@ -328,25 +234,15 @@ impl LogEstimator {
         fused: &cg_core::Height<f64>,
         best: &Maneuver<f64>,
     ) {
-        let good: Vec<_> = self
-            .maneuvers
-            .iter()
-            .filter(|maneuver| maneuver.outcomes[channel.index()].height_m.is_ok())
-            .collect();
-        #[allow(clippy::cast_precision_loss)] // a count
-        let speed_mps = good.iter().map(|m| m.speed_mps).sum::<f64>() / good.len() as f64;
-        estimate.speed_mps = Some(speed_mps);
-        let (h, random) = (fused.height_m.value, fused.random_sd_m);
-        let line = |channel| self.design.line(channel, speed_mps, best.trailer_mass_kg);
-        if let Some(line) = line(channel) {
-            let compensation = self.design.channels[channel.index()].compensation.value;
-            let slope = (line.ratio_at(h + 0.01) - line.ratio_at(h - 0.01)) / 0.02;
-            estimate.ratio = Some(compensation * line.ratio_at(h));
-            estimate.ratio_sd = Some((compensation * slope * random).abs());
+        estimate.speed_mps = self.mean_speed_mps(channel);
+        let Some(speed_mps) = estimate.speed_mps else { return };
+        if let Some(ratio) = self.ratio_of(channel, fused, speed_mps, best.trailer_mass_kg) {
+            estimate.ratio = Some(ratio.value);
+            estimate.ratio_sd = Some(ratio.sd);
         }
-        if let Some(line) = line(Channel::LateralAcceleration) {
-            let compensation =
-                self.design.channels[Channel::LateralAcceleration.index()].compensation.value;
+        let lateral = Channel::LateralAcceleration;
+        if let Some(line) = self.design.line(lateral, speed_mps, best.trailer_mass_kg) {
+            let compensation = self.design.channels[lateral.index()].compensation;
             let rollover: Rollover<f64> = self.design.rollover.at(
                 fused.height_m,
                 best.trailer_mass_kg,
@@ -356,6 +252,60 @@ impl LogEstimator {
             );
             estimate.static_rollover_threshold_g = Some(rollover.static_rollover_threshold_g.value);
         }
+    }
+
+    /// Mean speed of the maneuvers that gave a height in this channel.
+    fn mean_speed_mps(&self, channel: Channel) -> Option<f64> {
+        let speeds: Vec<f64> = self
+            .maneuvers
+            .iter()
+            .filter(|maneuver| maneuver.outcomes[channel.index()].height_m.is_ok())
+            .map(|maneuver| maneuver.speed_mps)
+            .collect();
+        #[allow(clippy::cast_precision_loss)] // a count
+        let n = speeds.len() as f64;
+        (n > 0.0).then(|| speeds.iter().sum::<f64>() / n)
+    }
+
+    /// The DC ratio that a height means, with the standard deviation that noise gives it.
+    fn ratio_of(
+        &self,
+        channel: Channel,
+        height: &cg_core::Height<f64>,
+        speed_mps: f64,
+        trailer_mass_kg: f64,
+    ) -> Option<Measured<f64>> {
+        let line = self.design.line(channel, speed_mps, trailer_mass_kg)?;
+        let compensation = self.design.channels[channel.index()].compensation;
+        let h = height.height_m.value;
+        let slope = (line.ratio_at(h + 0.01) - line.ratio_at(h - 0.01)) / 0.02;
+        let sd = (compensation * slope * height.random_sd_m).abs();
+        Some(Measured { value: compensation * line.ratio_at(h), sd })
+    }
+
+    /// Ends the log: what it says of the DC ratios, whatever the height behind them. Both are
+    /// fused over the maneuvers, at the mean speed and trailer mass that stand beside.
+    pub fn identified(mut self) -> Identified {
+        self.maneuvers.extend(self.engine.finish());
+        let mut identified = Identified {
+            speed_mps: f64::NAN,
+            trailer_mass_kg: self.trailer_mass_kg,
+            trailer_mass_is_known: self.seen.mass || self.options.trailer_mass_kg.is_some(),
+            ratio: [None; 2],
+            messages: self.messages(),
+        };
+        for channel in Channel::ALL {
+            let (Some(height), Some(speed_mps)) =
+                (self.engine.height(channel), self.mean_speed_mps(channel))
+            else {
+                identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
+                continue;
+            };
+            identified.speed_mps = speed_mps;
+            identified.ratio[channel.index()] =
+                self.ratio_of(channel, &height, speed_mps, self.trailer_mass_kg);
+        }
+        identified
     }
 
     fn unanswered(&self, shown: Channel, channel: Option<Channel>) -> LogEstimate {
@@ -378,7 +328,7 @@ impl LogEstimator {
                 .maneuvers
                 .iter()
                 .map(|maneuver| {
-                    describe_maneuver(maneuver, &maneuver.outcomes[shown.index()], origin_s)
+                    ManeuverEstimate::new(maneuver, &maneuver.outcomes[shown.index()], origin_s)
                 })
                 .collect(),
             messages: Vec::new(),
@@ -433,25 +383,5 @@ impl LogEstimator {
             ));
         }
         messages
-    }
-}
-
-fn describe_maneuver(
-    maneuver: &Maneuver<f64>,
-    outcome: &Outcome<f64>,
-    origin_s: f64,
-) -> ManeuverEstimate {
-    #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-    let seconds = |time_us: u64| origin_s + time_us as f64 * 1e-6;
-    ManeuverEstimate {
-        start_s: seconds(maneuver.start_us),
-        end_s: seconds(maneuver.end_us),
-        height_m: outcome.height_m.ok().map(|height| height.value),
-        height_sd_m: outcome.height_m.ok().map(|height| height.sd),
-        ratio: outcome.fit.map(|fit| fit.ratio.value),
-        ratio_sd: outcome.fit.map(|fit| fit.ratio.sd),
-        snr_db: outcome.fit.map(|fit| fit.snr_db),
-        status: if outcome.height_m.is_ok() { Verdict::Ok } else { Verdict::Rejected },
-        reason: outcome.height_m.err().map(|reason| reason.to_string()),
     }
 }

@@ -1,0 +1,169 @@
+//! `cg calibrate`: runs with known height to a calibration file.
+
+use std::io::Write;
+use std::path::Path;
+use std::str::FromStr;
+
+use anyhow::{Context, anyhow};
+use cg_vehicle::calibration::file::{ParameterEntry, Unit};
+use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
+use cg_vehicle::log::LogOptions;
+use cg_vehicle::{Vehicle, VehicleError};
+use chrono::{SecondsFormat, Utc};
+use comfy_table::presets::NOTHING;
+use comfy_table::{CellAlignment, Table};
+use indicatif::ProgressBar;
+
+use crate::Outcome;
+use crate::cli::CalibrateArgs;
+use crate::draft::Draft;
+use crate::estimate::feed;
+
+/// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
+#[derive(Clone, Debug)]
+pub(crate) struct RunArg(KnownLog);
+
+impl FromStr for RunArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "expected LOG=HEIGHT_M or LOG=HEIGHT_M,TRAILER_MASS_KG";
+        let (log, load) = text.rsplit_once('=').ok_or_else(|| form.to_owned())?;
+        let (height, mass) = match load.split_once(',') {
+            Some((height, mass)) => (height, Some(mass)),
+            None => (load, None),
+        };
+        let positive = |name: &str, text: &str| {
+            text.trim()
+                .parse::<f64>()
+                .ok()
+                .filter(|value| value.is_finite() && *value > 0.0)
+                .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
+        };
+        if log.is_empty() {
+            return Err(form.to_owned());
+        }
+        Ok(Self(KnownLog {
+            log: log.to_owned(),
+            height_m: positive("height", height)?,
+            trailer_mass_kg: mass.map(|mass| positive("trailer mass", mass)).transpose()?,
+        }))
+    }
+}
+
+/// Errors of logs beside those of the model.
+struct Failure(anyhow::Error);
+
+impl From<VehicleError> for Failure {
+    fn from(error: VehicleError) -> Self {
+        Self(error.into())
+    }
+}
+
+pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
+    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    check_output(&arguments.output)?;
+    let logs: Vec<KnownLog> = arguments.run.iter().map(|run| run.0.clone()).collect();
+    let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
+    for (i, known) in logs.iter().enumerate() {
+        if !(least_m..=greatest_m).contains(&known.height_m) {
+            return Err(anyhow!(
+                "--run {}: height {} m is outside the vehicle file's range {least_m} to \
+                 {greatest_m} m",
+                known.log,
+                known.height_m
+            ));
+        }
+        if known.log == "-" {
+            return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
+        }
+        if logs[..i].iter().any(|other| other.log == known.log) {
+            return Err(anyhow!("--run {}: given twice", known.log));
+        }
+    }
+    let options = LogOptions { columns: arguments.column.clone(), flip: arguments.flip.clone() };
+    let progress = ProgressBar::hidden();
+    let variant = arguments.model.into();
+    let mut calibration = calibrate(&vehicle, variant, &logs, |known, estimator| {
+        feed(Path::new(&known.log), &options, estimator, &progress).map_err(Failure)
+    })
+    .map_err(|failure| failure.0)?;
+    calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
+    let draft = Draft::write(&arguments.output, "--output", &calibration.to_toml()?)?;
+    report(&calibration, &arguments.output).context("standard output: cannot be written")?;
+    draft.publish()?;
+    Ok(Outcome::Done)
+}
+
+fn check_output(output: &Path) -> anyhow::Result<()> {
+    if output.extension().is_some_and(|extension| extension == "toml") {
+        Ok(())
+    } else {
+        Err(anyhow!("{}: a calibration ends in .toml; give --output such a name", output.display()))
+    }
+}
+
+fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let mut parameters = table(&["parameter", "value", "before", "determined"]);
+    for entry in &calibration.parameter {
+        let before = match entry.unit {
+            Unit::Factor => format!("± {:.0} %", 100.0 * entry.prior_sd),
+            Unit::M => format!("± {:.3} m", entry.prior_sd),
+        };
+        parameters.add_row(vec![
+            entry.name.words().to_owned(),
+            value(entry),
+            before,
+            format!("{:.0} %", 100.0 * entry.determined.max(0.0)),
+        ]);
+    }
+    let mut runs =
+        table(&["run", "height", "mass", "speed", "channel", "ratio", "before", "after"]);
+    for run in &calibration.run {
+        for entry in &run.channel {
+            runs.add_row(vec![
+                run.log.clone(),
+                format!("{:.3} m", run.height_m),
+                format!("{:.0} kg", run.trailer_mass_kg),
+                format!("{:.1} m/s", run.speed_mps),
+                entry.name.clone(),
+                format!("{:.5}", entry.ratio),
+                format!("{:+.1} %", entry.before_percent),
+                format!("{:+.1} %", entry.after_percent),
+            ]);
+        }
+    }
+    for table in [&mut parameters, &mut runs] {
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        writeln!(out, "{}\n", table.trim_fmt())?;
+    }
+    for sentence in &calibration.statement {
+        writeln!(out, " {sentence}")?;
+    }
+    let compensation = &calibration.compensation;
+    writeln!(
+        out,
+        "\n R_c: steer {:.4}, lateral acceleration {:.4}\n written to {}",
+        compensation.steer,
+        compensation.lateral_acceleration,
+        output.display()
+    )?;
+    Ok(())
+}
+
+fn value(entry: &ParameterEntry) -> String {
+    match entry.unit {
+        Unit::Factor => format!("× {:.3} ± {:.1} %", entry.value, 100.0 * entry.sd),
+        Unit::M => format!("{:+.3} ± {:.3} m", entry.value, entry.sd),
+    }
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_preset(NOTHING);
+    table.set_header(header.to_vec());
+    table
+}

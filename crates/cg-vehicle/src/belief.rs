@@ -1,0 +1,279 @@
+//! What is not known of a vehicle: a few physical parameters with a Gaussian belief about them.
+//!
+//! Nobody measures springs, roll centres, tyres and sensors of the very truck that carries the
+//! estimator. What the vehicle file says of them is the mean of a prior, whose standard
+//! deviations stand in its `[uncertainty]` table; calibration runs turn the prior into a
+//! posterior. The same propagation gives the uncertainty of the DC ratios in both cases.
+//!
+//! Factors are beliefs about their logarithm, so that none becomes negative; the roll-centre
+//! height is shifted by metres.
+
+use cg_core::Channel;
+use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+use crate::error::VehicleError;
+use crate::linear::{Variant, ratio_line};
+use crate::vehicle::{Axle, Load, Tyre, Vehicle};
+
+/// How many parameters there are.
+pub const PARAMETERS: usize = 12;
+
+/// Values of the parameters, as deviations from the vehicle file (logarithm of a factor, or metres).
+pub type Deviations = SVector<f64, PARAMETERS>;
+/// Their covariance.
+pub type Covariance = SMatrix<f64, PARAMETERS, PARAMETERS>;
+
+/// One uncertain property of a vehicle and its sensors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Parameter {
+    /// Roll stiffness of the trailer's suspensions, factor.
+    TrailerRollStiffness,
+    /// Roll stiffness of the tractor's suspensions, factor.
+    TractorRollStiffness,
+    /// Height of the suspensions' roll centres, shift in metres.
+    RollCenterHeight,
+    /// Height of the tractor's sprung c.g., shift in metres.
+    TractorCgHeight,
+    /// Roll stiffness of the fifth wheel, factor.
+    FifthWheelStiffness,
+    /// Vertical stiffness of the tyres, factor.
+    TyreVerticalStiffness,
+    /// Cornering stiffness of the steered axles' tyres, factor.
+    SteeredCorneringStiffness,
+    /// Cornering stiffness of the tractor's other tyres, factor.
+    DriveCorneringStiffness,
+    /// Cornering stiffness of the trailer's tyres, factor.
+    TrailerCorneringStiffness,
+    /// True steer angle over the measured one, factor.
+    SteeringGain,
+    /// True lateral acceleration over the measured one, factor.
+    LateralAccelerationGain,
+    /// `R_c`: roll angle over what the model says (eq. 5.19), factor.
+    Compensation,
+}
+
+impl Parameter {
+    /// All of them, in the order of [`Deviations`].
+    pub const ALL: [Self; PARAMETERS] = [
+        Self::TrailerRollStiffness,
+        Self::TractorRollStiffness,
+        Self::RollCenterHeight,
+        Self::TractorCgHeight,
+        Self::FifthWheelStiffness,
+        Self::TyreVerticalStiffness,
+        Self::SteeredCorneringStiffness,
+        Self::DriveCorneringStiffness,
+        Self::TrailerCorneringStiffness,
+        Self::SteeringGain,
+        Self::LateralAccelerationGain,
+        Self::Compensation,
+    ];
+
+    /// In words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::TrailerRollStiffness => "trailer suspension roll stiffness",
+            Self::TractorRollStiffness => "tractor suspension roll stiffness",
+            Self::RollCenterHeight => "roll-centre height",
+            Self::TractorCgHeight => "tractor c.g. height",
+            Self::FifthWheelStiffness => "fifth-wheel roll stiffness",
+            Self::TyreVerticalStiffness => "vertical tyre stiffness",
+            Self::SteeredCorneringStiffness => "cornering stiffness, steered axles",
+            Self::DriveCorneringStiffness => "cornering stiffness, drive axles",
+            Self::TrailerCorneringStiffness => "cornering stiffness, trailer axles",
+            Self::SteeringGain => "steering gain",
+            Self::LateralAccelerationGain => "lateral-acceleration gain",
+            Self::Compensation => "compensation R_c",
+        }
+    }
+
+    /// Whether the belief is about the logarithm of a factor (or else metres).
+    pub const fn is_factor(self) -> bool {
+        !matches!(self, Self::RollCenterHeight | Self::TractorCgHeight)
+    }
+}
+
+/// A Gaussian belief about the parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belief {
+    /// Mean.
+    pub mean: Deviations,
+    /// Covariance.
+    pub covariance: Covariance,
+    /// Relative standard deviation of what the equations leave out, which is new in every
+    /// situation and which no calibration removes.
+    pub residual_sd: f64,
+}
+
+impl Belief {
+    /// What the vehicle file says before any calibration.
+    pub fn prior(vehicle: &Vehicle) -> Self {
+        let u = &vehicle.uncertainty;
+        let sd = |parameter| match parameter {
+            Parameter::TrailerRollStiffness | Parameter::TractorRollStiffness => {
+                u.roll_stiffness_sd
+            }
+            Parameter::RollCenterHeight => u.roll_center_height_sd_m,
+            Parameter::TractorCgHeight => u.tractor_cg_height_sd_m,
+            Parameter::FifthWheelStiffness => u.fifth_wheel_stiffness_sd,
+            Parameter::TyreVerticalStiffness => u.tyre_vertical_stiffness_sd,
+            Parameter::SteeredCorneringStiffness
+            | Parameter::DriveCorneringStiffness
+            | Parameter::TrailerCorneringStiffness => u.cornering_stiffness_sd,
+            Parameter::SteeringGain => u.steering_gain_sd,
+            Parameter::LateralAccelerationGain => u.lateral_acceleration_gain_sd,
+            Parameter::Compensation => u.compensation_sd,
+        };
+        let variances = Deviations::from_iterator(
+            Parameter::ALL.into_iter().map(|parameter| sd(parameter) * sd(parameter)),
+        );
+        Self {
+            mean: Deviations::zeros(),
+            covariance: Covariance::from_diagonal(&variances),
+            residual_sd: u.residual_sd,
+        }
+    }
+
+    /// The vehicle with its parameters moved to the mean.
+    pub fn applied_to(&self, vehicle: &Vehicle) -> Vehicle {
+        adjusted(vehicle, &self.mean)
+    }
+
+    /// What the DC ratio of a channel is multiplied with: `R_c` and the gain of its sensor.
+    pub fn gain(&self, channel: Channel) -> f64 {
+        log_gain(&self.mean, channel).exp()
+    }
+
+    /// Covariance of the logarithms of the two channels' DC ratios (in the order of
+    /// [`Channel::ALL`]) at a speed and load, the residual included.
+    ///
+    /// # Errors
+    /// As [`ratio_line`].
+    pub fn ratio_covariance(
+        &self,
+        vehicle: &Vehicle,
+        variant: Variant,
+        speed_mps: f64,
+        load: Load,
+    ) -> Result<[[f64; 2]; 2], VehicleError> {
+        let (_, slopes) = log_ratios(vehicle, variant, speed_mps, load, &self.mean)?;
+        let mut covariance = [[0.0; 2]; 2];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = slopes[i].dot(&(self.covariance * slopes[j]));
+            }
+            row[i] += self.residual_sd * self.residual_sd;
+        }
+        Ok(covariance)
+    }
+}
+
+/// Logarithms of both channels' DC ratios at a height, and their derivatives by the parameters.
+///
+/// # Errors
+/// As [`ratio_line`]; also if a ratio is not positive.
+pub(crate) fn log_ratios(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    load: Load,
+    mean: &Deviations,
+) -> Result<([f64; 2], [Deviations; 2]), VehicleError> {
+    let at = |deviations: &Deviations| -> Result<[f64; 2], VehicleError> {
+        let lines = ratio_line(&adjusted(vehicle, deviations), variant, speed_mps, load)?;
+        let mut logs = [0.0; 2];
+        for channel in Channel::ALL {
+            let ratio = lines[channel.index()].ratio_at(load.cg_height_m);
+            if !(ratio > 0.0) {
+                return Err(VehicleError::Model(format!(
+                    "at {:.2} m and {:.0} kg the model has no positive steady roll angle",
+                    load.cg_height_m, load.trailer_mass_kg
+                )));
+            }
+            logs[channel.index()] = ratio.ln() + log_gain(deviations, channel);
+        }
+        Ok(logs)
+    };
+    let here = at(mean)?;
+    let mut slopes = [Deviations::zeros(); 2];
+    // Central differences: the error of a step of 1e-4 is 1e-8 of the third derivative, its
+    // rounding 1e-12/1e-4.
+    let step = 1e-4;
+    for k in 0..PARAMETERS {
+        let (mut above, mut below) = (*mean, *mean);
+        above[k] += step;
+        below[k] -= step;
+        let (above, below) = (at(&above)?, at(&below)?);
+        for (i, slope) in slopes.iter_mut().enumerate() {
+            slope[k] = (above[i] - below[i]) / (2.0 * step);
+        }
+    }
+    Ok((here, slopes))
+}
+
+fn value(deviations: &Deviations, parameter: Parameter) -> f64 {
+    deviations[parameter as usize]
+}
+
+/// Roll over *measured* input: a sensor that reads too low makes the ratio larger.
+fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
+    let sensor = match channel {
+        Channel::Steer => Parameter::SteeringGain,
+        Channel::LateralAcceleration => Parameter::LateralAccelerationGain,
+    };
+    value(deviations, sensor) + value(deviations, Parameter::Compensation)
+}
+
+/// The vehicle with its parameters moved.
+fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
+    let factor = |parameter| value(deviations, parameter).exp();
+    let mut moved = vehicle.clone();
+    moved.tractor.cg_height_m += value(deviations, Parameter::TractorCgHeight);
+    moved.hitch.roll_stiffness_nm_per_rad *= factor(Parameter::FifthWheelStiffness);
+    moved.tyre.clear();
+    let find = |axle: &Axle| vehicle.tyre.iter().find(|tyre| tyre.name == axle.tyre);
+    let vertical = factor(Parameter::TyreVerticalStiffness);
+    let shift_m = value(deviations, Parameter::RollCenterHeight);
+    let mut adjust = |axle: &mut Axle, stiffness: Parameter, cornering: Parameter| {
+        // As roll stiffness beside the springs, so that the static loads stay what they are.
+        let half_spread_m = 0.5 * axle.spring_spread_m;
+        let springs = 2.0 * axle.spring_stiffness_n_per_m * half_spread_m * half_spread_m;
+        let total = springs + axle.auxiliary_roll_stiffness_nm_per_rad;
+        axle.auxiliary_roll_stiffness_nm_per_rad = factor(stiffness) * total - springs;
+        axle.roll_center_height_m += shift_m;
+        // Each axle its own tyre type, since types may be shared.
+        if let Some(tyre) = find(axle) {
+            axle.tyre = format!("{} {}", moved.tyre.len() + 1, tyre.name);
+            let scaled = scaled_tyre(tyre, axle.tyre.clone(), vertical, factor(cornering));
+            moved.tyre.push(scaled);
+        }
+    };
+    for axle in &mut moved.tractor.axle {
+        let cornering = if axle.steered {
+            Parameter::SteeredCorneringStiffness
+        } else {
+            Parameter::DriveCorneringStiffness
+        };
+        adjust(&mut axle.axle, Parameter::TractorRollStiffness, cornering);
+    }
+    for axle in &mut moved.trailer.axle {
+        let cornering = Parameter::TrailerCorneringStiffness;
+        adjust(&mut axle.axle, Parameter::TrailerRollStiffness, cornering);
+    }
+    moved
+}
+
+fn scaled_tyre(tyre: &Tyre, name: String, vertical: f64, cornering: f64) -> Tyre {
+    let mut scaled = Tyre { name, ..tyre.clone() };
+    scaled.vertical_stiffness_n_per_m *= vertical;
+    for table in
+        [&mut scaled.cornering_stiffness_n_per_rad, &mut scaled.aligning_stiffness_nm_per_rad]
+    {
+        for entry in table {
+            *entry *= cornering;
+        }
+    }
+    scaled
+}

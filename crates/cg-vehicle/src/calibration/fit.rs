@@ -1,0 +1,232 @@
+//! Calibration: what runs with a known height say of the truck's uncertain parameters.
+//!
+//! One run fixes the compensation `R_c` of each channel, as in the source (section 5.4, eq. 5.19).
+//! More runs move the physical parameters of [`crate::belief`] to where prior knowledge and all
+//! runs agree best (maximum a posteriori, Gauss-Newton on the logarithms of the DC ratios):
+//!
+//! ```text
+//!     y = f(x) + e,     x ~ N(0, P0),     e ~ N(0, R)
+//!     K = P0 Hᵀ (H P0 Hᵀ + R)⁻¹,     x = K (y − f(x) + H x),     P = (I − K H) P0 (I − K H)ᵀ + K R Kᵀ
+//! ```
+//!
+//! With one run `K` is not the optimal gain but the one that moves the sensors' gains only; the
+//! form of `P` holds for any gain, so that the uncertainty stays true.
+//!
+//! **Reference.** Tarantola, *Inverse Problem Theory*, §3.2 (Gauss-Newton on a Gaussian prior);
+//! Gelb, *Applied Optimal Estimation*, §4.2 (covariance of a suboptimal gain).
+
+use cg_core::{Channel, Measured};
+use nalgebra::{DMatrix, DVector};
+
+use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
+use crate::error::VehicleError;
+use crate::linear::Variant;
+use crate::vehicle::{Load, Vehicle};
+
+/// Gauss-Newton steps; the ratios are nearly linear in the parameters, so that three settle it.
+const STEPS: usize = 12;
+/// A step below this (logarithm or metres) ends the iteration.
+const SETTLED: f64 = 1e-10;
+
+/// A run with known height: what was identified from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Name of its log.
+    pub log: String,
+    /// Known load.
+    pub load: Load,
+    /// Mean speed of its turns.
+    pub speed_mps: f64,
+    /// Identified DC ratios and the noise's standard deviations, in the order of [`Channel::ALL`];
+    /// `None` where the log has no such signal.
+    pub ratio: [Option<Measured<f64>>; 2],
+}
+
+/// How the parameters were found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Procedure {
+    /// One run: `R_c` of each channel.
+    Compensation,
+    /// More runs: all parameters.
+    MaximumAPosteriori,
+}
+
+/// One identified ratio beside the model's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Residual {
+    /// Index of the run.
+    pub run: usize,
+    /// The channel.
+    pub channel: Channel,
+    /// Logarithm of identified over predicted ratio with the vehicle file as it is.
+    pub before: f64,
+    /// The same after calibration.
+    pub after: f64,
+}
+
+/// A fitted belief.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// How it was found.
+    pub procedure: Procedure,
+    /// The posterior.
+    pub belief: Belief,
+    /// What is left, one entry per run and channel.
+    pub residuals: Vec<Residual>,
+    /// `rᵀ R⁻¹ r + xᵀ P0⁻¹ x` at the answer: distributed as χ² with one degree of freedom per
+    /// residual if priors and noise are what they claim to be.
+    pub chi_square: f64,
+}
+
+impl Fitted {
+    /// The value that [`chi_square`](Self::chi_square) exceeds by chance in 1 % of all cases
+    /// (Wilson and Hilferty's approximation).
+    pub fn chi_square_limit(&self) -> f64 {
+        #[allow(clippy::cast_precision_loss)] // a count
+        let n = self.residuals.len().max(1) as f64;
+        let ninth = 2.0 / (9.0 * n);
+        n * (1.0 - ninth + 2.326 * ninth.sqrt()).powi(3)
+    }
+}
+
+/// Fits the parameters of a vehicle to runs.
+///
+/// # Errors
+/// [`VehicleError`] if there is no run, no ratio, or a load that the model does not know.
+pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, VehicleError> {
+    let prior = Belief::prior(vehicle);
+    let observations = observations(runs)?;
+    let n = observations.len();
+    let noise = DMatrix::from_diagonal(&DVector::from_iterator(
+        n,
+        observations.iter().map(|o| o.variance + prior.residual_sd * prior.residual_sd),
+    ));
+    let procedure =
+        if runs.len() == 1 { Procedure::Compensation } else { Procedure::MaximumAPosteriori };
+    let linearised = |mean: &Deviations| -> Result<_, VehicleError> {
+        let mut h = DMatrix::zeros(n, PARAMETERS);
+        let mut misfit = DVector::zeros(n);
+        for (k, observation) in observations.iter().enumerate() {
+            let run = &runs[observation.run];
+            let (logs, slopes) = log_ratios(vehicle, variant, run.speed_mps, run.load, mean)?;
+            misfit[k] = observation.log_ratio - logs[observation.channel.index()];
+            h.row_mut(k).copy_from(&slopes[observation.channel.index()].transpose());
+        }
+        Ok((misfit, h))
+    };
+    let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);
+    let (before, _) = linearised(&prior.mean)?;
+    let mut mean = prior.mean;
+    let mut step = f64::INFINITY;
+    let mut covariance = p0.clone();
+    for _ in 0..STEPS {
+        if step <= SETTLED {
+            break;
+        }
+        let (misfit, h) = linearised(&mean)?;
+        let gain = match procedure {
+            Procedure::Compensation => sensors_only(&observations),
+            Procedure::MaximumAPosteriori => optimal_gain(&p0, &h, &noise)?,
+        };
+        let x = DVector::from_column_slice(mean.as_slice());
+        let next = match procedure {
+            Procedure::Compensation => &x + &gain * &misfit,
+            Procedure::MaximumAPosteriori => &gain * (&misfit + &h * &x),
+        };
+        step = (&next - &x).amax();
+        mean = Deviations::from_column_slice(next.as_slice());
+        let rest = DMatrix::identity(PARAMETERS, PARAMETERS) - &gain * &h;
+        covariance = &rest * &p0 * rest.transpose() + &gain * &noise * gain.transpose();
+    }
+    if !(step <= SETTLED.sqrt()) {
+        return Err(VehicleError::Model(
+            "the calibration does not settle: the runs contradict the vehicle file; check heights, \
+             masses, units and signs"
+                .to_owned(),
+        ));
+    }
+    let (after, _) = linearised(&mean)?;
+    let residuals = observations
+        .iter()
+        .enumerate()
+        .map(|(k, o)| Residual {
+            run: o.run,
+            channel: o.channel,
+            before: before[k],
+            after: after[k],
+        })
+        .collect();
+    let mut chi_square = (0..n).map(|k| after[k] * after[k] / noise[(k, k)]).sum::<f64>();
+    for k in 0..PARAMETERS {
+        // A parameter without prior variance has not moved; sensors' gains are free with one run.
+        if procedure == Procedure::MaximumAPosteriori && p0[(k, k)] > 0.0 {
+            chi_square += mean[k] * mean[k] / p0[(k, k)];
+        }
+    }
+    let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
+    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
+    Ok(Fitted { procedure, belief, residuals, chi_square })
+}
+
+/// One identified ratio.
+struct Observation {
+    run: usize,
+    channel: Channel,
+    log_ratio: f64,
+    variance: f64,
+}
+
+fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
+    let mut observations = Vec::new();
+    for (i, run) in runs.iter().enumerate() {
+        for channel in Channel::ALL {
+            let Some(ratio) = run.ratio[channel.index()] else { continue };
+            if !(ratio.value > 0.0 && ratio.sd.is_finite()) {
+                return Err(VehicleError::Model(format!(
+                    "{}: the identified ratio of the {channel} channel is {:.4}: roll and input \
+                     have opposite signs; turn a sensor round with --flip",
+                    run.log, ratio.value
+                )));
+            }
+            observations.push(Observation {
+                run: i,
+                channel,
+                log_ratio: ratio.value.ln(),
+                variance: ratio.relative_variance(),
+            });
+        }
+    }
+    if observations.is_empty() {
+        return Err(VehicleError::Model("no run gave a ratio to calibrate with".to_owned()));
+    }
+    Ok(observations)
+}
+
+/// Each channel's misfit goes into the gain of its sensor.
+fn sensors_only(observations: &[Observation]) -> DMatrix<f64> {
+    let mut gain = DMatrix::zeros(PARAMETERS, observations.len());
+    for (k, observation) in observations.iter().enumerate() {
+        let parameter = match observation.channel {
+            Channel::Steer => Parameter::SteeringGain,
+            Channel::LateralAcceleration => Parameter::LateralAccelerationGain,
+        };
+        gain[(parameter as usize, k)] = 1.0;
+    }
+    gain
+}
+
+fn optimal_gain(
+    p0: &DMatrix<f64>,
+    h: &DMatrix<f64>,
+    noise: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, VehicleError> {
+    let innovation = h * p0 * h.transpose() + noise;
+    let solved = innovation.cholesky().map(|cholesky| cholesky.solve(&(h * p0)));
+    solved.map(|gain| gain.transpose()).ok_or_else(|| {
+        VehicleError::Model(
+            "the calibration is singular: give the vehicle file's [uncertainty] positive numbers"
+                .to_owned(),
+        )
+    })
+}
