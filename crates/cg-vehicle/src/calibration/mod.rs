@@ -48,6 +48,12 @@ pub fn calibrate<E: From<VehicleError>>(
     logs: &[KnownLog],
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
+    for known in logs {
+        if let Some(trailer_mass_kg) = known.trailer_mass_kg {
+            let load = Load { trailer_mass_kg, cg_height_m: known.height_m };
+            vehicle.trailer_sprung_mass(load)?;
+        }
+    }
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
     for _ in 0..PASSES {
