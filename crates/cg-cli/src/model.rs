@@ -74,7 +74,7 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
     let model = LinearModel::new(vehicle, arguments.model.into(), speed_mps, load)?;
     let state_space = &model.state_space;
     let TransferFunction { numerator, denominator, poles, zeros, gain, dc_gain } =
-        state_space.transfer_function(&state_space.trailer_roll, 0.0)?;
+        state_space.to_trailer_roll().transfer_function()?;
     let models = reduce(state_space)?;
     let line = |line: &RatioLine<f64>| Line { a0: line.a0, a1: line.a1, b0: line.b0, b1: line.b1 };
     let mut reduced_denominator = vec![1.0];

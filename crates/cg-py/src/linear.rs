@@ -68,7 +68,7 @@ pub(crate) fn linear_model<'py>(
     };
     let compute = || -> Result<Computed, VehicleError> {
         let model = cg_vehicle::LinearModel::new(vehicle, variant, speed_mps, load)?;
-        let transfer = model.state_space.transfer_function(&model.state_space.trailer_roll, 0.0)?;
+        let transfer = model.state_space.to_trailer_roll().transfer_function()?;
         let reduced = reduce(&model.state_space)?;
         Ok(Computed { model, transfer, reduced })
     };

@@ -7,7 +7,9 @@
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
 //! | [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`response`] | transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
-//! | [`reduction`] | the reduced 5th-order model | section 5.5 |
+//! | [`system`], [`reduction`] | linear systems; the reduced 5th-order model and its error | section 5.5 |
+//! | [`compensation`] | F(s) between two responses | section 5.4 |
+//! | [`belief`], [`calibration`] | what is not known of a truck, and what runs say of it | eq. 5.19 |
 //! | [`design`] | the constants for `cg_core` | – |
 //! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
 //! | [`log`] | log files in and out | – |
@@ -18,14 +20,17 @@ pub mod error;
 mod validate;
 pub mod vehicle;
 pub mod balance;
+pub mod system;
+mod output_error;
 pub mod response;
 mod as_printed;
 pub mod linear;
 pub mod belief;
 pub mod calibration;
-pub mod reduction;
-pub mod design;
 pub mod maneuver;
+pub mod reduction;
+pub mod compensation;
+pub mod design;
 pub mod simulate;
 pub mod log;
 pub mod estimate;

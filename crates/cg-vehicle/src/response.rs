@@ -1,9 +1,9 @@
 //! What the linear model answers: transfer functions, poles, zeros, steady values, time histories.
 
-use faer::c64;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
+use crate::system::{Simulation, System};
 
 /// First-order form `ẋ = A x + b δ` with the responses as rows on `x`.
 #[derive(Clone, Debug)]
@@ -49,40 +49,20 @@ pub struct TransferFunction {
     pub dc_gain: f64,
 }
 
-fn eigen_error<E: std::fmt::Debug>(error: E) -> VehicleError {
-    VehicleError::Model(format!("the eigenvalues of the model do not converge ({error:?})"))
-}
-
-/// Largest real part first.
-fn sorted(values: impl Iterator<Item = c64>) -> Vec<(f64, f64)> {
-    let mut pairs: Vec<(f64, f64)> = values.map(|value| (value.re, value.im)).collect();
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
-    pairs
-}
-
-/// Polynomial with these roots and leading coefficient, descending powers.
-fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
-    let mut coefficients = vec![c64::new(leading, 0.0)];
-    for &(re, im) in roots {
-        let root = c64::new(re, im);
-        coefficients.push(c64::new(0.0, 0.0));
-        for k in (1..coefficients.len()).rev() {
-            let lower = coefficients[k - 1];
-            coefficients[k] -= root * lower;
-        }
-    }
-    coefficients.into_iter().map(|c| c.re).collect()
-}
-
 impl StateSpace {
-    /// The poles, rad/s, `(re, im)`.
-    ///
-    /// # Errors
-    /// If the eigenvalues do not converge.
-    pub fn poles(&self) -> Result<Vec<(f64, f64)>, VehicleError> {
-        let n = self.a.nrows();
-        let a = faer::Mat::from_fn(n, n, |i, j| self.a[(i, j)]);
-        Ok(sorted(a.eigenvalues().map_err(eigen_error)?.into_iter()))
+    /// The system from steer to one response, given as a row on `x` and its feedthrough.
+    pub fn to(&self, row: &DVector<f64>, feedthrough: f64) -> System {
+        System { a: self.a.clone(), b: self.b.clone(), c: row.clone(), d: feedthrough }
+    }
+
+    /// The system from steer to the trailer's roll angle.
+    pub fn to_trailer_roll(&self) -> System {
+        self.to(&self.trailer_roll, 0.0)
+    }
+
+    /// The system from steer to the lateral acceleration of the trailer's sprung c.g.
+    pub fn to_lateral_acceleration(&self) -> System {
+        self.to(&self.lateral_acceleration, self.lateral_feedthrough)
     }
 
     /// The steady value of a response per radian of steer.
@@ -90,129 +70,11 @@ impl StateSpace {
     /// # Errors
     /// If the model has a pole at zero.
     pub fn steady(&self, row: &DVector<f64>, feedthrough: f64) -> Result<f64, VehicleError> {
-        let state = self.a.clone().lu().solve(&self.b).ok_or_else(|| {
-            VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
-        })?;
-        Ok(feedthrough - row.dot(&state))
-    }
-
-    /// The transfer function from steer to a response.
-    ///
-    /// Poles are eigenvalues, zeros generalised eigenvalues; expanding the determinant of the
-    /// source's `D(s)` instead would lose all digits in double precision.
-    ///
-    /// # Errors
-    /// If the eigenvalues do not converge.
-    pub fn transfer_function(
-        &self,
-        row: &DVector<f64>,
-        feedthrough: f64,
-    ) -> Result<TransferFunction, VehicleError> {
-        let n = self.a.nrows();
-        let poles = self.poles()?;
-        // det ┌ A − λI  b ┐ = 0
-        //     └   c     d ┘
-        // Rows and columns of input and output are scaled to the size of A: zeros do not change.
-        let size = self.a.norm();
-        let (input, output) = (size / self.b.norm(), size / row.norm());
-        let pencil = faer::Mat::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
-            (true, true) => self.a[(i, j)],
-            (true, false) => self.b[i] * input,
-            (false, true) => row[j] * output,
-            (false, false) => feedthrough * input * output,
-        });
-        let identity =
-            faer::Mat::from_fn(n + 1, n + 1, |i, j| if i == j && i < n { 1.0 } else { 0.0 });
-        let eigen = pencil.generalized_eigen(&identity).map_err(eigen_error)?;
-        let (alpha, beta) = (eigen.S_a(), eigen.S_b());
-        let fastest = poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max);
-        let zeros = sorted(
-            alpha
-                .column_vector()
-                .iter()
-                .zip(beta.column_vector().iter())
-                .map(|(a, b)| *a / *b)
-                // Zeros at infinity come out as ∞ or, perturbed, as ε^(−1/k) ≥ 1e5 of the size.
-                .filter(|z| z.re.hypot(z.im) < 1e3 * fastest),
-        );
-        // The first non-vanishing Markov parameter d, cb, cAb … is the leading coefficient.
-        let mut markov = self.b.clone();
-        let gain = match n - zeros.len().min(n) {
-            0 => feedthrough,
-            excess => {
-                for _ in 1..excess {
-                    markov = &self.a * markov;
-                }
-                row.dot(&markov)
-            }
-        };
-        Ok(TransferFunction {
-            numerator: polynomial(&zeros, gain),
-            denominator: polynomial(&poles, 1.0),
-            poles,
-            zeros,
-            gain,
-            dc_gain: self.steady(row, feedthrough)?,
-        })
-    }
-
-    /// The Taylor coefficients at s = 0 of the transfer function to a response.
-    ///
-    /// # Errors
-    /// If the model has a pole at zero.
-    pub fn moments(
-        &self,
-        row: &DVector<f64>,
-        feedthrough: f64,
-        count: usize,
-    ) -> Result<Vec<f64>, VehicleError> {
-        let lu = self.a.clone().lu();
-        let mut state = self.b.clone();
-        let mut moments = Vec::with_capacity(count);
-        for k in 0..count {
-            state = lu.solve(&state).ok_or_else(|| {
-                VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
-            })?;
-            moments.push(if k == 0 { feedthrough } else { 0.0 } - row.dot(&state));
-        }
-        Ok(moments)
+        Ok(self.to(row, feedthrough).moments(1)?[0])
     }
 
     /// A simulation from rest, exact for steer angles that are straight lines between samples.
     pub fn simulation(&self, interval_s: f64) -> Simulation {
-        let n = self.a.nrows();
-        let mut m = DMatrix::zeros(n + 2, n + 2);
-        m.view_mut((0, 0), (n, n)).copy_from(&(&self.a * interval_s));
-        m.view_mut((0, n), (n, 1)).copy_from(&(&self.b * interval_s));
-        m[(n, n + 1)] = 1.0;
-        let exponential = m.exp();
-        Simulation {
-            transition: exponential.view((0, 0), (n, n)).into_owned(),
-            held: exponential.view((0, n), (n, 1)).column(0).into_owned(),
-            ramp: exponential.view((0, n + 1), (n, 1)).column(0).into_owned(),
-            state: DVector::zeros(n),
-            steer_rad: 0.0,
-        }
-    }
-}
-
-/// The linear model sample by sample.
-#[derive(Clone, Debug)]
-pub struct Simulation {
-    transition: DMatrix<f64>,
-    held: DVector<f64>,
-    ramp: DVector<f64>,
-    /// The state of the model now.
-    pub state: DVector<f64>,
-    steer_rad: f64,
-}
-
-impl Simulation {
-    /// Advances one interval, to the steer angle `steer_rad`.
-    pub fn push(&mut self, steer_rad: f64) {
-        self.state = &self.transition * &self.state
-            + &self.held * self.steer_rad
-            + &self.ramp * (steer_rad - self.steer_rad);
-        self.steer_rad = steer_rad;
+        Simulation::new(&self.a, &self.b, interval_s)
     }
 }

@@ -37,7 +37,7 @@ fn table_4_1() {
         5.3241e4, 230.9788, 1.0,
     ];
     let model = as_printed(&baseline()).state_space;
-    let found = model.transfer_function(&model.trailer_roll, 0.0).unwrap();
+    let found = model.to_trailer_roll().transfer_function().unwrap();
     assert_eq!((found.numerator.len(), found.denominator.len()), (17, 19));
     for (k, printed) in a.iter().enumerate() {
         // The source's signs: steer to the right positive, roll as ours.
@@ -78,7 +78,7 @@ fn table_4_2() {
         (0.4710, 2.9178),
     ];
     let model = as_printed(&baseline()).state_space;
-    let found = model.transfer_function(&model.trailer_roll, 0.0).unwrap();
+    let found = model.to_trailer_roll().transfer_function().unwrap();
     for (printed, ours) in [(&poles[..], &found.poles), (&zeros[..], &found.zeros)] {
         for &(re, im) in printed {
             let nearest = ours

@@ -1,6 +1,13 @@
-//! Reduction of the linear model to order 5 (section 5.5).
+//! Reduction of the linear model (section 5.5).
 //!
-//! The source expands the transfer function into a continued fraction about s = 0 (Cauer's
+//! | module | what |
+//! |---|---|
+//! | [`pade`](mod@pade) | the source's reduction, of any order |
+//! | [`balanced`](mod@balanced) | balanced truncation and residualisation, of any order |
+//! | [`fitted`](mod@fitted) | the best of any order, for one input |
+//! | [`quality`] | error of a reduced model: step response, H∞ |
+//!
+//! [`reduce`] makes the models of order 5 that the estimator runs on. The source expands the transfer function into a continued fraction about s = 0 (Cauer's
 //! second form, eqs. 5.9–5.11) and keeps `2n + 1` quotients. That truncation is the `[n/n]` Padé
 //! approximant at s = 0, which is computed here directly from the Taylor coefficients.
 //!
@@ -13,10 +20,19 @@
 
 use cg_core::Reduced5;
 use cg_core::reduced::ORDER;
-use nalgebra::{DMatrix, DVector};
+
+pub mod balanced;
+pub mod fitted;
+pub mod pade;
+pub mod quality;
+
+pub use balanced::{Keep, balanced};
+pub use fitted::fitted;
+pub use pade::pade;
 
 use crate::error::VehicleError;
 use crate::response::StateSpace;
+use crate::system::{Rational, matched_numerator};
 
 /// How a reduced model came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,65 +41,6 @@ pub enum Method {
     Pade,
     /// The model's own slowest poles, numerator matched at s = 0.
     SlowestPoles,
-}
-
-/// A rational function, ascending powers, `denominator[n] = 1`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rational {
-    /// Numerator coefficients, ascending.
-    pub numerator: Vec<f64>,
-    /// Denominator coefficients, ascending, the last is one.
-    pub denominator: Vec<f64>,
-}
-
-/// The `[n/n]` Padé approximant of a series `t0 + t1 s + …` with `2n + 1` terms or more; `None`
-/// if it does not exist.
-pub fn pade(series: &[f64], order: usize) -> Option<Rational> {
-    if series.len() < 2 * order + 1 {
-        return None;
-    }
-    // In the time scale in which the terms are of one size, or the system is ill-conditioned.
-    let scale = time_scale(series, order);
-    let mut power = 1.0;
-    let t: Vec<f64> = series
-        .iter()
-        .map(|term| {
-            let scaled = term * power;
-            power *= scale;
-            scaled
-        })
-        .collect();
-    // Denominator 1 + q1 s + … + qn sⁿ:  Σ_j q_j t_(k−j) = 0,  k = n+1 … 2n
-    let system = DMatrix::from_fn(order, order, |i, j| t[order + i - j]);
-    let rhs = DVector::from_fn(order, |i, _| -t[order + 1 + i]);
-    let q = system.lu().solve(&rhs)?;
-    let mut denominator = vec![1.0];
-    denominator.extend(q.iter());
-    let leading = denominator[order];
-    for (k, value) in denominator.iter_mut().enumerate() {
-        // s^k in scaled time is (s/scale)^k in seconds.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
-        let exponent = order as i32 - k as i32;
-        *value = *value / leading * scale.powi(exponent);
-    }
-    let numerator = matched_numerator(&denominator, series);
-    numerator
-        .iter()
-        .chain(&denominator)
-        .all(|x| x.is_finite())
-        .then_some(Rational { numerator, denominator })
-}
-
-fn time_scale(series: &[f64], order: usize) -> f64 {
-    #[allow(clippy::cast_precision_loss)]
-    let exponent = 1.0 / (2 * order).max(1) as f64;
-    let scale = (series[0] / series[2 * order]).abs().powf(exponent);
-    if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
-}
-
-/// The numerator over `denominator` that matches the series in its first terms.
-fn matched_numerator(denominator: &[f64], series: &[f64]) -> Vec<f64> {
-    (0..denominator.len()).map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum()).collect()
 }
 
 /// The first terms of `numerator / denominator`, both series in s.
@@ -150,15 +107,16 @@ pub struct ReducedModels {
 /// # Errors
 /// [`VehicleError::Model`] if the model itself is unstable.
 pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
-    let poles = model.poles()?;
+    let system = model.to_trailer_roll();
+    let poles = system.poles()?;
     if let Some((re, im)) = poles.iter().find(|pole| pole.0 >= 0.0) {
         return Err(VehicleError::Model(format!(
             "the vehicle is unstable at this speed and load (pole {re:.3} {im:+.3}i rad/s)"
         )));
     }
     let terms = 2 * ORDER + 1;
-    let roll = model.moments(&model.trailer_roll, 0.0, terms)?;
-    let lateral = model.moments(&model.lateral_acceleration, model.lateral_feedthrough, terms)?;
+    let roll = system.moments(terms)?;
+    let lateral = model.to_lateral_acceleration().moments(terms)?;
     let approximant = pade(&roll, ORDER).map(|r| fixed(&r)).filter(Reduced5::is_stable);
     let (steer, method) = if let Some(steer) = approximant {
         (steer, Method::Pade)
@@ -177,24 +135,6 @@ pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_rational_function_is_its_own_approximant() {
-        // (2 + s) / ((s + 1)(s + 3))
-        let (numerator, denominator) = ([2.0, 1.0, 0.0], [3.0, 4.0, 1.0]);
-        let mut long = [0.0; 5];
-        long[..3].copy_from_slice(&numerator);
-        let mut padded = [0.0; 5];
-        padded[..3].copy_from_slice(&denominator);
-        let series = divided(&long, &padded);
-        let found = pade(&series, 2).unwrap();
-        for (a, b) in found.numerator.iter().zip(numerator) {
-            assert!((a - b).abs() < 1e-12);
-        }
-        for (a, b) in found.denominator.iter().zip(denominator) {
-            assert!((a - b).abs() < 1e-12);
-        }
-    }
 
     #[test]
     fn the_slowest_poles_make_a_stable_denominator_of_degree_five() {

@@ -1,0 +1,351 @@
+//! A linear system with one input and one output: what can be asked of it, whatever it stands for.
+
+use faer::c64;
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::VehicleError;
+use crate::response::TransferFunction;
+
+/// `ẋ = A x + b u`, `y = c x + d u`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    /// `A`.
+    pub a: DMatrix<f64>,
+    /// `b`.
+    pub b: DVector<f64>,
+    /// `c`, as a column.
+    pub c: DVector<f64>,
+    /// `d`.
+    pub d: f64,
+}
+
+/// A rational function, ascending powers, `denominator[n] = 1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rational {
+    /// Numerator coefficients, ascending.
+    pub numerator: Vec<f64>,
+    /// Denominator coefficients, ascending, the last is one.
+    pub denominator: Vec<f64>,
+}
+
+impl Rational {
+    /// Value at s = 0.
+    pub fn dc_gain(&self) -> f64 {
+        self.numerator[0] / self.denominator[0]
+    }
+
+    /// As a system in companion form; the numerator may have the denominator's degree.
+    pub fn system(&self) -> System {
+        let n = self.denominator.len() - 1;
+        let at = |k: usize| self.numerator.get(k).copied().unwrap_or(0.0);
+        let d = at(n);
+        let mut a = DMatrix::zeros(n, n);
+        for i in 0..n {
+            if i + 1 < n {
+                a[(i, i + 1)] = 1.0;
+            }
+            a[(n - 1, i)] = -self.denominator[i];
+        }
+        let mut b = DVector::zeros(n);
+        if n > 0 {
+            b[n - 1] = 1.0;
+        }
+        let c = DVector::from_fn(n, |i, _| at(i) - d * self.denominator[i]);
+        System { a, b, c, d }
+    }
+}
+
+fn eigen_error<E: std::fmt::Debug>(error: E) -> VehicleError {
+    VehicleError::Model(format!("the eigenvalues of the model do not converge ({error:?})"))
+}
+
+fn pole_at_zero() -> VehicleError {
+    VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
+}
+
+/// Largest real part first.
+fn sorted(values: impl Iterator<Item = c64>) -> Vec<(f64, f64)> {
+    let mut pairs: Vec<(f64, f64)> = values.map(|value| (value.re, value.im)).collect();
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
+    pairs
+}
+
+/// Polynomial with these roots and leading coefficient, descending powers.
+pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
+    let mut coefficients = vec![c64::new(leading, 0.0)];
+    for &(re, im) in roots {
+        let root = c64::new(re, im);
+        coefficients.push(c64::new(0.0, 0.0));
+        for k in (1..coefficients.len()).rev() {
+            let lower = coefficients[k - 1];
+            coefficients[k] -= root * lower;
+        }
+    }
+    coefficients.into_iter().map(|c| c.re).collect()
+}
+
+/// The numerator over `denominator` that matches a series in its first terms.
+pub(crate) fn matched_numerator(denominator: &[f64], series: &[f64]) -> Vec<f64> {
+    (0..denominator.len()).map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum()).collect()
+}
+
+impl System {
+    /// Number of states.
+    pub fn order(&self) -> usize {
+        self.a.nrows()
+    }
+
+    /// The poles, rad/s, `(re, im)`.
+    ///
+    /// # Errors
+    /// If the eigenvalues do not converge.
+    pub fn poles(&self) -> Result<Vec<(f64, f64)>, VehicleError> {
+        let n = self.order();
+        if n == 0 {
+            return Ok(Vec::new());
+        }
+        let a = faer::Mat::from_fn(n, n, |i, j| self.a[(i, j)]);
+        Ok(sorted(a.eigenvalues().map_err(eigen_error)?.into_iter()))
+    }
+
+    /// Whether all poles lie in the left half plane.
+    ///
+    /// # Errors
+    /// If the eigenvalues do not converge.
+    pub fn is_stable(&self) -> Result<bool, VehicleError> {
+        Ok(self.poles()?.iter().all(|pole| pole.0 < 0.0))
+    }
+
+    /// The Taylor coefficients at s = 0 of the transfer function.
+    ///
+    /// # Errors
+    /// If the model has a pole at zero.
+    pub fn moments(&self, count: usize) -> Result<Vec<f64>, VehicleError> {
+        if self.order() == 0 {
+            return Ok((0..count).map(|k| if k == 0 { self.d } else { 0.0 }).collect());
+        }
+        let lu = self.a.clone().lu();
+        let mut state = self.b.clone();
+        let mut moments = Vec::with_capacity(count);
+        for k in 0..count {
+            state = lu.solve(&state).ok_or_else(pole_at_zero)?;
+            moments.push(if k == 0 { self.d } else { 0.0 } - self.c.dot(&state));
+        }
+        Ok(moments)
+    }
+
+    /// This system followed by another.
+    #[must_use]
+    pub fn then(&self, next: &Self) -> Self {
+        let (n, m) = (self.order(), next.order());
+        let mut a = DMatrix::zeros(n + m, n + m);
+        a.view_mut((0, 0), (n, n)).copy_from(&self.a);
+        a.view_mut((n, n), (m, m)).copy_from(&next.a);
+        a.view_mut((n, 0), (m, n)).copy_from(&(&next.b * self.c.transpose()));
+        let mut b = DVector::zeros(n + m);
+        b.rows_mut(0, n).copy_from(&self.b);
+        b.rows_mut(n, m).copy_from(&(&next.b * self.d));
+        let mut c = DVector::zeros(n + m);
+        c.rows_mut(0, n).copy_from(&(&self.c * next.d));
+        c.rows_mut(n, m).copy_from(&next.c);
+        Self { a, b, c, d: next.d * self.d }
+    }
+
+    /// The difference to another system with the same input.
+    #[must_use]
+    pub fn minus(&self, other: &Self) -> Self {
+        let (n, m) = (self.order(), other.order());
+        let mut a = DMatrix::zeros(n + m, n + m);
+        a.view_mut((0, 0), (n, n)).copy_from(&self.a);
+        a.view_mut((n, n), (m, m)).copy_from(&other.a);
+        let mut b = DVector::zeros(n + m);
+        b.rows_mut(0, n).copy_from(&self.b);
+        b.rows_mut(n, m).copy_from(&other.b);
+        let mut c = DVector::zeros(n + m);
+        c.rows_mut(0, n).copy_from(&self.c);
+        c.rows_mut(n, m).copy_from(&-&other.c);
+        Self { a, b, c, d: self.d - other.d }
+    }
+
+    /// `|G(iω)|` at an angular frequency.
+    ///
+    /// # Errors
+    /// If there is a pole at this frequency.
+    pub fn magnitude(&self, omega_radps: f64) -> Result<f64, VehicleError> {
+        let n = self.order();
+        if n == 0 {
+            return Ok(self.d.abs());
+        }
+        let shifted = DMatrix::from_fn(n, n, |i, j| {
+            let imaginary = if i == j { omega_radps } else { 0.0 };
+            nalgebra::Complex::new(-self.a[(i, j)], imaginary)
+        });
+        let b = self.b.map(|value| nalgebra::Complex::new(value, 0.0));
+        let state = shifted.lu().solve(&b).ok_or_else(pole_at_zero)?;
+        let output: nalgebra::Complex<f64> =
+            state.iter().zip(self.c.iter()).map(|(x, c)| x * *c).sum();
+        Ok((output.re + self.d).hypot(output.im))
+    }
+
+    /// The transfer function.
+    ///
+    /// Poles are eigenvalues, zeros generalised eigenvalues; expanding the determinant of the
+    /// source's `D(s)` instead would lose all digits in double precision.
+    ///
+    /// # Errors
+    /// If the eigenvalues do not converge.
+    pub fn transfer_function(&self) -> Result<TransferFunction, VehicleError> {
+        let n = self.order();
+        let poles = self.poles()?;
+        // det ┌ A − λI  b ┐ = 0
+        //     └   c     d ┘
+        // Rows and columns of input and output are scaled to the size of A: zeros do not change.
+        let size = self.a.norm();
+        let (input, output) = (size / self.b.norm(), size / self.c.norm());
+        let pencil = faer::Mat::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
+            (true, true) => self.a[(i, j)],
+            (true, false) => self.b[i] * input,
+            (false, true) => self.c[j] * output,
+            (false, false) => self.d * input * output,
+        });
+        let identity =
+            faer::Mat::from_fn(n + 1, n + 1, |i, j| if i == j && i < n { 1.0 } else { 0.0 });
+        let eigen = pencil.generalized_eigen(&identity).map_err(eigen_error)?;
+        let (alpha, beta) = (eigen.S_a(), eigen.S_b());
+        let fastest = poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max);
+        let zeros = sorted(
+            alpha
+                .column_vector()
+                .iter()
+                .zip(beta.column_vector().iter())
+                .map(|(a, b)| *a / *b)
+                // Zeros at infinity come out as ∞ or, perturbed, as ε^(−1/k) ≥ 1e5 of the size.
+                .filter(|z| z.re.hypot(z.im) < 1e3 * fastest),
+        );
+        // The first non-vanishing Markov parameter d, cb, cAb … is the leading coefficient.
+        let mut markov = self.b.clone();
+        let gain = match n - zeros.len().min(n) {
+            0 => self.d,
+            excess => {
+                for _ in 1..excess {
+                    markov = &self.a * markov;
+                }
+                self.c.dot(&markov)
+            }
+        };
+        Ok(TransferFunction {
+            numerator: polynomial(&zeros, gain),
+            denominator: polynomial(&poles, 1.0),
+            poles,
+            zeros,
+            gain,
+            dc_gain: self.moments(1)?[0],
+        })
+    }
+
+    /// As a rational function. Meant for reduced models: at high orders its coefficients spread
+    /// over more digits than there are.
+    ///
+    /// # Errors
+    /// If the eigenvalues do not converge.
+    pub fn rational(&self) -> Result<Rational, VehicleError> {
+        let mut denominator = polynomial(&self.poles()?, 1.0);
+        denominator.reverse();
+        // The numerator from the moments: N = D (t0 + t1 s + …), up to the degree of D.
+        let series = self.moments(denominator.len())?;
+        Ok(Rational { numerator: matched_numerator(&denominator, &series), denominator })
+    }
+
+    /// The response from rest to samples that are joined by straight lines; the input before the
+    /// first sample is zero and jumps to it.
+    pub fn response(&self, input: &[f64], interval_s: f64) -> Vec<f64> {
+        let mut simulation = Simulation::new(&self.a, &self.b, interval_s);
+        let mut output = Vec::with_capacity(input.len());
+        for (k, &u) in input.iter().enumerate() {
+            if k == 0 {
+                simulation.start(u);
+            } else {
+                simulation.push(u);
+            }
+            output.push(self.c.dot(&simulation.state) + self.d * u);
+        }
+        output
+    }
+}
+
+/// A linear model sample by sample, from rest; exact for an input that is a straight line
+/// between samples.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    transition: DMatrix<f64>,
+    held: DVector<f64>,
+    ramp: DVector<f64>,
+    /// The state of the model now.
+    pub state: DVector<f64>,
+    input: f64,
+}
+
+impl Simulation {
+    /// `ẋ = A x + b u` at a fixed interval.
+    pub fn new(a: &DMatrix<f64>, b: &DVector<f64>, interval_s: f64) -> Self {
+        let n = a.nrows();
+        let mut m = DMatrix::zeros(n + 2, n + 2);
+        m.view_mut((0, 0), (n, n)).copy_from(&(a * interval_s));
+        m.view_mut((0, n), (n, 1)).copy_from(&(b * interval_s));
+        m[(n, n + 1)] = 1.0;
+        let exponential = m.exp();
+        Self {
+            transition: exponential.view((0, 0), (n, n)).into_owned(),
+            held: exponential.view((0, n), (n, 1)).column(0).into_owned(),
+            ramp: exponential.view((0, n + 1), (n, 1)).column(0).into_owned(),
+            state: DVector::zeros(n),
+            input: 0.0,
+        }
+    }
+
+    /// The input at the first sample.
+    pub(crate) fn start(&mut self, input: f64) {
+        self.input = input;
+    }
+
+    /// Advances one interval, to this input.
+    pub fn push(&mut self, input: f64) {
+        self.state = &self.transition * &self.state
+            + &self.held * self.input
+            + &self.ramp * (input - self.input);
+        self.input = input;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lag(gain: f64, pole: f64) -> System {
+        Rational { numerator: vec![gain * pole], denominator: vec![pole, 1.0] }.system()
+    }
+
+    #[test]
+    fn a_chain_multiplies_and_a_difference_subtracts() {
+        let (a, b) = (
+            lag(2.0, 1.0),
+            Rational { numerator: vec![3.0, 1.0], denominator: vec![4.0, 1.0] }.system(),
+        );
+        for omega in [0.0, 0.7, 5.0] {
+            let product = a.magnitude(omega).unwrap() * b.magnitude(omega).unwrap();
+            assert!((a.then(&b).magnitude(omega).unwrap() - product).abs() < 1e-14);
+        }
+        assert!((a.minus(&b).moments(1).unwrap()[0] - (2.0 - 0.75)).abs() < 1e-14);
+        assert!(a.minus(&a).magnitude(1.0).unwrap() < 1e-15);
+    }
+
+    #[test]
+    fn the_response_to_a_ramp_is_exact() {
+        // y = t − τ(1 − e^(−t/τ)) for a lag of τ = 0.5
+        let input: Vec<f64> = (0..5).map(|k| 0.2 * f64::from(k)).collect();
+        let output = lag(1.0, 2.0).response(&input, 0.2);
+        for (t, y) in input.iter().zip(output) {
+            assert!((y - (t - 0.5 * (1.0 - (-t / 0.5).exp()))).abs() < 1e-14);
+        }
+    }
+}
