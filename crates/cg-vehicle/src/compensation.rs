@@ -18,7 +18,7 @@
 use nalgebra::DMatrix;
 
 use crate::error::VehicleError;
-use crate::output_error::{filtered, refine};
+use crate::output_error::{filtered, raised, refine};
 use crate::reduction::quality::mean_square_degree2;
 use crate::system::{Rational, polynomial};
 
@@ -74,7 +74,8 @@ pub fn identify(
     }
     let mut starts: Vec<Rational> = best.into_iter().map(|(function, _)| function).collect();
     if order > 1 {
-        starts.push(raised(&identify(model, measured, interval_s, order - 1)?.function));
+        let lower = identify(model, measured, interval_s, order - 1)?.function;
+        starts.push(raised(&lower, FIRST_POLE_RADPS));
     }
     let mut fitted: Option<(Rational, f64)> = None;
     for start in &starts {
@@ -93,19 +94,6 @@ pub fn identify(
         squared_error_degree2: mean_square_degree2(&response, measured),
         function,
     })
-}
-
-/// The same function with one order more: a pole and a zero that cancel.
-fn raised(function: &Rational) -> Rational {
-    let times = |list: &[f64]| -> Vec<f64> {
-        let mut product = vec![0.0; list.len() + 1];
-        for (k, value) in list.iter().enumerate() {
-            product[k] += FIRST_POLE_RADPS * value;
-            product[k + 1] += value;
-        }
-        product
-    };
-    Rational { numerator: times(&function.numerator), denominator: times(&function.denominator) }
 }
 
 fn check(

@@ -103,6 +103,19 @@ pub(crate) fn refine(
     Ok((best, left))
 }
 
+/// The same function with one order more: a pole and a zero that cancel.
+pub(crate) fn raised(function: &Rational, pole_radps: f64) -> Rational {
+    let times = |list: &[f64]| -> Vec<f64> {
+        let mut product = vec![0.0; list.len() + 1];
+        for (k, value) in list.iter().enumerate() {
+            product[k] += pole_radps * value;
+            product[k + 1] += value;
+        }
+        product
+    };
+    Rational { numerator: times(&function.numerator), denominator: times(&function.denominator) }
+}
+
 /// The magnitude of the fastest pole, infinity if one is unstable.
 fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
     let poles = function.system().poles()?;

@@ -1,13 +1,13 @@
 //! The best model of an order: fitted to the response itself.
 
 use crate::error::VehicleError;
-use crate::output_error::refine;
+use crate::output_error::{raised, refine};
 use crate::reduction::{Keep, balanced, pade};
 use crate::system::{Rational, System};
 
 /// The stable model of this order whose response to `samples` is nearest in mean square to that
-/// of the system, with the same value at s = 0. Started from balanced residualisation and from the
-/// Padé approximant where that is stable; the better end counts.
+/// of the system, with the same value at s = 0. Started from balanced residualisation, from the
+/// Padé approximant where that is stable, and from the order below; the best end counts.
 ///
 /// # Errors
 /// As [`balanced`].
@@ -24,6 +24,14 @@ pub fn fitted(
         && start.system().is_stable()?
     {
         starts.push(start);
+    }
+    if order > 1 {
+        let lower = fitted(system, order - 1, samples, interval_s)?;
+        let n = lower.denominator.len() - 1;
+        // A pole of middling speed, where there is none yet.
+        #[allow(clippy::cast_precision_loss)] // an order
+        let pole_radps = 2.0 * lower.denominator[0].abs().powf(1.0 / n as f64);
+        starts.push(raised(&lower, pole_radps));
     }
     let mut best: Option<(Rational, f64)> = None;
     for start in &starts {
