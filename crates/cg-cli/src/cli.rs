@@ -7,6 +7,7 @@ use cg_core::arx::SampledArx;
 use cg_vehicle::estimate::Method;
 use cg_vehicle::log::{ColumnMap, Signal};
 use cg_vehicle::maneuver::Maneuver;
+use cg_vehicle::reproduce::Options;
 use cg_vehicle::simulate::Plant;
 use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -15,6 +16,9 @@ use crate::calibrate::RunArg;
 
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
+
+/// The most draws in a cell: an hour of them.
+const GREATEST_RUNS: u32 = 1_000_000;
 
 /// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
 #[derive(Debug, Parser)]
@@ -34,6 +38,8 @@ pub(crate) enum Command {
     Model(ModelArgs),
     /// Write a log with known truth
     Simulate(SimulateArgs),
+    /// Compute the source's tables anew and set ours beside them
+    Reproduce(ReproduceArgs),
 }
 
 #[derive(Debug, Args)]
@@ -197,6 +203,23 @@ pub(crate) struct SimulateArgs {
     pub(crate) truth: Option<PathBuf>,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct ReproduceArgs {
+    /// One table, equation or figure, such as 5.11, "eq. 5.12" or C; an unknown one lists all
+    /// [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) table: Option<String>,
+    /// Output format; JSON is one object per line
+    #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
+    pub(crate) format: ModelFormat,
+    /// Draws of the noise in each cell of a Monte-Carlo table
+    #[arg(long, value_name = "N", default_value_t = Options::default().runs, value_parser = runs)]
+    pub(crate) runs: u32,
+    /// Seed of the first draw
+    #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
+    pub(crate) seed: u64,
+}
+
 fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
         .ok()
@@ -233,6 +256,13 @@ fn jobs(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(jobs) if jobs <= GREATEST_JOBS => Ok(jobs),
         _ => Err(format!("expected a whole number from 0 (all processors) to {GREATEST_JOBS}")),
+    }
+}
+
+fn runs(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(runs) if (1..=GREATEST_RUNS).contains(&runs) => Ok(runs),
+        _ => Err(format!("expected a whole number from 1 to {GREATEST_RUNS}")),
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `sink` | their output as table, JSON Lines or CSV |
 //! | `model` | `cg model`: what the vehicle model says |
 //! | `simulate` | `cg simulate`: logs with known truth |
+//! | `reproduce` | `cg reproduce`: the source's tables beside ours |
 //! | `draft` | files written whole or not at all |
 //!
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
@@ -17,6 +18,7 @@ mod cli;
 mod draft;
 mod estimate;
 mod model;
+mod reproduce;
 mod simulate;
 mod sink;
 
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -52,6 +52,14 @@ pub enum VehicleError {
     /// The printed model is known for one vehicle and load only.
     #[error("the as-printed model {0}; use --model complete")]
     AsPrinted(String),
+    /// No such table of the source.
+    #[error("no table `{name}` to reproduce; there are {known}")]
+    UnknownTable {
+        /// The name asked for.
+        name: String,
+        /// All names.
+        known: String,
+    },
     /// The static balance, the model or its reduction has no usable solution.
     #[error("{0}")]
     Model(String),

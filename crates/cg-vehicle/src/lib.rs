@@ -13,6 +13,7 @@
 //! | [`design`] | the constants for `cg_core` | – |
 //! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
 //! | [`log`] | log files in and out | – |
+//! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
 //! Axes and signs are those of [`cg_core::sample`] (ISO 8855).
 
@@ -34,6 +35,7 @@ pub mod design;
 pub mod simulate;
 pub mod log;
 pub mod estimate;
+pub mod reproduce;
 
 pub use error::VehicleError;
 pub use linear::{LinearModel, Variant};

@@ -2,8 +2,8 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`fit`] | ratios of the runs to the parameters of [`crate::belief`] |
-//! | [`file`] | the calibration file |
+//! | [`mod@fit`] | ratios of the runs to the parameters of [`crate::belief`] |
+//! | [`mod@file`] | the calibration file |
 //!
 //! [`calibrate`] joins them to the identification: the runs are identified with the design that
 //! estimation will use, which the calibration itself changes a little, so that it is done twice.

@@ -1,0 +1,139 @@
+//! `cg reproduce`: the source's tables beside ours.
+
+use std::io::Write;
+
+use anyhow::Context;
+use cg_vehicle::reproduce::{Options, Row, table, tables, title};
+use comfy_table::presets::NOTHING;
+use comfy_table::{CellAlignment, Table};
+
+use crate::Outcome;
+use crate::cli::{ModelFormat, ReproduceArgs};
+
+pub(crate) fn run(arguments: &ReproduceArgs) -> anyhow::Result<Outcome> {
+    let options = Options { runs: arguments.runs, seed: arguments.seed };
+    let names = match &arguments.table {
+        Some(name) => &[name.as_str()][..],
+        None => tables(),
+    };
+    let mut out = std::io::stdout().lock();
+    for (i, name) in names.iter().enumerate() {
+        let rows = table(name, &options)?;
+        match arguments.format {
+            ModelFormat::Json => json(&mut out, &rows)?,
+            ModelFormat::Table => {
+                if i > 0 {
+                    writeln!(out).context("standard output: cannot be written")?;
+                }
+                print(&mut out, title(name)?, &rows)
+                    .context("standard output: cannot be written")?;
+            }
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+fn json(out: &mut impl Write, rows: &[Row]) -> anyhow::Result<()> {
+    for row in rows {
+        // To a string first: a line is written whole or not at all.
+        writeln!(out, "{}", serde_json::to_string(row)?)
+            .context("standard output: cannot be written")?;
+    }
+    Ok(())
+}
+
+/// Title, one line for each number, and the notes below, each once.
+fn print(out: &mut impl Write, title: &str, rows: &[Row]) -> std::io::Result<()> {
+    let mut notes: Vec<&str> = Vec::new();
+    let mut table = Table::new();
+    table.load_preset(NOTHING);
+    table.set_header(["", "thesis", "ours", "difference", "same digits", "note"]);
+    for row in rows {
+        let note = row.note.as_deref().map_or_else(String::new, |note| {
+            let known = notes.iter().position(|other| *other == note);
+            let number = known.unwrap_or_else(|| {
+                notes.push(note);
+                notes.len() - 1
+            });
+            format!("[{}]", number + 1)
+        });
+        table.add_row([
+            row.item.clone(),
+            row.thesis.map_or_else(String::new, |value| digits(value, row.rounding, 0)),
+            row.ours.map_or_else(|| "–".to_owned(), |value| digits(value, row.rounding, 1)),
+            row.relative_error.map_or_else(String::new, difference),
+            match row.relative_error.and_then(|_| row.agrees()) {
+                Some(true) => "yes".to_owned(),
+                Some(false) => "no".to_owned(),
+                None => String::new(),
+            },
+            note,
+        ]);
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    writeln!(out, "{title}")?;
+    writeln!(out, "{}", table.trim_fmt())?;
+    for (k, note) in notes.iter().enumerate() {
+        writeln!(out, " [{}] {note}", k + 1)?;
+    }
+    Ok(())
+}
+
+/// A relative difference in per cent, with enough decimals to be seen.
+fn difference(relative: f64) -> String {
+    let percent = 100.0 * relative;
+    if percent.abs() < 0.000_05 { "0.0000 %".to_owned() } else { format!("{percent:+.4} %") }
+}
+
+/// A number with the digits that the source prints and `more`; five digits if it prints none.
+fn digits(value: f64, rounding: Option<f64>, more: i32) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = power_of_ten(value.abs());
+    // The place of the last digit: −2 for hundredths.
+    let last = match rounding {
+        None => magnitude - 4,
+        // Ours can be so small beside it that the same place shows nothing.
+        Some(rounding) if more > 0 && value.abs() > rounding => {
+            (power_of_ten(2.5 * rounding) - more).min(magnitude - 3)
+        }
+        Some(rounding) => power_of_ten(2.5 * rounding) - more,
+    };
+    if (-4..6).contains(&magnitude) {
+        let decimals = usize::try_from(-last).unwrap_or(0);
+        format!("{value:.decimals$}")
+    } else {
+        let decimals = usize::try_from(magnitude - last).unwrap_or(0);
+        format!("{value:.decimals$e}")
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)] // the exponent of a finite number
+fn power_of_ten(value: f64) -> i32 {
+    value.log10().floor() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_of_the_source_and_ours_one_more() {
+        for (value, rounding, more, text) in [
+            (77.69, Some(0.005), 0, "77.69"),
+            (77.6949, Some(0.005), 1, "77.695"),
+            (-4.5839e25, Some(0.5e21), 0, "-4.5839e25"),
+            (-4.58396e25, Some(0.5e21), 1, "-4.58396e25"),
+            (9.7715e-5, Some(0.5e-9), 0, "9.7715e-5"),
+            (7028.0, Some(0.5), 0, "7028"),
+            (0.0, Some(0.05), 1, "0"),
+            (0.567_648, None, 1, "0.56765"),
+            (1234.56, None, 1, "1234.6"),
+        ] {
+            assert_eq!(digits(value, rounding, more), text);
+        }
+    }
+}
