@@ -4,11 +4,13 @@
 //! | module | what | source |
 //! |---|---|---|
 //! | [`vehicle`] | the vehicle file | ch. 2 |
+//! | [`tables`] | measured springs and tyres in it | Tables 2.3–2.9 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
 //! | [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`response`] | transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`reduction`] | the reduced 5th-order model | section 5.5 |
 //! | [`design`] | the constants for `cg_core` | – |
+//! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
 //! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
 //! | [`log`] | log files in and out | – |
 //!
@@ -16,6 +18,7 @@
 
 pub mod error;
 mod validate;
+pub mod tables;
 pub mod vehicle;
 pub mod balance;
 pub mod response;
@@ -24,6 +27,7 @@ pub mod linear;
 pub mod reduction;
 pub mod design;
 pub mod maneuver;
+pub mod plant;
 pub mod simulate;
 pub mod log;
 pub mod estimate;

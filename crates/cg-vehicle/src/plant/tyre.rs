@@ -1,0 +1,296 @@
+//! Tyres: radial spring in the wheel's plane, lateral force and aligning moment over slip and load.
+//!
+//! ```text
+//!     F_z = max(0, K (R0 − l))/cos φu        l = height of the tyre's centre over cos φu
+//!     α   = atan(v_y / v_x) − steer          at the point of contact
+//!     F_y = −F(α, F_z),  M_z = +M(α, F_z)
+//! ```
+//!
+//! The cosine makes the vertical force exactly conservative. All tyres of an axle have one
+//! lateral velocity on the road; their slip angles differ by the yaw rate only, and only that
+//! difference is computed for each.
+
+use super::vector::{sin_cos, small_atan};
+use crate::tables::{AligningMomentTable, LateralForceTable};
+use crate::vehicle::Tyre;
+
+/// Slip is computed as if the wheel rolled at least this fast.
+const LEAST_SPEED_MPS: f64 = 0.3;
+const BUCKETS: usize = 64;
+/// Tyres of one side.
+pub(super) const PER_SIDE: usize = 2;
+
+/// Increasing nodes from zero, found through equal buckets.
+#[derive(Clone, Debug)]
+struct Nodes {
+    at: Vec<f64>,
+    bucket: Vec<usize>,
+    buckets_per_unit: f64,
+}
+
+impl Nodes {
+    fn new(mut at: Vec<f64>) -> Self {
+        at.push(0.0);
+        at.retain(|x| *x >= 0.0);
+        at.sort_by(f64::total_cmp);
+        at.dedup();
+        let last = at[at.len() - 1].max(f64::MIN_POSITIVE);
+        // Fewer than a thousand buckets: exact.
+        #[allow(clippy::cast_precision_loss)]
+        let buckets_per_unit = (BUCKETS - 1) as f64 / last;
+        #[allow(clippy::cast_precision_loss)]
+        let bucket = (0..BUCKETS)
+            .map(|k| {
+                let edge = k as f64 / buckets_per_unit;
+                at.iter().rposition(|x| *x <= edge).unwrap_or(0)
+            })
+            .collect();
+        Self { at, bucket, buckets_per_unit }
+    }
+
+    /// The last node at or below `x ≥ 0`.
+    #[inline]
+    fn below(&self, x: f64) -> usize {
+        // Saturating: any number lands in a bucket.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let mut i = self.bucket[((x * self.buckets_per_unit) as usize).min(BUCKETS - 1)];
+        // Rounding at a bucket's edge may have gone one too far.
+        if x < self.at[i] {
+            i = i.saturating_sub(1);
+        }
+        while i + 1 < self.at.len() && x >= self.at[i + 1] {
+            i += 1;
+        }
+        i
+    }
+}
+
+/// Bilinear in slip and load from the cell's lower corner.
+#[derive(Clone, Copy, Debug, Default)]
+struct Patch([f64; 4]);
+
+impl Patch {
+    #[inline]
+    fn at(&self, slip: f64, load: f64) -> f64 {
+        self.0[0] + self.0[1] * slip + (self.0[2] + self.0[3] * slip) * load
+    }
+
+    /// Through the values at the corners of the cell; an unbounded cell stays constant that way,
+    /// or goes on along the axis.
+    fn through(f: impl Fn(f64, f64) -> f64, slip: (f64, f64), load: (f64, f64)) -> Self {
+        let (da, dl) = (slip.1 - slip.0, load.1 - load.0);
+        let corner = f(slip.0, load.0);
+        let along_slip = (f(slip.1, load.0) - corner) / da;
+        let along_load = (f(slip.0, load.1) - corner) / dl;
+        let twist = (f(slip.1, load.1) - corner - along_slip * da - along_load * dl) / (da * dl);
+        Self([corner, along_slip, along_load, twist])
+    }
+}
+
+/// Lateral force and aligning moment of one tyre type.
+#[derive(Clone, Debug)]
+pub(super) struct Slip {
+    slip: Nodes,
+    load: Nodes,
+    /// Slip by slip; lateral force (over load where it comes from a table) and moment.
+    cells: Vec<(Patch, Patch)>,
+    /// Force is the patch times this: 1, or the load.
+    scale: (f64, f64),
+}
+
+/// Position in a table: node below and share, held at the ends.
+fn place(nodes: &[f64], x: f64) -> (usize, f64) {
+    let last = nodes.len().saturating_sub(2);
+    let i = nodes.iter().rposition(|&node| node <= x).unwrap_or(0).min(last);
+    if nodes.len() < 2 {
+        return (0, 0.0);
+    }
+    (i, ((x - nodes[i]) / (nodes[i + 1] - nodes[i])).clamp(0.0, 1.0))
+}
+
+/// Bilinear with held edges; `first_row` at zero slip is all zeros.
+fn held(slip_rad: &[f64], load_n: &[f64], rows: &[Vec<f64>], slip: f64, load: f64) -> f64 {
+    let (j, share) = place(load_n, load);
+    let row = |i: usize| {
+        let row = &rows[i];
+        row[j] + share * (row[(j + 1).min(row.len() - 1)] - row[j])
+    };
+    if slip <= slip_rad[0] {
+        return row(0) * slip / slip_rad[0];
+    }
+    let (i, share) = place(slip_rad, slip);
+    row(i) + share * (row((i + 1).min(rows.len() - 1)) - row(i))
+}
+
+fn coefficient(table: &LateralForceTable, slip: f64, load: f64) -> f64 {
+    held(&table.slip_rad, &table.load_n, &table.coefficient, slip, load)
+}
+
+fn moment_nm(table: &AligningMomentTable, slip: f64, load: f64) -> f64 {
+    let first = table.load_n[0];
+    let share = if load < first { load / first } else { 1.0 };
+    share * held(&table.slip_rad, &table.load_n, &table.moment_nm, slip, load.max(first))
+}
+
+impl Slip {
+    /// From a tyre's tables, or its stiffnesses where it has none or `linear` is asked for.
+    pub(super) fn new(tyre: &Tyre, linear: bool) -> Self {
+        let force = tyre.lateral_force.as_ref().filter(|_| !linear);
+        let moment = tyre.aligning_moment.as_ref().filter(|_| !linear);
+        let mut slips = Vec::new();
+        let mut loads = tyre.load_n.clone();
+        if let Some(table) = force {
+            slips.extend(&table.slip_rad);
+            loads.extend(&table.load_n);
+        }
+        if let Some(table) = moment {
+            slips.extend(&table.slip_rad);
+            loads.extend(&table.load_n);
+        }
+        let (slip, load) = (Nodes::new(slips), Nodes::new(loads));
+        // At no load a stiffness extended below its first load must not pull.
+        let stiffness = |load: f64| tyre.stiffness_at(load);
+        let force_at = |a: f64, l: f64| match force {
+            Some(table) => coefficient(table, a, l),
+            None => stiffness(l).0.max(0.0) * a,
+        };
+        let moment_at = |a: f64, l: f64| match moment {
+            Some(table) => moment_nm(table, a, l),
+            None => stiffness(l).1.max(0.0) * a,
+        };
+        let reach = |nodes: &[f64], i: usize, more: f64| {
+            (nodes[i], nodes.get(i + 1).copied().unwrap_or(nodes[i] + more))
+        };
+        let mut cells = Vec::new();
+        for i in 0..slip.at.len() {
+            for j in 0..load.at.len() {
+                let (a, l) = (reach(&slip.at, i, 0.1), reach(&load.at, j, 1e3));
+                cells.push((Patch::through(force_at, a, l), Patch::through(moment_at, a, l)));
+            }
+        }
+        let scale = if force.is_some() { (0.0, 1.0) } else { (1.0, 0.0) };
+        Self { slip, load, cells, scale }
+    }
+
+    /// Lateral force (opposite to the slip) and aligning moment (along it) at a slip angle and
+    /// a load above zero.
+    #[inline]
+    pub(super) fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
+        let size = slip_rad.abs();
+        let (i, j) = (self.slip.below(size), self.load.below(load_n));
+        let (force, moment) = &self.cells[i * self.load.at.len() + j];
+        let (a, l) = (size - self.slip.at[i], load_n - self.load.at[j]);
+        let force_n = force.at(a, l) * (self.scale.0 + self.scale.1 * load_n);
+        (force_n.copysign(-slip_rad), moment.at(a, l).copysign(slip_rad))
+    }
+}
+
+/// The tyres of one axle.
+#[derive(Clone, Debug)]
+pub(super) struct Tyres {
+    /// Which [`Slip`].
+    pub(super) kind: usize,
+    /// Distances from the middle, one side.
+    pub(super) positions_m: [f64; PER_SIDE],
+    pub(super) per_side: usize,
+    pub(super) stiffness_n_per_m: f64,
+    pub(super) damping_ns_per_m: f64,
+    /// All tyres of the axle together.
+    pub(super) overturning_nm_per_rad: f64,
+    pub(super) unloaded_radius_m: f64,
+    pub(super) relaxation_length_m: f64,
+}
+
+/// How an axle's centre moves over the road.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hub {
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+    pub(super) roll_rad: f64,
+    pub(super) roll_rate: f64,
+    pub(super) yaw_rate: f64,
+    pub(super) height_m: f64,
+    pub(super) velocity: [f64; 3],
+    pub(super) steer_rad: f64,
+    /// State of the lagged slip angle.
+    pub(super) lagged_slip_rad: f64,
+}
+
+/// What the road does to an axle: force at its centre, roll and yaw moment about it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Contact {
+    pub(super) force: [f64; 3],
+    pub(super) roll_nm: f64,
+    pub(super) yaw_nm: f64,
+    /// Vertical load of each side.
+    pub(super) left_n: f64,
+    pub(super) right_n: f64,
+    /// Slip angle at the middle of the axle, without lag, and its relaxation.
+    pub(super) slip_rad: f64,
+    pub(super) slip_rate: f64,
+    pub(super) lateral_n: f64,
+}
+
+impl Tyres {
+    pub(super) fn contact(&self, kinds: &[Slip], hub: &Hub) -> Contact {
+        let kind = &kinds[self.kind];
+        let tan = hub.sin / hub.cos;
+        let inverse_cos = 1.0 / hub.cos;
+        let forward = (hub.velocity[0] - hub.yaw_rate * hub.height_m * tan).max(LEAST_SPEED_MPS);
+        let lateral = hub.velocity[1] + hub.roll_rate * hub.height_m;
+        let slip_rad = (lateral / forward).atan() - hub.steer_rad;
+        let lags = self.relaxation_length_m > 0.0;
+        let acting_rad = if lags { hub.lagged_slip_rad } else { slip_rad };
+        let square = lateral * lateral;
+        let (sin_steer, cos_steer) = sin_cos(hub.steer_rad);
+
+        let tyre = |y: f64| -> [f64; 4] {
+            let arm = y * inverse_cos + hub.height_m * tan;
+            let center = hub.height_m + y * hub.sin;
+            let mut push_n =
+                self.stiffness_n_per_m * (self.unloaded_radius_m - center * inverse_cos);
+            if self.damping_ns_per_m > 0.0 && push_n > 0.0 {
+                let rate = hub.velocity[2] + y * hub.cos * hub.roll_rate;
+                let shortening = (rate + center * tan * hub.roll_rate) * inverse_cos;
+                push_n -= self.damping_ns_per_m * shortening;
+            }
+            if push_n <= 0.0 {
+                return [0.0; 4];
+            }
+            let load_n = push_n * inverse_cos;
+            let drift = hub.yaw_rate * y * inverse_cos;
+            let own = (forward - drift).max(LEAST_SPEED_MPS);
+            let more = small_atan(lateral * (forward - own) / (forward * own + square));
+            let (side_n, moment_nm) = kind.at(acting_rad + more, load_n);
+            [load_n, side_n, load_n * arm, moment_nm + arm * sin_steer * side_n]
+        };
+        let mut left = [0.0; 4];
+        let mut right = [0.0; 4];
+        for &y in &self.positions_m[..self.per_side] {
+            let (l, r) = (tyre(y), tyre(-y));
+            for k in 0..4 {
+                left[k] += l[k];
+                right[k] += r[k];
+            }
+        }
+        let lateral_n = left[1] + right[1];
+        let side_n = cos_steer * lateral_n;
+        let slip_rate = if lags {
+            forward / self.relaxation_length_m * (slip_rad - hub.lagged_slip_rad)
+        } else {
+            0.0
+        };
+        Contact {
+            force: [-sin_steer * lateral_n, side_n, left[0] + right[0]],
+            // The point of contact is straight below the centre by its height.
+            roll_nm: left[2] + right[2] + hub.height_m * side_n
+                - self.overturning_nm_per_rad * hub.roll_rad,
+            yaw_nm: left[3] + right[3],
+            left_n: left[0],
+            right_n: right[0],
+            slip_rad,
+            slip_rate,
+            lateral_n,
+        }
+    }
+}
