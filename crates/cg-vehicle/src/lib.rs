@@ -18,6 +18,7 @@
 
 pub mod error;
 mod validate;
+mod validate_tables;
 pub mod tables;
 pub mod vehicle;
 pub mod balance;

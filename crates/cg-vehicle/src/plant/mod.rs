@@ -45,6 +45,7 @@
 
 mod axle;
 mod body;
+mod driver;
 mod dynamics;
 #[cfg(test)]
 mod energy;
@@ -53,6 +54,7 @@ mod hitch;
 mod integrate;
 mod linearise;
 mod options;
+mod path;
 mod sample;
 mod setup;
 mod state;
@@ -60,9 +62,11 @@ mod suspension;
 mod tyre;
 mod vector;
 
+pub use driver::{Driver, DriverSettings};
 pub use dynamics::Control;
 pub use integrate::{Progress, Simulation};
 pub use options::{Characteristics, PlantOptions};
+pub use path::Path;
 pub use sample::{AxleSample, PlantSample, UnitSample};
 pub use state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 

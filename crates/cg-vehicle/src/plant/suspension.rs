@@ -8,7 +8,8 @@
 //! ```
 //!
 //! (Fancher, Ervin, MacAdam and Winkler, SAE 800905, as an ordinary differential equation). It
-//! takes energy out only as long as `β ≤ C/k`, half the distance of the curves over their slope.
+//! takes energy out only as long as `β ≤ C/k`, half the distance of the curves over
+//! the greater slope.
 
 use crate::error::VehicleError;
 use crate::tables::Spring;
@@ -51,13 +52,19 @@ impl Envelope {
     }
 
     /// Force midway between the curves and its slope.
-    pub(super) fn middle(&self, x: f64) -> (f64, f64) {
+    fn middle(&self, x: f64) -> (f64, f64) {
         let (dx, s) = self.segment(x);
         (0.5 * (s[0] + s[2] + (s[1] + s[3]) * dx), 0.5 * (s[1] + s[3]))
     }
 
+    /// The greater slope of both curves.
+    fn steepest(&self, x: f64) -> f64 {
+        let (_, s) = self.segment(x);
+        s[1].max(s[3])
+    }
+
     /// Half the distance between the curves.
-    pub(super) fn friction_n(&self, x: f64) -> f64 {
+    fn friction_n(&self, x: f64) -> f64 {
         let (dx, s) = self.segment(x);
         0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx)
     }
@@ -87,13 +94,13 @@ impl Law {
     pub(super) fn measured(spring: &Spring, load_n: f64) -> Result<Self, VehicleError> {
         let envelope = Envelope::new(spring);
         let start_m = envelope.deflection_at(load_n);
-        let (_, slope) = envelope.middle(start_m);
+        let slope = envelope.steepest(start_m);
         let most_m = envelope.friction_n(start_m) / slope;
         if !(slope > 0.0 && spring.friction_deflection_m <= most_m) {
             return Err(VehicleError::Model(format!(
                 "spring \"{}\": friction_deflection_m = {} feeds energy in at its static load of \
                  {load_n:.0} N; there it may be {most_m:.5} m at most (half the distance of the \
-                 curves over their slope)",
+                 curves over the greater slope)",
                 spring.name, spring.friction_deflection_m
             )));
         }
