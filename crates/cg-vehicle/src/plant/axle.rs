@@ -153,8 +153,7 @@ impl Axle {
             [0.0, -sin, cos, -sin * yaw_arm[1], cos * pitch[2], cos * roll[2] - sin * roll[1]];
         let roll_inertia = m * s * s + self.inertia_kgm2;
         let coupling = m * s / roll_inertia;
-        equations.add_square(&x, m);
-        equations.add_square(&along_j, m * self.inertia_kgm2 / roll_inertia);
+        equations.add_axle(&x, m, &along_j, m * self.inertia_kgm2 / roll_inertia);
         equations.mass[3][3] += self.inertia_kgm2 * cos * cos;
 
         let (velocity, bias) = self.center_motion(motion, pose, rho);

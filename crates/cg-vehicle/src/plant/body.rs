@@ -88,7 +88,7 @@ impl Motion {
 /// reference point that comes from changing rates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
-    /// Symmetric.
+    /// Symmetric: its lower triangle.
     pub(super) mass: [[f64; 6]; 6],
     pub(super) force: [f64; 6],
 }
@@ -108,13 +108,21 @@ impl Equations {
         }
     }
 
-    /// `weight · rowᵀ row`.
+    /// An axle: `along · Xᵀ X + across · Yᵀ Y`, where `X` has nothing at 1 and 2 and `Y` nothing
+    /// at 0.
     #[inline]
-    pub(super) fn add_square(&mut self, row: &[f64; 6], weight: f64) {
-        for i in 0..6 {
-            let left = weight * row[i];
-            for j in 0..6 {
-                self.mass[i][j] += left * row[j];
+    pub(super) fn add_axle(&mut self, x: &[f64; 6], along: f64, y: &[f64; 6], across: f64) {
+        const OF_X: [usize; 4] = [0, 3, 4, 5];
+        for a in 0..4 {
+            let left = along * x[OF_X[a]];
+            for b in 0..=a {
+                self.mass[OF_X[a]][OF_X[b]] += left * x[OF_X[b]];
+            }
+        }
+        for a in 1..6 {
+            let left = across * y[a];
+            for b in 1..=a {
+                self.mass[a][b] += left * y[b];
             }
         }
     }
@@ -133,9 +141,9 @@ impl Equations {
         for i in 0..3 {
             self.mass[i][i] += mass_kg;
             for j in 0..3 {
-                let coupling = mass_kg * arms[j][i];
-                self.mass[i][3 + j] += coupling;
-                self.mass[3 + j][i] += coupling;
+                self.mass[3 + j][i] += mass_kg * arms[j][i];
+            }
+            for j in 0..=i {
                 let dot =
                     arms[i][0] * arms[j][0] + arms[i][1] * arms[j][1] + arms[i][2] * arms[j][2];
                 self.mass[3 + i][3 + j] += mass_kg * dot;
@@ -158,12 +166,8 @@ impl Equations {
         m[3][3] += i[0] * e_z[0] * e_z[0] + i[1] * e_z[1] * e_z[1] + i[2] * e_z[2] * e_z[2];
         m[4][4] += i[1] * e_y[1] * e_y[1] + i[2] * e_y[2] * e_y[2];
         m[5][5] += i[0];
-        let (yaw_pitch, yaw_roll) =
-            (i[1] * e_z[1] * e_y[1] + i[2] * e_z[2] * e_y[2], i[0] * e_z[0]);
-        m[3][4] += yaw_pitch;
-        m[4][3] += yaw_pitch;
-        m[3][5] += yaw_roll;
-        m[5][3] += yaw_roll;
+        m[4][3] += i[1] * e_z[1] * e_y[1] + i[2] * e_z[2] * e_y[2];
+        m[5][3] += i[0] * e_z[0];
 
         let omega =
             [yaw * e_z[0] + roll, yaw * e_z[1] + pitch * e_y[1], yaw * e_z[2] + pitch * e_y[2]];

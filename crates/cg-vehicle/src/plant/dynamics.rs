@@ -13,7 +13,7 @@
 
 use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
 use super::body::{Attitude, Equations, Motion};
-use super::hitch::{Coupling, Hitch};
+use super::hitch::Hitch;
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::suspension::Group;
 use super::tyre::{Contact, Slip};
@@ -59,32 +59,29 @@ pub(super) struct Parameters {
     pub(super) bank_rad: f64,
 }
 
-/// What can be seen while the rates are computed.
+/// What is found on the way to the rates; kept from one evaluation to the next, so that nothing is
+/// cleared.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Probe {
-    /// Lateral accelerations of the sprung c.g.s, horizontal, in each unit's heading.
-    pub(super) lateral_mps2: [f64; 2],
+    units: Option<[Motion; 2]>,
+    /// Accelerations of both units: reference point, then yaw, pitch, roll.
+    accelerations: [[f64; 6]; 2],
     /// Force on the trailer, in its yaw frame.
     pub(super) hitch_force_n: Vector,
     pub(super) hitch_moment_nm: f64,
     pub(super) contacts: [Contact; MAX_AXLES],
+    eliminated: [Eliminated; MAX_AXLES],
+    poses: [Pose; MAX_AXLES],
+    springs_n: [[f64; 2]; MAX_AXLES],
 }
 
-/// The instant: positions, velocities, inputs.
+/// The instant: positions, inputs.
 struct Instant<'a> {
     x: &'a [f64; ROOM],
     control: &'a Control,
     /// Sine and cosine of the trailer's yaw less the tractor's.
     turn: (f64, f64),
     gravity: [Vector; 2],
-    poses: [Pose; MAX_AXLES],
-    springs_n: [[f64; 2]; MAX_AXLES],
-}
-
-/// Work space of the axles of both units.
-struct Axles {
-    eliminated: [Eliminated; MAX_AXLES],
-    contacts: [Contact; MAX_AXLES],
 }
 
 impl Parameters {
@@ -93,7 +90,8 @@ impl Parameters {
         let mut found = [[0.0; 2]; MAX_AXLES];
         let (tractor, trailer) = self.attitudes(&state.x);
         let still = |attitude| Motion::new(attitude, [0.0; 3], [0.0; 3], [0.0; 3]);
-        let poses = self.poses(&state.x, &[still(tractor), still(trailer)]);
+        let mut poses = [Pose::default(); MAX_AXLES];
+        self.pose(&state.x, &[still(tractor), still(trailer)], &mut poses);
         let stored = |_| [0.0; 2];
         group_forces(&self.groups, &self.axles, &poses, stored, |g, _, x| {
             found[g] = [x[0][0], x[1][0]];
@@ -111,14 +109,12 @@ impl Parameters {
     }
 
     #[inline]
-    fn poses(&self, x: &[f64; ROOM], units: &[Motion; 2]) -> [Pose; MAX_AXLES] {
-        let mut poses = [Pose::default(); MAX_AXLES];
-        for (i, axle) in self.axles.iter().enumerate() {
+    fn pose(&self, x: &[f64; ROOM], units: &[Motion; 2], poses: &mut [Pose; MAX_AXLES]) {
+        for (i, (axle, pose)) in self.axles.iter().zip(poses).enumerate() {
             let own = [A::Rise, A::Roll, A::RiseRate, A::RollRate].map(|c| x[at(i, c)]);
             let roll = if axle.on_trailer { C::TrailerRoll } else { C::TractorRoll };
-            poses[i] = Pose::new(own, x[roll as usize], &units[usize::from(axle.on_trailer)]);
+            *pose = Pose::new(own, x[roll as usize], &units[usize::from(axle.on_trailer)]);
         }
-        poses
     }
 
     /// Gravity in both yaw frames; on a bank it leans about the mean heading.
@@ -148,10 +144,10 @@ impl Parameters {
         let (tractor, trailer) = self.motions(x, control, turn);
         let hitch_rho = tractor.attitude.outward(self.hitch_arm);
         let units = [tractor, trailer];
-        let poses = self.poses(x, &units);
-        let mut springs_n = [[0.0; 2]; MAX_AXLES];
+        self.pose(x, &units, &mut probe.poses);
+        let Probe { poses, springs_n, .. } = probe;
         let stored = |i| [x[at(i, A::LeftSpring)], x[at(i, A::RightSpring)]];
-        group_forces(&self.groups, &self.axles, &poses, stored, |g, force, x| {
+        group_forces(&self.groups, &self.axles, poses, stored, |g, force, x| {
             springs_n[g] = force;
             let group = &self.groups[g];
             for (side, c) in [A::LeftSpring, A::RightSpring].into_iter().enumerate() {
@@ -159,8 +155,7 @@ impl Parameters {
                 rate[at(group.first_axle, c)] = group.law.rate_n_per_s(x, x_rate, force[side]);
             }
         });
-        let instant =
-            Instant { x, control, turn, gravity: self.gravity(turn_rad), poses, springs_n };
+        let instant = Instant { x, control, turn, gravity: self.gravity(turn_rad) };
         self.solve(&instant, &units, hitch_rho, rate, probe);
     }
 
@@ -194,7 +189,7 @@ impl Parameters {
         motion: &Motion,
         on_trailer: bool,
         height_m: f64,
-        axles: &mut Axles,
+        probe: &mut Probe,
     ) -> Equations {
         let mut equations = Equations::zeros();
         let sprung = if on_trailer { &self.trailer } else { &self.tractor };
@@ -211,12 +206,12 @@ impl Parameters {
                 gravity,
                 steer_rad: instant.control.steer_rad,
                 lagged_slip_rad: instant.x[at(i, A::Slip)],
-                springs_n: &instant.springs_n,
+                springs_n: &probe.springs_n,
             };
             let (eliminated, contact) =
-                axle.assemble(&mut equations, motion, &instant.poses[i], &road);
-            axles.eliminated[i] = eliminated;
-            axles.contacts[i] = contact;
+                axle.assemble(&mut equations, motion, &probe.poses[i], &road);
+            probe.eliminated[i] = eliminated;
+            probe.contacts[i] = contact;
         }
         equations
     }
@@ -230,14 +225,10 @@ impl Parameters {
         rate: &mut [f64; ROOM],
         probe: &mut Probe,
     ) {
-        let mut axles = Axles {
-            eliminated: [Eliminated::default(); MAX_AXLES],
-            contacts: [Contact::default(); MAX_AXLES],
-        };
         let height_m = instant.x[C::TractorHeight as usize];
         let [first, second] = units;
-        let mut tractor = self.unit(instant, first, false, height_m, &mut axles);
-        let mut trailer = self.unit(instant, second, true, height_m + hitch_rho[2], &mut axles);
+        let mut tractor = self.unit(instant, first, false, height_m, probe);
+        let mut trailer = self.unit(instant, second, true, height_m + hitch_rho[2], probe);
         let coupling = self.hitch.couple(
             instant.x[C::TractorRoll as usize],
             first.rates,
@@ -251,69 +242,48 @@ impl Parameters {
         }
         let arms = first.attitude.arms(hitch_rho);
         let solution = join(&tractor, &trailer, &arms, instant.turn);
-        self.spread(instant, units, &axles, &solution, rate);
-        self.report(units, &axles, &coupling, &solution, probe);
+        probe.units = Some(*units);
+        probe.accelerations = [solution.tractor, solution.trailer];
+        probe.hitch_force_n = solution.hitch_force_n;
+        probe.hitch_moment_nm = coupling.moment_nm;
+        self.spread(instant, probe, rate);
     }
 
     /// Writes every rate.
     #[inline]
-    fn spread(
-        &self,
-        instant: &Instant<'_>,
-        units: &[Motion; 2],
-        axles: &Axles,
-        solution: &Solution,
-        rate: &mut [f64; ROOM],
-    ) {
+    fn spread(&self, instant: &Instant<'_>, probe: &Probe, rate: &mut [f64; ROOM]) {
         let x = instant.x;
-        rate[..7].copy_from_slice(&[
-            x[C::VerticalVelocity as usize],
-            units[0].rates[0],
-            units[0].rates[1],
-            units[0].rates[2],
-            units[1].rates[0],
-            units[1].rates[1],
-            units[1].rates[2],
-        ]);
-        rate[7..12].copy_from_slice(&solution.tractor[1..]);
-        rate[12..15].copy_from_slice(&solution.trailer[3..]);
+        rate[..7].copy_from_slice(&x[8..15]);
+        let [tractor, trailer] = &probe.accelerations;
+        rate[7..12].copy_from_slice(&tractor[1..]);
+        rate[12..15].copy_from_slice(&trailer[3..]);
         let (sin, cos) = x[C::TractorYaw as usize].sin_cos();
         let (speed, side) = (instant.control.speed_mps, x[C::LateralVelocity as usize]);
         rate[C::PositionX as usize] = speed * cos - side * sin;
         rate[C::PositionY as usize] = speed * sin + side * cos;
         for (i, axle) in self.axles.iter().enumerate() {
-            let unit = if axle.on_trailer { &solution.trailer } else { &solution.tractor };
-            let (rise, roll) = axles.eliminated[i].accelerations(unit);
-            rate[at(i, A::Rise)] = instant.poses[i].rise_rate;
-            rate[at(i, A::Roll)] = instant.poses[i].roll_rate;
+            let unit = if axle.on_trailer { trailer } else { tractor };
+            let (rise, roll) = probe.eliminated[i].accelerations(unit);
+            rate[at(i, A::Rise)] = probe.poses[i].rise_rate;
+            rate[at(i, A::Roll)] = probe.poses[i].roll_rate;
             rate[at(i, A::RiseRate)] = rise;
             rate[at(i, A::RollRate)] = roll;
-            rate[at(i, A::Slip)] = axles.contacts[i].slip_rate;
+            rate[at(i, A::Slip)] = probe.contacts[i].slip_rate;
         }
     }
 
-    #[inline]
-    fn report(
-        &self,
-        units: &[Motion; 2],
-        axles: &Axles,
-        coupling: &Coupling,
-        solution: &Solution,
-        probe: &mut Probe,
-    ) {
-        let lateral = |motion: &Motion, sprung: &Sprung, acceleration: &[f64; 6]| {
+    /// Lateral accelerations of the sprung c.g.s at the last evaluation, horizontal, in each
+    /// unit's heading.
+    pub(super) fn lateral_mps2(&self, probe: &Probe) -> [f64; 2] {
+        let Some(units) = &probe.units else { return [0.0; 2] };
+        [0, 1].map(|unit| {
+            let sprung = [&self.tractor, &self.trailer][unit];
+            let (motion, acceleration) = (&units[unit], &probe.accelerations[unit]);
             let rho = motion.attitude.outward(sprung.cg);
             let arms = motion.attitude.arms(rho);
             let turning: f64 = (0..3).map(|j| arms[j][1] * acceleration[3 + j]).sum();
             acceleration[1] + turning + motion.point(rho).1[1]
-        };
-        probe.lateral_mps2 = [
-            lateral(&units[0], &self.tractor, &solution.tractor),
-            lateral(&units[1], &self.trailer, &solution.trailer),
-        ];
-        probe.hitch_force_n = solution.hitch_force_n;
-        probe.hitch_moment_nm = coupling.moment_nm;
-        probe.contacts = axles.contacts;
+        })
     }
 }
 
@@ -334,8 +304,8 @@ fn join(
 ) -> Solution {
     let m = &trailer.mass;
     let inverse = inverse_symmetric([
-        [m[3][3], m[3][4], m[3][5]],
-        [m[4][3], m[4][4], m[4][5]],
+        [m[3][3], 0.0, 0.0],
+        [m[4][3], m[4][4], 0.0],
         [m[5][3], m[5][4], m[5][5]],
     ]);
     // C R⁻¹, the apparent mass A = T − C R⁻¹ Cᵀ and its force p = f_t − C R⁻¹ f_r.
@@ -344,14 +314,14 @@ fn join(
     let mut push = [0.0; 3];
     for i in 0..3 {
         for j in 0..3 {
-            gain[i][j] = (0..3).map(|k| m[i][3 + k] * inverse[k][j]).sum();
+            gain[i][j] = (0..3).map(|k| m[3 + k][i] * inverse[k][j]).sum();
         }
         push[i] = trailer.force[i];
         for j in 0..3 {
             push[i] -= gain[i][j] * trailer.force[3 + j];
-            apparent[i][j] = m[i][j];
+            apparent[i][j] = m[i.max(j)][i.min(j)];
             for k in 0..3 {
-                apparent[i][j] -= gain[i][k] * m[j][3 + k];
+                apparent[i][j] -= gain[i][k] * m[3 + k][j];
             }
         }
     }
@@ -381,7 +351,7 @@ fn join(
     }
     let mut rest = [0, 1, 2].map(|j| trailer.force[3 + j]);
     for j in 0..3 {
-        rest[j] -= dot([m[0][3 + j], m[1][3 + j], m[2][3 + j]], hitch);
+        rest[j] -= dot([m[3 + j][0], m[3 + j][1], m[3 + j][2]], hitch);
     }
     let rotation = inverse.map(|row| dot(row, rest));
     let needed = times(hitch);

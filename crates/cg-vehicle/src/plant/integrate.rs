@@ -92,9 +92,9 @@ impl<'a> Simulation<'a> {
     pub fn upright(&self) -> Result<(), VehicleError> {
         match self.progress {
             Progress::Running => Ok(()),
-            Progress::RolledOver { time_s } => {
-                Err(VehicleError::Model(format!("rolled over at {time_s:.2} s")))
-            }
+            Progress::RolledOver { time_s } => Err(VehicleError::Model(format!(
+                "the vehicle rolled over at {time_s:.2} s; steer less, drive slower or load lower"
+            ))),
         }
     }
 }

@@ -60,7 +60,7 @@ impl YawRollPlant {
             self.parameters.rates(&x, &control, &mut rate, &mut probe);
             rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
             let rates = places.iter().map(|&i| rate[i]);
-            DVector::from_iterator(n + 1, rates.chain([probe.lateral_mps2[1]]))
+            DVector::from_iterator(n + 1, rates.chain([self.parameters.lateral_mps2(&probe)[1]]))
         };
         let slope = |index: usize, steer: f64| {
             let ahead = look(index, SHIFT, rest.steer_rad + steer);

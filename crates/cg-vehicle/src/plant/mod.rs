@@ -142,7 +142,8 @@ impl YawRollPlant {
     pub fn sample(&self, state: &State, control: &Control) -> PlantSample {
         let mut probe = Probe::default();
         self.parameters.rates(&state.x, control, &mut [0.0; ROOM], &mut probe);
-        PlantSample::new(state, control, &probe, &self.steered)
+        let lateral_mps2 = self.parameters.lateral_mps2(&probe);
+        PlantSample::new(state, control, (&probe, lateral_mps2), &self.steered)
     }
 
     /// Step of the integration.

@@ -80,7 +80,12 @@ impl PlantSample {
         &self.axle[..self.axles]
     }
 
-    pub(super) fn new(state: &State, control: &Control, probe: &Probe, steered: &[bool]) -> Self {
+    pub(super) fn new(
+        state: &State,
+        control: &Control,
+        (probe, lateral_mps2): (&Probe, [f64; 2]),
+        steered: &[bool],
+    ) -> Self {
         let unit = |first: [C; 6], lateral_acceleration_mps2: f64| {
             let [roll_rad, pitch_rad, yaw_rad, roll_rate, pitch_rate, yaw_rate] =
                 first.map(|c| state.get(c));
@@ -103,7 +108,7 @@ impl PlantSample {
                 C::TractorPitchRate,
                 C::TractorYawRate,
             ],
-            probe.lateral_mps2[0],
+            lateral_mps2[0],
         );
         let trailer = unit(
             [
@@ -114,7 +119,7 @@ impl PlantSample {
                 C::TrailerPitchRate,
                 C::TrailerYawRate,
             ],
-            probe.lateral_mps2[1],
+            lateral_mps2[1],
         );
         let mut axle = [AxleSample::default(); MAX_AXLES];
         let (mut difference, mut sum) = (0.0, 0.0);

@@ -17,6 +17,7 @@ use crate::vehicle::Tyre;
 /// Slip is computed as if the wheel rolled at least this fast.
 const LEAST_SPEED_MPS: f64 = 0.3;
 const BUCKETS: usize = 64;
+const LAST_BUCKET: f64 = 63.0;
 /// Tyres of one side.
 pub(super) const PER_SIDE: usize = 2;
 
@@ -24,7 +25,9 @@ pub(super) const PER_SIDE: usize = 2;
 #[derive(Clone, Debug)]
 struct Nodes {
     at: Vec<f64>,
-    bucket: Vec<usize>,
+    /// The same, and infinity.
+    end: Vec<f64>,
+    bucket: [u8; BUCKETS],
     buckets_per_unit: f64,
 }
 
@@ -35,33 +38,43 @@ impl Nodes {
         at.sort_by(f64::total_cmp);
         at.dedup();
         let last = at[at.len() - 1].max(f64::MIN_POSITIVE);
-        // Fewer than a thousand buckets: exact.
-        #[allow(clippy::cast_precision_loss)]
-        let buckets_per_unit = (BUCKETS - 1) as f64 / last;
-        #[allow(clippy::cast_precision_loss)]
-        let bucket = (0..BUCKETS)
-            .map(|k| {
-                let edge = k as f64 / buckets_per_unit;
-                at.iter().rposition(|x| *x <= edge).unwrap_or(0)
-            })
-            .collect();
-        Self { at, bucket, buckets_per_unit }
+        let buckets_per_unit = LAST_BUCKET / last;
+        let mut bucket = [0; BUCKETS];
+        let mut start = 0.0;
+        for place in &mut bucket {
+            // A little below the bucket, so that rounding cannot step over a node; the first 255
+            // nodes are found at once, others by searching on.
+            let edge = start / buckets_per_unit * (1.0 - 1e-9);
+            let below = at.iter().rposition(|x| *x <= edge).unwrap_or(0);
+            *place = u8::try_from(below).unwrap_or(u8::MAX);
+            start += 1.0;
+        }
+        let end = at[1..].iter().copied().chain([f64::INFINITY]).collect();
+        Self { at, end, bucket, buckets_per_unit }
     }
 
     /// The last node at or below `x ≥ 0`.
     #[inline]
     fn below(&self, x: f64) -> usize {
-        // Saturating: any number lands in a bucket.
+        // Within 0 and 63: a number that is none goes to the first bucket.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let mut i = self.bucket[((x * self.buckets_per_unit) as usize).min(BUCKETS - 1)];
-        // Rounding at a bucket's edge may have gone one too far.
-        if x < self.at[i] {
-            i = i.saturating_sub(1);
-        }
-        while i + 1 < self.at.len() && x >= self.at[i + 1] {
+        let bucket = (x * self.buckets_per_unit).min(LAST_BUCKET) as i32 as usize % BUCKETS;
+        self.search(x, usize::from(self.bucket[bucket]))
+    }
+
+    /// The same, upwards from a node that is not above.
+    #[inline]
+    fn search(&self, x: f64, mut i: usize) -> usize {
+        while x >= self.end[i] {
             i += 1;
         }
         i
+    }
+
+    /// The same, where it is probably `guess`.
+    #[inline]
+    fn below_near(&self, x: f64, guess: usize) -> usize {
+        if x >= self.at[guess] && x < self.end[guess] { guess } else { self.below(x) }
     }
 }
 
@@ -176,8 +189,14 @@ impl Slip {
     /// a load above zero.
     #[inline]
     pub(super) fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
+        self.near(slip_rad, load_n, self.slip.below(slip_rad.abs()))
+    }
+
+    /// The same, where the slip is probably in row `guess`.
+    #[inline]
+    fn near(&self, slip_rad: f64, load_n: f64, guess: usize) -> (f64, f64) {
         let size = slip_rad.abs();
-        let (i, j) = (self.slip.below(size), self.load.below(load_n));
+        let (i, j) = (self.slip.below_near(size, guess), self.load.below(load_n));
         let (force, moment) = &self.cells[i * self.load.at.len() + j];
         let (a, l) = (size - self.slip.at[i], load_n - self.load.at[j]);
         let force_n = force.at(a, l) * (self.scale.0 + self.scale.1 * load_n);
@@ -231,48 +250,42 @@ pub(super) struct Contact {
     pub(super) lateral_n: f64,
 }
 
+/// What one side's tyres add up to: load, lateral force, roll and yaw moment.
+type Side = [f64; 4];
+
+/// What all tyres of an axle have in common.
+struct Rolling {
+    tan: f64,
+    inverse_cos: f64,
+    /// Velocities over the road at the middle of the axle.
+    forward: f64,
+    lateral: f64,
+    acting_rad: f64,
+    sin_steer: f64,
+    row: usize,
+}
+
 impl Tyres {
+    #[inline]
     pub(super) fn contact(&self, kinds: &[Slip], hub: &Hub) -> Contact {
         let kind = &kinds[self.kind];
-        let tan = hub.sin / hub.cos;
         let inverse_cos = 1.0 / hub.cos;
+        let tan = hub.sin * inverse_cos;
         let forward = (hub.velocity[0] - hub.yaw_rate * hub.height_m * tan).max(LEAST_SPEED_MPS);
         let lateral = hub.velocity[1] + hub.roll_rate * hub.height_m;
         let slip_rad = (lateral / forward).atan() - hub.steer_rad;
         let lags = self.relaxation_length_m > 0.0;
         let acting_rad = if lags { hub.lagged_slip_rad } else { slip_rad };
-        let square = lateral * lateral;
         let (sin_steer, cos_steer) = sin_cos(hub.steer_rad);
-
-        let tyre = |y: f64| -> [f64; 4] {
-            let arm = y * inverse_cos + hub.height_m * tan;
-            let center = hub.height_m + y * hub.sin;
-            let mut push_n =
-                self.stiffness_n_per_m * (self.unloaded_radius_m - center * inverse_cos);
-            if self.damping_ns_per_m > 0.0 && push_n > 0.0 {
-                let rate = hub.velocity[2] + y * hub.cos * hub.roll_rate;
-                let shortening = (rate + center * tan * hub.roll_rate) * inverse_cos;
-                push_n -= self.damping_ns_per_m * shortening;
-            }
-            if push_n <= 0.0 {
-                return [0.0; 4];
-            }
-            let load_n = push_n * inverse_cos;
-            let drift = hub.yaw_rate * y * inverse_cos;
-            let own = (forward - drift).max(LEAST_SPEED_MPS);
-            let more = small_atan(lateral * (forward - own) / (forward * own + square));
-            let (side_n, moment_nm) = kind.at(acting_rad + more, load_n);
-            [load_n, side_n, load_n * arm, moment_nm + arm * sin_steer * side_n]
+        let row = kind.slip.below(acting_rad.abs());
+        let rolling = Rolling { tan, inverse_cos, forward, lateral, acting_rad, sin_steer, row };
+        let [first, second] = self.positions_m;
+        let [left, right] = if self.per_side == PER_SIDE {
+            let [a, b, c, d] = self.tyres(kind, hub, &rolling, [first, second, -first, -second]);
+            [sum(a, b), sum(c, d)]
+        } else {
+            self.tyres(kind, hub, &rolling, [first, -first])
         };
-        let mut left = [0.0; 4];
-        let mut right = [0.0; 4];
-        for &y in &self.positions_m[..self.per_side] {
-            let (l, r) = (tyre(y), tyre(-y));
-            for k in 0..4 {
-                left[k] += l[k];
-                right[k] += r[k];
-            }
-        }
         let lateral_n = left[1] + right[1];
         let side_n = cos_steer * lateral_n;
         let slip_rate = if lags {
@@ -293,4 +306,48 @@ impl Tyres {
             lateral_n,
         }
     }
+
+    /// Load, lateral force, roll and yaw moment of the tyres at these positions.
+    #[inline]
+    fn tyres<const N: usize>(
+        &self,
+        kind: &Slip,
+        hub: &Hub,
+        rolling: &Rolling,
+        position_m: [f64; N],
+    ) -> [Side; N] {
+        let Rolling { tan, inverse_cos, forward, lateral, .. } = *rolling;
+        let square = lateral * lateral;
+        let middle = hub.height_m * tan;
+        let (mut loads, mut arms, mut slips) = ([0.0; N], [0.0; N], [0.0; N]);
+        for k in 0..N {
+            let y = position_m[k];
+            let center = hub.height_m + y * hub.sin;
+            let rate = hub.velocity[2] + y * hub.cos * hub.roll_rate;
+            let squeezed = self.unloaded_radius_m - center * inverse_cos;
+            let shortening = (rate + center * tan * hub.roll_rate) * inverse_cos;
+            let push_n = self.stiffness_n_per_m * squeezed - self.damping_ns_per_m * shortening;
+            // A damper cannot hold a wheel that has left the road.
+            loads[k] = if squeezed > 0.0 { push_n.max(0.0) * inverse_cos } else { 0.0 };
+            arms[k] = y * inverse_cos + middle;
+            let own = (forward - hub.yaw_rate * y * inverse_cos).max(LEAST_SPEED_MPS);
+            slips[k] = lateral * (forward - own) / (forward * own + square);
+        }
+        let mut found = [[0.0; 4]; N];
+        for k in 0..N {
+            let (load_n, arm) = (loads[k], arms[k]);
+            if load_n > 0.0 {
+                let slip_rad = rolling.acting_rad + small_atan(slips[k]);
+                let (side_n, moment_nm) = kind.near(slip_rad, load_n, rolling.row);
+                let turning = moment_nm + arm * rolling.sin_steer * side_n;
+                found[k] = [load_n, side_n, load_n * arm, turning];
+            }
+        }
+        found
+    }
+}
+
+#[inline]
+fn sum(a: Side, b: Side) -> Side {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }

@@ -24,56 +24,45 @@ pub(super) fn turned(a: Vector, (sin, cos): (f64, f64)) -> Vector {
     [cos * a[0] + sin * a[1], cos * a[1] - sin * a[0], a[2]]
 }
 
-/// Largest angle of the series below.
-const SERIES_RAD: f64 = 0.65;
+/// Largest angles of the short and of the long series below.
+const SHORT_RAD: f64 = 0.1;
+const LONG_RAD: f64 = 0.65;
 
-/// Sine and cosine; a series for the angles that vehicles have (remainder below 1e-17).
+/// Sine and cosine; series for the angles that vehicles have (remainders below 5e-17).
 #[inline]
 pub(super) fn sin_cos(x: f64) -> (f64, f64) {
-    if x.abs() > SERIES_RAD {
+    let size = x.abs();
+    if size > LONG_RAD {
         return x.sin_cos();
     }
     let q = x * x;
-    // Nested quotients of consecutive factorials: sin to x¹⁵, cos to x¹⁶.
+    // Quotients of consecutive factorials: sin to x⁹ or x¹⁵, cos to x⁸ or x¹⁶.
+    let (sin_rest, cos_rest) = if size < SHORT_RAD {
+        (1.0 / 72.0, 1.0 / 56.0)
+    } else {
+        let sin = 1.0 - q * (1.0 / 156.0 - q * (1.0 / (156.0 * 210.0)));
+        let cos = 1.0 - q * (1.0 / 132.0) * (1.0 - q * (1.0 / 182.0) * (1.0 - q * (1.0 / 240.0)));
+        (
+            (1.0 - q * (1.0 / 110.0) * sin) * (1.0 / 72.0),
+            (1.0 - q * (1.0 / 90.0) * cos) * (1.0 / 56.0),
+        )
+    };
     let sin = 1.0
-        - q / 6.0
-            * (1.0
-                - q * (1.0 / 20.0)
-                    * (1.0
-                        - q * (1.0 / 42.0)
-                            * (1.0
-                                - q * (1.0 / 72.0)
-                                    * (1.0
-                                        - q * (1.0 / 110.0)
-                                            * (1.0
-                                                - q * (1.0 / 156.0)
-                                                    * (1.0 - q * (1.0 / 210.0)))))));
-    let cos = 1.0
-        - q * 0.5
-            * (1.0
-                - q * (1.0 / 12.0)
-                    * (1.0
-                        - q * (1.0 / 30.0)
-                            * (1.0
-                                - q * (1.0 / 56.0)
-                                    * (1.0
-                                        - q * (1.0 / 90.0)
-                                            * (1.0
-                                                - q * (1.0 / 132.0)
-                                                    * (1.0
-                                                        - q * (1.0 / 182.0)
-                                                            * (1.0 - q * (1.0 / 240.0))))))));
+        - q * (1.0 / 6.0)
+            * (1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0) * (1.0 - q * sin_rest)));
+    let cos =
+        1.0 - q * 0.5 * (1.0 - q * (1.0 / 12.0) * (1.0 - q * (1.0 / 30.0) * (1.0 - q * cos_rest)));
     (sin * x, cos)
 }
 
-/// Arc tangent of a small number (remainder below 1e-17 up to 0.05).
+/// Arc tangent of a small number (remainder below 1e-17 of it up to 0.01).
 #[inline]
 pub(super) fn small_atan(x: f64) -> f64 {
-    if x.abs() > 0.05 {
+    if x.abs() > 0.01 {
         return x.atan();
     }
     let q = x * x;
-    x * (1.0 - q * (1.0 / 3.0 - q * (0.2 - q * (1.0 / 7.0 - q * (1.0 / 9.0 - q * (1.0 / 11.0))))))
+    x * (1.0 - q * (1.0 / 3.0 - q * (0.2 - q * (1.0 / 7.0))))
 }
 
 /// Solves `A x = b` for a symmetric positive definite `A` (its lower triangle is read) by `L D Lᵀ`.
