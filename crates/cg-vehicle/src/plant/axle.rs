@@ -14,7 +14,7 @@
 
 use super::body::{Equations, Motion};
 use super::suspension::Group;
-use super::tyre::{Contact, Hub, Slip, Tyres};
+use super::tyre::{Contact, Grip, Hub, Tyres};
 use super::vector::Vector;
 
 /// Parameters of an axle.
@@ -156,7 +156,7 @@ impl Axle {
         equations.add_axle(&x, m, &along_j, m * self.inertia_kgm2 / roll_inertia);
         equations.mass[3][3] += self.inertia_kgm2 * cos * cos;
 
-        let (velocity, bias) = self.center_motion(motion, pose, rho);
+        let (velocity, bias) = center_motion(motion, pose, rho);
         let contact =
             self.contact(motion, pose, road, road.reference_height_m + center[2], velocity);
         let (rise_n, lean_nm) = self.suspension(pose, road.springs_n[self.group]);
@@ -181,27 +181,6 @@ impl Axle {
             coupling,
         };
         (eliminated, contact)
-    }
-
-    /// Velocity of the centre, and its acceleration where no rate changes.
-    #[inline]
-    fn center_motion(&self, motion: &Motion, pose: &Pose, rho: Vector) -> (Vector, Vector) {
-        let (s, ds, sin, cos) = (pose.rise_m, pose.rise_rate, pose.sin, pose.cos);
-        let (yaw, roll) = (motion.rates[0], pose.roll_rate);
-        let (at_center, base) = motion.point(rho);
-        // ω_u × k for ω_u = φ̇u e_x + ψ̇ e_z.
-        let turning = [yaw * sin, -roll * cos, -roll * sin];
-        let velocity = [
-            at_center[0] - s * turning[0],
-            at_center[1] + ds * sin - s * turning[1],
-            at_center[2] - ds * cos - s * turning[2],
-        ];
-        let bias = [
-            base[0] - 2.0 * ds * turning[0] - 2.0 * s * roll * yaw * cos,
-            base[1] - 2.0 * ds * turning[1] - s * (yaw * yaw + roll * roll) * sin,
-            base[2] - 2.0 * ds * turning[2] + s * roll * roll * cos,
-        ];
-        (velocity, bias)
     }
 
     #[inline]
@@ -230,10 +209,31 @@ impl Axle {
     }
 }
 
+/// Velocity of the centre, and its acceleration where no rate changes.
+#[inline]
+fn center_motion(motion: &Motion, pose: &Pose, rho: Vector) -> (Vector, Vector) {
+    let (s, ds, sin, cos) = (pose.rise_m, pose.rise_rate, pose.sin, pose.cos);
+    let (yaw, roll) = (motion.rates[0], pose.roll_rate);
+    let (at_center, base) = motion.point(rho);
+    // ω_u × k for ω_u = φ̇u e_x + ψ̇ e_z.
+    let turning = [yaw * sin, -roll * cos, -roll * sin];
+    let velocity = [
+        at_center[0] - s * turning[0],
+        at_center[1] + ds * sin - s * turning[1],
+        at_center[2] - ds * cos - s * turning[2],
+    ];
+    let bias = [
+        base[0] - 2.0 * ds * turning[0] - 2.0 * s * roll * yaw * cos,
+        base[1] - 2.0 * ds * turning[1] - s * (yaw * yaw + roll * roll) * sin,
+        base[2] - 2.0 * ds * turning[2] + s * roll * roll * cos,
+    ];
+    (velocity, bias)
+}
+
 /// What acts on an axle from outside its unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Road<'a> {
-    pub(super) kinds: &'a [Slip],
+    pub(super) kinds: &'a [Grip],
     /// Height of the unit's reference point.
     pub(super) reference_height_m: f64,
     pub(super) gravity: Vector,

@@ -1,4 +1,4 @@
-//! A driver who looks ahead: `MacAdam`'s optimal preview control (1980, 1981).
+//! A driver who looks ahead: MacAdam's optimal preview control (1980, 1981).
 //!
 //! He knows the tractor as a bicycle, `ẋ = F x + g δ` with `x = (y, v, ψ, r)`, and holds the steer
 //! angle that, kept over the preview time `T`, brings the tractor closest to the path:

@@ -16,7 +16,7 @@ use super::body::{Attitude, Equations, Motion};
 use super::hitch::Hitch;
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::suspension::Group;
-use super::tyre::{Contact, Slip};
+use super::tyre::{Contact, Grip};
 use super::vector::{Vector, add, inverse_symmetric, sin_cos, solve_spd, turned};
 
 /// What the driver does.
@@ -53,7 +53,7 @@ pub(super) struct Parameters {
     /// Tractor's first.
     pub(super) axles: Vec<Axle>,
     pub(super) groups: Vec<Group>,
-    pub(super) kinds: Vec<Slip>,
+    pub(super) kinds: Vec<Grip>,
     pub(super) gravity_mps2: f64,
     /// Of the road, right side lower positive.
     pub(super) bank_rad: f64,
@@ -88,7 +88,7 @@ impl Parameters {
     /// Compression of each group's springs, left and right, at rest.
     pub(super) fn compressions(&self, state: &State) -> [[f64; 2]; MAX_AXLES] {
         let mut found = [[0.0; 2]; MAX_AXLES];
-        let (tractor, trailer) = self.attitudes(&state.x);
+        let (tractor, trailer) = attitudes(&state.x);
         let still = |attitude| Motion::new(attitude, [0.0; 3], [0.0; 3], [0.0; 3]);
         let mut poses = [Pose::default(); MAX_AXLES];
         self.pose(&state.x, &[still(tractor), still(trailer)], &mut poses);
@@ -97,15 +97,6 @@ impl Parameters {
             found[g] = [x[0][0], x[1][0]];
         });
         found
-    }
-
-    #[inline]
-    fn attitudes(&self, x: &[f64; ROOM]) -> (Attitude, Attitude) {
-        let value = |c: C| x[c as usize];
-        (
-            Attitude::new(value(C::TractorPitch), value(C::TractorRoll)),
-            Attitude::new(value(C::TrailerPitch), value(C::TrailerRoll)),
-        )
     }
 
     #[inline]
@@ -162,7 +153,7 @@ impl Parameters {
     #[inline]
     fn motions(&self, x: &[f64; ROOM], control: &Control, turn: (f64, f64)) -> (Motion, Motion) {
         let value = |c: C| x[c as usize];
-        let (first, second) = self.attitudes(x);
+        let (first, second) = attitudes(x);
         let (speed, side) = (control.speed_mps, value(C::LateralVelocity));
         let yaw = value(C::TractorYawRate);
         let tractor = Motion::new(
@@ -285,6 +276,16 @@ impl Parameters {
             acceleration[1] + turning + motion.point(rho).1[1]
         })
     }
+}
+
+/// Attitudes of both units.
+#[inline]
+fn attitudes(x: &[f64; ROOM]) -> (Attitude, Attitude) {
+    let value = |c: C| x[c as usize];
+    (
+        Attitude::new(value(C::TractorPitch), value(C::TractorRoll)),
+        Attitude::new(value(C::TrailerPitch), value(C::TrailerRoll)),
+    )
 }
 
 /// Accelerations of both units: reference point, then yaw, pitch, roll.

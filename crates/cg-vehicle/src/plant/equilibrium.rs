@@ -91,12 +91,12 @@ fn accelerations(parameters: &Parameters, rest: &Rest, control: &Control) -> DVe
 /// If there is none: the vehicle tips over, or slides off the bank.
 pub(super) fn settle(
     parameters: &Parameters,
-    start: State,
+    start: &State,
     speed_mps: f64,
 ) -> Result<Rest, VehicleError> {
     let control = Control { speed_mps, ..Control::default() };
     let axles = parameters.axles.len();
-    let mut rest = Rest { state: start, steer_rad: 0.0 }.relaxed(parameters, &control);
+    let mut rest = Rest { state: *start, steer_rad: 0.0 }.relaxed(parameters, &control);
     let mut residual = accelerations(parameters, &rest, &control);
     for _ in 0..50 {
         if residual.amax() < ROUNDING {

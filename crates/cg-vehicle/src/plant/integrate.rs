@@ -33,8 +33,8 @@ pub struct Simulation<'a> {
 }
 
 impl<'a> Simulation<'a> {
-    pub(super) fn new(plant: &'a YawRollPlant, state: State, control: Control) -> Self {
-        Self { plant, state, control, time_s: 0.0, progress: Progress::Running }
+    pub(super) fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
+        Self { plant, state: *state, control, time_s: 0.0, progress: Progress::Running }
     }
 
     /// Advances by an interval, to a steer angle and speed at its end; both are straight lines

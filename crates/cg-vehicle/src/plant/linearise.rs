@@ -46,7 +46,7 @@ impl YawRollPlant {
     /// # Errors
     /// If the vehicle cannot run straight.
     pub fn linearised(&self, speed_mps: f64) -> Result<StateSpace, VehicleError> {
-        let rest = settle(&self.parameters, self.design, speed_mps)?;
+        let rest = settle(&self.parameters, &self.design, speed_mps)?;
         let places = self.places();
         let n = places.len();
         let trailer_yaw = 3;

