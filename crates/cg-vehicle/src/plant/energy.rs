@@ -2,7 +2,7 @@
 
 use super::axle::Pose;
 use super::body::{Attitude, Motion};
-use super::dynamics::{Control, Parameters};
+use super::dynamics::{Control, Parameters, Probe};
 use super::state::{AxleCoordinate as A, Coordinate as C, State, at};
 use super::suspension::Law;
 use super::vector::{Vector, cross, sin_cos, turned};
@@ -134,24 +134,27 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
         (C::TrailerPitchRate, 0.03),
         (C::TrailerRollRate, 0.2),
     ] {
-        state.set(c, rate);
+        // Half of what lifts the lightest wheel: a lifting wheel is a kink that RK4 steps over.
+        state.set(c, 0.5 * rate);
     }
     let start = energy_j(&plant.parameters, &state);
-    let still = [Control::default(); 3];
+    let (still, mut probe) = ([Control::default(); 3], Probe::default());
     let mut time_s = 0.0;
     let mut worst = 0.0_f64;
     while time_s < 2.0 {
-        state = plant.step(&state, &still, step_s);
+        state = plant.step(&state, &still, step_s, &mut probe);
         time_s += step_s;
+        let seen = &probe.contacts[..plant.parameters.axles.len()];
+        assert!(seen.iter().all(|axle| axle.left_n > 0.0 && axle.right_n > 0.0));
         worst = worst.max((energy_j(&plant.parameters, &state) - start).abs());
     }
     (worst, start - begin)
 }
 
-/// Any wrong sign or missing term changes the energy by joules. What the method leaves is, in
-/// each mode, an oscillating part of order `(ω h)⁴` and a loss of `(ω h)⁶/72` of its energy per
-/// step: half the step leaves 2⁴ to 2⁵ times less. The fastest mode has ω = 95 rad/s (2e-5 of its
-/// energy in 2000 steps of 1 ms) and, like each of the thirty others, a few per cent of the whole.
+/// Any wrong sign or missing term changes the energy by joules. What the method leaves is a loss of
+/// `(ω h)⁶/72` of each mode's energy per step: 2⁵ times less over the same time for half the step.
+/// The fastest mode has ω = 95 rad/s, 2e-5 of its energy in 2000 steps of 1 ms; it and the few like
+/// it hold some per cent of the whole.
 #[test]
 fn energy_stays_without_dampers_and_lateral_tyre_forces() {
     for file in ["baseline.toml", "kraz.toml"] {
@@ -163,6 +166,6 @@ fn energy_stays_without_dampers_and_lateral_tyre_forces() {
         );
         assert!(fine < 4e-7 * put_in, "{file}: {fine}");
         let ratio = coarse / fine;
-        assert!(ratio > 14.0 && ratio < 36.0, "{file}: {ratio}");
+        assert!((ratio - 32.0).abs() < 4.0, "{file}: {ratio}");
     }
 }

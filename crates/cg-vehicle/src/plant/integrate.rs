@@ -30,11 +30,19 @@ pub struct Simulation<'a> {
     control: Control,
     time_s: f64,
     progress: Progress,
+    probe: Box<Probe>,
 }
 
 impl<'a> Simulation<'a> {
     pub(super) fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
-        Self { plant, state: *state, control, time_s: 0.0, progress: Progress::Running }
+        Self {
+            plant,
+            state: *state,
+            control,
+            time_s: 0.0,
+            progress: Progress::Running,
+            probe: Box::default(),
+        }
     }
 
     /// Advances by an interval, to a steer angle and speed at its end; both are straight lines
@@ -53,7 +61,8 @@ impl<'a> Simulation<'a> {
                 return self.progress;
             }
             let at = |share: f64| between(&from, &to, (f64::from(k) + share) / f64::from(steps));
-            self.state = self.plant.step(&self.state, &[at(0.0), at(0.5), at(1.0)], h);
+            let controls = [at(0.0), at(0.5), at(1.0)];
+            self.state = self.plant.step(&self.state, &controls, h, &mut self.probe);
             self.control = at(1.0);
             self.time_s = start_s + f64::from(k + 1) * h;
             self.judge();
@@ -110,14 +119,19 @@ fn between(from: &Control, to: &Control, share: f64) -> Control {
 
 impl YawRollPlant {
     /// One step of length `h`, with the inputs at its start, middle and end.
-    pub(super) fn step(&self, state: &State, controls: &[Control; 3], h: f64) -> State {
+    pub(super) fn step(
+        &self,
+        state: &State,
+        controls: &[Control; 3],
+        h: f64,
+        probe: &mut Probe,
+    ) -> State {
         let n = state.len();
         let p = &self.parameters;
-        let mut probe = Probe::default();
         let mut k = [0.0; ROOM];
         let mut at = *state;
         let mut next = *state;
-        p.rates(&state.x, &controls[0], &mut k, &mut probe);
+        p.rates(&state.x, &controls[0], &mut k, probe);
         for (weight, reach, control) in
             [(1.0 / 6.0, 0.5, 1), (1.0 / 3.0, 0.5, 1), (1.0 / 3.0, 1.0, 2)]
         {
@@ -125,7 +139,7 @@ impl YawRollPlant {
                 next.x[i] += weight * h * k[i];
                 at.x[i] = state.x[i] + reach * h * k[i];
             }
-            p.rates(&at.x, &controls[control], &mut k, &mut probe);
+            p.rates(&at.x, &controls[control], &mut k, probe);
         }
         for i in 0..n {
             next.x[i] += h / 6.0 * k[i];

@@ -317,25 +317,35 @@ impl Tyres {
         position_m: [f64; N],
     ) -> [Side; N] {
         let Rolling { tan, inverse_cos, forward, lateral, .. } = *rolling;
-        let square = lateral * lateral;
         let middle = hub.height_m * tan;
-        let (mut loads, mut arms, mut slips) = ([0.0; N], [0.0; N], [0.0; N]);
+        // Deflection and arm are straight lines over the position, and so is the speed that each
+        // tyre loses or gains by the yaw rate.
+        let (squeezed, tilt) =
+            (self.unloaded_radius_m - hub.height_m * inverse_cos, hub.sin * inverse_cos);
+        let (drift, turning) = (hub.yaw_rate * inverse_cos, lateral * hub.yaw_rate * inverse_cos);
+        let square = forward * forward + lateral * lateral;
+        let (mut pushes, mut arms, mut slips) = ([0.0; N], [0.0; N], [0.0; N]);
         for k in 0..N {
             let y = position_m[k];
-            let center = hub.height_m + y * hub.sin;
-            let rate = hub.velocity[2] + y * hub.cos * hub.roll_rate;
-            let squeezed = self.unloaded_radius_m - center * inverse_cos;
-            let shortening = (rate + center * tan * hub.roll_rate) * inverse_cos;
-            let push_n = self.stiffness_n_per_m * squeezed - self.damping_ns_per_m * shortening;
-            // A damper cannot hold a wheel that has left the road.
-            loads[k] = if squeezed > 0.0 { push_n.max(0.0) * inverse_cos } else { 0.0 };
+            pushes[k] = self.stiffness_n_per_m * (squeezed - y * tilt);
             arms[k] = y * inverse_cos + middle;
-            let own = (forward - hub.yaw_rate * y * inverse_cos).max(LEAST_SPEED_MPS);
-            slips[k] = lateral * (forward - own) / (forward * own + square);
+            let over = (square - forward * drift * y).max(LEAST_SPEED_MPS * LEAST_SPEED_MPS);
+            slips[k] = turning * y / over;
+        }
+        if self.damping_ns_per_m > 0.0 {
+            for k in 0..N {
+                let rate = hub.velocity[2] + hub.roll_rate * hub.cos * position_m[k];
+                let center = hub.height_m + position_m[k] * hub.sin;
+                let shortening = (rate + center * tan * hub.roll_rate) * inverse_cos;
+                // A damper cannot hold a wheel that has left the road.
+                if pushes[k] > 0.0 {
+                    pushes[k] -= self.damping_ns_per_m * shortening;
+                }
+            }
         }
         let mut found = [[0.0; 4]; N];
         for k in 0..N {
-            let (load_n, arm) = (loads[k], arms[k]);
+            let (load_n, arm) = (pushes[k] * inverse_cos, arms[k]);
             if load_n > 0.0 {
                 let slip_rad = rolling.acting_rad + small_atan(slips[k]);
                 let (side_n, moment_nm) = kind.near(slip_rad, load_n, rolling.row);

@@ -55,14 +55,14 @@ pub(super) fn sin_cos(x: f64) -> (f64, f64) {
     (sin * x, cos)
 }
 
-/// Arc tangent of a small number (remainder below 1e-17 of it up to 0.01).
+/// Arc tangent of a small number (remainder below 1e-15 of it up to 0.004).
 #[inline]
 pub(super) fn small_atan(x: f64) -> f64 {
-    if x.abs() > 0.01 {
+    if x.abs() > 0.004 {
         return x.atan();
     }
     let q = x * x;
-    x * (1.0 - q * (1.0 / 3.0 - q * (0.2 - q * (1.0 / 7.0))))
+    x * (1.0 - q * (1.0 / 3.0 - q * 0.2))
 }
 
 /// Solves `A x = b` for a symmetric positive definite `A` (its lower triangle is read) by `L D Lᵀ`.
