@@ -22,7 +22,7 @@ cargo bench --package cg-bench | tee "$raw"
   echo "## Raw output"
   echo
   echo '```text'
-  grep -E '^(Timer|identify|batch|├|╰|│| )' "$raw"
+  grep -E '^(Timer|identify|batch|plant|├|╰|│| )' "$raw"
   echo '```'
 } > benches/RESULTS.md.new
 mv benches/RESULTS.md.new benches/RESULTS.md

@@ -331,6 +331,8 @@ mirrored!(PlantArg => Plant {
     Linear => Self::Linear,
     /// The reduced 5th-order model
     Reduced => Self::Reduced,
+    /// The nonlinear yaw/roll plant, springs and tyres as the vehicle file has them
+    Nonlinear => Self::Nonlinear,
 });
 
 mirrored!(ManeuverArg => Maneuver {

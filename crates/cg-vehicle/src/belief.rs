@@ -275,5 +275,12 @@ fn scaled_tyre(tyre: &Tyre, name: String, vertical: f64, cornering: f64) -> Tyre
             *entry *= cornering;
         }
     }
+    let measured = [
+        scaled.lateral_force.as_mut().map(|table| &mut table.coefficient),
+        scaled.aligning_moment.as_mut().map(|table| &mut table.moment_nm),
+    ];
+    for entry in measured.into_iter().flatten().flatten().flatten() {
+        *entry *= cornering;
+    }
     scaled
 }

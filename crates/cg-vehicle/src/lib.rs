@@ -4,6 +4,7 @@
 //! | module | what | source |
 //! |---|---|---|
 //! | [`vehicle`] | the vehicle file | ch. 2 |
+//! | [`tables`] | measured springs and tyres in it | Tables 2.3–2.9 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
 //! | [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`response`] | transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
@@ -11,6 +12,7 @@
 //! | [`compensation`] | F(s) between two responses | section 5.4 |
 //! | [`belief`], [`calibration`] | what is not known of a truck, and what runs say of it | eq. 5.19 |
 //! | [`design`] | the constants for `cg_core` | – |
+//! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
 //! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
 //! | [`log`] | log files in and out | – |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
@@ -19,6 +21,8 @@
 
 pub mod error;
 mod validate;
+mod validate_tables;
+pub mod tables;
 pub mod vehicle;
 pub mod balance;
 pub mod system;
@@ -32,6 +36,7 @@ pub mod maneuver;
 pub mod reduction;
 pub mod compensation;
 pub mod design;
+pub mod plant;
 pub mod simulate;
 pub mod log;
 pub mod estimate;

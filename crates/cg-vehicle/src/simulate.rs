@@ -1,4 +1,4 @@
-//! Logs with known truth from the linear or the reduced model.
+//! Logs with known truth from the linear, the reduced or the nonlinear model.
 
 use cg_core::reduced::Simulation as ReducedSimulation;
 use rand::SeedableRng;
@@ -10,6 +10,7 @@ use crate::error::VehicleError;
 use crate::linear::{Equations, Variant};
 use crate::log::LogRow;
 use crate::maneuver::{Maneuver, SteerHistory};
+use crate::plant::{PlantOptions, YawRollPlant};
 use crate::reduction::reduce;
 use crate::response::StateSpace;
 use crate::vehicle::{Load, Vehicle};
@@ -24,6 +25,8 @@ pub enum Plant {
     Linear,
     /// The reduced 5th-order models of roll; lateral acceleration and yaw rate stay steady-state.
     Reduced,
+    /// The nonlinear yaw/roll plant.
+    Nonlinear,
 }
 
 /// What to simulate.
@@ -66,7 +69,7 @@ pub struct Truth {
     pub speed_mps: f64,
     /// Steer amplitude.
     pub steer_rad: f64,
-    /// DC ratio of roll to steer.
+    /// DC ratio of roll to steer of the linear model.
     pub ratio: f64,
     /// Standard deviation of the noise on the roll angle.
     pub noise_sd_rad: f64,
@@ -74,10 +77,20 @@ pub struct Truth {
     pub seed: u64,
 }
 
+/// Roll angle, lateral acceleration and yaw rate of the trailer.
+#[derive(Clone, Copy, Debug)]
+struct Response {
+    roll_rad: f64,
+    lateral_acceleration_mps2: f64,
+    yaw_rate_radps: f64,
+}
+
 /// A scenario ready to run.
 pub struct LogSimulation {
     model: StateSpace,
     reduced: Option<cg_core::Reduced5<f64>>,
+    /// What the nonlinear plant did: nothing of it is computed twice.
+    recorded: Option<Vec<Response>>,
     history: SteerHistory,
     scenario: Scenario,
     lateral_gain: f64,
@@ -111,7 +124,7 @@ impl LogSimulation {
         let model = Equations::new(vehicle, scenario.variant, scenario.speed_mps, scenario.load)?
             .state_space()?;
         let reduced = match scenario.plant {
-            Plant::Linear => None,
+            Plant::Linear | Plant::Nonlinear => None,
             Plant::Reduced => Some(reduce(&model)?.steer),
         };
         let lateral_gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough)?;
@@ -139,8 +152,21 @@ impl LogSimulation {
             noise_sd_rad: 0.0,
             seed: scenario.seed,
         };
-        let mut simulation =
-            Self { model, reduced, history, scenario, lateral_gain, yaw_gain, samples, truth };
+        let recorded = match scenario.plant {
+            Plant::Nonlinear => Some(record(vehicle, &scenario, &history, samples)?),
+            Plant::Linear | Plant::Reduced => None,
+        };
+        let mut simulation = Self {
+            model,
+            reduced,
+            recorded,
+            history,
+            scenario,
+            lateral_gain,
+            yaw_gain,
+            samples,
+            truth,
+        };
         if let Some(snr_db) = scenario.snr_db {
             let mut square = 0.0;
             simulation.clean(|row| {
@@ -169,35 +195,24 @@ impl LogSimulation {
     }
 
     fn clean<E>(&self, mut write: impl FnMut(LogRow) -> Result<(), E>) -> Result<(), E> {
-        let interval_s = 1.0 / self.scenario.rate_hz;
-        let mut linear = self.model.simulation(interval_s);
-        let mut reduced = self.reduced.map(|model| ReducedSimulation::new(&model, interval_s, 0.0));
-        let mut roll_rad = 0.0;
+        let mut recorded = self.recorded.iter().flatten();
+        let mut model = self.recorded.is_none().then(|| Models::new(self));
         for k in 0..self.samples {
             #[allow(clippy::cast_precision_loss)]
             let time_s = k as f64 / self.scenario.rate_hz;
             let steer_rad = self.history.steer_rad(time_s);
-            if k > 0 {
-                match &mut reduced {
-                    Some(reduced) => roll_rad = reduced.push(steer_rad),
-                    None => linear.push(steer_rad),
-                }
-            }
-            let (lateral, yaw) = if self.reduced.is_some() {
-                (self.lateral_gain * steer_rad, self.yaw_gain * steer_rad)
-            } else {
-                roll_rad = self.model.trailer_roll.dot(&linear.state);
-                let lateral = self.model.lateral_acceleration.dot(&linear.state)
-                    + self.model.lateral_feedthrough * steer_rad;
-                (lateral, self.model.trailer_yaw_rate.dot(&linear.state))
+            let response = match &mut model {
+                Some(model) => Some(model.push(self, steer_rad, k > 0)),
+                None => recorded.next().copied(),
             };
+            let Some(response) = response else { break };
             write(LogRow {
                 time_s,
                 steer_rad,
-                roll_rad,
+                roll_rad: response.roll_rad,
                 speed_mps: self.scenario.speed_mps,
-                lateral_acceleration_mps2: lateral,
-                yaw_rate_radps: yaw,
+                lateral_acceleration_mps2: response.lateral_acceleration_mps2,
+                yaw_rate_radps: response.yaw_rate_radps,
                 trailer_mass_kg: self.scenario.load.trailer_mass_kg,
                 steering_wheel_rad: f64::NAN,
                 tilt_rad: f64::NAN,
@@ -205,4 +220,79 @@ impl LogSimulation {
         }
         Ok(())
     }
+}
+
+/// The linear and the reduced model in time.
+struct Models {
+    linear: crate::system::Simulation,
+    reduced: Option<ReducedSimulation<f64>>,
+}
+
+impl Models {
+    fn new(simulation: &LogSimulation) -> Self {
+        let interval_s = 1.0 / simulation.scenario.rate_hz;
+        Self {
+            linear: simulation.model.simulation(interval_s),
+            reduced: simulation
+                .reduced
+                .map(|model| ReducedSimulation::new(&model, interval_s, 0.0)),
+        }
+    }
+
+    /// Advances one interval unless this is the first sample.
+    fn push(&mut self, simulation: &LogSimulation, steer_rad: f64, advance: bool) -> Response {
+        if let Some(reduced) = &mut self.reduced {
+            return Response {
+                roll_rad: if advance { reduced.push(steer_rad) } else { 0.0 },
+                lateral_acceleration_mps2: simulation.lateral_gain * steer_rad,
+                yaw_rate_radps: simulation.yaw_gain * steer_rad,
+            };
+        }
+        if advance {
+            self.linear.push(steer_rad);
+        }
+        let (model, state) = (&simulation.model, &self.linear.state);
+        Response {
+            roll_rad: model.trailer_roll.dot(state),
+            lateral_acceleration_mps2: model.lateral_acceleration.dot(state)
+                + model.lateral_feedthrough * steer_rad,
+            yaw_rate_radps: model.trailer_yaw_rate.dot(state),
+        }
+    }
+}
+
+/// Drives the nonlinear plant through the scenario.
+fn record(
+    vehicle: &Vehicle,
+    scenario: &Scenario,
+    history: &SteerHistory,
+    samples: u64,
+) -> Result<Vec<Response>, VehicleError> {
+    let plant = YawRollPlant::new(vehicle, scenario.load, &PlantOptions::default())?;
+    let mut run = plant.start(scenario.speed_mps)?;
+    let mut recorded = Vec::new();
+    for k in 0..samples {
+        if k > 0 {
+            // Steps of the plant, not straight lines between samples, follow the history.
+            #[allow(clippy::cast_precision_loss)]
+            let time_s = k as f64 / scenario.rate_hz;
+            let interval_s = time_s - run.time_s();
+            let steps = (interval_s / plant.step_s()).ceil().max(1.0);
+            let start_s = run.time_s();
+            let mut done = 0.0;
+            while done < steps {
+                done += 1.0;
+                let steer_rad = history.steer_rad(start_s + interval_s * done / steps);
+                run.push(steer_rad, scenario.speed_mps, interval_s / steps);
+            }
+            run.upright()?;
+        }
+        let trailer = run.sample().trailer;
+        recorded.push(Response {
+            roll_rad: trailer.roll_rad,
+            lateral_acceleration_mps2: trailer.lateral_acceleration_mps2,
+            yaw_rate_radps: trailer.yaw_rate_radps,
+        });
+    }
+    Ok(recorded)
 }

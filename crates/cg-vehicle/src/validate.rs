@@ -3,6 +3,7 @@
 use toml::de::{DeTable, DeValue};
 
 use crate::error::VehicleError;
+use crate::validate_tables;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// A value that no vehicle can have, not yet located.
@@ -14,7 +15,7 @@ pub(crate) struct Invalid {
 }
 
 impl Invalid {
-    fn new(path: &str, value: impl std::fmt::Display, remedy: &str) -> Self {
+    pub(crate) fn new(path: &str, value: impl std::fmt::Display, remedy: &str) -> Self {
         Self { path: path.to_owned(), value: value.to_string(), remedy: remedy.to_owned() }
     }
 
@@ -63,7 +64,7 @@ fn locate(text: &str, path: &str) -> (usize, usize) {
     (line, column)
 }
 
-const COMMON_AXLE_KEYS: [&str; 12] = [
+const COMMON_AXLE_KEYS: [&str; 15] = [
     "unsprung_mass_kg",
     "roll_inertia_kgm2",
     "center_height_m",
@@ -72,6 +73,9 @@ const COMMON_AXLE_KEYS: [&str; 12] = [
     "spring_stiffness_n_per_m",
     "auxiliary_roll_stiffness_nm_per_rad",
     "roll_damping_nms_per_rad",
+    "damper_spread_m",
+    "spring",
+    "roll_steer_rad_per_rad",
     "load_group",
     "spring_free_rise_m",
     "tyre",
@@ -99,7 +103,7 @@ pub(crate) fn known_axle_keys(text: &str, file: &str) -> Result<(), VehicleError
     Ok(())
 }
 
-fn positive(path: &str, value: f64) -> Result<(), Invalid> {
+pub(crate) fn positive(path: &str, value: f64) -> Result<(), Invalid> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
@@ -107,7 +111,7 @@ fn positive(path: &str, value: f64) -> Result<(), Invalid> {
     }
 }
 
-fn not_negative(path: &str, value: f64) -> Result<(), Invalid> {
+pub(crate) fn not_negative(path: &str, value: f64) -> Result<(), Invalid> {
     if value.is_finite() && value >= 0.0 {
         Ok(())
     } else {
@@ -167,6 +171,7 @@ pub(crate) fn physical(v: &Vehicle) -> Result<(), Invalid> {
     for (i, tyre) in v.tyre.iter().enumerate() {
         tyre_table(&format!("tyre[{i}]"), tyre)?;
     }
+    validate_tables::optional(v)?;
     units(v)?;
     as_printed(v)
 }
@@ -253,7 +258,7 @@ fn axle(path: &str, a: &Axle, v: &Vehicle) -> Result<(), Invalid> {
     for (j, &position) in a.tyre_positions_m.iter().enumerate() {
         positive(&format!("{path}.tyre_positions_m[{j}]"), position)?;
     }
-    Ok(())
+    validate_tables::axle(path, a, v)
 }
 
 fn tyre_table(path: &str, tyre: &Tyre) -> Result<(), Invalid> {

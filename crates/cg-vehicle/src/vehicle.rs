@@ -9,6 +9,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::error::VehicleError;
+use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 use crate::validate;
 
 /// A tractor-semitrailer.
@@ -37,6 +38,9 @@ pub struct Vehicle {
     pub trailer: Trailer,
     /// Tyre types, by name.
     pub tyre: Vec<Tyre>,
+    /// Measured springs, by name; nonlinear plant only.
+    #[serde(default)]
+    pub spring: Vec<Spring>,
     /// What only the source's printed model knows.
     #[serde(default)]
     pub as_printed: Option<AsPrinted>,
@@ -91,6 +95,17 @@ pub struct Hitch {
     pub height_m: f64,
     /// Roll stiffness between the units, frames and coupling in series.
     pub roll_stiffness_nm_per_rad: f64,
+    /// Roll damping between the units; nonlinear plant only.
+    #[serde(default)]
+    pub roll_damping_nms_per_rad: f64,
+    /// Moment at which the plates part on one side (about the load times half the plate's
+    /// width); without it they never do. Nonlinear plant only.
+    #[serde(default)]
+    pub separation_moment_nm: Option<f64>,
+    /// Angle through which the parted plates move freely until the kingpin locks; nonlinear
+    /// plant only.
+    #[serde(default)]
+    pub lash_rad: f64,
 }
 
 /// The tractor's sprung mass and its axles.
@@ -105,6 +120,9 @@ pub struct Tractor {
     pub roll_inertia_kgm2: f64,
     /// Yaw inertia of the sprung mass about its c.g.
     pub yaw_inertia_kgm2: f64,
+    /// Pitch inertia about its c.g.; without it the yaw inertia. Nonlinear plant only.
+    #[serde(default)]
+    pub pitch_inertia_kgm2: Option<f64>,
     /// Distance of the fifth wheel behind the sprung c.g.
     pub hitch_behind_cg_m: f64,
     /// Axles, front to rear.
@@ -154,6 +172,9 @@ pub struct Tare {
     pub roll_inertia_kgm2: f64,
     /// Yaw inertia about its c.g.
     pub yaw_inertia_kgm2: f64,
+    /// Pitch inertia about its c.g.; without it the yaw inertia. Nonlinear plant only.
+    #[serde(default)]
+    pub pitch_inertia_kgm2: Option<f64>,
 }
 
 /// The payload: a homogeneous box on the floor, whose mass and height are the load.
@@ -201,6 +222,17 @@ pub struct Axle {
     /// Roll damping between body and axle.
     #[serde(default)]
     pub roll_damping_nms_per_rad: f64,
+    /// Distance between left and right damper, which makes bounce damping out of roll damping;
+    /// without it that of the springs. Nonlinear plant only.
+    #[serde(default)]
+    pub damper_spread_m: Option<f64>,
+    /// Name of the measured spring; without it the spring is linear. Nonlinear plant only.
+    #[serde(default)]
+    pub spring: Option<String>,
+    /// Steer angle of the axle per angle of roll between body and axle, positive where it steers
+    /// into the turn. Nonlinear plant only.
+    #[serde(default)]
+    pub roll_steer_rad_per_rad: f64,
     /// Axles of one unit with the same number share their load equally (walking beam,
     /// four-spring tandem); without it an axle stands for itself.
     #[serde(default)]
@@ -235,6 +267,20 @@ pub struct Tyre {
     pub cornering_stiffness_n_per_rad: Vec<f64>,
     /// Aligning moment per slip angle at each load.
     pub aligning_stiffness_nm_per_rad: Vec<f64>,
+    /// Vertical damping; nonlinear plant only.
+    #[serde(default)]
+    pub vertical_damping_ns_per_m: f64,
+    /// Distance rolled until about two thirds of a new slip angle act; nonlinear plant only.
+    #[serde(default)]
+    pub relaxation_length_m: f64,
+    /// Lateral force beyond the linear range; without it the cornering stiffness. Nonlinear
+    /// plant only.
+    #[serde(default)]
+    pub lateral_force: Option<LateralForceTable>,
+    /// Aligning moment beyond the linear range; without it the aligning stiffness. Nonlinear
+    /// plant only.
+    #[serde(default)]
+    pub aligning_moment: Option<AligningMomentTable>,
 }
 
 impl Tyre {
@@ -401,6 +447,8 @@ pub struct Load {
 pub struct SprungMass {
     /// Mass.
     pub mass_kg: f64,
+    /// The part of it that is payload.
+    pub payload_kg: f64,
     /// Distance of the c.g. behind the fifth wheel.
     pub cg_behind_hitch_m: f64,
     /// Height of the c.g.
@@ -409,6 +457,8 @@ pub struct SprungMass {
     pub roll_inertia_kgm2: f64,
     /// Yaw inertia about the c.g.
     pub yaw_inertia_kgm2: f64,
+    /// Pitch inertia about the c.g.
+    pub pitch_inertia_kgm2: f64,
 }
 
 impl Vehicle {
@@ -440,6 +490,7 @@ impl Vehicle {
         let along_m = bed.behind_hitch_m - tare.cg_behind_hitch_m;
         Ok(SprungMass {
             mass_kg,
+            payload_kg,
             cg_behind_hitch_m,
             cg_height_m: load.cg_height_m,
             roll_inertia_kgm2: tare.roll_inertia_kgm2
@@ -448,6 +499,9 @@ impl Vehicle {
             yaw_inertia_kgm2: tare.yaw_inertia_kgm2
                 + payload_kg * (square(bed.width_m) + square(bed.length_m)) / 12.0
                 + reduced_mass_kg * square(along_m),
+            pitch_inertia_kgm2: tare.pitch_inertia_kgm2.unwrap_or(tare.yaw_inertia_kgm2)
+                + payload_kg * (square(bed.length_m) + square(box_height_m)) / 12.0
+                + reduced_mass_kg * (square(along_m) + square(above_tare_m)),
         })
     }
 }

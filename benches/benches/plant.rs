@@ -1,0 +1,51 @@
+//! The nonlinear plant: one second of simulated time at 1 ms, so that 1 s over the time shown is
+//! the ratio to real time of one core. No peer: the linear model's exact step beside it.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use cg_vehicle::linear::Equations;
+use cg_vehicle::plant::{PlantOptions, YawRollPlant};
+use cg_vehicle::{Variant, Vehicle};
+use divan::Bencher;
+
+const SPEED_MPS: f64 = 13.9;
+
+fn main() {
+    divan::main();
+}
+
+fn vehicle(name: &str) -> Vehicle {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fixtures/vehicles");
+    Vehicle::load(format!("{folder}/{name}.toml")).unwrap()
+}
+
+/// Five axles with linear or measured springs and tyres; six axles.
+#[divan::bench(args = ["baseline", "baseline-tables", "kraz"])]
+fn simulated_second(bencher: Bencher, name: &str) {
+    let vehicle = vehicle(name);
+    let plant =
+        YawRollPlant::new(&vehicle, vehicle.reference_load(), &PlantOptions::default()).unwrap();
+    let start = plant.start(SPEED_MPS).unwrap();
+    bencher.bench(|| {
+        let mut run = start.clone();
+        for _ in 0..1000 {
+            run.push(0.02, SPEED_MPS, 1e-3);
+        }
+        run.sample()
+    });
+}
+
+/// The linear model over the same second.
+#[divan::bench(args = ["baseline", "kraz"])]
+fn linear_second(bencher: Bencher, name: &str) {
+    let vehicle = vehicle(name);
+    let model =
+        Equations::new(&vehicle, Variant::Complete, SPEED_MPS, vehicle.reference_load()).unwrap();
+    let start = model.state_space().unwrap().simulation(1e-3);
+    bencher.bench(|| {
+        let mut run = start.clone();
+        for _ in 0..1000 {
+            run.push(0.02);
+        }
+        run.state
+    });
+}

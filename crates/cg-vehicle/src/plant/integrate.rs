@@ -1,0 +1,149 @@
+//! Runge and Kutta's classical method of order four, fixed step.
+
+use super::YawRollPlant;
+use super::dynamics::{Control, Probe};
+use super::sample::PlantSample;
+use super::state::{Coordinate, ROOM, State};
+use crate::error::VehicleError;
+
+/// Roll angle at which the run stops: nothing comes back from there.
+const ROLLED_OVER_RAD: f64 = 0.6;
+
+/// How a run goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress {
+    /// On its wheels.
+    Running,
+    /// A sprung mass rolled beyond 0.6 rad (or the motion diverged) at this time.
+    RolledOver {
+        /// When.
+        time_s: f64,
+    },
+}
+
+/// A run in time, from straight running. Once rolled over, it stays where it is.
+#[derive(Clone, Debug)]
+pub struct Simulation<'a> {
+    plant: &'a YawRollPlant,
+    /// The state now.
+    pub state: State,
+    control: Control,
+    time_s: f64,
+    progress: Progress,
+    probe: Box<Probe>,
+}
+
+impl<'a> Simulation<'a> {
+    pub(super) fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
+        Self {
+            plant,
+            state: *state,
+            control,
+            time_s: 0.0,
+            progress: Progress::Running,
+            probe: Box::default(),
+        }
+    }
+
+    /// Advances by an interval, to a steer angle and speed at its end; both are straight lines
+    /// in between.
+    pub fn push(&mut self, steer_rad: f64, speed_mps: f64, interval_s: f64) -> Progress {
+        let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
+        let from = Control { acceleration_mps2, ..self.control };
+        let to = Control { steer_rad, speed_mps, acceleration_mps2 };
+        // At least one step, of at most the plant's; rounding must not add one.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let steps = (interval_s / self.plant.step_s() - 1e-9).ceil().max(1.0) as u32;
+        let h = interval_s / f64::from(steps);
+        let start_s = self.time_s;
+        for k in 0..steps {
+            if self.progress != Progress::Running {
+                return self.progress;
+            }
+            let at = |share: f64| between(&from, &to, (f64::from(k) + share) / f64::from(steps));
+            let controls = [at(0.0), at(0.5), at(1.0)];
+            self.state = self.plant.step(&self.state, &controls, h, &mut self.probe);
+            self.control = at(1.0);
+            self.time_s = start_s + f64::from(k + 1) * h;
+            self.judge();
+        }
+        self.progress
+    }
+
+    fn judge(&mut self) {
+        let upright = [Coordinate::TractorRoll, Coordinate::TrailerRoll]
+            .into_iter()
+            .all(|c| self.state.get(c).abs() <= ROLLED_OVER_RAD);
+        if !upright {
+            self.progress = Progress::RolledOver { time_s: self.time_s };
+        }
+    }
+
+    /// Time since the start.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// How the run goes.
+    pub fn progress(&self) -> Progress {
+        self.progress
+    }
+
+    /// The vehicle now.
+    pub fn sample(&self) -> PlantSample {
+        self.plant.sample(&self.state, &self.control)
+    }
+
+    /// Fails once the vehicle has rolled over.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] with the time.
+    pub fn upright(&self) -> Result<(), VehicleError> {
+        match self.progress {
+            Progress::Running => Ok(()),
+            Progress::RolledOver { time_s } => Err(VehicleError::Model(format!(
+                "the vehicle rolled over at {time_s:.2} s; steer less, drive slower or load lower"
+            ))),
+        }
+    }
+}
+
+fn between(from: &Control, to: &Control, share: f64) -> Control {
+    let line = |a: f64, b: f64| a + share * (b - a);
+    Control {
+        steer_rad: line(from.steer_rad, to.steer_rad),
+        speed_mps: line(from.speed_mps, to.speed_mps),
+        acceleration_mps2: to.acceleration_mps2,
+    }
+}
+
+impl YawRollPlant {
+    /// One step of length `h`, with the inputs at its start, middle and end.
+    pub(super) fn step(
+        &self,
+        state: &State,
+        controls: &[Control; 3],
+        h: f64,
+        probe: &mut Probe,
+    ) -> State {
+        let n = state.len();
+        let p = &self.parameters;
+        let mut k = [0.0; ROOM];
+        let mut at = *state;
+        let mut next = *state;
+        p.rates(&state.x, &controls[0], &mut k, probe);
+        for (weight, reach, control) in
+            [(1.0 / 6.0, 0.5, 1), (1.0 / 3.0, 0.5, 1), (1.0 / 3.0, 1.0, 2)]
+        {
+            for i in 0..n {
+                next.x[i] += weight * h * k[i];
+                at.x[i] = state.x[i] + reach * h * k[i];
+            }
+            p.rates(&at.x, &controls[control], &mut k, probe);
+        }
+        for i in 0..n {
+            next.x[i] += h / 6.0 * k[i];
+        }
+        next
+    }
+}

@@ -1,0 +1,154 @@
+//! What the plant tells about an instant.
+
+use super::dynamics::{Control, Probe};
+use super::state::{AxleCoordinate, Coordinate as C, MAX_AXLES, State};
+
+/// A sprung mass at an instant; ISO 8855 signs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct UnitSample {
+    /// Roll angle, right side down.
+    pub roll_rad: f64,
+    /// Pitch angle, nose down.
+    pub pitch_rad: f64,
+    /// Yaw angle, to the left.
+    pub yaw_rad: f64,
+    /// Rate of the roll angle.
+    pub roll_rate_radps: f64,
+    /// Rate of the pitch angle.
+    pub pitch_rate_radps: f64,
+    /// Rate of the yaw angle.
+    pub yaw_rate_radps: f64,
+    /// Lateral acceleration of the sprung c.g., horizontal, to the left of the heading.
+    pub lateral_acceleration_mps2: f64,
+}
+
+/// An axle at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxleSample {
+    /// Vertical load of the left tyres.
+    pub left_load_n: f64,
+    /// Vertical load of the right tyres.
+    pub right_load_n: f64,
+    /// Lateral force of all tyres, to the left of the wheels.
+    pub lateral_force_n: f64,
+    /// Slip angle at the middle of the axle.
+    pub slip_rad: f64,
+    /// Roll angle, absolute.
+    pub roll_rad: f64,
+}
+
+impl AxleSample {
+    /// Whether the left wheels are off the road.
+    pub fn left_lifted(&self) -> bool {
+        self.left_load_n <= 0.0
+    }
+
+    /// Whether the right wheels are off the road.
+    pub fn right_lifted(&self) -> bool {
+        self.right_load_n <= 0.0
+    }
+}
+
+/// The vehicle at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlantSample {
+    /// Road-wheel steer angle.
+    pub steer_rad: f64,
+    /// Forward speed.
+    pub speed_mps: f64,
+    /// The tractor's sprung mass.
+    pub tractor: UnitSample,
+    /// The trailer's.
+    pub trailer: UnitSample,
+    /// Yaw of the tractor less that of the trailer.
+    pub articulation_rad: f64,
+    /// `(right − left)/(right + left)` of the loads of all axles that are not steered.
+    pub load_transfer_ratio: f64,
+    /// Load of the trailer on the fifth wheel.
+    pub hitch_load_n: f64,
+    /// Roll moment in the fifth wheel.
+    pub hitch_roll_moment_nm: f64,
+    /// Position of the tractor's sprung c.g., along and to the left of the first heading.
+    pub position_m: [f64; 2],
+    axle: [AxleSample; MAX_AXLES],
+    axles: usize,
+}
+
+impl PlantSample {
+    /// The axles, tractor first.
+    pub fn axles(&self) -> &[AxleSample] {
+        &self.axle[..self.axles]
+    }
+
+    pub(super) fn new(
+        state: &State,
+        control: &Control,
+        (probe, lateral_mps2): (&Probe, [f64; 2]),
+        steered: &[bool],
+    ) -> Self {
+        let unit = |first: [C; 6], lateral_acceleration_mps2: f64| {
+            let [roll_rad, pitch_rad, yaw_rad, roll_rate, pitch_rate, yaw_rate] =
+                first.map(|c| state.get(c));
+            UnitSample {
+                roll_rad,
+                pitch_rad,
+                yaw_rad,
+                roll_rate_radps: roll_rate,
+                pitch_rate_radps: pitch_rate,
+                yaw_rate_radps: yaw_rate,
+                lateral_acceleration_mps2,
+            }
+        };
+        let tractor = unit(
+            [
+                C::TractorRoll,
+                C::TractorPitch,
+                C::TractorYaw,
+                C::TractorRollRate,
+                C::TractorPitchRate,
+                C::TractorYawRate,
+            ],
+            lateral_mps2[0],
+        );
+        let trailer = unit(
+            [
+                C::TrailerRoll,
+                C::TrailerPitch,
+                C::TrailerYaw,
+                C::TrailerRollRate,
+                C::TrailerPitchRate,
+                C::TrailerYawRate,
+            ],
+            lateral_mps2[1],
+        );
+        let mut axle = [AxleSample::default(); MAX_AXLES];
+        let (mut difference, mut sum) = (0.0, 0.0);
+        for (i, steered) in steered.iter().enumerate() {
+            let contact = &probe.contacts[i];
+            axle[i] = AxleSample {
+                left_load_n: contact.left_n,
+                right_load_n: contact.right_n,
+                lateral_force_n: contact.lateral_n,
+                slip_rad: contact.slip_rad,
+                roll_rad: state.axle(i, AxleCoordinate::Roll),
+            };
+            if !steered {
+                difference += contact.right_n - contact.left_n;
+                sum += contact.right_n + contact.left_n;
+            }
+        }
+        Self {
+            steer_rad: control.steer_rad,
+            speed_mps: control.speed_mps,
+            tractor,
+            trailer,
+            articulation_rad: tractor.yaw_rad - trailer.yaw_rad,
+            load_transfer_ratio: if sum > 0.0 { difference / sum } else { 0.0 },
+            hitch_load_n: probe.hitch_force_n[2],
+            hitch_roll_moment_nm: probe.hitch_moment_nm,
+            position_m: [state.get(C::PositionX), state.get(C::PositionY)],
+            axle,
+            axles: steered.len(),
+        }
+    }
+}

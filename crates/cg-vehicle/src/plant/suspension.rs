@@ -1,0 +1,219 @@
+//! Springs: linear, or measured curves with friction; axles of a load group share one pair.
+//!
+//! The compression `x` of one side counts from the static position. A measured spring moves
+//! between its two curves,
+//!
+//! ```text
+//!     dF/dt = |ẋ| (F_env(x0 + x) − F)/β      F_env: compression curve while ẋ > 0, else extension
+//! ```
+//!
+//! (Fancher, Ervin, MacAdam and Winkler, SAE 800905, as an ordinary differential equation). It
+//! takes energy out only as long as `β ≤ C/k`, half the distance of the curves over
+//! the greater slope.
+
+use crate::error::VehicleError;
+use crate::tables::Spring;
+
+/// Two curves over common nodes, the end segments extended.
+#[derive(Clone, Debug)]
+pub(super) struct Envelope {
+    deflection_m: Vec<f64>,
+    /// Of each segment: force at its start and slope, compression then extension.
+    segment: Vec<[f64; 4]>,
+}
+
+impl Envelope {
+    pub(super) fn new(spring: &Spring) -> Self {
+        let x = &spring.deflection_m;
+        let segment = (0..x.len().saturating_sub(1))
+            .map(|i| {
+                let slope = |y: &[f64]| (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
+                let (up, down) = (&spring.compression_n, &spring.extension_n);
+                [up[i], slope(up), down[i], slope(down)]
+            })
+            .collect();
+        Self { deflection_m: x.clone(), segment }
+    }
+
+    #[inline]
+    fn segment(&self, x: f64) -> (f64, &[f64; 4]) {
+        let mut i = 0;
+        while i + 1 < self.segment.len() && x >= self.deflection_m[i + 1] {
+            i += 1;
+        }
+        (x - self.deflection_m[i], &self.segment[i])
+    }
+
+    /// Force on the curve that the spring moves towards.
+    #[inline]
+    fn towards(&self, x: f64, rate: f64) -> f64 {
+        let (dx, s) = self.segment(x);
+        if rate > 0.0 { s[0] + s[1] * dx } else { s[2] + s[3] * dx }
+    }
+
+    /// Force midway between the curves and its slope.
+    fn middle(&self, x: f64) -> (f64, f64) {
+        let (dx, s) = self.segment(x);
+        (0.5 * (s[0] + s[2] + (s[1] + s[3]) * dx), 0.5 * (s[1] + s[3]))
+    }
+
+    /// The greater slope of both curves.
+    fn steepest(&self, x: f64) -> f64 {
+        let (_, s) = self.segment(x);
+        s[1].max(s[3])
+    }
+
+    /// Half the distance between the curves.
+    fn friction_n(&self, x: f64) -> f64 {
+        let (dx, s) = self.segment(x);
+        0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx)
+    }
+
+    /// Deflection at which the middle force is `force_n` (the curves rise).
+    fn deflection_at(&self, force_n: f64) -> f64 {
+        let last = self.segment.len() - 1;
+        let segment = |i: usize| self.middle(self.deflection_m[i]);
+        let i = (0..last).find(|&i| segment(i + 1).0 >= force_n).unwrap_or(last);
+        let (start, slope) = segment(i);
+        self.deflection_m[i] + (force_n - start) / slope
+    }
+}
+
+/// What a pair of springs does.
+#[derive(Clone, Debug)]
+pub(super) enum Law {
+    Linear { preload_n: f64, stiffness_n_per_m: f64 },
+    Measured { envelope: Envelope, start_m: f64, friction_deflection_m: f64 },
+}
+
+impl Law {
+    /// A measured spring that carries `load_n` in its static position.
+    ///
+    /// # Errors
+    /// If its friction would feed energy in there.
+    pub(super) fn measured(spring: &Spring, load_n: f64) -> Result<Self, VehicleError> {
+        let envelope = Envelope::new(spring);
+        let start_m = envelope.deflection_at(load_n);
+        let slope = envelope.steepest(start_m);
+        let most_m = envelope.friction_n(start_m) / slope;
+        if !(slope > 0.0 && spring.friction_deflection_m <= most_m) {
+            return Err(VehicleError::Model(format!(
+                "spring \"{}\": friction_deflection_m = {} feeds energy in at its static load of \
+                 {load_n:.0} N; there it may be {most_m:.5} m at most (half the distance of the \
+                 curves over the greater slope)",
+                spring.name, spring.friction_deflection_m
+            )));
+        }
+        Ok(Self::Measured {
+            envelope,
+            start_m,
+            friction_deflection_m: spring.friction_deflection_m,
+        })
+    }
+
+    /// Force at compression `x`; `stored_n` is the state of a measured spring.
+    #[inline]
+    pub(super) fn force_n(&self, x: f64, stored_n: f64) -> f64 {
+        match self {
+            Self::Linear { preload_n, stiffness_n_per_m } => preload_n + stiffness_n_per_m * x,
+            Self::Measured { .. } => stored_n,
+        }
+    }
+
+    /// Rate of the stored force.
+    #[inline]
+    pub(super) fn rate_n_per_s(&self, x: f64, rate: f64, stored_n: f64) -> f64 {
+        match self {
+            Self::Linear { .. } => 0.0,
+            Self::Measured { envelope, start_m, friction_deflection_m } => {
+                let target = envelope.towards(start_m + x, rate);
+                rate.abs() * (target - stored_n) / friction_deflection_m
+            }
+        }
+    }
+
+    /// Force at rest: midway between the curves.
+    pub(super) fn resting_n(&self, x: f64) -> f64 {
+        match self {
+            Self::Linear { .. } => self.force_n(x, 0.0),
+            Self::Measured { envelope, start_m, .. } => envelope.middle(start_m + x).0,
+        }
+    }
+}
+
+/// Axles that share one pair of springs ideally (walking beam, four-spring tandem).
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    pub(super) law: Law,
+    /// The axle whose state holds the forces.
+    pub(super) first_axle: usize,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spring(friction_deflection_m: f64) -> Spring {
+        Spring {
+            name: "leaf".to_owned(),
+            deflection_m: vec![0.0, 0.01, 0.03, 0.06],
+            compression_n: vec![1000.0, 5000.0, 15000.0, 45000.0],
+            extension_n: vec![0.0, 3000.0, 11000.0, 36000.0],
+            friction_deflection_m,
+        }
+    }
+
+    /// Work of the friction over a cycle, force at both ends of it.
+    fn cycle(law: &Law, from: f64, to: f64) -> (f64, f64, f64) {
+        let steps = 200_000;
+        let mut force = law.resting_n(from);
+        let mut work = 0.0;
+        let mut ends = (0.0, 0.0);
+        for half in 0..4 {
+            let (a, b) = if half % 2 == 0 { (from, to) } else { (to, from) };
+            let dx = (b - a) / f64::from(steps);
+            for k in 0..steps {
+                let x = a + dx * f64::from(k);
+                let middle = force + 0.5 * law.rate_n_per_s(x, dx, force);
+                force += law.rate_n_per_s(x + 0.5 * dx, dx, middle);
+                if half >= 2 {
+                    work += middle * dx;
+                }
+            }
+            if half == 2 { ends.0 = force } else { ends.1 = force }
+        }
+        (work, ends.0, ends.1)
+    }
+
+    #[test]
+    fn little_friction_deflection_reproduces_the_curves() {
+        let law = Law::measured(&spring(1e-5), 8000.0).unwrap();
+        let Law::Measured { start_m, .. } = law else { panic!("measured") };
+        let (_, up, down) = cycle(&law, 0.002 - start_m, 0.05 - start_m);
+        // Lag behind the curve: slope times β = 1e6 N/m · 1e-5 m.
+        assert!((up - 35_000.0).abs() < 10.1, "{up}");
+        assert!((down - 600.0).abs() < 10.1, "{down}");
+    }
+
+    #[test]
+    fn a_cycle_takes_energy_out() {
+        let law = Law::measured(&spring(0.001), 8000.0).unwrap();
+        let (work, ..) = cycle(&law, -0.003, 0.003);
+        // At most the area between the curves: 2 · 1625 N · 6 mm.
+        assert!(work > 0.0 && work < 2.0 * 1625.0 * 0.006 * 1.1, "{work}");
+    }
+
+    #[test]
+    fn friction_that_feeds_energy_in_is_refused() {
+        let error = Law::measured(&spring(0.02), 8000.0).unwrap_err().to_string();
+        assert!(error.contains("friction_deflection_m = 0.02"), "{error}");
+    }
+
+    #[test]
+    fn the_static_position_carries_the_load() {
+        for load_n in [400.0, 8000.0, 60_000.0] {
+            let law = Law::measured(&spring(1e-5), load_n).unwrap();
+            assert!((law.resting_n(0.0) - load_n).abs() < 1e-9);
+        }
+    }
+}
