@@ -17,6 +17,7 @@ use super::transfer::{as_printed, ascending, polynomial_rows};
 use super::{Baseline, Options, Row, step_error};
 use crate::compensation::{Compensation, validity_table};
 use crate::error::VehicleError;
+use crate::plant::{PlantOptions, YawRollPlant};
 use crate::reduction::pade;
 use crate::reduction::quality::StepInput;
 use crate::system::Rational;
@@ -82,13 +83,13 @@ pub(super) fn functions(
         let item = format!("order {order}: squared error, degree²");
         let printed = &function.square_error_degree2;
         let note = "cannot be reproduced: the Yaw/Roll program's response is not printed; ours is for \
-                    our complete model in its place";
+                    our nonlinear plant in its place";
         rows.push(match own.get(i) {
             Some(own) => Row::against(table, item, printed, own.squared_error_degree2, note),
             None => Row::missing(table, item, printed, note),
         });
         if let Some(own) = own.get(i) {
-            let note = "identified between our as-printed and our complete model";
+            let note = "identified between our as-printed model and our nonlinear plant";
             let item = format!("order {order}: F(0) identified here");
             rows.push(Row::ours(table, item, own.dc_gain, note));
         }
@@ -103,14 +104,26 @@ pub(super) fn functions(
     Ok(rows)
 }
 
-/// Compensation functions of all orders between our two models, at the input that gives the
-/// squared errors of Table 5.3.
+/// Compensation functions of all orders from the as-printed model to our nonlinear plant of the
+/// same vehicle, under the input that gives the squared errors of Table 5.3.
 fn own_functions(base: &Baseline) -> Result<Vec<Compensation>, VehicleError> {
     let amplitude_rad = f64::to_radians(1.62);
     let samples = StepInput { amplitude_rad, rate_per_s: 1.0, duration_s: 10.0 }.samples();
-    let [model, measured] = [&base.as_printed, &base.complete]
-        .map(|model| model.state_space.to_trailer_roll().response(&samples, StepInput::INTERVAL_S));
-    validity_table(&model, &measured, StepInput::INTERVAL_S)
+    let interval_s = StepInput::INTERVAL_S;
+    let model = base.as_printed.state_space.to_trailer_roll().response(&samples, interval_s);
+    let (vehicle, speed_mps) = (&base.vehicle, base.vehicle.nominal_speed_mps);
+    let options = PlantOptions::default();
+    let plant = YawRollPlant::new(vehicle, vehicle.reference_load(), &options)?;
+    let mut run = plant.start(speed_mps)?;
+    let mut measured = Vec::with_capacity(samples.len());
+    for (k, &steer_rad) in samples.iter().enumerate() {
+        if k > 0 {
+            run.push(steer_rad, speed_mps, interval_s);
+        }
+        measured.push(run.sample().trailer.roll_rad);
+    }
+    run.upright()?;
+    validity_table(&model, &measured, interval_s)
 }
 
 pub(super) fn equation_5_19(

@@ -42,8 +42,8 @@ pub(super) fn rows(
     let aware_m = estimate(&calibration.belief())?;
     let item = |what: &str| format!("{name}: own plant, {what}");
     let beside = |what: &str, printed: &Printed, estimate_m: f64, note: &str| {
-        let bias = bias_percent(estimate_m, truth_m);
-        Row::beside(table, item(what), printed, bias).not_comparable().noted(note)
+        let ours = Row::ours(table, item(what), bias_percent(estimate_m, truth_m), note);
+        Row { thesis: Some(printed.value), ..ours }
     };
     let plant = "our plant in place of the Yaw/Roll program: complete linear model, springs of \
                  drive and trailer axles scaled; noise-free log through the whole estimator";
