@@ -10,7 +10,7 @@ use crate::system::{Rational, System};
 /// Padé approximant where that is stable, and from the order below; the best end counts.
 ///
 /// # Errors
-/// As [`balanced`].
+/// As [`balanced()`].
 pub fn fitted(
     system: &System,
     order: usize,
