@@ -7,6 +7,7 @@
 //! | stage, in flow order | takes | gives | source |
 //! |---|---|---|---|
 //! | [`sample`] | sensor values, SI, ISO 8855 | a checked [`Sample`] | – |
+//! | [`j1939`] | CAN frames | signals in SI units | SAE J1939-71 |
 //! | [`design`] | – | [`Design`]: the constants of one truck | thesis ch. 4, 5.4, 5.5 |
 //! | [`condition`] | [`Sample`] | roll free of tilt, gaps found, straight or turning | – |
 //! | [`reduced`] | input signal | [`Reduced5`]: the reduced 5th-order compensated model | eq. 5.12 |
@@ -35,6 +36,7 @@
 pub mod real;
 pub mod linalg;
 pub mod sample;
+pub mod j1939;
 pub mod reduced;
 pub mod ratio;
 pub mod rollover;

@@ -32,6 +32,7 @@
 //! An empty cell, `NaN` or `NA` is an absent value. Time must be there and increase.
 
 mod batches;
+mod candump;
 mod cell;
 mod columns;
 mod draft;
@@ -45,6 +46,7 @@ mod signal;
 mod source;
 mod writer;
 
+pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
 pub use options::{ColumnMap, LogOptions, OptionError};
 pub use reader::LogReader;

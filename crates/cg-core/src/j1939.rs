@@ -1,0 +1,181 @@
+//! J1939 parameter groups: from frames to signals in SI units and back.
+//!
+//! A signal is a little-endian field of one to three bytes, `value = scale · raw + offset`. Raw
+//! values whose highest byte lies above `0xFA` say "not available", "error" or something
+//! reserved: such a signal is absent, never a number. Signs are J1939's, which are ISO 8855's
+//! for steering, yaw rate and lateral acceleration (positive to the left); a roll sensor's sign
+//! depends on how it is mounted.
+//!
+//! **Reference.** SAE J1939-71 (signals), J1939-21 (identifiers), J1939-71 §5.1.4 (absent values).
+
+use crate::real::Real;
+
+/// Radians in a degree.
+const DEGREE: f64 = core::f64::consts::PI / 180.0;
+/// Metres per second in a kilometre per hour.
+const KMH: f64 = 1.0 / 3.6;
+/// Highest byte of the greatest valid raw value.
+const GREATEST_BYTE: u32 = 0xFA;
+
+/// A signal of a parameter group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Signal {
+    /// Parameter group number.
+    pub pgn: u32,
+    /// Priority that the group is sent with.
+    pub priority: u8,
+    /// First byte, from 0.
+    pub first_byte: u8,
+    /// Bytes, 1 to 3.
+    pub bytes: u8,
+    /// SI units per bit.
+    pub scale: f64,
+    /// SI value of raw zero.
+    pub offset: f64,
+}
+
+const fn signal(pgn: u32, priority: u8, place: (u8, u8), scale: f64, offset: f64) -> Signal {
+    Signal { pgn, priority, first_byte: place.0, bytes: place.1, scale, offset }
+}
+
+/// VDC2: steering-wheel angle (SPN 1807), rad.
+pub const STEERING_WHEEL_ANGLE: Signal = signal(61449, 6, (0, 2), 1.0 / 1024.0, -31.374);
+/// VDC2: yaw rate (SPN 1808), rad/s.
+pub const YAW_RATE: Signal = signal(61449, 6, (3, 2), 1.0 / 8192.0, -3.92);
+/// VDC2: lateral acceleration (SPN 1809), m/s².
+pub const LATERAL_ACCELERATION: Signal = signal(61449, 6, (5, 2), 1.0 / 2048.0, -15.687);
+/// SSI: roll angle (SPN 3319), rad.
+pub const ROLL: Signal = signal(61459, 3, (2, 2), 0.002 * DEGREE, -64.0 * DEGREE);
+/// SSI2: roll angle, finer (SPN 4977), rad.
+pub const ROLL_FINE: Signal = signal(61481, 3, (3, 3), DEGREE / 32768.0, -250.0 * DEGREE);
+/// ARI: roll rate (SPN 4984), rad/s.
+pub const ROLL_RATE: Signal = signal(61482, 3, (2, 2), DEGREE / 128.0, -250.0 * DEGREE);
+/// CCVS1: wheel-based speed (SPN 84), m/s.
+pub const SPEED: Signal = signal(65265, 6, (1, 2), KMH / 256.0, 0.0);
+/// EBC2: speed of the front axle (SPN 904), m/s.
+pub const FRONT_AXLE_SPEED: Signal = signal(65215, 6, (0, 2), KMH / 256.0, 0.0);
+/// VW: weight of the trailer (SPN 180), kg.
+pub const TRAILER_MASS: Signal = signal(65258, 6, (3, 2), 2.0, 0.0);
+/// EBS22 (ISO 11992): sum of the trailer's axle loads, kg.
+pub const TRAILER_AXLE_LOAD: Signal = signal(65220, 6, (4, 2), 2.0, 0.0);
+
+/// All bits set: nothing available.
+pub const NOT_AVAILABLE: [u8; 8] = [0xFF; 8];
+
+/// The parameter group of a 29-bit identifier: for groups below 240 the destination does not
+/// belong to it.
+pub const fn pgn_of(identifier: u32) -> u32 {
+    let format = (identifier >> 16) & 0xFF;
+    if format < 240 { (identifier >> 8) & 0x3_FF00 } else { (identifier >> 8) & 0x3_FFFF }
+}
+
+impl Signal {
+    /// The 29-bit identifier of its group from a source address.
+    pub const fn identifier(&self, source: u8) -> u32 {
+        ((self.priority as u32) << 26) | (self.pgn << 8) | source as u32
+    }
+
+    /// The value in a frame of its group; `None` if it is absent.
+    pub fn decode<T: Real>(&self, data: &[u8]) -> Option<T> {
+        let (first, bytes) = (usize::from(self.first_byte), usize::from(self.bytes));
+        let field = data.get(first..first + bytes)?;
+        let raw = field.iter().rev().fold(0_u32, |raw, &byte| (raw << 8) | u32::from(byte));
+        let highest = u32::from(*field.last()?);
+        if highest > GREATEST_BYTE {
+            return None;
+        }
+        // At most 24 bits: exact in single precision too.
+        Some(T::of(f64::from(raw)) * T::of(self.scale) + T::of(self.offset))
+    }
+
+    /// Puts a value, rounded to the nearest raw one, into a frame of its group; "not available" if
+    /// it is not a number or out of the signal's range (then `false`).
+    pub fn encode(&self, value: f64, data: &mut [u8; 8]) -> bool {
+        let greatest = (GREATEST_BYTE << (8 * (u32::from(self.bytes) - 1)))
+            | ((1 << (8 * (u32::from(self.bytes) - 1))) - 1);
+        let raw = libm::round((value - self.offset) / self.scale);
+        let fits = raw >= 0.0 && raw <= f64::from(greatest);
+        // In range: the cast is exact.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let raw = if fits { raw as u32 } else { u32::MAX };
+        for (k, byte) in raw.to_le_bytes().into_iter().take(usize::from(self.bytes)).enumerate() {
+            if let Some(place) = data.get_mut(usize::from(self.first_byte) + k) {
+                *place = byte;
+            }
+        }
+        fits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Signal; 10] = [
+        STEERING_WHEEL_ANGLE,
+        YAW_RATE,
+        LATERAL_ACCELERATION,
+        ROLL,
+        ROLL_FINE,
+        ROLL_RATE,
+        SPEED,
+        FRONT_AXLE_SPEED,
+        TRAILER_MASS,
+        TRAILER_AXLE_LOAD,
+    ];
+
+    #[test]
+    fn every_value_comes_back_to_half_a_bit() {
+        for signal in ALL {
+            let span = signal.scale * f64::from(0xFA_FFFF_u32 >> (8 * (3 - signal.bytes)));
+            for share in [0.0, 0.123_456, 0.5, 0.999_99] {
+                let value = signal.offset + share * span;
+                let mut data = NOT_AVAILABLE;
+                assert!(signal.encode(value, &mut data));
+                let back: f64 = signal.decode(&data).unwrap();
+                assert!((back - value).abs() <= 0.5 * signal.scale * (1.0 + 1e-9), "{signal:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_available_is_absent() {
+        for signal in ALL {
+            assert_eq!(signal.decode::<f64>(&NOT_AVAILABLE), None);
+            let mut data = [0; 8];
+            assert!(!signal.encode(f64::NAN, &mut data));
+            assert_eq!(signal.decode::<f64>(&data), None);
+            assert!(!signal.encode(1e9, &mut data));
+            assert!(!signal.encode(signal.offset - 1.0, &mut data));
+            assert_eq!(signal.decode::<f64>(&data[..1]), None); // a short frame
+        }
+    }
+
+    #[test]
+    fn signals_of_one_group_do_not_touch_each_other() {
+        let mut data = NOT_AVAILABLE;
+        STEERING_WHEEL_ANGLE.encode(0.5, &mut data);
+        LATERAL_ACCELERATION.encode(-1.25, &mut data);
+        assert!((STEERING_WHEEL_ANGLE.decode::<f64>(&data).unwrap() - 0.5).abs() < 1e-3);
+        assert!((LATERAL_ACCELERATION.decode::<f64>(&data).unwrap() + 1.25).abs() < 1e-3);
+        assert_eq!(YAW_RATE.decode::<f64>(&data), None);
+    }
+
+    /// Steering straight ahead is raw 32126.976; raw 32127 is 0.024/1024 rad left of it.
+    #[test]
+    fn steering_zero_lies_between_two_raw_values() {
+        let mut data = NOT_AVAILABLE;
+        STEERING_WHEEL_ANGLE.encode(0.0, &mut data);
+        assert_eq!(u16::from_le_bytes([data[0], data[1]]), 32_127);
+        let back: f64 = STEERING_WHEEL_ANGLE.decode(&data).unwrap();
+        assert!((back - 0.024 / 1024.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn identifiers_carry_group_and_source() {
+        assert_eq!(STEERING_WHEEL_ANGLE.identifier(0x3E), 0x18F0_093E);
+        assert_eq!(pgn_of(0x18F0_093E), 61449);
+        assert_eq!(pgn_of(0x0CF0_29E4), 61481);
+        assert_eq!(pgn_of(0x18EA_FF00), 0xEA00); // addressed: the destination is left out
+    }
+}

@@ -1,0 +1,202 @@
+//! The writer of CAN logs: rows as J1939 frames, in the lines that `candump -L` writes.
+//!
+//! ```text
+//!     (12.340000) can0 18F0090B#7E7DFF007D807DFF
+//! ```
+//!
+//! | group | signals | every |
+//! |---|---|---|
+//! | VDC2 | steering-wheel angle, yaw rate, lateral acceleration | row |
+//! | SSI2 (roll sensor) or SSI (inclinometer) | roll or tilt | row |
+//! | CCVS1 | speed | 100 ms |
+//! | VW | trailer weight | 1 s |
+
+use std::fmt::Write as _;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use cg_core::j1939::{
+    LATERAL_ACCELERATION, NOT_AVAILABLE, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
+    TRAILER_MASS, YAW_RATE,
+};
+
+use super::draft::Draft;
+use super::error::{LogError, Place, Position};
+use super::signal::LogRow;
+
+/// Source addresses: brake system, roll sensor, engine, trailer.
+const BRAKES: u8 = 0x0B;
+const ROLL_SENSOR: u8 = 0xE4;
+const ENGINE: u8 = 0x00;
+const TRAILER: u8 = 0xC8;
+/// Cycle of speed and of weight, microseconds.
+const SPEED_CYCLE_US: u64 = 100_000;
+const WEIGHT_CYCLE_US: u64 = 1_000_000;
+
+/// Writes a candump log; like the CSV writer it leaves a whole file or none.
+pub struct CandumpWriter {
+    sink: BufWriter<Box<dyn Write + Send>>,
+    draft: Option<Draft>,
+    file: Box<str>,
+    steering_ratio: f64,
+    line: String,
+    lines: u64,
+    next_speed_us: u64,
+    next_weight_us: u64,
+    out_of_range: u64,
+}
+
+impl CandumpWriter {
+    /// Begins a log; `steering_ratio` makes steering-wheel angles of road-wheel angles.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn create(path: &Path, steering_ratio: f64) -> Result<Self, LogError> {
+        let file: Box<str> = path.display().to_string().into();
+        let fail = |source| {
+            let place = Place { file: file.clone(), position: Position::File };
+            LogError::Write { place, source }
+        };
+        let (draft, sink) = Draft::open(path).map_err(fail)?;
+        Ok(Self {
+            sink: BufWriter::new(Box::new(sink)),
+            draft,
+            file,
+            steering_ratio,
+            line: String::new(),
+            lines: 0,
+            next_speed_us: 0,
+            next_weight_us: 0,
+            out_of_range: 0,
+        })
+    }
+
+    /// Writes one row as frames; a signal that is absent is "not available", a group without any
+    /// signal is left out.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_row(&mut self, row: &LogRow) -> Result<(), LogError> {
+        // A log's times are positive and last days.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let time_us = (row.time_s * 1e6).round() as u64;
+        let wheel_rad = if row.steering_wheel_rad.is_nan() {
+            row.steer_rad * self.steering_ratio
+        } else {
+            row.steering_wheel_rad
+        };
+        let vdc2 = [
+            (STEERING_WHEEL_ANGLE, wheel_rad),
+            (YAW_RATE, row.yaw_rate_radps),
+            (LATERAL_ACCELERATION, row.lateral_acceleration_mps2),
+        ];
+        self.frame(time_us, BRAKES, &vdc2)?;
+        self.frame(time_us, ROLL_SENSOR, &[(ROLL_FINE, row.roll_rad)])?;
+        self.frame(time_us, ROLL_SENSOR, &[(ROLL, row.tilt_rad)])?;
+        if time_us >= self.next_speed_us && row.speed_mps.is_finite() {
+            self.next_speed_us = time_us + SPEED_CYCLE_US;
+            self.frame(time_us, ENGINE, &[(SPEED, row.speed_mps)])?;
+        }
+        if time_us >= self.next_weight_us && row.trailer_mass_kg.is_finite() {
+            self.next_weight_us = time_us + WEIGHT_CYCLE_US;
+            self.frame(time_us, TRAILER, &[(TRAILER_MASS, row.trailer_mass_kg)])?;
+        }
+        Ok(())
+    }
+
+    /// Values so far that no J1939 signal can hold (written as "not available").
+    pub fn out_of_range(&self) -> u64 {
+        self.out_of_range
+    }
+
+    /// Ends the log and gives the file its name.
+    ///
+    /// # Errors
+    /// The file cannot be written or renamed; then nothing of it stays.
+    pub fn finish(mut self) -> Result<(), LogError> {
+        let place = self.place();
+        let fail = |source| LogError::Write { place: place.clone(), source };
+        self.sink.flush().map_err(fail)?;
+        drop(self.sink);
+        self.draft.map_or(Ok(()), Draft::publish).map_err(fail)
+    }
+
+    fn place(&self) -> Place {
+        Place { file: self.file.clone(), position: Position::Line(self.lines + 1) }
+    }
+
+    /// One frame with some signals of one group.
+    fn frame(
+        &mut self,
+        time_us: u64,
+        source: u8,
+        signals: &[(Signal, f64)],
+    ) -> Result<(), LogError> {
+        let Some((first, _)) = signals.first() else { return Ok(()) };
+        if signals.iter().all(|(_, value)| value.is_nan()) {
+            return Ok(());
+        }
+        let mut data = NOT_AVAILABLE;
+        for (signal, value) in signals {
+            if !signal.encode(*value, &mut data) && !value.is_nan() {
+                self.out_of_range += 1;
+            }
+        }
+        let (seconds, micros) = (time_us / 1_000_000, time_us % 1_000_000);
+        self.line.clear();
+        // Writing to a string cannot fail.
+        let _ = write!(self.line, "({seconds}.{micros:06}) can0 {:08X}#", first.identifier(source));
+        for byte in data {
+            let _ = write!(self.line, "{byte:02X}");
+        }
+        self.line.push('\n');
+        match self.sink.write_all(self.line.as_bytes()) {
+            Ok(()) => {
+                self.lines += 1;
+                Ok(())
+            }
+            Err(error) => Err(LogError::Write { place: self.place(), source: error }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_become_frames_at_their_cycles() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("drive.log");
+        let mut writer = CandumpWriter::create(&path, 20.0).unwrap();
+        for k in 0..11 {
+            writer
+                .write_row(&LogRow {
+                    time_s: 0.01 * f64::from(k),
+                    steer_rad: 0.01,
+                    roll_rad: 0.02,
+                    speed_mps: 13.9,
+                    trailer_mass_kg: 25_000.0,
+                    ..LogRow::ABSENT
+                })
+                .unwrap();
+        }
+        assert_eq!(writer.out_of_range(), 0);
+        writer.finish().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let lines = |group: &str| text.lines().filter(|line| line.contains(group)).count();
+        assert_eq!(lines("18F0090B#"), 11);
+        assert_eq!(lines("0CF029E4#"), 11);
+        assert_eq!((lines("18FEF100#"), lines("18FEEAC8#")), (2, 1));
+        // 0.2 rad at the wheel is raw 32332 = 0x7E4C; yaw rate and acceleration are absent.
+        assert_eq!(text.lines().next(), Some("(0.000000) can0 18F0090B#4C7EFFFFFFFFFFFF"));
+    }
+
+    #[test]
+    fn what_no_signal_can_hold_is_counted_and_absent() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut writer = CandumpWriter::create(&folder.path().join("a.log"), 20.0).unwrap();
+        writer.write_row(&LogRow { time_s: 0.0, speed_mps: 500.0, ..LogRow::ABSENT }).unwrap();
+        assert_eq!(writer.out_of_range(), 1);
+    }
+}
