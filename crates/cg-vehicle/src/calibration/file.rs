@@ -296,6 +296,24 @@ fn run_entry(index: usize, run: &Run, fitted: &Fitted) -> RunEntry {
     }
 }
 
+fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
+    let named = |title: &str, wanted: &dyn Fn(f64) -> bool| {
+        let words: Vec<&str> = parameter
+            .iter()
+            .filter(|entry| entry.prior_sd > 0.0 && wanted(entry.determined))
+            .map(|entry| entry.name.words())
+            .collect();
+        let list = if words.is_empty() { "none".to_owned() } else { words.join(", ") };
+        format!("{title}: {list}")
+    };
+    vec![
+        named("determined", &|share| share >= DETERMINED),
+        named("partly determined", &|share| (UNDETERMINED..DETERMINED).contains(&share)),
+        named("not determined by these runs", &|share| share < UNDETERMINED),
+        "single parameters are known less well than the ratios that they make together:".to_owned(),
+    ]
+}
+
 /// What the data could and could not determine.
 fn statement(
     vehicle: &Vehicle,
@@ -304,30 +322,15 @@ fn statement(
     fitted: &Fitted,
     parameter: &[ParameterEntry],
 ) -> Result<Vec<String>, VehicleError> {
-    let mut statement = Vec::new();
-    if fitted.procedure == Procedure::Compensation {
-        statement.push(
-            "one run: the compensation of each channel is fixed for its speed and load; other \
-             speeds and loads keep the vehicle file's uncertainty"
+    let mut statement = match fitted.procedure {
+        Procedure::Compensation => vec![
+            "one run: the compensation of each channel is fixed, no parameter of the truck; the \
+             further speed and load are from the run's, the more of the vehicle file's uncertainty \
+             comes back"
                 .to_owned(),
-        );
-    }
-    let named = |wanted: &dyn Fn(f64) -> bool| {
-        let words: Vec<&str> = parameter
-            .iter()
-            .filter(|entry| entry.prior_sd > 0.0 && wanted(entry.determined))
-            .map(|entry| entry.name.words())
-            .collect();
-        if words.is_empty() { "none".to_owned() } else { words.join(", ") }
+        ],
+        Procedure::MaximumAPosteriori => what_was_determined(parameter),
     };
-    statement.push(format!("determined: {}", named(&|share| share >= DETERMINED)));
-    let partly = |share: f64| (UNDETERMINED..DETERMINED).contains(&share);
-    statement.push(format!("partly determined: {}", named(&partly)));
-    statement
-        .push(format!("not determined by these runs: {}", named(&|share| share < UNDETERMINED)));
-    statement.push(
-        "single parameters are known less well than the ratios that they make together:".to_owned(),
-    );
     let prior = Belief::prior(vehicle);
     for run in runs {
         let sd = |belief: &Belief| -> Result<[f64; 2], VehicleError> {
