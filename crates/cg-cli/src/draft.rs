@@ -1,46 +1,35 @@
 //! A text file that is written whole or not at all.
 
-use std::fs::File;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, anyhow};
+use cg_vehicle::draft;
 
 /// A file beside its place, whole; dropped before it is published, it removes itself.
 pub(crate) struct Draft {
-    partial: PathBuf,
-    target: PathBuf,
+    draft: Option<draft::Draft>,
+    target: String,
 }
 
 impl Draft {
     /// Writes `text` beside `target`, which was given with `flag`.
     pub(crate) fn write(target: &Path, flag: &str, text: &str) -> anyhow::Result<Self> {
-        let remedy = || {
-            format!("{}: cannot be written; check the folder and its permissions", target.display())
-        };
+        let name = target.display().to_string();
         if target.is_dir() {
-            return Err(anyhow!("{}: is a folder; give {flag} a file", target.display()));
+            return Err(anyhow!("{name}: is a folder; give {flag} a file"));
         }
-        let mut partial = target.as_os_str().to_owned();
-        partial.push(".partial");
-        let draft = Self { partial: partial.into(), target: target.to_owned() };
-        let mut file = File::create(&draft.partial).with_context(remedy)?;
-        writeln!(file, "{}", text.trim_end())
-            .and_then(|()| file.sync_all())
-            .with_context(remedy)?;
-        Ok(draft)
+        let remedy = || format!("{name}: cannot be written; check the folder and its permissions");
+        let (draft, mut file) = draft::Draft::open(target).with_context(remedy)?;
+        writeln!(file, "{}", text.trim_end()).with_context(remedy)?;
+        Ok(Self { draft, target: name })
     }
 
     /// Puts it in its place.
     pub(crate) fn publish(self) -> anyhow::Result<()> {
-        std::fs::rename(&self.partial, &self.target)
-            .with_context(|| format!("{}: cannot be written", self.target.display()))
-    }
-}
-
-impl Drop for Draft {
-    fn drop(&mut self) {
-        // After publishing there is nothing to remove.
-        let _ = std::fs::remove_file(&self.partial);
+        let target = self.target;
+        self.draft
+            .map_or(Ok(()), draft::Draft::publish)
+            .with_context(|| format!("{target}: cannot be written"))
     }
 }

@@ -20,9 +20,11 @@
 //! Axes and signs are those of [`cg_core::sample`] (ISO 8855).
 
 pub mod error;
+pub mod draft;
 mod validate;
 mod validate_tables;
 pub mod tables;
+pub mod load;
 pub mod vehicle;
 pub mod balance;
 pub mod system;

@@ -20,7 +20,8 @@ use cg_core::j1939::{
     TRAILER_MASS, YAW_RATE,
 };
 
-use super::draft::Draft;
+use crate::draft::Draft;
+
 use super::error::{LogError, Place, Position};
 use super::signal::LogRow;
 

@@ -35,7 +35,6 @@ mod batches;
 mod candump;
 mod cell;
 mod columns;
-mod draft;
 mod error;
 mod lines;
 mod options;

@@ -7,8 +7,9 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use crate::draft::Draft;
+
 use super::columns::resolve;
-use super::draft::Draft;
 use super::error::{ColumnName, LogError, Place, Position};
 use super::lines::LIMIT_BYTES;
 use super::options::LogOptions;

@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// A temporary file beside its target; dropped before it is published, it removes itself.
-pub(super) struct Draft {
+pub struct Draft {
     file: File,
     temporary: PathBuf,
     target: PathBuf,
@@ -16,7 +16,10 @@ pub(super) struct Draft {
 impl Draft {
     /// A draft for `path`, and the file to write to. No draft where the path leads to
     /// something that is no regular file and must not be replaced, such as `/dev/stdout`.
-    pub(super) fn open(path: &Path) -> io::Result<(Option<Self>, File)> {
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn open(path: &Path) -> io::Result<(Option<Self>, File)> {
         let target = match fs::metadata(path) {
             Ok(about) if !about.is_file() => {
                 return Ok((None, OpenOptions::new().write(true).open(path)?));
@@ -45,7 +48,10 @@ impl Draft {
     }
 
     /// Gives the file its name, once its bytes are on the disk.
-    pub(super) fn publish(mut self) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// Those of the system; then nothing of it stays.
+    pub fn publish(mut self) -> io::Result<()> {
         self.file.sync_data()?;
         fs::rename(&self.temporary, &self.target)?;
         self.published = true;
