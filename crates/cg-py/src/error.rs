@@ -13,7 +13,7 @@ pub(crate) fn value_error(message: impl Into<String>) -> PyErr {
     PyValueError::new_err(message.into())
 }
 
-fn os_error(source: &io::Error, message: String) -> PyErr {
+pub(crate) fn os_error(source: &io::Error, message: String) -> PyErr {
     match source.kind() {
         ErrorKind::NotFound => PyFileNotFoundError::new_err(message),
         ErrorKind::PermissionDenied => PyPermissionError::new_err(message),

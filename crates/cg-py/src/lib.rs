@@ -6,6 +6,7 @@
 //! | `options` | the options that every estimate shares |
 //! | `signals` | `estimate_arrays`: arrays in, answer out |
 //! | `log` | `estimate_file`, `resolve_columns`: logs and the names of their columns |
+//! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
 //! | `stream` | `Stream`: row by row |
 //! | `results` | answers as the dataclasses of `cgheight._results` |
 //! | `arx`, `linear` | `fit_arx`, `linear_model` |
@@ -24,6 +25,7 @@ mod results;
 mod signals;
 mod log;
 mod stream;
+mod calibrate;
 mod arx;
 mod linear;
 
@@ -32,6 +34,8 @@ mod linear;
 mod _native {
     #[pymodule_export]
     use crate::arx::fit_arx;
+    #[pymodule_export]
+    use crate::calibrate::calibrate_files;
     #[pymodule_export]
     use crate::linear::linear_model;
     #[pymodule_export]

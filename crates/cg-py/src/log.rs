@@ -14,7 +14,7 @@ use crate::signals::ROWS_BETWEEN_LOOKS;
 use crate::vehicle::Vehicle;
 
 /// `columns` in text form (`roll=MyName[deg]`), `flip` names of signals (`roll`).
-fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
+pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
     let columns = columns.iter().map(|text| text.parse()).collect::<Result<_, _>>();
     let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, _>>();
     Ok(LogOptions { columns: columns.map_err(option_error)?, flip: flip.map_err(option_error)? })
@@ -46,13 +46,13 @@ pub(crate) fn estimate_file<'py>(
 }
 
 /// Why a log was not read to its end.
-enum Refused {
+pub(crate) enum Refused {
     Log(LogError),
     Sample(String),
 }
 
 impl Refused {
-    fn raise(self) -> PyErr {
+    pub(crate) fn raise(self) -> PyErr {
         match self {
             Self::Log(error) => log_error(error),
             Self::Sample(message) => value_error(message),
@@ -61,7 +61,7 @@ impl Refused {
 }
 
 /// Takes in the next rows. `false` at the end of the log.
-fn push_some(
+pub(crate) fn push_some(
     reader: &mut LogReader,
     estimator: &mut LogEstimator,
     path: &std::path::Path,

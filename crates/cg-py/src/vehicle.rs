@@ -1,10 +1,12 @@
-//! `Vehicle`: the vehicle file, and the designs made from it.
+//! `Vehicle`: the vehicle file, its calibration if there is one, and the designs made from it.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use cg_core::Design;
-use cg_vehicle::design::design;
+use cg_vehicle::belief::Belief;
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::design::design_with;
 use cg_vehicle::{Variant, VehicleError};
 use pyo3::prelude::*;
 
@@ -17,11 +19,16 @@ use crate::error::vehicle_error;
 #[pyclass(frozen, module = "cgheight")]
 pub(crate) struct Vehicle {
     pub(crate) inner: cg_vehicle::Vehicle,
+    calibration: Option<Calibration>,
     complete: OnceLock<Design<f64>>,
     as_printed: OnceLock<Design<f64>>,
 }
 
 impl Vehicle {
+    fn new(inner: cg_vehicle::Vehicle, calibration: Option<Calibration>) -> Self {
+        Self { inner, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
+    }
+
     /// The design for one set of equations: computed on first use.
     pub(crate) fn design(&self, variant: Variant) -> Result<&Design<f64>, VehicleError> {
         let cell = match variant {
@@ -31,7 +38,16 @@ impl Vehicle {
         if let Some(known) = cell.get() {
             return Ok(known);
         }
-        let computed = design(&self.inner, variant)?;
+        let belief = match &self.calibration {
+            Some(calibration) if calibration.model != variant => {
+                return Err(VehicleError::Model(
+                    "the calibration was made for the other model: give the same model".to_owned(),
+                ));
+            }
+            Some(calibration) => calibration.belief(),
+            None => Belief::prior(&self.inner),
+        };
+        let computed = design_with(&self.inner, variant, &belief)?;
         Ok(cell.get_or_init(|| computed))
     }
 }
@@ -55,7 +71,38 @@ impl Vehicle {
     #[pyo3(signature = (path, /))]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let inner = py.detach(|| cg_vehicle::Vehicle::load(&path)).map_err(vehicle_error)?;
-        Ok(Self { inner, complete: OnceLock::new(), as_printed: OnceLock::new() })
+        Ok(Self::new(inner, None))
+    }
+
+    /// Return the same vehicle with a calibration.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A calibration file, from `cgheight.calibrate` or `cg calibrate`.
+    ///
+    /// Returns
+    /// -------
+    /// Vehicle
+    ///     A new one; this one stays as it is.
+    ///
+    /// Raises
+    /// ------
+    /// FileNotFoundError
+    ///     There is no such file.
+    /// ValueError
+    ///     It is no calibration, or belongs to another vehicle or to another state of its file.
+    #[pyo3(signature = (path, /))]
+    fn calibrated(&self, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let calibration =
+            py.detach(|| Calibration::load(&path, &self.inner)).map_err(vehicle_error)?;
+        Ok(Self::new(self.inner.clone(), Some(calibration)))
+    }
+
+    /// Whether it has a calibration, bool.
+    #[getter]
+    fn is_calibrated(&self) -> bool {
+        self.calibration.is_some()
     }
 
     /// Name of the vehicle, str.
@@ -85,11 +132,12 @@ impl Vehicle {
     fn __repr__(&self) -> String {
         let trailer = &self.inner.trailer;
         format!(
-            "Vehicle({:?}, {:.2} m/s, trailer {:.0} kg, c.g. height {:.3} m)",
+            "Vehicle({:?}, {:.2} m/s, trailer {:.0} kg, c.g. height {:.3} m{})",
             self.inner.name,
             self.inner.nominal_speed_mps,
             trailer.reference_mass_kg,
-            trailer.reference_cg_height_m
+            trailer.reference_cg_height_m,
+            if self.calibration.is_some() { ", calibrated" } else { "" }
         )
     }
 }

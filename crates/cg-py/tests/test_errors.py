@@ -113,13 +113,14 @@ def test_options_are_checked_by_every_way_in(option, message, kraz, turn):
         cgheight.Estimator(kraz, **option)
 
 
-def test_calibration_is_not_available_yet(kraz, turn):
-    with pytest.raises(NotImplementedError, match="calibration is not available yet"):
-        cgheight.estimate(**turn, vehicle=kraz, calibration={})
-    with pytest.raises(NotImplementedError, match="not available yet"):
-        cgheight.estimate_log("x.csv", vehicle=kraz, calibration={})
-    with pytest.raises(NotImplementedError, match="not available yet"):
-        cgheight.Estimator(kraz, calibration={})
+def test_a_calibration_that_is_none_is_refused_by_every_way_in(kraz, turn, tmp_path):
+    nowhere = tmp_path / "nowhere.toml"
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.toml"):
+        cgheight.estimate(**turn, vehicle=kraz, calibration=nowhere)
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.toml"):
+        cgheight.estimate_log(FIXTURES / "logs" / ONE_TURN, vehicle=kraz, calibration=nowhere)
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.toml"):
+        cgheight.Estimator(kraz, calibration=nowhere)
 
 
 def test_a_missing_log_is_file_not_found(kraz, tmp_path):

@@ -15,6 +15,7 @@ down, so that a left turn gives all positive. Heights are of the trailer's sprun
 ground at rest; ``trailer_mass_kg`` is the whole semitrailer as weighed (sprung mass and axles).
 """
 
+from cgheight._calibrate import calibrate
 from cgheight._estimate import Estimator, estimate, estimate_log
 from cgheight._models import arx
 from cgheight._native import Vehicle, __version__, linear_model
@@ -40,6 +41,7 @@ __all__ = [
     "Vehicle",
     "__version__",
     "arx",
+    "calibrate",
     "estimate",
     "estimate_log",
     "linear_model",

@@ -15,8 +15,13 @@ from cgheight._arrays import column, number
 from cgheight._results import Estimate
 
 
+def _calibrated(
+    vehicle: _native.Vehicle, calibration: str | os.PathLike[str] | None
+) -> _native.Vehicle:
+    return vehicle if calibration is None else vehicle.calibrated(calibration)
+
+
 def _options(
-    calibration: object,
     method: str,
     channel: str,
     order: int,
@@ -24,8 +29,6 @@ def _options(
     speed_mps: object = None,
     trailer_mass_kg: object = None,
 ) -> dict[str, Any]:
-    if calibration is not None:
-        raise NotImplementedError("calibration is not available yet: leave it out")
     mass, speed = trailer_mass_kg, speed_mps
     return {
         "method": method,
@@ -49,7 +52,7 @@ def estimate(
     steering_wheel_rad: ArrayLike | None = None,
     tilt_rad: ArrayLike | None = None,
     vehicle: _native.Vehicle,
-    calibration: None = None,
+    calibration: str | os.PathLike[str] | None = None,
     method: Literal["filtered", "arx", "gain"] = "filtered",
     channel: Literal["auto", "steer", "lateral-acceleration"] = "auto",
     order: int = 5,
@@ -83,8 +86,9 @@ def estimate(
         What an accelerometer inclinometer shows, rad; used where `roll_rad` is absent.
     vehicle : Vehicle
         The vehicle.
-    calibration : None
-        Not available yet.
+    calibration : str or os.PathLike, optional
+        A calibration file of this vehicle. For many logs, `vehicle.calibrated(path)` once is
+        quicker.
     method : {"filtered", "arx", "gain"}
         Identification: ARX on filtered signals, classical ARX, gain alone.
     channel : {"auto", "steer", "lateral-acceleration"}
@@ -104,8 +108,8 @@ def estimate(
     ValueError
         An array is not one-dimensional, has another length than `time_s` or holds infinity;
         time is NaN or does not increase (named with index); an option is out of range.
-    NotImplementedError
-        A calibration is given.
+    FileNotFoundError
+        There is no such calibration file.
     """
     scalars: dict[str, object] = {"speed_mps": None, "trailer_mass_kg": None}
     given = {
@@ -124,8 +128,8 @@ def estimate(
         if value is not None and np.ndim(value) == 0:
             scalars[name], given[name] = value, None
     signals = {name: column(name, values) for name, values in given.items() if values is not None}
-    options = _options(calibration, method, channel, order, model, **scalars)
-    return _native.estimate_arrays(vehicle, signals, options)
+    options = _options(method, channel, order, model, **scalars)
+    return _native.estimate_arrays(_calibrated(vehicle, calibration), signals, options)
 
 
 def estimate_log(
@@ -136,7 +140,7 @@ def estimate_log(
     flip: Iterable[str] = (),
     speed_mps: float | None = None,
     trailer_mass_kg: float | None = None,
-    calibration: None = None,
+    calibration: str | os.PathLike[str] | None = None,
     method: Literal["filtered", "arx", "gain"] = "filtered",
     channel: Literal["auto", "steer", "lateral-acceleration"] = "auto",
     order: int = 5,
@@ -173,15 +177,14 @@ def estimate_log(
     Raises
     ------
     FileNotFoundError
-        There is no such file.
+        There is no such file, or no such calibration file.
     ValueError
         The log is not as described; the message names line (or row), column and remedy.
-    NotImplementedError
-        A calibration is given.
     """
-    options = _options(calibration, method, channel, order, model, speed_mps, trailer_mass_kg)
+    options = _options(method, channel, order, model, speed_mps, trailer_mass_kg)
     maps = [f"{signal}={name}" for signal, name in (columns or {}).items()]
     flips = [flip] if isinstance(flip, str) else list(flip)
+    vehicle = _calibrated(vehicle, calibration)
     if isinstance(log, str | os.PathLike):
         return _native.estimate_file(vehicle, os.fspath(log), maps, flips, options)
     return _native.estimate_arrays(vehicle, _table(log, maps, flips), options)
@@ -219,8 +222,8 @@ class Estimator(_native.Stream):
     ------
     ValueError
         An option is out of range.
-    NotImplementedError
-        A calibration is given.
+    FileNotFoundError
+        There is no such calibration file.
     """
 
     def __new__(
@@ -229,12 +232,12 @@ class Estimator(_native.Stream):
         *,
         speed_mps: float | None = None,
         trailer_mass_kg: float | None = None,
-        calibration: None = None,
+        calibration: str | os.PathLike[str] | None = None,
         method: Literal["filtered", "arx", "gain"] = "filtered",
         channel: Literal["auto", "steer", "lateral-acceleration"] = "auto",
         order: int = 5,
         model: Literal["complete", "as-printed"] = "complete",
     ) -> Self:
         """Begin a log."""
-        options = _options(calibration, method, channel, order, model, speed_mps, trailer_mass_kg)
-        return super().__new__(cls, vehicle, options)
+        options = _options(method, channel, order, model, speed_mps, trailer_mass_kg)
+        return super().__new__(cls, _calibrated(vehicle, calibration), options)

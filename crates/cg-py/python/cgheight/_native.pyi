@@ -13,6 +13,7 @@ __all__ = [
     "Stream",
     "Vehicle",
     "__version__",
+    "calibrate_files",
     "estimate_arrays",
     "estimate_file",
     "fit_arx",
@@ -29,6 +30,11 @@ class Vehicle:
     @staticmethod
     def load(path: str | os.PathLike[str], /) -> Vehicle:
         """Read and check a vehicle file."""
+    def calibrated(self, path: str | os.PathLike[str], /) -> Vehicle:
+        """Return the same vehicle with a calibration."""
+    @property
+    def is_calibrated(self) -> bool:
+        """Whether it has a calibration, bool."""
     @property
     def name(self) -> str:
         """Name of the vehicle."""
@@ -108,3 +114,15 @@ def linear_model(
     trailer_mass_kg: float | None = None,
 ) -> LinearModel:
     """Return the linear model of a vehicle at one speed and load."""
+
+def calibrate_files(
+    vehicle: Vehicle,
+    runs: list[tuple[str, float, float | None]],
+    output: str | os.PathLike[str],
+    model: str,
+    columns: list[str],
+    flip: list[str],
+    date: str,
+    /,
+) -> None:
+    """Calibrate with log files and write the calibration file."""

@@ -84,8 +84,9 @@ fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<R
     let identified = estimator.identified();
     if !identified.trailer_mass_is_known {
         return Err(VehicleError::Model(format!(
-            "{}: the log has no trailer mass; give it: --run {}={},TRAILER_MASS_KG",
-            known.log, known.log, known.height_m
+            "{}: the log has no trailer mass; give it with the run's height (on the command line \
+             LOG=HEIGHT_M,TRAILER_MASS_KG)",
+            known.log
         )));
     }
     if identified.ratio.iter().all(Option::is_none) {

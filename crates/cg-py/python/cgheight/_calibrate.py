@@ -1,0 +1,79 @@
+"""Calibration: logs of known height to a calibrated vehicle."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from typing import Literal
+
+from cgheight import _native
+from cgheight._arrays import number
+
+Run = tuple[str | os.PathLike[str], float] | tuple[str | os.PathLike[str], float, float]
+
+
+def calibrate(
+    vehicle: _native.Vehicle,
+    runs: Iterable[Run],
+    output: str | os.PathLike[str],
+    *,
+    model: Literal["complete", "as-printed"] = "complete",
+    columns: Mapping[str, str] | None = None,
+    flip: Iterable[str] = (),
+) -> _native.Vehicle:
+    """Calibrate a vehicle with logs whose height is known.
+
+    One run fixes the compensation of each channel, as the thesis does. More runs (one empty,
+    one laden) move the truck's uncertain parameters to where the runs and the vehicle file's
+    ``[uncertainty]`` agree best. The file says what the runs could and could not determine.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle.
+    runs : iterable of (log, height_m) or (log, height_m, trailer_mass_kg)
+        Log files with turns at steady speed; height of the trailer's sprung c.g., m; mass of the
+        whole semitrailer, kg, where the log has none.
+    output : str or os.PathLike
+        The calibration file (TOML) to write; it appears whole or not at all.
+    model : {"complete", "as-printed"}
+        Equations of the vehicle.
+    columns, flip
+        As for `estimate_log`.
+
+    Returns
+    -------
+    Vehicle
+        The vehicle with this calibration.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such log.
+    ValueError
+        A run is not as described, has no turn, or a load that the vehicle cannot have.
+
+    Examples
+    --------
+    >>> import cgheight, tempfile
+    >>> truck = cgheight.Vehicle.load("fixtures/vehicles/kraz.toml")
+    >>> empty, laden = "fixtures/logs/A_p00_v50_L.csv", "fixtures/logs/A_p20_h190_v50_L.csv"
+    >>> runs = [(empty, 1.33), (laden, 1.9)]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     truck = cgheight.calibrate(truck, runs, folder + "/truck.toml")
+    >>> truck.is_calibrated
+    True
+    """
+    known = []
+    for run in runs:
+        if not 2 <= len(run) <= 3:
+            raise ValueError(f"run {run!r}: expected (log, height_m[, trailer_mass_kg])")
+        log, height_m, *mass = run
+        mass_kg = number("trailer_mass_kg", mass[0]) if mass else None
+        known.append((os.fspath(log), number("height_m", height_m), mass_kg))
+    maps = [f"{signal}={name}" for signal, name in (columns or {}).items()]
+    flips = [flip] if isinstance(flip, str) else list(flip)
+    date = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    _native.calibrate_files(vehicle, known, output, model, maps, flips, date)
+    return vehicle.calibrated(output)

@@ -1,0 +1,74 @@
+//! `calibrate_files`: logs of known height to a calibration file.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use cg_vehicle::VehicleError;
+use cg_vehicle::calibration::{KnownLog, calibrate};
+use cg_vehicle::draft::Draft;
+use cg_vehicle::log::LogReader;
+use pyo3::prelude::*;
+
+use crate::error::{log_error, os_error, vehicle_error};
+use crate::log::{log_options, push_some};
+use crate::options::variant;
+use crate::vehicle::Vehicle;
+
+/// An error of the library on its way through `calibrate`.
+struct Failure(PyErr);
+
+impl From<VehicleError> for Failure {
+    fn from(error: VehicleError) -> Self {
+        Self(vehicle_error(error))
+    }
+}
+
+/// Calibrate with log files and write the calibration file.
+#[pyfunction]
+#[pyo3(signature = (vehicle, runs, output, model, columns, flip, date, /))]
+#[allow(clippy::too_many_arguments)] // the keywords of `cgheight.calibrate`
+pub(crate) fn calibrate_files(
+    py: Python<'_>,
+    vehicle: &Bound<'_, Vehicle>,
+    runs: Vec<(PathBuf, f64, Option<f64>)>,
+    output: PathBuf,
+    model: &str,
+    columns: Vec<String>,
+    flip: Vec<String>,
+    date: String,
+) -> PyResult<()> {
+    let options = log_options(&columns, &flip)?;
+    let variant = variant(model)?;
+    let vehicle = &vehicle.get().inner;
+    let logs: Vec<KnownLog> = runs
+        .into_iter()
+        .map(|(log, height_m, trailer_mass_kg)| KnownLog {
+            log: log.display().to_string(),
+            height_m,
+            trailer_mass_kg,
+        })
+        .collect();
+    let mut calibration = calibrate(vehicle, variant, &logs, |known, estimator| {
+        let path = PathBuf::from(&known.log);
+        let open = || LogReader::open(&path, &options);
+        let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
+        while py
+            .detach(|| push_some(&mut reader, estimator, &path))
+            .map_err(|refused| Failure(refused.raise()))?
+        {
+            py.check_signals().map_err(Failure)?;
+        }
+        Ok(())
+    })
+    .map_err(|Failure(error)| error)?;
+    calibration.date = date;
+    let text = calibration.to_toml().map_err(vehicle_error)?;
+    let write = || -> std::io::Result<()> {
+        let (draft, mut file) = Draft::open(&output)?;
+        file.write_all(text.as_bytes())?;
+        draft.map_or(Ok(()), Draft::publish)
+    };
+    write().map_err(|source| {
+        os_error(&source, format!("{}: cannot be written ({source})", output.display()))
+    })
+}
