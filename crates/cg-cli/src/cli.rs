@@ -13,6 +13,10 @@ use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::calibrate::RunArg;
+use crate::numbers::{
+    decibels, duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, rate_hz,
+    speed_mps, steer_rad, trailer_mass_kg,
+};
 
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
@@ -38,6 +42,8 @@ pub(crate) enum Command {
     Model(ModelArgs),
     /// Write a log with known truth
     Simulate(SimulateArgs),
+    /// Print rollover measures: thresholds, load transfer, rearward amplification, damping
+    Rollover(RolloverArgs),
     /// Compute the source's tables anew and set ours beside them
     Reproduce(ReproduceArgs),
 }
@@ -66,10 +72,10 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
     pub(crate) order: usize,
     /// Forward speed, whatever the log says
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     /// Mass of the whole semitrailer as weighed, whatever the log says
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
     /// Equations of the vehicle model
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
@@ -125,7 +131,7 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
     pub(crate) model: ModelArg,
     /// Forward speed [default: the vehicle file's]
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
@@ -137,13 +143,13 @@ pub(crate) struct ModelArgs {
 #[derive(Debug, Args)]
 pub(crate) struct LoadArgs {
     /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
-    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = height_m)]
     pub(crate) height_m: Option<f64>,
     /// Mass of the whole semitrailer [default: the vehicle file's]
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive, conflicts_with = "payload_kg")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg, conflicts_with = "payload_kg")]
     pub(crate) trailer_mass_kg: Option<f64>,
     /// Payload, in place of the mass of the whole semitrailer
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = payload_kg)]
     pub(crate) payload_kg: Option<f64>,
 }
 
@@ -175,19 +181,19 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     /// Forward speed [default: the vehicle file's]
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     /// Road-wheel steer amplitude [default: for 0.17 g]
-    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = steer_rad)]
     pub(crate) steer_rad: Option<f64>,
     /// Samples per second
-    #[arg(long, value_name = "F", default_value_t = 100.0, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "F", default_value_t = 100.0, allow_negative_numbers = true, value_parser = rate_hz)]
     pub(crate) rate_hz: f64,
     /// Straight driving before the maneuver
     #[arg(long, value_name = "T", default_value_t = 2.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) start_s: f64,
     /// Length of the log, from time 0 [default: 20, a drive 300]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = duration_s)]
     pub(crate) duration_s: Option<f64>,
     /// White noise on the roll angle, decibels below its mean square
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = decibels)]
@@ -201,6 +207,28 @@ pub(crate) struct SimulateArgs {
     /// Also write the truth as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RolloverArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    /// Speed of the ramps and of the lane change; measures that are defined at a speed keep it
+    /// [default: the vehicle file's]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
+    pub(crate) speed_mps: Option<f64>,
+    /// Lateral acceleration of the load transfer, in g
+    #[arg(long, value_name = "A", default_value_t = 0.15, allow_negative_numbers = true, value_parser = lateral_g)]
+    pub(crate) lateral_acceleration_g: f64,
+    /// Gate length of the lane change (the source: 20 and 30)
+    #[arg(long, value_name = "L", default_value_t = 20.0, allow_negative_numbers = true, value_parser = gate_m)]
+    pub(crate) gate_m: f64,
+    /// Output format
+    #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
+    pub(crate) format: ModelFormat,
 }
 
 #[derive(Debug, Args)]
@@ -218,37 +246,6 @@ pub(crate) struct ReproduceArgs {
     /// Seed of the first draw
     #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
     pub(crate) seed: u64,
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| "expected a number".to_owned())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(
-        |value| {
-            if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
-        },
-    )
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value >= 0.0 { Ok(value) } else { Err("must not be negative".to_owned()) }
-    })
-}
-
-fn decibels(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value.abs() <= 300.0 {
-            Ok(value)
-        } else {
-            Err("must lie between -300 and 300".to_owned())
-        }
-    })
 }
 
 /// Zero means as many as there are processors; each costs a thread, so there is an end to them.
