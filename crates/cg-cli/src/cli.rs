@@ -6,7 +6,7 @@ use cg_core::Channel;
 use cg_core::arx::SampledArx;
 use cg_vehicle::estimate::Method;
 use cg_vehicle::log::{ColumnMap, Signal};
-use cg_vehicle::maneuver::Maneuver;
+use cg_vehicle::maneuver::{Histories, Maneuver};
 use cg_vehicle::reproduce::Options;
 use cg_vehicle::simulate::Plant;
 use cg_vehicle::{Load, Variant, Vehicle};
@@ -14,9 +14,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::calibrate::RunArg;
 use crate::numbers::{
-    decibels, duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, rate_hz,
-    speed_mps, steer_rad, trailer_mass_kg,
+    duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz,
+    speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
 };
+use crate::sensors::SensorArgs;
 
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
@@ -192,13 +193,35 @@ pub(crate) struct SimulateArgs {
     /// Straight driving before the maneuver
     #[arg(long, value_name = "T", default_value_t = 2.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) start_s: f64,
-    /// Length of the log, from time 0 [default: 20, a drive 300]
+    /// Length of the log, from time 0 [default: 20, a drive 300, a driver's
+    /// path as long as it takes]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = duration_s)]
     pub(crate) duration_s: Option<f64>,
-    /// White noise on the roll angle, decibels below its mean square
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = decibels)]
-    pub(crate) snr_db: Option<f64>,
-    /// Seed of the noise and of the drive
+    /// Rate of rounded steps, 1/s
+    #[arg(long, value_name = "A", default_value_t = Histories::STEP_RATE_PER_S, allow_negative_numbers = true, value_parser = step_rate)]
+    pub(crate) step_rate: f64,
+    /// With steady-turn and the nonlinear plant: a driver turns by this angle (right if negative)
+    /// on a radius of --radius-m [default with --radius-m: 90]
+    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = turn_deg)]
+    pub(crate) turn_deg: Option<f64>,
+    /// Radius of that turn [default with --turn-deg: 100]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius_m)]
+    pub(crate) radius_m: Option<f64>,
+    /// With lane-change and the nonlinear plant: a driver changes the lane (3.65 m) over this gate
+    /// length (the source: 20 and 30)
+    #[arg(long, value_name = "L", allow_negative_numbers = true, value_parser = gate_m)]
+    pub(crate) gate_m: Option<f64>,
+    /// With drive: the speed changes by up to this share either way [default: 0.3 with the
+    /// nonlinear plant, else 0]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = speed_change)]
+    pub(crate) speed_change: Option<f64>,
+    /// With the nonlinear plant: the log ends where the vehicle rolls over; the default steer
+    /// amplitude is then that of 1.2 g
+    #[arg(long)]
+    pub(crate) to_rollover: bool,
+    #[command(flatten)]
+    pub(crate) sensors: SensorArgs,
+    /// Seed of the sensors and of the drive
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
     /// The log to write: .csv or .csv.gz; `-` writes CSV to standard output
@@ -335,14 +358,14 @@ mirrored!(PlantArg => Plant {
 mirrored!(ManeuverArg => Maneuver {
     /// Rounded step, held
     RoundedStep => Self::RoundedStep,
-    /// Into a turn and out again
+    /// Into a turn and out again, or a driver on a circle (--turn-deg, --radius-m)
     SteadyTurn => Self::SteadyTurn,
-    /// One sine of three seconds
+    /// One sine of three seconds, or a driver through a gate (--gate-m)
     LaneChange => Self::LaneChange,
     /// Sine of 0.2 Hz
     Sine => Self::Sine,
-    /// Linearly growing
+    /// Linearly growing (with --to-rollover until it rolls over)
     Ramp => Self::Ramp,
-    /// Random turns and straights
+    /// Minutes of ordinary driving: random turns to both sides and straights
     Drive => Self::Drive,
 });

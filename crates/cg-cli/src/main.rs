@@ -7,7 +7,7 @@
 //! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
 //! | `sink` | their output as table, JSON Lines or CSV |
 //! | `model` | `cg model`: what the vehicle model says |
-//! | `simulate` | `cg simulate`: logs with known truth |
+//! | `simulate`, `sensors` | `cg simulate`: logs with known truth, what sensors make of it |
 //! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
 //! | `reproduce` | `cg reproduce`: the source's tables beside ours |
 //! | `numbers` | arguments that are numbers, and their limits |
@@ -23,6 +23,7 @@ mod model;
 mod numbers;
 mod reproduce;
 mod rollover;
+mod sensors;
 mod simulate;
 mod sink;
 

@@ -1,6 +1,6 @@
 //! Arguments that are numbers, and their limits.
 
-use cg_vehicle::limits;
+use cg_vehicle::{limits, sensors};
 
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
@@ -77,4 +77,44 @@ pub(crate) fn lateral_g(text: &str) -> Result<f64, String> {
 
 pub(crate) fn gate_m(text: &str) -> Result<f64, String> {
     within(text, 1.0, 1000.0)
+}
+
+pub(crate) fn step_rate(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_STEP_RATE_PER_S)
+}
+
+pub(crate) fn speed_change(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 0.5)
+}
+
+/// Not zero: a turn has a side.
+pub(crate) fn turn_deg(text: &str) -> Result<f64, String> {
+    within(text, -360.0, 360.0).and_then(|value| {
+        if value.abs() >= 1.0 { Ok(value) } else { Err("must be at least 1 either way".to_owned()) }
+    })
+}
+
+pub(crate) fn radius_m(text: &str) -> Result<f64, String> {
+    within(text, 10.0, 10_000.0)
+}
+
+pub(crate) fn offset_rad(text: &str) -> Result<f64, String> {
+    within(text, -sensors::GREATEST_OFFSET_RAD, sensors::GREATEST_OFFSET_RAD)
+}
+
+pub(crate) fn quantisation_rad(text: &str) -> Result<f64, String> {
+    within(text, 0.0, sensors::GREATEST_QUANTISATION_RAD)
+}
+
+pub(crate) fn delay_s(text: &str) -> Result<f64, String> {
+    within(text, 0.0, sensors::GREATEST_DELAY_S)
+}
+
+/// Its upper limit depends on the sampling rate and is the library's.
+pub(crate) fn jitter_s(text: &str) -> Result<f64, String> {
+    not_negative(text)
+}
+
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    within(text, 0.0, sensors::GREATEST_DROP_OUT)
 }

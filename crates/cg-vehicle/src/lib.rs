@@ -14,7 +14,7 @@
 //! | [`design`] | the constants for `cg_core` | – |
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
 //! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
-//! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
+//! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
 //! | [`log`] | log files in and out | – |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
@@ -40,6 +40,7 @@ pub mod design;
 pub mod plant;
 pub mod limits;
 pub mod rollover;
+pub mod sensors;
 pub mod simulate;
 pub mod log;
 pub mod estimate;

@@ -11,6 +11,8 @@ pub const GREATEST_TRAILER_MASS_KG: f64 = 200e3;
 pub const GREATEST_SPEED_MPS: f64 = 60.0;
 /// Mean road-wheel steer angle.
 pub const GREATEST_STEER_RAD: f64 = 1.0;
+/// Rate of a rounded step.
+pub const GREATEST_STEP_RATE_PER_S: f64 = 100.0;
 /// Samples per second.
 pub const GREATEST_RATE_HZ: f64 = 10_000.0;
 /// Length of a log: a day.

@@ -187,7 +187,8 @@ fn low_speed_off_tracking_tends_to_the_steady_circle() {
     for name in ["baseline", "kraz"] {
         let vehicle = vehicle(name);
         let tractor = &vehicle.tractor;
-        let mean = |places: Vec<f64>| places.iter().sum::<f64>() / f64::from(places.len() as u32);
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let mean = |places: Vec<f64>| places.iter().sum::<f64>() / places.len() as f64;
         let of = |steered: bool| {
             let axles = tractor.axle.iter().filter(|axle| axle.steered == steered);
             mean(axles.map(|axle| axle.ahead_of_cg_m).collect())
