@@ -6,13 +6,18 @@ use cg_core::Channel;
 use cg_core::arx::SampledArx;
 use cg_vehicle::estimate::Method;
 use cg_vehicle::log::{ColumnMap, Signal};
-use cg_vehicle::maneuver::Maneuver;
+use cg_vehicle::maneuver::{Histories, Maneuver};
 use cg_vehicle::reproduce::Options;
 use cg_vehicle::simulate::Plant;
 use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::calibrate::RunArg;
+use crate::numbers::{
+    duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz,
+    speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
+};
+use crate::sensors::SensorArgs;
 
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
@@ -38,6 +43,8 @@ pub(crate) enum Command {
     Model(ModelArgs),
     /// Write a log with known truth
     Simulate(SimulateArgs),
+    /// Print rollover measures: thresholds, load transfer, rearward amplification, damping
+    Rollover(RolloverArgs),
     /// Compute the source's tables anew and set ours beside them
     Reproduce(ReproduceArgs),
 }
@@ -66,10 +73,10 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
     pub(crate) order: usize,
     /// Forward speed, whatever the log says
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     /// Mass of the whole semitrailer as weighed, whatever the log says
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
     /// Equations of the vehicle model
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
@@ -125,7 +132,7 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
     pub(crate) model: ModelArg,
     /// Forward speed [default: the vehicle file's]
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
@@ -137,13 +144,13 @@ pub(crate) struct ModelArgs {
 #[derive(Debug, Args)]
 pub(crate) struct LoadArgs {
     /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
-    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = height_m)]
     pub(crate) height_m: Option<f64>,
     /// Mass of the whole semitrailer [default: the vehicle file's]
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive, conflicts_with = "payload_kg")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg, conflicts_with = "payload_kg")]
     pub(crate) trailer_mass_kg: Option<f64>,
     /// Payload, in place of the mass of the whole semitrailer
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = payload_kg)]
     pub(crate) payload_kg: Option<f64>,
 }
 
@@ -175,32 +182,77 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     /// Forward speed [default: the vehicle file's]
-    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     /// Road-wheel steer amplitude [default: for 0.17 g]
-    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = steer_rad)]
     pub(crate) steer_rad: Option<f64>,
     /// Samples per second
-    #[arg(long, value_name = "F", default_value_t = 100.0, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "F", default_value_t = 100.0, allow_negative_numbers = true, value_parser = rate_hz)]
     pub(crate) rate_hz: f64,
     /// Straight driving before the maneuver
     #[arg(long, value_name = "T", default_value_t = 2.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) start_s: f64,
-    /// Length of the log, from time 0 [default: 20, a drive 300]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
+    /// Length of the log, from time 0 [default: 20, a drive 300, a driver's
+    /// path as long as it takes]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = duration_s)]
     pub(crate) duration_s: Option<f64>,
-    /// White noise on the roll angle, decibels below its mean square
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = decibels)]
-    pub(crate) snr_db: Option<f64>,
-    /// Seed of the noise and of the drive
+    /// Rate of rounded steps, 1/s
+    #[arg(long, value_name = "A", default_value_t = Histories::STEP_RATE_PER_S, allow_negative_numbers = true, value_parser = step_rate)]
+    pub(crate) step_rate: f64,
+    /// With steady-turn and the nonlinear plant: a driver turns by this angle (right if negative)
+    /// on a radius of --radius-m [default with --radius-m: 90]
+    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = turn_deg)]
+    pub(crate) turn_deg: Option<f64>,
+    /// Radius of that turn [default with --turn-deg: 100]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius_m)]
+    pub(crate) radius_m: Option<f64>,
+    /// With lane-change and the nonlinear plant: a driver changes the lane (3.65 m) over this gate
+    /// length (the source: 20 and 30)
+    #[arg(long, value_name = "L", allow_negative_numbers = true, value_parser = gate_m)]
+    pub(crate) gate_m: Option<f64>,
+    /// With drive: the speed changes by up to this share either way [default: 0.3 with the
+    /// nonlinear plant, else 0]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = speed_change)]
+    pub(crate) speed_change: Option<f64>,
+    /// With the nonlinear plant: the log ends where the vehicle rolls over; the default steer
+    /// amplitude is then that of 1.2 g
+    #[arg(long)]
+    pub(crate) to_rollover: bool,
+    #[command(flatten)]
+    pub(crate) sensors: SensorArgs,
+    /// Seed of the sensors and of the drive
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// The log to write: .csv or .csv.gz; `-` writes CSV to standard output
+    /// The log to write: .csv, .csv.gz or .log (J1939 frames as candump writes them); `-` writes CSV
+    /// to standard output
     #[arg(short, long, value_name = "LOG.csv")]
     pub(crate) output: PathBuf,
     /// Also write the truth as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RolloverArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    /// Speed of the ramps and of the lane change; measures that are defined at a speed keep it
+    /// [default: the vehicle file's]
+    #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
+    pub(crate) speed_mps: Option<f64>,
+    /// Lateral acceleration of the load transfer, in g
+    #[arg(long, value_name = "A", default_value_t = 0.15, allow_negative_numbers = true, value_parser = lateral_g)]
+    pub(crate) lateral_acceleration_g: f64,
+    /// Gate length of the lane change (the source: 20 and 30)
+    #[arg(long, value_name = "L", default_value_t = 20.0, allow_negative_numbers = true, value_parser = gate_m)]
+    pub(crate) gate_m: f64,
+    /// Output format
+    #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
+    pub(crate) format: ModelFormat,
 }
 
 #[derive(Debug, Args)]
@@ -218,37 +270,6 @@ pub(crate) struct ReproduceArgs {
     /// Seed of the first draw
     #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
     pub(crate) seed: u64,
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| "expected a number".to_owned())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(
-        |value| {
-            if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
-        },
-    )
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value >= 0.0 { Ok(value) } else { Err("must not be negative".to_owned()) }
-    })
-}
-
-fn decibels(text: &str) -> Result<f64, String> {
-    number(text).and_then(|value| {
-        if value.abs() <= 300.0 {
-            Ok(value)
-        } else {
-            Err("must lie between -300 and 300".to_owned())
-        }
-    })
 }
 
 /// Zero means as many as there are processors; each costs a thread, so there is an end to them.
@@ -338,14 +359,14 @@ mirrored!(PlantArg => Plant {
 mirrored!(ManeuverArg => Maneuver {
     /// Rounded step, held
     RoundedStep => Self::RoundedStep,
-    /// Into a turn and out again
+    /// Into a turn and out again, or a driver on a circle (--turn-deg, --radius-m)
     SteadyTurn => Self::SteadyTurn,
-    /// One sine of three seconds
+    /// One sine of three seconds, or a driver through a gate (--gate-m)
     LaneChange => Self::LaneChange,
     /// Sine of 0.2 Hz
     Sine => Self::Sine,
-    /// Linearly growing
+    /// Linearly growing (with --to-rollover until it rolls over)
     Ramp => Self::Ramp,
-    /// Random turns and straights
+    /// Minutes of ordinary driving: random turns to both sides and straights
     Drive => Self::Drive,
 });

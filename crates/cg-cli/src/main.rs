@@ -7,8 +7,10 @@
 //! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
 //! | `sink` | their output as table, JSON Lines or CSV |
 //! | `model` | `cg model`: what the vehicle model says |
-//! | `simulate` | `cg simulate`: logs with known truth |
+//! | `simulate`, `sensors` | `cg simulate`: logs with known truth, what sensors make of it |
+//! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
 //! | `reproduce` | `cg reproduce`: the source's tables beside ours |
+//! | `numbers` | arguments that are numbers, and their limits |
 //! | `draft` | files written whole or not at all |
 //!
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
@@ -18,7 +20,10 @@ mod cli;
 mod draft;
 mod estimate;
 mod model;
+mod numbers;
 mod reproduce;
+mod rollover;
+mod sensors;
 mod simulate;
 mod sink;
 
@@ -46,6 +51,7 @@ fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Rollover(arguments) => rollover::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
     };
     match result {

@@ -4,44 +4,69 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use cg_vehicle::Vehicle;
-use cg_vehicle::log::{LogWriter, Signal};
-use cg_vehicle::maneuver::Maneuver;
+use cg_vehicle::log::{CandumpWriter, LogWriter, Signal};
+use cg_vehicle::maneuver::{Course, Maneuver};
 use cg_vehicle::simulate::{LogSimulation, Scenario};
 
 use crate::Outcome;
-use crate::cli::SimulateArgs;
+use crate::cli::{ManeuverArg, PlantArg, SimulateArgs};
 use crate::draft::Draft;
 
-const COLUMNS: [Signal; 7] = [
-    Signal::Time,
-    Signal::Steer,
-    Signal::Roll,
-    Signal::Speed,
-    Signal::LateralAcceleration,
-    Signal::YawRate,
-    Signal::TrailerMass,
-];
+/// Seconds after a driver's path in which the trailer comes to rest.
+const AFTER_S: f64 = 5.0;
+
+fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
+    let turn = arguments.turn_deg.is_some() || arguments.radius_m.is_some();
+    match (arguments.maneuver, turn, arguments.gate_m) {
+        (_, false, None) => Ok(None),
+        (ManeuverArg::SteadyTurn, true, None) => Ok(Some(Course::Turn {
+            angle_rad: arguments.turn_deg.unwrap_or(90.0).to_radians(),
+            radius_m: arguments.radius_m.unwrap_or(100.0),
+        })),
+        (ManeuverArg::LaneChange, false, Some(gate_m)) => Ok(Some(Course::Gate { gate_m })),
+        _ => Err(anyhow!(
+            "--turn-deg and --radius-m are for --maneuver steady-turn, --gate-m for lane-change"
+        )),
+    }
+}
+
+fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
+    let usual = Scenario::of(vehicle, arguments.maneuver.into());
+    let speed_mps = arguments.speed_mps.unwrap_or(usual.speed_mps);
+    let course = course(arguments)?;
+    let path_m = course.map(|course| match course {
+        Course::Turn { angle_rad, radius_m } => angle_rad.abs() * radius_m,
+        Course::Gate { gate_m } => 15.0 + gate_m,
+    });
+    let usual_s = path_m.map(|path_m| arguments.start_s + path_m / speed_mps + AFTER_S);
+    let usual_change = match (usual.maneuver, arguments.plant) {
+        (Maneuver::Drive, PlantArg::Nonlinear) => 0.3,
+        _ => 0.0,
+    };
+    Ok(Scenario {
+        course,
+        step_rate_per_s: arguments.step_rate,
+        speed_change: arguments.speed_change.unwrap_or(usual_change),
+        to_rollover: arguments.to_rollover,
+        plant: arguments.plant.into(),
+        variant: arguments.model.into(),
+        load: arguments.load.load(vehicle),
+        speed_mps,
+        steer_rad: arguments.steer_rad,
+        rate_hz: arguments.rate_hz,
+        start_s: arguments.start_s,
+        duration_s: arguments.duration_s.or(usual_s).unwrap_or(usual.duration_s),
+        sensors: (&arguments.sensors).into(),
+        seed: arguments.seed,
+        ..usual
+    })
+}
 
 pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
-    let maneuver: Maneuver = arguments.maneuver.into();
-    let usual_s = if maneuver == Maneuver::Drive { 300.0 } else { 20.0 };
-    let simulation = LogSimulation::new(
-        &vehicle,
-        Scenario {
-            maneuver,
-            plant: arguments.plant.into(),
-            variant: arguments.model.into(),
-            load: arguments.load.load(&vehicle),
-            speed_mps: arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps),
-            steer_rad: arguments.steer_rad,
-            rate_hz: arguments.rate_hz,
-            start_s: arguments.start_s,
-            duration_s: arguments.duration_s.unwrap_or(usual_s),
-            snr_db: arguments.snr_db,
-            seed: arguments.seed,
-        },
-    )?;
+    let scenario = scenario(arguments, &vehicle)?;
+    let columns = scenario.sensors.columns();
+    let simulation = LogSimulation::new(&vehicle, scenario)?;
     let truth = serde_json::to_value(&simulation.truth)?;
     let comments: Vec<String> = truth
         .as_object()
@@ -57,16 +82,60 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
         Some(path) => Some(Draft::write(path, "--truth", &serde_json::to_string_pretty(&truth)?)?),
         None => None,
     };
-    let mut writer = if arguments.output.as_os_str() == "-" {
-        LogWriter::from_writer("standard output", Box::new(std::io::stdout()), &comments, &COLUMNS)?
+    if is_candump(&arguments.output) {
+        write_candump(&simulation, &vehicle, &arguments.output)?;
     } else {
-        check_name(&arguments.output)?;
-        LogWriter::create(&arguments.output, &comments, &COLUMNS)?
-    };
-    simulation.run(|row| writer.write_row(row))?;
-    writer.finish()?;
+        write_csv(&simulation, &arguments.output, &comments, &columns)?;
+    }
     draft.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
+}
+
+fn write_csv(
+    simulation: &LogSimulation,
+    output: &Path,
+    comments: &[String],
+    columns: &[Signal],
+) -> anyhow::Result<()> {
+    let mut writer = if output.as_os_str() == "-" {
+        let stream = Box::new(std::io::stdout());
+        LogWriter::from_writer("standard output", stream, comments, columns)?
+    } else {
+        check_name(output)?;
+        LogWriter::create(output, comments, columns)?
+    };
+    simulation.run(|row| writer.write_row(row))?;
+    Ok(writer.finish()?)
+}
+
+fn is_candump(output: &Path) -> bool {
+    output.extension().is_some_and(|extension| extension == "log")
+}
+
+/// J1939 knows the steering wheel only: without a steering ratio there is no steer angle to send.
+fn write_candump(
+    simulation: &LogSimulation,
+    vehicle: &Vehicle,
+    output: &Path,
+) -> anyhow::Result<()> {
+    let mut writer = CandumpWriter::create(output, vehicle.steering_ratio.unwrap_or(f64::NAN))?;
+    simulation.run(|row| writer.write_row(row))?;
+    let lost = writer.out_of_range();
+    writer.finish()?;
+    if vehicle.steering_ratio.is_none() {
+        crate::report(&anyhow!(
+            "{}: without a steering angle: J1939 has that of the steering wheel, and the vehicle \
+             file no steering_ratio",
+            output.display()
+        ));
+    }
+    if lost > 0 {
+        crate::report(&anyhow!(
+            "{}: {lost} values beyond the range of their J1939 signal are \"not available\"",
+            output.display()
+        ));
+    }
+    Ok(())
 }
 
 fn check_name(path: &Path) -> anyhow::Result<()> {
@@ -74,6 +143,8 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
     if name.ends_with(".csv") || name.ends_with(".csv.gz") {
         Ok(())
     } else {
-        Err(anyhow!("{name}: a log ends in .csv or .csv.gz; give --output such a name"))
+        Err(anyhow!(
+            "{name}: a log ends in .csv, .csv.gz or .log (CAN frames); give --output such a name"
+        ))
     }
 }

@@ -127,7 +127,7 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
 
 /// The trailer rests on its own axles and, over the fifth wheel, on the tractor's rear axles:
 /// the effective half track is their mean, weighted with what each carries of the trailer.
-fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
+pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
     let balance = static_balance(vehicle, load)?;
     let axles = vehicle.axles();
     let hitch_behind_m = vehicle.tractor.hitch_behind_cg_m;

@@ -13,7 +13,8 @@
 //! | [`belief`], [`calibration`] | what is not known of a truck, and what runs say of it | eq. 5.19 |
 //! | [`design`] | the constants for `cg_core` | – |
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
-//! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
+//! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
+//! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
 //! | [`log`] | log files in and out | – |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
@@ -39,6 +40,9 @@ pub mod reduction;
 pub mod compensation;
 pub mod design;
 pub mod plant;
+pub mod limits;
+pub mod rollover;
+pub mod sensors;
 pub mod simulate;
 pub mod log;
 pub mod estimate;

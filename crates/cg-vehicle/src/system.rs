@@ -303,6 +303,13 @@ impl Simulation {
         }
     }
 
+    /// Goes on with the equations of another model of the same states.
+    pub(crate) fn continue_as(&mut self, next: &Self) {
+        self.transition.copy_from(&next.transition);
+        self.held.copy_from(&next.held);
+        self.ramp.copy_from(&next.ramp);
+    }
+
     /// The input at the first sample.
     pub(crate) fn start(&mut self, input: f64) {
         self.input = input;

@@ -17,17 +17,13 @@ const CALIBRATED_AT_M: f64 = 1.973;
 
 fn drive(vehicle: &Vehicle, cg_height_m: f64, estimator: &mut LogEstimator) {
     let scenario = Scenario {
-        maneuver: Maneuver::RoundedStep,
         plant: Plant::Nonlinear,
-        variant: Variant::Complete,
         load: Load { cg_height_m, ..vehicle.reference_load() },
-        speed_mps: vehicle.nominal_speed_mps,
         steer_rad: Some(0.05),
         rate_hz: 50.0,
         start_s: 2.0,
         duration_s: 20.0,
-        snr_db: None,
-        seed: 1,
+        ..Scenario::of(vehicle, Maneuver::RoundedStep)
     };
     LogSimulation::new(vehicle, scenario)
         .unwrap()

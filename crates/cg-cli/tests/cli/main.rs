@@ -12,6 +12,7 @@
 //! | `output` | the formats of `cg estimate` |
 //! | `model` | `cg model` beside the printed numbers |
 //! | `simulate` | logs with known truth, there and back |
+//! | `rollover` | every measure with its unit and its meaning |
 //! | `reproduce` | the source's tables beside ours |
 //! | `memory` | long logs in the memory of short ones |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
@@ -23,6 +24,7 @@ mod memory;
 mod model;
 mod output;
 mod reproduce;
+mod rollover;
 mod simulate;
 mod streams;
 mod usage;

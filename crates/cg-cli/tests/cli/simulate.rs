@@ -114,7 +114,7 @@ fn a_simulation_that_cannot_be_written_leaves_nothing() {
         (&nowhere, &truth, ["file.csv", "cannot be written", "check the folder"]),
         (&log, &nowhere, ["file.csv", "cannot be written", "check the folder"]),
         (&log, &folder, ["folder", "is a folder", "give --truth a file"]),
-        (&folder, &truth, ["folder", ".csv or .csv.gz", "--output"]),
+        (&folder, &truth, ["folder", ".csv, .csv.gz or .log", "--output"]),
     ] {
         let vehicle = kraz();
         let simulate = ["simulate", "--vehicle", &vehicle, "--maneuver", "sine"];
@@ -129,7 +129,47 @@ fn a_simulation_that_fails_keeps_the_log_that_was_there() {
     let log = scratch.file("log.csv", "precious");
     let vehicle = kraz();
     let simulate = ["simulate", "--vehicle", &vehicle, "--maneuver", "sine", "-o", &log];
-    cg(&[&simulate[..], &["--rate-hz", "1e7"]].concat())
-        .refused(&["log.csv, line ", "does not come after"]);
+    // The truck rolls over after some seconds.
+    let plant = ["--plant", "nonlinear", "--steer-rad", "0.4", "--duration-s", "10"];
+    cg(&[&simulate[..], &plant].concat()).refused(&["the vehicle rolled over at"]);
     assert_eq!((scratch.names(), bytes(&log)), (vec!["log.csv".to_owned()], b"precious".to_vec()));
+}
+
+/// A candump log has the frames of the same drive's CSV log, and its truth in the sidecar only.
+#[test]
+fn a_log_of_can_frames_is_the_same_drive() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let vehicle = scratch.file("v.toml", format!("steering_ratio = 20.0\n{text}"));
+    let truth = scratch.path("truth.json");
+    let more = ["--maneuver", "rounded-step", "--truth", &truth, "--duration-s", "10"];
+    let csv = scratch.simulate("drive.csv", &vehicle, &more[..2]);
+    let log = scratch.simulate("drive.log", &vehicle, &more);
+    let frames = std::fs::read_to_string(log).unwrap();
+    let of = |group: &str| frames.lines().filter(|line| line.contains(group)).count();
+    // 1001 samples at 100 Hz; speed ten times a second, the trailer's weight once.
+    assert_eq!((of("18F0090B#"), of("0CF029E4#")), (1001, 1001));
+    assert_eq!((of("18FEF100#"), of("18FEEAC8#")), (101, 11));
+    assert!(frames.lines().all(|line| line.starts_with('(') && line.contains(" can0 ")));
+    assert!(std::fs::read_to_string(truth).unwrap().contains("height_m"));
+    // The last roll angle of the frames is that of the CSV log at ten seconds, to half a bit.
+    let last = frames.lines().rev().find(|line| line.contains("0CF029E4#")).unwrap();
+    let bytes = &last[last.len() - 16..];
+    let byte = |k: usize| u32::from_str_radix(&bytes[2 * k..2 * k + 2], 16).unwrap();
+    let raw = byte(3) | (byte(4) << 8) | (byte(5) << 16);
+    let roll_rad = (f64::from(raw) / 32768.0 - 250.0).to_radians();
+    let rows = std::fs::read_to_string(csv).unwrap();
+    let row = rows.lines().find(|line| line.starts_with("10,")).unwrap();
+    let expected: f64 = row.split(',').nth(2).unwrap().parse().unwrap();
+    assert!((roll_rad - expected).abs() <= (0.5_f64 / 32768.0).to_radians(), "{roll_rad} {row}");
+}
+
+/// Without a steering ratio the rest is sent, and it is said.
+#[test]
+fn a_log_of_can_frames_without_a_steering_ratio_says_so() {
+    let scratch = Scratch::new();
+    let log = scratch.path("drive.log");
+    let arguments = ["simulate", "--vehicle", &kraz(), "--maneuver", "sine", "-o", &log];
+    cg(&arguments).told(0, &["without a steering angle", "no steering_ratio"]);
+    assert_eq!(scratch.names(), ["drive.log"]);
 }

@@ -124,6 +124,32 @@ impl YawRollPlant {
             + trailer.outward(self.parameters.trailer.cg)[2]
     }
 
+    /// Position of an axle's centre, seen from above, along and to the left of the first heading.
+    pub fn axle_position_m(&self, state: &State, axle: usize) -> [f64; 2] {
+        let position = [state.get(Coordinate::PositionX), state.get(Coordinate::PositionY)];
+        let Some(seen) = self.parameters.axles.get(axle) else { return position };
+        let attitude = |pitch, roll| body::Attitude::new(state.get(pitch), state.get(roll));
+        let turned = |from: [f64; 2], by: vector::Vector, yaw: Coordinate| {
+            let (sin, cos) = state.get(yaw).sin_cos();
+            [from[0] + cos * by[0] - sin * by[1], from[1] + sin * by[0] + cos * by[1]]
+        };
+        let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
+        // From the roll centre down the axle's own vertical.
+        let down_m = state.axle(axle, AxleCoordinate::Rise);
+        let aside_m = down_m * state.axle(axle, AxleCoordinate::Roll).sin();
+        let center = |attitude: &body::Attitude| {
+            let [x, y, z] = attitude.outward(seen.roll_center);
+            [x, y + aside_m, z]
+        };
+        if !seen.on_trailer {
+            return turned(position, center(&tractor), Coordinate::TractorYaw);
+        }
+        let trailer = attitude(Coordinate::TrailerPitch, Coordinate::TrailerRoll);
+        let arm = tractor.outward(self.parameters.hitch_arm);
+        let hitch = turned(position, arm, Coordinate::TractorYaw);
+        turned(hitch, center(&trailer), Coordinate::TrailerYaw)
+    }
+
     /// A run from straight running at a speed; on a bank the steer angle that holds it is the
     /// first one.
     ///

@@ -16,7 +16,7 @@ use crate::error::VehicleError;
 use crate::estimate::{EstimateOptions, LogEstimator};
 use crate::linear::Variant;
 use crate::maneuver::Maneuver;
-use crate::simulate::{LogSimulation, Plant, Scenario};
+use crate::simulate::{LogSimulation, Scenario};
 use crate::vehicle::Vehicle;
 
 const RATE_HZ: f64 = 100.0;
@@ -74,17 +74,10 @@ fn with_springs(vehicle: &Vehicle, factor: f64) -> Vehicle {
 /// Hands the truck's log to an estimator.
 fn drive(truck: &Vehicle, estimator: &mut LogEstimator) -> Result<(), VehicleError> {
     let scenario = Scenario {
-        maneuver: Maneuver::RoundedStep,
-        plant: Plant::Linear,
-        variant: Variant::Complete,
-        load: truck.reference_load(),
-        speed_mps: truck.nominal_speed_mps,
-        steer_rad: None,
         rate_hz: RATE_HZ,
         start_s: START_S,
         duration_s: DURATION_S,
-        snr_db: None,
-        seed: 1,
+        ..Scenario::of(truck, Maneuver::RoundedStep)
     };
     LogSimulation::new(truck, scenario)?
         .run(|row| estimator.push(row).map_err(|error| VehicleError::Model(error.to_string())))

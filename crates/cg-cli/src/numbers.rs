@@ -1,0 +1,120 @@
+//! Arguments that are numbers, and their limits.
+
+use cg_vehicle::{limits, sensors};
+
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| "expected a number".to_owned())
+}
+
+fn at_most(value: f64, greatest: f64) -> Result<f64, String> {
+    if value <= greatest { Ok(value) } else { Err(format!("must be at most {greatest}")) }
+}
+
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    number(text).and_then(
+        |value| {
+            if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
+        },
+    )
+}
+
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if value >= 0.0 { Ok(value) } else { Err("must not be negative".to_owned()) }
+    })
+}
+
+/// Between these, both included.
+fn within(text: &str, least: f64, greatest: f64) -> Result<f64, String> {
+    number(text).and_then(|value| {
+        if (least..=greatest).contains(&value) {
+            Ok(value)
+        } else {
+            Err(format!("must lie between {least} and {greatest}"))
+        }
+    })
+}
+
+pub(crate) fn decibels(text: &str) -> Result<f64, String> {
+    within(text, -300.0, 300.0)
+}
+
+pub(crate) fn height_m(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_HEIGHT_M)
+}
+
+pub(crate) fn trailer_mass_kg(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_TRAILER_MASS_KG)
+}
+
+pub(crate) fn payload_kg(text: &str) -> Result<f64, String> {
+    at_most(not_negative(text)?, limits::GREATEST_TRAILER_MASS_KG)
+}
+
+pub(crate) fn speed_mps(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_SPEED_MPS)
+}
+
+pub(crate) fn steer_rad(text: &str) -> Result<f64, String> {
+    within(text, -limits::GREATEST_STEER_RAD, limits::GREATEST_STEER_RAD)
+}
+
+pub(crate) fn rate_hz(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_RATE_HZ)
+}
+
+pub(crate) fn duration_s(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_DURATION_S)
+}
+
+/// A lateral acceleration or a gate length: positive, and nothing beyond reason.
+pub(crate) fn lateral_g(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, 1.0)
+}
+
+pub(crate) fn gate_m(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 1000.0)
+}
+
+pub(crate) fn step_rate(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_STEP_RATE_PER_S)
+}
+
+pub(crate) fn speed_change(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 0.5)
+}
+
+/// Not zero: a turn has a side.
+pub(crate) fn turn_deg(text: &str) -> Result<f64, String> {
+    within(text, -360.0, 360.0).and_then(|value| {
+        if value.abs() >= 1.0 { Ok(value) } else { Err("must be at least 1 either way".to_owned()) }
+    })
+}
+
+pub(crate) fn radius_m(text: &str) -> Result<f64, String> {
+    within(text, 10.0, 10_000.0)
+}
+
+pub(crate) fn offset_rad(text: &str) -> Result<f64, String> {
+    within(text, -sensors::GREATEST_OFFSET_RAD, sensors::GREATEST_OFFSET_RAD)
+}
+
+pub(crate) fn quantisation_rad(text: &str) -> Result<f64, String> {
+    within(text, 0.0, sensors::GREATEST_QUANTISATION_RAD)
+}
+
+pub(crate) fn delay_s(text: &str) -> Result<f64, String> {
+    within(text, 0.0, sensors::GREATEST_DELAY_S)
+}
+
+/// Its upper limit depends on the sampling rate and is the library's.
+pub(crate) fn jitter_s(text: &str) -> Result<f64, String> {
+    not_negative(text)
+}
+
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    within(text, 0.0, sensors::GREATEST_DROP_OUT)
+}

@@ -1,0 +1,47 @@
+//! `cg rollover`.
+
+use crate::common::{cg, fixture};
+
+#[test]
+fn every_measure_has_a_value_and_a_meaning() {
+    let vehicle = fixture("vehicles/baseline-tables.toml");
+    let answer = cg(&["rollover", "--vehicle", &vehicle, "--format", "json"]).done().answer();
+    let meanings = answer["meaning"].as_object().unwrap();
+    assert!(meanings.len() >= 18, "{answer}");
+    for (name, meaning) in meanings {
+        assert!(answer[name].is_f64(), "{name}: {}", answer[name]);
+        assert!(meaning.as_str().unwrap().ends_with('.'), "{meaning}");
+    }
+    assert_eq!(answer["rearward_amplification_over_hz"].as_array().unwrap().len(), 20);
+    let threshold = |more: &[&str]| {
+        let base = ["rollover", "--vehicle", &vehicle, "--format", "json"];
+        let answer = cg(&[&base[..], more].concat()).done().answer();
+        answer["static_rollover_threshold_g"].as_f64().unwrap()
+    };
+    let high = threshold(&["--height-m", "2.4"]);
+    let light = threshold(&["--height-m", "2.4", "--payload-kg", "18000"]);
+    assert!(high < answer["static_rollover_threshold_g"].as_f64().unwrap() && light > high);
+}
+
+#[test]
+fn the_table_holds_every_measure_and_its_unit() {
+    let vehicle = fixture("vehicles/kraz.toml");
+    let run = cg(&["rollover", "--vehicle", &vehicle]).done();
+    for part in ["static rollover threshold", " g ", "rearward amplification", "Hz", " s ", " m "] {
+        assert!(run.out.contains(part), "no {part:?} in {}", run.out);
+    }
+}
+
+#[test]
+fn nonsense_is_refused_with_the_limit() {
+    let vehicle = fixture("vehicles/kraz.toml");
+    for (option, value, remedy) in [
+        ("--height-m", "1e9", "must be at most 6"),
+        ("--speed-mps", "0", "must be positive"),
+        ("--gate-m", "0", "must lie between 1 and 1000"),
+        ("--lateral-acceleration-g", "7", "must be at most 1"),
+        ("--trailer-mass-kg", "100", "below the empty trailer's"),
+    ] {
+        cg(&["rollover", "--vehicle", &vehicle, option, value]).refused(&[remedy]);
+    }
+}

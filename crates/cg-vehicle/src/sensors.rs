@@ -1,0 +1,181 @@
+//! What sensors make of the truth: offsets, noise, quantisation, delay, jitter, drop-outs.
+//!
+//! ```text
+//!     roll ─ delayed ─ + a_y/g if inclinometer ─ + offset ─ + noise ─ rounded ─ lost ─► roll or tilt
+//!     steer ─ + offset ─ × steering ratio if steering wheel ─► steer or steering wheel
+//!     time ─ + jitter ─► time stamp
+//! ```
+
+use std::collections::VecDeque;
+
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, Normal};
+use serde::Serialize;
+
+use crate::error::VehicleError;
+use crate::log::{LogRow, Signal};
+
+/// The greatest offset of roll and steer.
+pub const GREATEST_OFFSET_RAD: f64 = 0.2;
+/// The greatest step of quantisation.
+pub const GREATEST_QUANTISATION_RAD: f64 = 0.1;
+/// The greatest delay.
+pub const GREATEST_DELAY_S: f64 = 2.0;
+/// The greatest share of lost rows.
+pub const GREATEST_DROP_OUT: f64 = 0.95;
+
+/// The sensors of a simulated log; the default is perfect ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Sensors {
+    /// White noise on the roll angle, decibels below its mean square.
+    pub snr_db: Option<f64>,
+    /// Constant offset of the roll sensor.
+    pub roll_offset_rad: f64,
+    /// Constant offset of the steer angle, at the road wheels.
+    pub steer_offset_rad: f64,
+    /// Step of the roll sensor; zero for none.
+    pub quantisation_rad: f64,
+    /// By how much the roll sensor is late.
+    pub delay_s: f64,
+    /// An accelerometer inclinometer, which feels lateral acceleration: roll + `a_y/g`.
+    pub inclinometer: bool,
+    /// Time stamps lie up to this much beside the instant of the sample, uniformly.
+    pub jitter_s: f64,
+    /// Share of the rows whose roll angle is lost, at random.
+    pub drop_out: f64,
+    /// The steering-wheel angle in place of that of the road wheels.
+    pub steering_wheel: bool,
+}
+
+impl Sensors {
+    /// Whether the numbers make sense at a sampling rate.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] with the number and its limits.
+    pub fn check(&self, rate_hz: f64) -> Result<(), VehicleError> {
+        let half_s = 0.5 / rate_hz;
+        for (name, value, least, greatest) in [
+            ("roll offset (rad)", self.roll_offset_rad, -GREATEST_OFFSET_RAD, GREATEST_OFFSET_RAD),
+            (
+                "steer offset (rad)",
+                self.steer_offset_rad,
+                -GREATEST_OFFSET_RAD,
+                GREATEST_OFFSET_RAD,
+            ),
+            ("quantisation (rad)", self.quantisation_rad, 0.0, GREATEST_QUANTISATION_RAD),
+            ("delay (s)", self.delay_s, 0.0, GREATEST_DELAY_S),
+            ("drop-out (share)", self.drop_out, 0.0, GREATEST_DROP_OUT),
+            // Less than half an interval, so that time increases.
+            ("jitter (s)", self.jitter_s, 0.0, 0.98 * half_s),
+        ] {
+            if !(least..=greatest).contains(&value) {
+                return Err(VehicleError::Model(format!(
+                    "{name} {value} must lie between {least} and {greatest}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of a log of these sensors.
+    pub fn columns(&self) -> [Signal; 7] {
+        [
+            Signal::Time,
+            if self.steering_wheel { Signal::SteeringWheel } else { Signal::Steer },
+            if self.inclinometer { Signal::Tilt } else { Signal::Roll },
+            Signal::Speed,
+            Signal::LateralAcceleration,
+            Signal::YawRate,
+            Signal::TrailerMass,
+        ]
+    }
+}
+
+/// Sensors at work: true rows in, measured rows out.
+#[derive(Clone, Debug)]
+pub struct Instruments {
+    sensors: Sensors,
+    noise: Option<Normal<f64>>,
+    gravity_mps2: f64,
+    steering_ratio: f64,
+    noise_source: StdRng,
+    /// Of jitter and drop-outs: noise is the same with and without them.
+    chance: StdRng,
+    /// True time and roll angle, as far back as the delay reaches.
+    past: VecDeque<(f64, f64)>,
+    is_first: bool,
+}
+
+impl Instruments {
+    /// Before the first row. The steering ratio counts with [`Sensors::steering_wheel`] only.
+    pub fn new(
+        sensors: &Sensors,
+        noise_sd_rad: f64,
+        gravity_mps2: f64,
+        steering_ratio: f64,
+        seed: u64,
+    ) -> Self {
+        Self {
+            sensors: *sensors,
+            // A standard deviation that is finite and not negative always makes a distribution.
+            noise: Normal::new(0.0, noise_sd_rad).ok(),
+            gravity_mps2,
+            steering_ratio,
+            noise_source: StdRng::seed_from_u64(seed),
+            chance: StdRng::seed_from_u64(!seed),
+            past: VecDeque::new(),
+            is_first: true,
+        }
+    }
+
+    /// What the sensors show of a true row.
+    pub fn measure(&mut self, truth: &LogRow) -> LogRow {
+        let sensors = self.sensors;
+        let mut row = *truth;
+        row.steer_rad += sensors.steer_offset_rad;
+        if sensors.steering_wheel {
+            row.steering_wheel_rad = row.steer_rad * self.steering_ratio;
+            row.steer_rad = f64::NAN;
+        }
+        let mut roll_rad = self.delayed_roll_rad(truth);
+        if sensors.inclinometer {
+            roll_rad += truth.lateral_acceleration_mps2 / self.gravity_mps2;
+        }
+        roll_rad += sensors.roll_offset_rad;
+        roll_rad += self.noise.map_or(0.0, |noise| noise.sample(&mut self.noise_source));
+        if sensors.quantisation_rad > 0.0 {
+            let step_rad = sensors.quantisation_rad;
+            roll_rad = (roll_rad / step_rad).round() * step_rad;
+        }
+        if sensors.drop_out > 0.0 && self.chance.random_bool(sensors.drop_out) {
+            roll_rad = f64::NAN;
+        }
+        if sensors.jitter_s > 0.0 && !self.is_first {
+            row.time_s += sensors.jitter_s * self.chance.random_range(-1.0..1.0);
+        }
+        self.is_first = false;
+        (row.roll_rad, row.tilt_rad) =
+            if sensors.inclinometer { (f64::NAN, roll_rad) } else { (roll_rad, f64::NAN) };
+        row
+    }
+
+    /// The roll angle of `delay_s` ago, between rows along a straight line; the first one before.
+    fn delayed_roll_rad(&mut self, truth: &LogRow) -> f64 {
+        if self.sensors.delay_s <= 0.0 {
+            return truth.roll_rad;
+        }
+        self.past.push_back((truth.time_s, truth.roll_rad));
+        let then_s = truth.time_s - self.sensors.delay_s;
+        while self.past.get(1).is_some_and(|next| next.0 <= then_s) {
+            self.past.pop_front();
+        }
+        match (self.past.front(), self.past.get(1)) {
+            (Some(before), Some(after)) if then_s > before.0 => {
+                before.1 + (after.1 - before.1) * (then_s - before.0) / (after.0 - before.0)
+            }
+            (Some(before), _) => before.1,
+            _ => truth.roll_rad,
+        }
+    }
+}
