@@ -14,6 +14,7 @@
 //! | [`design`] | the constants for `cg_core` | – |
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
 //! | [`maneuver`], [`simulate`] | steer histories, logs with known truth | section 5.3 |
+//! | [`study`] | the nonlinear plant over maneuver, load and vehicle | sections 2.5–2.7 |
 //! | [`log`] | log files in and out | – |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
@@ -38,6 +39,7 @@ pub mod compensation;
 pub mod design;
 pub mod plant;
 pub mod simulate;
+pub mod study;
 pub mod log;
 pub mod estimate;
 pub mod reproduce;
