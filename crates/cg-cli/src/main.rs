@@ -9,6 +9,8 @@
 //! | `model` | `cg model`: what the vehicle model says |
 //! | `simulate` | `cg simulate`: logs with known truth |
 //! | `reproduce` | `cg reproduce`: the source's tables beside ours |
+//! | `study` | `cg study`: chapter 2 as CSV files and figures |
+//! | `units` | SI to the units of its columns and axes |
 //! | `draft` | files written whole or not at all |
 //!
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
@@ -21,6 +23,8 @@ mod model;
 mod reproduce;
 mod simulate;
 mod sink;
+mod study;
+mod units;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -47,6 +51,7 @@ fn main() -> ExitCode {
         Command::Model(arguments) => model::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -13,6 +13,7 @@
 //! | `model` | `cg model` beside the printed numbers |
 //! | `simulate` | logs with known truth, there and back |
 //! | `reproduce` | the source's tables beside ours |
+//! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs in the memory of short ones |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -25,5 +26,6 @@ mod output;
 mod reproduce;
 mod simulate;
 mod streams;
+mod study;
 mod usage;
 mod vehicles;
