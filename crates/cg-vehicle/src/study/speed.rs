@@ -138,7 +138,7 @@ fn statements(setting: &Setting, lateral: &[Series], roll: &[Series]) -> Vec<Sta
                 || "no lateral acceleration in common".to_owned(),
                 |(mean, count)| format!("{mean:+.2}° (mean of {count} points in common)"),
             ),
-            agrees: difference.is_some_and(|(mean, _)| (mean - 0.28).abs() < 0.14),
+            agrees: difference.is_some_and(|(mean, _)| (mean - 0.28).abs() < 0.1),
         },
     ]
 }
