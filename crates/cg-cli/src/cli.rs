@@ -47,6 +47,8 @@ pub(crate) enum Command {
     Rollover(RolloverArgs),
     /// Compute the source's tables anew and set ours beside them
     Reproduce(ReproduceArgs),
+    /// Run a study of the source's chapter 2 on the nonlinear plant: a CSV file and a figure
+    Study(StudyArgs),
 }
 
 #[derive(Debug, Args)]
@@ -270,6 +272,22 @@ pub(crate) struct ReproduceArgs {
     /// Seed of the first draw
     #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
     pub(crate) seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StudyArgs {
+    /// Which one; an unknown one lists all
+    #[arg(required_unless_present = "list")]
+    pub(crate) name: Option<String>,
+    /// List all studies
+    #[arg(long, conflicts_with_all = ["name", "vehicle", "output"])]
+    pub(crate) list: bool,
+    /// The vehicle file, in place of the source's baseline with its measured springs and tyres
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: Option<PathBuf>,
+    /// Where NAME.csv and NAME.svg go; made if it does not exist
+    #[arg(short, long, value_name = "FOLDER", default_value = ".", hide_default_value = true)]
+    pub(crate) output: PathBuf,
 }
 
 /// Zero means as many as there are processors; each costs a thread, so there is an end to them.

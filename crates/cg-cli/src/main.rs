@@ -11,6 +11,8 @@
 //! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
 //! | `reproduce` | `cg reproduce`: the source's tables beside ours |
 //! | `numbers` | arguments that are numbers, and their limits |
+//! | `study` | `cg study`: chapter 2 as CSV files and figures |
+//! | `units` | SI to the units of its columns and axes |
 //! | `draft` | files written whole or not at all |
 //!
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
@@ -26,6 +28,8 @@ mod rollover;
 mod sensors;
 mod simulate;
 mod sink;
+mod study;
+mod units;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -53,6 +57,7 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Rollover(arguments) => rollover::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

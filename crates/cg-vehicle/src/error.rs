@@ -60,6 +60,14 @@ pub enum VehicleError {
         /// All names.
         known: String,
     },
+    /// No such study.
+    #[error("no study `{name}`; there are {known}")]
+    UnknownStudy {
+        /// The name asked for.
+        name: String,
+        /// All names.
+        known: String,
+    },
     /// The static balance, the model or its reduction has no usable solution.
     #[error("{0}")]
     Model(String),

@@ -15,6 +15,7 @@
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
 //! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
 //! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
+//! | [`study`] | the nonlinear plant over maneuver, load and vehicle | sections 2.5–2.7 |
 //! | [`log`] | log files in and out | – |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
@@ -44,6 +45,7 @@ pub mod limits;
 pub mod rollover;
 pub mod sensors;
 pub mod simulate;
+pub mod study;
 pub mod log;
 pub mod estimate;
 pub mod reproduce;

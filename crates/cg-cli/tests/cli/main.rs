@@ -14,6 +14,7 @@
 //! | `simulate` | logs with known truth, there and back |
 //! | `rollover` | every measure with its unit and its meaning |
 //! | `reproduce` | the source's tables beside ours |
+//! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs in the memory of short ones |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -27,5 +28,6 @@ mod reproduce;
 mod rollover;
 mod simulate;
 mod streams;
+mod study;
 mod usage;
 mod vehicles;

@@ -23,6 +23,9 @@ pub struct PlantOptions {
     pub bank_rad: f64,
     /// How far the payload's c.g. lies to the left of the middle.
     pub payload_left_m: f64,
+    /// How far it lies behind the place that the vehicle file gives it. Springs and tyres stay
+    /// those of that place: the body settles.
+    pub payload_behind_m: f64,
     /// The load under which the heights of the vehicle file hold; without it every load rests at
     /// those heights (as the linear model has it). The height of the load itself is always the
     /// one at rest.
@@ -38,6 +41,7 @@ impl Default for PlantOptions {
             tyres: Characteristics::Measured,
             bank_rad: 0.0,
             payload_left_m: 0.0,
+            payload_behind_m: 0.0,
             design_load: None,
             step_s: 1e-3,
         }

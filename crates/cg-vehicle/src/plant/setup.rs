@@ -103,8 +103,11 @@ fn check(
     if !(options.step_s.is_finite() && options.step_s > 0.0) {
         return Err(model(format!("step {} s must be positive", options.step_s)));
     }
-    if !(options.bank_rad.abs() < 0.5 && options.payload_left_m.is_finite()) {
+    if !(options.bank_rad.abs() < 0.5) {
         return Err(model(format!("a bank of {} rad is no road", options.bank_rad)));
+    }
+    if ![options.payload_left_m, options.payload_behind_m].iter().all(|m| m.is_finite()) {
+        return Err(model("the payload's place must be finite".to_owned()));
     }
     Ok(())
 }
@@ -210,15 +213,24 @@ fn trailer(vehicle: &Vehicle, load: Load, options: &PlantOptions) -> Result<Spru
     let sprung = vehicle.trailer_sprung_mass(load)?;
     let share = sprung.payload_kg / sprung.mass_kg;
     let left_m = share * options.payload_left_m;
+    let behind_m = share * options.payload_behind_m;
     // Steiner's part of a payload beside the tare; products of inertia are left out.
-    let beside = share * (sprung.mass_kg - sprung.payload_kg) * options.payload_left_m.powi(2);
+    let apart_kg = share * (sprung.mass_kg - sprung.payload_kg);
+    let beside = apart_kg * options.payload_left_m.powi(2);
+    let place = &vehicle.trailer;
+    let along_m = place.payload.behind_hitch_m - place.tare.cg_behind_hitch_m;
+    let along = apart_kg * ((along_m + options.payload_behind_m).powi(2) - along_m.powi(2));
     Ok(Sprung {
         mass_kg: sprung.mass_kg,
         inertia_kgm2: [
             sprung.roll_inertia_kgm2 + beside,
-            sprung.pitch_inertia_kgm2,
-            sprung.yaw_inertia_kgm2 + beside,
+            sprung.pitch_inertia_kgm2 + along,
+            sprung.yaw_inertia_kgm2 + beside + along,
         ],
-        cg: [-sprung.cg_behind_hitch_m, left_m, sprung.cg_height_m - vehicle.hitch.height_m],
+        cg: [
+            -sprung.cg_behind_hitch_m - behind_m,
+            left_m,
+            sprung.cg_height_m - vehicle.hitch.height_m,
+        ],
     })
 }

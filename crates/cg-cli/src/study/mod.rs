@@ -1,0 +1,90 @@
+//! `cg study`: chapter 2 computed again; a CSV file and a figure of each study.
+//!
+//! | file | what |
+//! |---|---|
+//! | `table` | the CSV file |
+//! | `figure` | panels on a page: title, legends, footnote |
+//! | `axes` | ranges, ticks, grid |
+//! | `canvas` | lines and words on an SVG page |
+
+mod axes;
+mod canvas;
+mod figure;
+mod table;
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use cg_vehicle::Vehicle;
+use cg_vehicle::study::{Study, studies, study};
+use comfy_table::presets::NOTHING;
+use comfy_table::{ContentArrangement, Table};
+
+use crate::Outcome;
+use crate::cli::StudyArgs;
+use crate::draft::Draft;
+
+/// Width of the printed summary.
+const WIDTH: u16 = 120;
+
+pub(crate) fn run(arguments: &StudyArgs) -> anyhow::Result<Outcome> {
+    let Some(name) = &arguments.name else { return list() };
+    let folder = &arguments.output;
+    if folder.exists() && !folder.is_dir() {
+        return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));
+    }
+    let vehicle = arguments.vehicle.as_ref().map(Vehicle::load).transpose()?;
+    let study = study(name, vehicle.as_ref())?;
+    let files = write(&study, folder)?;
+    print(&mut std::io::stdout().lock(), &study, &files)
+        .context("standard output: cannot be written")?;
+    Ok(Outcome::Done)
+}
+
+fn list() -> anyhow::Result<Outcome> {
+    let mut table = Table::new();
+    table.load_preset(NOTHING);
+    for listed in studies() {
+        table.add_row([listed.name, listed.about, listed.figures]);
+    }
+    writeln!(std::io::stdout().lock(), "{}", table.trim_fmt())
+        .context("standard output: cannot be written")?;
+    Ok(Outcome::Done)
+}
+
+/// Both files or none; their names.
+fn write(study: &Study, folder: &Path) -> anyhow::Result<[String; 2]> {
+    let (table, figure) = (table::csv(study)?, figure::svg(study)?);
+    if !folder.exists() {
+        std::fs::create_dir(folder)
+            .with_context(|| format!("{}: cannot be made; give a folder", folder.display()))?;
+    }
+    let files = ["csv", "svg"].map(|end| folder.join(format!("{}.{end}", study.name)));
+    let drafts = [
+        Draft::write(&files[0], "--output", &table)?,
+        Draft::write(&files[1], "--output", &figure)?,
+    ];
+    for draft in drafts {
+        draft.publish()?;
+    }
+    Ok(files.map(|file| file.display().to_string()))
+}
+
+/// What is seen, and each statement of the source beside ours.
+fn print(out: &mut impl Write, study: &Study, files: &[String; 2]) -> std::io::Result<()> {
+    let mut table = Table::new();
+    table.load_preset(NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+    table.set_header(["", "thesis", "ours", "agrees"]);
+    for statement in &study.statements {
+        let agrees = if statement.agrees { "yes" } else { "no" };
+        table.add_row([statement.place, statement.thesis, &statement.ours, agrees]);
+    }
+    writeln!(out, "{}.", study.finding)?;
+    for line in &study.scenario {
+        writeln!(out, "  {line}")?;
+    }
+    writeln!(out, "{}", table.trim_fmt())?;
+    writeln!(out, "written: {}, {}", files[0], files[1])
+}

@@ -1,0 +1,80 @@
+//! One row for each point: figure, series, and the point's two quantities; the columns of other
+//! panels stay empty.
+
+use anyhow::Context;
+use cg_vehicle::study::{Abscissa, Panel, Study};
+
+use crate::units::{column, shown};
+
+/// Columns of panels whose bars are responses.
+const RESPONSE: [&str; 4] = ["response", "before", "after", "unit"];
+
+/// The CSV file: the scenario as comments, then the points.
+pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
+    let columns = columns(study);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(&columns)?;
+    for panel in &study.panels {
+        for series in &panel.series {
+            for point in &series.points {
+                let cells = cells(panel, *point);
+                let cell = |column: &String| {
+                    let own = [("figure", panel.figure), ("series", series.name.as_str())];
+                    let own = own.iter().find(|(name, _)| name == column);
+                    own.map(|(_, text)| (*text).to_owned()).or_else(|| {
+                        let found = cells.iter().find(|(name, _)| name == column);
+                        found.map(|(_, text)| text.clone())
+                    })
+                };
+                let row = columns.iter().map(|column| cell(column).unwrap_or_default());
+                writer.write_record(row)?;
+            }
+        }
+    }
+    let rows = String::from_utf8(writer.into_inner().context("the table is cut short")?)?;
+    let told = std::iter::once(&study.finding).chain(&study.scenario);
+    let comments: String = told.flat_map(|line| ["# ", line, "\n"]).collect();
+    Ok(comments + &rows)
+}
+
+/// Each quantity once.
+fn columns(study: &Study) -> Vec<String> {
+    let mut columns = vec!["figure".to_owned(), "series".to_owned()];
+    for panel in &study.panels {
+        let x = match &panel.x {
+            Abscissa::Over(quantity) => vec![column(*quantity)],
+            Abscissa::Responses(_) => RESPONSE.map(str::to_owned).to_vec(),
+        };
+        for name in x.into_iter().chain([column(panel.y)]) {
+            if !columns.contains(&name) {
+                columns.push(name);
+            }
+        }
+    }
+    columns
+}
+
+/// The cells of a point by their columns.
+fn cells(panel: &Panel, [x, y]: [f64; 2]) -> Vec<(String, String)> {
+    let number = |value: f64| format!("{value:.6}");
+    let mut cells = match &panel.x {
+        Abscissa::Over(quantity) => {
+            vec![(column(*quantity), number(x * shown(quantity.unit).factor))]
+        }
+        Abscissa::Responses(responses) => {
+            // A point counts the responses.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let response = responses.get(x as usize);
+            let texts = response.map(|response| {
+                let shown = shown(response.unit);
+                let [before, after] =
+                    [response.before, response.after].map(|value| number(value * shown.factor));
+                [response.name.to_owned(), before, after, shown.suffix.to_owned()]
+            });
+            let names = RESPONSE.map(str::to_owned);
+            texts.map_or_else(Vec::new, |texts| names.into_iter().zip(texts).collect())
+        }
+    };
+    cells.push((column(panel.y), number(y * shown(panel.y.unit).factor)));
+    cells
+}

@@ -1,0 +1,100 @@
+//! `cg study`: both files or none. What the studies find: `cg-vehicle`.
+
+use crate::common::{Run, Scratch, cg, fixture};
+
+const NAMES: [&str; 12] = [
+    "height-steady",
+    "height-lane-change",
+    "cornering-angle",
+    "gate-length",
+    "lane-change-speed",
+    "roll-inertia",
+    "height",
+    "payload-height",
+    "lateral-shift",
+    "longitudinal-shift",
+    "suspension",
+    "tyres",
+];
+
+/// A short one.
+const SHORT: &str = "height-lane-change";
+
+fn study(more: &[&str]) -> Run {
+    cg(&[&["study"][..], more].concat())
+}
+
+fn read(scratch: &Scratch, name: &str) -> String {
+    std::fs::read_to_string(scratch.path(name)).unwrap()
+}
+
+#[test]
+fn all_studies_are_listed_with_a_sentence_and_their_figures() {
+    let list = study(&["--list"]).done();
+    assert_eq!(list.out.lines().count(), NAMES.len());
+    for (line, name) in list.out.lines().zip(NAMES) {
+        assert_eq!(line.split_whitespace().next(), Some(name));
+        assert!(line.contains(". ") && line.contains("Fig"), "{line}");
+    }
+}
+
+#[test]
+fn an_unknown_study_is_refused_with_the_names_there_are() {
+    let scratch = Scratch::new();
+    for name in ["hight", "", "2.26"] {
+        let parts = [&format!("no study `{name}`"), "height-steady", "tyres"];
+        study(&[name, "-o", &scratch.path("")]).refused(&parts);
+    }
+    study(&[]).refused(&["<NAME>"]);
+    study(&["height", "--list"]).refused(&["--list"]);
+    assert!(scratch.names().is_empty());
+}
+
+#[test]
+fn a_study_writes_a_table_and_a_figure_and_says_what_it_found() {
+    let scratch = Scratch::new();
+    let folder = scratch.path("new");
+    let run = study(&[SHORT, "-o", &folder]).done();
+    assert_eq!(scratch.names(), ["new"]);
+    for part in ["thesis", "ours", "agrees", "Fig. 2.6", "30 m long", "written: "] {
+        assert!(run.out.contains(part), "no {part} in {}", run.out);
+    }
+    let table = read(&scratch, "new/height-lane-change.csv");
+    let comments = table.lines().take_while(|line| line.starts_with("# ")).count();
+    assert!(comments > 3, "{table}");
+    let rows: Vec<&str> = table.lines().skip(comments).collect();
+    assert_eq!(rows[0], "figure,series,response,before,after,unit,relative_change_percent");
+    assert_eq!(rows.len(), 1 + 14);
+    assert!(rows.iter().all(|row| row.split(',').count() == 7), "{table}");
+
+    let figure = read(&scratch, "new/height-lane-change.svg");
+    assert!(figure.starts_with("<svg ") && figure.ends_with("</svg>\n"));
+    for part in ["semitrailer roll", "Change of the peak (%)", "viewBox"] {
+        assert!(figure.contains(part), "no {part}");
+    }
+    // The same once more, over what is there: to the byte.
+    study(&[SHORT, "-o", &folder]).done();
+    assert_eq!(read(&scratch, "new/height-lane-change.csv"), table);
+    assert_eq!(read(&scratch, "new/height-lane-change.svg"), figure);
+}
+
+#[test]
+fn a_study_of_another_vehicle_says_so() {
+    let scratch = Scratch::new();
+    let air = fixture("vehicles/air.toml");
+    study(&[SHORT, "--vehicle", &air, "-o", &scratch.path("")]).done();
+    assert!(read(&scratch, "height-lane-change.csv").contains("# vehicle: air suspension\n"));
+    study(&[SHORT, "--vehicle", &scratch.path("none.toml")]).refused(&["none.toml"]);
+}
+
+#[test]
+fn a_study_that_cannot_be_written_leaves_nothing() {
+    let scratch = Scratch::new();
+    let file = scratch.file("file", "precious");
+    study(&[SHORT, "-o", &file]).refused(&["is a file", "give --output a folder"]);
+    study(&[SHORT, "-o", &scratch.path("a/b")]).refused(&["cannot be made"]);
+    // A folder in the place of the second file: the first is not written either.
+    std::fs::create_dir(scratch.path("height-lane-change.svg")).unwrap();
+    study(&[SHORT, "-o", &scratch.path("")]).refused(&["height-lane-change.svg", "is a folder"]);
+    assert_eq!(scratch.names(), ["file", "height-lane-change.svg"]);
+}
