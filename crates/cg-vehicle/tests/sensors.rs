@@ -313,3 +313,20 @@ fn heights_of_drives_stay_inside_their_intervals() {
         assert!(wrong.is_empty(), "{wrong:#?}");
     }
 }
+
+/// Short maneuvers by the driver, the source's own (section 2.6).
+#[test]
+fn heights_of_drivers_maneuvers_stay_inside_their_intervals() {
+    let turn = Course::Turn { angle_rad: PI / 2.0, radius_m: 100.0 };
+    for name in ["kraz", "baseline-tables"] {
+        for (maneuver, course, duration_s) in [
+            (Maneuver::SteadyTurn, turn, 18.0),
+            (Maneuver::LaneChange, Course::Gate { gate_m: 30.0 }, 10.0),
+        ] {
+            let course = Some(course);
+            let scenario = Scenario { course, duration_s, ..nonlinear(name, maneuver) };
+            let wrong = within_its_interval(name, scenario);
+            assert!(wrong.is_empty(), "{wrong:#?}");
+        }
+    }
+}
