@@ -23,7 +23,8 @@ pub(crate) struct SensorArgs {
     /// By how much the roll sensor is late
     #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true, value_parser = delay_s)]
     delay_s: f64,
-    /// An inclinometer that feels lateral acceleration (column `tilt_rad`: roll + a_y/g) in place of the roll sensor
+    /// An inclinometer that feels lateral acceleration, in place of the roll sensor: column
+    /// `tilt_rad`, roll plus lateral acceleration over g
     #[arg(long)]
     inclinometer: bool,
     /// Time stamps lie up to this much beside the sample, at random; less than half an interval

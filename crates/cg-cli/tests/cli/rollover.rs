@@ -19,7 +19,8 @@ fn every_measure_has_a_value_and_a_meaning() {
         answer["static_rollover_threshold_g"].as_f64().unwrap()
     };
     let high = threshold(&["--height-m", "2.4"]);
-    let light = threshold(&["--height-m", "2.4", "--payload-kg", "18000"]);
+    // Much lighter, the measured springs of this file are refused (friction at a low load).
+    let light = threshold(&["--height-m", "2.4", "--payload-kg", "19500"]);
     assert!(high < answer["static_rollover_threshold_g"].as_f64().unwrap() && light > high);
 }
 

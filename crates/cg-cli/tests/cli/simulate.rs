@@ -173,3 +173,74 @@ fn a_log_of_can_frames_without_a_steering_ratio_says_so() {
     cg(&arguments).told(0, &["without a steering angle", "no steering_ratio"]);
     assert_eq!(scratch.names(), ["drive.log"]);
 }
+
+#[test]
+fn a_driver_follows_a_path_and_the_truth_tells_everything_added() {
+    let scratch = Scratch::new();
+    let truth = scratch.path("truth.json");
+    for more in [
+        &["--maneuver", "steady-turn", "--turn-deg", "-60", "--radius-m", "120"][..],
+        &["--maneuver", "lane-change", "--gate-m", "30", "--speed-mps", "20"],
+        &["--maneuver", "ramp", "--to-rollover"],
+        &["--maneuver", "drive", "--duration-s", "60", "--speed-change", "0.2"],
+        &["--maneuver", "rounded-step", "--step-rate", "1", "--duration-s", "8"],
+    ] {
+        let sensors = [
+            "--plant",
+            "nonlinear",
+            "--truth",
+            &truth,
+            "--snr-db",
+            "20",
+            "--roll-offset-rad",
+            "0.01",
+            "--steer-offset-rad",
+            "-0.001",
+            "--quantisation-rad",
+            "0.00087",
+            "--delay-s",
+            "0.05",
+            "--inclinometer",
+            "--jitter-s",
+            "0.002",
+            "--drop-out",
+            "0.1",
+        ];
+        let log = scratch.simulate("log.csv", &kraz(), &[more, &sensors[..]].concat());
+        let text = std::fs::read_to_string(&log).unwrap();
+        assert!(text.contains("\ntime_s,steer_rad,tilt_rad,"), "{more:?}");
+        let truth: Value = serde_json::from_slice(&std::fs::read(&truth).unwrap()).unwrap();
+        for (key, value) in [
+            ("snr_db", 20.0),
+            ("roll_offset_rad", 0.01),
+            ("steer_offset_rad", -0.001),
+            ("quantisation_rad", 0.00087),
+            ("delay_s", 0.05),
+            ("jitter_s", 0.002),
+            ("drop_out", 0.1),
+        ] {
+            assert_eq!(truth[key], value, "{key}");
+        }
+        assert_eq!(truth["inclinometer"], true);
+        assert_eq!(truth["rolled_over_s"].is_f64(), more.contains(&"--to-rollover"), "{truth}");
+    }
+}
+
+#[test]
+fn paths_without_their_maneuver_or_plant_are_refused() {
+    let scratch = Scratch::new();
+    let (log, vehicle) = (scratch.path("log.csv"), kraz());
+    let refused = |more: &[&str], parts: &[&str]| {
+        let base = ["simulate", "--vehicle", &vehicle, "-o", &log];
+        cg(&[&base[..], more].concat()).refused(parts);
+    };
+    refused(&["--maneuver", "sine", "--gate-m", "20"], &["--gate-m for lane-change"]);
+    refused(&["--maneuver", "lane-change", "--turn-deg", "60"], &["for --maneuver steady-turn"]);
+    refused(&["--maneuver", "lane-change", "--gate-m", "20"], &["need --plant nonlinear"]);
+    refused(&["--maneuver", "steady-turn", "--turn-deg", "0"], &["at least 1 either way"]);
+    refused(&["--maneuver", "sine", "--to-rollover"], &["need --plant nonlinear"]);
+    refused(&["--maneuver", "sine", "--steering-wheel"], &["no steering_ratio"]);
+    refused(&["--maneuver", "sine", "--jitter-s", "0.1"], &["jitter (s) 0.1", "0.0049"]);
+    refused(&["--maneuver", "sine", "--drop-out", "1"], &["between 0 and 0.95"]);
+    assert!(scratch.names().is_empty());
+}

@@ -184,7 +184,7 @@ enum Source {
     /// What the nonlinear plant did: nothing of it is computed twice.
     Recorded(Vec<Motion>),
     /// Cheap enough to run each time.
-    Models(Models),
+    Models(Box<Models>),
 }
 
 /// A scenario ready to run.
@@ -234,7 +234,7 @@ impl LogSimulation {
                 Source::Recorded(motions)
             }
             Plant::Linear | Plant::Reduced => {
-                Source::Models(Models::new(vehicle, &scenario, &histories, samples)?)
+                Source::Models(Box::new(Models::new(vehicle, &scenario, &histories, samples)?))
             }
         };
         let (gravity_mps2, steering_ratio) =

@@ -1,6 +1,6 @@
 //! The linear and the reduced model through a scenario.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cg_core::reduced::Simulation as ReducedSimulation;
 
@@ -48,21 +48,20 @@ impl Models {
             Equations::new(vehicle, scenario.variant, speed_mps, scenario.load)?.state_space()
         };
         let mut at = BTreeMap::new();
-        if !histories.changes_speed() {
-            let model = model(scenario.speed_mps)?;
+        let mut insert = |speed_mps: f64| -> Result<(), VehicleError> {
+            let model = model(speed_mps)?;
             let simulation = model.simulation(interval_s);
-            at.insert(step_of(scenario.speed_mps), (model, simulation));
+            at.insert(step_of(speed_mps), (model, simulation));
+            Ok(())
+        };
+        if histories.changes_speed() {
+            #[allow(clippy::cast_precision_loss)]
+            let steps: BTreeSet<i64> =
+                (0..samples).map(|k| step_of(histories.speed_mps(k as f64 * interval_s))).collect();
+            #[allow(clippy::cast_precision_loss)]
+            steps.iter().try_for_each(|step| insert(*step as f64 * SPEED_STEP_MPS))?;
         } else {
-            for k in 0..samples {
-                #[allow(clippy::cast_precision_loss)]
-                let step = step_of(histories.speed_mps(k as f64 * interval_s));
-                if let std::collections::btree_map::Entry::Vacant(place) = at.entry(step) {
-                    #[allow(clippy::cast_precision_loss)]
-                    let model = model(step as f64 * SPEED_STEP_MPS)?;
-                    let simulation = model.simulation(interval_s);
-                    place.insert((model, simulation));
-                }
-            }
+            insert(scenario.speed_mps)?;
         }
         let reduced = match scenario.plant {
             super::Plant::Reduced => {
@@ -86,7 +85,7 @@ impl Models {
         samples: u64,
         mut write: impl FnMut(f64, Motion) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut reduced = self.reduced.as_ref().map(|reduced| reduced.simulation.clone());
+        let mut reduced = self.reduced.as_ref().map(|reduced| reduced.simulation);
         let mut at = step_of(histories.speed_mps(0.0));
         let mut linear = self.at.get(&at).map(|(_, simulation)| simulation.clone());
         for k in 0..samples {
