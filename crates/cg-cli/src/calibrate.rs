@@ -7,7 +7,6 @@ use std::str::FromStr;
 use anyhow::{Context, anyhow};
 use cg_vehicle::calibration::file::{ParameterEntry, Unit};
 use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
-use cg_vehicle::log::LogOptions;
 use cg_vehicle::{Vehicle, VehicleError};
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
@@ -81,7 +80,7 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
             return Err(anyhow!("--run {}: given twice", known.log));
         }
     }
-    let options = LogOptions { columns: arguments.column.clone(), flip: arguments.flip.clone() };
+    let options = arguments.columns.options();
     let progress = ProgressBar::hidden();
     let variant = arguments.model.into();
     let mut calibration = calibrate(&vehicle, variant, &logs, |known, estimator| {

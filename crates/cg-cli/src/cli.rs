@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cg_core::Channel;
 use cg_core::arx::SampledArx;
 use cg_vehicle::estimate::Method;
-use cg_vehicle::log::{ColumnMap, Signal};
+use cg_vehicle::log::{ColumnMap, LogOptions, Signal};
 use cg_vehicle::maneuver::{Histories, Maneuver};
 use cg_vehicle::reproduce::Options;
 use cg_vehicle::simulate::Plant;
@@ -83,18 +83,31 @@ pub(crate) struct EstimateArgs {
     /// Equations of the vehicle model
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
     pub(crate) model: ModelArg,
-    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
-    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
-    pub(crate) column: Vec<ColumnMap>,
-    /// Sensors mounted the other way round: `roll,steer`
-    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
-    pub(crate) flip: Vec<Signal>,
+    #[command(flatten)]
+    pub(crate) columns: ColumnArgs,
     /// Print the known heights of this JSON file beside (the estimator never reads it)
     #[arg(long, value_name = "TRUTH.json")]
     pub(crate) truth: Option<PathBuf>,
     /// Logs read at the same time
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = jobs)]
     pub(crate) jobs: usize,
+}
+
+/// How the columns of logs are read.
+#[derive(Debug, Args)]
+pub(crate) struct ColumnArgs {
+    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
+    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
+    column: Vec<ColumnMap>,
+    /// Sensors mounted the other way round: `roll,steer`
+    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
+    flip: Vec<Signal>,
+}
+
+impl ColumnArgs {
+    pub(crate) fn options(&self) -> LogOptions {
+        LogOptions { columns: self.column.clone(), flip: self.flip.clone() }
+    }
 }
 
 #[derive(Debug, Args)]
@@ -117,12 +130,8 @@ pub(crate) struct CalibrateArgs {
     /// Equations of the vehicle model
     #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
     pub(crate) model: ModelArg,
-    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
-    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
-    pub(crate) column: Vec<ColumnMap>,
-    /// Sensors mounted the other way round: `roll,steer`
-    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
-    pub(crate) flip: Vec<Signal>,
+    #[command(flatten)]
+    pub(crate) columns: ColumnArgs,
 }
 
 #[derive(Debug, Args)]

@@ -70,8 +70,7 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
         return Err(anyhow!("standard input (-) can be read once only"));
     }
     let estimator = LogEstimator::from_design(&design, vehicle.steering_ratio, options);
-    let log_options =
-        LogOptions { columns: arguments.column.clone(), flip: arguments.flip.clone() };
+    let log_options = arguments.columns.options();
     let progress = progress_bar(&arguments.logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
     let results: Vec<anyhow::Result<LogEstimate>> = pool.install(|| {
