@@ -63,22 +63,8 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
     let logs: Vec<KnownLog> = arguments.run.iter().map(|run| run.0.clone()).collect();
-    let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
-    for (i, known) in logs.iter().enumerate() {
-        if !(least_m..=greatest_m).contains(&known.height_m) {
-            return Err(anyhow!(
-                "--run {}: height {} m is outside the vehicle file's range {least_m} to \
-                 {greatest_m} m",
-                known.log,
-                known.height_m
-            ));
-        }
-        if known.log == "-" {
-            return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
-        }
-        if logs[..i].iter().any(|other| other.log == known.log) {
-            return Err(anyhow!("--run {}: given twice", known.log));
-        }
+    if logs.iter().any(|known| known.log == "-") {
+        return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
     }
     let options = arguments.columns.options();
     let progress = ProgressBar::hidden();
@@ -89,8 +75,8 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     .map_err(|failure| failure.0)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
     let draft = Draft::write(&arguments.output, "--output", &calibration.to_toml()?)?;
-    report(&calibration, &arguments.output).context("standard output: cannot be written")?;
     draft.publish()?;
+    report(&calibration, &arguments.output).context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }
 

@@ -58,6 +58,10 @@ def test_runs_that_cannot_be_are_refused_and_nothing_is_written(kraz, tmp_path):
         cgheight.calibrate(kraz, [(tmp_path / "nowhere.csv", 1.9)], out)
     with pytest.raises(ValueError, match="below the empty trailer"):
         cgheight.calibrate(kraz, [(RUNS[1][0], 1.9, 500.0)], out)
+    with pytest.raises(ValueError, match="outside the vehicle file's range"):
+        cgheight.calibrate(kraz, [(RUNS[1][0], 190.0)], out)
+    with pytest.raises(ValueError, match="given twice"):
+        cgheight.calibrate(kraz, [RUNS[0], RUNS[0]], out)
     with pytest.raises(ValueError, match="no run"):
         cgheight.calibrate(kraz, [], out)
     assert not list(tmp_path.iterdir())

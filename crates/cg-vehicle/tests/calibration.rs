@@ -187,3 +187,32 @@ fn the_file_gives_the_same_belief_back() {
     let error = Calibration::load(&path, &common::vehicle("baseline.toml")).unwrap_err();
     assert!(error.to_string().contains("belongs to the vehicle \"kraz\""), "{error}");
 }
+
+/// In a drive the two channels learn from different turns; both ratios are told at one speed, so
+/// that each means its own height there.
+#[test]
+fn both_ratios_of_a_drive_are_told_at_one_speed() {
+    let vehicle = vehicle("kraz.toml");
+    let design = design_with(&vehicle, Variant::Complete, &Belief::prior(&vehicle)).unwrap();
+    let known = known();
+    let drive = known.iter().find(|known| known.log.starts_with("F_")).unwrap();
+    let estimator = || {
+        let mut estimator = cg_vehicle::estimate::LogEstimator::from_design(
+            &design,
+            None,
+            EstimateOptions::default(),
+        );
+        drive.feed(&mut estimator);
+        estimator
+    };
+    let identified = estimator().identified();
+    for channel in Channel::ALL {
+        let options = EstimateOptions::default();
+        let height_m = drive.estimate(&design, Some(channel), options).height_m.unwrap();
+        let mass_kg = identified.trailer_mass_kg;
+        let line = design.line(channel, identified.speed_mps, mass_kg).unwrap();
+        let expected = design.channels[channel.index()].compensation * line.ratio_at(height_m);
+        let ratio = identified.ratio[channel.index()].unwrap().value;
+        assert!((ratio / expected - 1.0).abs() < 1e-12, "{channel}: {ratio} {expected}");
+    }
+}

@@ -40,20 +40,15 @@ pub struct KnownLog {
 /// given.
 ///
 /// # Errors
-/// Those of `feed`; [`VehicleError`] if a log has no turn, no trailer mass, or a load that the
-/// vehicle cannot have.
+/// Those of `feed`; [`VehicleError`] if a log is given twice, has no turn, no trailer mass, or a
+/// load that the vehicle cannot have.
 pub fn calibrate<E: From<VehicleError>>(
     vehicle: &Vehicle,
     variant: Variant,
     logs: &[KnownLog],
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
-    for known in logs {
-        if let Some(trailer_mass_kg) = known.trailer_mass_kg {
-            let load = Load { trailer_mass_kg, cg_height_m: known.height_m };
-            vehicle.trailer_sprung_mass(load)?;
-        }
-    }
+    check(vehicle, logs)?;
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
     for _ in 0..PASSES {
@@ -78,6 +73,26 @@ pub fn calibrate<E: From<VehicleError>>(
     }
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
     Ok(Calibration::new(vehicle, variant, &runs, &fitted)?)
+}
+
+/// What can be refused before a log is read.
+fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
+    let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
+    for (i, known) in logs.iter().enumerate() {
+        if !(least_m..=greatest_m).contains(&known.height_m) {
+            return Err(VehicleError::Model(format!(
+                "{}: height {} m is outside the vehicle file's range {least_m} to {greatest_m} m",
+                known.log, known.height_m
+            )));
+        }
+        if logs[..i].iter().any(|other| other.log == known.log) {
+            return Err(VehicleError::Model(format!("{}: given twice", known.log)));
+        }
+        if let Some(trailer_mass_kg) = known.trailer_mass_kg {
+            vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: known.height_m })?;
+        }
+    }
+    Ok(())
 }
 
 fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<Run, VehicleError> {

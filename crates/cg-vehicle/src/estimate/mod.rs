@@ -234,7 +234,7 @@ impl LogEstimator {
         fused: &cg_core::Height<f64>,
         best: &Maneuver<f64>,
     ) {
-        estimate.speed_mps = self.mean_speed_mps(channel);
+        estimate.speed_mps = self.mean_speed_mps(&[channel]);
         let Some(speed_mps) = estimate.speed_mps else { return };
         if let Some(ratio) = self.ratio_of(channel, fused, speed_mps, best.trailer_mass_kg) {
             estimate.ratio = Some(ratio.value);
@@ -254,12 +254,14 @@ impl LogEstimator {
         }
     }
 
-    /// Mean speed of the maneuvers that gave a height in this channel.
-    fn mean_speed_mps(&self, channel: Channel) -> Option<f64> {
+    /// Mean speed of the maneuvers that gave a height in one of these channels.
+    fn mean_speed_mps(&self, channels: &[Channel]) -> Option<f64> {
         let speeds: Vec<f64> = self
             .maneuvers
             .iter()
-            .filter(|maneuver| maneuver.outcomes[channel.index()].height_m.is_ok())
+            .filter(|maneuver| {
+                channels.iter().any(|channel| maneuver.outcomes[channel.index()].height_m.is_ok())
+            })
             .map(|maneuver| maneuver.speed_mps)
             .collect();
         #[allow(clippy::cast_precision_loss)] // a count
@@ -288,22 +290,20 @@ impl LogEstimator {
     pub fn identified(mut self) -> Identified {
         self.maneuvers.extend(self.engine.finish());
         let mut identified = Identified {
-            speed_mps: f64::NAN,
+            speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             trailer_mass_kg: self.trailer_mass_kg,
             trailer_mass_is_known: self.seen.mass || self.options.trailer_mass_kg.is_some(),
             ratio: [None; 2],
             messages: self.messages(),
         };
         for channel in Channel::ALL {
-            let (Some(height), Some(speed_mps)) =
-                (self.engine.height(channel), self.mean_speed_mps(channel))
-            else {
+            let Some(height) = self.engine.height(channel) else {
                 identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
                 continue;
             };
-            identified.speed_mps = speed_mps;
+            // Heights do not depend on speed: both ratios can be told at one.
             identified.ratio[channel.index()] =
-                self.ratio_of(channel, &height, speed_mps, self.trailer_mass_kg);
+                self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
         }
         identified
     }
