@@ -57,6 +57,21 @@ pub fn identify(
     order: usize,
 ) -> Result<Compensation, VehicleError> {
     check(model, measured, interval_s, order)?;
+    let mut found = one_more(model, measured, interval_s, None)?;
+    while found.order < order {
+        found = one_more(model, measured, interval_s, Some(&found))?;
+    }
+    Ok(found)
+}
+
+/// The function of the order above `lower`, or of order 1.
+fn one_more(
+    model: &[f64],
+    measured: &[f64],
+    interval_s: f64,
+    lower: Option<&Compensation>,
+) -> Result<Compensation, VehicleError> {
+    let order = lower.map_or(1, |lower| lower.order + 1);
     let mut filter = polynomial(&vec![(-FIRST_POLE_RADPS, 0.0); order], 1.0);
     filter.reverse();
     let mut best: Option<(Rational, f64)> = None;
@@ -73,10 +88,7 @@ pub fn identify(
         filter = function.denominator;
     }
     let mut starts: Vec<Rational> = best.into_iter().map(|(function, _)| function).collect();
-    if order > 1 {
-        let lower = identify(model, measured, interval_s, order - 1)?.function;
-        starts.push(raised(&lower, FIRST_POLE_RADPS));
-    }
+    starts.extend(lower.map(|lower| raised(&lower.function, FIRST_POLE_RADPS)));
     let mut fitted: Option<(Rational, f64)> = None;
     for start in &starts {
         let (function, left) = refine(start, model, measured, interval_s, None)?;
@@ -181,7 +193,12 @@ pub fn validity_table(
     measured: &[f64],
     interval_s: f64,
 ) -> Result<Vec<Compensation>, VehicleError> {
-    (1..=GREATEST_ORDER).map(|order| identify(model, measured, interval_s, order)).collect()
+    check(model, measured, interval_s, GREATEST_ORDER)?;
+    let mut table: Vec<Compensation> = Vec::with_capacity(GREATEST_ORDER);
+    while table.len() < GREATEST_ORDER {
+        table.push(one_more(model, measured, interval_s, table.last())?);
+    }
+    Ok(table)
 }
 
 #[cfg(test)]

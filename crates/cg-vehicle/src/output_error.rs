@@ -13,7 +13,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
-use crate::system::{Rational, Simulation};
+use crate::system::{Rational, Simulation, multiplied};
 
 /// Steps at most; a few dozen settle it.
 const STEPS: usize = 200;
@@ -105,14 +105,7 @@ pub(crate) fn refine(
 
 /// The same function with one order more: a pole and a zero that cancel.
 pub(crate) fn raised(function: &Rational, pole_radps: f64) -> Rational {
-    let times = |list: &[f64]| -> Vec<f64> {
-        let mut product = vec![0.0; list.len() + 1];
-        for (k, value) in list.iter().enumerate() {
-            product[k] += pole_radps * value;
-            product[k + 1] += value;
-        }
-        product
-    };
+    let times = |list: &[f64]| multiplied(list, &[pole_radps, 1.0]);
     Rational { numerator: times(&function.numerator), denominator: times(&function.denominator) }
 }
 

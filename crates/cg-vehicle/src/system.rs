@@ -84,6 +84,17 @@ pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
     coefficients.into_iter().map(|c| c.re).collect()
 }
 
+/// The product of two polynomials, ascending powers.
+pub(crate) fn multiplied(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; (a.len() + b.len()).saturating_sub(1)];
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            product[i + j] += a * b;
+        }
+    }
+    product
+}
+
 /// The numerator over `denominator` that matches a series in its first terms.
 pub(crate) fn matched_numerator(denominator: &[f64], series: &[f64]) -> Vec<f64> {
     (0..denominator.len()).map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum()).collect()

@@ -32,7 +32,7 @@ pub use pade::pade;
 
 use crate::error::VehicleError;
 use crate::response::StateSpace;
-use crate::system::{Rational, matched_numerator};
+use crate::system::{Rational, matched_numerator, multiplied};
 
 /// How a reduced model came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,17 +60,6 @@ fn fixed(rational: &Rational) -> Reduced5<f64> {
     reduced
 }
 
-/// Multiplies a polynomial in ascending powers by another.
-fn times(polynomial: &mut Vec<f64>, factor: &[f64]) {
-    let mut product = vec![0.0; polynomial.len() + factor.len() - 1];
-    for (i, a) in polynomial.iter().enumerate() {
-        for (j, b) in factor.iter().enumerate() {
-            product[i + j] += a * b;
-        }
-    }
-    *polynomial = product;
-}
-
 /// Denominator with the five slowest poles: pairs stay together, so where a sixth pole would
 /// have to come along, its pair is replaced by one real pole of the same magnitude.
 fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
@@ -81,9 +70,9 @@ fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
         let degree = denominator.len() - 1;
         match ORDER - degree {
             0 => break,
-            1 => times(&mut denominator, &[re.hypot(im), 1.0]),
-            _ if im == 0.0 => times(&mut denominator, &[-re, 1.0]),
-            _ => times(&mut denominator, &[re * re + im * im, -2.0 * re, 1.0]),
+            1 => denominator = multiplied(&denominator, &[re.hypot(im), 1.0]),
+            _ if im == 0.0 => denominator = multiplied(&denominator, &[-re, 1.0]),
+            _ => denominator = multiplied(&denominator, &[re * re + im * im, -2.0 * re, 1.0]),
         }
     }
     denominator

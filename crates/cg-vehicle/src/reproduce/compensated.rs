@@ -20,7 +20,7 @@ use crate::error::VehicleError;
 use crate::plant::{PlantOptions, YawRollPlant};
 use crate::reduction::pade;
 use crate::reduction::quality::StepInput;
-use crate::system::Rational;
+use crate::system::{Rational, multiplied};
 
 /// Order of the compensation function that the source goes on with.
 const ORDER: usize = 3;
@@ -137,16 +137,6 @@ pub(super) fn equation_5_19(
     Ok(vec![Row::beside(table, "R_c", &printed.compensation, ours).noted(note)])
 }
 
-fn product_of(a: &[f64], b: &[f64]) -> Vec<f64> {
-    let mut product = vec![0.0; (a.len() + b.len()).saturating_sub(1)];
-    for (i, a) in a.iter().enumerate() {
-        for (j, b) in b.iter().enumerate() {
-            product[i + j] += a * b;
-        }
-    }
-    product
-}
-
 pub(super) fn product(
     table: &'static str,
     base: &Baseline,
@@ -161,8 +151,8 @@ pub(super) fn product(
     let printed: Table52 = thesis!("table_5_2.toml")?;
     let compensation = table_5_1()?.function[ORDER - 1].rational();
     let (numerator, denominator) = ascending(&as_printed(base)?);
-    let numerator = product_of(&numerator, &compensation.numerator);
-    let denominator = product_of(&denominator, &compensation.denominator);
+    let numerator = multiplied(&numerator, &compensation.numerator);
+    let denominator = multiplied(&denominator, &compensation.denominator);
     let note = "our as-printed transfer function times the printed F(s) of order 3";
     let sides = (&printed.numerator[..], &printed.denominator[..]);
     Ok(polynomial_rows(table, "", sides, (&numerator, &denominator), note))
