@@ -142,7 +142,7 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
     let mut time_s = 0.0;
     let mut worst = 0.0_f64;
     while time_s < 2.0 {
-        state = plant.step(&state, &still, step_s, &mut probe);
+        state = plant.runge_kutta(&state, &still, step_s, &mut probe);
         time_s += step_s;
         let seen = &probe.contacts[..plant.parameters.axles.len()];
         assert!(seen.iter().all(|axle| axle.left_n > 0.0 && axle.right_n > 0.0));

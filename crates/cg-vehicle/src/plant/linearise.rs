@@ -94,6 +94,12 @@ impl YawRollPlant {
         })
     }
 
+    /// Magnitude of the fastest pole. That of a measured spring's friction is not among them.
+    pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
+        let poles = self.linearised(speed_mps)?.a.complex_eigenvalues();
+        Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
+    }
+
     /// Places of the states that matter; lagged slip only where tyres lag.
     fn places(&self) -> Vec<usize> {
         let axles = &self.parameters.axles;

@@ -14,7 +14,7 @@
 //! | `hitch` | the fifth wheel: roll spring, separation, lash |
 //! | `dynamics` | the equations of motion |
 //! | `equilibrium` | straight running by Newton's method |
-//! | `integrate` | Runge and Kutta; rollover |
+//! | `integrate` | Adams, Bashforth and Moulton, or Runge and Kutta; rollover |
 //! | `linearise` | small motion about straight running |
 //! | `path`, `driver` | a path and MacAdam's preview driver along it |
 //! | `sample` | what can be seen |
@@ -74,6 +74,7 @@ use crate::error::VehicleError;
 use crate::vehicle::{Load, Vehicle};
 use dynamics::{Parameters, Probe};
 use equilibrium::settle;
+use integrate::Method;
 use state::ROOM;
 
 /// The simulator: one vehicle under one load on one road.
@@ -83,6 +84,7 @@ pub struct YawRollPlant {
     design: State,
     steered: Vec<bool>,
     step_s: f64,
+    method: Method,
 }
 
 impl YawRollPlant {
@@ -90,7 +92,7 @@ impl YawRollPlant {
     ///
     /// # Errors
     /// [`VehicleError`] if the load is impossible, if there are more axles or tyres than room, or
-    /// if a spring's friction would feed energy in.
+    /// if the vehicle moves faster than the step can follow.
     pub fn new(
         vehicle: &Vehicle,
         load: Load,
@@ -98,10 +100,12 @@ impl YawRollPlant {
     ) -> Result<Self, VehicleError> {
         let (parameters, design) = setup::parameters(vehicle, load, options)?;
         let steered = vehicle.axles().iter().map(|axle| axle.steered).collect();
-        let mut plant = Self { parameters, design, steered, step_s: options.step_s };
+        let (step_s, method) = (options.step_s, Method::RungeKutta);
+        let mut plant = Self { parameters, design, steered, step_s, method };
         if options.design_load.is_some() {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
+        plant.method = Method::for_mode(plant.fastest_radps(vehicle.nominal_speed_mps)?, step_s)?;
         Ok(plant)
     }
 
