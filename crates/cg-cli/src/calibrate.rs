@@ -22,6 +22,16 @@ use crate::estimate::feed;
 #[derive(Clone, Debug)]
 pub(crate) struct RunArg(KnownLog);
 
+impl RunArg {
+    /// The log; standard input has no name to be read by twice.
+    pub(crate) fn known(&self) -> anyhow::Result<KnownLog> {
+        if self.0.log == "-" {
+            return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
+        }
+        Ok(self.0.clone())
+    }
+}
+
 impl FromStr for RunArg {
     type Err = String;
 
@@ -62,10 +72,7 @@ impl From<VehicleError> for Failure {
 pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
-    let logs: Vec<KnownLog> = arguments.run.iter().map(|run| run.0.clone()).collect();
-    if logs.iter().any(|known| known.log == "-") {
-        return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
-    }
+    let logs = arguments.run.iter().map(RunArg::known).collect::<Result<Vec<_>, _>>()?;
     let options = arguments.columns.options();
     let progress = ProgressBar::hidden();
     let variant = arguments.model.into();

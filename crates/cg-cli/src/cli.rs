@@ -289,11 +289,19 @@ pub(crate) struct StudyArgs {
     #[arg(required_unless_present = "list")]
     pub(crate) name: Option<String>,
     /// List all studies
-    #[arg(long, conflicts_with_all = ["name", "vehicle", "output"])]
+    #[arg(long, conflicts_with_all = ["name", "vehicle", "output", "run", "calibration"])]
     pub(crate) list: bool,
     /// The vehicle file, in place of the source's baseline with its measured springs and tyres
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: Option<PathBuf>,
+    /// With `replay`: a recorded log and its known load; may be repeated
+    #[arg(long, allow_hyphen_values = true, value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]")]
+    pub(crate) run: Vec<RunArg>,
+    /// With `replay`: a calibration of this vehicle (from `cg calibrate`)
+    #[arg(long, value_name = "C.toml")]
+    pub(crate) calibration: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) columns: ColumnArgs,
     /// Where NAME.csv and NAME.svg go; made if it does not exist
     #[arg(short, long, value_name = "FOLDER", default_value = ".", hide_default_value = true)]
     pub(crate) output: PathBuf,

@@ -110,7 +110,10 @@ fn wrap(text: &str, words: Words, wide: f64) -> Vec<String> {
 }
 
 fn draw(canvas: &Canvas<'_>, panel: &Panel, part: Part) -> anyhow::Result<()> {
-    let title = format!("Fig. {}: {}", panel.figure.replace('-', "–"), panel.title);
+    let title = match panel.figure {
+        "" => panel.title.to_owned(),
+        figure => format!("Fig. {}: {}", figure.replace('-', "–"), panel.title),
+    };
     let words = Words { bold: true, ..Words::of(PANEL_TITLE, Anchor::Left) };
     canvas.words(&title, [part.left, part.top + 14.0], words)?;
     let top = part.top + 34.0;

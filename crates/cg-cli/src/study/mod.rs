@@ -17,13 +17,19 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 use cg_vehicle::Vehicle;
-use cg_vehicle::study::{Study, studies, study};
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::log::LogReader;
+use cg_vehicle::study::{Recorded, Study, replay, studies, study};
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 
 use crate::Outcome;
 use crate::cli::StudyArgs;
 use crate::draft::Draft;
+use crate::estimate::file_name;
+
+/// The study that takes logs.
+const REPLAY: &str = "replay";
 
 /// Width of the printed summary.
 const WIDTH: u16 = 120;
@@ -35,11 +41,37 @@ pub(crate) fn run(arguments: &StudyArgs) -> anyhow::Result<Outcome> {
         return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));
     }
     let vehicle = arguments.vehicle.as_ref().map(Vehicle::load).transpose()?;
-    let study = study(name, vehicle.as_ref())?;
+    let study = match (name.as_str(), vehicle) {
+        (REPLAY, Some(vehicle)) => replayed(arguments, &vehicle)?,
+        (REPLAY, None) => return Err(anyhow!("replay: give the recorded --vehicle")),
+        _ if !arguments.run.is_empty() || arguments.calibration.is_some() => {
+            return Err(anyhow!("--run and --calibration go with the study `{REPLAY}` only"));
+        }
+        (name, vehicle) => study(name, vehicle.as_ref())?,
+    };
     let files = write(&study, folder)?;
     print(&mut std::io::stdout().lock(), &study, &files)
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
+}
+
+/// Recorded logs driven again.
+fn replayed(arguments: &StudyArgs, vehicle: &Vehicle) -> anyhow::Result<Study> {
+    if arguments.run.is_empty() {
+        return Err(anyhow!("replay: give at least one --run LOG=HEIGHT_M[,TRAILER_MASS_KG]"));
+    }
+    let options = arguments.columns.options();
+    let calibration = arguments.calibration.as_ref().map(|path| Calibration::load(path, vehicle));
+    let mut logs = Vec::with_capacity(arguments.run.len());
+    for run in &arguments.run {
+        let known = run.known()?;
+        let rows = LogReader::open(Path::new(&known.log), &options)?.collect::<Result<_, _>>()?;
+        logs.push(Recorded { known, rows });
+    }
+    for log in &mut logs {
+        log.known.log = file_name(Path::new(&log.known.log));
+    }
+    Ok(replay(vehicle, calibration.transpose()?.as_ref(), &logs)?)
 }
 
 fn list() -> anyhow::Result<Outcome> {
@@ -48,6 +80,7 @@ fn list() -> anyhow::Result<Outcome> {
     for listed in studies() {
         table.add_row([listed.name, listed.about, listed.figures]);
     }
+    table.add_row([REPLAY, "Recorded logs (--run) driven again, beside what was recorded.", ""]);
     writeln!(std::io::stdout().lock(), "{}", table.trim_fmt())
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
@@ -85,6 +118,8 @@ fn print(out: &mut impl Write, study: &Study, files: &[String; 2]) -> std::io::R
     for line in &study.scenario {
         writeln!(out, "  {line}")?;
     }
-    writeln!(out, "{}", table.trim_fmt())?;
+    if !study.statements.is_empty() {
+        writeln!(out, "{}", table.trim_fmt())?;
+    }
     writeln!(out, "written: {}, {}", files[0], files[1])
 }

@@ -31,7 +31,8 @@ fn read(scratch: &Scratch, name: &str) -> String {
 #[test]
 fn all_studies_are_listed_with_a_sentence_and_their_figures() {
     let list = study(&["--list"]).done();
-    assert_eq!(list.out.lines().count(), NAMES.len());
+    assert_eq!(list.out.lines().count(), NAMES.len() + 1);
+    assert!(list.out.contains("replay"));
     for (line, name) in list.out.lines().zip(NAMES) {
         assert_eq!(line.split_whitespace().next(), Some(name));
         assert!(line.contains(". ") && line.contains("Fig"), "{line}");
@@ -97,4 +98,35 @@ fn a_study_that_cannot_be_written_leaves_nothing() {
     std::fs::create_dir(scratch.path("height-lane-change.svg")).unwrap();
     study(&[SHORT, "-o", &scratch.path("")]).refused(&["height-lane-change.svg", "is a folder"]);
     assert_eq!(scratch.names(), ["file", "height-lane-change.svg"]);
+}
+
+/// The truck's own log: what the plant says stands beside it, dashed.
+#[test]
+fn a_recorded_log_is_driven_again() {
+    let scratch = Scratch::new();
+    let vehicle = fixture("vehicles/kraz.toml");
+    let log = format!("{}=1.85", fixture("logs/C_p15_h185_v50_R.csv"));
+    let run =
+        study(&["replay", "--vehicle", &vehicle, "--run", &log, "-o", &scratch.path("")]).done();
+    assert!(run.out.contains("C_p15_h185_v50_R.csv: roll +1"), "{}", run.out);
+    assert_eq!(scratch.names(), ["replay.csv", "replay.svg"]);
+    let table = read(&scratch, "replay.csv");
+    let column = "figure,series,time_s,roll_deg,lateral_acceleration_g";
+    assert!(table.lines().any(|line| line == column), "{table:.300}");
+    // A right turn: the vehicle leans to the left, in the log and in the plant.
+    for series in ["\"C_p15_h185_v50_R.csv, 1.85 m\"", "plant"] {
+        let last = table.lines().filter_map(|l| l.strip_prefix(&format!(",{series},"))).next_back();
+        let last = last.unwrap();
+        assert!(last.split(',').nth(2).unwrap().starts_with("-0.1"), "{last}");
+    }
+}
+
+#[test]
+fn a_replay_says_what_it_needs() {
+    let vehicle = fixture("vehicles/kraz.toml");
+    let log = format!("{}=1.85", fixture("logs/C_p15_h185_v50_R.csv"));
+    study(&["replay", "--run", &log]).refused(&["--vehicle"]);
+    study(&["replay", "--vehicle", &vehicle]).refused(&["--run LOG=HEIGHT_M"]);
+    study(&["replay", "--vehicle", &vehicle, "--run", "-=1.85"]).refused(&["standard input"]);
+    study(&["height", "--run", &log]).refused(&["`replay` only"]);
 }

@@ -5,7 +5,7 @@ use crate::output_error::{raised, refine};
 use crate::reduction::{Keep, balanced, pade};
 use crate::system::{Rational, System};
 
-/// The stable model of this order whose response to `samples` is nearest in mean square to that
+/// For each order from 1 to `greatest_order`: the stable model whose response to `samples` is nearest in mean square to that
 /// of the system, with the same value at s = 0. Started from balanced residualisation, from the
 /// Padé approximant where that is stable, and from the order below; the best end counts.
 ///
@@ -13,29 +13,43 @@ use crate::system::{Rational, System};
 /// As [`balanced()`].
 pub fn fitted(
     system: &System,
-    order: usize,
+    greatest_order: usize,
     samples: &[f64],
     interval_s: f64,
-) -> Result<Rational, VehicleError> {
+) -> Result<Vec<Rational>, VehicleError> {
     let response = system.response(samples, interval_s);
-    let moments = system.moments(2 * order + 1)?;
+    let moments = system.moments(2 * greatest_order + 1)?;
+    let mut found: Vec<Rational> = Vec::with_capacity(greatest_order);
+    for order in 1..=greatest_order {
+        let lower = found.last();
+        found.push(one_order(system, (&moments, order, lower), samples, &response, interval_s)?);
+    }
+    Ok(found)
+}
+
+fn one_order(
+    system: &System,
+    (moments, order, lower): (&[f64], usize, Option<&Rational>),
+    samples: &[f64],
+    response: &[f64],
+    interval_s: f64,
+) -> Result<Rational, VehicleError> {
     let mut starts = vec![balanced(system, order, Keep::SteadyState)?.0.rational()?];
-    if let Some(start) = pade(&moments, order)
+    if let Some(start) = pade(moments, order)
         && start.system().is_stable()?
     {
         starts.push(start);
     }
-    if order > 1 {
-        let lower = fitted(system, order - 1, samples, interval_s)?;
+    if let Some(lower) = lower {
         let n = lower.denominator.len() - 1;
         // A pole of middling speed, where there is none yet.
         #[allow(clippy::cast_precision_loss)] // an order
         let pole_radps = 2.0 * lower.denominator[0].abs().powf(1.0 / n as f64);
-        starts.push(raised(&lower, pole_radps));
+        starts.push(raised(lower, pole_radps));
     }
     let mut best: Option<(Rational, f64)> = None;
     for start in &starts {
-        let (model, left) = refine(start, samples, &response, interval_s, Some(moments[0]))?;
+        let (model, left) = refine(start, samples, response, interval_s, Some(moments[0]))?;
         if best.as_ref().is_none_or(|(_, least)| left < *least) {
             best = Some((model, left));
         }

@@ -44,15 +44,15 @@ pub(super) fn rows(
     }
     let note = "not printed: follows from the squared error of order 0";
     rows.push(Row::ours(table, "steer amplitude, degrees", amplitude_degrees, note));
-    for order in 1..=GREATEST_ORDER {
-        let best = fitted(&whole, order, &input.samples(), StepInput::INTERVAL_S)?.system();
+    let fits = fitted(&whole, GREATEST_ORDER, &input.samples(), StepInput::INTERVAL_S)?;
+    for (order, fit) in (1..).zip(&fits) {
         let (residualised, _) = balanced(&whole, order, Keep::SteadyState)?;
         let (truncated, _) = balanced(&whole, order, Keep::HighFrequency)?;
         for (method, reduced) in [
             ("Padé", approximant(order)?),
             ("balanced truncation", truncated),
             ("balanced residualisation", residualised),
-            ("fitted", best),
+            ("fitted", fit.system()),
         ] {
             rows.extend(other(
                 table,

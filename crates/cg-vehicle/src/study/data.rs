@@ -104,7 +104,7 @@ impl Series {
 /// One set of axes with its series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// The source's figure: `2.26`.
+    /// The source's figure: `2.26`; empty where it has none.
     pub figure: &'static str,
     /// What it shows.
     pub title: &'static str,

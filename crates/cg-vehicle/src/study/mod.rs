@@ -10,6 +10,7 @@
 //! | `heights` | Figs. 2.26, 2.27: c.g. height, payload |
 //! | `shift` | Figs. 2.28, 2.29: payload beside or behind its place |
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tyres |
+//! | `replay` | recorded logs driven again (no figure of the source) |
 //! | `drive` | one run along a path with the preview driver |
 //! | `data` | what a study returns |
 //!
@@ -28,12 +29,14 @@ mod drive;
 mod heights;
 mod inertia;
 mod maneuvers;
+mod replay;
 mod sensitivity;
 mod shift;
 mod speed;
 mod variants;
 
 pub use data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
+pub use replay::{Recorded, Replayed, drive_again, replay};
 
 use crate::error::VehicleError;
 use crate::vehicle::Vehicle;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use cg_vehicle::calibration::{KnownLog, calibrate};
 use cg_vehicle::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::plant::{PlantOptions, YawRollPlant};
+use cg_vehicle::study::{Recorded, Replayed, drive_again};
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use super::vehicle;
@@ -56,19 +57,17 @@ fn steady(rows: &[LogRow], of: &[f64]) -> f64 {
 /// the steady roll.
 fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
     let reader = LogReader::open(&logs().join(&truth.log), &LogOptions::default()).unwrap();
-    let rows: Vec<LogRow> = reader.collect::<Result<_, _>>().unwrap();
+    let rows = reader.collect::<Result<_, _>>().unwrap();
+    let known = KnownLog {
+        log: truth.log.clone(),
+        height_m: truth.load.cg_height_m,
+        trailer_mass_kg: Some(truth.load.trailer_mass_kg),
+    };
+    let log = Recorded { known, rows };
     let options = PlantOptions { bank_rad: truth.bank_rad, ..PlantOptions::default() };
-    let plant = YawRollPlant::new(vehicle, truth.load, &options).unwrap();
-    let mut run = plant.start(rows[0].speed_mps).unwrap();
-    let (mut roll, mut lateral) = (Vec::new(), Vec::new());
-    for (k, row) in rows.iter().enumerate() {
-        if k > 0 {
-            run.push(row.steer_rad, row.speed_mps, row.time_s - rows[k - 1].time_s);
-        }
-        let sample = run.sample();
-        roll.push(sample.trailer.roll_rad);
-        lateral.push(sample.trailer.lateral_acceleration_mps2);
-    }
+    let Replayed { roll_rad: roll, lateral_mps2: lateral } =
+        drive_again(vehicle, &log, &options).unwrap();
+    let rows = log.rows;
     let theirs: Vec<f64> = rows.iter().map(|row| row.roll_rad).collect();
     let their_lateral: Vec<f64> = rows.iter().map(|row| row.lateral_acceleration_mps2).collect();
     let size = steady(&rows, &theirs);
