@@ -3,14 +3,31 @@
 use cg_vehicle::sensors::Sensors;
 use clap::Args;
 
-use crate::numbers::{decibels, delay_s, jitter_s, offset_rad, quantisation_rad, share};
+use crate::numbers::{
+    decibels, delay_s, jitter_s, not_negative, offset_rad, quantisation_rad, share,
+};
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sensors")]
 pub(crate) struct SensorArgs {
-    /// White noise on the roll angle, decibels below its mean square
+    /// Noise on the roll angle, decibels below its mean square
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = decibels)]
     snr_db: Option<f64>,
+    /// Time constant of that noise, as a rough road makes it; 0 for white noise
+    #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    noise_lag_s: f64,
+    /// Standard deviation of white noise on the steer angle, at the road wheels
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    steer_noise_rad: f64,
+    /// Standard deviation of white noise on the lateral acceleration
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    lateral_noise_mps2: f64,
+    /// Play between the measured steer angle and the road wheels, from end to end
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    steer_play_rad: f64,
+    /// Greatest angle that the roll sensor can show, either way [default: any]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = not_negative)]
+    roll_limit_rad: Option<f64>,
     /// Constant offset of the roll sensor
     #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = offset_rad)]
     roll_offset_rad: f64,
@@ -42,6 +59,11 @@ impl From<&SensorArgs> for Sensors {
     fn from(arguments: &SensorArgs) -> Self {
         Self {
             snr_db: arguments.snr_db,
+            noise_lag_s: arguments.noise_lag_s,
+            steer_noise_rad: arguments.steer_noise_rad,
+            lateral_noise_mps2: arguments.lateral_noise_mps2,
+            steer_play_rad: arguments.steer_play_rad,
+            roll_limit_rad: arguments.roll_limit_rad,
             roll_offset_rad: arguments.roll_offset_rad,
             steer_offset_rad: arguments.steer_offset_rad,
             quantisation_rad: arguments.quantisation_rad,

@@ -17,6 +17,7 @@
 //! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
 //! | [`study`] | the nonlinear plant over maneuver, load and vehicle | sections 2.5–2.7 |
 //! | [`log`] | log files in and out | – |
+//! | [`accuracy`] | Monte-Carlo: errors and intervals | section 5.3.2 |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
 //! Axes and signs are those of [`cg_core::sample`] (ISO 8855).
@@ -48,6 +49,7 @@ pub mod simulate;
 pub mod study;
 pub mod log;
 pub mod estimate;
+pub mod accuracy;
 pub mod reproduce;
 
 pub use error::VehicleError;

@@ -1,8 +1,9 @@
 //! What sensors make of the truth: offsets, noise, quantisation, delay, jitter, drop-outs.
 //!
 //! ```text
-//!     roll ─ delayed ─ + a_y/g if inclinometer ─ + offset ─ + noise ─ rounded ─ lost ─► roll or tilt
-//!     steer ─ + offset ─ × steering ratio if steering wheel ─► steer or steering wheel
+//!     roll ─ delayed ─ + a_y/g if inclinometer ─ + offset ─ + noise ─ limited ─ rounded ─ lost ─► roll or tilt
+//!     steer ─ through the play ─ + offset ─ + noise ─ × steering ratio if steering wheel ─► steer or steering wheel
+//!     lateral acceleration ─ + noise ─►
 //!     time ─ + jitter ─► time stamp
 //! ```
 
@@ -22,14 +23,30 @@ pub const GREATEST_OFFSET_RAD: f64 = 0.2;
 pub const GREATEST_QUANTISATION_RAD: f64 = 0.1;
 /// The greatest delay.
 pub const GREATEST_DELAY_S: f64 = 2.0;
+/// The greatest standard deviation of the steer angle.
+pub const GREATEST_STEER_NOISE_RAD: f64 = 0.1;
+/// The same of the lateral acceleration.
+pub const GREATEST_LATERAL_NOISE_MPS2: f64 = 10.0;
+/// The greatest time constant of noise.
+pub const GREATEST_NOISE_LAG_S: f64 = 10.0;
 /// The greatest share of lost rows.
 pub const GREATEST_DROP_OUT: f64 = 0.95;
 
 /// The sensors of a simulated log; the default is perfect ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sensors {
-    /// White noise on the roll angle, decibels below its mean square.
+    /// Noise on the roll angle, decibels below its mean square.
     pub snr_db: Option<f64>,
+    /// Time constant of that noise (rough road); white if zero.
+    pub noise_lag_s: f64,
+    /// Standard deviation of white noise on the steer angle, at the road wheels.
+    pub steer_noise_rad: f64,
+    /// Standard deviation of white noise on the lateral acceleration.
+    pub lateral_noise_mps2: f64,
+    /// Play between what is measured and the road wheels, from end to end.
+    pub steer_play_rad: f64,
+    /// Greatest angle that the roll sensor can show, either way; `None` for any.
+    pub roll_limit_rad: Option<f64>,
     /// Constant offset of the roll sensor.
     pub roll_offset_rad: f64,
     /// Constant offset of the steer angle, at the road wheels.
@@ -64,6 +81,11 @@ impl Sensors {
                 GREATEST_OFFSET_RAD,
             ),
             ("quantisation (rad)", self.quantisation_rad, 0.0, GREATEST_QUANTISATION_RAD),
+            ("noise lag (s)", self.noise_lag_s, 0.0, GREATEST_NOISE_LAG_S),
+            ("steer noise (rad)", self.steer_noise_rad, 0.0, GREATEST_STEER_NOISE_RAD),
+            ("lateral noise (m/s²)", self.lateral_noise_mps2, 0.0, GREATEST_LATERAL_NOISE_MPS2),
+            ("steer play (rad)", self.steer_play_rad, 0.0, GREATEST_OFFSET_RAD),
+            ("roll limit (rad)", self.roll_limit_rad.unwrap_or(1.0), 0.001, 1.0),
             ("delay (s)", self.delay_s, 0.0, GREATEST_DELAY_S),
             ("drop-out (share)", self.drop_out, 0.0, GREATEST_DROP_OUT),
             // Less than half an interval, so that time increases.
@@ -100,8 +122,12 @@ pub struct Instruments {
     gravity_mps2: f64,
     steering_ratio: f64,
     noise_source: StdRng,
-    /// Of jitter and drop-outs: noise is the same with and without them.
+    /// Of jitter, drop-outs and the inputs' noise: noise of the roll is the same with and without.
     chance: StdRng,
+    /// The roll's noise at the row before, and that row's time.
+    noise_before: Option<(f64, f64)>,
+    /// The steer angle on this side of the play.
+    steer_shown_rad: Option<f64>,
     /// True time and roll angle, as far back as the delay reaches.
     past: VecDeque<(f64, f64)>,
     is_first: bool,
@@ -124,6 +150,8 @@ impl Instruments {
             steering_ratio,
             noise_source: StdRng::seed_from_u64(seed),
             chance: StdRng::seed_from_u64(!seed),
+            noise_before: None,
+            steer_shown_rad: None,
             past: VecDeque::new(),
             is_first: true,
         }
@@ -133,7 +161,10 @@ impl Instruments {
     pub fn measure(&mut self, truth: &LogRow) -> LogRow {
         let sensors = self.sensors;
         let mut row = *truth;
-        row.steer_rad += sensors.steer_offset_rad;
+        row.steer_rad = self.steer_through_play_rad(truth.steer_rad)
+            + sensors.steer_offset_rad
+            + self.chance_noise(sensors.steer_noise_rad);
+        row.lateral_acceleration_mps2 += self.chance_noise(sensors.lateral_noise_mps2);
         if sensors.steering_wheel {
             row.steering_wheel_rad = row.steer_rad * self.steering_ratio;
             row.steer_rad = f64::NAN;
@@ -143,7 +174,10 @@ impl Instruments {
             roll_rad += truth.lateral_acceleration_mps2 / self.gravity_mps2;
         }
         roll_rad += sensors.roll_offset_rad;
-        roll_rad += self.noise.map_or(0.0, |noise| noise.sample(&mut self.noise_source));
+        roll_rad += self.roll_noise_rad(truth.time_s);
+        if let Some(limit_rad) = sensors.roll_limit_rad {
+            roll_rad = roll_rad.clamp(-limit_rad, limit_rad);
+        }
         if sensors.quantisation_rad > 0.0 {
             let step_rad = sensors.quantisation_rad;
             roll_rad = (roll_rad / step_rad).round() * step_rad;
@@ -158,6 +192,39 @@ impl Instruments {
         (row.roll_rad, row.tilt_rad) =
             if sensors.inclinometer { (f64::NAN, roll_rad) } else { (roll_rad, f64::NAN) };
         row
+    }
+
+    /// White, or through a first-order lag at the same standard deviation.
+    fn roll_noise_rad(&mut self, time_s: f64) -> f64 {
+        let Some(noise) = self.noise else { return 0.0 };
+        let fresh = noise.sample(&mut self.noise_source);
+        let lag_s = self.sensors.noise_lag_s;
+        let value = match self.noise_before {
+            Some((before, then_s)) if lag_s > 0.0 => {
+                let kept = (-(time_s - then_s) / lag_s).exp();
+                kept * before + (1.0 - kept * kept).sqrt() * fresh
+            }
+            _ => fresh,
+        };
+        self.noise_before = Some((value, time_s));
+        value
+    }
+
+    fn chance_noise(&mut self, sd: f64) -> f64 {
+        if sd > 0.0 {
+            Normal::new(0.0, sd).map_or(0.0, |noise| noise.sample(&mut self.chance))
+        } else {
+            0.0
+        }
+    }
+
+    /// What is measured moves only once the road wheels have taken up the play.
+    fn steer_through_play_rad(&mut self, steer_rad: f64) -> f64 {
+        let half_rad = 0.5 * self.sensors.steer_play_rad;
+        let before_rad = self.steer_shown_rad.unwrap_or(steer_rad);
+        let shown_rad = before_rad.clamp(steer_rad - half_rad, steer_rad + half_rad);
+        self.steer_shown_rad = Some(shown_rad);
+        shown_rad
     }
 
     /// The roll angle of `delay_s` ago, between rows along a straight line; the first one before.

@@ -24,6 +24,9 @@ pub struct LogEstimate {
     pub height_m: Option<f64>,
     /// Its standard deviation, model uncertainty included.
     pub height_sd_m: Option<f64>,
+    /// The part of it that noise explains and that more turns would reduce; not in the output.
+    #[serde(skip)]
+    pub height_random_sd_m: Option<f64>,
     /// Its 95 % interval.
     pub height_ci95_m: Option<[f64; 2]>,
     /// DC ratio, rad of roll per rad of steer or per m/s², at `speed_mps`.

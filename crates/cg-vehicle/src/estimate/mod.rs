@@ -213,6 +213,7 @@ impl LogEstimator {
         estimate.status = Verdict::Ok;
         estimate.height_m = Some(height);
         estimate.height_sd_m = Some(sd);
+        estimate.height_random_sd_m = Some(fused.random_sd_m);
         estimate.height_ci95_m = Some([height - QUANTILE_95 * sd, height + QUANTILE_95 * sd]);
         let fit = outcome(&best).fit;
         estimate.snr_db = fit.map(|fit| fit.snr_db);
@@ -314,6 +315,7 @@ impl LogEstimator {
             status: Verdict::Rejected,
             height_m: None,
             height_sd_m: None,
+            height_random_sd_m: None,
             height_ci95_m: None,
             ratio: None,
             ratio_sd: None,
