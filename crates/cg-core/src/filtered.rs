@@ -3,6 +3,7 @@
 use crate::design::ChannelDesign;
 use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::linalg::Triangle;
+use crate::long_run::LongRun;
 use crate::ratio::Measured;
 use crate::real::Real;
 use crate::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
@@ -77,6 +78,19 @@ impl<T: Real> Pending<T> {
     }
 }
 
+/// What the rows and the prior give.
+#[derive(Clone, Copy, Debug)]
+struct Solution<T> {
+    /// Deviations from the model.
+    theta: [T; UNKNOWNS],
+    /// Standard deviation of the residual, row by row; the floor at least.
+    noise_sd: T,
+    /// The same of slow noise, which is what the answer's uncertainty follows.
+    slow_sd: T,
+    /// The equations that gave the deviations, prior included.
+    triangle: Triangle<T, UNKNOWNS>,
+}
+
 /// ARX on filtered signals, with prior knowledge of the dynamics.
 ///
 /// With `y_k`, `u_k` the roll and the input filtered by `sᵏ/B(s)` and `G = A/B` the reduced
@@ -102,6 +116,7 @@ pub struct FilteredArx<T: Real> {
     started: bool,
     triangle: Triangle<T, UNKNOWNS>,
     pending: Pending<T>,
+    long_run: LongRun<T, UNKNOWNS>,
     moments: Moments<T>,
     reference_rad: T,
     newest_share: [T; ORDER],
@@ -123,13 +138,14 @@ impl<T: Real> FilteredArx<T> {
             started: false,
             triangle: Triangle::new(),
             pending: Pending::new(),
+            long_run: LongRun::new(),
             moments: Moments::new(),
             reference_rad: T::zero(),
             newest_share: [T::zero(); ORDER],
         }
     }
 
-    fn take_row(&mut self, input: T, roll: T) {
+    fn take_row(&mut self, input: T, roll: T, interval_s: T) {
         let u = self.input.derivatives(&self.model);
         let y = self.roll.derivatives(&self.model);
         let nominal = self.model.response(&u);
@@ -148,6 +164,7 @@ impl<T: Real> FilteredArx<T> {
             *sum += share;
         }
         self.pending.push(row, roll - nominal);
+        self.long_run.push(&row, roll - nominal, interval_s);
         if self.pending.rows == BLOCK {
             self.triangle = self.pending.folded_into(self.triangle);
             self.pending = Pending::new();
@@ -169,42 +186,45 @@ impl<T: Real> FilteredArx<T> {
     /// The triangle with the prior rows for a residual of standard deviation `noise_sd`.
     fn with_prior(&self, data: &Triangle<T, UNKNOWNS>, noise_sd: T) -> Triangle<T, UNKNOWNS> {
         let mut triangle = *data;
-        let gain = self.model.dc_gain().abs();
         for k in 0..UNKNOWNS {
-            let size = if k < ORDER {
-                self.model.denominator[k].abs()
-            } else if k == GAIN || k == OFFSET {
-                T::one()
-            } else {
-                // A numerator coefficient that happens to be small is not known better.
-                self.model.numerator[k - GAIN].abs().max(gain * T::of(0.2))
-            };
-            let sd = match k {
-                GAIN => continue,
-                OFFSET => self.prior.offset_sd_rad,
-                _ => self.prior.dynamics_sd * size,
-            };
-            // A fixed unknown has a zero column: any weight keeps it at zero.
-            let weight = if sd > T::zero() { noise_sd / sd } else { T::one() };
-            let mut row = [T::zero(); UNKNOWNS];
-            row[k] = weight;
-            triangle.push(row, T::zero());
+            if let Some(weight) = self.prior_weight(k, noise_sd) {
+                let mut row = [T::zero(); UNKNOWNS];
+                row[k] = weight;
+                triangle.push(row, T::zero());
+            }
         }
         triangle
     }
 
+    /// Weight of the prior row of unknown `k`; the gain has none.
+    fn prior_weight(&self, k: usize, noise_sd: T) -> Option<T> {
+        let size =
+            |coefficients: &[T], k: usize| coefficients.get(k).map_or(T::zero(), |c| c.abs());
+        let sd = match k {
+            GAIN => return None,
+            OFFSET => self.prior.offset_sd_rad,
+            _ if k < ORDER => self.prior.dynamics_sd * size(&self.model.denominator, k),
+            // A numerator coefficient that happens to be small is not known better.
+            _ => {
+                let least = self.model.dc_gain().abs() * T::of(0.2);
+                self.prior.dynamics_sd * size(&self.model.numerator, k - GAIN).max(least)
+            }
+        };
+        // A fixed unknown has a zero column: any weight keeps it at zero.
+        Some(if sd > T::zero() { noise_sd / sd } else { T::one() })
+    }
+
     /// Covariance of the deviations (scaled time; see the type's documentation for their order).
     pub fn covariance(&self) -> Option<[[T; UNKNOWNS]; UNKNOWNS]> {
-        let (_, noise_sd, triangle) = self.solve().ok()?;
-        let mut covariance = triangle.covariance(UNKNOWNS);
+        let solution = self.solve().ok()?;
+        let mut covariance = solution.triangle.covariance(UNKNOWNS);
         for entry in covariance.iter_mut().flatten() {
-            *entry *= noise_sd * noise_sd;
+            *entry *= solution.slow_sd * solution.slow_sd;
         }
         Some(covariance)
     }
 
-    /// Deviations, residual standard deviation (floored), and the triangle that gave them.
-    fn solve(&self) -> Result<([T; UNKNOWNS], T, Triangle<T, UNKNOWNS>), Unexcited> {
+    fn solve(&self) -> Result<Solution<T>, Unexcited> {
         let floor = self.prior.noise_floor_rad;
         let rows = self.moments.rows;
         if (rows as usize) < UNKNOWNS {
@@ -217,18 +237,25 @@ impl<T: Real> FilteredArx<T> {
         let freedom = (self.moments.weight - T::of(UNKNOWNS_F64)).max(T::one());
         // The prior's weight depends on the noise and the noise on the answer: three rounds
         // settle it, since the residual hardly depends on the prior.
-        let (mut noise_sd, mut residual_sd) = (floor, floor);
         let data = self.pending.folded_into(self.triangle);
-        let mut answer = ([T::zero(); UNKNOWNS], noise_sd, data);
+        let mut residual_sd = floor;
+        let mut answer = Solution {
+            theta: [T::zero(); UNKNOWNS],
+            noise_sd: floor,
+            slow_sd: floor,
+            triangle: data,
+        };
         for _ in 0..3 {
-            let triangle = self.with_prior(&data, noise_sd);
+            let triangle = self.with_prior(&data, answer.slow_sd);
             let theta =
                 triangle.solve(UNKNOWNS).map_err(|unknown| Unexcited::Direction { unknown })?;
             residual_sd = (data.sum_of_squares_at(&theta) / freedom).root();
-            noise_sd = residual_sd.max(floor);
-            answer = (theta, noise_sd, triangle);
+            let noise_sd = residual_sd.max(floor);
+            let effective = self.effective(&triangle, answer.slow_sd);
+            let inflation = self.long_run.inflation(&theta, effective, noise_sd * noise_sd);
+            answer = Solution { theta, noise_sd, slow_sd: noise_sd * inflation.root(), triangle };
         }
-        let (theta, _, triangle) = &mut answer;
+        let Solution { theta, triangle, .. } = &mut answer;
         if self.prior.dynamics_sd > T::zero() {
             // White roll noise of variance σ² sits in the regressors −y_k too, with the share
             // that the newest sample has in them, and pulls Σ φ e by −σ² Σ share: put it back.
@@ -243,12 +270,19 @@ impl<T: Real> FilteredArx<T> {
         Ok(answer)
     }
 
-    fn describe(
-        &self,
-        triangle: &Triangle<T, UNKNOWNS>,
-        theta: &[T; UNKNOWNS],
-        noise_sd: T,
-    ) -> Fit<T> {
+    /// How many unknowns the data decided, not the prior: `Σ 1 − w² (RᵀR)⁻¹`.
+    fn effective(&self, triangle: &Triangle<T, UNKNOWNS>, noise_sd: T) -> T {
+        let covariance = triangle.covariance(UNKNOWNS);
+        let mut effective = T::zero();
+        for (k, row) in covariance.iter().enumerate() {
+            let weight = self.prior_weight(k, noise_sd).unwrap_or(T::zero());
+            effective += T::one() - weight * weight * row[k];
+        }
+        effective
+    }
+
+    fn describe(&self, solution: &Solution<T>) -> Fit<T> {
+        let Solution { theta, noise_sd, slow_sd, triangle } = solution;
         // R = A0 (1 + γ) / (B0 + δb_0)
         let denominator = self.model.denominator[0] + theta[0];
         let gain = self.model.numerator[0] / denominator;
@@ -256,12 +290,12 @@ impl<T: Real> FilteredArx<T> {
         let mut gradient = [T::zero(); UNKNOWNS];
         gradient[0] = -ratio / denominator;
         gradient[GAIN] = gain;
-        let ratio_sd = noise_sd * triangle.variance_of(&gradient, UNKNOWNS).root();
+        let ratio_sd = *slow_sd * triangle.variance_of(&gradient, UNKNOWNS).root();
         let rest = theta[OFFSET] / denominator;
-        let (snr_db, fit_percent) = self.moments.quality(noise_sd * noise_sd, rest);
+        let (snr_db, fit_percent) = self.moments.quality(*noise_sd * *noise_sd, rest);
         Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
-            noise_sd_rad: noise_sd,
+            noise_sd_rad: *noise_sd,
             snr_db,
             fit_percent,
             rows: self.moments.rows,
@@ -270,7 +304,7 @@ impl<T: Real> FilteredArx<T> {
 
     /// The identified transfer function (time in seconds), if the data determine one.
     pub fn model(&self) -> Option<Reduced5<T>> {
-        let (theta, _, _) = self.solve().ok()?;
+        let theta = self.solve().ok()?.theta;
         let mut model = self.model;
         for k in 0..ORDER {
             model.denominator[k] += theta[k];
@@ -320,7 +354,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
             self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
         }
         if use_row {
-            self.take_row(input, roll_rad - self.reference_rad);
+            self.take_row(input, roll_rad - self.reference_rad, interval_s);
         }
     }
 
@@ -328,6 +362,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     fn clear(&mut self) {
         self.triangle = Triangle::new();
         self.pending = Pending::new();
+        self.long_run = LongRun::new();
         self.moments = Moments::new();
         self.newest_share = [T::zero(); ORDER];
     }
@@ -343,6 +378,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.triangle = self.pending.folded_into(self.triangle);
         self.pending = Pending::new();
         self.triangle.scale(factor.root());
+        self.long_run.forget(factor);
         self.moments.scale(factor);
         for sum in &mut self.newest_share {
             *sum *= factor;
@@ -351,9 +387,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     fn fit(&self) -> Answer<T> {
         match self.solve() {
-            Ok((theta, noise_sd, triangle)) => {
-                Answer::Ready(self.describe(&triangle, &theta, noise_sd))
-            }
+            Ok(solution) => Answer::Ready(self.describe(&solution)),
             Err(reason) => Answer::Unexcited(reason),
         }
     }

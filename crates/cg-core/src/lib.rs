@@ -12,6 +12,7 @@
 //! | [`condition`] | [`Sample`] | roll free of tilt, gaps found, straight or turning | – |
 //! | [`reduced`] | input signal | [`Reduced5`]: the reduced 5th-order compensated model | eq. 5.12 |
 //! | [`identify`], [`arx`], [`filtered`] | input, roll | [`Fit`]: DC ratio and its standard deviation | eqs. 5.1, 5.2 |
+//! | `long_run` | residuals | how slow their noise is | – |
 //! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
 //! | [`height`] | heights of maneuvers | one height, fused | – |
 //! | [`rollover`] | height | rollover threshold and margin | – |
@@ -44,6 +45,7 @@ pub mod design;
 pub mod condition;
 pub mod identify;
 pub mod arx;
+mod long_run;
 pub mod filtered;
 pub mod height;
 pub mod estimator;

@@ -3,13 +3,21 @@
 mod common;
 use cg_core::Channel;
 use cg_vehicle::accuracy::{Experiment, Score, Truck};
+use cg_vehicle::estimate::Method;
 use cg_vehicle::maneuver::Maneuver;
 use cg_vehicle::sensors::Sensors;
 use cg_vehicle::simulate::Scenario;
-use cg_vehicle::estimate::Method;
 
 fn print(name: &str, s: Score) {
-    println!("{name:40} n {:4} bias {:+.2} rmse {:.2} stated {:.2} bound {:.2} % cover {:.1}", s.answered, 100.0*s.bias, 100.0*s.rmse, 100.0*s.stated_sd, 100.0*s.bound, 100.0*s.coverage);
+    println!(
+        "{name:40} n {:4} bias {:+.2} rmse {:.2} stated {:.2} bound {:.2} % cover {:.1}",
+        s.answered,
+        100.0 * s.bias,
+        100.0 * s.rmse,
+        100.0 * s.stated_sd,
+        100.0 * s.bound,
+        100.0 * s.coverage
+    );
 }
 
 #[test]
@@ -42,8 +50,15 @@ fn explore() {
         for truck in [Truck::OfTheFile, Truck::Drawn] {
             println!("{channel:?} {truck:?}");
             for (name, sensors) in &cases {
-                let scenario = Scenario { sensors: *sensors, ..Scenario::of(&vehicle, Maneuver::RoundedStep) };
-                let e = Experiment { channel, truck, runs: 200, method: Method::Filtered, ..Experiment::of(scenario) };
+                let scenario =
+                    Scenario { sensors: *sensors, ..Scenario::of(&vehicle, Maneuver::RoundedStep) };
+                let e = Experiment {
+                    channel,
+                    truck,
+                    runs: 200,
+                    method: Method::Filtered,
+                    ..Experiment::of(scenario)
+                };
                 print(name, e.score(&vehicle).unwrap());
             }
         }

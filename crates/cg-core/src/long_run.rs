@@ -1,0 +1,90 @@
+//! How much slow noise a residual holds.
+//!
+//! Least squares takes each row's error as new. That of a rough road, or of dynamics that are not
+//! quite the model's, lasts for many rows: they say less than they are many. What counts for a DC
+//! ratio is the residual's *long-run* variance, its sums over blocks of a second or two instead of
+//! its rows one by one:
+//!
+//! ```text
+//!     Σ_b (Σ_{rows of b} e)²/m_b / (blocks − effective unknowns)  over  σ²
+//! ```
+//!
+//! The sums of the regressors over each block go into a triangle of their own, so that the
+//! residual's sums are known for whatever unknowns come out in the end.
+//!
+//! **Reference.** Newey and West, *Econometrica* 55 (1987) 703; batch means: Law, *Simulation
+//! Modeling and Analysis*, §9.5.
+
+use crate::linalg::Triangle;
+use crate::real::Real;
+
+/// Length of a block: several times what a rolling trailer takes to settle.
+const BLOCK_S: f64 = 1.5;
+
+/// White noise counts as this many blocks seen before: few blocks alone would scatter.
+const BELIEVED_BLOCKS: f64 = 4.0;
+
+/// Sums of rows over blocks of time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LongRun<T, const N: usize> {
+    regressors: [T; N],
+    observation: T,
+    rows: T,
+    elapsed_s: T,
+    blocks: T,
+    triangle: Triangle<T, N>,
+}
+
+impl<T: Real, const N: usize> LongRun<T, N> {
+    pub(crate) fn new() -> Self {
+        let zero = T::zero();
+        Self {
+            regressors: [zero; N],
+            observation: zero,
+            rows: zero,
+            elapsed_s: zero,
+            blocks: zero,
+            triangle: Triangle::new(),
+        }
+    }
+
+    /// Takes in a row that stands for `interval_s`.
+    pub(crate) fn push(&mut self, regressors: &[T; N], observation: T, interval_s: T) {
+        for (sum, value) in self.regressors.iter_mut().zip(regressors) {
+            *sum += *value;
+        }
+        self.observation += observation;
+        self.rows += T::one();
+        self.elapsed_s += interval_s;
+        if self.elapsed_s >= T::of(BLOCK_S) {
+            self.close();
+        }
+    }
+
+    fn close(&mut self) {
+        let scale = T::one() / self.rows.root();
+        self.triangle.push(self.regressors.map(|sum| sum * scale), self.observation * scale);
+        let (blocks, triangle) = (self.blocks + T::one(), self.triangle);
+        *self = Self { blocks, triangle, ..Self::new() };
+    }
+
+    /// Multiplies the weight of all blocks so far by `factor`.
+    pub(crate) fn forget(&mut self, factor: T) {
+        self.triangle.scale(factor.root());
+        self.blocks *= factor;
+    }
+
+    /// Long-run variance over `variance`, the residual's row by row, at the unknowns `theta`, of
+    /// which the data decided `effective`; one at least.
+    pub(crate) fn inflation(&self, theta: &[T; N], effective: T, variance: T) -> T {
+        let believed = T::of(BELIEVED_BLOCKS);
+        let sum = self.triangle.sum_of_squares_at(theta) + believed * variance;
+        let freedom = (self.blocks - effective).max(T::zero()) + believed;
+        let excess = sum / (freedom * variance) - T::one();
+        // Twice what white noise scatters by, squared: an excess below that is hardly believed.
+        let scatter = T::of(8.0) / freedom;
+        let shrunk = excess * excess * excess / (excess * excess + scatter);
+        // Written so that a residual of zero (0/0) gives one.
+        if shrunk > T::zero() { T::one() + shrunk } else { T::one() }
+    }
+}
