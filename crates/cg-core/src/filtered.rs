@@ -2,6 +2,7 @@
 
 use crate::design::ChannelDesign;
 use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
+use crate::input_noise::InputNoise;
 use crate::linalg::Triangle;
 use crate::long_run::LongRun;
 use crate::ratio::Measured;
@@ -120,6 +121,10 @@ pub struct FilteredArx<T: Real> {
     moments: Moments<T>,
     reference_rad: T,
     newest_share: [T; ORDER],
+    input_noise: InputNoise<T>,
+    /// What unit noise on the input leaves in the rows' products, and the interval it is for.
+    noise_products: [T; ORDER + 1],
+    products_interval_s: T,
 }
 
 impl<T: Real> FilteredArx<T> {
@@ -142,6 +147,9 @@ impl<T: Real> FilteredArx<T> {
             moments: Moments::new(),
             reference_rad: T::zero(),
             newest_share: [T::zero(); ORDER],
+            input_noise: InputNoise::new(),
+            noise_products: [T::zero(); ORDER + 1],
+            products_interval_s: T::zero(),
         }
     }
 
@@ -170,6 +178,7 @@ impl<T: Real> FilteredArx<T> {
             self.pending = Pending::new();
         }
         self.moments.push(input, roll);
+        self.input_noise.push(input, interval_s);
     }
 
     /// The expected roll angle of the reduced model now, radians from the first sample's.
@@ -255,19 +264,36 @@ impl<T: Real> FilteredArx<T> {
             let inflation = self.long_run.inflation(&theta, effective, noise_sd * noise_sd);
             answer = Solution { theta, noise_sd, slow_sd: noise_sd * inflation.root(), triangle };
         }
-        let Solution { theta, triangle, .. } = &mut answer;
-        if self.prior.dynamics_sd > T::zero() {
-            // White roll noise of variance σ² sits in the regressors −y_k too, with the share
-            // that the newest sample has in them, and pulls Σ φ e by −σ² Σ share: put it back.
-            let mut pull = [T::zero(); UNKNOWNS];
-            for k in 0..ORDER {
-                pull[k] = self.newest_share[k] * residual_sd * residual_sd;
-            }
-            for (theta, shift) in theta.iter_mut().zip(triangle.shift_for(&pull, UNKNOWNS)) {
-                *theta += shift;
-            }
+        let pull = self.pull(residual_sd * residual_sd);
+        let shift = answer.triangle.shift_for(&pull, UNKNOWNS);
+        for (theta, shift) in answer.theta.iter_mut().zip(shift) {
+            *theta += shift;
         }
         Ok(answer)
+    }
+
+    /// What noise takes from `Σ φ e`, because it sits in the regressors as well, to first order.
+    ///
+    /// White roll noise of variance σ² is in −y_k with the share that the newest sample has in it
+    /// and pulls by −σ² Σ share. White noise of variance v² on the input is in G u and u_k, and in
+    /// e as −G v, and pulls by −v² E\[u_k · G u\] a row.
+    fn pull(&self, residual_variance: T) -> [T; UNKNOWNS] {
+        let input_variance = self.input_noise.variance();
+        let mut gain = T::zero();
+        for (a, product) in self.model.numerator.iter().zip(self.noise_products) {
+            gain += *a * product;
+        }
+        let mut pull = [T::zero(); UNKNOWNS];
+        let rows = self.moments.weight * input_variance;
+        pull[GAIN] = rows * gain;
+        if self.prior.dynamics_sd > T::zero() {
+            let roll_variance = (residual_variance - gain * input_variance).max(T::zero());
+            for k in 0..ORDER {
+                pull[k] = self.newest_share[k] * roll_variance;
+                pull[GAIN + 1 + k] = rows * self.noise_products[k + 1];
+            }
+        }
+        pull
     }
 
     /// How many unknowns the data decided, not the prior: `Σ 1 − w² (RᵀR)⁻¹`.
@@ -340,6 +366,12 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
             if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
                 self.interval_s = interval_s;
                 self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
+                // Noise need not be known to better than time stamps jitter.
+                let change = (interval_s - self.products_interval_s).abs();
+                if change > self.products_interval_s * T::of(0.25) {
+                    self.products_interval_s = interval_s;
+                    self.noise_products = self.step.noise_products(&self.model);
+                }
             }
             self.input.push(&self.step, input);
             self.roll.push(&self.step, roll_rad - self.reference_rad);
@@ -365,6 +397,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.long_run = LongRun::new();
         self.moments = Moments::new();
         self.newest_share = [T::zero(); ORDER];
+        self.input_noise = InputNoise::new();
     }
 
     /// Forgets the filters too: the next sample is taken as a state of rest.
@@ -379,6 +412,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.pending = Pending::new();
         self.triangle.scale(factor.root());
         self.long_run.forget(factor);
+        self.input_noise.forget(factor);
         self.moments.scale(factor);
         for sum in &mut self.newest_share {
             *sum *= factor;

@@ -13,6 +13,7 @@
 //! | [`reduced`] | input signal | [`Reduced5`]: the reduced 5th-order compensated model | eq. 5.12 |
 //! | [`identify`], [`arx`], [`filtered`] | input, roll | [`Fit`]: DC ratio and its standard deviation | eqs. 5.1, 5.2 |
 //! | `long_run` | residuals | how slow their noise is | – |
+//! | `input_noise` | input | how noisy it is | – |
 //! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
 //! | [`height`] | heights of maneuvers | one height, fused | – |
 //! | [`rollover`] | height | rollover threshold and margin | – |
@@ -46,6 +47,7 @@ pub mod condition;
 pub mod identify;
 pub mod arx;
 mod long_run;
+mod input_noise;
 pub mod filtered;
 pub mod height;
 pub mod estimator;

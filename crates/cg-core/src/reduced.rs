@@ -96,6 +96,9 @@ impl<T: Real> Reduced5<T> {
     }
 }
 
+/// Doublings of the sum for the noise in the filters: 2¹² samples are 4 s at 1 kHz.
+const DOUBLINGS: u32 = 12;
+
 /// One step of the filters `sᵏ/B(s)` over a fixed sampling interval, exact for
 /// signals that are straight lines between samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +137,34 @@ impl<T: Real> StepMatrices<T> {
     /// How much of the newest sample is in the signal filtered by `sᵏ/B(s)`, k = 0…4.
     pub fn newest_share(&self) -> [T; ORDER] {
         self.ramp.into()
+    }
+
+    /// What white noise of unit variance on the signal leaves in the products of the signals
+    /// filtered by `sᵏ/B(s)`, k = 0…5, with the response `A/B`: `E[u_k · G u]`.
+    ///
+    /// With `x⁺ = Φ x + Γ0 v + Γ1 v⁺` the covariance of the states is `W + Γ1 Γ1ᵀ`,
+    /// `W = Σ Φⁱ b bᵀ Φⁱᵀ` and `b = Φ Γ1 + Γ0`, summed by doubling.
+    pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
+        let ramp = self.ramp;
+        let mut transition = self.increment + SMatrix::identity();
+        let drive = transition * ramp + self.held - ramp;
+        let mut covariance = drive * drive.transpose();
+        for _ in 0..DOUBLINGS {
+            covariance += transition * covariance * transition.transpose();
+            transition *= transition;
+        }
+        covariance += ramp * ramp.transpose();
+        // G u = c·x + a5 v
+        let through = model.numerator[ORDER];
+        let denominator = SVector::from(model.denominator);
+        let c = SVector::<T, ORDER>::from_fn(|k, _| model.numerator[k]) - denominator * through;
+        let states = covariance * c + ramp * through;
+        let mut products = [T::zero(); ORDER + 1];
+        for (product, state) in products.iter_mut().zip(states.iter()) {
+            *product = *state;
+        }
+        products[ORDER] = c.dot(&ramp) + through - denominator.dot(&states);
+        products
     }
 }
 

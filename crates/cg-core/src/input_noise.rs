@@ -1,0 +1,72 @@
+//! How noisy the input is, at the frequencies that count.
+
+use crate::real::Real;
+
+/// Rows are averaged over this time: what is faster (vibration, quantisation) does not count.
+const MEAN_S: f64 = 0.1;
+
+/// White noise beneath a signal, from second differences of its means over tenths of a second,
+/// one apart: `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, while motion slower than 1.6 Hz makes
+/// that product positive. So neither motion nor vibration is taken for noise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InputNoise<T> {
+    sum: T,
+    rows: T,
+    elapsed_s: T,
+    /// The newest two means and the newest second difference.
+    means: Option<[T; 2]>,
+    difference: Option<T>,
+    products: T,
+    count: T,
+}
+
+impl<T: Real> InputNoise<T> {
+    pub(crate) fn new() -> Self {
+        let zero = T::zero();
+        Self {
+            sum: zero,
+            rows: zero,
+            elapsed_s: zero,
+            means: None,
+            difference: None,
+            products: zero,
+            count: zero,
+        }
+    }
+
+    /// Takes in the next row, `interval_s` after the one before.
+    pub(crate) fn push(&mut self, input: T, interval_s: T) {
+        self.sum += input;
+        self.rows += T::one();
+        self.elapsed_s += interval_s;
+        if self.elapsed_s >= T::of(MEAN_S) {
+            self.close();
+        }
+    }
+
+    fn close(&mut self) {
+        let mean = self.sum / self.rows;
+        let [last, first] = self.means.unwrap_or([mean; 2]);
+        let difference = mean - last - (last - first);
+        if let Some(before) = self.difference {
+            self.products += difference * before * self.rows;
+            self.count += T::one();
+        }
+        self.difference = Some(difference);
+        self.means = Some([mean, last]);
+        (self.sum, self.rows, self.elapsed_s) = (T::zero(), T::zero(), T::zero());
+    }
+
+    /// Multiplies the weight of all rows so far by `factor`.
+    pub(crate) fn forget(&mut self, factor: T) {
+        self.products *= factor;
+        self.count *= factor;
+    }
+
+    /// Variance of the noise, row by row; zero where there is none to see.
+    pub(crate) fn variance(&self) -> T {
+        let variance = -self.products / (T::of(4.0) * self.count);
+        // Written so that no rows (0/0) give zero.
+        if variance > T::zero() { variance } else { T::zero() }
+    }
+}
