@@ -27,6 +27,8 @@ pub struct Settings<T> {
     pub gap_us: u64,
     /// Half-life of the straight driving before a maneuver.
     pub fade_us: u64,
+    /// Straight driving at a beginning whose mean input is taken as the state of rest.
+    pub rest_us: u64,
     /// After a hole in a turn: time until the filters have forgotten their wrong start.
     pub settle_us: u64,
     /// The greatest relative deviation of speed from that at the maneuver's start.
@@ -45,6 +47,7 @@ impl<T: Real> Settings<T> {
             longest_us: 40_000_000,
             gap_us: 500_000,
             fade_us: 2_000_000,
+            rest_us: 300_000,
             settle_us: 3_000_000,
             speed_spread: T::of(0.3),
             ratio_sd_relative: T::of(0.2),
@@ -150,7 +153,29 @@ struct Lane<T: Real, I> {
     identifier: I,
     last_us: Option<u64>,
     settled_us: u64,
+    rest: Rest<T>,
     fusion: Fusion<T>,
+}
+
+/// The state of rest that an identifier starts from: the mean input of some straight driving,
+/// since the noise of a single sample would be taken for a turn that has just ended.
+#[derive(Clone, Copy, Debug)]
+struct Rest<T> {
+    until_us: u64,
+    rows: T,
+    mean_rad: T,
+}
+
+impl<T: Real> Rest<T> {
+    fn new(until_us: u64) -> Self {
+        Self { until_us, rows: T::zero(), mean_rad: T::zero() }
+    }
+
+    fn with(&mut self, expected_rad: T) -> T {
+        self.rows += T::one();
+        self.mean_rad += (expected_rad - self.mean_rad) / self.rows;
+        self.mean_rad
+    }
 }
 
 /// The stretch of log that the identifiers hold.
@@ -185,6 +210,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             identifier: I::for_channel(&design.channels[channel.index()], options),
             last_us: None,
             settled_us: 0,
+            rest: Rest::new(0),
             fusion: Fusion::default(),
         };
         Self {
@@ -279,9 +305,17 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
                     // In a turn the filters start from a wrong state of rest.
                     let wait = if row.turning { self.settings.settle_us } else { 0 };
                     lane.settled_us = row.time_us.saturating_add(wait);
+                    let rest_us = if row.turning { 0 } else { self.settings.rest_us };
+                    lane.rest = Rest::new(row.time_us.saturating_add(rest_us));
                 }
             }
             lane.last_us = Some(row.time_us);
+            if row.time_us < lane.rest.until_us && !row.turning {
+                let rest_rad = lane.rest.with(expected);
+                lane.identifier.restart();
+                lane.identifier.push(rest_rad, row.roll_rad, T::zero(), false);
+                continue;
+            }
             let interval_s = seconds(interval_us.unwrap_or(0));
             let use_row = usable && row.time_us >= lane.settled_us;
             lane.identifier.push(expected, row.roll_rad, interval_s, use_row);

@@ -2,8 +2,9 @@
 
 use crate::real::Real;
 
-/// Rows are averaged over this time: what is faster (vibration, quantisation) does not count.
-const MEAN_S: f64 = 0.1;
+/// Rows are averaged over this time: what is faster (vibration, quantisation) does not count. A
+/// little less than a round number, so that rounding does not decide which row is the last.
+const MEAN_S: f64 = 0.0996;
 
 /// White noise beneath a signal, from second differences of its means over tenths of a second,
 /// one apart: `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, while motion slower than 1.6 Hz makes

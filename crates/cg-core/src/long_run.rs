@@ -18,8 +18,9 @@
 use crate::linalg::Triangle;
 use crate::real::Real;
 
-/// Length of a block: several times what a rolling trailer takes to settle.
-const BLOCK_S: f64 = 1.5;
+/// Length of a block: several times what a rolling trailer takes to settle. A little less than
+/// a round number, so that rounding does not decide which row is its last.
+const BLOCK_S: f64 = 1.4996;
 
 /// White noise counts as this many blocks seen before: few blocks alone would scatter.
 const BELIEVED_BLOCKS: f64 = 4.0;
