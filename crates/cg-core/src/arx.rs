@@ -147,6 +147,7 @@ impl<T: Real, const N: usize> Arx<T, N> {
             noise_sd_rad: variance.root(),
             snr_db,
             fit_percent,
+            misfit: T::zero(),
             rows,
         })
     }

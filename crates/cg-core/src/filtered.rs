@@ -339,8 +339,22 @@ impl<T: Real> FilteredArx<T> {
             noise_sd_rad: *noise_sd,
             snr_db,
             fit_percent,
+            misfit: self.misfit(solution),
             rows: self.moments.rows,
         }
+    }
+
+    /// What the nominal dynamics at the best gain and offset leave over of the roll, beyond what
+    /// the identified ones do and noise explains: root mean square, over that of the roll about
+    /// its mean.
+    fn misfit(&self, solution: &Solution<T>) -> T {
+        let data = self.pending.folded_into(self.triangle);
+        let Some(nominal) = data.solve_pair(GAIN, OFFSET) else { return T::zero() };
+        let more = data.sum_of_squares_at(&nominal) - data.sum_of_squares_at(&solution.theta);
+        // Each unknown explains some noise: by chance up to five standard deviations of it.
+        let noise = T::of(25.0 * UNKNOWNS_F64) * solution.slow_sd * solution.slow_sd;
+        let more = more - noise;
+        (more.max(T::zero()) / self.moments.weight / self.moments.roll_variance()).root()
     }
 
     /// The identified transfer function (time in seconds), if the data determine one.

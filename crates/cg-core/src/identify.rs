@@ -59,6 +59,9 @@ pub struct Fit<T> {
     pub snr_db: T,
     /// `100 (1 − ‖residual‖/‖roll − mean‖)`, %.
     pub fit_percent: T,
+    /// By how much the reduced model, at the identified gain, misses the roll angle: root mean
+    /// square over that of the roll about its mean, noise apart. Zero where there is no model.
+    pub misfit: T,
     /// Rows used.
     pub rows: u32,
 }
@@ -118,7 +121,7 @@ impl<T: Real> Moments<T> {
         (self.input_square / self.weight - mean * mean).max(T::zero())
     }
 
-    fn roll_variance(&self) -> T {
+    pub(crate) fn roll_variance(&self) -> T {
         let mean = self.roll / self.weight;
         (self.roll_square / self.weight - mean * mean).max(T::zero())
     }

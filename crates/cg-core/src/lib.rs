@@ -15,6 +15,7 @@
 //! | `long_run` | residuals | how slow their noise is | – |
 //! | `input_noise` | input | how noisy it is | – |
 //! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
+//! | [`consistency`] | rows of a maneuver | whether they can be believed | – |
 //! | [`height`] | heights of maneuvers | one height, fused | – |
 //! | [`rollover`] | height | rollover threshold and margin | – |
 //! | [`estimator`] | [`Sample`] | [`Step`] | all of the above, joined |
@@ -50,10 +51,12 @@ mod long_run;
 mod input_noise;
 pub mod filtered;
 pub mod height;
+pub mod consistency;
 pub mod estimator;
 
 pub use arx::Arx;
 pub use condition::{Conditioner, SampleError};
+pub use consistency::Inconsistency;
 pub use design::{Channel, ChannelDesign, Design, DesignError, Spread};
 pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
 pub use filtered::{FilteredArx, Prior};

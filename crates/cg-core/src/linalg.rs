@@ -113,6 +113,31 @@ impl<T: Real, const N: usize> Triangle<T, N> {
         self.residual_sum_of_squares += dot(&observations, &observations);
     }
 
+    /// The least-squares answer if only unknowns `a` and `b` differ from zero; `None` if no row
+    /// determines `a`. An undetermined `b` stays zero.
+    pub fn solve_pair(&self, a: usize, b: usize) -> Option<[T; N]> {
+        let (mut aa, mut ab, mut bb) = (T::zero(), T::zero(), T::zero());
+        let (mut az, mut bz) = (T::zero(), T::zero());
+        for (row, z) in self.r.iter().zip(self.z) {
+            let (x, y) = (*row.get(a)?, *row.get(b)?);
+            aa += x * x;
+            ab += x * y;
+            bb += y * y;
+            az += x * z;
+            bz += y * z;
+        }
+        let determinant = aa * bb - ab * ab;
+        let (first, second) = if determinant > T::zero() {
+            ((az * bb - bz * ab) / determinant, (bz * aa - az * ab) / determinant)
+        } else {
+            (az / aa, T::zero())
+        };
+        let mut theta = [T::zero(); N];
+        *theta.get_mut(a)? = first;
+        *theta.get_mut(b)? = second;
+        first.present().then_some(theta)
+    }
+
     /// Multiplies the weight of everything seen so far by `factor` (exponential
     /// forgetting; `root_factor` is its square root).
     pub fn scale(&mut self, root_factor: T) {

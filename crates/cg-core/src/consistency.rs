@@ -1,0 +1,114 @@
+//! Whether the roll angle can be what the sensor says.
+//!
+//! A sensor at the end of its range, or one that hangs, shows the same number while the truck
+//! rolls on. A coarse one does so too, but only from one of its steps to the next.
+
+use crate::real::Real;
+
+/// Share of the expected motion that a good sensor never stands still for.
+const SHARE: f64 = 0.2;
+/// How many of its own least steps a coarse sensor may stand still for.
+const STEPS: f64 = 3.0;
+
+/// Why a maneuver cannot be believed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Inconsistency<T> {
+    /// The reduced model, at the identified gain, misses the roll angle.
+    Misfit {
+        /// Root mean square of what it misses, over that of the roll about its mean.
+        share: T,
+    },
+    /// The roll angle stood still while the truck must have rolled on.
+    Standstill {
+        /// Where it stood, radians.
+        roll_rad: T,
+    },
+}
+
+/// Watches the rows of a maneuver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Watch<T> {
+    roll_rad: T,
+    /// Expected roll while the roll angle stood where it is: least and greatest.
+    standing: [T; 2],
+    /// The same over the whole maneuver.
+    all: [T; 2],
+    /// The longest way that was expected while the roll angle stood still, and where.
+    still_rad: T,
+    still_at_rad: T,
+    least_step_rad: T,
+}
+
+impl<T: Real> Watch<T> {
+    /// From the first row on.
+    pub(crate) fn new(roll_rad: T, expected_rad: T) -> Self {
+        Self {
+            roll_rad,
+            standing: [expected_rad; 2],
+            all: [expected_rad; 2],
+            still_rad: T::zero(),
+            still_at_rad: roll_rad,
+            least_step_rad: T::one() / T::zero(),
+        }
+    }
+
+    /// Takes in the next row.
+    pub(crate) fn push(&mut self, roll_rad: T, expected_rad: T) {
+        let with = |[low, high]: [T; 2]| [low.min(expected_rad), high.max(expected_rad)];
+        let step_rad = (roll_rad - self.roll_rad).abs();
+        self.standing = if step_rad > T::zero() {
+            self.least_step_rad = self.least_step_rad.min(step_rad);
+            [expected_rad; 2]
+        } else {
+            with(self.standing)
+        };
+        self.roll_rad = roll_rad;
+        self.all = with(self.all);
+        let way_rad = self.standing[1] - self.standing[0];
+        if way_rad > self.still_rad {
+            (self.still_rad, self.still_at_rad) = (way_rad, roll_rad);
+        }
+    }
+
+    /// Where the roll angle stood still for too long, if it did.
+    pub(crate) fn standstill(&self) -> Option<Inconsistency<T>> {
+        let usual = T::of(SHARE) * (self.all[1] - self.all[0]);
+        let long =
+            self.still_rad > usual && !(self.still_rad <= T::of(STEPS) * self.least_step_rad);
+        // A sensor that never moved has no step.
+        let hangs = self.still_rad > usual && !self.least_step_rad.present();
+        (long || hangs).then_some(Inconsistency::Standstill { roll_rad: self.still_at_rad })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A turn to 2.5 degrees in 5 s, as a sensor shows it.
+    fn shown(sensor: impl Fn(f64) -> f64) -> Option<Inconsistency<f64>> {
+        let mut watch = Watch::new(sensor(0.0), 0.0);
+        for k in 1..=1000 {
+            let expected = 2.5 * (f64::from(k) / 500.0).min(1.0);
+            watch.push(sensor(1.1 * expected), expected);
+        }
+        watch.standstill()
+    }
+
+    #[test]
+    fn fine_and_coarse_sensors_are_believed() {
+        assert_eq!(shown(|roll| roll), None);
+        for step in [0.05, 0.2, 0.5] {
+            assert_eq!(shown(|roll| (roll / step).round() * step), None, "{step}");
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_range_and_a_hanging_sensor_are_seen() {
+        assert_eq!(shown(|roll| roll.min(1.0)), Some(Inconsistency::Standstill { roll_rad: 1.0 }));
+        let coarse = shown(|roll| ((roll / 0.1).round() * 0.1).min(1.5));
+        assert!(matches!(coarse, Some(Inconsistency::Standstill { .. })));
+        assert_eq!(shown(|_| 0.3), Some(Inconsistency::Standstill { roll_rad: 0.3 }));
+    }
+}
