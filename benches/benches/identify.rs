@@ -8,9 +8,7 @@
     clippy::unwrap_used
 )]
 
-use cg_core::{
-    Arx, ChannelDesign, Estimator, FilteredArx, Identify, Prior, Real, Reduced5, Sample, Settings,
-};
+use cg_core::{Arx, Estimator, FilteredArx, Identify, Prior, Real, Reduced5, Sample, Settings};
 use cg_vehicle::Variant;
 use cg_vehicle::design::design;
 use divan::counter::ItemsCount;
@@ -29,17 +27,17 @@ fn signals() -> Vec<(f64, f64)> {
     rows.iter().skip(2000).take(ROWS).map(|row| (row.steer_rad, row.roll_rad)).collect()
 }
 
-fn channel<T: Real>() -> ChannelDesign<T> {
-    design(&cg_bench::kraz(), Variant::Complete).unwrap().cast::<T>().channels[0]
+fn model<T: Real>() -> Reduced5<T> {
+    design(&cg_bench::kraz(), Variant::Complete).unwrap().cast::<T>().channels[0].models[0]
 }
 
 #[divan::bench(types = [f32, f64])]
 fn filtered_arx_row<T: Real>(bencher: Bencher) {
     let data: Vec<(T, T)> = signals().iter().map(|(u, y)| (T::of(*u), T::of(*y))).collect();
-    let channel = channel::<T>();
+    let model = model::<T>();
     let interval_s = T::of(0.02);
     bencher.counter(ItemsCount::new(ROWS)).bench(|| {
-        let mut identifier = FilteredArx::for_channel(&channel, Prior::standard());
+        let mut identifier = FilteredArx::for_model(&model, Prior::standard());
         for (u, y) in black_box(&data) {
             identifier.push(*u, *y, interval_s, true);
         }
@@ -105,6 +103,6 @@ fn estimator_push<T: Real>(bencher: Bencher) {
 /// The reduced model's step matrices: paid once per new sampling interval.
 #[divan::bench(types = [f32, f64])]
 fn discretise<T: Real>(bencher: Bencher) {
-    let model: Reduced5<T> = channel::<T>().model;
+    let model: Reduced5<T> = model();
     bencher.bench(|| cg_core::reduced::StepMatrices::new(black_box(&model), T::of(0.02)));
 }

@@ -27,6 +27,7 @@ pub(crate) fn shown(unit: Unit) -> Shown {
         Unit::MetrePerSecond => ("kmh", "km/h", 3.6),
         Unit::MetrePerSecondSquared => ("g", "g", 1.0 / GRAVITY_MPS2),
         Unit::Second => ("s", "s", 1.0),
+        Unit::Decibel => ("db", "dB", 1.0),
         Unit::Kilogram => ("t", "t", 1e-3),
         Unit::KilogramSquareMetre => ("kgm2", "kg m²", 1.0),
     };

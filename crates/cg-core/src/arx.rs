@@ -1,10 +1,10 @@
 //! Classical shift-form ARX least squares (eqs. 5.1, 5.2).
 
-use crate::design::ChannelDesign;
 use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::linalg::Triangle;
 use crate::ratio::Measured;
 use crate::real::Real;
+use crate::reduced::Reduced5;
 
 /// Classical shift-form ARX `[na nb nk]` (eq. 5.1):
 ///
@@ -202,7 +202,7 @@ impl<T: Real> SampledArx<T> {
 impl<T: Real> Identify<T> for SampledArx<T> {
     type Options = ArxOptions<T>;
 
-    fn for_channel(_: &ChannelDesign<T>, options: ArxOptions<T>) -> Self {
+    fn for_model(_: &Reduced5<T>, options: ArxOptions<T>) -> Self {
         let order = options.order.clamp(1, Self::GREATEST_ORDER);
         Self {
             arx: Arx { na: order, nb: order, nk: 1, with_constant: true, ..Arx::empty() },

@@ -46,8 +46,9 @@ impl fmt::Display for Channel {
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelDesign<T> {
-    /// The reduced model at the nominal speed, mass and reference height: shape of the dynamics.
-    pub model: Reduced5<T>,
+    /// The reduced models at the nominal speed and reference height, one for each mass on the axis
+    /// of the design: shape of the dynamics.
+    pub models: [Reduced5<T>; MASSES],
     /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All
     /// are scaled to `b0 + b1 h = 1` at the reference height, so that they can be blended.
     pub lines: [[RatioLine<T>; MASSES]; SPEEDS],
@@ -139,10 +140,10 @@ impl<T: Real> Design<T> {
             speed_mps: self.speed_mps.map(to),
             trailer_mass_kg: self.trailer_mass_kg.map(to),
             channels: self.channels.map(|c| ChannelDesign {
-                model: Reduced5 {
-                    numerator: c.model.numerator.map(to),
-                    denominator: c.model.denominator.map(to),
-                },
+                models: c.models.map(|model| Reduced5 {
+                    numerator: model.numerator.map(to),
+                    denominator: model.denominator.map(to),
+                }),
                 lines: c.lines.map(|row| {
                     row.map(|l| RatioLine {
                         a0: to(l.a0),
@@ -184,7 +185,7 @@ impl<T: Real> Design<T> {
         )?;
         for channel in Channel::ALL {
             let design = &self.channels[channel.index()];
-            if !design.model.is_stable() {
+            if !design.models.iter().all(Reduced5::is_stable) {
                 return Err(DesignError::Unstable(channel));
             }
             positive(design.compensation, "compensation")?;
@@ -211,6 +212,28 @@ impl<T: Real> Design<T> {
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let lines = &self.channels[channel.index()].lines;
         self.between(lines, speed_mps, trailer_mass_kg, RatioLine::blend)
+    }
+
+    /// The reduced model of a channel at a trailer mass: that between its neighbours on the axis,
+    /// the nearer one where that would be unstable, the last one beyond the axis.
+    pub fn model(&self, channel: Channel, trailer_mass_kg: T) -> Reduced5<T> {
+        let ends = (self.trailer_mass_kg.first(), self.trailer_mass_kg.last());
+        let within_kg = match ends {
+            (Some(least), Some(greatest)) => trailer_mass_kg.max(*least).min(*greatest),
+            _ => trailer_mass_kg,
+        };
+        let [first, ..] = &self.channels[channel.index()].models;
+        let Some((j, share)) = locate(&self.trailer_mass_kg, within_kg) else { return *first };
+        let mut pair = self.channels[channel.index()].models.iter().skip(j);
+        let (light, heavy) = (pair.next().unwrap_or(first), pair.next().unwrap_or(first));
+        let blended = light.blend(heavy, share);
+        if blended.is_stable() {
+            blended
+        } else if share < T::of(0.5) {
+            *light
+        } else {
+            *heavy
+        }
     }
 
     /// The uncertainty of the ratios at a speed and trailer mass; `None` outside the axes.

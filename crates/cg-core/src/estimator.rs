@@ -6,13 +6,13 @@
 //! changed too much, at a gap, or at [`Estimator::finish`]. Each closed maneuver gives a
 //! ratio and a height per channel; heights of maneuvers are fused.
 
-use core::fmt;
-
 use crate::condition::{Conditioner, Row, SampleError, seconds};
 use crate::consistency::{Inconsistency, Watch};
 use crate::design::{Channel, Design};
 use crate::height::{Fusion, Height};
-use crate::identify::{Answer, Fit, Identify, Unexcited};
+use crate::identify::{Answer, Identify};
+use crate::load::{LoadWatch, Said, Verdict};
+pub use crate::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 use crate::ratio::{HeightError, Measured, solve_height};
 use crate::real::Real;
 use crate::sample::Sample;
@@ -59,111 +59,6 @@ impl<T: Real> Settings<T> {
             mass_change: T::of(0.05),
         }
     }
-}
-
-/// What the estimator is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// No roll angle or no input in this sample.
-    Absent,
-    /// Driving straight: nothing to learn.
-    Straight,
-    /// In a maneuver.
-    Turning,
-}
-
-/// Why a maneuver gave no height.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Reject<T> {
-    /// The channel's signal was absent.
-    Absent,
-    /// The data do not determine the ratio.
-    Unexcited(Unexcited),
-    /// The ratio is too uncertain.
-    Imprecise {
-        /// Relative standard deviation of the ratio.
-        ratio_sd_relative: T,
-    },
-    /// Speed or trailer mass are not covered by the design.
-    OutsideDesign {
-        /// Mean speed of the maneuver.
-        speed_mps: T,
-        /// Trailer mass.
-        trailer_mass_kg: T,
-    },
-    /// No height, or none that can be, explains the ratio.
-    Height(HeightError<T>),
-    /// The roll angle does not fit the rest.
-    Inconsistent(Inconsistency<T>),
-}
-
-impl<T: Real> fmt::Display for Reject<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Absent => write!(f, "the signal is absent"),
-            Self::Unexcited(reason) => reason.fmt(f),
-            Self::Imprecise { ratio_sd_relative } => {
-                write!(f, "ratio uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
-            }
-            Self::OutsideDesign { speed_mps, trailer_mass_kg } => write!(
-                f,
-                "speed {:.1} m/s or trailer mass {:.0} kg is outside the design",
-                speed_mps.as_f64(),
-                trailer_mass_kg.as_f64()
-            ),
-            Self::Height(error) => error.fmt(f),
-            Self::Inconsistent(Inconsistency::Misfit { share }) => write!(
-                f,
-                "inconsistent: the model misses {:.0} % of the roll angle; check the sensors' \
-                 times, signs and units",
-                share.as_f64() * 100.0
-            ),
-            Self::Inconsistent(Inconsistency::Standstill { roll_rad }) => write!(
-                f,
-                "inconsistent: the roll angle stood still at {:.4} rad while the truck rolled on; \
-                 the sensor hangs or is at the end of its range",
-                roll_rad.as_f64()
-            ),
-        }
-    }
-}
-
-/// What one channel says of one maneuver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome<T> {
-    /// Quality of the identification, with `ratio` the DC ratio `R_i` in rad per unit of input.
-    pub fit: Option<Fit<T>>,
-    /// Height with the noise's standard deviation, or why there is none.
-    pub height_m: Result<Measured<T>, Reject<T>>,
-    /// Standard deviation of the height from compensation and model.
-    pub systematic_sd_m: T,
-}
-
-/// One closed maneuver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Maneuver<T> {
-    /// First time stamp.
-    pub start_us: u64,
-    /// Last time stamp.
-    pub end_us: u64,
-    /// Mean speed of the rows used.
-    pub speed_mps: T,
-    /// Trailer mass.
-    pub trailer_mass_kg: T,
-    /// Per channel, in the order of [`Channel::ALL`].
-    pub outcomes: [Outcome<T>; 2],
-    /// Correlation of the two channels' systematic errors.
-    pub correlation: T,
-}
-
-/// The estimator's answer to one sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step<T> {
-    /// What it is doing.
-    pub status: Status,
-    /// The maneuver that this sample closed.
-    pub closed: Option<Maneuver<T>>,
 }
 
 /// One channel's identifier and the time of its last sample.
@@ -213,14 +108,18 @@ struct Window<T> {
 
 /// Samples in, height out. Fixed size, no heap.
 #[derive(Clone, Copy, Debug)]
-pub struct Estimator<T: Real, I> {
+pub struct Estimator<T: Real, I: Identify<T>> {
     design: Design<T>,
     settings: Settings<T>,
+    options: I::Options,
+    /// The trailer mass that the identifiers are made for.
+    made_for_kg: T,
     conditioner: Conditioner<T>,
     lanes: [Lane<T, I>; 2],
     window: Option<Window<T>>,
     trailer_mass_kg: T,
-    fused_mass_kg: Option<T>,
+    load: LoadWatch<T>,
+    load_since_us: Option<u64>,
     correlation: T,
 }
 
@@ -228,7 +127,10 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     /// Before the first sample. The design must be [valid](Design::validate).
     pub fn new(design: &Design<T>, settings: Settings<T>, options: I::Options) -> Self {
         let lane = |channel: Channel| Lane {
-            identifier: I::for_channel(&design.channels[channel.index()], options),
+            identifier: I::for_model(
+                &design.model(channel, design.nominal_trailer_mass_kg),
+                options,
+            ),
             last_us: None,
             settled_us: 0,
             rest: Rest::new(0),
@@ -237,11 +139,14 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         Self {
             design: *design,
             settings,
+            options,
+            made_for_kg: design.nominal_trailer_mass_kg,
             conditioner: Conditioner::new(design),
             lanes: [lane(Channel::Steer), lane(Channel::LateralAcceleration)],
             window: None,
             trailer_mass_kg: design.nominal_trailer_mass_kg,
-            fused_mass_kg: None,
+            load: LoadWatch::new(settings.mass_change),
+            load_since_us: None,
             correlation: T::one(),
         }
     }
@@ -259,7 +164,12 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         let Some(row) = self.conditioner.push(&self.design, sample)? else {
             return Ok(Step { status: Status::Absent, closed: None });
         };
-        let closed = if self.must_close(&row) { self.close() } else { None };
+        self.load.drive(row.time_us, row.speed_mps);
+        let weighed = self.is_other_mass(row.trailer_mass_kg);
+        let closed = if weighed || self.must_close(&row) { self.close() } else { None };
+        if weighed {
+            self.make_for(row.trailer_mass_kg);
+        }
         self.identify(&row);
         self.note(&row);
         let turning = self.window.is_some_and(|w| w.last_turn_us.is_some());
@@ -286,6 +196,12 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         }
     }
 
+    /// The end of the maneuver that showed that the load had changed; the heights are of the load
+    /// since. `None` while it is the first one.
+    pub fn load_since_us(&self) -> Option<u64> {
+        self.load_since_us
+    }
+
     /// The channel whose height is known best.
     pub fn best_channel(&self) -> Option<Channel> {
         let sd = |channel| self.height(channel).map(|height| height.height_m.sd);
@@ -294,6 +210,22 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             (None, Some(_)) => Some(Channel::LateralAcceleration),
             (Some(_), _) => Some(Channel::Steer),
             (None, None) => None,
+        }
+    }
+
+    /// Whether the dynamics are those of another mass.
+    fn is_other_mass(&self, trailer_mass_kg: T) -> bool {
+        let change_kg = (trailer_mass_kg - self.made_for_kg).abs();
+        change_kg > self.settings.mass_change * self.made_for_kg
+    }
+
+    /// Begins anew with the dynamics of this mass.
+    fn make_for(&mut self, trailer_mass_kg: T) {
+        self.made_for_kg = trailer_mass_kg;
+        for (lane, channel) in self.lanes.iter_mut().zip(Channel::ALL) {
+            let model = self.design.model(channel, trailer_mass_kg);
+            lane.identifier = I::for_model(&model, self.options);
+            lane.last_us = None;
         }
     }
 
@@ -463,20 +395,28 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     }
 
     fn fuse(&mut self, maneuver: &Maneuver<T>) {
-        let mass = maneuver.trailer_mass_kg;
-        let other_load = self
-            .fused_mass_kg
-            .is_some_and(|fused| (mass - fused).abs() > self.settings.mass_change * fused);
-        if other_load {
-            for lane in &mut self.lanes {
-                lane.fusion = Fusion::default();
+        self.correlation = maneuver.correlation;
+        let said = maneuver.outcomes.map(|o| Some((o.height_m.ok()?, o.systematic_sd_m)));
+        let fused = Channel::ALL.map(|channel| self.height(channel));
+        match self.load.judge(maneuver.trailer_mass_kg, said, fused) {
+            Verdict::Same => {}
+            Verdict::Wait => return,
+            Verdict::Changed { waited } => {
+                self.load_since_us = Some(maneuver.end_us);
+                for lane in &mut self.lanes {
+                    lane.fusion = Fusion::default();
+                }
+                self.take(waited);
             }
         }
-        self.fused_mass_kg = Some(mass);
-        self.correlation = maneuver.correlation;
-        for (lane, outcome) in self.lanes.iter_mut().zip(&maneuver.outcomes) {
-            if let Ok(height_m) = outcome.height_m {
-                lane.fusion.push(height_m, outcome.systematic_sd_m);
+        self.take(said);
+    }
+
+    /// Fuses what one maneuver says.
+    fn take(&mut self, said: [Said<T>; 2]) {
+        for (lane, said) in self.lanes.iter_mut().zip(said) {
+            if let Some((height_m, systematic_sd_m)) = said {
+                lane.fusion.push(height_m, systematic_sd_m);
             }
         }
     }

@@ -1,6 +1,5 @@
 //! ARX least squares on filtered signals: the production identifier.
 
-use crate::design::ChannelDesign;
 use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::input_noise::InputNoise;
 use crate::linalg::Triangle;
@@ -379,8 +378,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     type Options = Prior<T>;
 
     /// The estimator's input is the expected roll angle, so the model is taken at unit gain.
-    fn for_channel(channel: &ChannelDesign<T>, prior: Prior<T>) -> Self {
-        let mut model = channel.model;
+    fn for_model(model: &Reduced5<T>, prior: Prior<T>) -> Self {
+        let mut model = *model;
         let gain = model.dc_gain();
         for coefficient in &mut model.numerator {
             *coefficient /= gain;

@@ -13,9 +13,9 @@
 
 use core::fmt;
 
-use crate::design::ChannelDesign;
 use crate::ratio::Measured;
 use crate::real::Real;
+use crate::reduced::Reduced5;
 
 /// What cannot be told from the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,8 +149,8 @@ pub trait Identify<T: Real>: Copy {
     /// Settings of this identifier.
     type Options: Copy;
 
-    /// An empty identifier for one channel of the design.
-    fn for_channel(channel: &ChannelDesign<T>, options: Self::Options) -> Self;
+    /// An empty identifier around the reduced model of a channel.
+    fn for_model(model: &Reduced5<T>, options: Self::Options) -> Self;
     /// Takes in the next sample, `interval_s` after the one before; its row counts only if
     /// `use_row` says so.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);

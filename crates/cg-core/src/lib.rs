@@ -17,7 +17,9 @@
 //! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
 //! | [`consistency`] | rows of a maneuver | whether they can be believed | – |
 //! | [`height`] | heights of maneuvers | one height, fused | – |
+//! | `load` | heights of maneuvers | whether it is still the same load | – |
 //! | [`rollover`] | height | rollover threshold and margin | – |
+//! | [`maneuver`] | – | what is said of a sample and of a maneuver | – |
 //! | [`estimator`] | [`Sample`] | [`Step`] | all of the above, joined |
 //!
 //! A module uses only modules above it; `tests/layers.rs` fails otherwise.
@@ -51,7 +53,9 @@ mod long_run;
 mod input_noise;
 pub mod filtered;
 pub mod height;
+mod load;
 pub mod consistency;
+pub mod maneuver;
 pub mod estimator;
 
 pub use arx::Arx;

@@ -48,6 +48,17 @@ impl<T: Real> Reduced5<T> {
         self.numerator[0] / self.denominator[0]
     }
 
+    /// `weight` of `other`, the rest of `self`, coefficient by coefficient.
+    #[must_use]
+    pub fn blend(&self, other: &Self, weight: T) -> Self {
+        let mut blended = *self;
+        let pairs = blended.numerator.iter_mut().zip(&other.numerator);
+        for (own, other) in pairs.chain(blended.denominator.iter_mut().zip(&other.denominator)) {
+            *own += (*other - *own) * weight;
+        }
+        blended
+    }
+
     /// `B0^(1/5)`, rad/s: the time scale in which the coefficients are near one.
     pub fn time_scale_radps(&self) -> T {
         self.denominator[0].power(T::of(0.2))

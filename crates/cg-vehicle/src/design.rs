@@ -7,7 +7,7 @@ use crate::balance::static_balance;
 use crate::belief::Belief;
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant, ratio_line};
-use crate::reduction::reduce;
+use crate::reduction::{ReducedModels, reduce};
 use crate::vehicle::{Load, Vehicle};
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
@@ -58,10 +58,9 @@ pub fn design_with(
             spread[i][j] = Spread { sd, correlation: (common / (sd[0] * sd[1])).clamp(-1.0, 1.0) };
         }
     }
-    let equations = Equations::new(vehicle, variant, vehicle.nominal_speed_mps, load)?;
-    let reduced = reduce(&equations.state_space()?)?;
-    let channel = |channel: Channel, model| ChannelDesign {
-        model,
+    let models = models(vehicle, variant, &trailer_mass_kg)?;
+    let channel = |channel: Channel, models| ChannelDesign {
+        models,
         lines: lines[channel.index()],
         compensation: belief.gain(channel),
     };
@@ -69,8 +68,8 @@ pub fn design_with(
         speed_mps,
         trailer_mass_kg,
         channels: [
-            channel(Channel::Steer, reduced.steer),
-            channel(Channel::LateralAcceleration, reduced.lateral_acceleration),
+            channel(Channel::Steer, models.map(|reduced| reduced.steer)),
+            channel(Channel::LateralAcceleration, models.map(|m| m.lateral_acceleration)),
         ],
         spread,
         nominal_speed_mps: vehicle.nominal_speed_mps,
@@ -85,6 +84,26 @@ pub fn design_with(
         VehicleError::Model(format!("vehicle \"{}\" makes no usable design: {error}", vehicle.name))
     })?;
     Ok(design)
+}
+
+/// The reduced models at each mass; that of the reference load where the vehicle is unstable.
+fn models(
+    vehicle: &Vehicle,
+    variant: Variant,
+    masses_kg: &[f64; MASSES],
+) -> Result<[ReducedModels; MASSES], VehicleError> {
+    let load = vehicle.reference_load();
+    let at = |load: Load| {
+        reduce(&Equations::new(vehicle, variant, vehicle.nominal_speed_mps, load)?.state_space()?)
+    };
+    let reference = at(load)?;
+    let mut models = [reference; MASSES];
+    if variant == Variant::Complete {
+        for (model, &trailer_mass_kg) in models.iter_mut().zip(masses_kg) {
+            *model = at(Load { trailer_mass_kg, ..load }).unwrap_or(reference);
+        }
+    }
+    Ok(models)
 }
 
 fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {

@@ -56,10 +56,10 @@ pub(crate) fn design() -> Design<f64> {
         let scaled =
             |line: RatioLine<f64>| RatioLine { a0: line.a0 / gain, a1: line.a1 / gain, ..line };
         ChannelDesign {
-            model: Reduced5 {
+            models: [Reduced5 {
                 numerator: EQ_5_12.numerator.map(|a| a / gain),
                 denominator: EQ_5_12.denominator,
-            },
+            }; MASSES],
             lines: [[scaled(steer_line); MASSES]; SPEEDS],
             compensation: 1.489_6,
         }

@@ -65,6 +65,13 @@ impl Engine {
         }
     }
 
+    pub(crate) fn load_since_us(&self) -> Option<u64> {
+        match self {
+            Self::Filtered(estimator) => estimator.load_since_us(),
+            Self::Arx(estimator) => estimator.load_since_us(),
+        }
+    }
+
     pub(crate) fn best_channel(&self) -> Option<Channel> {
         match self {
             Self::Filtered(estimator) => estimator.best_channel(),

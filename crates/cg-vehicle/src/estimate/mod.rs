@@ -378,6 +378,13 @@ impl LogEstimator {
                     .to_owned(),
             );
         }
+        if let Some(since_us) = self.engine.load_since_us() {
+            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+            let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;
+            messages.push(format!(
+                "the load changed before {since_s:.0} s: the height is that of the last load"
+            ));
+        }
         if self.absent_rows > 0 {
             messages.push(format!(
                 "{} of {} rows have no roll angle or no input and were left out",

@@ -17,6 +17,8 @@ pub enum Unit {
     MetrePerSecondSquared,
     /// s.
     Second,
+    /// dB.
+    Decibel,
     /// kg.
     Kilogram,
     /// kg m².
@@ -70,11 +72,11 @@ pub struct Series {
 }
 
 impl Series {
-    pub(super) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.into(), points, kind, aside: false }
     }
 
-    pub(super) fn aside(mut self) -> Self {
+    pub(crate) fn aside(mut self) -> Self {
         self.aside = true;
         self
     }

@@ -17,7 +17,7 @@
 //! ```
 //! use cg_vehicle::study::{studies, study};
 //!
-//! assert_eq!(studies().len(), 12);
+//! assert_eq!(studies().len(), 13);
 //! let turn = study("height-steady", None)?;
 //! let responses = &turn.series("2.5", "payload c.g. 200 mm higher").unwrap().points;
 //! assert!(responses[0][1] > 0.1); // the most sensitive one comes first
@@ -55,8 +55,8 @@ pub struct Listed {
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// In the order of the source's pages.
-const STUDIES: [(Listed, Run); 12] = [
+/// In the order of the source's pages; the last one is ours.
+const STUDIES: [(Listed, Run); 13] = [
     (
         Listed {
             name: "height-steady",
@@ -152,6 +152,14 @@ const STUDIES: [(Listed, Run); 12] = [
             about: "Peak roll over the c.g. height with new and worn tyres.",
         },
         variants::tyres,
+    ),
+    (
+        Listed {
+            name: "accuracy",
+            figures: "",
+            about: "Error, interval and bound of the estimate over noise, load and time.",
+        },
+        |setting| crate::accuracy::study(&setting.vehicle),
     ),
 ];
 

@@ -1,0 +1,192 @@
+//! Whether it is still the same load.
+//!
+//! Maneuvers are fused for as long as the load stays. It has changed
+//!
+//! * when the trailer's mass has;
+//! * after a stop, when the next maneuver contradicts the height so far;
+//! * on the road (cargo that shifts), when two maneuvers in a row contradict it and not each other.
+//!   The first of the two waits for the second.
+
+use crate::height::Height;
+use crate::ratio::Measured;
+use crate::real::Real;
+
+/// Below this speed the truck stands.
+const STANDING_MPS: f64 = 0.5;
+/// Standing for this long, it may have been loaded.
+const STOP_US: u64 = 60_000_000;
+/// Standard deviations that contradict on the road, and after a stop.
+const CONTRADICTION: f64 = 4.0;
+const AFTER_A_STOP: f64 = 3.0;
+/// Share of what model and calibration leave open that differs from one maneuver to the next, with
+/// speed and steering; the rest is common to all of a load.
+const NOT_COMMON: f64 = 0.3;
+
+/// What one channel says of a maneuver: height with its noise, and the systematic part.
+pub(crate) type Said<T> = Option<(Measured<T>, T)>;
+
+/// What a maneuver means for the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict<T> {
+    /// The same load: fuse it.
+    Same,
+    /// Perhaps another one: fuse nothing yet.
+    Wait,
+    /// Another load: forget the heights so far, then fuse what waited, then this one.
+    Changed {
+        /// What had waited.
+        waited: [Said<T>; 2],
+    },
+}
+
+/// What is known of the load.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LoadWatch<T> {
+    mass_kg: Option<T>,
+    mass_change: T,
+    last_us: Option<u64>,
+    standing_us: u64,
+    stopped: bool,
+    waiting: Option<[Said<T>; 2]>,
+}
+
+impl<T: Real> LoadWatch<T> {
+    /// Before the first row; a relative change of the mass beyond `mass_change` is another load.
+    pub(crate) fn new(mass_change: T) -> Self {
+        Self {
+            mass_kg: None,
+            mass_change,
+            last_us: None,
+            standing_us: 0,
+            stopped: false,
+            waiting: None,
+        }
+    }
+
+    /// Takes in the speed of a row.
+    pub(crate) fn drive(&mut self, time_us: u64, speed_mps: T) {
+        let interval_us = self.last_us.map_or(0, |last_us| time_us.saturating_sub(last_us));
+        self.last_us = Some(time_us);
+        self.standing_us = if speed_mps.abs() < T::of(STANDING_MPS) {
+            self.standing_us.saturating_add(interval_us)
+        } else {
+            0
+        };
+        // A log that is switched off while the truck stands shows the stop as a hole.
+        self.stopped |= self.standing_us >= STOP_US || interval_us >= STOP_US;
+    }
+
+    /// Judges a maneuver by what it says in each channel, beside the heights fused so far.
+    pub(crate) fn judge(
+        &mut self,
+        mass_kg: T,
+        said: [Said<T>; 2],
+        fused: [Option<Height<T>>; 2],
+    ) -> Verdict<T> {
+        let before_kg = self.mass_kg.replace(mass_kg);
+        let weighed =
+            before_kg.is_some_and(|before| (mass_kg - before).abs() > self.mass_change * before);
+        if weighed {
+            (self.stopped, self.waiting) = (false, None);
+            return Verdict::Changed { waited: [None; 2] };
+        }
+        if said.iter().all(Option::is_none) {
+            return Verdict::Same;
+        }
+        let limit = if self.stopped { AFTER_A_STOP } else { CONTRADICTION };
+        if !contradicts(&said, &fused, T::of(limit)) {
+            (self.stopped, self.waiting) = (false, None);
+            return Verdict::Same;
+        }
+        if self.stopped {
+            (self.stopped, self.waiting) = (false, None);
+            return Verdict::Changed { waited: [None; 2] };
+        }
+        match self.waiting.replace(said) {
+            Some(waited) if agree(&said, &waited) => {
+                self.waiting = None;
+                Verdict::Changed { waited }
+            }
+            _ => Verdict::Wait,
+        }
+    }
+}
+
+/// Whether a channel is further from what is fused than `limit` standard deviations.
+fn contradicts<T: Real>(said: &[Said<T>; 2], fused: &[Option<Height<T>>; 2], limit: T) -> bool {
+    said.iter().zip(fused).any(|pair| match pair {
+        (Some((height, systematic)), Some(fused)) => {
+            far(*height, fused.height_m.value, fused.random_sd_m, *systematic, limit)
+        }
+        _ => false,
+    })
+}
+
+/// Whether two maneuvers say the same in every channel that both have.
+fn agree<T: Real>(one: &[Said<T>; 2], other: &[Said<T>; 2]) -> bool {
+    one.iter().zip(other).all(|pair| match pair {
+        (Some((height, systematic)), Some((other, _))) => {
+            !far(*height, other.value, other.sd, *systematic, T::of(CONTRADICTION))
+        }
+        _ => true,
+    })
+}
+
+fn far<T: Real>(height: Measured<T>, other_m: T, other_sd_m: T, systematic_m: T, limit: T) -> bool {
+    let own = T::of(NOT_COMMON) * systematic_m;
+    let variance = height.sd * height.sd + other_sd_m * other_sd_m + own * own;
+    (height.value - other_m).abs() > limit * variance.root()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(value: f64) -> [Said<f64>; 2] {
+        [None, Some((Measured { value, sd: 0.02 }, 0.05))]
+    }
+
+    fn fused(value: f64) -> [Option<Height<f64>>; 2] {
+        let height_m = Measured { value, sd: 0.05 };
+        [None, Some(Height { height_m, random_sd_m: 0.005, maneuvers: 9 })]
+    }
+
+    #[test]
+    fn one_outlier_is_left_out_and_two_that_agree_are_another_load() {
+        let mut watch = LoadWatch::new(0.05);
+        assert_eq!(watch.judge(3e4, said(2.0), fused(2.01)), Verdict::Same);
+        // 4 √(0.02² + 0.005² + 0.015²) = 0.10 m.
+        assert_eq!(watch.judge(3e4, said(2.2), fused(2.0)), Verdict::Wait);
+        assert_eq!(watch.judge(3e4, said(2.02), fused(2.0)), Verdict::Same);
+        assert_eq!(watch.judge(3e4, said(2.2), fused(2.0)), Verdict::Wait);
+        assert_eq!(watch.judge(3e4, said(1.8), fused(2.0)), Verdict::Wait);
+        let changed = Verdict::Changed { waited: said(1.8) };
+        assert_eq!(watch.judge(3e4, said(1.82), fused(2.0)), changed);
+        assert_eq!(watch.judge(3e4, said(1.82), fused(1.81)), Verdict::Same);
+    }
+
+    #[test]
+    fn after_a_stop_one_is_enough() {
+        for interval_us in [1_000_000, 70_000_000] {
+            let mut watch = LoadWatch::new(0.05);
+            assert_eq!(watch.judge(3e4, said(2.0), fused(2.0)), Verdict::Same);
+            for k in 0..=70 {
+                watch.drive(k * interval_us, 0.0);
+            }
+            watch.drive(71 * interval_us, 15.0);
+            assert_eq!(watch.judge(3e4, said(2.03), fused(2.0)), Verdict::Same);
+            watch.drive(72 * interval_us + 70_000_000, 15.0);
+            let changed = Verdict::Changed { waited: [None; 2] };
+            assert_eq!(watch.judge(3e4, said(2.2), fused(2.0)), changed);
+        }
+    }
+
+    #[test]
+    fn another_mass_is_another_load() {
+        let mut watch = LoadWatch::new(0.05);
+        assert_eq!(watch.judge(3e4, said(2.0), [None; 2]), Verdict::Same);
+        assert_eq!(watch.judge(3.1e4, said(2.0), fused(2.0)), Verdict::Same);
+        let changed = Verdict::Changed { waited: [None; 2] };
+        assert_eq!(watch.judge(3.4e4, said(2.0), fused(2.0)), changed);
+    }
+}
