@@ -214,7 +214,7 @@ impl<T: Real> FilteredArx<T> {
     /// Weight of the prior row of unknown `k`; the gain has none.
     fn prior_weight(&self, k: usize, noise_sd: T) -> Option<T> {
         let size =
-            |coefficients: &[T], k: usize| coefficients.get(k).map_or(T::zero(), |c| c.abs());
+            |coefficients: &[T], k: usize| coefficients.get(k).copied().unwrap_or(T::zero()).abs();
         let sd = match k {
             GAIN => return None,
             OFFSET => self.prior.offset_sd_rad,
@@ -285,9 +285,9 @@ impl<T: Real> FilteredArx<T> {
     /// What noise of the roll angle and of the input takes from `Σ φ e`, because it sits in the
     /// regressors as well, to first order.
     ///
-    /// White roll noise of variance σ² is in −y_k with the share that the newest sample has in it
-    /// and pulls by −σ² Σ share. White noise of variance v² on the input is in G u and u_k, and in
-    /// e as −G v, and pulls by −v² E\[u_k · G u\] a row.
+    /// White roll noise of variance σ² is in `−y_k` with the share that the newest sample has in
+    /// it and pulls by −σ² Σ share. White noise of variance v² on the input is in `G u` and `u_k`,
+    /// and in e as `−G v`, and pulls by −v² times the mean of `u_k · G u` a row.
     fn pulls(&self, residual_variance: T) -> ([T; UNKNOWNS], [T; UNKNOWNS]) {
         let input_variance = self.input_noise.variance();
         let mut gain = T::zero();

@@ -226,7 +226,9 @@ fn another_load_is_noticed_though_it_weighs_the_same() {
     }
     // The same load goes on being the same.
     let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
-    drive(&vehicle, 1.9, 3).iter().for_each(|row| estimator.push(row).unwrap());
+    for row in drive(&vehicle, 1.9, 3) {
+        estimator.push(&row).unwrap();
+    }
     let estimate = estimator.finish();
     assert!(!estimate.messages.iter().any(|text| text.contains("load changed")));
 }

@@ -72,11 +72,11 @@ pub struct Series {
 }
 
 impl Series {
-    pub(crate) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
+    pub(super) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.into(), points, kind, aside: false }
     }
 
-    pub(crate) fn aside(mut self) -> Self {
+    pub(super) fn aside(mut self) -> Self {
         self.aside = true;
         self
     }

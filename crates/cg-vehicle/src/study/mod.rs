@@ -10,6 +10,7 @@
 //! | `heights` | Figs. 2.26, 2.27: c.g. height, payload |
 //! | `shift` | Figs. 2.28, 2.29: payload beside or behind its place |
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tyres |
+//! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the source) |
 //! | `replay` | recorded logs driven again (no figure of the source) |
 //! | `drive` | one run along a path with the preview driver |
 //! | `data` | what a study returns |
@@ -24,6 +25,7 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
+mod accuracy;
 mod data;
 mod drive;
 mod heights;
@@ -159,7 +161,7 @@ const STUDIES: [(Listed, Run); 13] = [
             figures: "",
             about: "Error, interval and bound of the estimate over noise, load and time.",
         },
-        |setting| crate::accuracy::study(&setting.vehicle),
+        accuracy::study,
     ),
 ];
 

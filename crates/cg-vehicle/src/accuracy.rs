@@ -1,4 +1,5 @@
-//! One Monte-Carlo experiment: a maneuver many times, and how far the estimates lie from the truth.
+//! How good the estimates are, and whether their intervals are true: a maneuver many times on
+//! simulated logs (section 5.3.2).
 
 use cg_core::{Channel, Design};
 use rand::SeedableRng;

@@ -1,11 +1,12 @@
 //! Errors and intervals over noise, payload, height and time, as a study with its figure.
 
-use super::experiment::{Experiment, Score};
+use super::Setting;
+use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
+use crate::accuracy::{Experiment, Score};
 use crate::error::VehicleError;
 use crate::maneuver::Maneuver;
 use crate::sensors::Sensors;
 use crate::simulate::{LogSimulation, Scenario};
-use crate::study::{Abscissa, Panel, Quantity, Series, Study, Unit};
 use crate::vehicle::{Load, Vehicle};
 
 /// Repetitions of each point: an RMSE scatters by 4 %.
@@ -23,7 +24,8 @@ const ERROR: Quantity =
     Quantity { name: "relative_to_height", label: "Of the height", unit: Unit::One };
 
 /// The study.
-pub(crate) fn study(vehicle: &Vehicle) -> Result<Study, VehicleError> {
+pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
+    let vehicle = &setting.vehicle;
     let turn = |load: Load, snr_db: f64| {
         let sensors = Sensors { snr_db: Some(snr_db), ..Sensors::default() };
         Scenario { load, sensors, ..Scenario::of(vehicle, Maneuver::RoundedStep) }
@@ -69,7 +71,7 @@ pub(crate) fn study(vehicle: &Vehicle) -> Result<Study, VehicleError> {
     };
     let x = |name, label, unit| Quantity { name, label, unit };
     Ok(Study {
-        name: "accuracy",
+        name: setting.name,
         finding: match soon {
             Some(since_s) => format!(
                 "Noise of 20 dB leaves 3 % of the height {since_s:.1} s after the start of a turn \
