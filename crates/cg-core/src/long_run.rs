@@ -89,3 +89,28 @@ impl<T: Real, const N: usize> LongRun<T, N> {
         if shrunk > T::zero() { T::one() + shrunk } else { T::one() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Inflation of a residual around a constant, 100 rows a second for a minute.
+    fn inflation(error: impl Fn(u32) -> f64) -> f64 {
+        let mut run = LongRun::<f64, 1>::new();
+        let mut squares = 0.0;
+        for k in 0..6000 {
+            run.push(&[1.0], 2.0 + error(k), 0.01);
+            squares += error(k) * error(k);
+        }
+        run.inflation(&[2.0], 1.0, squares / 6000.0)
+    }
+
+    #[test]
+    fn noise_that_lasts_counts_for_what_it_is() {
+        // Up and down from row to row: sums vanish.
+        assert!((inflation(|k| if k % 2 == 0 { 1.0 } else { -1.0 }) - 1.0).abs() < 1e-12);
+        // Up and down from block to block (150 rows): each counts as one, 40 blocks of 43 seen.
+        let slow = inflation(|k| if (k / 150) % 2 == 0 { 1.0 } else { -1.0 });
+        assert!((slow / 150.0 - 40.0 / 43.0).abs() < 0.05, "{slow}");
+    }
+}

@@ -97,7 +97,7 @@ pub struct Maneuver<T> {
     pub speed_mps: T,
     /// Trailer mass.
     pub trailer_mass_kg: T,
-    /// Per channel, in the order of [`Channel::ALL`].
+    /// Per channel, in the order of [`Channel::ALL`](crate::Channel::ALL).
     pub outcomes: [Outcome<T>; 2],
     /// Correlation of the two channels' systematic errors.
     pub correlation: T,
