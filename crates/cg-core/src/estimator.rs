@@ -39,6 +39,8 @@ pub struct Settings<T> {
     /// The greatest share of the roll angle that the reduced model may miss. On the independent
     /// truck's logs it misses up to 0.19 uncalibrated; of a sensor that is 1 s late, 0.39 and more.
     pub misfit: T,
+    /// How long another trailer mass must last.
+    pub weighing_us: u64,
     /// Relative change of the trailer mass that means another load.
     pub mass_change: T,
 }
@@ -56,6 +58,7 @@ impl<T: Real> Settings<T> {
             speed_spread: T::of(0.3),
             ratio_sd_relative: T::of(0.2),
             misfit: T::of(0.35),
+            weighing_us: 10_000_000,
             mass_change: T::of(0.05),
         }
     }
@@ -100,8 +103,12 @@ struct Window<T> {
     last_turn_us: Option<u64>,
     faded_us: u64,
     start_speed_mps: T,
-    speed_sum: T,
+    /// Mean over the turning rows, and their number.
+    speed_mps: T,
     rows: T,
+    /// Mean over all rows, which a swinging scale needs, and their weight.
+    trailer_mass_kg: T,
+    weight: T,
     /// From the first turning row on.
     watch: Option<Watch<T>>,
 }
@@ -114,10 +121,11 @@ pub struct Estimator<T: Real, I: Identify<T>> {
     options: I::Options,
     /// The trailer mass that the identifiers are made for.
     made_for_kg: T,
+    /// Since when the mass has been another one.
+    other_since_us: Option<u64>,
     conditioner: Conditioner<T>,
     lanes: [Lane<T, I>; 2],
     window: Option<Window<T>>,
-    trailer_mass_kg: T,
     load: LoadWatch<T>,
     load_since_us: Option<u64>,
     correlation: T,
@@ -141,10 +149,10 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             settings,
             options,
             made_for_kg: design.nominal_trailer_mass_kg,
+            other_since_us: None,
             conditioner: Conditioner::new(design),
             lanes: [lane(Channel::Steer), lane(Channel::LateralAcceleration)],
             window: None,
-            trailer_mass_kg: design.nominal_trailer_mass_kg,
             load: LoadWatch::new(settings.mass_change),
             load_since_us: None,
             correlation: T::one(),
@@ -165,15 +173,14 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             return Ok(Step { status: Status::Absent, closed: None });
         };
         self.load.drive(row.time_us, row.speed_mps);
-        let weighed = self.is_other_mass(row.trailer_mass_kg);
+        let weighed = self.is_other_mass(&row);
         let closed = if weighed || self.must_close(&row) { self.close() } else { None };
         if weighed {
             self.make_for(row.trailer_mass_kg);
         }
         self.identify(&row);
         self.note(&row);
-        let turning = self.window.is_some_and(|w| w.last_turn_us.is_some());
-        let status = if turning { Status::Turning } else { Status::Straight };
+        let status = if row.turning { Status::Turning } else { Status::Straight };
         Ok(Step { status, closed })
     }
 
@@ -213,15 +220,21 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         }
     }
 
-    /// Whether the dynamics are those of another mass.
-    fn is_other_mass(&self, trailer_mass_kg: T) -> bool {
-        let change_kg = (trailer_mass_kg - self.made_for_kg).abs();
-        change_kg > self.settings.mass_change * self.made_for_kg
+    /// Whether the dynamics are those of another mass, for longer than a scale swings.
+    fn is_other_mass(&mut self, row: &Row<T>) -> bool {
+        let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
+        if !(change_kg > self.settings.mass_change * self.made_for_kg) {
+            self.other_since_us = None;
+            return false;
+        }
+        let since_us = *self.other_since_us.get_or_insert(row.time_us);
+        row.time_us.saturating_sub(since_us) >= self.settings.weighing_us || self.window.is_none()
     }
 
     /// Begins anew with the dynamics of this mass.
     fn make_for(&mut self, trailer_mass_kg: T) {
         self.made_for_kg = trailer_mass_kg;
+        self.other_since_us = None;
         for (lane, channel) in self.lanes.iter_mut().zip(Channel::ALL) {
             let model = self.design.model(channel, trailer_mass_kg);
             lane.identifier = I::for_model(&model, self.options);
@@ -283,8 +296,10 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             last_turn_us: None,
             faded_us: row.time_us,
             start_speed_mps: row.speed_mps,
-            speed_sum: T::zero(),
+            speed_mps: T::zero(),
             rows: T::zero(),
+            trailer_mass_kg: T::zero(),
+            weight: T::zero(),
             watch: None,
         });
         let [steer, lateral] = row.expected_rad;
@@ -295,17 +310,21 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             window.watch = Some(Watch::new(row.roll_rad, expected_rad));
         }
         window.last_us = row.time_us;
-        self.trailer_mass_kg = row.trailer_mass_kg;
+        // Running means, since sums lose digits in single precision.
+        window.weight += T::one();
+        let more_kg = row.trailer_mass_kg - window.trailer_mass_kg;
+        window.trailer_mass_kg += more_kg / window.weight;
         if row.turning {
             window.last_turn_us = Some(row.time_us);
-            window.speed_sum += row.speed_mps;
             window.rows += T::one();
+            window.speed_mps += (row.speed_mps - window.speed_mps) / window.rows;
         } else if window.last_turn_us.is_none()
             && row.time_us.saturating_sub(window.faded_us) >= self.settings.fade_us
         {
             window.faded_us = row.time_us;
             window.start_us = row.time_us;
             window.start_speed_mps = row.speed_mps;
+            window.weight *= T::of(0.5);
             for lane in &mut self.lanes {
                 lane.identifier.forget(T::of(0.5));
             }
@@ -324,24 +343,24 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     }
 
     fn judge(&self, window: &Window<T>) -> Maneuver<T> {
-        let speed_mps = window.speed_sum / window.rows;
+        let Window { speed_mps, trailer_mass_kg, .. } = *window;
         Maneuver {
             start_us: window.start_us,
             end_us: window.last_us,
             speed_mps,
-            trailer_mass_kg: self.trailer_mass_kg,
-            outcomes: Channel::ALL.map(|channel| self.outcome(channel, speed_mps, window)),
+            trailer_mass_kg,
+            outcomes: Channel::ALL.map(|channel| self.outcome(channel, window)),
             correlation: self
                 .design
-                .spread(speed_mps, self.trailer_mass_kg)
+                .spread(speed_mps, trailer_mass_kg)
                 .map_or(T::one(), |spread| spread.correlation),
         }
     }
 
-    fn outcome(&self, channel: Channel, speed_mps: T, window: &Window<T>) -> Outcome<T> {
+    fn outcome(&self, channel: Channel, window: &Window<T>) -> Outcome<T> {
         let rejected =
             |fit, reject| Outcome { fit, height_m: Err(reject), systematic_sd_m: T::zero() };
-        let trailer_mass_kg = self.trailer_mass_kg;
+        let Window { speed_mps, trailer_mass_kg, .. } = *window;
         let (Some(line), Some(spread)) = (
             self.design.line(channel, speed_mps, trailer_mass_kg),
             self.design.spread(speed_mps, trailer_mass_kg),

@@ -14,7 +14,7 @@ pub enum Status {
     Absent,
     /// Driving straight: nothing to learn.
     Straight,
-    /// In a maneuver.
+    /// In a turn.
     Turning,
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use cg_core::{Conditioner, Design, Sample};
-use cg_vehicle::estimate::{EstimateOptions, LogEstimator};
+use cg_core::Status;
+use cg_vehicle::estimate::LogEstimator;
 use cg_vehicle::log::LogRow;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -22,7 +22,6 @@ pub(crate) struct Stream {
 
 struct State {
     estimator: LogEstimator,
-    monitor: Monitor,
     previous_s: f64,
 }
 
@@ -38,40 +37,15 @@ impl State {
                 row.time_s, self.previous_s
             ));
         }
-        self.estimator.push(row).map_err(|error| format!("time_s = {}: {error}", row.time_s))?;
-        self.previous_s = row.time_s;
-        Ok(self.monitor.status(row))
-    }
-}
-
-/// Tells straight driving from turning, as the estimator does inside.
-struct Monitor {
-    design: Design<f64>,
-    options: EstimateOptions,
-    steering_ratio: Option<f64>,
-    conditioner: Conditioner<f64>,
-    rows: u64,
-}
-
-impl Monitor {
-    fn status(&mut self, row: &LogRow) -> &'static str {
-        let steering_wheel = row.steering_wheel_rad / self.steering_ratio.unwrap_or(f64::NAN);
-        self.rows += 1;
-        let sample = Sample {
-            time_us: self.rows, // the order is checked already
-            steer_rad: if row.steer_rad.is_nan() { steering_wheel } else { row.steer_rad },
-            roll_rad: row.roll_rad,
-            tilt_rad: row.tilt_rad,
-            speed_mps: self.options.speed_mps.unwrap_or(row.speed_mps),
-            lateral_acceleration_mps2: row.lateral_acceleration_mps2,
-            yaw_rate_radps: row.yaw_rate_radps,
-            trailer_mass_kg: self.options.trailer_mass_kg.unwrap_or(row.trailer_mass_kg),
-        };
-        match self.conditioner.push(&self.design, &sample) {
-            Ok(Some(row)) if row.turning => "turning",
-            Ok(Some(_)) => "straight",
-            Ok(None) | Err(_) => "absent",
-        }
+        let time_s = row.time_s;
+        let status =
+            self.estimator.push(row).map_err(|error| format!("time_s = {time_s}: {error}"))?;
+        self.previous_s = time_s;
+        Ok(match status {
+            Status::Absent => "absent",
+            Status::Straight => "straight",
+            Status::Turning => "turning",
+        })
     }
 }
 
@@ -84,15 +58,8 @@ impl Stream {
         let vehicle = vehicle.get();
         let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
         let steering_ratio = vehicle.inner.steering_ratio;
-        let monitor = Monitor {
-            design: *design,
-            options,
-            steering_ratio,
-            conditioner: Conditioner::new(design),
-            rows: 0,
-        };
         let estimator = LogEstimator::from_design(design, steering_ratio, options);
-        let state = State { estimator, monitor, previous_s: f64::NEG_INFINITY };
+        let state = State { estimator, previous_s: f64::NEG_INFINITY };
         Ok(Self { state: Mutex::new(state) })
     }
 

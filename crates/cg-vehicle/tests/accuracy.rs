@@ -233,6 +233,23 @@ fn another_load_is_noticed_though_it_weighs_the_same() {
     assert!(!estimate.messages.iter().any(|text| text.contains("load changed")));
 }
 
+/// A scale that swings by 8 % in the suspension's rhythm: no turn falls to pieces, no load changes.
+#[test]
+fn a_swinging_scale_is_no_other_load() {
+    let vehicle = common::vehicle("baseline.toml");
+    let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
+    for row in drive(&vehicle, 1.9, 3) {
+        let swing = 1.0 + 0.08 * (4.4 * row.time_s).sin();
+        let trailer_mass_kg = row.trailer_mass_kg * swing;
+        estimator.push(&LogRow { trailer_mass_kg, ..row }).unwrap();
+    }
+    let estimate = estimator.finish();
+    let height_m = estimate.height_m.unwrap();
+    assert!(!estimate.messages.iter().any(|text| text.contains("load changed")));
+    // Each turn at its mean mass; what the swing does within it averages out but for its square.
+    assert!((height_m / 1.9 - 1.0).abs() < 0.015, "{height_m}");
+}
+
 /// The nonlinear plant, noise, every method: the height is inside its interval.
 #[test]
 fn every_method_on_the_nonlinear_plant() {

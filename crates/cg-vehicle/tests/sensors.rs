@@ -271,7 +271,7 @@ fn within_its_interval(name: &str, scenario: Scenario) -> Vec<String> {
     for (fault, sensors) in faults() {
         let simulation = LogSimulation::new(&vehicle, Scenario { sensors, ..scenario }).unwrap();
         let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
-        simulation.run(|row| estimator.push(row)).unwrap();
+        simulation.run(|row| estimator.push(row).map(drop)).unwrap();
         let estimate = estimator.finish();
         let known_m = simulation.truth.height_m;
         let what = format!("{name}, {:?}, {fault}", scenario.maneuver);

@@ -4,7 +4,7 @@ mod answer;
 mod engine;
 
 use cg_core::estimator::Maneuver;
-use cg_core::{Channel, Design, Measured, Rollover, Sample, SampleError};
+use cg_core::{Channel, Design, Measured, Rollover, Sample, SampleError, Status};
 use serde::Serialize;
 
 pub use answer::{LogEstimate, ManeuverEstimate, Verdict};
@@ -134,22 +134,22 @@ impl LogEstimator {
         }
     }
 
-    /// Takes in one row.
+    /// Takes in one row; what it shows.
     ///
     /// # Errors
     /// [`SampleError`] if its time does not follow the row before (to a microsecond).
-    pub fn push(&mut self, row: &LogRow) -> Result<(), SampleError> {
+    pub fn push(&mut self, row: &LogRow) -> Result<Status, SampleError> {
         let sample = self.sample(row);
         let step = self.engine.push(&sample)?;
         self.rows += 1;
-        if step.status == cg_core::Status::Absent {
+        if step.status == Status::Absent {
             self.absent_rows += 1;
         }
         if row.lateral_acceleration_mps2.abs() > self.greatest_mps2 {
             self.greatest_mps2 = row.lateral_acceleration_mps2.abs();
         }
         self.maneuvers.extend(step.closed);
-        Ok(())
+        Ok(step.status)
     }
 
     fn sample(&mut self, row: &LogRow) -> Sample<f64> {

@@ -79,8 +79,10 @@ fn drive(truck: &Vehicle, estimator: &mut LogEstimator) -> Result<(), VehicleErr
         duration_s: DURATION_S,
         ..Scenario::of(truck, Maneuver::RoundedStep)
     };
-    LogSimulation::new(truck, scenario)?
-        .run(|row| estimator.push(row).map_err(|error| VehicleError::Model(error.to_string())))
+    LogSimulation::new(truck, scenario)?.run(|row| match estimator.push(row) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(VehicleError::Model(error.to_string())),
+    })
 }
 
 /// The height that the estimator of `vehicle` takes the truck's log for.

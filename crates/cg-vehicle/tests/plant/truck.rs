@@ -128,7 +128,9 @@ fn calibrated_the_plant_rolls_as_the_independent_truck_does() {
     let calibration =
         calibrate::<VehicleError>(&vehicle, Variant::Complete, &known, |known, estimator| {
             let rows = LogReader::open(&logs().join(&known.log), &LogOptions::default()).unwrap();
-            rows.for_each(|row| estimator.push(&row.unwrap()).unwrap());
+            for row in rows {
+                estimator.push(&row.unwrap()).unwrap();
+            }
             Ok(())
         })
         .unwrap();
