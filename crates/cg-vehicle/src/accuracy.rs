@@ -6,17 +6,14 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::belief::{Belief, Deviations, PARAMETERS, adjusted, log_gain};
+use crate::belief::{Belief, Deviations, adjusted, log_gain};
 use crate::design::design;
 use crate::error::VehicleError;
-use crate::estimate::{EstimateOptions, LogEstimate, LogEstimator, Method};
+use crate::estimate::{EstimateOptions, LogEstimate, LogEstimator, Method, QUANTILE_95};
 use crate::log::LogRow;
 use crate::sensors::Instruments;
 use crate::simulate::{LogSimulation, Scenario};
 use crate::vehicle::Vehicle;
-
-/// Two-sided 95 % quantile of the normal distribution.
-const QUANTILE_95: f64 = 1.959_964;
 
 /// Step of the height for the bound's differences: 1 mm of 2 m leaves 1e-7 of the second order.
 const BOUND_STEP_M: f64 = 1e-3;
@@ -81,7 +78,6 @@ impl Drawn {
         let standard = Deviations::from_fn(|_, _| normal());
         // Uncorrelated before any calibration.
         let sd = Deviations::from_fn(|k, _| belief.covariance[(k, k)].sqrt());
-        debug_assert_eq!(sd.len(), PARAMETERS);
         Self {
             deviations: belief.mean + sd.component_mul(&standard),
             residual: [belief.residual_sd * normal(), belief.residual_sd * normal()],

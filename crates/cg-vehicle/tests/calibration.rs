@@ -6,31 +6,14 @@ mod common;
 
 use cg_core::Channel;
 use cg_vehicle::belief::{Belief, Deviations, PARAMETERS, Parameter};
-use cg_vehicle::calibration::{Calibration, KnownLog, Run, calibrate, fit};
+use cg_vehicle::calibration::{Calibration, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::estimate::EstimateOptions;
 use cg_vehicle::linear::ratio_line;
-use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
-use common::{Known, known, largest, rms, vehicle};
+use cg_vehicle::{Load, Variant, Vehicle};
+use common::{calibrated, known, largest, rms, vehicle};
 
 use cg_core::Measured;
-
-fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
-    let logs: Vec<KnownLog> = runs
-        .iter()
-        .map(|known| KnownLog {
-            log: known.log.clone(),
-            height_m: known.load.cg_height_m,
-            trailer_mass_kg: None,
-        })
-        .collect();
-    calibrate::<VehicleError>(vehicle, Variant::Complete, &logs, |log, estimator| {
-        let known = runs.iter().find(|known| known.log == log.log).unwrap();
-        known.feed(estimator);
-        Ok(())
-    })
-    .unwrap()
-}
 
 /// Empty and one laden run, then all the others: payload 0-20 t, 40-67 km/h, both sides, slow
 /// steering, a banked road, a whole drive. Targets: 0.7 % rms, 1.5 % at worst for the estimate

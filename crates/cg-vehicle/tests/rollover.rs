@@ -1,6 +1,8 @@
 //! Rollover measures beside published ones and beside limits that can be derived.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+mod common;
+
 use cg_vehicle::linear::Equations;
 use cg_vehicle::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::rollover::offtracking::low_speed_m;
@@ -30,22 +32,6 @@ fn all(name: &str) -> RolloverMeasures {
         println!("{name}: {} {:.4?} {}", measure.name, measure.value, measure.unit);
     }
     all
-}
-
-/// The rigid truck: springs, tyres and fifth wheel that hardly give, single tyres at 1 m.
-fn rigid() -> Vehicle {
-    let mut vehicle = vehicle("baseline");
-    for tyre in &mut vehicle.tyre {
-        tyre.vertical_stiffness_n_per_m = 4e7;
-    }
-    let axles = vehicle.tractor.axle.iter_mut().map(|a| &mut a.axle);
-    for axle in axles.chain(vehicle.trailer.axle.iter_mut().map(|a| &mut a.axle)) {
-        axle.spring_stiffness_n_per_m = 4e7;
-        axle.roll_damping_nms_per_rad = 1e5;
-        axle.tyre_positions_m = vec![1.0];
-    }
-    vehicle.hitch.roll_stiffness_nm_per_rad = 1e8;
-    vehicle
 }
 
 /// UMTRI (Ervin 1986): payload c.g. 83.5, 88.6, 105 in. Springs, tyres and fifth wheel move the
@@ -118,7 +104,7 @@ fn the_independent_truck_has_all_measures() {
 /// inner wheel at `T/2 Σ m / Σ m h` of the whole vehicle, and before that load moves in proportion.
 #[test]
 fn a_rigid_truck_does_what_its_geometry_says() {
-    let vehicle = rigid();
+    let vehicle = common::rigid_truck();
     let (load, speed_mps) = (vehicle.reference_load(), 90.0 * KMH);
     let closed = closed_form(&vehicle, load, speed_mps).unwrap();
     let ratio = closed.static_rollover_threshold_g.value / closed.static_stability_factor_g;

@@ -5,13 +5,12 @@
 mod common;
 
 use cg_core::{Design, Estimator, FilteredArx, Prior, Real, Sample, Settings};
-use cg_vehicle::calibration::{KnownLog, calibrate};
+use cg_vehicle::Variant;
 use cg_vehicle::design::design_with;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimator};
-use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::log::LogRow;
 use cg_vehicle::sensors::{Instruments, Sensors};
-use cg_vehicle::{Variant, VehicleError};
-use common::{Known, known, largest, rms, vehicle};
+use common::{Known, calibrated, known, largest, rms, vehicle};
 
 const CALIBRATED_ON: [&str; 2] = ["A_p00", "A_p20_h190"];
 const GRAVITY_MPS2: f64 = 9.806_65;
@@ -20,30 +19,11 @@ fn is_calibrated_on(known: &Known) -> bool {
     CALIBRATED_ON.iter().any(|name| known.log.starts_with(name))
 }
 
-fn calibrated() -> Design<f64> {
-    let vehicle = vehicle("kraz.toml");
-    let all = known();
-    let runs: Vec<KnownLog> = all
-        .iter()
-        .filter(|known| is_calibrated_on(known))
-        .map(|known| KnownLog {
-            log: known.log.clone(),
-            height_m: known.load.cg_height_m,
-            trailer_mass_kg: None,
-        })
-        .collect();
-    let feed = |log: &KnownLog, estimator: &mut LogEstimator| -> Result<(), VehicleError> {
-        all.iter().find(|known| known.log == log.log).unwrap().feed(estimator);
-        Ok(())
-    };
-    let calibration = calibrate(&vehicle, Variant::Complete, &runs, feed).unwrap();
-    design_with(&vehicle, Variant::Complete, &calibration.belief()).unwrap()
-}
-
-fn rows(known: &Known) -> Vec<LogRow> {
-    let path = common::fixtures().join("logs").join(&known.log);
-    let reader = LogReader::open(&path, &LogOptions::default()).unwrap();
-    reader.map(Result::unwrap).collect()
+fn design() -> Design<f64> {
+    let (vehicle, all) = (vehicle("kraz.toml"), known());
+    let runs: Vec<&Known> = all.iter().filter(|known| is_calibrated_on(known)).collect();
+    let belief = calibrated(&vehicle, &runs).belief();
+    design_with(&vehicle, Variant::Complete, &belief).unwrap()
 }
 
 /// The rows with white noise on the roll angle, `snr_db` below its mean square.
@@ -67,12 +47,12 @@ fn height_m(design: &Design<f64>, rows: &[LogRow]) -> f64 {
 /// Targets: 0.7 % rms clean, 1.5 % in noise of 20 dB, the drive within 2 %.
 #[test]
 fn clean_and_in_noise() {
-    let design = calibrated();
+    let design = design();
     for (name, seeds, limit) in [("clean", 0..1, 0.007), ("20 dB", 1..11, 0.015)] {
         let mut errors = Vec::new();
         let mut drive: f64 = 0.0;
         for known in known().iter().filter(|known| !is_calibrated_on(known)) {
-            let clean = rows(known);
+            let clean = known.rows();
             for seed in seeds.clone() {
                 let rows = if seed == 0 { clean.clone() } else { noisy(&clean, 20.0, seed) };
                 let error = height_m(&design, &rows) / known.load.cg_height_m - 1.0;
@@ -114,9 +94,9 @@ fn combined<T: Real>(design: &Design<T>, rows: &[LogRow]) -> f64 {
 /// Single precision gives the same height to 2e-5, clean and in noise.
 #[test]
 fn single_precision_is_enough() {
-    let design = calibrated();
+    let design = design();
     for known in known() {
-        let clean = rows(&known);
+        let clean = known.rows();
         for rows in [clean.clone(), noisy(&clean, 20.0, 1)] {
             let (double, single) =
                 (combined(&design, &rows), combined(&design.cast::<f32>(), &rows));

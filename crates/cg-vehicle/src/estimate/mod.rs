@@ -17,7 +17,7 @@ use crate::log::LogRow;
 use crate::vehicle::Vehicle;
 
 /// Two-sided 95 % quantile of the normal distribution.
-const QUANTILE_95: f64 = 1.959_964;
+pub(crate) const QUANTILE_95: f64 = 1.959_964;
 
 /// What [`LogEstimate::channel`] says when both went in.
 const COMBINED: &str = "combined";

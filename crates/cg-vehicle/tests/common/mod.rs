@@ -4,9 +4,10 @@
 use std::path::PathBuf;
 
 use cg_core::{Channel, Design};
+use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator};
-use cg_vehicle::log::{LogOptions, LogReader};
-use cg_vehicle::{Load, Vehicle};
+use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 pub(crate) fn fixtures() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures"))
@@ -16,6 +17,22 @@ pub(crate) fn vehicle(name: &str) -> Vehicle {
     Vehicle::load(fixtures().join("vehicles").join(name)).unwrap()
 }
 
+/// The rigid truck: springs, tyres and fifth wheel that hardly give, single tyres at 1 m.
+pub(crate) fn rigid_truck() -> Vehicle {
+    let mut vehicle = vehicle("baseline.toml");
+    for tyre in &mut vehicle.tyre {
+        tyre.vertical_stiffness_n_per_m = 4e7;
+    }
+    let axles = vehicle.tractor.axle.iter_mut().map(|a| &mut a.axle);
+    for axle in axles.chain(vehicle.trailer.axle.iter_mut().map(|a| &mut a.axle)) {
+        axle.spring_stiffness_n_per_m = 4e7;
+        axle.roll_damping_nms_per_rad = 1e5;
+        axle.tyre_positions_m = vec![1.0];
+    }
+    vehicle.hitch.roll_stiffness_nm_per_rad = 1e8;
+    vehicle
+}
+
 pub(crate) struct Known {
     pub(crate) log: String,
     pub(crate) load: Load,
@@ -23,10 +40,14 @@ pub(crate) struct Known {
 }
 
 impl Known {
-    pub(crate) fn feed(&self, estimator: &mut LogEstimator) {
+    pub(crate) fn rows(&self) -> Vec<LogRow> {
         let path = fixtures().join("logs").join(&self.log);
-        let mut reader = LogReader::open(&path, &LogOptions::default()).unwrap();
-        while let Some(row) = reader.next_row().unwrap() {
+        let reader = LogReader::open(&path, &LogOptions::default()).unwrap();
+        reader.map(Result::unwrap).collect()
+    }
+
+    pub(crate) fn feed(&self, estimator: &mut LogEstimator) {
+        for row in self.rows() {
             estimator.push(&row).unwrap();
         }
     }
@@ -67,6 +88,24 @@ pub(crate) fn known() -> Vec<Known> {
             }
         })
         .collect()
+}
+
+/// The truck calibrated on these runs.
+pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
+    let logs: Vec<KnownLog> = runs
+        .iter()
+        .map(|known| KnownLog {
+            log: known.log.clone(),
+            height_m: known.load.cg_height_m,
+            trailer_mass_kg: None,
+        })
+        .collect();
+    calibrate::<VehicleError>(vehicle, Variant::Complete, &logs, |log, estimator| {
+        let known = runs.iter().find(|known| known.log == log.log).unwrap();
+        known.feed(estimator);
+        Ok(())
+    })
+    .unwrap()
 }
 
 pub(crate) fn rms(errors: &[f64]) -> f64 {

@@ -2,6 +2,8 @@
 //! source's and published figures, the independent truck. (Energy: with the code, `plant::energy`.)
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod convergence;
 mod linear;
 mod published;

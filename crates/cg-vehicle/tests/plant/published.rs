@@ -92,17 +92,7 @@ fn load_transfer_is_what_moments_say() {
 /// A rigid truck on single tyres all at 1 m lifts its last inner wheel at `T/2 Σ m / Σ m h`.
 #[test]
 fn a_rigid_truck_lifts_at_half_its_track_over_its_height() {
-    let mut vehicle = vehicle("baseline");
-    for tyre in &mut vehicle.tyre {
-        tyre.vertical_stiffness_n_per_m = 4e7;
-    }
-    let axles = vehicle.tractor.axle.iter_mut().map(|a| &mut a.axle);
-    for axle in axles.chain(vehicle.trailer.axle.iter_mut().map(|a| &mut a.axle)) {
-        axle.spring_stiffness_n_per_m = 4e7;
-        axle.roll_damping_nms_per_rad = 1e5;
-        axle.tyre_positions_m = vec![1.0];
-    }
-    vehicle.hitch.roll_stiffness_nm_per_rad = 1e8;
+    let vehicle = crate::common::rigid_truck();
     let sprung = vehicle.trailer_sprung_mass(vehicle.reference_load()).unwrap();
     let tractor = &vehicle.tractor;
     let mut mass = tractor.sprung_mass_kg + sprung.mass_kg;
