@@ -2,10 +2,10 @@
 
 use core::fmt;
 
-use crate::ratio::RatioLine;
+use crate::ratio::{Measured, RatioLine};
 use crate::real::Real;
 use crate::reduced::Reduced5;
-use crate::rollover::RolloverDesign;
+use crate::rollover::{Rollover, RolloverDesign, ThresholdLine};
 
 /// Speeds at which a design holds ratio lines.
 pub const SPEEDS: usize = 8;
@@ -99,8 +99,10 @@ pub struct Design<T> {
     pub greatest_height_m: T,
     /// Acceleration of gravity.
     pub gravity_mps2: T,
-    /// What the rollover threshold needs.
+    /// What the static stability factor needs.
     pub rollover: RolloverDesign<T>,
+    /// Rollover thresholds over height, one line for each mass on the axis.
+    pub thresholds: [ThresholdLine<T>; MASSES],
 }
 
 /// What is wrong with a design.
@@ -167,8 +169,10 @@ impl<T: Real> Design<T> {
                 half_track_m: to(self.rollover.half_track_m),
                 unsprung_mass_kg: to(self.rollover.unsprung_mass_kg),
                 unsprung_height_m: to(self.rollover.unsprung_height_m),
-                roll_center_height_m: to(self.rollover.roll_center_height_m),
             },
+            thresholds: self
+                .thresholds
+                .map(|line| ThresholdLine { threshold_g: line.threshold_g.map(to) }),
         }
     }
 
@@ -200,6 +204,9 @@ impl<T: Real> Design<T> {
             if !(spread.correlation.abs() <= T::one()) {
                 return Err(DesignError::NotFinite("correlation of the channels"));
             }
+        }
+        for threshold_g in self.thresholds.iter().flat_map(|line| line.threshold_g) {
+            positive(threshold_g, "rollover threshold")?;
         }
         positive(self.nominal_speed_mps, "nominal_speed_mps")?;
         positive(self.nominal_trailer_mass_kg, "nominal_trailer_mass_kg")?;
@@ -239,6 +246,15 @@ impl<T: Real> Design<T> {
     /// The uncertainty of the ratios at a speed and trailer mass; `None` outside the axes.
     pub fn spread(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Spread<T>> {
         self.between(&self.spread, speed_mps, trailer_mass_kg, Spread::blend)
+    }
+
+    /// The rollover measures at a height of the sprung c.g. and a trailer mass; `None` if the mass
+    /// lies outside the axis.
+    pub fn rollover(&self, height: Measured<T>, trailer_mass_kg: T) -> Option<Rollover<T>> {
+        let (j, share) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
+        let line = self.thresholds.get(j)?.blend(self.thresholds.get(j + 1)?, share);
+        let span_m = [self.least_height_m, self.greatest_height_m];
+        Some(self.rollover.at(height, trailer_mass_kg, &line, span_m))
     }
 
     fn between<E>(

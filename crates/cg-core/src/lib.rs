@@ -69,5 +69,5 @@ pub use identify::{Answer, Fit, Identify, Unexcited};
 pub use ratio::{HeightError, Measured, RatioLine};
 pub use real::Real;
 pub use reduced::Reduced5;
-pub use rollover::{Rollover, RolloverDesign};
+pub use rollover::{Rollover, RolloverDesign, ThresholdLine};
 pub use sample::Sample;

@@ -1,22 +1,57 @@
-//! From height to rollover: static stability factor, compliant threshold, margin.
+//! From height to rollover: static stability factor, threshold, margin.
 //!
-//! In a steady turn the trailer lifts its inner wheels when
-//!
-//! ```text
-//!     a_y (m_s h + m_u h_u)  +  m_s g (h − h_R) φ  =  (m_s + m_u) g T/2,     φ = R a_y
-//! ```
-//!
-//! with `R` the steady roll angle per lateral acceleration at this height: overturning
-//! moment of the lateral force, plus that of the c.g. shifted by the roll angle, against
-//! the moment of the weight about the outer wheels.
+//! A rigid trailer tips when the moment of the lateral force reaches that of the weight about the
+//! outer wheels: at `T/2` over the height of its c.g., the static stability factor. Springs, tyres,
+//! lash and axles that lift one after the other bring the real threshold far below; where it lies
+//! for each height and mass is worked out offline and stands in the design.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
 
-use crate::ratio::{Measured, RatioLine};
+use crate::ratio::Measured;
 use crate::real::Real;
 
-/// What the threshold needs beside the height.
+/// Heights at which a design holds thresholds, evenly from its least to its greatest height.
+pub const HEIGHTS: usize = 8;
+
+/// Rollover thresholds of one trailer mass over height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThresholdLine<T> {
+    /// Lateral acceleration at which the vehicle tips, in g.
+    pub threshold_g: [T; HEIGHTS],
+}
+
+impl<T: Real> ThresholdLine<T> {
+    /// `weight` of `other`, the rest of `self`.
+    #[must_use]
+    pub(crate) fn blend(&self, other: &Self, weight: T) -> Self {
+        let mut blended = *self;
+        for (a, b) in blended.threshold_g.iter_mut().zip(&other.threshold_g) {
+            *a += (*b - *a) * weight;
+        }
+        blended
+    }
+
+    /// The threshold at a share of the way from the least to the greatest height, which is kept
+    /// within them. Between the heights its reciprocal is linear: exact for a rigid trailer.
+    fn at(&self, share: T) -> T {
+        #[allow(clippy::cast_precision_loss)] // a small constant
+        let mut place = share.max(T::zero()).min(T::one()) * T::of(HEIGHTS as f64 - 1.0);
+        let mut found = T::zero();
+        for pair in self.threshold_g.windows(2) {
+            let [low, high] = pair else { break };
+            let part = place.min(T::one());
+            found = T::one() / (T::one() / *low * (T::one() - part) + part / *high);
+            place -= T::one();
+            if !(place > T::zero()) {
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// What the rollover measures need beside height and thresholds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RolloverDesign<T> {
     /// Half the effective track: the lever of the outer wheels (their middle, if dual),
@@ -26,8 +61,6 @@ pub struct RolloverDesign<T> {
     pub unsprung_mass_kg: T,
     /// Height of their c.g.
     pub unsprung_height_m: T,
-    /// Height of the trailer's roll axis under its c.g.
-    pub roll_center_height_m: T,
 }
 
 /// How near the vehicle is to rolling over.
@@ -35,43 +68,38 @@ pub struct RolloverDesign<T> {
 pub struct Rollover<T> {
     /// `T/2` over the height of the whole trailer's c.g., in g: the rigid-vehicle bound.
     pub static_stability_factor_g: T,
-    /// Lateral acceleration of wheel lift with compliant suspension and tyres, in g.
+    /// Lateral acceleration at which the vehicle tips in a steady turn, in g.
     pub static_rollover_threshold_g: Measured<T>,
 }
 
 impl<T: Real> RolloverDesign<T> {
-    /// The rollover measures at height `height` of the sprung c.g.
-    ///
-    /// `lateral` is the ratio line of lateral acceleration to roll (rad per m/s²),
-    /// compensation included in `compensation`.
+    /// The rollover measures at height `height` of the sprung c.g., with the thresholds of this
+    /// trailer mass between a least and a greatest height.
     pub fn at(
         &self,
         height: Measured<T>,
         trailer_mass_kg: T,
-        lateral: &RatioLine<T>,
-        compensation: T,
-        gravity_mps2: T,
+        thresholds: &ThresholdLine<T>,
+        [least_m, greatest_m]: [T; 2],
     ) -> Rollover<T> {
-        let threshold = |h: T| {
-            let sprung = trailer_mass_kg - self.unsprung_mass_kg;
-            let rigid = sprung * h + self.unsprung_mass_kg * self.unsprung_height_m;
-            let roll_per_g = lateral.ratio_at(h) * compensation * gravity_mps2;
-            let compliant = rigid + sprung * (h - self.roll_center_height_m) * roll_per_g;
-            let restoring = trailer_mass_kg * self.half_track_m;
-            (restoring / rigid, restoring / compliant)
-        };
-        let (static_stability_factor_g, value) = threshold(height.value);
-        let step = height.value * T::of(0.01);
-        let slope = (threshold(height.value + step).1 - value) / step;
+        let sprung_kg = trailer_mass_kg - self.unsprung_mass_kg;
+        let moment = sprung_kg * height.value + self.unsprung_mass_kg * self.unsprung_height_m;
+        let threshold = |h: T| thresholds.at((h - least_m) / (greatest_m - least_m));
+        let half_m = height.value * T::of(0.01);
+        let (above, below) = (threshold(height.value + half_m), threshold(height.value - half_m));
+        let slope = (above - below) / (half_m + half_m);
         Rollover {
-            static_stability_factor_g,
-            static_rollover_threshold_g: Measured { value, sd: (slope * height.sd).abs() },
+            static_stability_factor_g: trailer_mass_kg * self.half_track_m / moment,
+            static_rollover_threshold_g: Measured {
+                value: threshold(height.value),
+                sd: (slope * height.sd).abs(),
+            },
         }
     }
 }
 
 impl<T: Real> Rollover<T> {
-    /// Threshold less the present lateral acceleration, in g: zero is wheel lift.
+    /// Threshold less the present lateral acceleration, in g: zero is the point of tipping.
     pub fn margin_g(&self, lateral_acceleration_mps2: T, gravity_mps2: T) -> T {
         self.static_rollover_threshold_g.value - lateral_acceleration_mps2.abs() / gravity_mps2
     }
@@ -81,36 +109,36 @@ impl<T: Real> Rollover<T> {
 mod tests {
     use super::*;
 
-    const RIGID: RatioLine<f64> = RatioLine { a0: 0.0, a1: 0.0, b0: 1.0, b1: 0.0 };
+    /// A rigid trailer from 1 to 3 m: 1/h at every height.
+    fn rigid() -> (RolloverDesign<f64>, ThresholdLine<f64>) {
+        let design =
+            RolloverDesign { half_track_m: 1.0, unsprung_mass_kg: 0.0, unsprung_height_m: 0.5 };
+        #[allow(clippy::cast_precision_loss)]
+        let threshold_g = core::array::from_fn(|k| 1.0 / (1.0 + 2.0 * k as f64 / 7.0));
+        (design, ThresholdLine { threshold_g })
+    }
 
     #[test]
-    fn a_rigid_vehicle_lifts_at_half_track_over_height() {
-        let design = RolloverDesign {
-            half_track_m: 1.0,
-            unsprung_mass_kg: 0.0,
-            unsprung_height_m: 0.5,
-            roll_center_height_m: 0.7,
-        };
-        let measures = design.at(Measured { value: 2.0, sd: 0.02 }, 30e3, &RIGID, 1.0, 9.81);
-        assert!((measures.static_rollover_threshold_g.value - 0.5).abs() < 1e-12);
-        assert!((measures.static_stability_factor_g - 0.5).abs() < 1e-12);
-        // d(1/h)/dh = −1/h²; the 1 % forward difference is good to 1 %.
-        assert!((measures.static_rollover_threshold_g.sd / (0.02 / 4.0) - 1.0).abs() < 0.011);
+    fn a_rigid_vehicle_tips_at_half_track_over_height() {
+        let (design, line) = rigid();
+        for h in [1.0, 1.7, 2.0, 3.0] {
+            let height = Measured { value: h, sd: 0.02 };
+            let measures = design.at(height, 30e3, &line, [1.0, 3.0]);
+            assert!((measures.static_rollover_threshold_g.value - 1.0 / h).abs() < 1e-12, "{h}");
+            assert!((measures.static_stability_factor_g - 1.0 / h).abs() < 1e-12);
+        }
+        let measures = design.at(Measured { value: 2.0, sd: 0.02 }, 30e3, &line, [1.0, 3.0]);
+        // d(1/h)/dh = −1/h²; the central difference over 2 % is good to 1e-4.
+        assert!((measures.static_rollover_threshold_g.sd / (0.02 / 4.0) - 1.0).abs() < 1.1e-4);
         assert!((measures.margin_g(-0.3 * 9.81, 9.81) - 0.2).abs() < 1e-12);
     }
 
     #[test]
-    fn compliance_lowers_the_threshold() {
-        let design = RolloverDesign {
-            half_track_m: 1.0,
-            unsprung_mass_kg: 1.5e3,
-            unsprung_height_m: 0.5,
-            roll_center_height_m: 0.7,
-        };
-        let soft = RatioLine { a0: 0.02, a1: 0.0, b0: 1.0, b1: 0.0 };
-        let h = Measured::exact(2.0);
-        let rigid = design.at(h, 30e3, &RIGID, 1.0, 9.81).static_rollover_threshold_g.value;
-        let compliant = design.at(h, 30e3, &soft, 1.0, 9.81).static_rollover_threshold_g.value;
-        assert!(compliant < rigid && compliant > 0.8 * rigid);
+    fn thresholds_between_two_masses_are_blended() {
+        let (design, light) = rigid();
+        let heavy = ThresholdLine { threshold_g: light.threshold_g.map(|g| 0.8 * g) };
+        let between = light.blend(&heavy, 0.25);
+        let measures = design.at(Measured::exact(2.0), 30e3, &between, [1.0, 3.0]);
+        assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
     }
 }

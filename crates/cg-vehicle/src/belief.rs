@@ -146,6 +146,11 @@ impl Belief {
         log_gain(&self.mean, channel).exp()
     }
 
+    /// Roll angle over what the vehicle's parameters say: `R_c`.
+    pub(crate) fn roll_gain(&self) -> f64 {
+        value(&self.mean, Parameter::Compensation).exp()
+    }
+
     /// Covariance of the logarithms of the two channels' DC ratios (in the order of
     /// [`Channel::ALL`]) at a speed and load, the residual included.
     ///

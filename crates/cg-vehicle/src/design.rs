@@ -1,13 +1,15 @@
 //! From a vehicle to the constants that the estimator runs on.
 
 use cg_core::design::{MASSES, SPEEDS};
-use cg_core::{Channel, ChannelDesign, Design, RatioLine, RolloverDesign, Spread};
+use cg_core::rollover::HEIGHTS;
+use cg_core::{Channel, ChannelDesign, Design, RatioLine, RolloverDesign, Spread, ThresholdLine};
 
 use crate::balance::static_balance;
 use crate::belief::Belief;
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant, ratio_line};
 use crate::reduction::{ReducedModels, reduce};
+use crate::rollover::RollPlane;
 use crate::vehicle::{Load, Vehicle};
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
@@ -79,6 +81,7 @@ pub fn design_with(
         greatest_height_m: vehicle.height.greatest_m,
         gravity_mps2: vehicle.gravity_mps2,
         rollover: rollover(vehicle, load)?,
+        thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,
     };
     design.validate().map_err(|error| {
         VehicleError::Model(format!("vehicle \"{}\" makes no usable design: {error}", vehicle.name))
@@ -144,6 +147,30 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     masses
 }
 
+/// Rollover thresholds of each mass, at heights evenly over the vehicle's range.
+fn thresholds(
+    vehicle: &Vehicle,
+    variant: Variant,
+    masses_kg: &[f64; MASSES],
+    compliance: f64,
+) -> Result<[ThresholdLine<f64>; MASSES], VehicleError> {
+    let (load, range) = (vehicle.reference_load(), &vehicle.height);
+    let mut lines = [ThresholdLine { threshold_g: [0.0; HEIGHTS] }; MASSES];
+    for (line, &mass_kg) in lines.iter_mut().zip(masses_kg) {
+        let trailer_mass_kg = match variant {
+            Variant::Complete => mass_kg,
+            Variant::AsPrinted => load.trailer_mass_kg,
+        };
+        let plane = RollPlane::new(vehicle, Load { trailer_mass_kg, ..load }, compliance)?;
+        #[allow(clippy::cast_precision_loss)] // indices
+        let height_m = |k: usize| {
+            range.least_m + (range.greatest_m - range.least_m) * k as f64 / (HEIGHTS - 1) as f64
+        };
+        line.threshold_g = std::array::from_fn(|k| plane.threshold_g(height_m(k)));
+    }
+    Ok(lines)
+}
+
 /// The trailer rests on its own axles and, over the fifth wheel, on the tractor's rear axles:
 /// the effective half track is their mean, weighted with what each carries of the trailer.
 pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
@@ -164,20 +191,18 @@ pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f
         })
         .map_or(0.0, |placed| middle_m(&placed.axle.tyre_positions_m));
     let (mut moment, mut force_n) = (balance.hitch_load_n * nearest_hitch, balance.hitch_load_n);
-    let (mut unsprung, mut center, mut roll_axis) = (0.0, 0.0, 0.0);
+    let (mut unsprung, mut center) = (0.0, 0.0);
     for (placed, load_n) in axles.iter().zip(&balance.axle_load_n) {
         if placed.on_trailer {
             moment += load_n * middle_m(&placed.axle.tyre_positions_m);
             force_n += load_n;
             unsprung += placed.axle.unsprung_mass_kg;
             center += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
-            roll_axis += placed.axle.unsprung_mass_kg * placed.axle.roll_center_height_m;
         }
     }
     Ok(RolloverDesign {
         half_track_m: moment / force_n,
         unsprung_mass_kg: unsprung,
         unsprung_height_m: center / unsprung,
-        roll_center_height_m: roll_axis / unsprung,
     })
 }

@@ -4,7 +4,7 @@
 use cg_core::design::{MASSES, SPEEDS};
 use cg_core::ratio::{Measured, RatioLine, solve_height};
 use cg_core::reduced::Simulation;
-use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign, Spread};
+use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign, Spread, ThresholdLine};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
@@ -79,8 +79,9 @@ pub(crate) fn design() -> Design<f64> {
             half_track_m: 0.95,
             unsprung_mass_kg: 1.36e3,
             unsprung_height_m: 0.508,
-            roll_center_height_m: 0.686,
         },
+        thresholds: [ThresholdLine { threshold_g: [0.6, 0.53, 0.47, 0.41, 0.36, 0.32, 0.29, 0.26] };
+            MASSES],
     };
     design.validate().unwrap();
     design

@@ -4,7 +4,7 @@ mod answer;
 mod engine;
 
 use cg_core::estimator::Maneuver;
-use cg_core::{Channel, Design, Measured, Rollover, Sample, SampleError, Status};
+use cg_core::{Channel, Design, Measured, Sample, SampleError, Status};
 use serde::Serialize;
 
 pub use answer::{LogEstimate, ManeuverEstimate, Verdict};
@@ -241,18 +241,10 @@ impl LogEstimator {
             estimate.ratio = Some(ratio.value);
             estimate.ratio_sd = Some(ratio.sd);
         }
-        let lateral = Channel::LateralAcceleration;
-        if let Some(line) = self.design.line(lateral, speed_mps, best.trailer_mass_kg) {
-            let compensation = self.design.channels[lateral.index()].compensation;
-            let rollover: Rollover<f64> = self.design.rollover.at(
-                fused.height_m,
-                best.trailer_mass_kg,
-                &line,
-                compensation,
-                self.design.gravity_mps2,
-            );
-            estimate.static_rollover_threshold_g = Some(rollover.static_rollover_threshold_g.value);
-        }
+        estimate.static_rollover_threshold_g = self
+            .design
+            .rollover(fused.height_m, best.trailer_mass_kg)
+            .map(|rollover| rollover.static_rollover_threshold_g.value);
     }
 
     /// Mean speed of the maneuvers that gave a height in one of these channels.

@@ -9,7 +9,7 @@ use super::vector::Vector;
 
 /// Parameters of the fifth wheel.
 #[derive(Clone, Debug)]
-pub(super) struct Hitch {
+pub(crate) struct Hitch {
     pub(super) stiffness_nm_per_rad: f64,
     pub(super) damping_nms_per_rad: f64,
     /// Infinite where the plates never part.
@@ -29,9 +29,19 @@ pub(super) struct Coupling {
 }
 
 impl Hitch {
+    /// That of a vehicle file.
+    pub(crate) fn of(hitch: &crate::vehicle::Hitch) -> Self {
+        Self {
+            stiffness_nm_per_rad: hitch.roll_stiffness_nm_per_rad,
+            damping_nms_per_rad: hitch.roll_damping_nms_per_rad,
+            separation_nm: hitch.separation_moment_nm.unwrap_or(f64::INFINITY),
+            lash_rad: hitch.lash_rad,
+        }
+    }
+
     /// Moment at a relative roll angle.
     #[inline]
-    pub(super) fn moment_nm(&self, angle_rad: f64) -> f64 {
+    pub(crate) fn moment_nm(&self, angle_rad: f64) -> f64 {
         let linear = self.stiffness_nm_per_rad * angle_rad;
         if linear.abs() <= self.separation_nm {
             return linear;

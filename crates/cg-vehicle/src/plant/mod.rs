@@ -62,6 +62,9 @@ mod suspension;
 mod tyre;
 mod vector;
 
+pub(crate) use hitch::Hitch;
+pub(crate) use suspension::Envelope;
+
 pub use driver::{Driver, DriverSettings};
 pub use dynamics::Control;
 pub use integrate::{Progress, Simulation};

@@ -66,12 +66,7 @@ pub(super) fn parameters(
         },
         trailer: trailer(vehicle, load, options)?,
         hitch_arm: [-tractor.hitch_behind_cg_m, 0.0, hitch.height_m - tractor.cg_height_m],
-        hitch: Hitch {
-            stiffness_nm_per_rad: hitch.roll_stiffness_nm_per_rad,
-            damping_nms_per_rad: hitch.roll_damping_nms_per_rad,
-            separation_nm: hitch.separation_moment_nm.unwrap_or(f64::INFINITY),
-            lash_rad: hitch.lash_rad,
-        },
+        hitch: Hitch::of(hitch),
         axles,
         groups,
         kinds,

@@ -17,14 +17,14 @@ use crate::tables::Spring;
 
 /// Two curves over common nodes, the end segments extended.
 #[derive(Clone, Debug)]
-pub(super) struct Envelope {
+pub(crate) struct Envelope {
     deflection_m: Vec<f64>,
     /// Of each segment: force at its start and slope, compression then extension.
     segment: Vec<[f64; 4]>,
 }
 
 impl Envelope {
-    pub(super) fn new(spring: &Spring) -> Self {
+    pub(crate) fn new(spring: &Spring) -> Self {
         let x = &spring.deflection_m;
         let segment = (0..x.len().saturating_sub(1))
             .map(|i| {
@@ -53,7 +53,7 @@ impl Envelope {
     }
 
     /// Force midway between the curves and its slope.
-    fn middle(&self, x: f64) -> (f64, f64) {
+    pub(crate) fn middle(&self, x: f64) -> (f64, f64) {
         let (dx, s) = self.segment(x);
         (0.5 * (s[0] + s[2] + (s[1] + s[3]) * dx), 0.5 * (s[1] + s[3]))
     }
@@ -65,13 +65,13 @@ impl Envelope {
     }
 
     /// Half the distance between the curves.
-    fn friction_n(&self, x: f64) -> f64 {
+    pub(crate) fn friction_n(&self, x: f64) -> f64 {
         let (dx, s) = self.segment(x);
         0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx)
     }
 
     /// Deflection at which the middle force is `force_n` (the curves rise).
-    fn deflection_at(&self, force_n: f64) -> f64 {
+    pub(crate) fn deflection_at(&self, force_n: f64) -> f64 {
         let last = self.segment.len() - 1;
         let segment = |i: usize| self.middle(self.deflection_m[i]);
         let i = (0..last).find(|&i| segment(i + 1).0 >= force_n).unwrap_or(last);

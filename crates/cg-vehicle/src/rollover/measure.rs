@@ -8,7 +8,7 @@ use super::offtracking::{
     HIGH_SPEED_MPS, HIGH_SPEED_RADIUS_M, LOW_SPEED_RADIUS_M, high_speed_m, low_speed_m,
 };
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
-use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover, closed_form};
+use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover, on_board};
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant};
 use crate::plant::{PlantOptions, YawRollPlant};
@@ -125,11 +125,11 @@ pub fn measures(
 
 fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), VehicleError> {
     let options = &subject.options;
-    let closed = closed_form(subject.vehicle, subject.load, options.speed_mps)?;
+    let on_board = on_board(subject.vehicle, subject.load)?;
     all.add(
         "static_stability_factor_g",
         "g",
-        Some(closed.static_stability_factor_g),
+        Some(on_board.static_stability_factor_g),
         "Half the trailer's effective track over the height of its whole c.g.: where it would tip \
          if nothing gave way."
             .into(),
@@ -150,11 +150,11 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         },
     );
     all.add(
-        "static_rollover_threshold_closed_form_g",
+        "static_rollover_threshold_on_board_g",
         "g",
-        Some(closed.static_rollover_threshold_g.value),
-        "The same as the estimator on board computes it from the height: linear roll up to the \
-         lift of all inner wheels."
+        Some(on_board.static_rollover_threshold_g.value),
+        "The same as the estimator on board has it from the height: the steady roll plane, axle by \
+         axle."
             .into(),
     );
     let at_g = options.lateral_acceleration_g;

@@ -2,7 +2,8 @@
 //!
 //! | file | what | from |
 //! |---|---|---|
-//! | `closed` | static stability factor, threshold as on board | `cg_core::rollover` |
+//! | `roll_plane` | rollover threshold in a steady turn, axle by axle | static equilibrium |
+//! | `on_board` | static stability factor and threshold as on board | `cg_core::rollover` |
 //! | `ramp` | static rollover threshold, wheel lift, load transfer | nonlinear plant |
 //! | `transfer` | load transfer ratio, roll safety factor | an instant of it |
 //! | `time` | time to rollover, predicted and simulated | ramp |
@@ -16,29 +17,31 @@
 //!
 //! ```
 //! use cg_vehicle::Vehicle;
-//! use cg_vehicle::rollover::closed_form;
+//! use cg_vehicle::rollover::on_board;
 //!
 //! let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml");
 //! let vehicle = Vehicle::load(file)?;
-//! let measures = closed_form(&vehicle, vehicle.reference_load(), 13.89)?;
+//! let measures = on_board(&vehicle, vehicle.reference_load())?;
 //! let threshold_g = measures.static_rollover_threshold_g.value;
 //! assert!(threshold_g < measures.static_stability_factor_g && threshold_g > 0.3);
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
-mod closed;
 pub mod decay;
 pub mod maneuver;
 mod measure;
+mod on_board;
 pub mod offtracking;
 mod ramp;
+mod roll_plane;
 pub mod small;
 mod time;
 mod transfer;
 
-pub use closed::closed_form;
 pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
+pub use on_board::on_board;
 pub use ramp::{Ramp, RampEnd, RampPoint};
+pub(crate) use roll_plane::RollPlane;
 pub use time::{TimeToRollover, time_to_rollover_s};
 pub use transfer::Transfer;
 
