@@ -111,6 +111,17 @@ impl<T: Real> Conditioner<T> {
         conditioner
     }
 
+    /// The trailer mass last known.
+    pub(crate) fn trailer_mass_kg(&self) -> T {
+        self.trailer_mass_kg
+    }
+
+    /// Begins with a trailer mass that is known already.
+    pub(crate) fn weigh(&mut self, design: &Design<T>, trailer_mass_kg: T) {
+        self.trailer_mass_kg = trailer_mass_kg;
+        self.gains = self.gains_here(design);
+    }
+
     fn gains_here(&self, design: &Design<T>) -> Option<[T; 2]> {
         let mut gains = [T::zero(); 2];
         for channel in Channel::ALL {

@@ -13,6 +13,7 @@ use crate::height::{Fusion, Height};
 use crate::identify::{Answer, Identify};
 use crate::load::{LoadWatch, Said, Verdict};
 pub use crate::maneuver::{Maneuver, Outcome, Reject, Status, Step};
+use crate::memory::Memory;
 use crate::ratio::{HeightError, Measured, solve_height};
 use crate::real::Real;
 use crate::sample::Sample;
@@ -187,6 +188,43 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     /// Ends the log: closes the open maneuver.
     pub fn finish(&mut self) -> Option<Maneuver<T>> {
         self.close()
+    }
+
+    /// What has been learnt so far, to be [restored](Self::restored) after a restart.
+    pub fn memory(&self) -> Memory<T> {
+        Memory {
+            fused: self.lanes.each_ref().map(|lane| lane.fusion),
+            correlation: self.correlation,
+            trailer_mass_kg: self.conditioner.trailer_mass_kg(),
+            load_mass_kg: self.load.mass_kg(),
+            waiting: self.load.waiting(),
+        }
+    }
+
+    /// An estimator before its first sample that knows what another one has learnt with the same
+    /// design. A restart counts as a stop: the load may be another one now.
+    ///
+    /// `None` if the memory is not [sound](Memory::is_sound).
+    #[must_use]
+    pub fn restored(
+        design: &Design<T>,
+        settings: Settings<T>,
+        options: I::Options,
+        memory: &Memory<T>,
+    ) -> Option<Self> {
+        if !memory.is_sound() {
+            return None;
+        }
+        let mut estimator = Self::new(design, settings, options);
+        for (lane, fusion) in estimator.lanes.iter_mut().zip(memory.fused) {
+            lane.fusion = fusion;
+        }
+        estimator.correlation = memory.correlation;
+        estimator.conditioner.weigh(design, memory.trailer_mass_kg);
+        estimator.make_for(memory.trailer_mass_kg);
+        estimator.load =
+            LoadWatch::resumed(settings.mass_change, memory.load_mass_kg, memory.waiting);
+        Some(estimator)
     }
 
     /// The fused height of one channel, or `None` before its first good maneuver.

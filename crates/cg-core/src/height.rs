@@ -19,12 +19,19 @@ pub struct Height<T> {
 /// Noise averages out; the uncertainty of compensation and model is common to all maneuvers
 /// and does not. If the maneuvers scatter more than their noise explains, the random part is
 /// widened by the Birge ratio `√(χ²/(n − 1))`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Fusion<T> {
+    /// Sum of the inverse variances, 1/m².
     weight: T,
+    /// Weighted mean of the heights, m.
     mean: T,
-    scatter: T, // Σ w (h − mean)²
+    /// `Σ w (h − mean)²`.
+    scatter: T,
+    /// Mean of the systematic standard deviations, m.
     systematic: T,
+    /// Maneuvers taken in.
     maneuvers: u32,
 }
 
@@ -51,6 +58,14 @@ impl<T: Real> Fusion<T> {
         self.scatter += weight * deviation * (height_m.value - self.mean);
         self.systematic += share * (systematic_sd_m - self.systematic);
         self.maneuvers = self.maneuvers.saturating_add(1);
+    }
+
+    /// Whether every number can be what it says.
+    pub(crate) fn is_sound(&self) -> bool {
+        let Self { weight, mean, scatter, systematic, maneuvers } = *self;
+        let counted = (maneuvers > 0) == (weight > T::zero() && mean > T::zero());
+        let least = |x: T| x.present() && x >= T::zero();
+        counted && [weight, mean, scatter, systematic].into_iter().all(least)
     }
 
     /// The fused height, or `None` before the first maneuver.

@@ -18,6 +18,7 @@
 //! | [`consistency`] | rows of a maneuver | whether they can be believed | – |
 //! | [`height`] | heights of maneuvers | one height, fused | – |
 //! | `load` | heights of maneuvers | whether it is still the same load | – |
+//! | [`memory`] | – | what is kept over a restart | – |
 //! | [`rollover`] | height | rollover threshold and margin | – |
 //! | [`maneuver`] | – | what is said of a sample and of a maneuver | – |
 //! | [`estimator`] | [`Sample`] | [`Step`] | all of the above, joined |
@@ -54,6 +55,7 @@ mod input_noise;
 pub mod filtered;
 pub mod height;
 mod load;
+pub mod memory;
 pub mod consistency;
 pub mod maneuver;
 pub mod estimator;
@@ -66,6 +68,7 @@ pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
 pub use filtered::{FilteredArx, Prior};
 pub use height::Height;
 pub use identify::{Answer, Fit, Identify, Unexcited};
+pub use memory::Memory;
 pub use ratio::{HeightError, Measured, RatioLine};
 pub use real::Real;
 pub use reduced::Reduced5;

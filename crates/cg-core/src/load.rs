@@ -63,6 +63,25 @@ impl<T: Real> LoadWatch<T> {
         }
     }
 
+    /// After a restart, which may have been a stop for loading.
+    pub(crate) fn resumed(
+        mass_change: T,
+        mass_kg: Option<T>,
+        waiting: Option<[Said<T>; 2]>,
+    ) -> Self {
+        Self { mass_kg, waiting, stopped: true, ..Self::new(mass_change) }
+    }
+
+    /// The trailer mass of the last maneuver.
+    pub(crate) fn mass_kg(&self) -> Option<T> {
+        self.mass_kg
+    }
+
+    /// What the maneuver says that waits for another one.
+    pub(crate) fn waiting(&self) -> Option<[Said<T>; 2]> {
+        self.waiting
+    }
+
     /// Takes in the speed of a row.
     pub(crate) fn drive(&mut self, time_us: u64, speed_mps: T) {
         let interval_us = self.last_us.map_or(0, |last_us| time_us.saturating_sub(last_us));

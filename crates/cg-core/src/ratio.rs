@@ -16,6 +16,8 @@ use crate::real::Real;
 
 /// A value and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Measured<T> {
     /// The value.
     pub value: T,

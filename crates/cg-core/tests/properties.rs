@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::{Answer, Arx, Channel, Estimator, FilteredArx, Prior, Sample, Settings};
+use cg_core::{Answer, Arx, Channel, Estimator, FilteredArx, Memory, Prior, Sample, Settings};
 use common::{rounded_step_response, with_noise};
 use proptest::prelude::*;
 
@@ -125,4 +125,71 @@ fn a_hole_in_the_middle_of_a_turn_costs_accuracy_but_not_the_answer() {
     samples.drain(600..700); // one second, longer than a straight line may bridge
     let height = height_of(&samples).unwrap();
     assert!((height - 1.973).abs() < 0.02, "{height}");
+}
+
+/// Drives a turn with the roll angle scaled: another load.
+fn drive(estimator: &mut Estimator<f32, FilteredArx<f32>>, origin_us: u64, scale: f32) {
+    for mut sample in one_turn(origin_us) {
+        sample.roll_rad *= scale;
+        estimator.push(&sample).unwrap();
+    }
+    estimator.finish();
+}
+
+fn resumed(from: &Estimator<f32, FilteredArx<f32>>) -> Estimator<f32, FilteredArx<f32>> {
+    let (settings, prior) = (Settings::truck(), Prior::standard());
+    Estimator::restored(from.design(), settings, prior, &from.memory()).unwrap()
+}
+
+#[test]
+fn a_restart_between_two_maneuvers_changes_no_bit() {
+    let mut kept = estimator();
+    drive(&mut kept, 0, 1.0);
+    let mut restarted = resumed(&kept);
+    assert_eq!(restarted.height(Channel::Steer), kept.height(Channel::Steer));
+    for (turn, estimator) in [(40_000_000, &mut kept), (7_000_000, &mut restarted)] {
+        drive(estimator, turn, 1.0);
+    }
+    let height = restarted.height(Channel::Steer);
+    assert_eq!(height.unwrap().maneuvers, 2);
+    assert_eq!(height, kept.height(Channel::Steer));
+    assert_eq!(restarted.memory(), kept.memory());
+}
+
+/// After a restart one contradicting maneuver is another load; without, it waits for a second.
+#[test]
+fn a_restart_counts_as_a_stop() {
+    let mut kept = estimator();
+    drive(&mut kept, 0, 1.0);
+    let mut restarted = resumed(&kept);
+    drive(&mut kept, 40_000_000, 0.8);
+    drive(&mut restarted, 40_000_000, 0.8);
+    let value = |from: &Estimator<f32, FilteredArx<f32>>| {
+        from.height(Channel::Steer).unwrap().height_m.value
+    };
+    assert!((value(&kept) - 1.973).abs() < 0.002);
+    assert!(value(&restarted) < 1.9);
+    // What waits is kept over the restart too.
+    let mut again = resumed(&kept);
+    drive(&mut again, 0, 0.8);
+    assert!((value(&again) - value(&restarted)).abs() < 1e-3, "{}", value(&again));
+}
+
+#[test]
+fn a_memory_that_cannot_be_is_refused() {
+    let mut taught = estimator();
+    drive(&mut taught, 0, 1.0);
+    let good = taught.memory();
+    let (settings, prior) = (Settings::truck(), Prior::standard());
+    let with = |change: &dyn Fn(&mut Memory<f32>)| {
+        let mut memory = good;
+        change(&mut memory);
+        Estimator::<f32, FilteredArx<f32>>::restored(taught.design(), settings, prior, &memory)
+    };
+    assert!(with(&|_| {}).is_some());
+    assert!(with(&|memory| memory.trailer_mass_kg = f32::NAN).is_none());
+    assert!(with(&|memory| memory.correlation = 1.5).is_none());
+    assert!(with(&|memory| memory.load_mass_kg = Some(-1.0)).is_none());
+    let nothing = cg_core::Measured { value: 0.0, sd: 0.0 };
+    assert!(with(&|memory| memory.waiting = Some([Some((nothing, 0.0)), None])).is_none());
 }

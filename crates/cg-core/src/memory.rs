@@ -1,0 +1,40 @@
+//! What an estimator has learnt, as plain numbers: to be kept while the power is off.
+
+use crate::height::Fusion;
+use crate::load::Said;
+use crate::ratio::Measured;
+use crate::real::Real;
+
+/// Heights fused so far and what is known of the load. The maneuver under way is not part of it:
+/// a restart costs that maneuver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct Memory<T> {
+    /// The maneuvers of each channel, in the order of [`Channel::ALL`](crate::Channel::ALL).
+    pub fused: [Fusion<T>; 2],
+    /// Correlation of the two channels' systematic errors.
+    pub correlation: T,
+    /// The trailer mass last known.
+    pub trailer_mass_kg: T,
+    /// The trailer mass of the last maneuver, if there was one.
+    pub load_mass_kg: Option<T>,
+    /// A maneuver that contradicts the heights and waits for another one to agree with it: height
+    /// with its noise, and the systematic standard deviation, of each channel.
+    pub waiting: Option<[Said<T>; 2]>,
+}
+
+impl<T: Real> Memory<T> {
+    /// Whether every number can be what it says.
+    pub fn is_sound(&self) -> bool {
+        let positive = |x: T| x.present() && x > T::zero();
+        let said = |(height, systematic_sd): &(Measured<T>, T)| {
+            positive(height.value) && positive(height.sd) && systematic_sd.present()
+        };
+        self.fused.iter().all(Fusion::is_sound)
+            && self.correlation.abs() <= T::one()
+            && positive(self.trailer_mass_kg)
+            && self.load_mass_kg.is_none_or(positive)
+            && self.waiting.iter().flatten().flatten().all(said)
+    }
+}
