@@ -92,7 +92,7 @@ fn estimator_push<T: Real>(bencher: Bencher) {
         .collect();
     bencher.counter(ItemsCount::new(ROWS)).bench(|| {
         let mut estimator =
-            Estimator::<T, FilteredArx<T>>::new(&design, Settings::truck(), Prior::standard());
+            Estimator::<T, FilteredArx<T>>::new(design, Settings::truck(), Prior::standard());
         for sample in black_box(&samples) {
             let _ = black_box(estimator.push(sample));
         }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use cg_core::Channel;
 use cg_core::arx::SampledArx;
+use cg_vehicle::emit::Language;
 use cg_vehicle::estimate::Method;
 use cg_vehicle::log::{ColumnMap, LogOptions, Signal};
 use cg_vehicle::maneuver::{Histories, Maneuver};
@@ -39,6 +40,8 @@ pub(crate) enum Command {
     Estimate(EstimateArgs),
     /// Calibrate a vehicle with logs of known height
     Calibrate(CalibrateArgs),
+    /// Write the constants of a vehicle for firmware, as Rust, C or JSON
+    Design(DesignArgs),
     /// Print what the vehicle model says: transfer function, ratio, reduced model, loads
     Model(ModelArgs),
     /// Write a log with known truth
@@ -132,6 +135,25 @@ pub(crate) struct CalibrateArgs {
     pub(crate) model: ModelArg,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DesignArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// A calibration of this vehicle (from `cg calibrate`)
+    #[arg(long, value_name = "C.toml")]
+    pub(crate) calibration: Option<PathBuf>,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+    /// The language
+    #[arg(long, value_enum)]
+    pub(crate) emit: LanguageArg,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
@@ -381,6 +403,20 @@ mirrored!(ModelArg => Variant {
     /// The source's appendix B, misprints corrected
     AsPrinted => Self::AsPrinted,
 });
+
+mirrored!(LanguageArg => Language {
+    /// One object
+    Json => Self::Json,
+    /// A constant of cg-core's `Design<f32>`
+    Rust => Self::Rust,
+    /// A constant for cg_height.h
+    C => Self::C,
+});
+
+/// The word that stands for a value on the command line.
+pub(crate) fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
 
 mirrored!(PlantArg => Plant {
     /// The linear model in full

@@ -5,9 +5,6 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::Calibration;
-use cg_vehicle::design::design_with;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::log::{LogOptions, LogReader};
 use cg_vehicle::{LinearModel, Variant, Vehicle};
@@ -17,6 +14,7 @@ use serde::Deserialize;
 
 use crate::Outcome;
 use crate::cli::EstimateArgs;
+use crate::design;
 use crate::sink;
 
 /// Rows between two updates of the progress bar.
@@ -51,20 +49,8 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
                 .context("--trailer-mass-kg")?;
         }
     }
-    let belief = match &arguments.calibration {
-        Some(path) => {
-            let calibration = Calibration::load(path, &vehicle)?;
-            if calibration.model != options.variant {
-                return Err(anyhow!(
-                    "{}: made for the other model; give the same --model as to cg calibrate",
-                    path.display()
-                ));
-            }
-            calibration.belief()
-        }
-        None => Belief::prior(&vehicle),
-    };
-    let design = design_with(&vehicle, options.variant, &belief)?;
+    let calibration = arguments.calibration.as_deref();
+    let design = design::of(&vehicle, calibration, options.variant)?;
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
     if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read once only"));

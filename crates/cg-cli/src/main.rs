@@ -6,6 +6,7 @@
 //! | `estimate` | `cg estimate`: logs to heights, in parallel |
 //! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
 //! | `sink` | their output as table, JSON Lines or CSV |
+//! | `design` | `cg design`: the constants of a vehicle, for firmware |
 //! | `model` | `cg model`: what the vehicle model says |
 //! | `simulate`, `sensors` | `cg simulate`: logs with known truth, what sensors make of it |
 //! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
@@ -19,6 +20,7 @@
 
 mod calibrate;
 mod cli;
+mod design;
 mod draft;
 mod estimate;
 mod model;
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Estimate(arguments) => estimate::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Design(arguments) => design::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Rollover(arguments) => rollover::run(&arguments),

@@ -45,6 +45,7 @@ impl fmt::Display for Channel {
 
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct ChannelDesign<T> {
     /// The reduced models at the nominal speed and reference height, one for each mass on the axis
     /// of the design: shape of the dynamics.
@@ -59,6 +60,7 @@ pub struct ChannelDesign<T> {
 /// How well the DC ratios of both channels are known at one speed and mass: what calibration
 /// and model leave open, which no amount of driving averages out.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Spread<T> {
     /// Relative standard deviation of each channel's ratio, in the order of [`Channel::ALL`].
     pub sd: [T; 2],
@@ -77,7 +79,10 @@ impl<T: Real> Spread<T> {
 }
 
 /// The constants of one truck, plain numbers, checked by [`Design::validate`].
+///
+/// Laid out as in C: a structure of numbers that firmware in any language can keep in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Design<T> {
     /// Speed axis of the ratio lines, strictly increasing.
     pub speed_mps: [T; SPEEDS],

@@ -6,6 +6,8 @@
 //! changed too much, at a gap, or at [`Estimator::finish`]. Each closed maneuver gives a
 //! ratio and a height per channel; heights of maneuvers are fused.
 
+use core::borrow::Borrow;
+
 use crate::condition::{Conditioner, Row, SampleError, seconds};
 use crate::consistency::{Inconsistency, Watch};
 use crate::design::{Channel, Design};
@@ -115,9 +117,12 @@ struct Window<T> {
 }
 
 /// Samples in, height out. Fixed size, no heap.
+///
+/// The design is held as `D`: by value unless said otherwise, or as a reference, so that on a
+/// microcontroller it stays in flash.
 #[derive(Clone, Copy, Debug)]
-pub struct Estimator<T: Real, I: Identify<T>> {
-    design: Design<T>,
+pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>> {
+    design: D,
     settings: Settings<T>,
     options: I::Options,
     /// The trailer mass that the identifiers are made for.
@@ -132,9 +137,10 @@ pub struct Estimator<T: Real, I: Identify<T>> {
     correlation: T,
 }
 
-impl<T: Real, I: Identify<T>> Estimator<T, I> {
+impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
     /// Before the first sample. The design must be [valid](Design::validate).
-    pub fn new(design: &Design<T>, settings: Settings<T>, options: I::Options) -> Self {
+    pub fn new(holder: D, settings: Settings<T>, options: I::Options) -> Self {
+        let design = holder.borrow();
         let lane = |channel: Channel| Lane {
             identifier: I::for_model(
                 &design.model(channel, design.nominal_trailer_mass_kg),
@@ -146,7 +152,6 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             fusion: Fusion::default(),
         };
         Self {
-            design: *design,
             settings,
             options,
             made_for_kg: design.nominal_trailer_mass_kg,
@@ -157,12 +162,13 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             load: LoadWatch::new(settings.mass_change),
             load_since_us: None,
             correlation: T::one(),
+            design: holder,
         }
     }
 
     /// The design in use.
     pub fn design(&self) -> &Design<T> {
-        &self.design
+        self.design.borrow()
     }
 
     /// Takes in one sample.
@@ -170,7 +176,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     /// # Errors
     /// [`SampleError`] if the sample is refused; the state is then as before it.
     pub fn push(&mut self, sample: &Sample<T>) -> Result<Step<T>, SampleError> {
-        let Some(row) = self.conditioner.push(&self.design, sample)? else {
+        let Some(row) = self.conditioner.push(self.design.borrow(), sample)? else {
             return Ok(Step { status: Status::Absent, closed: None });
         };
         self.load.drive(row.time_us, row.speed_mps);
@@ -207,7 +213,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     /// `None` if the memory is not [sound](Memory::is_sound).
     #[must_use]
     pub fn restored(
-        design: &Design<T>,
+        design: D,
         settings: Settings<T>,
         options: I::Options,
         memory: &Memory<T>,
@@ -220,7 +226,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             lane.fusion = fusion;
         }
         estimator.correlation = memory.correlation;
-        estimator.conditioner.weigh(design, memory.trailer_mass_kg);
+        estimator.conditioner.weigh(estimator.design.borrow(), memory.trailer_mass_kg);
         estimator.make_for(memory.trailer_mass_kg);
         estimator.load =
             LoadWatch::resumed(settings.mass_change, memory.load_mass_kg, memory.waiting);
@@ -274,7 +280,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
         self.made_for_kg = trailer_mass_kg;
         self.other_since_us = None;
         for (lane, channel) in self.lanes.iter_mut().zip(Channel::ALL) {
-            let model = self.design.model(channel, trailer_mass_kg);
+            let model = self.design.borrow().model(channel, trailer_mass_kg);
             lane.identifier = I::for_model(&model, self.options);
             lane.last_us = None;
         }
@@ -389,7 +395,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             trailer_mass_kg,
             outcomes: Channel::ALL.map(|channel| self.outcome(channel, window)),
             correlation: self
-                .design
+                .design()
                 .spread(speed_mps, trailer_mass_kg)
                 .map_or(T::one(), |spread| spread.correlation),
         }
@@ -400,8 +406,8 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             |fit, reject| Outcome { fit, height_m: Err(reject), systematic_sd_m: T::zero() };
         let Window { speed_mps, trailer_mass_kg, .. } = *window;
         let (Some(line), Some(spread)) = (
-            self.design.line(channel, speed_mps, trailer_mass_kg),
-            self.design.spread(speed_mps, trailer_mass_kg),
+            self.design().line(channel, speed_mps, trailer_mass_kg),
+            self.design().spread(speed_mps, trailer_mass_kg),
         ) else {
             return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
         };
@@ -413,8 +419,8 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
             Answer::Ready(fit) => fit,
             Answer::Unexcited(reason) => return rejected(None, Reject::Unexcited(reason)),
         };
-        let compensation = self.design.channels[channel.index()].compensation;
-        let expected = line.ratio_at(self.design.reference_height_m) * compensation;
+        let compensation = self.design().channels[channel.index()].compensation;
+        let expected = line.ratio_at(self.design().reference_height_m) * compensation;
         let ratio_sd_relative = (fit.ratio.sd / fit.ratio.value).abs();
         fit.ratio.value *= expected;
         fit.ratio.sd *= expected;
@@ -448,7 +454,7 @@ impl<T: Real, I: Identify<T>> Estimator<T, I> {
     }
 
     fn is_possible(&self, height_m: T) -> bool {
-        height_m >= self.design.least_height_m && height_m <= self.design.greatest_height_m
+        height_m >= self.design().least_height_m && height_m <= self.design().greatest_height_m
     }
 
     fn fuse(&mut self, maneuver: &Maneuver<T>) {

@@ -41,6 +41,7 @@ impl<T: Real> Measured<T> {
 /// The DC ratio `(a1 h + a0) / (b1 h + b0)` of one channel at one speed and mass
 /// (eq. 5.17; only the ratios of the four numbers matter).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct RatioLine<T> {
     /// Numerator at zero height.
     pub a0: T,

@@ -35,6 +35,7 @@ pub const ORDER: usize = 5;
 /// assert!((model.dc_gain() - 0.8456).abs() < 5e-5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Reduced5<T> {
     /// `A0 … A5`, ascending powers of s (1/s), radians of roll per unit of input.
     pub numerator: [T; ORDER + 1],

@@ -53,6 +53,7 @@ impl<T: Real> ThresholdLine<T> {
 
 /// What the rollover measures need beside height and thresholds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct RolloverDesign<T> {
     /// Half the effective track: the lever of the outer wheels (their middle, if dual),
     /// averaged over the axles that carry the trailer with the load that each carries.

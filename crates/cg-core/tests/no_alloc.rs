@@ -37,7 +37,7 @@ fn a_million_samples_allocate_nothing() {
     let design = common::design().cast::<f32>();
     let before = ALLOCATIONS.get();
     let mut estimator =
-        Estimator::<f32, FilteredArx<f32>>::new(&design, Settings::truck(), Prior::standard());
+        Estimator::<f32, FilteredArx<f32>>::new(design, Settings::truck(), Prior::standard());
     let mut maneuvers = 0;
     for k in 0..1_000_000_u32 {
         // Turns of both signs with straights between, some speed and a little noise.

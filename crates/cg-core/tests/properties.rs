@@ -9,7 +9,7 @@ use common::{rounded_step_response, with_noise};
 use proptest::prelude::*;
 
 fn estimator() -> Estimator<f32, FilteredArx<f32>> {
-    Estimator::new(&common::design().cast(), Settings::truck(), Prior::standard())
+    Estimator::new(common::design().cast(), Settings::truck(), Prior::standard())
 }
 
 /// A log with one turn as samples, starting at `origin_us`.
@@ -138,7 +138,7 @@ fn drive(estimator: &mut Estimator<f32, FilteredArx<f32>>, origin_us: u64, scale
 
 fn resumed(from: &Estimator<f32, FilteredArx<f32>>) -> Estimator<f32, FilteredArx<f32>> {
     let (settings, prior) = (Settings::truck(), Prior::standard());
-    Estimator::restored(from.design(), settings, prior, &from.memory()).unwrap()
+    Estimator::restored(*from.design(), settings, prior, &from.memory()).unwrap()
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn a_memory_that_cannot_be_is_refused() {
     let with = |change: &dyn Fn(&mut Memory<f32>)| {
         let mut memory = good;
         change(&mut memory);
-        Estimator::<f32, FilteredArx<f32>>::restored(taught.design(), settings, prior, &memory)
+        Estimator::<f32, FilteredArx<f32>>::restored(*taught.design(), settings, prior, &memory)
     };
     assert!(with(&|_| {}).is_some());
     assert!(with(&|memory| memory.trailer_mass_kg = f32::NAN).is_none());

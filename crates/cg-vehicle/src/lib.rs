@@ -12,6 +12,7 @@
 //! | [`compensation`] | F(s) between two responses | section 5.4 |
 //! | [`belief`], [`calibration`] | what is not known of a truck, and what runs say of it | eq. 5.19 |
 //! | [`design`] | the constants for `cg_core` | – |
+//! | [`emit`] | the same as JSON, Rust or C, for firmware | – |
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator | ch. 2, UMTRI |
 //! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
 //! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
@@ -41,6 +42,7 @@ pub mod maneuver;
 pub mod reduction;
 pub mod compensation;
 pub mod design;
+pub mod emit;
 pub mod plant;
 pub mod limits;
 pub mod rollover;

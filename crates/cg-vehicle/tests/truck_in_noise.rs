@@ -71,7 +71,7 @@ fn clean_and_in_noise() {
 
 fn combined<T: Real>(design: &Design<T>, rows: &[LogRow]) -> f64 {
     let mut estimator =
-        Estimator::<T, FilteredArx<T>>::new(design, Settings::truck(), Prior::standard());
+        Estimator::<T, FilteredArx<T>>::new(*design, Settings::truck(), Prior::standard());
     for row in rows {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let time_us = (row.time_s * 1e6).round() as u64;

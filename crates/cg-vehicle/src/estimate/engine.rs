@@ -24,15 +24,15 @@ impl Engine {
         let standard = Prior::standard();
         match options.method {
             Method::Filtered => {
-                Self::Filtered(Box::new(Estimator::new(design, settings, standard)))
+                Self::Filtered(Box::new(Estimator::new(*design, settings, standard)))
             }
             Method::Gain => {
                 let fixed = Prior { dynamics_sd: 0.0, ..standard };
-                Self::Filtered(Box::new(Estimator::new(design, settings, fixed)))
+                Self::Filtered(Box::new(Estimator::new(*design, settings, fixed)))
             }
             Method::Arx => {
                 let arx = ArxOptions { order: options.order, interval_s: ARX_INTERVAL_S };
-                Self::Arx(Box::new(Estimator::new(design, settings, arx)))
+                Self::Arx(Box::new(Estimator::new(*design, settings, arx)))
             }
         }
     }

@@ -1,0 +1,221 @@
+//! A design as text for firmware: JSON, Rust or C, in single precision.
+//!
+//! Numbers are the shortest that give the same bits again.
+
+use std::fmt::Write;
+
+use cg_core::{ChannelDesign, Design, RatioLine, Reduced5, RolloverDesign, Spread};
+
+/// The language of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// One object with the design's fields; the comment is its key `comment`.
+    Json,
+    /// `pub const DESIGN: cg_core::Design<f32>`.
+    Rust,
+    /// `static const cg_design CG_DESIGN`, for `cg_height.h`.
+    C,
+}
+
+/// Numbers in arrays and structures.
+enum Node {
+    Number(f32),
+    Array(Vec<Node>),
+    Struct(&'static str, Vec<(&'static str, Node)>),
+}
+
+trait Tree {
+    fn tree(&self) -> Node;
+}
+
+impl Tree for f32 {
+    fn tree(&self) -> Node {
+        Node::Number(*self)
+    }
+}
+
+impl<E: Tree, const N: usize> Tree for [E; N] {
+    fn tree(&self) -> Node {
+        Node::Array(self.iter().map(Tree::tree).collect())
+    }
+}
+
+/// Every field stands here: one that is forgotten does not compile.
+macro_rules! structures {
+    ($($name:ident { $($field:ident),+ $(,)? })+) => {
+        $(impl Tree for $name<f32> {
+            fn tree(&self) -> Node {
+                let Self { $($field),+ } = self;
+                Node::Struct(stringify!($name), vec![$((stringify!($field), $field.tree())),+])
+            }
+        })+
+    };
+}
+
+structures! {
+    Design {
+        speed_mps, trailer_mass_kg, channels, spread, nominal_speed_mps, nominal_trailer_mass_kg,
+        reference_height_m, least_height_m, greatest_height_m, gravity_mps2, rollover,
+    }
+    ChannelDesign { models, lines, compensation }
+    Reduced5 { numerator, denominator }
+    RatioLine { a0, a1, b0, b1 }
+    Spread { sd, correlation }
+    RolloverDesign { half_track_m, unsprung_mass_kg, unsprung_height_m, roll_center_height_m }
+}
+
+impl Node {
+    fn is_short(&self) -> bool {
+        let number = |node: &Self| matches!(node, Self::Number(_));
+        match self {
+            Self::Number(_) => true,
+            Self::Array(items) => items.iter().all(number),
+            Self::Struct(_, fields) => {
+                fields.len() < 5 && fields.iter().all(|(_, value)| value.is_short())
+            }
+        }
+    }
+
+    fn write(&self, language: Language, depth: usize, out: &mut String) {
+        let (open, close, items): (String, char, Vec<(String, &Self)>) = match self {
+            // `{:?}` of a float is the shortest that reads back as the same one.
+            Self::Number(value) => {
+                let suffix = if language == Language::C { "f" } else { "" };
+                let _ = write!(out, "{value:?}{suffix}"); // a string takes everything
+                return;
+            }
+            Self::Array(items) => {
+                let (open, close) = if language == Language::C { ("{", '}') } else { ("[", ']') };
+                (open.into(), close, items.iter().map(|item| (String::new(), item)).collect())
+            }
+            Self::Struct(name, fields) => {
+                let open = match language {
+                    Language::Rust => format!("cg_core::{name} {{"),
+                    Language::Json | Language::C => "{".into(),
+                };
+                let label = |field: &str| match language {
+                    Language::Json => format!("\"{field}\": "),
+                    Language::Rust => format!("{field}: "),
+                    Language::C => format!(".{field} = "),
+                };
+                (open, '}', fields.iter().map(|(field, value)| (label(field), value)).collect())
+            }
+        };
+        out.push_str(&open);
+        let short = self.is_short();
+        let padding = if short && close == '}' { " " } else { "" };
+        for (k, (label, item)) in items.iter().enumerate() {
+            if short {
+                out.push_str(if k == 0 { padding } else { ", " });
+            } else {
+                out.push_str(if k == 0 { "\n" } else { ",\n" });
+                out.push_str(&"    ".repeat(depth + 1));
+            }
+            out.push_str(label);
+            item.write(language, depth + 1, out);
+        }
+        if short {
+            out.push_str(padding);
+        } else {
+            // JSON knows no comma after the last.
+            out.push_str(if language == Language::Json { "\n" } else { ",\n" });
+            out.push_str(&"    ".repeat(depth));
+        }
+        out.push(close);
+    }
+}
+
+/// The text of `design` in a language, behind a comment of some lines.
+pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> String {
+    let mut body = String::new();
+    design.tree().write(language, 0, &mut body);
+    let lines =
+        |mark: &str| comment.iter().map(|line| format!("{mark}{line}\n")).collect::<String>();
+    match language {
+        Language::Json => {
+            let quoted = serde_json::Value::from(comment.join(" ")).to_string();
+            format!("{{\n    \"comment\": {quoted},{}\n", body.trim_start_matches('{'))
+        }
+        Language::Rust => format!(
+            "{}\n/// The constants of this truck.\n#[allow(clippy::unreadable_literal)]\n\
+             #[rustfmt::skip]\npub const DESIGN: cg_core::Design<f32> = {body};\n",
+            lines("// ")
+        ),
+        Language::C => format!(
+            "{}\n#include \"cg_height.h\"\n\nstatic const cg_design CG_DESIGN = {body};\n",
+            // A file name may end a comment of the other kind.
+            lines("// ")
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::design;
+    use crate::linear::Variant;
+    use crate::vehicle::Vehicle;
+
+    fn baseline() -> Design<f32> {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml");
+        design(&Vehicle::load(path).unwrap(), Variant::Complete).unwrap().cast()
+    }
+
+    fn numbers(node: &Node, into: &mut Vec<u32>) {
+        match node {
+            Node::Number(value) => into.push(value.to_bits()),
+            Node::Array(items) => items.iter().for_each(|item| numbers(item, into)),
+            Node::Struct(_, fields) => fields.iter().for_each(|(_, value)| numbers(value, into)),
+        }
+    }
+
+    /// The numbers of the JSON text, by the fields of the design.
+    fn read(node: &Node, json: &serde_json::Value, into: &mut Vec<u32>) {
+        match node {
+            #[allow(clippy::cast_possible_truncation)] // to the type that it was written from
+            Node::Number(_) => into.push((json.as_f64().unwrap() as f32).to_bits()),
+            Node::Array(items) => {
+                assert_eq!(json.as_array().unwrap().len(), items.len());
+                items.iter().enumerate().for_each(|(k, item)| read(item, &json[k], into));
+            }
+            Node::Struct(_, fields) => {
+                fields.iter().for_each(|(field, value)| read(value, &json[field], into));
+            }
+        }
+    }
+
+    #[test]
+    fn json_reads_back_to_the_same_bits() {
+        let design = baseline();
+        let comment = ["a \"quoted\" name".to_owned(), "made so".to_owned()];
+        let text = emit(&design, Language::Json, &comment);
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(json["comment"], "a \"quoted\" name made so");
+        let (mut before, mut after) = (Vec::new(), Vec::new());
+        numbers(&design.tree(), &mut before);
+        read(&design.tree(), &json, &mut after);
+        assert_eq!(before, after);
+        // Nothing but the comment beside the design, and nothing of the design left out.
+        assert_eq!(size_of::<Design<f32>>(), 4 * before.len());
+        assert_eq!(json.as_object().unwrap().len(), 12);
+    }
+
+    #[test]
+    fn every_language_writes_the_same_numbers() {
+        let design = baseline();
+        let digits = |language, suffix: &str| {
+            let text = emit(&design, language, &[]);
+            let body = &text[text.find("speed_mps").unwrap()..];
+            let numbers: Vec<u32> = body
+                .split(|c: char| !(c.is_alphanumeric() || "+-._".contains(c)))
+                .filter_map(|word| word.strip_suffix(suffix).unwrap_or(word).parse::<f32>().ok())
+                .map(f32::to_bits)
+                .collect();
+            numbers
+        };
+        let mut expected = Vec::new();
+        numbers(&design.tree(), &mut expected);
+        assert_eq!(digits(Language::Rust, ""), expected);
+        assert_eq!(digits(Language::C, "f"), expected);
+    }
+}
