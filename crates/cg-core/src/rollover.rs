@@ -16,6 +16,7 @@ pub const HEIGHTS: usize = 8;
 
 /// Rollover thresholds of one trailer mass over height.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct ThresholdLine<T> {
     /// Lateral acceleration at which the vehicle tips, in g.
     pub threshold_g: [T; HEIGHTS],

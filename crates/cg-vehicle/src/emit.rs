@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use cg_core::{ChannelDesign, Design, RatioLine, Reduced5, RolloverDesign, Spread};
+use cg_core::{ChannelDesign, Design, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine};
 
 /// The language of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,12 +56,14 @@ structures! {
     Design {
         speed_mps, trailer_mass_kg, channels, spread, nominal_speed_mps, nominal_trailer_mass_kg,
         reference_height_m, least_height_m, greatest_height_m, gravity_mps2, rollover,
+        thresholds,
     }
     ChannelDesign { models, lines, compensation }
     Reduced5 { numerator, denominator }
     RatioLine { a0, a1, b0, b1 }
     Spread { sd, correlation }
-    RolloverDesign { half_track_m, unsprung_mass_kg, unsprung_height_m, roll_center_height_m }
+    RolloverDesign { half_track_m, unsprung_mass_kg, unsprung_height_m }
+    ThresholdLine { threshold_g }
 }
 
 impl Node {
