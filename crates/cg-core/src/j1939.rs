@@ -9,6 +9,7 @@
 //! **Reference.** SAE J1939-71 (signals), J1939-21 (identifiers), J1939-71 §5.1.4 (absent values).
 
 use crate::real::Real;
+use crate::sample::Quantity;
 
 /// Radians in a degree.
 const DEGREE: f64 = core::f64::consts::PI / 180.0;
@@ -44,6 +45,8 @@ pub const STEERING_WHEEL_ANGLE: Signal = signal(61449, 6, (0, 2), 1.0 / 1024.0, 
 pub const YAW_RATE: Signal = signal(61449, 6, (3, 2), 1.0 / 8192.0, -3.92);
 /// VDC2: lateral acceleration (SPN 1809), m/s².
 pub const LATERAL_ACCELERATION: Signal = signal(61449, 6, (5, 2), 1.0 / 2048.0, -15.687);
+/// SAS: steering-wheel angle (SPN 3683), rad.
+pub const STEERING_WHEEL_ANGLE_SAS: Signal = signal(61469, 3, (0, 2), 1.0 / 1024.0, -31.374);
 /// SSI: roll angle (SPN 3319), rad.
 pub const ROLL: Signal = signal(61459, 3, (2, 2), 0.002 * DEGREE, -64.0 * DEGREE);
 /// SSI2: roll angle, finer (SPN 4977), rad.
@@ -58,6 +61,41 @@ pub const FRONT_AXLE_SPEED: Signal = signal(65215, 6, (0, 2), KMH / 256.0, 0.0);
 pub const TRAILER_MASS: Signal = signal(65258, 6, (3, 2), 2.0, 0.0);
 /// EBS22 (ISO 11992): sum of the trailer's axle loads, kg.
 pub const TRAILER_AXLE_LOAD: Signal = signal(65220, 6, (4, 2), 2.0, 0.0);
+
+/// Which signals are taken, what they measure and, where several measure the same, which is
+/// preferred: the least rank. An SSI roll angle is a tilt unless the sensor says that it takes the
+/// lateral acceleration off itself ([`is_compensated`]).
+pub const TABLE: [(Signal, Quantity, u8); 10] = [
+    (STEERING_WHEEL_ANGLE, Quantity::SteeringWheel, 0),
+    (YAW_RATE, Quantity::YawRate, 0),
+    (LATERAL_ACCELERATION, Quantity::LateralAcceleration, 0),
+    (ROLL_FINE, Quantity::Roll, 0),
+    (ROLL, Quantity::Tilt, 1),
+    (STEERING_WHEEL_ANGLE_SAS, Quantity::SteeringWheel, 1),
+    (SPEED, Quantity::Speed, 0),
+    (FRONT_AXLE_SPEED, Quantity::Speed, 1),
+    (TRAILER_MASS, Quantity::TrailerMass, 0),
+    (TRAILER_AXLE_LOAD, Quantity::TrailerAxleLoad, 0),
+];
+
+/// Whether an SSI frame says that its angles are free of the vehicle's accelerations (SPN 3326:
+/// two bits, 00 means compensated).
+pub fn is_compensated(data: &[u8]) -> bool {
+    data.get(6).is_some_and(|byte| byte >> 6 == 0)
+}
+
+/// What a frame measures: each present signal of [`TABLE`] as quantity, rank and SI value.
+pub fn decode<T: Real>(identifier: u32, data: &[u8], mut found: impl FnMut(Quantity, u8, T)) {
+    let pgn = pgn_of(identifier);
+    for (signal, quantity, rank) in TABLE {
+        if signal.pgn != pgn {
+            continue;
+        }
+        let Some(value) = signal.decode(data) else { continue };
+        let compensated = pgn == ROLL.pgn && is_compensated(data);
+        found(if compensated { Quantity::Roll } else { quantity }, rank, value);
+    }
+}
 
 /// All bits set: nothing available.
 pub const NOT_AVAILABLE: [u8; 8] = [0xFF; 8];
@@ -111,18 +149,15 @@ impl Signal {
 mod tests {
     use super::*;
 
-    const ALL: [Signal; 10] = [
-        STEERING_WHEEL_ANGLE,
-        YAW_RATE,
-        LATERAL_ACCELERATION,
-        ROLL,
-        ROLL_FINE,
-        ROLL_RATE,
-        SPEED,
-        FRONT_AXLE_SPEED,
-        TRAILER_MASS,
-        TRAILER_AXLE_LOAD,
-    ];
+    const ALL: [Signal; TABLE.len()] = {
+        let mut all = [ROLL_RATE; TABLE.len()];
+        let mut k = 0;
+        while k < TABLE.len() {
+            all[k] = TABLE[k].0;
+            k += 1;
+        }
+        all
+    };
 
     #[test]
     fn every_value_comes_back_to_half_a_bit() {
@@ -169,6 +204,22 @@ mod tests {
         assert_eq!(u16::from_le_bytes([data[0], data[1]]), 32_127);
         let back: f64 = STEERING_WHEEL_ANGLE.decode(&data).unwrap();
         assert!((back - 0.024 / 1024.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_inclinometer_becomes_a_roll_sensor_when_it_says_so() {
+        let mut data = NOT_AVAILABLE;
+        ROLL.encode(0.05, &mut data);
+        let mut seen = None;
+        let mut look = |data: &[u8]| {
+            decode(ROLL.identifier(0xE4), data, |quantity, _, _: f64| seen = Some(quantity));
+            seen.take()
+        };
+        assert_eq!(look(&data), Some(Quantity::Tilt));
+        data[6] = 0x3F;
+        assert_eq!(look(&data), Some(Quantity::Roll));
+        assert_eq!(look(&data[..6]), Some(Quantity::Tilt));
+        assert_eq!(look(&NOT_AVAILABLE), None);
     }
 
     #[test]

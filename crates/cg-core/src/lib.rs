@@ -8,6 +8,7 @@
 //! |---|---|---|---|
 //! | [`sample`] | sensor values, SI, ISO 8855 | a checked [`Sample`] | – |
 //! | [`j1939`] | CAN frames | signals in SI units | SAE J1939-71 |
+//! | [`align`] | signals at rates of their own | a [`Sample`] at each roll angle | – |
 //! | [`design`] | – | [`Design`]: the constants of one truck | thesis ch. 4, 5.4, 5.5 |
 //! | [`condition`] | [`Sample`] | roll free of tilt, gaps found, straight or turning | – |
 //! | [`reduced`] | input signal | [`Reduced5`]: the reduced 5th-order compensated model | eq. 5.12 |
@@ -43,6 +44,7 @@ pub mod real;
 pub mod linalg;
 pub mod sample;
 pub mod j1939;
+pub mod align;
 pub mod reduced;
 pub mod ratio;
 pub mod rollover;
@@ -60,6 +62,7 @@ pub mod consistency;
 pub mod maneuver;
 pub mod estimator;
 
+pub use align::{AlignSettings, Aligner};
 pub use arx::Arx;
 pub use condition::{Conditioner, SampleError};
 pub use consistency::Inconsistency;
@@ -73,4 +76,4 @@ pub use ratio::{HeightError, Measured, RatioLine};
 pub use real::Real;
 pub use reduced::Reduced5;
 pub use rollover::{Rollover, RolloverDesign, ThresholdLine};
-pub use sample::Sample;
+pub use sample::{Quantity, Sample};

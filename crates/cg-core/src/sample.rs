@@ -6,6 +6,52 @@
 
 use crate::real::Real;
 
+/// What a sensor measures. SI units and signs are those of [`Sample`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Mean road-wheel angle of the steered axle, rad.
+    Steer,
+    /// Steering-wheel angle, rad.
+    SteeringWheel,
+    /// Roll angle of the trailer, rad.
+    Roll,
+    /// Tilt shown by an accelerometer inclinometer on the trailer, rad.
+    Tilt,
+    /// Forward speed, m/s.
+    Speed,
+    /// Lateral acceleration, m/s².
+    LateralAcceleration,
+    /// Yaw rate, rad/s.
+    YawRate,
+    /// Mass of the whole semitrailer, kg.
+    TrailerMass,
+    /// Load of the trailer's axles on the road, kg.
+    TrailerAxleLoad,
+}
+
+impl Quantity {
+    /// How many there are.
+    pub const COUNT: usize = 9;
+
+    /// All of them, in their own order.
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Steer,
+        Self::SteeringWheel,
+        Self::Roll,
+        Self::Tilt,
+        Self::Speed,
+        Self::LateralAcceleration,
+        Self::YawRate,
+        Self::TrailerMass,
+        Self::TrailerAxleLoad,
+    ];
+
+    /// Its place in [`Quantity::ALL`].
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
 /// One row of sensors, SI units, ISO 8855 signs. A signal that is not there is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<T> {

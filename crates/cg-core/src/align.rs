@@ -1,0 +1,363 @@
+//! From signals that arrive each at its own rate to samples.
+//!
+//! A sample is taken at each time stamp of the roll angle (of the tilt, while there is no roll):
+//! nothing is put on a grid. Steer angle, lateral acceleration and yaw rate are interpolated to
+//! that instant as soon as their next values are there, or held when those do not come; speed and
+//! mass hold their last values. A value that is too old is absent.
+//!
+//! Several devices may send the same quantity: the first one seen is kept for as long as it lives,
+//! unless a preferred signal appears.
+
+use crate::real::Real;
+use crate::sample::{Quantity, Sample};
+
+/// Roll angles that may wait for the other signals.
+const ROOM: usize = 32;
+/// How long they wait.
+const PATIENCE_US: u64 = 100_000;
+/// After this time without a value, a signal that comes many times a second is gone.
+const STALE_US: u64 = 500_000;
+/// The same of speed, which may come once a second.
+const STALE_SPEED_US: u64 = 2_500_000;
+/// After this time without a value of its device, another one is listened to at last.
+const GONE_US: u64 = 30_000_000;
+
+/// What turns sensor values into those of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlignSettings<T> {
+    /// Steering-wheel angle over road-wheel angle; without it the wheel's angle says nothing.
+    pub steering_ratio: Option<T>,
+    /// Trailer mass at no axle load, and its growth with the axle load: the trailer's balance on
+    /// fifth wheel and axles.
+    pub mass_of_axle_load: Option<[T; 2]>,
+}
+
+/// What became of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Taken {
+    /// It counts.
+    Yes,
+    /// Another device that sends the same quantity is listened to.
+    OtherSource,
+    /// Its time does not follow that of the value before.
+    OutOfOrder,
+}
+
+/// The last two values of a quantity.
+#[derive(Clone, Copy, Debug)]
+struct Track<T> {
+    last: Option<(u64, T)>,
+    before: Option<(u64, T)>,
+    source: u32,
+    rank: u8,
+}
+
+impl<T: Real> Track<T> {
+    const EMPTY: Self = Self { last: None, before: None, source: 0, rank: u8::MAX };
+
+    fn push(&mut self, (source, rank): (u32, u8), time_us: u64, value: T, gone_us: u64) -> Taken {
+        if let Some((last_us, _)) = self.last {
+            let alive = time_us.saturating_sub(last_us) <= gone_us;
+            let same = source == self.source && rank == self.rank;
+            if !same && alive && rank >= self.rank {
+                return Taken::OtherSource;
+            }
+            if same && time_us <= last_us {
+                return Taken::OutOfOrder;
+            }
+            self.before = if same { self.last } else { None };
+        }
+        (self.last, self.source, self.rank) = (Some((time_us, value)), source, rank);
+        Taken::Yes
+    }
+
+    fn age_us(&self, now_us: u64) -> Option<u64> {
+        self.last.map(|(last_us, _)| now_us.saturating_sub(last_us))
+    }
+
+    fn lives(&self, now_us: u64, stale_us: u64) -> bool {
+        self.age_us(now_us).is_some_and(|age_us| age_us <= stale_us)
+    }
+
+    /// The value at an instant: between the last two, or the last one held.
+    fn at(&self, time_us: u64, stale_us: u64) -> T {
+        match (self.before, self.last) {
+            (Some((before_us, before)), Some((last_us, last)))
+                if time_us < last_us && last_us - before_us <= stale_us =>
+            {
+                // Waiting takes less than an hour: 32 bits hold microseconds exactly.
+                let span = |us: u64| T::of(f64::from(u32::try_from(us).unwrap_or(u32::MAX)));
+                let share = span(time_us.saturating_sub(before_us)) / span(last_us - before_us);
+                before + (last - before) * share
+            }
+            (_, Some((last_us, last))) if time_us.abs_diff(last_us) <= stale_us => last,
+            _ => T::absent(),
+        }
+    }
+}
+
+/// Values of single signals in, samples out. Fixed size, no heap.
+///
+/// ```
+/// use cg_core::{AlignSettings, Aligner, Quantity};
+///
+/// let mut aligner = Aligner::<f32>::new(AlignSettings { steering_ratio: None, mass_of_axle_load: None });
+/// let sensor = (0x0B, 0); // a source address, and the rank of the signal
+/// aligner.push(Quantity::LateralAcceleration, sensor, 10_000, 1.0);
+/// aligner.push(Quantity::Roll, sensor, 15_000, 0.02);
+/// assert!(aligner.next(15_000).is_none()); // the next lateral acceleration is still to come
+/// aligner.push(Quantity::LateralAcceleration, sensor, 20_000, 2.0);
+/// let sample = aligner.next(20_000).unwrap();
+/// assert_eq!((sample.time_us, sample.lateral_acceleration_mps2), (15_000, 1.5));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Aligner<T> {
+    settings: AlignSettings<T>,
+    tracks: [Track<T>; Quantity::COUNT],
+    /// Roll angles that wait: time stamp, value, whether it is a tilt.
+    waiting: [(u64, T, bool); ROOM],
+    first: usize,
+    count: usize,
+    sampled_us: Option<u64>,
+}
+
+impl<T: Real> Aligner<T> {
+    /// Before the first value.
+    pub fn new(settings: AlignSettings<T>) -> Self {
+        Self {
+            settings,
+            tracks: [Track::EMPTY; Quantity::COUNT],
+            waiting: [(0, T::absent(), false); ROOM],
+            first: 0,
+            count: 0,
+            sampled_us: None,
+        }
+    }
+
+    /// Takes in a value of a device (any number that tells it from others) with the rank of its
+    /// signal, the least being preferred. Then ask for [samples](Self::next) until there is none.
+    pub fn push(&mut self, quantity: Quantity, device: (u32, u8), time_us: u64, value: T) -> Taken {
+        if !value.present() {
+            return Taken::Yes;
+        }
+        let Some(track) = self.tracks.get_mut(quantity.index()) else { return Taken::OtherSource };
+        let gone_us = stale_us(quantity).min(GONE_US);
+        let taken = track.push(device, time_us, value, gone_us);
+        let tilt = quantity == Quantity::Tilt;
+        let paces = quantity == Quantity::Roll
+            || (tilt && !self.track(Quantity::Roll).lives(time_us, STALE_US));
+        if taken == Taken::Yes && paces && self.sampled_us.is_none_or(|last| time_us > last) {
+            self.wait(time_us, value, tilt);
+        }
+        taken
+    }
+
+    /// The next sample, if all its signals are there or no longer waited for at this time.
+    pub fn next(&mut self, now_us: u64) -> Option<Sample<T>> {
+        loop {
+            let (time_us, value, tilt) =
+                *self.waiting.get(self.first).filter(|_| self.count > 0)?;
+            let patient = now_us.saturating_sub(time_us) < PATIENCE_US && self.count < ROOM;
+            if patient && self.is_awaited(time_us, now_us) {
+                return None;
+            }
+            self.first = (self.first + 1) % ROOM;
+            self.count -= 1;
+            if self.sampled_us.is_none_or(|last_us| time_us > last_us) {
+                self.sampled_us = Some(time_us);
+                return Some(self.sample(time_us, value, tilt));
+            }
+        }
+    }
+
+    /// How long ago a quantity was last heard of; `None` if never.
+    pub fn age_us(&self, quantity: Quantity, now_us: u64) -> Option<u64> {
+        self.track(quantity).age_us(now_us)
+    }
+
+    /// Whether a quantity is missing that was there before.
+    pub fn is_stale(&self, quantity: Quantity, now_us: u64) -> bool {
+        self.age_us(quantity, now_us).is_some_and(|age_us| age_us > stale_us(quantity))
+    }
+
+    fn track(&self, quantity: Quantity) -> &Track<T> {
+        // The index is that of the quantity itself: in range.
+        self.tracks.get(quantity.index()).unwrap_or(&Track::EMPTY)
+    }
+
+    fn wait(&mut self, time_us: u64, value: T, tilt: bool) {
+        let place = (self.first + self.count) % ROOM;
+        if let Some(slot) = self.waiting.get_mut(place) {
+            *slot = (time_us, value, tilt);
+        }
+        if self.count == ROOM {
+            self.first = (self.first + 1) % ROOM; // the oldest one is overwritten
+        } else {
+            self.count += 1;
+        }
+    }
+
+    /// Whether a living input has yet to come past this instant.
+    fn is_awaited(&self, time_us: u64, now_us: u64) -> bool {
+        const INPUTS: [Quantity; 4] = [
+            Quantity::Steer,
+            Quantity::SteeringWheel,
+            Quantity::LateralAcceleration,
+            Quantity::YawRate,
+        ];
+        INPUTS.into_iter().any(|quantity| {
+            let track = self.track(quantity);
+            track.lives(now_us, STALE_US) && track.last.is_some_and(|(last, _)| last < time_us)
+        })
+    }
+
+    fn sample(&self, time_us: u64, value: T, tilt: bool) -> Sample<T> {
+        let at = |quantity: Quantity| self.track(quantity).at(time_us, stale_us(quantity));
+        let held =
+            |quantity: Quantity| self.track(quantity).last.map_or(T::absent(), |(_, value)| value);
+        let speed_mps = at(Quantity::Speed);
+        let wheel = match self.settings.steering_ratio {
+            Some(ratio) => at(Quantity::SteeringWheel) / ratio,
+            None => T::absent(),
+        };
+        let steer = at(Quantity::Steer);
+        let steer_rad = if steer.present() { steer } else { wheel };
+        let weighed = held(Quantity::TrailerMass);
+        let trailer_mass_kg = match self.settings.mass_of_axle_load {
+            Some([empty, slope]) if !weighed.present() => {
+                empty + slope * held(Quantity::TrailerAxleLoad)
+            }
+            _ => weighed,
+        };
+        let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
+        // Without a speed neither steer angle nor yaw rate say how fast the truck turns.
+        let with_speed = |x: T| if speed_mps.present() { x } else { T::absent() };
+        Sample {
+            time_us,
+            steer_rad: with_speed(steer_rad),
+            roll_rad: roll(false),
+            tilt_rad: roll(true),
+            speed_mps,
+            lateral_acceleration_mps2: at(Quantity::LateralAcceleration),
+            yaw_rate_radps: with_speed(at(Quantity::YawRate)),
+            trailer_mass_kg,
+        }
+    }
+}
+
+/// After this time without a value a quantity is gone; a mass never is.
+const fn stale_us(quantity: Quantity) -> u64 {
+    match quantity {
+        Quantity::Speed => STALE_SPEED_US,
+        Quantity::TrailerMass | Quantity::TrailerAxleLoad => u64::MAX,
+        _ => STALE_US,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn aligner() -> Aligner<f64> {
+        let settings =
+            AlignSettings { steering_ratio: Some(20.0), mass_of_axle_load: Some([4000.0, 1.5]) };
+        Aligner::new(settings)
+    }
+
+    /// Devices: roll sensor and brakes.
+    const ROLL_SENSOR: (u32, u8) = (0xE4, 0);
+    const BRAKES: (u32, u8) = (0x0B, 0);
+
+    /// A ramp sent every 7 ms by one device and every 10 ms by another is one ramp.
+    #[test]
+    fn signals_of_different_rates_meet_at_the_roll_angle() {
+        let mut aligner = aligner();
+        let mut samples = 0;
+        for us in (0..2_000_000_u64).step_by(1000) {
+            #[allow(clippy::cast_precision_loss)]
+            let ramp = us as f64 * 1e-6;
+            if us % 100_000 == 0 {
+                aligner.push(Quantity::Speed, BRAKES, us, 14.0);
+                aligner.push(Quantity::TrailerAxleLoad, BRAKES, us, 10_000.0);
+            }
+            if us % 7000 == 0 {
+                aligner.push(Quantity::SteeringWheel, BRAKES, us, 20.0 * ramp);
+            }
+            if us % 10_000 == 3000 {
+                aligner.push(Quantity::Roll, ROLL_SENSOR, us, ramp);
+            }
+            while let Some(sample) = aligner.next(us) {
+                samples += 1;
+                assert!((sample.steer_rad - sample.roll_rad).abs() < 1e-12, "{sample:?}");
+                assert!((sample.trailer_mass_kg - 19_000.0).abs() < 1e-9);
+            }
+        }
+        assert_eq!(samples, 200);
+    }
+
+    #[test]
+    fn a_signal_that_stops_is_held_for_a_moment_and_then_absent() {
+        let mut aligner = aligner();
+        aligner.push(Quantity::LateralAcceleration, BRAKES, 0, 1.0);
+        let mut values = [0.0; 3];
+        for (value, us) in values.iter_mut().zip([200_000, 450_000, 700_000]) {
+            aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+            assert_eq!(aligner.next(us).is_none(), us < STALE_US); // waited for while it lives
+            *value =
+                aligner.next(us + PATIENCE_US).map_or(f64::NAN, |s| s.lateral_acceleration_mps2);
+        }
+        assert_eq!(values[..2], [1.0, 1.0]);
+        assert!(values[2].is_nan());
+        assert!(aligner.is_stale(Quantity::LateralAcceleration, 700_000));
+        assert!(!aligner.is_stale(Quantity::YawRate, 700_000)); // never there
+    }
+
+    #[test]
+    fn one_device_is_listened_to_until_it_dies_or_a_better_one_speaks() {
+        let mut aligner = aligner();
+        let speed = |aligner: &mut Aligner<f64>, device, us| {
+            aligner.push(Quantity::Speed, device, us, 10.0)
+        };
+        assert_eq!(speed(&mut aligner, (1, 1), 0), Taken::Yes);
+        assert_eq!(speed(&mut aligner, (2, 1), 100_000), Taken::OtherSource);
+        assert_eq!(speed(&mut aligner, (1, 1), 200_000), Taken::Yes);
+        assert_eq!(speed(&mut aligner, (1, 1), 200_000), Taken::OutOfOrder);
+        assert_eq!(speed(&mut aligner, (2, 0), 300_000), Taken::Yes); // preferred
+        assert_eq!(speed(&mut aligner, (1, 1), 400_000), Taken::OtherSource);
+        assert_eq!(speed(&mut aligner, (1, 1), 900_000), Taken::Yes); // the other one is silent
+    }
+
+    #[test]
+    fn without_a_speed_there_is_no_steer_angle() {
+        let mut aligner = aligner();
+        aligner.push(Quantity::Steer, BRAKES, 0, 0.1);
+        aligner.push(Quantity::Roll, ROLL_SENSOR, 0, 0.0);
+        assert!(aligner.next(0).unwrap().steer_rad.is_nan());
+        aligner.push(Quantity::Speed, BRAKES, 1000, 10.0);
+        aligner.push(Quantity::Steer, BRAKES, 10_000, 0.1);
+        aligner.push(Quantity::Roll, ROLL_SENSOR, 10_000, 0.0);
+        assert_eq!(aligner.next(10_000).unwrap().steer_rad, 0.1);
+    }
+
+    #[test]
+    fn tilt_sets_the_pace_only_without_a_roll_sensor() {
+        let mut aligner = aligner();
+        aligner.push(Quantity::Tilt, ROLL_SENSOR, 1000, 0.1);
+        assert_eq!(aligner.next(1000).unwrap().tilt_rad, 0.1);
+        aligner.push(Quantity::Roll, ROLL_SENSOR, 2000, 0.1);
+        aligner.push(Quantity::Tilt, ROLL_SENSOR, 3000, 0.1);
+        assert_eq!(aligner.next(4000).unwrap().time_us, 2000);
+        assert!(aligner.next(1_000_000).is_none());
+    }
+
+    #[test]
+    fn a_flood_of_roll_angles_loses_the_oldest_only() {
+        let mut aligner = aligner();
+        aligner.push(Quantity::YawRate, BRAKES, 0, 0.0);
+        for us in 1..=40 {
+            aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+        }
+        let mut times = (0..).map_while(|_| aligner.next(40)).map(|sample| sample.time_us);
+        assert_eq!(times.next(), Some(9));
+    }
+}
