@@ -40,6 +40,7 @@ pub mod belief;
 pub mod calibration;
 pub mod maneuver;
 pub mod reduction;
+pub mod can;
 pub mod compensation;
 pub mod design;
 pub mod emit;

@@ -1,0 +1,226 @@
+//! Frames to values: J1939 by parameter group, anything else by a DBC file.
+
+use std::str::FromStr;
+
+use cg_core::{Quantity, j1939};
+
+use super::dbc::{MappedSignal, RANK, name_of};
+use super::frame::Frame;
+
+/// What tells one sender of a quantity from another, and the rank of its signal: the two numbers
+/// that [`cg_core::Aligner::push`] wants.
+pub type Device = (u32, u8);
+
+/// Marks an 11-bit identifier among the numbers of devices.
+const STANDARD: u32 = 0x8000_0000;
+const WITHOUT_PRIORITY: u32 = 0x03FF_FFFF;
+
+/// The only source address that a quantity is taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceFilter {
+    quantity: Quantity,
+    address: u8,
+}
+
+impl FromStr for DeviceFilter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = "expected QUANTITY=ADDRESS with a source address from 0 to 253, as in \
+                        roll=0xE4 or speed=0";
+        let (name, address) = text.split_once('=').ok_or(expected)?;
+        let quantity = named(name)?;
+        let address = match address.strip_prefix("0x").or_else(|| address.strip_prefix("0X")) {
+            Some(digits) => u8::from_str_radix(digits, 16),
+            None => address.parse(),
+        };
+        let address = address.ok().filter(|address| *address <= 253).ok_or(expected)?;
+        Ok(Self { quantity, address })
+    }
+}
+
+/// The quantity of this name.
+///
+/// # Errors
+/// A sentence with all names.
+pub fn named(name: &str) -> Result<Quantity, String> {
+    Quantity::ALL.into_iter().find(|quantity| name_of(*quantity) == name).ok_or_else(|| {
+        format!("there is no quantity `{name}`: {}", Quantity::ALL.map(name_of).join(", "))
+    })
+}
+
+/// How frames are understood.
+#[derive(Clone, Debug, Default)]
+pub struct Decoder {
+    mapped: Vec<MappedSignal>,
+    filters: Vec<DeviceFilter>,
+    flipped: Vec<Quantity>,
+}
+
+impl Decoder {
+    /// J1939, but mapped signals in place of what they measure, some quantities from one source
+    /// address only and some turned round.
+    pub fn new(
+        mapped: Vec<MappedSignal>,
+        filters: Vec<DeviceFilter>,
+        flipped: Vec<Quantity>,
+    ) -> Self {
+        Self { mapped, filters, flipped }
+    }
+
+    /// What a frame measures, in SI units.
+    pub fn decode(&self, frame: &Frame, mut found: impl FnMut(Quantity, Device, f64)) {
+        let mut tell = |quantity, device, value: f64| {
+            let sign = if self.flipped.contains(&quantity) { -1.0 } else { 1.0 };
+            found(quantity, device, sign * value);
+        };
+        let kind = if frame.extended { 0 } else { STANDARD };
+        let number = frame.identifier & WITHOUT_PRIORITY | kind;
+        for signal in self.mapped.iter().filter(|signal| signal.is_of(frame)) {
+            if let Some(value) = signal.decode(frame) {
+                tell(signal.quantity, (number, RANK), value);
+            }
+        }
+        if frame.extended {
+            j1939::decode(frame.identifier, frame.data(), |quantity, rank, value| {
+                let taken = !self.mapped.iter().any(|signal| signal.quantity == quantity);
+                if taken && self.accepts(quantity, frame.identifier) {
+                    tell(quantity, (number, rank), value);
+                }
+            });
+        }
+    }
+
+    fn accepts(&self, quantity: Quantity, identifier: u32) -> bool {
+        let source = identifier & 0xFF;
+        let mut filters = self.filters.iter().filter(|filter| filter.quantity == quantity);
+        filters.clone().next().is_none()
+            || filters.any(|filter| u32::from(filter.address) == source)
+    }
+
+    /// Identifier, whether it has 29 bits, and mask of the frames that say anything: what a kernel
+    /// is asked to let pass.
+    pub fn frames(&self) -> Vec<(u32, bool, u32)> {
+        const GROUP: u32 = 0x03FF_FF00;
+        let mut frames: Vec<(u32, bool, u32)> =
+            j1939::TABLE.iter().map(|(signal, ..)| (signal.pgn << 8, true, GROUP)).collect();
+        frames.extend(self.mapped.iter().map(|signal| {
+            let (identifier, extended, by_group) = signal.filter();
+            let whole = if extended { 0x1FFF_FFFF } else { 0x7FF };
+            (identifier, extended, if by_group { GROUP } else { whole })
+        }));
+        frames.sort_unstable();
+        frames.dedup();
+        frames
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::can::SignalMap;
+
+    const DBC: &str = r#"VERSION ""
+
+BU_: TILT
+
+BO_ 2566851100 SLOPE: 8 TILT
+ SG_ Angle : 0|16@1- (0.01,0) [-90|90] "deg" Vector__XXX
+ SG_ Bare : 16|16@1+ (0.001,0) [0|0] "" Vector__XXX
+ SG_ Wide : 32|8@1+ (1,0) [0|200] "km/h" Vector__XXX
+
+BO_ 291 PLAIN: 8 TILT
+ SG_ Motorola : 7|16@0- (0.5,1) [0|0] "deg" Vector__XXX
+"#;
+
+    fn decoder(maps: &[&str]) -> Decoder {
+        let maps: Vec<SignalMap> = maps.iter().map(|map| map.parse().unwrap()).collect();
+        let mapped = MappedSignal::parse("tilt.dbc", DBC, &maps).unwrap();
+        Decoder::new(mapped, Vec::new(), Vec::new())
+    }
+
+    fn values(decoder: &Decoder, identifier: u32, data: &[u8]) -> Vec<(Quantity, f64)> {
+        let extended = identifier > 0x7FF;
+        let frame = Frame::new(0, identifier, extended, data).unwrap();
+        let mut values = Vec::new();
+        decoder.decode(&frame, |quantity, _, value| values.push((quantity, value)));
+        values
+    }
+
+    /// −2.00 degrees, then turned round and moved by 0.3 degrees.
+    #[test]
+    fn a_mapped_signal_takes_scale_sign_and_offset() {
+        let data = [0x38, 0xFF, 0, 0, 50, 0, 0, 0];
+        let id = 0x18FF_0A1C;
+        for (map, degrees) in [
+            ("roll=SLOPE.Angle", -2.0_f64),
+            ("roll=SLOPE.Angle*-1", 2.0),
+            ("roll=SLOPE.Angle[deg]*-1+0.3", 2.3),
+            ("roll=SLOPE.Angle*1e-1-0.5", -0.7),
+            ("roll=SLOPE.Angle+1", -1.0),
+        ] {
+            let found = values(&decoder(&[map]), id, &data);
+            assert_eq!(found.len(), 1, "{map}");
+            assert!((found[0].1 - degrees.to_radians()).abs() < 1e-12, "{map} {found:?}");
+        }
+        // Another priority and source are the same group.
+        let found = values(&decoder(&["speed=SLOPE.Wide"]), 0x0CFF_0A55, &data);
+        assert_eq!(found, [(Quantity::Speed, 50.0 / 3.6)]);
+        // Outside the range, not available, too short.
+        for bad in [&[0x38, 0x7F, 0, 0, 201, 0, 0, 0][..], &[0, 0, 0, 0, 0xFF], &[0, 0]] {
+            assert!(values(&decoder(&["speed=SLOPE.Wide"]), id, bad).is_empty());
+        }
+    }
+
+    #[test]
+    fn big_endian_fields_and_short_identifiers_work() {
+        let found = values(&decoder(&["tilt=PLAIN.Motorola"]), 0x123, &[0xFF, 0xFE]);
+        assert_eq!(found, [(Quantity::Tilt, 0.0)]); // −2 · 0.5 + 1
+    }
+
+    #[test]
+    fn a_mapped_signal_replaces_j1939() {
+        let mut data = j1939::NOT_AVAILABLE;
+        j1939::ROLL_FINE.encode(0.1, &mut data);
+        let identifier = j1939::ROLL_FINE.identifier(0xE4);
+        assert_eq!(values(&decoder(&[]), identifier, &data).len(), 1);
+        assert_eq!(values(&decoder(&["roll=SLOPE.Angle"]), identifier, &data), []);
+    }
+
+    #[test]
+    fn a_source_address_can_be_asked_for_and_signs_turned() {
+        let filter = "roll=0xE5".parse().unwrap();
+        let decoder = Decoder::new(Vec::new(), vec![filter], vec![Quantity::Roll]);
+        let mut data = j1939::NOT_AVAILABLE;
+        j1939::ROLL_FINE.encode(0.1, &mut data);
+        assert_eq!(values(&decoder, j1939::ROLL_FINE.identifier(0xE4), &data), []);
+        let found = values(&decoder, j1939::ROLL_FINE.identifier(0xE5), &data);
+        assert!((found[0].1 + 0.1).abs() < 1e-6);
+        assert!("roll=0xFF".parse::<DeviceFilter>().is_err());
+        assert!("rol=1".parse::<DeviceFilter>().unwrap_err().contains("lateral_acceleration"));
+    }
+
+    #[test]
+    fn mistakes_in_a_mapping_say_what_to_do() {
+        let error = |map: &str| {
+            let maps = [map.parse::<SignalMap>().unwrap()];
+            MappedSignal::parse("tilt.dbc", DBC, &maps).unwrap_err().to_string()
+        };
+        assert!(error("roll=SLOP.Angle").contains("only SLOPE, PLAIN"));
+        assert!(error("roll=SLOPE.Angel").contains("only Angle, Bare, Wide"));
+        assert!(error("roll=SLOPE.Bare").contains("name it: roll=SLOPE.Bare[rad]"));
+        assert!(error("speed=SLOPE.Angle").contains("\"deg\" is not one of m/s, km/h"));
+        for map in [
+            "roll",
+            "roll=SLOPE",
+            "roll=SLOPE.A[deg",
+            "roll=SLOPE.A*0",
+            "roll=SLOPE.A*x",
+            "roll=A.B+",
+        ] {
+            assert!(map.parse::<SignalMap>().is_err(), "{map}");
+        }
+        let broken = MappedSignal::parse("x.dbc", "BO_ what", &[]).unwrap_err().to_string();
+        assert!(broken.starts_with("x.dbc: not a DBC file"), "{broken}");
+    }
+}
