@@ -18,6 +18,7 @@ use crate::numbers::{
     duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz,
     speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
 };
+use crate::run::RunArgs;
 use crate::sensors::SensorArgs;
 
 /// The most logs read at the same time.
@@ -50,6 +51,8 @@ pub(crate) enum Command {
     Rollover(RolloverArgs),
     /// Compute the source's tables anew and set ours beside them
     Reproduce(ReproduceArgs),
+    /// Estimate live from a CAN interface, or replay a recorded drive the same way
+    Run(RunArgs),
     /// Run a study of the source's chapter 2 on the nonlinear plant: a CSV file and a figure
     Study(StudyArgs),
 }
@@ -409,12 +412,12 @@ mirrored!(LanguageArg => Language {
     Json => Self::Json,
     /// A constant of cg-core's `Design<f32>`
     Rust => Self::Rust,
-    /// A constant for cg_height.h
+    /// A constant for `cg_height.h`
     C => Self::C,
 });
 
 /// The word that stands for a value on the command line.
-pub(crate) fn word(value: impl ValueEnum) -> String {
+pub(crate) fn word(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 

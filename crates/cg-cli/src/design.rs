@@ -64,8 +64,8 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
             "cg design{}{} --model {} --emit {}{}",
             option("--vehicle", Some(&arguments.vehicle)),
             option("--calibration", calibration),
-            crate::cli::word(arguments.model),
-            crate::cli::word(arguments.emit),
+            crate::cli::word(&arguments.model),
+            crate::cli::word(&arguments.emit),
             option("--output", Some(&arguments.output))
         ),
     ]

@@ -10,6 +10,7 @@
 //! | `model` | `cg model`: what the vehicle model says |
 //! | `simulate`, `sensors` | `cg simulate`: logs with known truth, what sensors make of it |
 //! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
+//! | `run` | `cg run`: live from CAN, or a recorded drive through the same stages |
 //! | `reproduce` | `cg reproduce`: the source's tables beside ours |
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: chapter 2 as CSV files and figures |
@@ -27,6 +28,7 @@ mod model;
 mod numbers;
 mod reproduce;
 mod rollover;
+mod run;
 mod sensors;
 mod simulate;
 mod sink;
@@ -60,6 +62,7 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Rollover(arguments) => rollover::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
     };
     match result {

@@ -62,6 +62,21 @@ pub const TRAILER_MASS: Signal = signal(65258, 6, (3, 2), 2.0, 0.0);
 /// EBS22 (ISO 11992): sum of the trailer's axle loads, kg.
 pub const TRAILER_AXLE_LOAD: Signal = signal(65220, 6, (4, 2), 2.0, 0.0);
 
+/// Ours, Proprietary B: c.g. height of the trailer's sprung mass, m.
+pub const CG_HEIGHT: Signal = signal(65296, 6, (0, 2), 0.001, 0.0);
+/// Ours: its standard deviation, m.
+pub const CG_HEIGHT_SD: Signal = signal(65296, 6, (2, 1), 0.005, 0.0);
+/// Ours: static rollover threshold, g.
+pub const CG_THRESHOLD: Signal = signal(65296, 6, (3, 1), 0.005, 0.0);
+/// Ours: threshold less the present lateral acceleration, g.
+pub const CG_MARGIN: Signal = signal(65296, 6, (4, 1), 0.01, -1.25);
+/// Ours: rollover warning, 0 is none.
+pub const CG_WARNING_LEVEL: Signal = signal(65296, 6, (5, 1), 1.0, 0.0);
+/// Ours: 0 no height yet, 1 height, 2 height but a signal is missing, 3 neither.
+pub const CG_STATUS: Signal = signal(65296, 6, (6, 1), 1.0, 0.0);
+/// Ours: maneuvers behind the height, at most 250.
+pub const CG_MANEUVERS: Signal = signal(65296, 6, (7, 1), 1.0, 0.0);
+
 /// Which signals are taken, what they measure and, where several measure the same, which is
 /// preferred: the least rank. An SSI roll angle is a tilt unless the sensor says that it takes the
 /// lateral acceleration off itself ([`is_compensated`]).

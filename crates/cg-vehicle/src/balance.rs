@@ -22,6 +22,29 @@ pub struct StaticBalance {
     pub residual_nm: f64,
 }
 
+impl Vehicle {
+    /// Trailer mass (sprung and axles) from the load of the trailer's axles on the road, both in kg:
+    /// the mass at no axle load and its growth. A straight line, since payload stands at one place.
+    ///
+    /// # Errors
+    /// As [`static_balance`].
+    pub fn mass_of_axle_load(&self) -> Result<[f64; 2], VehicleError> {
+        let reference = self.reference_load();
+        let axles = self.axles();
+        let axle_load_kg = |trailer_mass_kg: f64| -> Result<f64, VehicleError> {
+            let balance = static_balance(self, Load { trailer_mass_kg, ..reference })?;
+            let trailer =
+                axles.iter().zip(&balance.axle_load_n).filter(|(axle, _)| axle.on_trailer);
+            Ok(trailer.map(|(_, load_n)| load_n).sum::<f64>() / self.gravity_mps2)
+        };
+        let empty_kg = self.empty_trailer_mass_kg();
+        let laden_kg = empty_kg + 0.5 * reference.trailer_mass_kg;
+        let (light, heavy) = (axle_load_kg(empty_kg)?, axle_load_kg(laden_kg)?);
+        let slope = (laden_kg - empty_kg) / (heavy - light);
+        Ok([empty_kg - slope * light, slope])
+    }
+}
+
 /// A group of axles that shares its load equally.
 struct Support {
     on_trailer: bool,
@@ -175,4 +198,27 @@ fn solve(
     solution.map(|x| x * scale_n).ok_or_else(|| {
         VehicleError::Model("static balance: two supports of one unit coincide".to_owned())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At any payload: the balance is linear in it.
+    #[test]
+    fn axle_loads_tell_the_mass() {
+        for name in ["kraz", "baseline"] {
+            let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+            let vehicle = Vehicle::load(format!("{folder}/{name}.toml")).unwrap();
+            let [empty, slope] = vehicle.mass_of_axle_load().unwrap();
+            for payload_kg in [0.0, 3e3, 12e3, 25e3] {
+                let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
+                let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+                let balance = static_balance(&vehicle, load).unwrap();
+                let on_axles_n = trailer_mass_kg * vehicle.gravity_mps2 - balance.hitch_load_n;
+                let found = empty + slope * on_axles_n / vehicle.gravity_mps2;
+                assert!((found / trailer_mass_kg - 1.0).abs() < 1e-9, "{name} {found}");
+            }
+        }
+    }
 }

@@ -131,8 +131,7 @@ impl Node {
 pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> String {
     let mut body = String::new();
     design.tree().write(language, 0, &mut body);
-    let lines =
-        |mark: &str| comment.iter().map(|line| format!("{mark}{line}\n")).collect::<String>();
+    let lines = |mark: &str| comment.iter().flat_map(|line| [mark, line, "\n"]).collect::<String>();
     match language {
         Language::Json => {
             let quoted = serde_json::Value::from(comment.join(" ")).to_string();
@@ -181,7 +180,9 @@ mod tests {
                 items.iter().enumerate().for_each(|(k, item)| read(item, &json[k], into));
             }
             Node::Struct(_, fields) => {
-                fields.iter().for_each(|(field, value)| read(value, &json[field], into));
+                for (field, value) in fields {
+                    read(value, &json[field], into);
+                }
             }
         }
     }

@@ -268,7 +268,7 @@ impl MappedSignal {
 }
 
 /// The name of a quantity, as in the columns of a log.
-pub(super) const fn name_of(quantity: Quantity) -> &'static str {
+pub const fn name_of(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Steer => "steer",
         Quantity::SteeringWheel => "steering_wheel",

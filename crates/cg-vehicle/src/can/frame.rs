@@ -190,7 +190,7 @@ mod tests {
             identifier in 0_u32..=EXTENDED_MASK,
             data in prop::collection::vec(any::<u8>(), 0..=8),
         ) {
-            let digits: String = data.iter().map(|byte| format!("{byte:02X}")).collect();
+            let digits = data.iter().fold(String::new(), |text, byte| format!("{text}{byte:02X}"));
             let (seconds, micros) = (time_us / 1_000_000, time_us % 1_000_000);
             let line = format!("({seconds}.{micros:06}) can0 {identifier:08X}#{digits}");
             let frame = Frame::new(time_us, identifier, true, &data);

@@ -79,7 +79,8 @@ pub struct ManeuverEstimate {
 
 impl ManeuverEstimate {
     /// What one channel says of a maneuver of a log that begins at `origin_s`.
-    pub(crate) fn new(maneuver: &Maneuver<f64>, outcome: &Outcome<f64>, origin_s: f64) -> Self {
+    /// From what one channel says of a maneuver; `origin_s` is the time stamp of the estimator's zero.
+    pub fn new(maneuver: &Maneuver<f64>, outcome: &Outcome<f64>, origin_s: f64) -> Self {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let seconds = |time_us: u64| origin_s + time_us as f64 * 1e-6;
         Self {

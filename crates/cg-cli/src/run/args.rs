@@ -1,0 +1,91 @@
+//! The arguments of `cg run`.
+
+use std::path::PathBuf;
+
+use cg_vehicle::can::{DeviceFilter, SignalMap};
+use clap::{ArgGroup, Args};
+
+use crate::cli::{ColumnArgs, ModelArg};
+use crate::numbers::{not_negative, trailer_mass_kg};
+
+/// Where the signals come from, what is known of the truck, where results go.
+#[derive(Debug, Args)]
+#[command(group(ArgGroup::new("source").required(true)))]
+pub(crate) struct RunArgs {
+    /// Listen to a CAN interface (J1939, and the signals of --dbc)
+    #[arg(long, group = "source", value_name = "IFACE")]
+    pub(crate) can: Option<String>,
+    /// Replay a candump log (`candump -L` or -l); `-` reads standard input
+    #[arg(long, group = "source", value_name = "FILE")]
+    pub(crate) candump: Option<PathBuf>,
+    /// Replay a CSV log; `-` reads standard input
+    #[arg(long, group = "source", value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Replay as fast as it was recorded, instead of as fast as possible
+    #[arg(long, conflicts_with = "can")]
+    pub(crate) realtime: bool,
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// A calibration of this vehicle (from `cg calibrate`)
+    #[arg(long, value_name = "C.toml")]
+    pub(crate) calibration: Option<PathBuf>,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+    /// Mass of the whole semitrailer, whatever the bus says
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
+    pub(crate) trailer_mass_kg: Option<f64>,
+    /// A DBC file with signals that are not J1939's
+    #[arg(long, value_name = "FILE", requires = "signal", conflicts_with = "csv")]
+    pub(crate) dbc: Option<PathBuf>,
+    /// Take a quantity from a signal of the DBC file; unit, factor and offset may follow:
+    /// `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
+    #[arg(long, value_name = "QUANTITY=MESSAGE.SIGNAL", requires = "dbc")]
+    pub(crate) signal: Vec<SignalMap>,
+    /// Take a J1939 quantity from one source address only: `roll=0xE4`; may be repeated
+    #[arg(long, value_name = "QUANTITY=ADDRESS", conflicts_with = "csv")]
+    pub(crate) source_of: Vec<DeviceFilter>,
+    #[command(flatten)]
+    pub(crate) columns: ColumnArgs,
+    /// Keep what is learnt in this file, over restarts
+    #[arg(long, value_name = "FILE")]
+    pub(crate) state: Option<PathBuf>,
+    /// Write counters and results for Prometheus (a text file for its node exporter)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) metrics: Option<PathBuf>,
+    /// Send height, threshold, margin and warning level on the interface, as Proprietary B (see
+    /// `fixtures/can/cg_height.dbc`)
+    #[arg(long, requires = "can")]
+    pub(crate) transmit: bool,
+    /// Source address of what is sent
+    #[arg(long, value_name = "ADDRESS", default_value = "0xD0", value_parser = address)]
+    pub(crate) transmit_address: u8,
+    /// Warning levels: shares of the rollover threshold's lower bound, increasing
+    #[arg(long, value_name = "SHARES", value_delimiter = ',', default_value = "0.6,0.75,0.9", value_parser = share)]
+    pub(crate) warn: Vec<f64>,
+    /// How far below its level a warning ends
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
+    pub(crate) warn_hysteresis: f64,
+    /// Time between two status lines; 0 writes none
+    #[arg(long, value_name = "T", default_value_t = 1.0, allow_negative_numbers = true, value_parser = not_negative)]
+    pub(crate) status_s: f64,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("expected a share of the threshold above 0 and up to 1".to_owned()),
+    }
+}
+
+fn address(text: &str) -> Result<u8, String> {
+    let parsed = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => u8::from_str_radix(digits, 16),
+        None => text.parse(),
+    };
+    match parsed {
+        Ok(address) if address <= 253 => Ok(address),
+        _ => Err("expected a source address from 0 to 253, as in 0xD0".to_owned()),
+    }
+}

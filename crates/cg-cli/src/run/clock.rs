@@ -1,0 +1,99 @@
+//! From time stamps to a time that never jumps.
+//!
+//! The estimator wants time that only goes forward. Time stamps of frames are wall-clock time,
+//! which is set now and then: by a time server, by a receiver of satellites, at the first start
+//! by years. Live, the monotonic clock tells a jump from a pause; in a log, time that goes backward
+//! does.
+
+/// The estimator's time begins here, so that it can look back.
+const ORIGIN_US: u64 = 1_000_000;
+/// A difference between wall clock and monotonic clock that is a jump and no delay.
+const JUMP_US: u64 = 500_000;
+/// What a jump in a log counts: long enough to end a maneuver.
+const UNKNOWN_US: u64 = 1_000_000;
+
+/// Stream time from time stamps.
+#[derive(Debug, Default)]
+pub(crate) struct Clock {
+    last: Option<Last>,
+}
+
+#[derive(Debug)]
+#[allow(clippy::struct_field_names, reason = "units stand in names")]
+struct Last {
+    raw_us: u64,
+    stream_us: u64,
+    monotonic_us: Option<u64>,
+}
+
+/// Stream time, and by how much the wall clock had jumped before it, µs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Instant {
+    pub(crate) stream_us: u64,
+    pub(crate) jump_us: i64,
+}
+
+impl Clock {
+    /// Stream time of a time stamp that was taken about now by the monotonic clock, if there is one.
+    pub(crate) fn stream(&mut self, raw_us: u64, monotonic_us: Option<u64>) -> Instant {
+        let Some(last) = &mut self.last else {
+            self.last = Some(Last { raw_us, stream_us: ORIGIN_US, monotonic_us });
+            return Instant { stream_us: ORIGIN_US, jump_us: 0 };
+        };
+        let passed_us = i64::try_from(i128::from(raw_us) - i128::from(last.raw_us));
+        let true_us = monotonic_us
+            .zip(last.monotonic_us)
+            .and_then(|(now, then)| i64::try_from(now.saturating_sub(then)).ok());
+        let (step_us, jump_us) = match (passed_us, true_us) {
+            (Ok(passed), Some(truth)) if passed.abs_diff(truth) > JUMP_US => {
+                (truth.unsigned_abs(), passed - truth)
+            }
+            // Frames of two queues may come a little out of order.
+            (Ok(passed), None) if passed < 0 && passed.unsigned_abs() > JUMP_US => {
+                (UNKNOWN_US, passed)
+            }
+            (Ok(passed), _) => (u64::try_from(passed).unwrap_or(0), 0),
+            (Err(_), _) => (UNKNOWN_US, 0),
+        };
+        if step_us == 0 && jump_us == 0 {
+            // Not after the frame before: the same instant, which then stays where it is.
+            return Instant { stream_us: last.stream_us, jump_us };
+        }
+        *last = Last { raw_us, stream_us: last.stream_us.saturating_add(step_us), monotonic_us };
+        Instant { stream_us: last.stream_us, jump_us }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn steps(stamps: &[(u64, Option<u64>)]) -> Vec<(u64, i64)> {
+        let mut clock = Clock::default();
+        let instants = stamps.iter().map(|&(raw, monotonic)| clock.stream(raw, monotonic));
+        instants.map(|i| (i.stream_us - ORIGIN_US, i.jump_us)).collect()
+    }
+
+    #[test]
+    fn a_wall_clock_that_is_set_does_not_move_the_stream() {
+        let hour = 3_600_000_000;
+        let stamps = [(hour, Some(0)), (hour + 100, Some(90)), (9, Some(200)), (19, Some(210))];
+        let back = -(i64::try_from(hour).unwrap() + 100 - 9) - 110;
+        assert_eq!(steps(&stamps), [(0, 0), (100, 0), (210, back), (220, 0)]);
+        let forward = [(0, Some(0)), (hour, Some(100))];
+        assert_eq!(steps(&forward), [(0, 0), (100, 3_599_999_900)]);
+    }
+
+    #[test]
+    fn a_pause_is_no_jump() {
+        assert_eq!(steps(&[(0, Some(0)), (70_000_000, Some(70_000_100))])[1], (70_000_000, 0));
+        assert_eq!(steps(&[(0, None), (70_000_000, None)])[1], (70_000_000, 0));
+    }
+
+    #[test]
+    fn a_log_that_goes_back_goes_on() {
+        let stamps = [(5_000_000, None), (4_999_990, None), (5_000_010, None), (1_000, None)];
+        let back = 1_000 - 5_000_010;
+        assert_eq!(steps(&stamps), [(0, 0), (0, 0), (10, 0), (1_000_010, back)]);
+    }
+}

@@ -1,0 +1,141 @@
+//! What is said on standard output: JSON Lines, each with `event` and `time_s`, the time stamp of
+//! the frame or row that it belongs to (Unix time, if the source has it).
+
+use std::io::{self, Write};
+
+use cg_core::{Channel, Design, Measured};
+use cg_vehicle::estimate::ManeuverEstimate;
+use serde::Serialize;
+
+/// Two-sided 95 % quantile of the normal distribution.
+const QUANTILE_95: f64 = 1.959_964;
+
+/// A line.
+#[derive(Debug, Serialize)]
+pub(crate) struct Line<'a> {
+    pub(crate) time_s: f64,
+    #[serde(flatten)]
+    pub(crate) event: Event<'a>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+pub(crate) enum Event<'a> {
+    /// The program listens.
+    Start { version: &'a str, vehicle: &'a str, source: &'a str, restored: bool },
+    /// Straight driving, a turn, or no signals.
+    State { state: &'a str, missing: Vec<&'a str> },
+    /// A maneuver has ended.
+    Maneuver(Box<ManeuverLine>),
+    /// Another load: heights begin anew.
+    LoadChanged { message: &'a str },
+    /// From time to time.
+    Status(Box<Status>),
+    /// The warning level has changed.
+    Warning { level: usize, margin_g: Option<f64> },
+    /// Something about source, state file or output that somebody should know.
+    Notice { subject: &'a str, message: String },
+    /// The end.
+    Stop { reason: &'a str, frames: u64, frames_lost: u64, latency_ms: Option<Latency> },
+}
+
+/// A maneuver and the heights after it.
+#[derive(Debug, Serialize)]
+pub(crate) struct ManeuverLine {
+    pub(crate) speed_mps: f64,
+    pub(crate) steer: ManeuverEstimate,
+    pub(crate) lateral_acceleration: ManeuverEstimate,
+    #[serde(flatten)]
+    pub(crate) result: Result,
+}
+
+/// What is known of the load.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct Result {
+    pub(crate) height_m: Option<f64>,
+    pub(crate) height_sd_m: Option<f64>,
+    pub(crate) height_ci95_m: Option<[f64; 2]>,
+    pub(crate) channel: Option<String>,
+    pub(crate) maneuvers: u32,
+    pub(crate) trailer_mass_kg: f64,
+    pub(crate) static_rollover_threshold_g: Option<f64>,
+    #[serde(skip)]
+    pub(crate) threshold_g: Option<Measured<f64>>,
+}
+
+impl Result {
+    /// From the fused height, if there is one.
+    pub(crate) fn new(
+        design: &Design<f64>,
+        height: Option<(cg_core::Height<f64>, Option<Channel>)>,
+        trailer_mass_kg: f64,
+    ) -> Self {
+        let nothing = Self { trailer_mass_kg, ..Self::default() };
+        let Some((height, channel)) = height else { return nothing };
+        let Measured { value, sd } = height.height_m;
+        let threshold_g = design
+            .rollover(height.height_m, trailer_mass_kg)
+            .map(|rollover| rollover.static_rollover_threshold_g);
+        Self {
+            height_m: Some(value),
+            height_sd_m: Some(sd),
+            height_ci95_m: Some([value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]),
+            channel: Some(channel.map_or("combined".to_owned(), |channel| channel.to_string())),
+            maneuvers: height.maneuvers,
+            static_rollover_threshold_g: threshold_g.map(|threshold| threshold.value),
+            threshold_g,
+            ..nothing
+        }
+    }
+
+    /// Threshold less a lateral acceleration, in g.
+    pub(crate) fn margin_g(&self, lateral_g: Option<f64>) -> Option<f64> {
+        Some(self.static_rollover_threshold_g? - lateral_g?.abs())
+    }
+}
+
+/// The periodic line.
+#[derive(Debug, Serialize)]
+pub(crate) struct Status {
+    pub(crate) state: &'static str,
+    pub(crate) missing: Vec<&'static str>,
+    #[serde(flatten)]
+    pub(crate) result: Result,
+    pub(crate) load_since_s: Option<f64>,
+    pub(crate) lateral_acceleration_g: Option<f64>,
+    pub(crate) margin_g: Option<f64>,
+    pub(crate) warning_level: usize,
+    pub(crate) samples: u64,
+    #[serde(flatten)]
+    pub(crate) counters: Counters,
+}
+
+/// Counters of the source.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct Counters {
+    /// Frames or rows taken in.
+    pub(crate) frames: u64,
+    /// Frames that the kernel had to drop.
+    pub(crate) frames_lost: u64,
+    /// Values of a device that is not listened to, because another one sends the same.
+    pub(crate) values_of_other_sources: u64,
+    /// Lines or frames that could not be understood.
+    pub(crate) malformed: u64,
+    /// Error frames of the bus.
+    pub(crate) error_frames: u64,
+}
+
+/// Time from the frame's time stamp to its last effect, ms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct Latency {
+    pub(crate) p50: f64,
+    pub(crate) p99: f64,
+    pub(crate) greatest: f64,
+}
+
+/// Writes a line and hands it on at once.
+pub(crate) fn write(out: &mut impl Write, time_s: f64, event: Event<'_>) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, &Line { time_s, event })?;
+    out.write_all(b"\n")?;
+    out.flush()
+}

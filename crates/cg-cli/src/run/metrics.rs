@@ -1,0 +1,72 @@
+//! Counters and results as a text file for Prometheus' node exporter.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use cg_vehicle::draft::Draft;
+
+use super::events::{Latency, Status};
+
+/// Writes the file anew, whole.
+pub(crate) fn write(path: &Path, status: &Status, latency: Option<Latency>) -> io::Result<()> {
+    let (draft, mut file) = Draft::open(path)?;
+    file.write_all(text(status, latency).as_bytes())?;
+    draft.map_or(Ok(()), Draft::publish)
+}
+
+#[allow(clippy::cast_precision_loss)] // counters: exact up to 2^53
+fn text(status: &Status, latency: Option<Latency>) -> String {
+    let (result, counters) = (&status.result, &status.counters);
+    let of = |pick: fn(&Latency) -> f64| latency.as_ref().map(|latency| pick(latency) * 1e-3);
+    let present = if status.missing.is_empty() { 1.0 } else { 0.0 };
+    let rows: [(&str, &str, &str, Option<f64>); 16] = [
+        ("height_metres", "gauge", "c.g. height of the trailer's sprung mass", result.height_m),
+        ("height_sd_metres", "gauge", "its standard deviation", result.height_sd_m),
+        (
+            "rollover_threshold_g",
+            "gauge",
+            "static rollover threshold at that height",
+            result.static_rollover_threshold_g,
+        ),
+        ("margin_g", "gauge", "threshold less the present lateral acceleration", status.margin_g),
+        ("warning_level", "gauge", "rollover warning", Some(status.warning_level as f64)),
+        ("trailer_mass_kilograms", "gauge", "trailer mass taken", Some(result.trailer_mass_kg)),
+        ("maneuvers", "gauge", "maneuvers behind the height", Some(f64::from(result.maneuvers))),
+        ("signals_present", "gauge", "one while no signal is missing", Some(present)),
+        ("samples_total", "counter", "samples estimated from", Some(status.samples as f64)),
+        ("frames_total", "counter", "frames taken in", Some(counters.frames as f64)),
+        (
+            "frames_lost_total",
+            "counter",
+            "frames dropped by the kernel",
+            Some(counters.frames_lost as f64),
+        ),
+        (
+            "malformed_total",
+            "counter",
+            "frames or lines not understood",
+            Some(counters.malformed as f64),
+        ),
+        (
+            "error_frames_total",
+            "counter",
+            "error frames of the bus",
+            Some(counters.error_frames as f64),
+        ),
+        ("latency_p50_seconds", "gauge", "median delay of a frame", of(|latency| latency.p50)),
+        ("latency_p99_seconds", "gauge", "99th percentile of the delay", of(|latency| latency.p99)),
+        ("latency_max_seconds", "gauge", "greatest delay", of(|latency| latency.greatest)),
+    ];
+    let mut text = String::new();
+    for (name, kind, help, value) in rows {
+        if let Some(value) = value {
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "# HELP cg_{name} {help}\n# TYPE cg_{name} {kind}\ncg_{name} {value}"
+            );
+        }
+    }
+    text
+}

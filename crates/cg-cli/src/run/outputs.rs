@@ -1,0 +1,84 @@
+//! Everything that goes out beside the events: state file, metrics, frames. A failure there is told
+//! once and tried again later; it never stops the estimation.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use cg_core::Memory;
+
+use super::events::Status;
+use super::latency::Histogram;
+use super::metrics;
+use super::state::{Found, StateFile};
+use super::transmit;
+
+/// Sends a frame: identifier and data.
+pub(crate) type Sender = Box<dyn FnMut(u32, [u8; 8])>;
+
+/// Where results go.
+pub(crate) struct Outputs<W: Write> {
+    /// The lines.
+    pub(crate) lines: W,
+    pub(crate) state: Option<StateFile>,
+    pub(crate) metrics: Option<PathBuf>,
+    /// With its source address.
+    pub(crate) sender: Option<(Sender, u8)>,
+    pub(crate) latency: Histogram,
+    state_failed: bool,
+    metrics_failed: bool,
+}
+
+impl<W: Write> Outputs<W> {
+    pub(crate) fn new(
+        lines: W,
+        state: Option<StateFile>,
+        metrics: Option<PathBuf>,
+        sender: Option<(Sender, u8)>,
+    ) -> Self {
+        let latency = Histogram::default();
+        Self { lines, state, metrics, sender, latency, state_failed: false, metrics_failed: false }
+    }
+
+    /// What the state file holds, if there is to be one.
+    pub(crate) fn load(&self) -> Option<io::Result<Found>> {
+        self.state.as_ref().map(StateFile::load)
+    }
+
+    /// Writes the state; what is to be said of it.
+    pub(crate) fn save(
+        &mut self,
+        memory: &Memory<f64>,
+        saved_s: f64,
+        load_since_s: Option<f64>,
+    ) -> Option<String> {
+        let result = self.state.as_ref()?.save(memory, saved_s, load_since_s);
+        changed(&mut self.state_failed, result)
+    }
+
+    /// Writes the metrics; what is to be said of it.
+    pub(crate) fn measure(&mut self, status: &Status) -> Option<String> {
+        let result = metrics::write(self.metrics.as_ref()?, status, self.latency.summary());
+        changed(&mut self.metrics_failed, result)
+    }
+
+    pub(crate) fn transmits(&self) -> bool {
+        self.sender.is_some()
+    }
+
+    pub(crate) fn transmit(&mut self, status: &Status) {
+        if let Some((send, address)) = &mut self.sender {
+            let (identifier, data) = transmit::frame(status, *address);
+            send(identifier, data);
+        }
+    }
+}
+
+/// The message where success turns into failure or back.
+fn changed(failed: &mut bool, result: io::Result<()>) -> Option<String> {
+    let before = std::mem::replace(failed, result.is_err());
+    match result {
+        Err(error) if !before => Some(format!("cannot be written, will be tried again: {error}")),
+        Ok(()) if before => Some("can be written again".to_owned()),
+        _ => None,
+    }
+}

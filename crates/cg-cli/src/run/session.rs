@@ -1,0 +1,310 @@
+//! Samples to events: the estimator, what is known of the load, warnings, and what goes out.
+
+use std::io::{self, Write};
+
+use cg_core::condition::SampleError;
+use cg_core::{
+    Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Quantity, Sample, Settings,
+    Status as Driving,
+};
+use cg_vehicle::estimate::ManeuverEstimate;
+
+use super::events::{self, Counters, Event, ManeuverLine, Result as Known, Status};
+use super::outputs::Outputs;
+use super::state::Found;
+use super::warning::Warner;
+
+/// Between two writes of the state while nothing happens, stream time.
+const SAVE_US: u64 = 60_000_000;
+/// Between two writes of the metrics.
+const METRICS_US: u64 = 5_000_000;
+/// Without a sample for this long there are no signals.
+const SILENT_US: u64 = 1_000_000;
+
+/// What is on the way from the signals to the answers.
+pub(crate) struct Session<W: Write> {
+    estimator: Estimator<f64, FilteredArx<f64>>,
+    trailer_mass_kg: Option<f64>,
+    warner: Warner,
+    known: Known,
+    load_since_s: Option<f64>,
+    driving: &'static str,
+    missing: Vec<&'static str>,
+    samples: u64,
+    pub(crate) counters: Counters,
+    /// Time stamp less stream time, s.
+    offset_s: f64,
+    now_us: u64,
+    sampled_us: u64,
+    due: Due,
+    status_us: Option<u64>,
+    pub(crate) outputs: Outputs<W>,
+}
+
+/// When things are done next, stream time.
+#[derive(Default)]
+#[allow(clippy::struct_field_names, reason = "units stand in names")]
+struct Due {
+    status_us: u64,
+    save_us: u64,
+    metrics_us: u64,
+    transmit_us: u64,
+}
+
+impl<W: Write> Session<W> {
+    pub(crate) fn new(
+        design: &Design<f64>,
+        warner: Warner,
+        trailer_mass_kg: Option<f64>,
+        status_s: f64,
+        outputs: Outputs<W>,
+    ) -> Self {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // saturates
+        let status_us = (status_s > 0.0).then_some((status_s * 1e6) as u64);
+        let mass_kg = trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg);
+        Self {
+            known: Known::new(design, None, mass_kg),
+            estimator: Estimator::new(*design, Settings::truck(), Prior::standard()),
+            trailer_mass_kg,
+            warner,
+            load_since_s: None,
+            driving: "waiting",
+            missing: Vec::new(),
+            samples: 0,
+            counters: Counters::default(),
+            offset_s: 0.0,
+            now_us: 0,
+            sampled_us: 0,
+            due: Due::default(),
+            status_us,
+            outputs,
+        }
+    }
+
+    /// Takes up what was learnt before a restart, if there is something.
+    pub(crate) fn restore(&mut self) -> io::Result<bool> {
+        match self.outputs.load() {
+            Some(Ok(Found::State(state))) => {
+                let design = *self.estimator.design();
+                let (settings, prior) = (Settings::truck(), Prior::standard());
+                let restored = Estimator::restored(design, settings, prior, &state.memory);
+                let Some(estimator) = restored else { return Ok(false) };
+                self.estimator = estimator;
+                self.load_since_s = state.load_since_s;
+                self.update(state.memory.load_mass_kg.unwrap_or(state.memory.trailer_mass_kg));
+                Ok(true)
+            }
+            Some(Ok(Found::PutAside(path, reason))) => {
+                let message = format!("put aside as {}: {reason}", path.display());
+                self.notice("state", message).map(|()| false)
+            }
+            Some(Err(error)) => {
+                self.notice("state", format!("cannot be read: {error}")).map(|()| false)
+            }
+            Some(Ok(Found::Nothing)) | None => Ok(false),
+        }
+    }
+
+    /// The time of a frame or row: its time stamp and stream time.
+    pub(crate) fn tick(&mut self, stamp_s: f64, stream_us: u64) {
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        let stream_s = stream_us as f64 * 1e-6;
+        (self.offset_s, self.now_us) = (stamp_s - stream_s, stream_us);
+    }
+
+    pub(crate) fn say(&mut self, event: Event<'_>) -> io::Result<()> {
+        let time_s = self.time_s(self.now_us);
+        events::write(&mut self.outputs.lines, time_s, event)
+    }
+
+    pub(crate) fn notice(&mut self, subject: &'static str, message: String) -> io::Result<()> {
+        self.say(Event::Notice { subject, message })
+    }
+
+    #[allow(clippy::cast_precision_loss)]
+    fn time_s(&self, stream_us: u64) -> f64 {
+        self.offset_s + stream_us as f64 * 1e-6
+    }
+
+    /// Takes in a sample.
+    pub(crate) fn push(&mut self, mut sample: Sample<f64>) -> io::Result<()> {
+        if let Some(mass_kg) = self.trailer_mass_kg {
+            sample.trailer_mass_kg = mass_kg;
+        }
+        let step = match self.estimator.push(&sample) {
+            Ok(step) => step,
+            // The clock and the aligner let no time go back; should one, it is passed over.
+            Err(SampleError::TimeOrder { .. } | _) => return Ok(()),
+        };
+        self.samples += 1;
+        self.sampled_us = sample.time_us;
+        if let Some(maneuver) = step.closed {
+            self.maneuver(&maneuver)?;
+        }
+        self.drive(match step.status {
+            Driving::Absent => "no signals",
+            Driving::Straight => "straight",
+            Driving::Turning => "turning",
+        })?;
+        self.warn(&sample)
+    }
+
+    fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
+        let lateral_mps2 = if sample.lateral_acceleration_mps2.is_nan() {
+            sample.yaw_rate_radps * sample.speed_mps
+        } else {
+            sample.lateral_acceleration_mps2
+        };
+        let gravity_mps2 = self.estimator.design().gravity_mps2;
+        let threshold_g = self.known.threshold_g;
+        let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
+        let Some(level) = level else { return Ok(()) };
+        let margin_g = self.known.margin_g(self.lateral_g());
+        self.say(Event::Warning { level, margin_g })
+    }
+
+    fn lateral_g(&self) -> Option<f64> {
+        Some(self.warner.lateral_mps2()? / self.estimator.design().gravity_mps2)
+    }
+
+    fn drive(&mut self, state: &'static str) -> io::Result<()> {
+        if state == self.driving {
+            return Ok(());
+        }
+        self.driving = state;
+        let missing = self.missing.clone();
+        self.say(Event::State { state, missing })
+    }
+
+    /// What is missing now that was there before.
+    pub(crate) fn missing(&mut self, missing: Vec<&'static str>) -> io::Result<()> {
+        if missing == self.missing {
+            return Ok(());
+        }
+        self.missing.clone_from(&missing);
+        self.say(Event::State { state: self.driving, missing })
+    }
+
+    fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        let since_us = self.estimator.load_since_us();
+        let since_s = since_us.map(|us| self.time_s(us));
+        if since_us == Some(maneuver.end_us) {
+            self.load_since_s = since_s;
+            let message = "the heights so far were of another load and are forgotten";
+            self.say(Event::LoadChanged { message })?;
+        }
+        self.update(maneuver.trailer_mass_kg);
+        let of = |channel: Channel| {
+            ManeuverEstimate::new(maneuver, &maneuver.outcomes[channel.index()], self.offset_s)
+        };
+        let line = ManeuverLine {
+            speed_mps: maneuver.speed_mps,
+            steer: of(Channel::Steer),
+            lateral_acceleration: of(Channel::LateralAcceleration),
+            result: self.known.clone(),
+        };
+        self.say(Event::Maneuver(Box::new(line)))?;
+        self.save()
+    }
+
+    /// Looks up what the estimator knows.
+    fn update(&mut self, trailer_mass_kg: f64) {
+        let heights = Channel::ALL.map(|channel| self.estimator.height(channel));
+        let channel = match heights {
+            [Some(_), None] => Some(Channel::Steer),
+            [None, Some(_)] => Some(Channel::LateralAcceleration),
+            _ => None,
+        };
+        let height = self.estimator.combined_height().map(|height| (height, channel));
+        self.known = Known::new(self.estimator.design(), height, trailer_mass_kg);
+    }
+
+    fn status(&self) -> Status {
+        let lateral_g = self.lateral_g();
+        let trailer_mass_kg = self.estimator.memory().trailer_mass_kg;
+        Status {
+            state: self.driving,
+            missing: self.missing.clone(),
+            result: Known { trailer_mass_kg, ..self.known.clone() },
+            load_since_s: self.load_since_s,
+            lateral_acceleration_g: lateral_g,
+            margin_g: self.known.margin_g(lateral_g),
+            warning_level: self.warner.level(),
+            samples: self.samples,
+            counters: self.counters,
+        }
+    }
+
+    /// What is due by now: silence noticed, status, metrics, frames, the state file.
+    pub(crate) fn due(&mut self, live: bool) -> io::Result<()> {
+        let now_us = self.now_us;
+        if self.driving != "waiting" && now_us.saturating_sub(self.sampled_us) > SILENT_US {
+            self.drive("no signals")?;
+        }
+        if let Some(cycle_us) = self.status_us
+            && now_us >= self.due.status_us
+        {
+            self.due.status_us = now_us + cycle_us;
+            let status = self.status();
+            self.say(Event::Status(Box::new(status)))?;
+        }
+        if self.outputs.transmits() && now_us >= self.due.transmit_us {
+            self.due.transmit_us = now_us + super::transmit::CYCLE_US;
+            let status = self.status();
+            self.outputs.transmit(&status);
+        }
+        // A replay at log speed writes them at its end.
+        if live && now_us >= self.due.metrics_us {
+            self.due.metrics_us = now_us + METRICS_US;
+            self.measure()?;
+        }
+        if live && now_us >= self.due.save_us {
+            self.save()?;
+        }
+        Ok(())
+    }
+
+    fn measure(&mut self) -> io::Result<()> {
+        let status = self.status();
+        match self.outputs.measure(&status) {
+            Some(message) => self.notice("metrics", message),
+            None => Ok(()),
+        }
+    }
+
+    fn save(&mut self) -> io::Result<()> {
+        self.due.save_us = self.now_us + SAVE_US;
+        let memory = self.estimator.memory();
+        let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
+        match self.outputs.save(&memory, saved_s, since_s) {
+            Some(message) => self.notice("state", message),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends the last maneuver, keeps everything, says so.
+    pub(crate) fn stop(&mut self, reason: &str) -> io::Result<()> {
+        if let Some(maneuver) = self.estimator.finish() {
+            self.maneuver(&maneuver)?;
+        }
+        self.save()?;
+        self.measure()?;
+        if self.status_us.is_some() {
+            let status = self.status();
+            self.say(Event::Status(Box::new(status)))?;
+        }
+        let Counters { frames, frames_lost, .. } = self.counters;
+        let latency_ms = self.outputs.latency.summary();
+        self.say(Event::Stop { reason, frames, frames_lost, latency_ms })
+    }
+
+    /// Whether any maneuver has given a height.
+    pub(crate) fn has_height(&self) -> bool {
+        self.known.height_m.is_some()
+    }
+}
+
+/// Names of the quantities that have been there and are missing now.
+pub(crate) fn stale(is_stale: impl Fn(Quantity) -> bool) -> Vec<&'static str> {
+    Quantity::ALL.into_iter().filter(|q| is_stale(*q)).map(cg_vehicle::can::name_of).collect()
+}

@@ -1,0 +1,220 @@
+//! A CAN interface through SocketCAN: filters and time stamps of the kernel, its count of dropped
+//! frames, error frames, and interfaces that go and come.
+
+use std::io::{self, IoSliceMut};
+use std::os::fd::{AsFd, AsRawFd};
+use std::rc::Rc;
+use std::time::Duration;
+
+use cg_vehicle::can::Frame;
+use nix::errno::Errno;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::socket::sockopt::{RcvBuf, RcvBufForce, RxqOvfl};
+use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg, setsockopt};
+use nix::sys::time::TimeSpec;
+use socketcan::{CanFilter, CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, SocketOptions};
+
+/// Bytes for frames that wait: some seconds of a full bus, while a disk is slow.
+const BUFFER: usize = 8 << 20;
+const EXTENDED_FLAG: u32 = 0x8000_0000;
+const REMOTE_FLAG: u32 = 0x4000_0000;
+const ERROR_FLAG: u32 = 0x2000_0000;
+const EXTENDED_MASK: u32 = 0x1FFF_FFFF;
+/// Size of a classic frame as the kernel hands it over: identifier, length, 3 bytes, 8 data.
+const FRAME_SIZE: usize = 16;
+
+/// What has come in.
+#[derive(Debug)]
+pub(crate) enum Received {
+    /// A data frame.
+    Frame(Frame),
+    /// An error frame, in words.
+    Error(&'static str),
+    /// A remote frame or one of no use.
+    Nothing,
+}
+
+/// An open interface.
+pub(crate) struct Bus {
+    socket: Rc<CanSocket>,
+    control: Vec<u8>,
+    dropped: u32,
+}
+
+impl Bus {
+    /// Opens an interface for frames of these identifiers (with 29 bits, and mask) and for errors.
+    pub(crate) fn open(interface: &str, frames: &[(u32, bool, u32)]) -> io::Result<Self> {
+        let socket = CanSocket::open(interface)?;
+        let filters: Vec<CanFilter> = frames
+            .iter()
+            .map(|&(identifier, extended, mask)| {
+                let flag = if extended { EXTENDED_FLAG } else { 0 };
+                CanFilter::new(identifier | flag, mask | EXTENDED_FLAG | REMOTE_FLAG)
+            })
+            .collect();
+        socket.set_filters(&filters)?;
+        socket.set_error_filter_accept_all()?;
+        socket.set_recv_timestamp(true)?;
+        socket.set_nonblocking(true)?;
+        setsockopt(&*Rc::new(socket.as_fd()), RxqOvfl, &1)?;
+        // Beyond the system's limit with the right to, up to it without.
+        if setsockopt(&socket.as_fd(), RcvBufForce, &BUFFER).is_err() {
+            setsockopt(&socket.as_fd(), RcvBuf, &BUFFER)?;
+        }
+        let control = nix::cmsg_space!(TimeSpec, u32);
+        Ok(Self { socket: Rc::new(socket), control, dropped: 0 })
+    }
+
+    /// Waits for a frame; whether there is something to read.
+    pub(crate) fn wait(&self, longest: Duration) -> io::Result<bool> {
+        let mut files = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
+        let timeout = PollTimeout::try_from(longest).unwrap_or(PollTimeout::MAX);
+        match poll(&mut files, timeout) {
+            Ok(ready) => Ok(ready > 0),
+            Err(Errno::EINTR) => Ok(false),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// The next thing that has come in; `None` if there is nothing.
+    pub(crate) fn read(&mut self) -> io::Result<Option<Received>> {
+        let mut bytes = [0_u8; FRAME_SIZE];
+        let mut slices = [IoSliceMut::new(&mut bytes)];
+        let flags = MsgFlags::MSG_DONTWAIT;
+        self.control.clear();
+        let file = self.socket.as_raw_fd();
+        let (length, mut time_us) = {
+            let message = match recvmsg::<()>(file, &mut slices, Some(&mut self.control), flags) {
+                Ok(message) => message,
+                Err(Errno::EAGAIN | Errno::EINTR) => return Ok(None),
+                Err(error) => return Err(error.into()),
+            };
+            let mut time_us = 0;
+            for control in message.cmsgs()? {
+                match control {
+                    ControlMessageOwned::ScmTimestampns(time) => time_us = microseconds(time),
+                    ControlMessageOwned::RxqOvfl(dropped) => self.dropped = dropped,
+                    _ => {}
+                }
+            }
+            (message.bytes, time_us)
+        };
+        if time_us == 0 {
+            time_us = wall_us();
+        }
+        Ok(Some(frame(&bytes, length, time_us)))
+    }
+
+    /// Frames that the kernel had to drop since the socket was opened.
+    pub(crate) fn dropped(&self) -> u32 {
+        self.dropped
+    }
+
+    /// Sends frames over the same socket; one that finds no room is left out.
+    pub(crate) fn sender(&self) -> impl FnMut(u32, [u8; 8]) + use<> {
+        let socket = Rc::clone(&self.socket);
+        move |identifier, data| {
+            let frame = ExtendedId::new(identifier).and_then(|id| CanFrame::new(id, &data));
+            if let Some(frame) = frame {
+                // A full queue or an interface that is down: the next one is a tenth of a second away.
+                let _ = socket.write_frame(&frame);
+            }
+        }
+    }
+}
+
+fn frame(bytes: &[u8; FRAME_SIZE], length: usize, time_us: u64) -> Received {
+    let [a, b, c, d, count, _, _, _, data @ ..] = bytes;
+    let identifier = u32::from_ne_bytes([*a, *b, *c, *d]);
+    if length < FRAME_SIZE || identifier & REMOTE_FLAG != 0 {
+        return Received::Nothing;
+    }
+    if identifier & ERROR_FLAG != 0 {
+        return Received::Error(error(identifier, *data));
+    }
+    let extended = identifier & EXTENDED_FLAG != 0;
+    let data = data.get(..usize::from(*count)).unwrap_or(data);
+    Frame::new(time_us, identifier & EXTENDED_MASK, extended, data)
+        .map_or(Received::Nothing, Received::Frame)
+}
+
+/// The gravest thing that an error frame says (linux/can/error.h).
+fn error(class: u32, data: [u8; 8]) -> &'static str {
+    let [_, controller, ..] = data;
+    if class & 0x40 != 0 {
+        "bus off: the controller has left the bus"
+    } else if class & 0x100 != 0 {
+        "the controller has been restarted"
+    } else if class & 0x4 != 0 && controller & 0x30 != 0 {
+        "error passive: too many errors on the bus"
+    } else if class & 0x4 != 0 && controller & 0x3 != 0 {
+        "the controller's buffer has overflown"
+    } else if class & 0x4 != 0 && controller & 0xC != 0 {
+        "error warning: many errors on the bus"
+    } else if class & 0x20 != 0 {
+        "nobody acknowledges frames"
+    } else {
+        "an error on the bus"
+    }
+}
+
+fn microseconds(time: TimeSpec) -> u64 {
+    let (seconds, nanos) = (time.tv_sec(), time.tv_nsec());
+    let part = |value: i64, factor: u64| u64::try_from(value).unwrap_or(0).saturating_mul(factor);
+    part(seconds, 1_000_000).saturating_add(part(nanos, 1) / 1000)
+}
+
+/// The wall clock, µs since 1970.
+pub(crate) fn wall_us() -> u64 {
+    std::time::SystemTime::now()
+        .duration_since(std::time::UNIX_EPOCH)
+        .map_or(0, |since| u64::try_from(since.as_micros()).unwrap_or(u64::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn raw(identifier: u32, data: &[u8]) -> [u8; FRAME_SIZE] {
+        let mut bytes = [0; FRAME_SIZE];
+        bytes[..4].copy_from_slice(&identifier.to_ne_bytes());
+        bytes[4] = u8::try_from(data.len()).unwrap();
+        bytes[8..8 + data.len()].copy_from_slice(data);
+        bytes
+    }
+
+    #[test]
+    fn the_kernels_frames_are_taken_apart() {
+        let data = [1, 2, 3];
+        let Received::Frame(found) = frame(&raw(0x98F0_090B, &data), 16, 7) else {
+            panic!("frame")
+        };
+        assert_eq!(Some(found), Frame::new(7, 0x18F0_090B, true, &data));
+        let Received::Frame(found) = frame(&raw(0x123, &data), 16, 7) else { panic!("frame") };
+        assert!(!found.extended);
+        assert!(matches!(frame(&raw(0x4000_0123, &data), 16, 7), Received::Nothing));
+        assert!(matches!(frame(&raw(0x123, &data), 8, 7), Received::Nothing));
+        // A length that cannot be.
+        let mut long = raw(0x123, &data);
+        long[4] = 200;
+        let Received::Frame(found) = frame(&long, 16, 7) else { panic!("frame") };
+        assert_eq!(found.data().len(), 8);
+    }
+
+    #[test]
+    fn error_frames_say_what_is_wrong() {
+        for (class, controller, words) in [
+            (0x40, 0, "bus off"),
+            (0x100, 0, "restarted"),
+            (0x4, 0x20, "error passive"),
+            (0x4, 0x08, "error warning"),
+            (0x4, 0x01, "overflown"),
+            (0x20, 0, "acknowledges"),
+            (0x80, 0, "an error"),
+        ] {
+            let bytes = raw(ERROR_FLAG | class, &[0, controller, 0, 0, 0, 0, 0, 0]);
+            let Received::Error(found) = frame(&bytes, 16, 7) else { panic!("error") };
+            assert!(found.contains(words), "{found}");
+        }
+    }
+}

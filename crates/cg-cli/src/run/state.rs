@@ -1,0 +1,203 @@
+//! What is learnt, kept over restarts: one file, whole or not at all, checked when it is read.
+//!
+//! ```text
+//!     {"format":"cg-height state","version":1,"design_crc32":…,"memory":{…},…}
+//!     crc32 89abcdef
+//! ```
+//!
+//! A file that is damaged, of another version or of another vehicle is put aside under a name of
+//! its own and never overwritten: somebody may want to know.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use cg_core::{Design, Memory};
+use cg_vehicle::draft::Draft;
+use serde::{Deserialize, Serialize};
+
+const FORMAT: &str = "cg-height state";
+const VERSION: u32 = 1;
+
+/// The content of a state file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct State {
+    format: String,
+    version: u32,
+    /// Checksum of the design it was learnt with: vehicle file and calibration.
+    design_crc32: u32,
+    /// When it was written, Unix time of the source.
+    pub(crate) saved_s: f64,
+    /// Since when the load has been this one, if it was noticed.
+    pub(crate) load_since_s: Option<f64>,
+    pub(crate) memory: Memory<f64>,
+}
+
+/// Where the state is kept.
+#[derive(Debug)]
+pub(crate) struct StateFile {
+    path: PathBuf,
+    design_crc32: u32,
+}
+
+/// What a state file held.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Found {
+    /// Nothing yet.
+    Nothing,
+    /// A state.
+    State(Box<State>),
+    /// Something else, which has been put aside here, and why.
+    PutAside(PathBuf, String),
+}
+
+impl StateFile {
+    pub(crate) fn new(path: &Path, design: &Design<f64>) -> Self {
+        // Numbers print as the shortest text that gives them again: equal designs, equal text.
+        let design_crc32 = crc32fast::hash(format!("{design:?}").as_bytes());
+        Self { path: path.to_owned(), design_crc32 }
+    }
+
+    /// Writes a state in place of the one before.
+    pub(crate) fn save(
+        &self,
+        memory: &Memory<f64>,
+        saved_s: f64,
+        load_since_s: Option<f64>,
+    ) -> io::Result<()> {
+        let state = State {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            design_crc32: self.design_crc32,
+            saved_s,
+            load_since_s,
+            memory: *memory,
+        };
+        let text = serde_json::to_string(&state)?;
+        let (draft, mut file) = Draft::open(&self.path)?;
+        writeln!(file, "{text}\ncrc32 {:08x}", crc32fast::hash(text.as_bytes()))?;
+        draft.map_or(Ok(()), Draft::publish)?;
+        // The new name is on the disk only when its folder is.
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
+    }
+
+    /// Reads the state, if it is one and belongs to this design.
+    pub(crate) fn load(&self) -> io::Result<Found> {
+        let bytes = match fs::read(&self.path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+            Err(error) => return Err(error),
+        };
+        match self.parse(&bytes) {
+            Ok(state) => Ok(Found::State(Box::new(state))),
+            Err(reason) => Ok(Found::PutAside(self.put_aside()?, reason)),
+        }
+    }
+
+    fn parse(&self, bytes: &[u8]) -> Result<State, String> {
+        let text = std::str::from_utf8(bytes).map_err(|_| "it is not text")?;
+        let (json, rest) = text.split_once('\n').ok_or("it has no checksum")?;
+        let sum = rest.trim_end().strip_prefix("crc32 ").ok_or("it has no checksum")?;
+        if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(json.as_bytes())) {
+            return Err("its checksum is wrong".to_owned());
+        }
+        let version = serde_json::from_str::<serde_json::Value>(json)
+            .ok()
+            .filter(|value| value["format"] == FORMAT)
+            .and_then(|value| value["version"].as_u64())
+            .ok_or("it is no state of cg run")?;
+        if version != u64::from(VERSION) {
+            return Err(format!("it is of version {version}, this program reads {VERSION}"));
+        }
+        let state: State = serde_json::from_str(json).map_err(|error| error.to_string())?;
+        if state.design_crc32 != self.design_crc32 {
+            return Err("it was learnt with another vehicle file or calibration".to_owned());
+        }
+        if !state.memory.is_sound() {
+            return Err("its numbers cannot be".to_owned());
+        }
+        Ok(state)
+    }
+
+    /// Renames the file to the first free `NAME.aside-N`.
+    fn put_aside(&self) -> io::Result<PathBuf> {
+        for n in 1..=1000 {
+            let mut name = self.path.clone().into_os_string();
+            name.push(format!(".aside-{n}"));
+            let aside = PathBuf::from(name);
+            if !aside.exists() {
+                fs::rename(&self.path, &aside)?;
+                return Ok(aside);
+            }
+        }
+        Err(io::Error::other("a thousand damaged states beside it; remove some"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cg_core::{Estimator, FilteredArx, Prior, Settings};
+    use cg_vehicle::{Variant, Vehicle};
+
+    fn subject(folder: &Path) -> (StateFile, Memory<f64>) {
+        let vehicle = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+        let vehicle = Vehicle::load(vehicle).unwrap();
+        let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        let estimator: Estimator<f64, FilteredArx<f64>> =
+            Estimator::new(design, Settings::truck(), Prior::standard());
+        (StateFile::new(&folder.join("state.json"), &design), estimator.memory())
+    }
+
+    #[test]
+    fn a_state_comes_back_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, mut memory) = subject(folder.path());
+        assert_eq!(file.load().unwrap(), Found::Nothing);
+        memory.correlation = 0.1 + 0.2;
+        file.save(&memory, 1.5, Some(0.3)).unwrap();
+        file.save(&memory, 2.5, None).unwrap();
+        let Found::State(state) = file.load().unwrap() else { panic!("a state") };
+        assert_eq!((state.memory, state.saved_s, state.load_since_s), (memory, 2.5, None));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// Every single bit of it, and every shorter file.
+    #[test]
+    fn a_damaged_state_is_put_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, memory) = subject(folder.path());
+        file.save(&memory, 1.5, None).unwrap();
+        let good = fs::read(&file.path).unwrap();
+        for bit in 0..good.len() * 8 {
+            let mut bad = good.clone();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            // White space at the end and the case of the checksum's digits do not matter.
+            let harmless = bad.trim_ascii_end().eq_ignore_ascii_case(good.trim_ascii_end());
+            assert!(harmless || file.parse(&bad).is_err(), "bit {bit}");
+        }
+        for length in 0..good.len() - 1 {
+            assert!(file.parse(&good[..length]).is_err(), "{length} bytes");
+        }
+        for n in 1..3 {
+            fs::write(&file.path, b"{}").unwrap();
+            let Found::PutAside(aside, reason) = file.load().unwrap() else { panic!("aside") };
+            assert!(aside.to_string_lossy().ends_with(&format!("state.json.aside-{n}")));
+            assert_eq!(reason, "it has no checksum");
+            assert_eq!(fs::read(aside).unwrap(), b"{}");
+            assert_eq!(file.load().unwrap(), Found::Nothing);
+        }
+    }
+
+    #[test]
+    fn the_state_of_another_truck_is_put_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut file, memory) = subject(folder.path());
+        file.save(&memory, 1.5, None).unwrap();
+        file.design_crc32 ^= 1;
+        let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
+        assert!(reason.contains("another vehicle file or calibration"));
+    }
+}
