@@ -239,6 +239,10 @@ impl<W: Write> Session<W> {
     pub(crate) fn due(&mut self, live: bool) -> io::Result<()> {
         let now_us = self.now_us;
         if self.driving != "waiting" && now_us.saturating_sub(self.sampled_us) > SILENT_US {
+            // The hole ends the maneuver in any case; whoever parks now has its height at once.
+            if let Some(maneuver) = self.estimator.finish() {
+                self.maneuver(&maneuver)?;
+            }
             self.drive("no signals")?;
         }
         if let Some(cycle_us) = self.status_us

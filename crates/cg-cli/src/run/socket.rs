@@ -81,7 +81,6 @@ impl Bus {
         let mut bytes = [0_u8; FRAME_SIZE];
         let mut slices = [IoSliceMut::new(&mut bytes)];
         let flags = MsgFlags::MSG_DONTWAIT;
-        self.control.clear();
         let file = self.socket.as_raw_fd();
         let (length, mut time_us) = {
             let message = match recvmsg::<()>(file, &mut slices, Some(&mut self.control), flags) {

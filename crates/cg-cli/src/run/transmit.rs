@@ -25,9 +25,12 @@ pub(crate) fn frame(status: &Status, source: u8) -> (u32, [u8; 8]) {
     for (signal, value) in [
         (CG_HEIGHT, known(status.result.height_m)),
         // A greater one is the greatest that fits, not unknown.
-        (CG_HEIGHT_SD, known(status.result.height_sd_m).min(1.25)),
-        (CG_THRESHOLD, known(status.result.static_rollover_threshold_g).min(1.25)),
-        (CG_MARGIN, known(status.margin_g).clamp(-1.25, 1.25)),
+        (CG_HEIGHT_SD, known(status.result.height_sd_m.map(|sd| sd.min(1.25)))),
+        (
+            CG_THRESHOLD,
+            known(status.result.static_rollover_threshold_g.map(|limit| limit.min(1.25))),
+        ),
+        (CG_MARGIN, known(status.margin_g.map(|margin| margin.clamp(-1.25, 1.25)))),
         (CG_WARNING_LEVEL, level),
         (CG_STATUS, code),
         (CG_MANEUVERS, f64::from(status.result.maneuvers.min(250))),
@@ -35,4 +38,44 @@ pub(crate) fn frame(status: &Status, source: u8) -> (u32, [u8; 8]) {
         signal.encode(value, &mut data);
     }
     (CG_HEIGHT.identifier(source), data)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::events::{Counters, Result};
+
+    fn status(result: Result, margin_g: Option<f64>) -> Status {
+        Status {
+            state: "straight",
+            missing: Vec::new(),
+            result,
+            load_since_s: None,
+            lateral_acceleration_g: None,
+            margin_g,
+            warning_level: 0,
+            samples: 0,
+            counters: Counters::default(),
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_available() {
+        let (identifier, data) = frame(&status(Result::default(), None), 0xD0);
+        assert_eq!(identifier, 0x18FF_10D0);
+        assert_eq!(data, [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0]);
+    }
+
+    #[test]
+    fn values_that_do_not_fit_are_the_nearest_that_do() {
+        let result = Result {
+            height_m: Some(1.9),
+            height_sd_m: Some(3.0),
+            static_rollover_threshold_g: Some(2.0),
+            maneuvers: 1000,
+            ..Result::default()
+        };
+        let (_, data) = frame(&status(result, Some(-7.0)), 0xD0);
+        assert_eq!(data, [0x6C, 0x07, 250, 250, 0, 0, 1, 250]);
+    }
 }

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# `cg run` on real SocketCAN: boots a kernel with vcan in QEMU, plays a drive, loads the bus, takes the
+# interface down, kills the program; then looks at what came out. Needs no AF_CAN on this machine.
+# Usage: guest/run.sh CG_BINARY
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cg=$(realpath "$1")
+work=target/guest
+seconds=${CG_LOAD_SECONDS:-60}
+rate=${CG_LOAD_RATE:-8000}
+rm -rf "$work"
+mkdir -p "$work/root"
+
+as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
+need() { command -v "$1" >/dev/null || missing+=("$2"); }
+missing=()
+need qemu-system-x86_64 qemu-system-x86
+need busybox busybox-static
+need cpio cpio
+need kmod kmod
+need python3 python3
+if [ ${#missing[@]} -gt 0 ]; then
+  as_root apt-get update -q
+  as_root apt-get install -y -q --no-install-recommends "${missing[@]}"
+fi
+
+# Kernel and can-utils are unpacked, not installed.
+(
+  cd "$work"
+  image=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/.*Depends: \(linux-image-[^ ]*\)/\1/p' | head -n 1)
+  if [ -z "$image" ]; then
+    as_root apt-get update -q
+    image=$(apt-cache depends linux-image-amd64 | sed -n 's/.*Depends: \(linux-image-[^ ]*\)/\1/p' | head -n 1)
+  fi
+  apt-get download -q "$image" can-utils
+  for package in ./*.deb; do dpkg -x "$package" packages; done
+)
+kernel=$(find "$work/packages/boot" -name 'vmlinuz-*')
+modules=$(find "$work/packages" -path '*/modules/*/kernel' -prune)
+
+# A truck with a steering ratio, since J1939 has the angle of the steering wheel; its drive.
+sed 's/^nominal_speed_mps/steering_ratio = 20.0\n&/' fixtures/vehicles/kraz.toml > "$work/truck.toml"
+for log in csv log; do
+  "$cg" simulate --vehicle "$work/truck.toml" --maneuver drive --duration-s 45 --seed 5 --snr-db 25 -o "$work/drive.$log"
+done
+"$cg" run --csv "$work/drive.csv" --vehicle "$work/truck.toml" --status-s 0 > "$work/csv.jsonl"
+
+# The initial file system.
+root=$work/root
+mkdir -p "$root"/{bin,lib,dev,proc,sys,tmp,results}
+cp "$(command -v busybox)" "$root/bin/busybox"
+for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty poweroff echo rm date; do
+  ln -s busybox "$root/bin/$applet"
+done
+programs=("$cg")
+for tool in candump canplayer cangen; do programs+=("$work/packages/usr/bin/$tool"); done
+for program in "${programs[@]}"; do
+  cp "$program" "$root/bin/"
+  for library in $(ldd "$program" | grep -o '/[^ )]*'); do
+    mkdir -p "$root$(dirname "$library")"
+    cp -L "$library" "$root$library"
+  done
+done
+for module in can can-raw can-dev vcan; do
+  file=$(find "$modules" -name "$module.ko*")
+  case $file in
+    *.xz) xz -dc "$file" > "$root/lib/$module.ko" ;;
+    *) cp "$file" "$root/lib/$module.ko" ;;
+  esac
+done
+cp guest/init "$root/init"
+chmod +x "$root/init"
+cp "$work/truck.toml" "$work/drive.log" "$root/"
+printf 'seconds=%s\nrate=%s\n' "$seconds" "$rate" > "$root/settings"
+(cd "$root" && find . | cpio --quiet -o -H newc) | gzip -1 > "$work/initramfs.gz"
+
+# Output on the first serial port, the files of the test as a tar on the second one.
+timeout 600 qemu-system-x86_64 -kernel "$kernel" -initrd "$work/initramfs.gz" \
+  -append "console=ttyS0 panic=-1 quiet" -display none -monitor none -m 512 -smp 2 -no-reboot \
+  -serial "file:$work/console.txt" -serial "file:$work/results.tar" ||
+  { tail -n 40 "$work/console.txt"; echo "guest: QEMU ended badly"; exit 1; }
+mkdir -p "$work/results"
+tar -xf "$work/results.tar" -C "$work/results" 2>/dev/null ||
+  { tail -n 40 "$work/console.txt"; echo "guest: no results came out"; exit 1; }
+python3 guest/check.py "$work"
