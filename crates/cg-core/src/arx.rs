@@ -49,14 +49,14 @@ impl<T: Real, const N: usize> Arx<T, N> {
         fits.then(|| Self { na, nb, nk, ..Self::empty() })
     }
 
-    fn empty() -> Self {
+    const fn empty() -> Self {
         Self {
             na: 0,
             nb: 1,
             nk: 0,
             with_constant: false,
-            past_y: [T::zero(); N],
-            past_u: [T::zero(); N],
+            past_y: [T::ZERO; N],
+            past_u: [T::ZERO; N],
             seen: 0,
             triangle: Triangle::new(),
             moments: Moments::new(),
@@ -202,14 +202,16 @@ impl<T: Real> SampledArx<T> {
 impl<T: Real> Identify<T> for SampledArx<T> {
     type Options = ArxOptions<T>;
 
-    fn for_model(_: &Reduced5<T>, options: ArxOptions<T>) -> Self {
+    const EMPTY: Self =
+        Self { arx: Arx::empty(), interval_s: T::ZERO, elapsed_s: T::ZERO, origin: None };
+
+    fn make_for(&mut self, _: &Reduced5<T>, options: ArxOptions<T>) {
         let order = options.order.clamp(1, Self::GREATEST_ORDER);
-        Self {
+        *self = Self {
             arx: Arx { na: order, nb: order, nk: 1, with_constant: true, ..Arx::empty() },
             interval_s: options.interval_s,
-            elapsed_s: T::zero(),
-            origin: None,
-        }
+            ..Self::EMPTY
+        };
     }
 
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
@@ -240,7 +242,7 @@ impl<T: Real> Identify<T> for SampledArx<T> {
         self.arx.moments.scale(factor);
     }
 
-    fn fit(&self) -> Answer<T> {
+    fn fit(&mut self) -> Answer<T> {
         self.arx.fit()
     }
 }

@@ -86,9 +86,19 @@ struct Rest<T> {
     mean_rad: T,
 }
 
+impl<T: Real, I: Identify<T>> Lane<T, I> {
+    const EMPTY: Self = Self {
+        identifier: I::EMPTY,
+        last_us: None,
+        settled_us: 0,
+        rest: Rest::new(0),
+        fusion: Fusion::new(),
+    };
+}
+
 impl<T: Real> Rest<T> {
-    fn new(until_us: u64) -> Self {
-        Self { until_us, rows: T::zero(), mean_rad: T::zero() }
+    const fn new(until_us: u64) -> Self {
+        Self { until_us, rows: T::ZERO, mean_rad: T::ZERO }
     }
 
     fn with(&mut self, expected_rad: T) -> T {
@@ -139,25 +149,16 @@ pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>> {
 
 impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
     /// Before the first sample. The design must be [valid](Design::validate).
+    #[inline(never)]
     pub fn new(holder: D, settings: Settings<T>, options: I::Options) -> Self {
         let design = holder.borrow();
-        let lane = |channel: Channel| Lane {
-            identifier: I::for_model(
-                &design.model(channel, design.nominal_trailer_mass_kg),
-                options,
-            ),
-            last_us: None,
-            settled_us: 0,
-            rest: Rest::new(0),
-            fusion: Fusion::default(),
-        };
         Self {
             settings,
             options,
-            made_for_kg: design.nominal_trailer_mass_kg,
+            made_for_kg: T::zero(), // none yet: the first row makes the identifiers
             other_since_us: None,
             conditioner: Conditioner::new(design),
-            lanes: [lane(Channel::Steer), lane(Channel::LateralAcceleration)],
+            lanes: [Lane::EMPTY; 2],
             window: None,
             load: LoadWatch::new(settings.mass_change),
             load_since_us: None,
@@ -276,12 +277,13 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
     }
 
     /// Begins anew with the dynamics of this mass.
+    #[inline(never)]
     fn make_for(&mut self, trailer_mass_kg: T) {
         self.made_for_kg = trailer_mass_kg;
         self.other_since_us = None;
         for (lane, channel) in self.lanes.iter_mut().zip(Channel::ALL) {
             let model = self.design.borrow().model(channel, trailer_mass_kg);
-            lane.identifier = I::for_model(&model, self.options);
+            lane.identifier.make_for(&model, self.options);
             lane.last_us = None;
         }
     }
@@ -375,6 +377,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
+    #[inline(never)]
     fn close(&mut self) -> Option<Maneuver<T>> {
         let window = self.window.take()?;
         let maneuver = window.last_turn_us.map(|_| self.judge(&window));
@@ -386,7 +389,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         Some(maneuver)
     }
 
-    fn judge(&self, window: &Window<T>) -> Maneuver<T> {
+    fn judge(&mut self, window: &Window<T>) -> Maneuver<T> {
         let Window { speed_mps, trailer_mass_kg, .. } = *window;
         Maneuver {
             start_us: window.start_us,
@@ -401,7 +404,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    fn outcome(&self, channel: Channel, window: &Window<T>) -> Outcome<T> {
+    #[inline(never)]
+    fn outcome(&mut self, channel: Channel, window: &Window<T>) -> Outcome<T> {
         let rejected =
             |fit, reject| Outcome { fit, height_m: Err(reject), systematic_sd_m: T::zero() };
         let Window { speed_mps, trailer_mass_kg, .. } = *window;
@@ -411,7 +415,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         ) else {
             return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
         };
-        let lane = &self.lanes[channel.index()];
+        let lane = &mut self.lanes[channel.index()];
         if lane.last_us.is_none() {
             return rejected(None, Reject::Absent);
         }
@@ -467,7 +471,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             Verdict::Changed { waited } => {
                 self.load_since_us = Some(maneuver.end_us);
                 for lane in &mut self.lanes {
-                    lane.fusion = Fusion::default();
+                    lane.fusion = Fusion::new();
                 }
                 self.take(waited);
             }

@@ -60,8 +60,8 @@ struct Pending<T> {
 }
 
 impl<T: Real> Pending<T> {
-    fn new() -> Self {
-        let zero = T::zero();
+    const fn new() -> Self {
+        let zero = T::ZERO;
         Self { rows: 0, columns: [[zero; BLOCK]; UNKNOWNS], observations: [zero; BLOCK] }
     }
 
@@ -77,15 +77,16 @@ impl<T: Real> Pending<T> {
         }
     }
 
-    fn folded_into(&self, mut triangle: Triangle<T, UNKNOWNS>) -> Triangle<T, UNKNOWNS> {
-        triangle.push_block(self.columns, self.observations);
-        triangle
+    /// Takes the rows into a triangle; then none wait.
+    fn fold_into(&mut self, triangle: &mut Triangle<T, UNKNOWNS>) {
+        triangle.push_block(&mut self.columns, &mut self.observations);
+        *self = Self::new();
     }
 }
 
 /// What the rows and the prior give.
 #[derive(Clone, Copy, Debug)]
-struct Solution<T> {
+struct Solution<T: Real> {
     /// Deviations from the model.
     theta: [T; UNKNOWNS],
     /// Standard deviation of the residual, row by row; the floor at least.
@@ -96,6 +97,17 @@ struct Solution<T> {
     input_shift: [T; UNKNOWNS],
     /// The equations that gave the deviations, prior included.
     triangle: Triangle<T, UNKNOWNS>,
+}
+
+impl<T: Real> Solution<T> {
+    /// Before the rows have been asked.
+    const NONE: Self = Self {
+        theta: [T::ZERO; UNKNOWNS],
+        noise_sd: T::ZERO,
+        slow_sd: T::ZERO,
+        input_shift: [T::ZERO; UNKNOWNS],
+        triangle: Triangle::new(),
+    };
 }
 
 /// ARX on filtered signals, with prior knowledge of the dynamics.
@@ -136,26 +148,31 @@ pub struct FilteredArx<T: Real> {
 impl<T: Real> FilteredArx<T> {
     /// An empty identifier around `model`.
     pub fn new(model: &Reduced5<T>, prior: Prior<T>) -> Self {
-        let scale_radps = model.time_scale_radps();
-        let model = model.in_scaled_time(scale_radps);
-        Self {
-            model,
-            scale_radps,
-            prior,
-            interval_s: T::zero(),
-            step: StepMatrices::new(&model, T::zero()),
-            input: StateVariableFilter::at_rest(&model, T::zero()),
-            roll: StateVariableFilter::at_rest(&model, T::zero()),
-            started: false,
-            triangle: Triangle::new(),
-            pending: Pending::new(),
-            long_run: LongRun::new(),
-            moments: Moments::new(),
-            reference_rad: T::zero(),
-            newest_share: [T::zero(); ORDER],
-            input_noise: InputNoise::new(),
-            noise_products: [T::zero(); ORDER + 1],
-            products_interval_s: T::zero(),
+        let mut identifier = Self::EMPTY;
+        identifier.begin(model, prior);
+        identifier
+    }
+
+    fn begin(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
+        self.scale_radps = model.time_scale_radps();
+        self.model = model.in_scaled_time(self.scale_radps);
+        self.prior = prior;
+        // No interval yet: the first one makes the step.
+        (self.interval_s, self.products_interval_s) = (T::zero(), T::zero());
+        self.reference_rad = T::zero();
+        self.restart();
+    }
+
+    /// Makes the filters' step for another interval.
+    #[inline(never)]
+    fn discretise(&mut self, interval_s: T) {
+        self.interval_s = interval_s;
+        self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
+        // Noise need not be known to better than time stamps jitter.
+        let change = (interval_s - self.products_interval_s).abs();
+        if change > self.products_interval_s * T::of(0.25) {
+            self.products_interval_s = interval_s;
+            self.noise_products = self.step.noise_products(&self.model);
         }
     }
 
@@ -180,8 +197,7 @@ impl<T: Real> FilteredArx<T> {
         self.pending.push(row, roll - nominal);
         self.long_run.push(&row, roll - nominal, interval_s);
         if self.pending.rows == BLOCK {
-            self.triangle = self.pending.folded_into(self.triangle);
-            self.pending = Pending::new();
+            self.pending.fold_into(&mut self.triangle);
         }
         self.moments.push(input, roll);
         self.input_noise.push(input, interval_s);
@@ -198,9 +214,9 @@ impl<T: Real> FilteredArx<T> {
         self.moments.input_variance().root() * self.model.dc_gain().abs()
     }
 
-    /// The triangle with the prior rows for a residual of standard deviation `noise_sd`.
-    fn with_prior(&self, data: &Triangle<T, UNKNOWNS>, noise_sd: T) -> Triangle<T, UNKNOWNS> {
-        let mut triangle = *data;
+    /// Adds the prior rows for a residual of standard deviation `noise_sd`.
+    #[inline(never)]
+    fn add_prior(&self, triangle: &mut Triangle<T, UNKNOWNS>, noise_sd: T) {
         for k in 0..UNKNOWNS {
             if let Some(weight) = self.prior_weight(k, noise_sd) {
                 let mut row = [T::zero(); UNKNOWNS];
@@ -208,7 +224,6 @@ impl<T: Real> FilteredArx<T> {
                 triangle.push(row, T::zero());
             }
         }
-        triangle
     }
 
     /// Weight of the prior row of unknown `k`; the gain has none.
@@ -231,7 +246,7 @@ impl<T: Real> FilteredArx<T> {
 
     /// Covariance of the deviations (scaled time; see the type's documentation for their order).
     pub fn covariance(&self) -> Option<[[T; UNKNOWNS]; UNKNOWNS]> {
-        let solution = self.solve().ok()?;
+        let solution = self.settled()?;
         let mut covariance = solution.triangle.covariance(UNKNOWNS);
         for entry in covariance.iter_mut().flatten() {
             *entry *= solution.slow_sd * solution.slow_sd;
@@ -239,7 +254,17 @@ impl<T: Real> FilteredArx<T> {
         Some(covariance)
     }
 
-    fn solve(&self) -> Result<Solution<T>, Unexcited> {
+    /// The solution with what waits taken in; `self` stays as it is.
+    fn settled(&self) -> Option<Solution<T>> {
+        let (mut settled, mut solution) = (*self, Solution::NONE);
+        settled.pending.fold_into(&mut settled.triangle);
+        settled.solve(&mut solution).ok()?;
+        Some(solution)
+    }
+
+    /// From the rows in the triangle.
+    #[inline(never)]
+    fn solve(&self, answer: &mut Solution<T>) -> Result<(), Unexcited> {
         let floor = self.prior.noise_floor_rad;
         let rows = self.moments.rows;
         if (rows as usize) < UNKNOWNS {
@@ -252,25 +277,22 @@ impl<T: Real> FilteredArx<T> {
         let freedom = (self.moments.weight - T::of(UNKNOWNS_F64)).max(T::one());
         // The prior's weight depends on the noise and the noise on the answer: three rounds
         // settle it, since the residual hardly depends on the prior.
-        let data = self.pending.folded_into(self.triangle);
+        let data = &self.triangle;
         let mut residual_sd = floor;
-        let mut answer = Solution {
-            theta: [T::zero(); UNKNOWNS],
-            noise_sd: floor,
-            slow_sd: floor,
-            input_shift: [T::zero(); UNKNOWNS],
-            triangle: data,
-        };
+        answer.slow_sd = floor;
         for _ in 0..3 {
-            let triangle = self.with_prior(&data, answer.slow_sd);
-            let theta =
-                triangle.solve(UNKNOWNS).map_err(|unknown| Unexcited::Direction { unknown })?;
-            residual_sd = (data.sum_of_squares_at(&theta) / freedom).root();
-            let noise_sd = residual_sd.max(floor);
-            let effective = self.effective(&triangle, answer.slow_sd);
-            let inflation = self.long_run.inflation(&theta, effective, noise_sd * noise_sd);
-            let slow_sd = noise_sd * inflation.root();
-            answer = Solution { theta, noise_sd, slow_sd, triangle, ..answer };
+            answer.triangle = *data;
+            self.add_prior(&mut answer.triangle, answer.slow_sd);
+            answer.theta = answer
+                .triangle
+                .solve(UNKNOWNS)
+                .map_err(|unknown| Unexcited::Direction { unknown })?;
+            residual_sd = (data.sum_of_squares_at(&answer.theta) / freedom).root();
+            answer.noise_sd = residual_sd.max(floor);
+            let effective = self.effective(&answer.triangle, answer.slow_sd);
+            let variance = answer.noise_sd * answer.noise_sd;
+            let inflation = self.long_run.inflation(&answer.theta, effective, variance);
+            answer.slow_sd = answer.noise_sd * inflation.root();
         }
         let (roll, input) = self.pulls(residual_sd * residual_sd);
         answer.input_shift = answer.triangle.shift_for(&input, UNKNOWNS);
@@ -279,7 +301,7 @@ impl<T: Real> FilteredArx<T> {
         {
             *theta += *shift.0 + shift.1;
         }
-        Ok(answer)
+        Ok(())
     }
 
     /// What noise of the roll angle and of the input takes from `Σ φ e`, because it sits in the
@@ -308,12 +330,13 @@ impl<T: Real> FilteredArx<T> {
     }
 
     /// How many unknowns the data decided, not the prior: `Σ 1 − w² (RᵀR)⁻¹`.
+    #[inline(never)]
     fn effective(&self, triangle: &Triangle<T, UNKNOWNS>, noise_sd: T) -> T {
-        let covariance = triangle.covariance(UNKNOWNS);
         let mut effective = T::zero();
-        for (k, row) in covariance.iter().enumerate() {
-            let weight = self.prior_weight(k, noise_sd).unwrap_or(T::zero());
-            effective += T::one() - weight * weight * row[k];
+        for k in 0..UNKNOWNS {
+            let mut gradient = [T::zero(); UNKNOWNS];
+            gradient[k] = self.prior_weight(k, noise_sd).unwrap_or(T::zero());
+            effective += T::one() - triangle.variance_of(&gradient, UNKNOWNS);
         }
         effective
     }
@@ -346,8 +369,9 @@ impl<T: Real> FilteredArx<T> {
     /// What the nominal dynamics at the best gain and offset leave over of the roll, beyond what
     /// the identified ones do and noise explains: root mean square, over that of the roll about
     /// its mean.
+    #[inline(never)]
     fn misfit(&self, solution: &Solution<T>) -> T {
-        let data = self.pending.folded_into(self.triangle);
+        let data = &self.triangle;
         let Some(nominal) = data.solve_pair(GAIN, OFFSET) else { return T::zero() };
         let more = data.sum_of_squares_at(&nominal) - data.sum_of_squares_at(&solution.theta);
         // Each unknown explains some noise: by chance up to five standard deviations of it.
@@ -358,7 +382,7 @@ impl<T: Real> FilteredArx<T> {
 
     /// The identified transfer function (time in seconds), if the data determine one.
     pub fn model(&self) -> Option<Reduced5<T>> {
-        let theta = self.solve().ok()?.theta;
+        let theta = self.settled()?.theta;
         let mut model = self.model;
         for k in 0..ORDER {
             model.denominator[k] += theta[k];
@@ -377,14 +401,34 @@ impl<T: Real> FilteredArx<T> {
 impl<T: Real> Identify<T> for FilteredArx<T> {
     type Options = Prior<T>;
 
+    const EMPTY: Self = Self {
+        model: Reduced5 { numerator: [T::ZERO; ORDER + 1], denominator: [T::ZERO; ORDER] },
+        scale_radps: T::ZERO,
+        prior: Prior { dynamics_sd: T::ZERO, noise_floor_rad: T::ZERO, offset_sd_rad: T::ZERO },
+        interval_s: T::ZERO,
+        step: StepMatrices::STANDING,
+        input: StateVariableFilter::EMPTY,
+        roll: StateVariableFilter::EMPTY,
+        started: false,
+        triangle: Triangle::new(),
+        pending: Pending::new(),
+        long_run: LongRun::new(),
+        moments: Moments::new(),
+        reference_rad: T::ZERO,
+        newest_share: [T::ZERO; ORDER],
+        input_noise: InputNoise::new(),
+        noise_products: [T::ZERO; ORDER + 1],
+        products_interval_s: T::ZERO,
+    };
+
     /// The estimator's input is the expected roll angle, so the model is taken at unit gain.
-    fn for_model(model: &Reduced5<T>, prior: Prior<T>) -> Self {
+    fn make_for(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
         let mut model = *model;
         let gain = model.dc_gain();
         for coefficient in &mut model.numerator {
             *coefficient /= gain;
         }
-        Self::new(&model, prior)
+        self.begin(&model, prior);
     }
 
     /// Advances the filters to the next sample, `interval_s` after the one before, and takes
@@ -392,14 +436,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
         if self.started {
             if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
-                self.interval_s = interval_s;
-                self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
-                // Noise need not be known to better than time stamps jitter.
-                let change = (interval_s - self.products_interval_s).abs();
-                if change > self.products_interval_s * T::of(0.25) {
-                    self.products_interval_s = interval_s;
-                    self.noise_products = self.step.noise_products(&self.model);
-                }
+                self.discretise(interval_s);
             }
             self.input.push(&self.step, input);
             self.roll.push(&self.step, roll_rad - self.reference_rad);
@@ -436,8 +473,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// Multiplies the weight of all rows so far by `factor` (forgetting).
     fn forget(&mut self, factor: T) {
-        self.triangle = self.pending.folded_into(self.triangle);
-        self.pending = Pending::new();
+        self.pending.fold_into(&mut self.triangle);
         self.triangle.scale(factor.root());
         self.long_run.forget(factor);
         self.input_noise.forget(factor);
@@ -447,9 +483,12 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         }
     }
 
-    fn fit(&self) -> Answer<T> {
-        match self.solve() {
-            Ok(solution) => Answer::Ready(self.describe(&solution)),
+    #[inline(never)]
+    fn fit(&mut self) -> Answer<T> {
+        self.pending.fold_into(&mut self.triangle);
+        let mut solution = Solution::NONE;
+        match self.solve(&mut solution) {
+            Ok(()) => Answer::Ready(self.describe(&solution)),
             Err(reason) => Answer::Unexcited(reason),
         }
     }

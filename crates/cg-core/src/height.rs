@@ -37,12 +37,17 @@ pub struct Fusion<T> {
 
 impl<T: Real> Default for Fusion<T> {
     fn default() -> Self {
-        let zero = T::zero();
-        Self { weight: zero, mean: zero, scatter: zero, systematic: zero, maneuvers: 0 }
+        Self::new()
     }
 }
 
 impl<T: Real> Fusion<T> {
+    /// Before the first maneuver.
+    pub const fn new() -> Self {
+        let zero = T::ZERO;
+        Self { weight: zero, mean: zero, scatter: zero, systematic: zero, maneuvers: 0 }
+    }
+
     /// Takes in one maneuver: its height with the noise's standard deviation, and the standard
     /// deviation that compensation and model add.
     pub fn push(&mut self, height_m: Measured<T>, systematic_sd_m: T) {

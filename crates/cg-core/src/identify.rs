@@ -87,8 +87,8 @@ pub(crate) struct Moments<T> {
 }
 
 impl<T: Real> Moments<T> {
-    pub(crate) fn new() -> Self {
-        let zero = T::zero();
+    pub(crate) const fn new() -> Self {
+        let zero = T::ZERO;
         Self {
             weight: zero,
             rows: 0,
@@ -145,12 +145,23 @@ impl<T: Real> Moments<T> {
 }
 
 /// An identifier of the DC ratio, as the estimator uses it.
+///
+/// It is made for a model where it lies: on its way there it would need the stack twice.
 pub trait Identify<T: Real>: Copy {
     /// Settings of this identifier.
     type Options: Copy;
 
+    /// Without a model, and without an answer.
+    const EMPTY: Self;
+
+    /// Forgets everything and begins anew around the reduced model of a channel.
+    fn make_for(&mut self, model: &Reduced5<T>, options: Self::Options);
     /// An empty identifier around the reduced model of a channel.
-    fn for_model(model: &Reduced5<T>, options: Self::Options) -> Self;
+    fn for_model(model: &Reduced5<T>, options: Self::Options) -> Self {
+        let mut identifier = Self::EMPTY;
+        identifier.make_for(model, options);
+        identifier
+    }
     /// Takes in the next sample, `interval_s` after the one before; its row counts only if
     /// `use_row` says so.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
@@ -160,6 +171,6 @@ pub trait Identify<T: Real>: Copy {
     fn restart(&mut self);
     /// Multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T);
-    /// The answer for all rows so far.
-    fn fit(&self) -> Answer<T>;
+    /// The answer for all rows so far. Takes in what waits for more rows first.
+    fn fit(&mut self) -> Answer<T>;
 }

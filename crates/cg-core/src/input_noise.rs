@@ -22,8 +22,8 @@ pub(crate) struct InputNoise<T> {
 }
 
 impl<T: Real> InputNoise<T> {
-    pub(crate) fn new() -> Self {
-        let zero = T::zero();
+    pub(crate) const fn new() -> Self {
+        let zero = T::ZERO;
         Self {
             sum: zero,
             rows: zero,

@@ -47,8 +47,8 @@ impl<T: Real, const N: usize> Default for Triangle<T, N> {
 
 impl<T: Real, const N: usize> Triangle<T, N> {
     /// The empty problem.
-    pub fn new() -> Self {
-        Self { r: [[T::zero(); N]; N], z: [T::zero(); N], residual_sum_of_squares: T::zero() }
+    pub const fn new() -> Self {
+        Self { r: [[T::ZERO; N]; N], z: [T::ZERO; N], residual_sum_of_squares: T::ZERO }
     }
 
     /// Takes in the row `regressors · θ = observation`.
@@ -86,10 +86,11 @@ impl<T: Real, const N: usize> Triangle<T, N> {
     ///
     /// The same answer as `B` calls of [`push`](Self::push), with one Householder reflection
     /// per unknown in place of `B` rotations: a third of the time. Rows of zeros say nothing.
+    /// What stays in the block afterwards has no meaning.
     pub fn push_block<const B: usize>(
         &mut self,
-        mut columns: [[T; B]; N],
-        mut observations: [T; B],
+        columns: &mut [[T; B]; N],
+        observations: &mut [T; B],
     ) {
         for j in 0..N {
             let v = columns[j];
@@ -108,9 +109,9 @@ impl<T: Real, const N: usize> Triangle<T, N> {
             for k in j + 1..N {
                 reflect(head, &v, beta, &mut self.r[j][k], &mut columns[k]);
             }
-            reflect(head, &v, beta, &mut self.z[j], &mut observations);
+            reflect(head, &v, beta, &mut self.z[j], observations);
         }
-        self.residual_sum_of_squares += dot(&observations, &observations);
+        self.residual_sum_of_squares += dot(observations, observations);
     }
 
     /// The least-squares answer if only unknowns `a` and `b` differ from zero; `None` if no row
@@ -325,7 +326,7 @@ mod tests {
                 }
                 single.push(row, observations[b]);
             }
-            block.push_block(columns, observations);
+            block.push_block(&mut columns, &mut observations);
         }
         let (a, b) = (single.solve(3).unwrap(), block.solve(3).unwrap());
         for j in 0..3 {
@@ -338,8 +339,11 @@ mod tests {
     #[test]
     fn values_whose_squares_underflow_do_no_harm() {
         let mut triangle = Triangle::<f32, 2>::new();
-        triangle.push_block([[1e-20, 0.0, 0.0, 0.0], [1e-30, 1e-22, 0.0, 0.0]], [0.0; 4]);
-        triangle.push_block([[1.0, 0.0, 2.0, 0.0], [0.0, 1.0, 1.0, 0.0]], [1.0, 2.0, 4.0, 0.0]);
+        triangle.push_block(&mut [[1e-20, 0.0, 0.0, 0.0], [1e-30, 1e-22, 0.0, 0.0]], &mut [0.0; 4]);
+        triangle.push_block(
+            &mut [[1.0, 0.0, 2.0, 0.0], [0.0, 1.0, 1.0, 0.0]],
+            &mut [1.0, 2.0, 4.0, 0.0],
+        );
         let theta = triangle.solve(2).unwrap();
         assert!((theta[0] - 1.0).abs() < 1e-6 && (theta[1] - 2.0).abs() < 1e-6);
     }

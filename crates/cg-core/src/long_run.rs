@@ -37,8 +37,8 @@ pub(crate) struct LongRun<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> LongRun<T, N> {
-    pub(crate) fn new() -> Self {
-        let zero = T::zero();
+    pub(crate) const fn new() -> Self {
+        let zero = T::ZERO;
         Self {
             regressors: [zero; N],
             observation: zero,

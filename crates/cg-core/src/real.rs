@@ -13,6 +13,9 @@ mod sealed {
 /// Square root and logarithm come from `libm` on every target, so a host and a
 /// Cortex-M4F give the same bits.
 pub trait Real: RealField + Copy + sealed::Sealed {
+    /// Zero, where constants are wanted.
+    const ZERO: Self;
+
     /// The nearest value to `value`.
     fn of(value: f64) -> Self;
     /// This value as `f64`.
@@ -35,6 +38,8 @@ pub trait Real: RealField + Copy + sealed::Sealed {
 }
 
 impl Real for f64 {
+    const ZERO: Self = 0.0;
+
     fn of(value: f64) -> Self {
         value
     }
@@ -62,6 +67,8 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
+    const ZERO: Self = 0.0;
+
     #[allow(clippy::cast_possible_truncation)] // rounding to f32 is the purpose
     fn of(value: f64) -> Self {
         value as f32

@@ -15,7 +15,7 @@
 //! 3rd ed., §6.3.2 (first-order hold); Garnier and Wang, *Identification of
 //! Continuous-time Models from Sampled Data*, §1.3 (state-variable filters).
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{ArrayStorage, SMatrix, SVector};
 
 use crate::real::Real;
 
@@ -108,6 +108,11 @@ impl<T: Real> Reduced5<T> {
     }
 }
 
+/// A constant matrix of zeros.
+const fn zeros<T: Real, const R: usize, const C: usize>() -> SMatrix<T, R, C> {
+    SMatrix::from_array_storage(ArrayStorage([[T::ZERO; R]; C]))
+}
+
 /// Doublings of the sum for the noise in the filters: 2¹² samples are 4 s at 1 kHz.
 const DOUBLINGS: u32 = 12;
 
@@ -122,7 +127,11 @@ pub struct StepMatrices<T: Real> {
 }
 
 impl<T: Real> StepMatrices<T> {
+    /// The step over no time.
+    pub(crate) const STANDING: Self = Self { increment: zeros(), held: zeros(), ramp: zeros() };
+
     /// The step over `step` (in the time unit of `model`).
+    #[inline(never)]
     pub fn new(model: &Reduced5<T>, step: T) -> Self {
         // d/dt (x, u, u̇) with u̇ in units of one step:  M = step · ┌ A B 0 ┐ + ┌ 0 0 0 ┐
         //                                                         │ 0 0 0 │   │ 0 0 1 │
@@ -156,14 +165,15 @@ impl<T: Real> StepMatrices<T> {
     ///
     /// With `x⁺ = Φ x + Γ0 v + Γ1 v⁺` the covariance of the states is `W + Γ1 Γ1ᵀ`,
     /// `W = Σ Φⁱ b bᵀ Φⁱᵀ` and `b = Φ Γ1 + Γ0`, summed by doubling.
+    #[inline(never)]
     pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
         let ramp = self.ramp;
         let mut transition = self.increment + SMatrix::identity();
         let drive = transition * ramp + self.held - ramp;
         let mut covariance = drive * drive.transpose();
         for _ in 0..DOUBLINGS {
-            covariance += transition * covariance * transition.transpose();
-            transition *= transition;
+            covariance += product(&product(&transition, &covariance), &transition.transpose());
+            transition = product(&transition, &transition);
         }
         covariance += ramp * ramp.transpose();
         // G u = c·x + a5 v
@@ -178,6 +188,15 @@ impl<T: Real> StepMatrices<T> {
         products[ORDER] = c.dot(&ramp) + through - denominator.dot(&states);
         products
     }
+}
+
+/// `a b`: once in the image of a microcontroller, not at every use.
+#[inline(never)]
+fn product<T: Real, const N: usize>(
+    a: &SMatrix<T, N, N>,
+    b: &SMatrix<T, N, N>,
+) -> SMatrix<T, N, N> {
+    a * b
 }
 
 /// `exp(M) − I` by scaling, a 12-term Taylor series and `(I + F)² − I = 2F + F²`.
@@ -201,11 +220,11 @@ fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7>
     let mut term = scaled;
     let mut f = scaled;
     for k in 2..=12 {
-        term = term * scaled / T::of(f64::from(k));
+        term = product(&term, &scaled) / T::of(f64::from(k));
         f += term;
     }
     for _ in 0..squarings {
-        f = f * T::of(2.0) + f * f;
+        f = f * T::of(2.0) + product(&f, &f);
     }
     f
 }
@@ -218,6 +237,9 @@ pub struct StateVariableFilter<T: Real> {
 }
 
 impl<T: Real> StateVariableFilter<T> {
+    /// Without a signal.
+    pub(crate) const EMPTY: Self = Self { state: zeros(), input: T::ZERO };
+
     /// Filters at rest under the constant signal `input`.
     pub fn at_rest(model: &Reduced5<T>, input: T) -> Self {
         let mut state = SVector::zeros();
