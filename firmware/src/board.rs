@@ -1,0 +1,173 @@
+//! The machine: a counter of instructions or cycles, the memory in use, lines of text.
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{DWT, SYST};
+use cortex_m_semihosting::hio::{self, HostStream};
+
+/// Instructions in a tick of the timer: QEMU runs one a nanosecond (`-icount shift=0`), and the
+/// timer of this board has 25 MHz.
+const INSTRUCTIONS_PER_TICK: u32 = 40;
+const RELOAD: u32 = 0x00ff_ffff;
+
+/// Counts cycles where the chip can, else QEMU's instructions.
+#[derive(Clone, Copy)]
+pub(crate) struct Counter {
+    cycles: bool,
+}
+
+impl Counter {
+    /// Starts to count; `None` the second time.
+    pub(crate) fn start() -> Option<Self> {
+        let mut core = Peripherals::take()?;
+        core.DCB.enable_trace();
+        core.DWT.enable_cycle_counter();
+        let before = DWT::cycle_count();
+        cortex_m::asm::nop();
+        let cycles = DWT::cycle_count() != before; // QEMU's stands still
+        core.SYST.set_clock_source(SystClkSource::Core);
+        core.SYST.set_reload(RELOAD);
+        core.SYST.clear_current();
+        core.SYST.enable_counter();
+        Some(Self { cycles })
+    }
+
+    /// What is counted.
+    pub(crate) fn unit(self) -> &'static str {
+        if self.cycles { "cycles" } else { "instructions" }
+    }
+
+    /// The count; differences hold for less than half a second.
+    pub(crate) fn now(self) -> u32 {
+        if self.cycles {
+            DWT::cycle_count()
+        } else {
+            // Counts down, 24 bits: the upper ones make differences wrap as 32 bits do.
+            RELOAD.wrapping_sub(SYST::get_current()).wrapping_mul(INSTRUCTIONS_PER_TICK)
+        }
+    }
+}
+
+unsafe extern "C" {
+    static __vector_table: u32;
+    static __sidata: u32;
+    static __sdata: u32;
+    static __edata: u32;
+    static _stack_end: u32;
+    static _stack_start: u32;
+}
+
+/// Memory in use, bytes.
+pub(crate) struct Memory {
+    /// Flash: code, constants, the design, initial values; without the log.
+    pub(crate) image: u32,
+    /// RAM of fixed place.
+    pub(crate) fixed: u32,
+    /// The stack at its deepest so far.
+    pub(crate) stack: u32,
+}
+
+impl Memory {
+    /// What the linker says, and how much of the stack has lost its paint.
+    #[allow(clippy::cast_possible_truncation)] // 32-bit addresses
+    pub(crate) fn measure() -> Self {
+        let address = |symbol: *const u32| symbol as usize as u32;
+        let data = address(&raw const __edata) - address(&raw const __sdata);
+        let (low, high) = (address(&raw const _stack_end), address(&raw const _stack_start));
+        let mut place = &raw const _stack_end;
+        // SAFETY: aligned words of RAM from the end of the statics to the start of the stack; the
+        // stack that is in use lies above the paint and is not read as anything but numbers.
+        let word = |place: *const u32| unsafe { place.read_volatile() };
+        while address(place) < high && word(place) == cortex_m_rt::STACK_PAINT_VALUE {
+            place = place.wrapping_add(1);
+        }
+        Self {
+            image: address(&raw const __sidata) + data - address(&raw const __vector_table),
+            fixed: low - address(&raw const __sdata),
+            stack: high - address(place),
+        }
+    }
+}
+
+/// Lines of text to the debugger (or to QEMU's standard output); no heap and no `core::fmt`,
+/// whose checks would bring panics into the image.
+pub(crate) struct Line {
+    bytes: [u8; 100],
+    length: usize,
+}
+
+impl Line {
+    /// An empty one.
+    pub(crate) fn new() -> Self {
+        Self { bytes: [0; 100], length: 0 }
+    }
+
+    /// Adds text, as far as it fits.
+    #[must_use]
+    pub(crate) fn text(mut self, text: &str) -> Self {
+        for byte in text.bytes() {
+            if let Some(place) = self.bytes.get_mut(self.length) {
+                *place = byte;
+                self.length += 1;
+            }
+        }
+        self
+    }
+
+    fn digits(mut self, mut value: u64, base: u64, least: usize) -> Self {
+        let mut digits = [b'0'; 20];
+        let mut count = 0;
+        for place in digits.iter_mut().rev() {
+            if value == 0 && count >= least {
+                break;
+            }
+            #[allow(clippy::cast_possible_truncation)] // a digit
+            let digit = (value % base) as u8;
+            *place = digit + if digit < 10 { b'0' } else { b'a' - 10 };
+            value /= base;
+            count += 1;
+        }
+        for digit in digits.iter().skip(digits.len() - count) {
+            if let Some(place) = self.bytes.get_mut(self.length) {
+                *place = *digit;
+                self.length += 1;
+            }
+        }
+        self
+    }
+
+    /// Adds a whole number.
+    #[must_use]
+    pub(crate) fn whole(self, value: u32) -> Self {
+        self.digits(u64::from(value), 10, 1)
+    }
+
+    /// Adds 64 bits as sixteen digits.
+    #[must_use]
+    pub(crate) fn hexadecimal(self, value: u64) -> Self {
+        self.digits(value, 16, 16)
+    }
+
+    /// Adds a number from 0 to 400 000 with four decimals; a dash for any other.
+    #[must_use]
+    pub(crate) fn decimal(self, value: f32) -> Self {
+        let scaled = value * 1e4 + 0.5;
+        if !(0.0..4e9).contains(&scaled) {
+            return self.text("-");
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in range
+        let scaled = scaled as u32;
+        self.whole(scaled / 10_000).text(".").digits(u64::from(scaled % 10_000), 10, 4)
+    }
+
+    /// Writes it; what a debugger that is not there misses is lost.
+    pub(crate) fn end(self, out: &mut HostStream) {
+        let line = self.text("\n");
+        let _ = out.write_all(line.bytes.get(..line.length).unwrap_or(&[]));
+    }
+}
+
+/// Where lines go.
+pub(crate) fn output() -> Option<HostStream> {
+    hio::hstdout().ok()
+}

@@ -1,0 +1,16 @@
+//! What host and target do alike: replay the log through the estimator, hash every answer.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`log`] | the fixture logs, compiled in |
+//! | [`truck`] | the design, as `cg design --emit rust` wrote it |
+//! | [`trace`] | a hash of every bit of every answer |
+//! | [`replay`] | samples in, costs and heights out |
+#![no_std]
+#![forbid(unsafe_op_in_unsafe_fn)]
+
+pub mod log;
+#[allow(missing_docs)] // emitted
+pub mod truck;
+pub mod trace;
+pub mod replay;

@@ -1,0 +1,90 @@
+//! Boots on a Cortex-M4F, replays the log, and says what came out and what it cost.
+//!
+//! `cargo run --release` runs it in QEMU and counts instructions; on a board with a debugger the
+//! same image counts cycles.
+#![no_std]
+#![no_main]
+
+mod board;
+
+use board::{Counter, Line, Memory, output};
+use cg_firmware::replay::{Cost, Report, replay};
+use cortex_m_rt::entry;
+use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
+use cortex_m_semihosting::hio::HostStream;
+use panic_halt as _;
+
+#[entry]
+fn main() -> ! {
+    let shown = match (Counter::start(), output()) {
+        (Some(counter), Some(mut out)) => {
+            show(counter, &mut out);
+            EXIT_SUCCESS
+        }
+        _ => EXIT_FAILURE,
+    };
+    debug::exit(shown);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+fn show(counter: Counter, out: &mut HostStream) {
+    let mut maneuvers = 0;
+    let report = replay(
+        || counter.now(),
+        |maneuver, height| {
+            maneuvers += 1;
+            let (value, sd) =
+                height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
+            #[allow(clippy::cast_precision_loss)]
+            let end_s = maneuver.end_us as f32 * 1e-6;
+            Line::new()
+                .text("maneuver to ")
+                .decimal(end_s)
+                .text(" s: height ")
+                .decimal(value)
+                .text(" m, one sigma ")
+                .decimal(sd)
+                .text(" m")
+                .end(out);
+        },
+    );
+    #[cfg(feature = "control")]
+    control(maneuvers);
+    let memory = Memory::measure();
+    number(out, "maneuvers", maneuvers, "");
+    costs(out, counter, &report);
+    number(out, "image", memory.image, "bytes");
+    number(out, "ram_fixed", memory.fixed, "bytes");
+    number(out, "ram_stack", memory.stack, "bytes");
+    number(out, "ram", memory.fixed + memory.stack, "bytes");
+    if let Some(height) = report.height {
+        Line::new().text("height = ").decimal(height.height_m.value).text(" m").end(out);
+        Line::new().text("height_sd = ").decimal(height.height_m.sd).text(" m").end(out);
+        Line::new().text("threshold = ").decimal(report.threshold_g).text(" g").end(out);
+    }
+    Line::new().text("hash = ").hexadecimal(report.trace.0).end(out);
+}
+
+/// A bounds check that stays: the search for panics must find this one.
+#[cfg(feature = "control")]
+fn control(index: u32) {
+    let table = core::hint::black_box([1_u32, 2, 3]);
+    core::hint::black_box(table[index as usize]);
+}
+
+fn costs(out: &mut HostStream, counter: Counter, report: &Report) {
+    let mut cost = |mean: &str, worst: &str, cost: Cost| {
+        number(out, mean, cost.mean(), counter.unit());
+        number(out, worst, cost.worst, counter.unit());
+    };
+    cost("push_mean", "push_worst", report.all);
+    cost("push_running_mean", "push_running_worst", report.running);
+    cost("push_closing_mean", "push_closing_worst", report.closing);
+    number(out, "samples", report.all.calls, "");
+}
+
+fn number(out: &mut HostStream, name: &str, value: u32, unit: &str) {
+    Line::new().text(name).text(" = ").whole(value).text(" ").text(unit).end(out);
+}

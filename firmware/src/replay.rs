@@ -1,0 +1,142 @@
+//! Samples in, costs and heights out.
+
+use cg_core::estimator::Maneuver;
+use cg_core::{
+    Channel, Design, Estimator, FilteredArx, Height, Identify, Prior, Settings, Status, Step,
+};
+
+use crate::log;
+use crate::trace::Trace;
+use crate::truck::DESIGN;
+
+/// The estimator on a microcontroller: the design stays in flash.
+pub type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32>>;
+
+/// What a kind of call costs, in the clock's unit.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cost {
+    /// Calls.
+    pub calls: u32,
+    /// All of them together.
+    pub total: u64,
+    /// The dearest.
+    pub worst: u32,
+}
+
+impl Cost {
+    fn add(&mut self, cost: u32) {
+        self.calls += 1;
+        self.total += u64::from(cost);
+        self.worst = self.worst.max(cost);
+    }
+
+    /// The mean, rounded up.
+    #[allow(clippy::cast_possible_truncation)] // below the worst, which has 32 bits
+    pub fn mean(&self) -> u32 {
+        self.total.div_ceil(u64::from(self.calls.max(1))) as u32
+    }
+}
+
+/// What a replay has shown.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Report {
+    /// All samples.
+    pub all: Cost,
+    /// Samples that end no maneuver. Every eighth row folds a block; a new interval, or a new
+    /// beginning after a stop, makes the filters anew.
+    pub running: Cost,
+    /// Samples that end a maneuver: solve, judge, fuse.
+    pub closing: Cost,
+    /// Every bit of every answer.
+    pub trace: Trace,
+    /// Height of both channels together.
+    pub height: Option<Height<f32>>,
+    /// Rollover threshold at that height, in g.
+    pub threshold_g: f32,
+}
+
+/// Runs the log through the estimator. `clock` counts up in any unit; `told` hears of each
+/// maneuver, and of the height after it.
+pub fn replay(
+    clock: impl Fn() -> u32,
+    mut told: impl FnMut(&Maneuver<f32>, Option<Height<f32>>),
+) -> Report {
+    let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
+    let mut report = Report::default();
+    let mut mass_kg = DESIGN.nominal_trailer_mass_kg;
+    for sample in log::samples() {
+        let start = clock();
+        let step = estimator.push(&sample);
+        let cost = clock().wrapping_sub(start);
+        report.all.add(cost);
+        let closed = step.as_ref().ok().and_then(|step| step.closed);
+        match closed {
+            Some(_) => report.closing.add(cost),
+            None => report.running.add(cost),
+        }
+        report.trace.step(&step);
+        report.trace.height(estimator.combined_height());
+        if let Some(maneuver) = closed {
+            mass_kg = maneuver.trailer_mass_kg;
+            for channel in Channel::ALL {
+                report.trace.height(estimator.height(channel));
+            }
+            told(&maneuver, estimator.combined_height());
+        }
+    }
+    let start = clock();
+    let last = estimator.finish();
+    report.closing.add(clock().wrapping_sub(start));
+    if let Some(maneuver) = last {
+        report.trace.step(&Ok(Step { status: Status::Straight, closed: Some(maneuver) }));
+        told(&maneuver, estimator.combined_height());
+    }
+    report.height = estimator.combined_height();
+    report.trace.height(report.height);
+    let rollover = report.height.and_then(|h| DESIGN.rollover(h.height_m, mass_kg));
+    report.threshold_g = rollover.map_or(0.0, |r| r.static_rollover_threshold_g.value);
+    report.trace.number(report.threshold_g);
+    report
+}
+
+/// Costs of the identifier alone, a row of one channel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct IdentifyCosts {
+    /// At an even interval; every eighth row folds a block.
+    pub even: Cost,
+    /// At an interval that changes with every row, as that of time stamps of arrival does: the
+    /// filters are discretised anew each time.
+    pub jitter: Cost,
+}
+
+/// Rows with jitter.
+const JITTER_ROWS: usize = 400;
+
+/// Counts what the identifier alone costs on the log's lateral acceleration and roll.
+pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
+    let model = DESIGN.model(Channel::LateralAcceleration, DESIGN.nominal_trailer_mass_kg);
+    let mut costs = IdentifyCosts::default();
+    let mut run = |jitter: bool, rows: usize| {
+        let mut identifier = FilteredArx::for_model(&model, Prior::standard());
+        for (k, sample) in log::samples().take(rows).enumerate() {
+            let late = jitter && k % 2 == 1;
+            let interval_s = if late { 0.010_1 } else { 0.010 };
+            let start = clock();
+            identifier.push(
+                0.02 * sample.lateral_acceleration_mps2,
+                sample.roll_rad,
+                interval_s,
+                true,
+            );
+            let cost = clock().wrapping_sub(start);
+            match (k, jitter) {
+                (0 | 1, _) => {} // the first interval
+                (_, false) => costs.even.add(cost),
+                (_, true) => costs.jitter.add(cost),
+            }
+        }
+    };
+    run(false, usize::MAX);
+    run(true, JITTER_ROWS);
+    costs
+}
