@@ -1,0 +1,118 @@
+/* Replays a log through the estimator and prints what it says. Runs on a host and, with
+ * mps2.ld and startup.c, on an emulated Cortex-M4F.
+ *
+ * The log is an array of cg_sample in the file that LOG names, compiled in; the design comes from
+ * `cg design --emit c`, in the file that DESIGN names. Numbers are printed as their bits, so that
+ * two machines can be compared. */
+#include <stdio.h>
+#include <string.h>
+
+#include "cg_height.h"
+#include DESIGN
+
+__asm__(".section .rodata\n"
+        ".balign 8\n"
+        "log_begin:\n"
+        ".incbin \"" LOG "\"\n"
+        "log_end:\n"
+        ".text\n");
+extern const cg_sample log_begin[];
+extern const cg_sample log_end[];
+
+static unsigned long bits(float value)
+{
+    uint32_t word;
+    memcpy(&word, &value, sizeof word);
+    return value != value ? 0x7fc00000u : word;
+}
+
+/* FNV-1a over bytes. */
+static uint64_t hash_of(const void *data, size_t size)
+{
+    const unsigned char *bytes = data;
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t k = 0; k < size; k++)
+        hash = (hash ^ bytes[k]) * 0x100000001b3u;
+    return hash;
+}
+
+static void print_step(const cg_step *step)
+{
+    printf("maneuver %llu %llu %08lx %08lx", (unsigned long long)step->start_us,
+           (unsigned long long)step->end_us, bits(step->speed_mps), bits(step->trailer_mass_kg));
+    for (int channel = 0; channel < 2; channel++) {
+        const cg_outcome *o = &step->outcomes[channel];
+        printf(" | %d %08lx %08lx %08lx %08lx %08lx %08lx", (int)o->reject,
+               bits(o->ratio.value), bits(o->ratio.sd), bits(o->snr_db),
+               bits(o->height_m.value), bits(o->height_m.sd), bits(o->systematic_sd_m));
+    }
+    printf("\n");
+}
+
+static int refused(void)
+{
+    static cg_estimator estimator; /* all zero: never initialised */
+    cg_design broken = CG_DESIGN;
+    cg_height height;
+    int faults = 0;
+    const cg_sample *sample = log_begin;
+
+    faults += cg_estimator_push(NULL, sample, NULL) != CG_NULL_POINTER;
+    faults += cg_estimator_push(&estimator, sample, NULL) != CG_NOT_INITIALISED;
+    faults += cg_estimator_init(&estimator, 16, &CG_DESIGN, sizeof CG_DESIGN) != CG_WRONG_SIZE;
+    faults += cg_estimator_init(&estimator, sizeof estimator, &CG_DESIGN, 12) != CG_WRONG_SIZE;
+    faults += cg_estimator_init(&estimator, sizeof estimator, NULL, sizeof broken)
+              != CG_NULL_POINTER;
+    faults += cg_estimator_init((cg_estimator *)((char *)&estimator + 1), sizeof estimator,
+                                &CG_DESIGN, sizeof CG_DESIGN)
+              != CG_MISALIGNED;
+    broken.speed_mps[3] = NAN;
+    faults += cg_estimator_init(&estimator, sizeof estimator, &broken, sizeof broken)
+              != CG_BAD_DESIGN;
+    faults += cg_estimator_height(&estimator, CG_COMBINED, &height) != CG_NOT_INITIALISED;
+    faults += cg_estimator_init(&estimator, sizeof estimator, &CG_DESIGN, sizeof CG_DESIGN)
+              != CG_OK;
+    faults += cg_estimator_height(&estimator, CG_COMBINED, &height) != CG_NO_ANSWER;
+    faults += cg_estimator_height(&estimator, 3, &height) != CG_BAD_CHANNEL;
+    faults += cg_estimator_push(&estimator, sample, NULL) != CG_OK;
+    faults += cg_estimator_push(&estimator, sample, NULL) != CG_TIME_ORDER;
+    return faults;
+}
+
+int main(void)
+{
+    static cg_estimator estimator;
+    cg_step step;
+    cg_height height;
+    cg_rollover rollover;
+    float mass_kg = CG_DESIGN.nominal_trailer_mass_kg;
+    uint32_t turning = 0;
+
+    printf("design %016llx\n", (unsigned long long)hash_of(&CG_DESIGN, sizeof CG_DESIGN));
+    printf("refusals missed %d\n", refused());
+    if (cg_estimator_init(&estimator, sizeof estimator, &CG_DESIGN, sizeof CG_DESIGN) != CG_OK)
+        return 1;
+    for (const cg_sample *sample = log_begin; sample != log_end; sample++) {
+        if (cg_estimator_push(&estimator, sample, &step) != CG_OK)
+            return 1;
+        turning += step.status == CG_TURNING;
+        mass_kg = sample->trailer_mass_kg;
+        if (step.closed)
+            print_step(&step);
+    }
+    if (cg_estimator_finish(&estimator, &step) != CG_OK)
+        return 1;
+    if (step.closed)
+        print_step(&step);
+    printf("turning %lu\n", (unsigned long)turning);
+    for (int32_t channel = CG_STEER; channel <= CG_COMBINED; channel++)
+        if (cg_estimator_height(&estimator, channel, &height) == CG_OK)
+            printf("height %d: %08lx %08lx %08lx of %lu\n",
+                   (int)channel, bits(height.height_m.value), bits(height.height_m.sd),
+                   bits(height.random_sd_m), (unsigned long)height.maneuvers);
+    if (cg_estimator_threshold(&estimator, mass_kg, &rollover) == CG_OK)
+        printf("threshold %08lx %08lx\n",
+               bits(rollover.static_rollover_threshold_g.value),
+               bits(rollover.static_rollover_threshold_g.sd));
+    return 0;
+}

@@ -1,0 +1,261 @@
+//! The estimator for C: `include/cg_height.h`, and a static library behind it.
+//!
+//! No heap, no globals: the caller brings the memory, and the design stays where it is, in flash.
+//! This is the only crate with `unsafe` in it: pointers come from C. Each is checked for null and
+//! alignment; that it leads to memory of its type is the caller's side of the contract.
+#![cfg_attr(target_os = "none", no_std)]
+#![allow(unsafe_code)] // pointers from C
+
+mod types;
+
+use cg_core::estimator::Maneuver;
+use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, Step};
+
+pub use types::{CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
+
+/// As in the header: bytes of an estimator.
+pub const CG_ESTIMATOR_SIZE: usize = 4736;
+
+/// Why nothing was done; the numbers are those of the header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+#[allow(missing_docs)] // the header says
+pub enum CgError {
+    Ok = 0,
+    NullPointer = 1,
+    Misaligned = 2,
+    WrongSize = 3,
+    BadDesign = 4,
+    NotInitialised = 5,
+    TimeOrder = 6,
+    NoAnswer = 7,
+    BadChannel = 8,
+}
+
+/// Memory for an estimator, as C sees it.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct CgEstimator {
+    opaque: [u64; CG_ESTIMATOR_SIZE / 8],
+}
+
+impl CgEstimator {
+    /// Memory with nothing in it.
+    pub const EMPTY: Self = Self { opaque: [0; CG_ESTIMATOR_SIZE / 8] };
+}
+
+type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32>>;
+
+/// What is in that memory.
+#[repr(C)]
+struct State {
+    /// [`INITIALISED`], or whatever was there before.
+    mark: u64,
+    estimator: Onboard,
+}
+
+const INITIALISED: u64 = 0x6367_6865_6967_6874;
+
+// It fits, on this target too, and hardly anything is wasted.
+const _: () = assert!(size_of::<State>() <= CG_ESTIMATOR_SIZE);
+const _: () = assert!(size_of::<State>() + 128 >= CG_ESTIMATOR_SIZE);
+const _: () = assert!(align_of::<State>() <= align_of::<CgEstimator>());
+
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn never(_: &core::panic::PanicInfo) -> ! {
+    // Nothing in the library panics; the compiler wants to know what would happen.
+    loop {}
+}
+
+/// # Safety
+/// If not null and aligned, the pointer leads to a value of `T` that lives for `'a`.
+unsafe fn shared<'a, T>(pointer: *const T) -> Result<&'a T, CgError> {
+    check(pointer)?;
+    // SAFETY: not null and aligned; the rest is the caller's.
+    Ok(unsafe { &*pointer })
+}
+
+/// # Safety
+/// As [`shared`], and nobody else uses the value.
+unsafe fn exclusive<'a, T>(pointer: *mut T) -> Result<&'a mut T, CgError> {
+    check(pointer)?;
+    // SAFETY: not null and aligned; the rest is the caller's.
+    Ok(unsafe { &mut *pointer })
+}
+
+fn check<T>(pointer: *const T) -> Result<(), CgError> {
+    if pointer.is_null() {
+        Err(CgError::NullPointer)
+    } else if pointer.is_aligned() {
+        Ok(())
+    } else {
+        Err(CgError::Misaligned)
+    }
+}
+
+/// Where the estimator lies in its memory.
+///
+/// # Safety
+/// If not null and aligned, the pointer leads to memory of a `CgEstimator`.
+unsafe fn initialised(estimator: *const CgEstimator) -> Result<*const Onboard, CgError> {
+    check(estimator)?;
+    let state = estimator.cast::<State>();
+    // SAFETY: the mark lies within that memory, and any bits are a number.
+    if unsafe { (&raw const (*state).mark).read() } != INITIALISED {
+        return Err(CgError::NotInitialised);
+    }
+    // SAFETY: within that memory.
+    Ok(unsafe { &raw const (*state).estimator })
+}
+
+/// The estimator to change.
+///
+/// # Safety
+/// As [`initialised`], and nobody else uses the estimator.
+unsafe fn running<'a>(estimator: *mut CgEstimator) -> Result<&'a mut Onboard, CgError> {
+    // SAFETY: the caller's; the mark says that `cg_estimator_init` has put an estimator there.
+    unsafe { Ok(&mut *initialised(estimator)?.cast_mut()) }
+}
+
+/// The estimator to ask.
+///
+/// # Safety
+/// As [`initialised`], and nobody changes the estimator meanwhile.
+unsafe fn asked<'a>(estimator: *const CgEstimator) -> Result<&'a Onboard, CgError> {
+    // SAFETY: as in `running`.
+    unsafe { Ok(&*initialised(estimator)?) }
+}
+
+fn code(result: Result<(), CgError>) -> i32 {
+    result.err().unwrap_or(CgError::Ok) as i32
+}
+
+/// Makes an estimator; see the header.
+///
+/// # Safety
+/// Pointers that are not null lead to memory of their types; the design lives and stays as it is
+/// for as long as the estimator is used.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_init(
+    estimator: *mut CgEstimator,
+    estimator_size: usize,
+    design: *const Design<f32>,
+    design_size: usize,
+) -> i32 {
+    let make = || {
+        check(estimator)?;
+        if estimator_size != CG_ESTIMATOR_SIZE || design_size != size_of::<Design<f32>>() {
+            check(design)?;
+            return Err(CgError::WrongSize);
+        }
+        // SAFETY: the caller's, and of the size that it must have.
+        let design: &'static Design<f32> = unsafe { shared(design) }?;
+        design.validate().map_err(|_| CgError::BadDesign)?;
+        let state = estimator.cast::<State>();
+        // SAFETY: not null, aligned, large enough (asserted above), and nobody else's.
+        unsafe {
+            (&raw mut (*state).estimator).write(Onboard::new(
+                design,
+                Settings::truck(),
+                Prior::standard(),
+            ));
+            (&raw mut (*state).mark).write(INITIALISED);
+        }
+        Ok(())
+    };
+    code(make())
+}
+
+/// Takes in a sample; see the header.
+///
+/// # Safety
+/// Pointers that are not null lead to values of their types; nobody else uses the estimator.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_push(
+    estimator: *mut CgEstimator,
+    sample: *const CgSample,
+    step: *mut CgStep,
+) -> i32 {
+    let push = || {
+        // SAFETY: the caller's.
+        let (estimator, sample) = unsafe { (running(estimator)?, shared(sample)?) };
+        // SAFETY: the caller's; may be null.
+        let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
+        let answer = estimator.push(&sample.sample()).map_err(|_| CgError::TimeOrder)?;
+        if let Some(told) = told {
+            *told = CgStep::new(&answer);
+        }
+        Ok(())
+    };
+    code(push())
+}
+
+/// Closes the open maneuver; see the header.
+///
+/// # Safety
+/// As [`cg_estimator_push`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_finish(
+    estimator: *mut CgEstimator,
+    step: *mut CgStep,
+) -> i32 {
+    let finish = || {
+        // SAFETY: the caller's.
+        let estimator = unsafe { running(estimator) }?;
+        // SAFETY: the caller's; may be null.
+        let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
+        let closed: Option<Maneuver<f32>> = estimator.finish();
+        if let Some(told) = told {
+            *told = CgStep::new(&Step { status: Status::Absent, closed });
+        }
+        Ok(())
+    };
+    code(finish())
+}
+
+/// The height so far; see the header.
+///
+/// # Safety
+/// As [`cg_estimator_push`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_height(
+    estimator: *const CgEstimator,
+    channel: i32,
+    height: *mut CgHeight,
+) -> i32 {
+    let ask = || {
+        // SAFETY: the caller's; only read.
+        let (estimator, told) = unsafe { (asked(estimator)?, exclusive(height)?) };
+        let height = match channel {
+            0 => estimator.height(Channel::Steer),
+            1 => estimator.height(Channel::LateralAcceleration),
+            2 => estimator.combined_height(),
+            _ => return Err(CgError::BadChannel),
+        };
+        *told = CgHeight::new(&height.ok_or(CgError::NoAnswer)?);
+        Ok(())
+    };
+    code(ask())
+}
+
+/// The rollover threshold at the combined height; see the header.
+///
+/// # Safety
+/// As [`cg_estimator_push`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_threshold(
+    estimator: *const CgEstimator,
+    trailer_mass_kg: f32,
+    rollover: *mut CgRollover,
+) -> i32 {
+    let ask = || {
+        // SAFETY: the caller's; only read.
+        let (estimator, told) = unsafe { (asked(estimator)?, exclusive(rollover)?) };
+        let height = estimator.combined_height().ok_or(CgError::NoAnswer)?.height_m;
+        let found = estimator.design().rollover(height, trailer_mass_kg);
+        *told = CgRollover::new(&found.ok_or(CgError::NoAnswer)?);
+        Ok(())
+    };
+    code(ask())
+}

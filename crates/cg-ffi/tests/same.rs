@@ -1,0 +1,140 @@
+//! Any samples: the functions for C answer as the estimator does, bit for bit.
+#![allow(unsafe_code)] // calls of functions for C
+
+use std::ptr::{from_ref, null_mut};
+
+use cg_core::{
+    ChannelDesign, Design, Estimator, FilteredArx, Prior, RatioLine, Reduced5, RolloverDesign,
+    Settings, Spread, ThresholdLine,
+};
+use cg_ffi::{
+    CG_ESTIMATOR_SIZE, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgSample, CgStep,
+    cg_estimator_finish, cg_estimator_height, cg_estimator_init, cg_estimator_push,
+    cg_estimator_threshold,
+};
+use proptest::prelude::*;
+
+/// A truck that rolls 0.025 rad per m/s² at every speed and mass.
+static DESIGN: Design<f32> = Design {
+    speed_mps: [2.0, 5.0, 8.0, 11.0, 14.0, 18.0, 24.0, 30.0],
+    trailer_mass_kg: [8e3, 15e3, 20e3, 25e3, 31e3, 40e3],
+    channels: [channel(0.85), channel(0.025)],
+    spread: [[Spread { sd: [0.1, 0.05], correlation: 0.5 }; 6]; 8],
+    nominal_speed_mps: 13.9,
+    nominal_trailer_mass_kg: 25e3,
+    reference_height_m: 2.0,
+    least_height_m: 1.0,
+    greatest_height_m: 3.0,
+    gravity_mps2: 9.81,
+    rollover: RolloverDesign { half_track_m: 0.95, unsprung_mass_kg: 2e3, unsprung_height_m: 0.5 },
+    thresholds: [ThresholdLine { threshold_g: [0.6, 0.5, 0.45, 0.4, 0.36, 0.33, 0.3, 0.28] }; 6],
+};
+
+const fn channel(gain: f32) -> ChannelDesign<f32> {
+    ChannelDesign {
+        models: [Reduced5 {
+            numerator: [61.0 * gain, 28.0 * gain, 24.0 * gain, 0.0, 0.0, 0.0],
+            denominator: [61.0, 83.0, 57.0, 22.0, 6.0],
+        }; 6],
+        lines: [[RatioLine { a0: 0.0, a1: gain / 2.0, b0: 1.0, b1: 0.0 }; 6]; 8],
+        compensation: 1.0,
+    }
+}
+
+fn new() -> CgEstimator {
+    let mut estimator = CgEstimator::EMPTY;
+    // SAFETY: good pointers; the design is static.
+    let code = unsafe {
+        cg_estimator_init(
+            &raw mut estimator,
+            CG_ESTIMATOR_SIZE,
+            &raw const DESIGN,
+            size_of::<Design<f32>>(),
+        )
+    };
+    assert_eq!(code, CgError::Ok as i32);
+    estimator
+}
+
+fn words<T>(value: &T) -> Vec<u32> {
+    assert_eq!(size_of::<T>() % 4, 0);
+    // SAFETY: structures of words without padding (asserted by the header's order of fields).
+    unsafe { std::slice::from_raw_parts(from_ref(value).cast::<u32>(), size_of::<T>() / 4) }.into()
+}
+
+const EMPTY_STEP: CgStep = {
+    // SAFETY: all zero is a step.
+    unsafe { std::mem::zeroed() }
+};
+
+/// Mostly a drive with turns, now and then any bits at all.
+fn sample() -> impl Strategy<Value = (u64, [f32; 6], bool)> {
+    let wild = prop::array::uniform6(any::<f32>());
+    let tame = (-1.0_f32..1.0).prop_map(|x| [0.0, 1e-3 * x, 14.0 + x, 0.05 * x, 0.0, 25e3]);
+    let values =
+        prop_oneof![40 => tame.prop_map(|v| (v, true)), 1 => wild.prop_map(|v| (v, false))];
+    (prop_oneof![30 => Just(20_000_u64), 1 => 0_u64..90_000_000], values)
+        .prop_map(|(interval, (values, tame))| (interval, values, tame))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn c_and_rust_answer_alike(samples in prop::collection::vec(sample(), 50..900)) {
+        let mut for_c = new();
+        let mut ours = Estimator::<f32, FilteredArx<f32>, &Design<f32>>::new(
+            &DESIGN, Settings::truck(), Prior::standard());
+        let (mut time_us, mut phase) = (0_u64, 0.0_f32);
+        for (interval_us, [steer, roll, speed, lateral, yaw, mass], tame) in samples {
+            time_us += interval_us;
+            phase += 0.02;
+            let swing = if tame { 1.5 * (0.7 * phase).sin() } else { 0.0 };
+            let sample = CgSample {
+                time_us,
+                steer_rad: steer + 0.03 * swing,
+                roll_rad: roll + 0.025 * swing,
+                tilt_rad: f32::NAN,
+                speed_mps: speed,
+                lateral_acceleration_mps2: lateral + swing,
+                yaw_rate_radps: yaw,
+                trailer_mass_kg: mass,
+            };
+            let mut step = EMPTY_STEP;
+            // SAFETY: good pointers.
+            let code = unsafe { cg_estimator_push(&raw mut for_c, &raw const sample, &raw mut step) };
+            match ours.push(&sample.sample()) {
+                Ok(answer) => {
+                    prop_assert_eq!(code, CgError::Ok as i32);
+                    let told = CgStep::new(&answer);
+                    prop_assert_eq!(&words(&step)[2..], &words(&told)[2..]);
+                    prop_assert_eq!((step.status, step.closed), (told.status, told.closed));
+                }
+                Err(_) => {
+                    prop_assert_eq!(code, CgError::TimeOrder as i32);
+                    prop_assert_eq!(words(&step), words(&EMPTY_STEP));
+                }
+            }
+        }
+        // SAFETY: good pointers; a step may be null.
+        unsafe { cg_estimator_finish(&raw mut for_c, null_mut()) };
+        let _ = ours.finish();
+        let zero = CgMeasured { value: 0.0, sd: 0.0 };
+        let mut height = CgHeight { height_m: zero, random_sd_m: 0.0, maneuvers: 0 };
+        // SAFETY: good pointers.
+        let code = unsafe { cg_estimator_height(&raw const for_c, 2, &raw mut height) };
+        let combined = ours.combined_height();
+        prop_assert_eq!(code == CgError::Ok as i32, combined.is_some());
+        if let Some(combined) = combined {
+            prop_assert_eq!(words(&height), words(&CgHeight::new(&combined)));
+            let mut rollover =
+                CgRollover { static_stability_factor_g: 0.0, static_rollover_threshold_g: zero };
+            // SAFETY: good pointers.
+            let code =
+                unsafe { cg_estimator_threshold(&raw const for_c, 25e3, &raw mut rollover) };
+            prop_assert_eq!(code, CgError::Ok as i32);
+            let found = DESIGN.rollover(combined.height_m, 25e3).unwrap();
+            prop_assert_eq!(words(&rollover), words(&CgRollover::new(&found)));
+        }
+    }
+}
