@@ -5,10 +5,11 @@ SHELL := /bin/bash
 PYTHON ?= python3
 VENV := .venv
 LOGS := fixtures/logs
+SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs embedded python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets python bench bench-short demo clean
 
-test: tools fmt lint rust docs embedded python bench-short
+test: tools fmt lint rust docs firmware python bench-short
 	@echo "all checks passed"
 
 tools:
@@ -32,9 +33,21 @@ rust:
 docs:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
-# The core builds for a Cortex-M4F: no operating system, no heap to link with.
-embedded:
-	cargo build --release --package cg-core --target thumbv7em-none-eabihf
+# The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, every answer as on the host, bit
+# for bit; and the C library there.
+firmware: firmware-tools
+	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
+	$(PYTHON) firmware/check.py
+	cargo test --workspace --test c -- --ignored
+
+# What it costs now becomes what it may cost (firmware/budgets.toml); the limits stay.
+firmware-budgets: firmware-tools
+	$(PYTHON) firmware/check.py --update
+
+firmware-tools:
+	@command -v qemu-system-arm >/dev/null && command -v arm-none-eabi-gcc >/dev/null \
+	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
+	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
 # The Python package in a fresh environment: build, tests, stubs against the binary, lint.
 python:

@@ -19,6 +19,12 @@ cargo bench --package cg-bench | tee "$raw"
   echo "| rows of the batch log | ${CG_BENCH_ROWS:-10000000} |"
   echo
   python3 benches/summary.py "$raw"
+  echo "## On a Cortex-M4F"
+  echo
+  echo "Instructions counted by QEMU, the same on every machine; see firmware/budgets.toml."
+  echo
+  python3 firmware/check.py --markdown
+  echo
   echo "## Raw output"
   echo
   echo '```text'

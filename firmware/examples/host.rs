@@ -1,18 +1,20 @@
-//! The same replay on the host: the answers that the chip must give, bit for bit.
+//! The same replays on the host: the answers that the chip must give, bit for bit.
 
-use cg_firmware::replay::replay;
+use cg_core::Height;
+use cg_core::estimator::Maneuver;
+use cg_firmware::{can, replay};
+
+fn tell(maneuver: &Maneuver<f32>, height: Option<Height<f32>>) {
+    let (value, sd) = height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
+    #[allow(clippy::cast_precision_loss)]
+    let end_s = maneuver.end_us as f32 * 1e-6;
+    println!("maneuver to {end_s:.4} s: height {value:.4} m, one sigma {sd:.4} m");
+}
 
 fn main() {
-    let report = replay(
-        || 0,
-        |maneuver, height| {
-            let (value, sd) =
-                height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
-            #[allow(clippy::cast_precision_loss)]
-            let end_s = maneuver.end_us as f32 * 1e-6;
-            println!("maneuver to {end_s:.4} s: height {value:.4} m, one sigma {sd:.4} m");
-        },
-    );
+    let report = replay::replay(|| 0, tell);
     println!("samples = {}", report.all.calls);
     println!("hash = {:016x}", report.trace.0);
+    let trace = can::replay(|maneuver, estimator| tell(maneuver, estimator.combined_height()));
+    println!("can_hash = {:016x}", trace.0);
 }

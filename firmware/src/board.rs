@@ -1,5 +1,7 @@
 //! The machine: a counter of instructions or cycles, the memory in use, lines of text.
 
+use cg_core::Height;
+use cg_core::estimator::Maneuver;
 use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DWT, SYST};
@@ -165,6 +167,26 @@ impl Line {
         let line = self.text("\n");
         let _ = out.write_all(line.bytes.get(..line.length).unwrap_or(&[]));
     }
+}
+
+/// What was learnt of a maneuver, and the height after it.
+pub(crate) fn maneuver(
+    out: &mut HostStream,
+    maneuver: &Maneuver<f32>,
+    height: Option<Height<f32>>,
+) {
+    let (value, sd) = height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
+    #[allow(clippy::cast_precision_loss)] // printed
+    let end_s = maneuver.end_us as f32 * 1e-6;
+    Line::new()
+        .text("maneuver to ")
+        .decimal(end_s)
+        .text(" s: height ")
+        .decimal(value)
+        .text(" m, one sigma ")
+        .decimal(sd)
+        .text(" m")
+        .end(out);
 }
 
 /// Where lines go.

@@ -6,6 +6,7 @@
 //! | [`truck`] | the design, as `cg design --emit rust` wrote it |
 //! | [`trace`] | a hash of every bit of every answer |
 //! | [`replay`] | samples in, costs and heights out |
+//! | [`can`] | J1939 frames in, heights out |
 #![no_std]
 #![forbid(unsafe_op_in_unsafe_fn)]
 
@@ -14,3 +15,4 @@ pub mod log;
 pub mod truck;
 pub mod trace;
 pub mod replay;
+pub mod can;

@@ -35,19 +35,7 @@ fn show(counter: Counter, out: &mut HostStream) {
         || counter.now(),
         |maneuver, height| {
             maneuvers += 1;
-            let (value, sd) =
-                height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
-            #[allow(clippy::cast_precision_loss)]
-            let end_s = maneuver.end_us as f32 * 1e-6;
-            Line::new()
-                .text("maneuver to ")
-                .decimal(end_s)
-                .text(" s: height ")
-                .decimal(value)
-                .text(" m, one sigma ")
-                .decimal(sd)
-                .text(" m")
-                .end(out);
+            board::maneuver(out, maneuver, height);
         },
     );
     #[cfg(feature = "control")]

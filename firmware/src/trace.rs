@@ -1,6 +1,6 @@
 //! A hash of every bit of every answer.
 
-use cg_core::estimator::{Outcome, Reject};
+use cg_core::estimator::{Maneuver, Outcome, Reject};
 use cg_core::{Height, HeightError, Inconsistency, Measured, SampleError, Status, Step, Unexcited};
 
 /// FNV-1a, 64 bits, over 32-bit words.
@@ -45,14 +45,19 @@ impl Trace {
             Status::Turning => 3,
         });
         if let Some(closed) = &step.closed {
-            self.long(closed.start_us);
-            self.long(closed.end_us);
-            for value in [closed.speed_mps, closed.trailer_mass_kg, closed.correlation] {
-                self.number(value);
-            }
-            for outcome in &closed.outcomes {
-                self.outcome(outcome);
-            }
+            self.maneuver(closed);
+        }
+    }
+
+    /// Takes in a maneuver.
+    pub fn maneuver(&mut self, closed: &Maneuver<f32>) {
+        self.long(closed.start_us);
+        self.long(closed.end_us);
+        for value in [closed.speed_mps, closed.trailer_mass_kg, closed.correlation] {
+            self.number(value);
+        }
+        for outcome in &closed.outcomes {
+            self.outcome(outcome);
         }
     }
 
