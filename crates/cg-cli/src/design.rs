@@ -53,12 +53,12 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
         path.map_or_else(String::new, |path| format!(" {flag} {}", path.display()))
     };
     let calibration = arguments.calibration.as_deref();
+    let calibrated = match calibration {
+        Some(path) => format!("calibrated by {}", path.display()),
+        None => "not calibrated".to_owned(),
+    };
     vec![
-        format!("Design of the vehicle \"{}\",", vehicle.name),
-        match calibration {
-            Some(path) => format!("calibrated by {}.", path.display()),
-            None => "not calibrated.".to_owned(),
-        },
+        format!("Design of the vehicle \"{}\", {calibrated}.", vehicle.name),
         "Make it again, do not edit it:".to_owned(),
         format!(
             "cg design{}{} --model {} --emit {}{}",

@@ -43,7 +43,7 @@ pub struct CgMeasured {
 impl CgMeasured {
     const NONE: Self = Self { value: f32::NAN, sd: f32::NAN };
 
-    fn new(measured: &Measured<f32>) -> Self {
+    fn new(measured: Measured<f32>) -> Self {
         Self { value: measured.value, sd: measured.sd }
     }
 }
@@ -80,9 +80,9 @@ impl CgOutcome {
         let fit = outcome.fit.as_ref();
         Self {
             reject,
-            ratio: fit.map_or(CgMeasured::NONE, |fit| CgMeasured::new(&fit.ratio)),
+            ratio: fit.map_or(CgMeasured::NONE, |fit| CgMeasured::new(fit.ratio)),
             snr_db: fit.map_or(f32::NAN, |fit| fit.snr_db),
-            height_m: outcome.height_m.as_ref().map_or(CgMeasured::NONE, CgMeasured::new),
+            height_m: outcome.height_m.map_or(CgMeasured::NONE, CgMeasured::new),
             systematic_sd_m: outcome.systematic_sd_m,
         }
     }
@@ -138,7 +138,7 @@ impl CgHeight {
     /// As C reads it.
     pub fn new(height: &Height<f32>) -> Self {
         Self {
-            height_m: CgMeasured::new(&height.height_m),
+            height_m: CgMeasured::new(height.height_m),
             random_sd_m: height.random_sd_m,
             maneuvers: height.maneuvers,
         }
@@ -157,7 +157,7 @@ impl CgRollover {
     pub fn new(rollover: &Rollover<f32>) -> Self {
         Self {
             static_stability_factor_g: rollover.static_stability_factor_g,
-            static_rollover_threshold_g: CgMeasured::new(&rollover.static_rollover_threshold_g),
+            static_rollover_threshold_g: CgMeasured::new(rollover.static_rollover_threshold_g),
         }
     }
 }

@@ -10,6 +10,7 @@
 //! | `vehicles` | vehicle files with one mistake each |
 //! | `usage` | arguments that make no sense |
 //! | `output` | the formats of `cg estimate` |
+//! | `design` | designs for firmware |
 //! | `model` | `cg model` beside the printed numbers |
 //! | `simulate` | logs with known truth, there and back |
 //! | `rollover` | every measure with its unit and its meaning |
@@ -20,6 +21,7 @@
 
 mod calibrate;
 mod common;
+mod design;
 mod logs;
 mod memory;
 mod model;
