@@ -1,5 +1,7 @@
 //! `cg design`: what firmware is built with is what the command line estimates with.
 
+use std::path::Path;
+
 use cg_core::Design;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::{design, design_with};
@@ -46,7 +48,7 @@ fn a_calibration_goes_in_and_is_named() {
     let base = ["--vehicle", &kraz(), "--calibration", &calibration, "--emit", "rust"];
     let text = emitted(&base, &scratch.path("truck.rs"));
     let vehicle = Vehicle::load(kraz()).unwrap();
-    let belief = Calibration::load(calibration.as_ref(), &vehicle).unwrap().belief();
+    let belief = Calibration::load(Path::new(&calibration), &vehicle).unwrap().belief();
     let ours = narrowed(&design_with(&vehicle, Variant::Complete, &belief).unwrap());
     let expected = emit(&ours, Language::Rust, &[]);
     assert!(text.ends_with(expected.trim_start()), "another design");
