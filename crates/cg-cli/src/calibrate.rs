@@ -77,7 +77,8 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     let progress = ProgressBar::hidden();
     let variant = arguments.model.into();
     let mut calibration = calibrate(&vehicle, variant, &logs, |known, estimator| {
-        feed(Path::new(&known.log), &options, estimator, &progress).map_err(Failure)
+        feed(Path::new(&known.log), &options, &progress, |row| estimator.push(row).map(|_| ()))
+            .map_err(Failure)
     })
     .map_err(|failure| failure.0)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);

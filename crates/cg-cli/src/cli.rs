@@ -94,6 +94,9 @@ pub(crate) struct EstimateArgs {
     /// Print the known heights of this JSON file beside (the estimator never reads it)
     #[arg(long, value_name = "TRUTH.json")]
     pub(crate) truth: Option<PathBuf>,
+    /// Also write a page with table, pictures and messages, in one file that needs no network
+    #[arg(long, value_name = "OUT.html")]
+    pub(crate) report: Option<PathBuf>,
     /// Logs read at the same time
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = jobs)]
     pub(crate) jobs: usize,

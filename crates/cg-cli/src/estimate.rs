@@ -5,8 +5,9 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
+use cg_core::SampleError;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
-use cg_vehicle::log::{LogOptions, LogReader};
+use cg_vehicle::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::{LinearModel, Variant, Vehicle};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -15,6 +16,8 @@ use serde::Deserialize;
 use crate::Outcome;
 use crate::cli::EstimateArgs;
 use crate::design;
+use crate::draft::Draft;
+use crate::report::{self, Batch, Trace};
 use crate::sink;
 
 /// Rows between two updates of the progress bar.
@@ -28,6 +31,8 @@ pub(crate) struct Answer {
     pub(crate) estimate: LogEstimate,
     /// Known height, if `--truth` has one.
     pub(crate) known_m: Option<f64>,
+    /// Its signals, if there is to be a report.
+    pub(crate) trace: Option<Trace>,
 }
 
 pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
@@ -59,52 +64,79 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
     let log_options = arguments.columns.options();
     let progress = progress_bar(&arguments.logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
-    let results: Vec<anyhow::Result<LogEstimate>> = pool.install(|| {
+    let room = arguments.report.as_ref().map(|_| report::room(arguments.logs.len()));
+    let results: Vec<anyhow::Result<Estimated>> = pool.install(|| {
         arguments
             .logs
             .par_iter()
-            .map(|log| estimate_log(log, &log_options, estimator.clone(), &progress))
+            .map(|log| estimate_log(log, &log_options, estimator.clone(), room, &progress))
             .collect()
     });
     progress.finish_and_clear();
 
     let mut outcome = Outcome::Done;
     let mut answers = Vec::with_capacity(results.len());
+    let mut unreadable = Vec::new();
     for (log, result) in arguments.logs.iter().zip(results) {
+        let name = log.display().to_string();
         match result {
-            Ok(estimate) => {
+            Ok((estimate, trace)) => {
                 if estimate.status == Verdict::Rejected {
                     outcome = outcome.max(Outcome::NoAnswer);
                 }
                 let known_m = truth.as_ref().and_then(|truth| truth.height_m(log));
-                answers.push(Answer { log: log.display().to_string(), estimate, known_m });
+                answers.push(Answer { log: name, estimate, known_m, trace });
             }
             Err(error) => {
+                unreadable.push((name, crate::told(&error)));
                 crate::report(&error);
                 outcome = Outcome::Unreadable;
             }
         }
     }
+    let page = match &arguments.report {
+        Some(target) => {
+            let batch = Batch {
+                vehicle: &vehicle.name,
+                calibration: arguments.calibration.as_deref(),
+                unreadable: &unreadable,
+            };
+            Some(report::write(target, &batch, &answers)?)
+        }
+        None => None,
+    };
     sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
+    page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
 }
+
+/// The answer for a log, and its signals if there is room for them.
+type Estimated = (LogEstimate, Option<Trace>);
 
 fn estimate_log(
     log: &Path,
     options: &LogOptions,
     mut estimator: LogEstimator,
+    room: Option<usize>,
     progress: &ProgressBar,
-) -> anyhow::Result<LogEstimate> {
-    feed(log, options, &mut estimator, progress)?;
-    Ok(estimator.finish())
+) -> anyhow::Result<Estimated> {
+    let mut trace = room.map(Trace::new);
+    feed(log, options, progress, |row| {
+        estimator.push(row)?;
+        if let Some(trace) = &mut trace {
+            trace.push(row);
+        }
+        Ok(())
+    })?;
+    Ok((estimator.finish(), trace))
 }
 
-/// Hands the rows of a log to an estimator.
+/// Hands out the rows of a log.
 pub(crate) fn feed(
     log: &Path,
     options: &LogOptions,
-    estimator: &mut LogEstimator,
     progress: &ProgressBar,
+    mut take: impl FnMut(&LogRow) -> Result<(), SampleError>,
 ) -> anyhow::Result<()> {
     let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
@@ -115,7 +147,7 @@ pub(crate) fn feed(
     let mut seen = 0;
     let mut rows = 0;
     while let Some(row) = reader.next_row()? {
-        estimator.push(&row).with_context(|| {
+        take(&row).with_context(|| {
             let line = reader.line();
             format!("{name}, line {line}: time stamps must be a microsecond apart or more")
         })?;

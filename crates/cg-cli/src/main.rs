@@ -6,6 +6,7 @@
 //! | `estimate` | `cg estimate`: logs to heights, in parallel |
 //! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
 //! | `sink` | their output as table, JSON Lines or CSV |
+//! | `report` | the same as a page (`--report`) |
 //! | `design` | `cg design`: the constants of a vehicle, for firmware |
 //! | `model` | `cg model`: what the vehicle model says |
 //! | `simulate`, `sensors` | `cg simulate`: logs with known truth, what sensors make of it |
@@ -26,6 +27,7 @@ mod draft;
 mod estimate;
 mod model;
 mod numbers;
+mod report;
 mod reproduce;
 mod rollover;
 mod run;
@@ -77,8 +79,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Tells an error and its causes, each once: a library's message may hold its cause already.
-fn report(error: &anyhow::Error) {
+/// An error and its causes, each once: a library's message may hold its cause already.
+fn told(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
         if !text.contains(&cause) {
@@ -86,8 +88,13 @@ fn report(error: &anyhow::Error) {
             text += &cause;
         }
     }
+    text
+}
+
+/// Tells an error on standard error.
+fn report(error: &anyhow::Error) {
     // A closed standard error leaves nobody to tell; `eprintln!` would panic.
-    let _ = writeln!(std::io::stderr(), "cg: {text}");
+    let _ = writeln!(std::io::stderr(), "cg: {}", told(error));
 }
 
 /// The reader of our output has seen enough (`cg … | head`): not an error.

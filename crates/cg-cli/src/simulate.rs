@@ -5,15 +5,12 @@ use std::path::Path;
 use anyhow::anyhow;
 use cg_vehicle::Vehicle;
 use cg_vehicle::log::{CandumpWriter, LogWriter, Signal};
-use cg_vehicle::maneuver::{Course, Maneuver};
+use cg_vehicle::maneuver::Course;
 use cg_vehicle::simulate::{LogSimulation, Scenario};
 
 use crate::Outcome;
-use crate::cli::{ManeuverArg, PlantArg, SimulateArgs};
+use crate::cli::{ManeuverArg, SimulateArgs};
 use crate::draft::Draft;
-
-/// Seconds after a driver's path in which the trailer comes to rest.
-const AFTER_S: f64 = 5.0;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
     let turn = arguments.turn_deg.is_some() || arguments.radius_m.is_some();
@@ -32,33 +29,25 @@ fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
 
 fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
     let usual = Scenario::of(vehicle, arguments.maneuver.into());
-    let speed_mps = arguments.speed_mps.unwrap_or(usual.speed_mps);
-    let course = course(arguments)?;
-    let path_m = course.map(|course| match course {
-        Course::Turn { angle_rad, radius_m } => angle_rad.abs() * radius_m,
-        Course::Gate { gate_m } => 15.0 + gate_m,
-    });
-    let usual_s = path_m.map(|path_m| arguments.start_s + path_m / speed_mps + AFTER_S);
-    let usual_change = match (usual.maneuver, arguments.plant) {
-        (Maneuver::Drive, PlantArg::Nonlinear) => 0.3,
-        _ => 0.0,
-    };
-    Ok(Scenario {
-        course,
+    let scenario = Scenario {
+        course: course(arguments)?,
         step_rate_per_s: arguments.step_rate,
-        speed_change: arguments.speed_change.unwrap_or(usual_change),
         to_rollover: arguments.to_rollover,
         plant: arguments.plant.into(),
         variant: arguments.model.into(),
         load: arguments.load.load(vehicle),
-        speed_mps,
+        speed_mps: arguments.speed_mps.unwrap_or(usual.speed_mps),
         steer_rad: arguments.steer_rad,
         rate_hz: arguments.rate_hz,
         start_s: arguments.start_s,
-        duration_s: arguments.duration_s.or(usual_s).unwrap_or(usual.duration_s),
         sensors: (&arguments.sensors).into(),
         seed: arguments.seed,
         ..usual
+    };
+    Ok(Scenario {
+        speed_change: arguments.speed_change.unwrap_or_else(|| scenario.usual_speed_change()),
+        duration_s: arguments.duration_s.unwrap_or_else(|| scenario.usual_duration_s()),
+        ..scenario
     })
 }
 

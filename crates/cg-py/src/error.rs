@@ -41,18 +41,18 @@ pub(crate) fn option_error(error: OptionError) -> PyErr {
     value_error(error.to_string())
 }
 
-/// Options that messages of the library name as the command line does, and what they are here.
-const KEYWORDS: [(&str, &str); 4] = [
-    ("--speed-mps", "speed_mps"),
-    ("--trailer-mass-kg", "trailer_mass_kg"),
+/// Options with a value that messages of the library name as the command line does.
+const WITH_VALUE: [(&str, &str); 3] = [
     ("--model complete", "model=\"complete\""),
-    ("--flip", "flip"),
+    ("--maneuver drive", "maneuver=\"drive\""),
+    ("--plant nonlinear", "plant=\"nonlinear\""),
 ];
 
 /// A message of the library whose remedy is a Python keyword, not a command-line option.
 pub(crate) fn in_python(message: &str) -> String {
-    let mut text = message.to_owned();
-    for (option, keyword) in KEYWORDS {
+    let mut text =
+        message.replace("--turn-deg", "--turn-rad").replace("--step-rate", "--step-rate-per-s");
+    for (option, keyword) in WITH_VALUE {
         text = text.replace(option, keyword);
     }
     let mut parts = text.split("--column ");
@@ -65,6 +65,18 @@ pub(crate) fn in_python(message: &str) -> String {
         };
         let (signal, name) = map.split_once('=').unwrap_or((map, ""));
         out.extend(["columns={\"", signal, "\": \"", name, "\"}", rest]);
+    }
+    keywords(&out)
+}
+
+/// `--speed-mps` as `speed_mps`, wherever it stands.
+fn keywords(text: &str) -> String {
+    let mut parts = text.split("--");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(part.len());
+        let (name, rest) = part.split_at(end);
+        out.extend([&name.replace('-', "_"), rest]);
     }
     out
 }

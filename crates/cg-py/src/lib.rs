@@ -4,10 +4,13 @@
 //! |---|---|
 //! | `vehicle` | `Vehicle` |
 //! | `options` | the options that every estimate shares |
-//! | `signals` | `estimate_arrays`: arrays in, answer out |
-//! | `log` | `estimate_file`, `resolve_columns`: logs and the names of their columns |
+//! | `signals` | `estimate_arrays`, `predict_roll`: arrays in, answer or roll angle out |
+//! | `log` | `estimate_file`, `read_file`, `resolve_columns`: logs and the names of their columns |
 //! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
 //! | `stream` | `Stream`: row by row |
+//! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
+//! | `can` | `decode_j1939`: the signals of a CAN frame |
+//! | `reproduce` | `reproduce_tables`: the source's tables beside ours |
 //! | `results` | answers as the dataclasses of `cgheight._results` |
 //! | `arx`, `linear` | `fit_arx`, `linear_model` |
 //! | `error` | exceptions |
@@ -28,6 +31,10 @@ mod stream;
 mod calibrate;
 mod arx;
 mod linear;
+mod scenario;
+mod simulate;
+mod can;
+mod reproduce;
 
 /// The compiled half of cgheight.
 #[pyo3::pymodule(gil_used = false)]
@@ -37,11 +44,17 @@ mod _native {
     #[pymodule_export]
     use crate::calibrate::calibrate_files;
     #[pymodule_export]
+    use crate::can::decode_j1939;
+    #[pymodule_export]
     use crate::linear::linear_model;
     #[pymodule_export]
-    use crate::log::{estimate_file, resolve_columns};
+    use crate::log::{estimate_file, read_file, resolve_columns};
     #[pymodule_export]
-    use crate::signals::estimate_arrays;
+    use crate::reproduce::reproduce_tables;
+    #[pymodule_export]
+    use crate::signals::{estimate_arrays, predict_roll};
+    #[pymodule_export]
+    use crate::simulate::{score_accuracy, simulate_log};
     #[pymodule_export]
     use crate::stream::Stream;
     #[pymodule_export]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use cg_vehicle::estimate::LogEstimator;
 use cg_vehicle::log::{LogError, LogOptions, LogReader, LogRow, Signal};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -43,6 +44,39 @@ pub(crate) fn estimate_file<'py>(
     }
     let answer = py.detach(|| estimator.finish());
     results::estimate(py, &answer)
+}
+
+/// Read a log file (CSV, CSV in gzip, parquet): a dict from SI column names to arrays; signals
+/// that the log does not have are left out.
+#[pyfunction]
+#[pyo3(signature = (path, columns, flip, /))]
+pub(crate) fn read_file<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    columns: Vec<String>,
+    flip: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = log_options(&columns, &flip)?;
+    let mut reader = py.detach(|| LogReader::open(&path, &options)).map_err(log_error)?;
+    let mut rows: Vec<LogRow> = Vec::new();
+    let mut read_some = || -> Result<bool, LogError> {
+        for _ in 0..ROWS_BETWEEN_LOOKS {
+            let Some(row) = reader.next_row()? else { return Ok(false) };
+            rows.push(row);
+        }
+        Ok(true)
+    };
+    while py.detach(&mut read_some).map_err(log_error)? {
+        py.check_signals()?;
+    }
+    let table = PyDict::new(py);
+    for signal in Signal::ALL {
+        if rows.iter().any(|row| !row.get(signal).is_nan()) {
+            let values = PyArray1::from_iter(py, rows.iter().map(|row| row.get(signal)));
+            table.set_item(signal.column(), values)?;
+        }
+    }
+    Ok(table)
 }
 
 /// Why a log was not read to its end.

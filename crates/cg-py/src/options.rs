@@ -23,21 +23,8 @@ pub(crate) struct Options {
 impl Options {
     /// The options checked.
     pub(crate) fn checked(&self) -> PyResult<EstimateOptions> {
-        let method = match self.method.as_str() {
-            "filtered" => Method::Filtered,
-            "arx" => Method::Arx,
-            "gain" => Method::Gain,
-            other => return Err(unknown("method", other, "\"filtered\", \"arx\" or \"gain\"")),
-        };
-        let channel = match self.channel.as_str() {
-            "auto" => None,
-            "steer" => Some(Channel::Steer),
-            "lateral-acceleration" => Some(Channel::LateralAcceleration),
-            other => {
-                let known = "\"auto\", \"steer\" or \"lateral-acceleration\"";
-                return Err(unknown("channel", other, known));
-            }
-        };
+        let method = method(&self.method)?;
+        let channel = channel(&self.channel)?;
         let greatest = SampledArx::<f64>::GREATEST_ORDER;
         let order = usize::try_from(self.order)
             .ok()
@@ -56,6 +43,29 @@ impl Options {
     }
 }
 
+/// The identification that `method` names.
+pub(crate) fn method(method: &str) -> PyResult<Method> {
+    match method {
+        "filtered" => Ok(Method::Filtered),
+        "arx" => Ok(Method::Arx),
+        "gain" => Ok(Method::Gain),
+        other => Err(unknown("method", other, "\"filtered\", \"arx\" or \"gain\"")),
+    }
+}
+
+/// The channel that `channel` names; `None` for both.
+pub(crate) fn channel(channel: &str) -> PyResult<Option<Channel>> {
+    match channel {
+        "auto" => Ok(None),
+        "steer" => Ok(Some(Channel::Steer)),
+        "lateral-acceleration" => Ok(Some(Channel::LateralAcceleration)),
+        other => {
+            let known = "\"auto\", \"steer\" or \"lateral-acceleration\"";
+            Err(unknown("channel", other, known))
+        }
+    }
+}
+
 /// The equations that `model` names.
 pub(crate) fn variant(model: &str) -> PyResult<Variant> {
     match model {
@@ -65,7 +75,7 @@ pub(crate) fn variant(model: &str) -> PyResult<Variant> {
     }
 }
 
-fn unknown(argument: &str, value: &str, known: &str) -> PyErr {
+pub(crate) fn unknown(argument: &str, value: &str, known: &str) -> PyErr {
     value_error(format!("{argument} is {value:?}: it must be {known}"))
 }
 

@@ -1,4 +1,4 @@
-//! Answers as the dataclasses of `cgheight._results`.
+//! Answers as the dataclasses of the package.
 
 use cg_vehicle::estimate::{LogEstimate, ManeuverEstimate, Method, Verdict};
 use pyo3::prelude::*;
@@ -7,13 +7,13 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 
 use crate::error::in_python;
 
-/// Makes an object of a class of `cgheight._results`.
+/// Makes an object of one of the package's dataclasses.
 pub(crate) fn make<'py>(
     py: Python<'py>,
     class: &str,
     fields: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    py.import("cgheight._results")?.getattr(class)?.call((), Some(fields))
+    py.import("cgheight")?.getattr(class)?.call((), Some(fields))
 }
 
 fn verdict(status: Verdict) -> &'static str {

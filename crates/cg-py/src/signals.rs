@@ -1,8 +1,8 @@
 //! Arrays in, answer out.
 
-use cg_vehicle::estimate::LogEstimator;
+use cg_vehicle::estimate::{LogEstimator, Prediction};
 use cg_vehicle::log::{LogRow, Signal};
-use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -128,6 +128,28 @@ pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)>
     Ok(())
 }
 
+type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::ALL.len()];
+
+/// The arrays of a dict from SI column names.
+fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
+    let mut arrays = [const { None }; Signal::ALL.len()];
+    for (array, signal) in arrays.iter_mut().zip(Signal::ALL) {
+        if let Some(value) = signals.get_item(signal.column())? {
+            *array = Some(value.extract::<PyReadonlyArrayDyn<'py, f64>>()?);
+        }
+    }
+    Ok(arrays)
+}
+
+/// The same as slices, checked.
+fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
+    let mut values = [None; Signal::ALL.len()];
+    for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
+        *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;
+    }
+    Columns::new(values)
+}
+
 /// Estimate from arrays: a dict from SI column names to 1-D contiguous float64 arrays.
 #[pyfunction]
 #[pyo3(signature = (vehicle, signals, options, /))]
@@ -138,17 +160,8 @@ pub(crate) fn estimate_arrays<'py>(
     options: Options,
 ) -> PyResult<Bound<'py, PyAny>> {
     let options = options.checked()?;
-    let mut arrays = [const { None }; Signal::ALL.len()];
-    for (array, signal) in arrays.iter_mut().zip(Signal::ALL) {
-        if let Some(value) = signals.get_item(signal.column())? {
-            *array = Some(value.extract::<PyReadonlyArrayDyn<'py, f64>>()?);
-        }
-    }
-    let mut values = [None; Signal::ALL.len()];
-    for ((value, array), signal) in values.iter_mut().zip(&arrays).zip(Signal::ALL) {
-        *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;
-    }
-    let columns = Columns::new(values)?;
+    let arrays = borrowed(signals)?;
+    let columns = columns(&arrays)?;
     let vehicle = vehicle.get();
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let steering_ratio = vehicle.inner.steering_ratio;
@@ -161,4 +174,37 @@ pub(crate) fn estimate_arrays<'py>(
     }
     let answer = py.detach(|| estimator.finish());
     results::estimate(py, &answer)
+}
+
+/// The roll angle that the model expects of the arrays, for a height: an array.
+#[pyfunction]
+#[pyo3(signature = (vehicle, signals, channel, height_m, options, /))]
+pub(crate) fn predict_roll<'py>(
+    py: Python<'py>,
+    vehicle: &Bound<'py, Vehicle>,
+    signals: &Bound<'py, PyDict>,
+    channel: &str,
+    height_m: f64,
+    options: Options,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let options = options.checked()?;
+    let channel = crate::options::channel(channel)?
+        .ok_or_else(|| value_error("channel is \"auto\": a prediction needs one input"))?;
+    let arrays = borrowed(signals)?;
+    let columns = columns(&arrays)?;
+    let vehicle = vehicle.get();
+    let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+    let steering_ratio = vehicle.inner.steering_ratio;
+    let mut prediction = Prediction::new(design, steering_ratio, options, channel, height_m);
+    let predict = || -> Result<Vec<f64>, String> {
+        (0..columns.time_s.len())
+            .map(|index| {
+                let row = columns.row(index);
+                columns.check(index, &row)?;
+                prediction.push(&row).map_err(|error| format!("time_s[{index}]: {error}"))
+            })
+            .collect()
+    };
+    let roll_rad = py.detach(predict).map_err(value_error)?;
+    Ok(PyArray1::from_vec(py, roll_rad))
 }

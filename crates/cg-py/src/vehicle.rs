@@ -129,6 +129,28 @@ impl Vehicle {
         self.inner.trailer.reference_cg_height_m
     }
 
+    /// Mass of the semitrailer without payload, kg.
+    #[getter]
+    fn empty_trailer_mass_kg(&self) -> f64 {
+        self.inner.empty_trailer_mass_kg()
+    }
+
+    /// Steering-wheel angle over road-wheel angle, or None if the file has none.
+    #[getter]
+    fn steering_ratio(&self) -> Option<f64> {
+        self.inner.steering_ratio
+    }
+
+    /// Range of c.g. heights that the file allows (least, greatest), m.
+    #[getter]
+    fn height_range_m(&self) -> (f64, f64) {
+        (self.inner.height.least_m, self.inner.height.greatest_m)
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("cgheight._show")?.call_method1("vehicle", (slf,))
+    }
+
     fn __repr__(&self) -> String {
         let trailer = &self.inner.trailer;
         format!(

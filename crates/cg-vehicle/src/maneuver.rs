@@ -39,6 +39,16 @@ pub enum Course {
     },
 }
 
+impl Course {
+    /// Its length from where the vehicle starts.
+    pub fn length_m(&self) -> f64 {
+        match self {
+            Self::Turn { angle_rad, radius_m } => angle_rad.abs() * radius_m,
+            Self::Gate { gate_m } => 15.0 + gate_m,
+        }
+    }
+}
+
 const LANE_CHANGE_S: f64 = 3.0;
 const SINE_HZ: f64 = 0.2;
 /// Time constant of the driver's hands in [`Maneuver::Drive`].

@@ -9,40 +9,59 @@ acceleration) and roll angle this package identifies how much, and solves for th
 >>> answer.status
 'ok'
 
+CAN logs and a live bus: `cgheight.can`. Pictures: `cgheight.plot`. Thousands of trips on a cluster:
+`cgheight.spark`. These three need further packages: ``pip install 'cgheight[all]'``.
+
 Units are SI and part of every name. Signs are those of ISO 8855: x forward, y left, z up;
 steer, yaw rate and lateral acceleration are positive to the left, roll is positive right side
 down, so that a left turn gives all positive. Heights are of the trailer's sprung c.g. above
 ground at rest; ``trailer_mass_kg`` is the whole semitrailer as weighed (sprung mass and axles).
 """
 
+from cgheight._batch import Estimates, estimate_logs
 from cgheight._calibrate import calibrate
 from cgheight._estimate import Estimator, estimate, estimate_log
-from cgheight._models import arx
-from cgheight._native import Vehicle, __version__, linear_model
-from cgheight._results import (
+from cgheight._logs import read_log
+from cgheight._model_results import (
     ArxModel,
-    Estimate,
     LinearModel,
-    Maneuver,
     RatioLine,
     ReducedModel,
     StaticBalance,
 )
+from cgheight._models import OrderSelection, arx, select_order
+from cgheight._native import Vehicle, __version__, linear_model
+from cgheight._predict import predict_roll
+from cgheight._reproduce import reproduce
+from cgheight._results import Estimate, Maneuver
+from cgheight._simulate import SimulatedLog, accuracy_map, simulate
+from cgheight._transfer import TransferFunction
 
 __all__ = [
     "ArxModel",
     "Estimate",
+    "Estimates",
     "Estimator",
     "LinearModel",
     "Maneuver",
+    "OrderSelection",
     "RatioLine",
     "ReducedModel",
+    "SimulatedLog",
     "StaticBalance",
+    "TransferFunction",
     "Vehicle",
     "__version__",
+    "accuracy_map",
     "arx",
     "calibrate",
     "estimate",
     "estimate_log",
+    "estimate_logs",
     "linear_model",
+    "predict_roll",
+    "read_log",
+    "reproduce",
+    "select_order",
+    "simulate",
 ]

@@ -9,6 +9,7 @@ from typing import Literal
 
 from cgheight import _native
 from cgheight._arrays import number
+from cgheight._logs import flips, maps
 
 Run = tuple[str | os.PathLike[str], float] | tuple[str | os.PathLike[str], float, float]
 
@@ -72,8 +73,6 @@ def calibrate(
         log, height_m, *mass = run
         mass_kg = number("trailer_mass_kg", mass[0]) if mass else None
         known.append((os.fspath(log), number("height_m", height_m), mass_kg))
-    maps = [f"{signal}={name}" for signal, name in (columns or {}).items()]
-    flips = [flip] if isinstance(flip, str) else list(flip)
     date = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    _native.calibrate_files(vehicle, known, output, model, maps, flips, date)
+    _native.calibrate_files(vehicle, known, output, model, maps(columns), flips(flip), date)
     return vehicle.calibrated(output)

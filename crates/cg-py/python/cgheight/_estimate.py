@@ -8,10 +8,11 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cgheight import _native
 from cgheight._arrays import column, number
+from cgheight._logs import flips, is_can, maps, signals
 from cgheight._results import Estimate
 
 
@@ -127,9 +128,9 @@ def estimate(
         value = given[name]
         if value is not None and np.ndim(value) == 0:
             scalars[name], given[name] = value, None
-    signals = {name: column(name, values) for name, values in given.items() if values is not None}
+    arrays = {name: column(name, values) for name, values in given.items() if values is not None}
     options = _options(method, channel, order, model, **scalars)
-    return _native.estimate_arrays(_calibrated(vehicle, calibration), signals, options)
+    return _native.estimate_arrays(_calibrated(vehicle, calibration), arrays, options)
 
 
 def estimate_log(
@@ -156,8 +157,9 @@ def estimate_log(
     Parameters
     ----------
     log : str, os.PathLike, or data frame
-        A file (``.csv``, ``.csv.gz``, ``.parquet``), or anything with ``columns`` and
-        ``__getitem__`` such as a data frame of pandas or polars.
+        A file: ``.csv``, ``.csv.gz``, ``.parquet``, or J1939 frames in ``.log`` (candump),
+        ``.asc``, ``.blf``, ``.mf4``, ``.trc``; or anything with ``columns`` and ``__getitem__``
+        such as a data frame of pandas or polars; or a dict of arrays.
     vehicle : Vehicle
         The vehicle.
     columns : dict, optional
@@ -180,28 +182,14 @@ def estimate_log(
         There is no such file, or no such calibration file.
     ValueError
         The log is not as described; the message names line (or row), column and remedy.
+    ImportError
+        The log holds CAN frames and python-can is not installed.
     """
     options = _options(method, channel, order, model, speed_mps, trailer_mass_kg)
-    maps = [f"{signal}={name}" for signal, name in (columns or {}).items()]
-    flips = [flip] if isinstance(flip, str) else list(flip)
     vehicle = _calibrated(vehicle, calibration)
-    if isinstance(log, str | os.PathLike):
-        return _native.estimate_file(vehicle, os.fspath(log), maps, flips, options)
-    return _native.estimate_arrays(vehicle, _table(log, maps, flips), options)
-
-
-def _table(table: Any, maps: list[str], flips: list[str]) -> dict[str, NDArray[np.float64]]:
-    """Return the signals of a data frame in SI units."""
-    if not (hasattr(table, "columns") and hasattr(table, "__getitem__")):
-        kind = type(table).__name__
-        raise ValueError(f"log is of type {kind}: give a path or a data frame")
-    keys = list(table.columns)
-    found = _native.resolve_columns([str(key) for key in keys], maps, flips)
-    signals = {}
-    for name, (index, factor) in found.items():
-        values = column(str(keys[index]), table[keys[index]])
-        signals[name] = values if factor == 1.0 else values * factor
-    return signals
+    if isinstance(log, str | os.PathLike) and not is_can(log):
+        return _native.estimate_file(vehicle, os.fspath(log), maps(columns), flips(flip), options)
+    return _native.estimate_arrays(vehicle, signals(log, columns, flip), options)
 
 
 class Estimator(_native.Stream):

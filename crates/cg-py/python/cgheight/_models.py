@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from operator import index
+from typing import TYPE_CHECKING, Literal
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from cgheight import _native
+from cgheight import _native, _show
 from cgheight._arrays import column, number
-from cgheight._results import ArxModel
+from cgheight._extras import need
+from cgheight._model_results import ArxModel
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> ArxModel:
@@ -44,3 +52,149 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
     return _native.fit_arx(
         column("u", u), column("y", y), index(na), index(nb), index(nk), number("ts", ts)
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class OrderSelection:
+    """ARX models of many orders, scored on the same rows.
+
+    Attributes
+    ----------
+    na, nb, nk : int array, shape (m,)
+        The orders tried, see `arx`.
+    loss : array, shape (m,)
+        Mean square of the residuals on the data of the fit, units of y squared; NaN where the
+        data determine no model.
+    aic, bic : array, shape (m,)
+        ``n ln(loss) + 2 d`` and ``n ln(loss) + d ln(n)``, n rows and d = na + nb coefficients.
+    validation_loss : array, shape (m,)
+        Mean square of the residuals on the validation data; NaN without such data.
+    criterion : {"aic", "bic", "validation"}
+        What was to be least.
+    model : ArxModel
+        The best one.
+    """
+
+    na: NDArray[np.int64]
+    nb: NDArray[np.int64]
+    nk: NDArray[np.int64]
+    loss: NDArray[np.float64]
+    aic: NDArray[np.float64]
+    bic: NDArray[np.float64]
+    validation_loss: NDArray[np.float64]
+    criterion: Literal["aic", "bic", "validation"]
+    model: ArxModel
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the scores as a pandas DataFrame, the best first."""
+        names = ("na", "nb", "nk", "loss", "aic", "bic", "validation_loss")
+        table = need("pandas", "pandas").DataFrame({name: getattr(self, name) for name in names})
+        return table.sort_values(_KEYS[self.criterion], ignore_index=True)
+
+    def __repr__(self) -> str:
+        best = f"[{self.model.na} {self.model.nb} {self.model.nk}]"
+        return f"OrderSelection({best} by {self.criterion} of {len(self.na)} tried)"
+
+    def _repr_html_(self) -> str:
+        scores = getattr(self, _KEYS[self.criterion])
+        order = [k for k in np.argsort(scores) if np.isfinite(scores[k])][:10]
+        rows = [
+            (
+                f"[{self.na[k]} {self.nb[k]} {self.nk[k]}]",
+                f"{self.aic[k]:.1f}",
+                f"{self.bic[k]:.1f}",
+                f"{self.validation_loss[k]:.4g}",
+            )
+            for k in order
+        ]
+        header = ["na nb nk", "AIC", "BIC", "validation loss"]
+        title = f"{self!r}, the best ten"
+        return f"<p>{_show.escape(title)}</p>" + _show.grid(header, rows)
+
+
+_KEYS = {"aic": "aic", "bic": "bic", "validation": "validation_loss"}
+
+
+def select_order(
+    u: ArrayLike,
+    y: ArrayLike,
+    ts: float,
+    *,
+    na: Iterable[int] = range(1, 9),
+    nb: Iterable[int] = range(1, 9),
+    nk: Iterable[int] = (1,),
+    criterion: Literal["aic", "bic", "validation"] = "bic",
+    validation: tuple[ArrayLike, ArrayLike] | None = None,
+) -> OrderSelection:
+    """Choose the orders of an ARX model.
+
+    Every model is fitted to the same rows, those of the one with the longest memory, so that
+    the scores compare. The best is then fitted to all rows it can use.
+
+    Parameters
+    ----------
+    u, y : array, shape (n,)
+        Input and output, equally spaced in time.
+    ts : float
+        Sampling interval, s.
+    na, nb, nk : iterable of int
+        The orders to try, every combination; see `arx`.
+    criterion : {"aic", "bic", "validation"}
+        Akaike's criterion (good prediction; tends to more terms), Schwarz's (the true order, given
+        enough data), or the mean square of the residuals on `validation`.
+    validation : tuple of two arrays, shape (m,), optional
+        Input and output of another log; needed for the criterion "validation".
+
+    Returns
+    -------
+    OrderSelection
+        All scores, and the best model.
+
+    Raises
+    ------
+    ValueError
+        An order is out of range, no combination is determined by the data, or there are no
+        validation data for the criterion.
+
+    Examples
+    --------
+    >>> import numpy as np, cgheight
+    >>> random = np.random.default_rng(1)
+    >>> u, e = random.standard_normal(2000), 0.1 * random.standard_normal(2000)
+    >>> y = np.zeros(2000)
+    >>> for t in range(2, 2000):
+    ...     y[t] = 1.5 * y[t - 1] - 0.7 * y[t - 2] + u[t - 1] + e[t]
+    >>> cgheight.select_order(u, y, 0.05)
+    OrderSelection([2 1 1] by bic of 64 tried)
+    """
+    if criterion not in _KEYS:
+        raise ValueError(f'criterion is {criterion!r}: it must be "aic", "bic" or "validation"')
+    if criterion == "validation" and validation is None:
+        raise ValueError("validation is absent: the criterion needs another log's (u, y)")
+    data = column("u", u), column("y", y)
+    orders = [(index(a), index(b), index(k)) for a in na for b in nb for k in nk]
+    if not orders:
+        raise ValueError("no orders to try: na, nb and nk must each hold one or more")
+    memory = max(max(a, b + k - 1) for a, b, k in orders)
+    scores = np.full((4, len(orders)), np.nan)
+    for place, (a, b, k) in enumerate(orders):
+        start = memory - max(a, b + k - 1)
+        try:
+            model = arx(data[0][start:], data[1][start:], a, b, k, ts)
+        except ValueError as error:
+            if str(error).startswith("unexcited"):
+                continue
+            raise
+        n, d = model.rows, a + b
+        loss = model.noise_variance * (n - d) / n
+        # An exact fit has no loss to speak of: the smallest number in its place.
+        size = n * np.log(max(loss, np.finfo(float).tiny))
+        scores[:3, place] = loss, size + 2 * d, size + d * np.log(n)
+        if validation is not None:
+            scores[3, place] = np.mean(model.residuals(*validation) ** 2)
+    row = {"aic": 1, "bic": 2, "validation": 3}[criterion]
+    if np.all(np.isnan(scores[row])):
+        raise ValueError("unexcited: the data determine none of these models; give a longer log")
+    best = orders[int(np.nanargmin(scores[row]))]
+    tried = np.array(orders, dtype=np.int64).T
+    return OrderSelection(*tried, *scores, criterion=criterion, model=arx(*data, *best, ts=ts))

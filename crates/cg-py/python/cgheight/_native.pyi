@@ -7,18 +7,25 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from cgheight._results import ArxModel, Estimate, LinearModel
+from cgheight._model_results import ArxModel, LinearModel
+from cgheight._results import Estimate
 
 __all__ = [
     "Stream",
     "Vehicle",
     "__version__",
     "calibrate_files",
+    "decode_j1939",
     "estimate_arrays",
     "estimate_file",
     "fit_arx",
     "linear_model",
+    "predict_roll",
+    "read_file",
+    "reproduce_tables",
     "resolve_columns",
+    "score_accuracy",
+    "simulate_log",
 ]
 
 __version__: Final[str]
@@ -47,6 +54,16 @@ class Vehicle:
     @property
     def reference_height_m(self) -> float:
         """Height of the trailer's sprung c.g. above ground when nothing else is said, m."""
+    @property
+    def empty_trailer_mass_kg(self) -> float:
+        """Mass of the semitrailer without payload, kg."""
+    @property
+    def steering_ratio(self) -> float | None:
+        """Steering-wheel angle over road-wheel angle, or None if the file has none."""
+    @property
+    def height_range_m(self) -> tuple[float, float]:
+        """Range of c.g. heights that the file allows (least, greatest), m."""
+    def _repr_html_(self) -> str: ...
 
 @disjoint_base
 class Stream:
@@ -126,3 +143,43 @@ def calibrate_files(
     /,
 ) -> None:
     """Calibrate with log files and write the calibration file."""
+
+def read_file(
+    path: str | os.PathLike[str], columns: list[str], flip: list[str], /
+) -> dict[str, NDArray[np.float64]]:
+    """Read a log file (CSV, CSV in gzip, parquet): SI column names to arrays."""
+
+def predict_roll(
+    vehicle: Vehicle,
+    signals: dict[str, NDArray[np.float64]],
+    channel: str,
+    height_m: float,
+    options: dict[str, Any],
+    /,
+) -> NDArray[np.float64]:
+    """Return the roll angle that the model expects of the arrays, for a height."""
+
+def decode_j1939(identifier: int, data: bytes, /) -> dict[str, float]:
+    """Return the signals in a frame with a 29-bit identifier: SI column names to values."""
+
+def simulate_log(
+    vehicle: Vehicle,
+    request: dict[str, Any],
+    output: str | os.PathLike[str] | None,
+    /,
+) -> tuple[dict[str, NDArray[np.float64]], str]:
+    """Simulate a log: columns, and the truth as JSON."""
+
+def score_accuracy(
+    vehicle: Vehicle,
+    request: dict[str, Any],
+    truck: str,
+    channel: str,
+    method: str,
+    runs: int,
+    /,
+) -> dict[str, Any]:
+    """Estimate the same scenario many times with fresh noise, and score the heights."""
+
+def reproduce_tables(name: str | None, runs: int, seed: int, /) -> dict[str, list[Any]]:
+    """One table of the thesis, or all of them, beside ours: a dict of columns."""

@@ -2,6 +2,7 @@
 
 mod answer;
 mod engine;
+mod prediction;
 
 use cg_core::estimator::Maneuver;
 use cg_core::{Channel, Design, Measured, Sample, SampleError, Status};
@@ -9,6 +10,7 @@ use serde::Serialize;
 
 pub use answer::{LogEstimate, ManeuverEstimate, Verdict};
 use engine::Engine;
+pub use prediction::Prediction;
 
 use crate::design::design;
 use crate::error::VehicleError;

@@ -25,6 +25,11 @@ const DEFAULT_LATERAL_G: f64 = 0.17;
 /// The same of a maneuver to rollover: more than trucks hold.
 const ROLLOVER_LATERAL_G: f64 = 1.2;
 
+/// Seconds after a driver's path in which the trailer comes to rest.
+const AFTER_S: f64 = 5.0;
+/// Greatest share by which the speed of a drive of the nonlinear plant usually changes.
+const USUAL_SPEED_CHANGE: f64 = 0.3;
+
 /// What moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plant {
@@ -92,6 +97,19 @@ impl Scenario {
             sensors: Sensors::default(),
             seed: 1,
         }
+    }
+
+    /// The length that suits it: a driver's path as long as it takes, else the present one.
+    pub fn usual_duration_s(&self) -> f64 {
+        self.course.map_or(self.duration_s, |course| {
+            self.start_s + course.length_m() / self.speed_mps + AFTER_S
+        })
+    }
+
+    /// The speed change that suits it: some in a drive of the nonlinear plant, else none.
+    pub fn usual_speed_change(&self) -> f64 {
+        let changes = self.maneuver == Maneuver::Drive && self.plant == Plant::Nonlinear;
+        if changes { USUAL_SPEED_CHANGE } else { 0.0 }
     }
 
     fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {

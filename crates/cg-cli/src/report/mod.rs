@@ -1,0 +1,124 @@
+//! `cg estimate --report`: one page that holds everything, and asks no network for more.
+//!
+//! The page is a template with its style, its script and the answers as JSON; the script draws. All
+//! text of logs reaches the page as text, never as markup.
+
+mod trace;
+
+use std::path::Path;
+
+use cg_vehicle::estimate::LogEstimate;
+use chrono::Utc;
+use serde::Serialize;
+
+use crate::draft::Draft;
+use crate::estimate::Answer;
+
+pub(crate) use trace::Trace;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// Points of all logs together: a few hundred KiB.
+const POINTS: usize = 24_000;
+/// Points of one log, at most and at least.
+const MOST_POINTS: usize = 240;
+const LEAST_POINTS: usize = 24;
+
+/// How many points each of so many logs may have.
+pub(crate) fn room(logs: usize) -> usize {
+    (POINTS / logs.max(1)).clamp(LEAST_POINTS, MOST_POINTS)
+}
+
+/// What the batch was.
+pub(crate) struct Batch<'a> {
+    pub(crate) vehicle: &'a str,
+    pub(crate) calibration: Option<&'a Path>,
+    /// Logs that could not be read, and why.
+    pub(crate) unreadable: &'a [(String, String)],
+}
+
+#[derive(Serialize)]
+struct Page<'a> {
+    title: String,
+    vehicle: &'a str,
+    calibration: Option<String>,
+    written: String,
+    version: &'static str,
+    logs: Vec<Log<'a>>,
+}
+
+#[derive(Serialize)]
+struct Log<'a> {
+    log: &'a str,
+    #[serde(flatten)]
+    estimate: Option<&'a LogEstimate>,
+    known_height_m: Option<f64>,
+    /// Why it could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unreadable: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    signals: Option<trace::Signals>,
+}
+
+/// Makes the page beside its place; it appears with [`Draft::publish`].
+pub(crate) fn write(target: &Path, batch: &Batch, answers: &[Answer]) -> anyhow::Result<Draft> {
+    let read = answers.iter().map(|answer| Log {
+        log: &answer.log,
+        estimate: Some(&answer.estimate),
+        known_height_m: answer.known_m,
+        unreadable: None,
+        signals: answer.trace.as_ref().map(Trace::signals),
+    });
+    let unread = batch.unreadable.iter().map(|(log, why)| Log {
+        log,
+        estimate: None,
+        known_height_m: None,
+        unreadable: Some(why),
+        signals: None,
+    });
+    let page = Page {
+        title: format!("C.g. heights, {}", batch.vehicle),
+        vehicle: batch.vehicle,
+        calibration: batch.calibration.map(|path| path.display().to_string()),
+        written: Utc::now().format("%Y-%m-%d %H:%M UTC").to_string(),
+        version: env!("CARGO_PKG_VERSION"),
+        logs: read.chain(unread).collect(),
+    };
+    // No `<` in the data: nothing in it can end the script element or begin a comment.
+    let data = serde_json::to_string(&page)?.replace('<', "\\u003c");
+    Draft::write(target, "--report", &fill(&data))
+}
+
+/// The template with its parts; what is put in is not looked at again.
+fn fill(data: &str) -> String {
+    let mut page = String::with_capacity(PAGE.len() + STYLE.len() + SCRIPT.len() + data.len());
+    let mut rest = PAGE;
+    for (mark, part) in [("{{style}}", STYLE), ("{{data}}", data), ("{{script}}", SCRIPT)] {
+        let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
+        page.push_str(before);
+        page.push_str(part);
+        rest = after;
+    }
+    page + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_template_has_each_part_once_and_nothing_from_elsewhere() {
+        let page = fill("{\"logs\":[]}");
+        assert!(!page.contains("{{"));
+        assert!(page.contains("{\"logs\":[]}") && page.ends_with("</html>\n"));
+        assert!(!page.contains("http://") || page.matches("http://").count() == 1); // SVG's name
+        assert!(!page.contains("https://"));
+    }
+
+    #[test]
+    fn many_logs_share_the_room() {
+        assert_eq!((room(1), room(100), room(10_000)), (240, 240, 24));
+    }
+}

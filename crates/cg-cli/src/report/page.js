@@ -1,0 +1,260 @@
+"use strict";
+const page = JSON.parse(document.getElementById("data").textContent);
+const NONE = "–";
+const G = 9.80665, DEGREES = 180 / Math.PI;
+
+// Elements: every text is set as text, so that no name or message can become markup.
+function make(name, attributes = {}, ...children) {
+  const node = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  node.append(...children);
+  return node;
+}
+function draw(name, attributes = {}, text = null) {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  if (text !== null) node.textContent = text;
+  return node;
+}
+const present = (value) => value !== null && value !== undefined;
+const fixed = (value, digits, unit = "") => present(value) ? value.toFixed(digits) + unit : NONE;
+
+// A map from data to picture, with round marks.
+function scale(low, high, from, to) {
+  if (!(high > low)) { low -= 0.5; high += 0.5; }
+  const at = (value) => from + (value - low) / (high - low) * (to - from);
+  const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= rough);
+  const marks = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) marks.push(k * step);
+  const digits = Math.max(0, -Math.floor(Math.log10(step)));
+  return { at, marks, label: (value) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1") };
+}
+function extent(values) {
+  let low = Infinity, high = -Infinity;
+  for (const value of values) if (present(value)) { low = Math.min(low, value); high = Math.max(high, value); }
+  const margin = 0.06 * (high - low) || 0.05;
+  return [low - margin, high + margin];
+}
+const LEFT = 44, RIGHT = 8, TOP = 16, BOTTOM = 30;
+function axes(width, height, x, y, title, unit) {
+  const svg = draw("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": title });
+  for (const mark of y.marks) {
+    svg.append(draw("line", { class: "axis", x1: LEFT, x2: width - RIGHT, y1: y.at(mark), y2: y.at(mark) }));
+    svg.append(draw("text", { x: LEFT - 5, y: y.at(mark) + 4, "text-anchor": "end" }, y.label(mark)));
+  }
+  for (const mark of x ? x.marks : []) {
+    svg.append(draw("text", { x: x.at(mark), y: height - BOTTOM + 14, "text-anchor": "middle" }, x.label(mark)));
+  }
+  if (x) svg.append(draw("text", { x: width - RIGHT, y: height - 3, "text-anchor": "end" }, "time, s"));
+  svg.append(draw("text", { x: 2, y: 10 }, unit));
+  svg.append(draw("path", { class: "frame", d: `M${LEFT} ${TOP}V${height - BOTTOM}H${width - RIGHT}` }));
+  return svg;
+}
+function line(svg, x, y, times, values, name) {
+  let path = "", pen = "M";
+  values.forEach((value, k) => {
+    if (!present(value) || !present(times[k])) { pen = "M"; return; }
+    path += `${pen}${x.at(times[k]).toFixed(1)} ${y.at(value).toFixed(1)}`;
+    pen = "L";
+  });
+  svg.append(draw("path", { class: name, d: path }));
+}
+function shade(svg, x, log, height) {
+  for (const one of log.maneuvers) {
+    const from = x.at(one.start_s), wide = Math.max(1, x.at(one.end_s) - from);
+    svg.append(draw("rect", { class: one.status, x: from, y: TOP, width: wide, height: height - TOP - BOTTOM }));
+  }
+}
+
+// The pictures of a log.
+function signalPicture(log) {
+  const width = 460, height = 190, s = log.signals;
+  const times = s.time_s, roll = s.roll_rad.map((v) => present(v) ? v * DEGREES : null);
+  const lateral = s.lateral_acceleration_mps2.map((v) => present(v) ? v / G * 10 : null);
+  const steer = s.steer_rad.map((v) => present(v) ? v * DEGREES : null);
+  const [from, to] = [Math.min(...times.filter(present)), Math.max(...times.filter(present))];
+  const x = scale(from, to, LEFT, width - RIGHT);
+  const y = scale(...extent([...roll, ...lateral, ...steer]), height - BOTTOM, TOP);
+  const svg = axes(width, height, x, y, `Signals of ${log.log}`, "°");
+  shade(svg, x, log, height);
+  let at = LEFT + 8;
+  for (const [name, values, text] of [["steer", steer, "steer °"], ["lateral", lateral, "lateral accel. 0.1 g"], ["roll", roll, "roll °"]]) {
+    if (!values.length) continue;
+    line(svg, x, y, times, values, name);
+    svg.append(draw("text", { class: `key ${name}`, x: at, y: 10 }, text));
+    at += 24 + text.length * 6;
+  }
+  return svg;
+}
+function heightPicture(log) {
+  const good = log.maneuvers.filter((one) => present(one.height_m));
+  const width = 460, height = 190;
+  const reach = good.flatMap((one) => [one.height_m - 1.96 * one.height_sd_m, one.height_m + 1.96 * one.height_sd_m]);
+  const y = scale(...extent([...reach, ...(log.height_ci95_m || []), log.known_height_m]), height - BOTTOM, TOP);
+  const times = log.signals ? log.signals.time_s.filter(present) : [];
+  const all = [...times, ...log.maneuvers.flatMap((one) => [one.start_s, one.end_s])];
+  const x = scale(Math.min(...all), Math.max(...all), LEFT, width - RIGHT);
+  const svg = axes(width, height, x, y, `Heights of ${log.log}`, "height, m");
+  if (log.height_ci95_m) {
+    const [low, high] = log.height_ci95_m;
+    svg.append(draw("rect", { class: "band", x: LEFT, y: y.at(high), width: width - LEFT - RIGHT, height: y.at(low) - y.at(high) }));
+    svg.append(draw("path", { class: "interval", d: `M${LEFT} ${y.at(log.height_m)}H${width - RIGHT}` }));
+  }
+  if (present(log.known_height_m)) diamond(svg, width - RIGHT - 6, y.at(log.known_height_m));
+  for (const one of good) {
+    const at = x.at((one.start_s + one.end_s) / 2), sd = 1.96 * one.height_sd_m;
+    svg.append(draw("path", { class: "interval", d: `M${at} ${y.at(one.height_m - sd)}V${y.at(one.height_m + sd)}` }));
+    svg.append(draw("circle", { class: "dot", cx: at, cy: y.at(one.height_m), r: 3 }));
+  }
+  return svg;
+}
+function diamond(svg, x, y) {
+  svg.append(draw("path", { class: "known", d: `M${x - 5} ${y}L${x} ${y - 5}L${x + 5} ${y}L${x} ${y + 5}Z` }));
+}
+
+// Everything that is known of a log, below its row.
+function detail(log) {
+  const cell = make("td", { colspan: COLUMNS.length });
+  if (present(log.unreadable)) {
+    cell.append(make("p", { class: "bad" }, log.unreadable));
+    return make("tr", { class: "detail" }, cell);
+  }
+  if (log.messages.length) cell.append(make("ul", {}, ...log.messages.map((text) => make("li", {}, text))));
+  const facts = `Speed ${fixed(log.speed_mps, 1, " m/s")}, trailer ${fixed(log.trailer_mass_kg, 0, " kg")}, `
+    + `channel ${log.channel || NONE}, method ${log.method}, signal to noise ${fixed(log.snr_db, 1, " dB")}, fit ${fixed(log.fit_percent, 1, " %")}.`;
+  cell.append(make("p", { class: "quiet" }, facts));
+  const pair = make("div", { class: "pair" });
+  if (log.signals && log.signals.time_s.length) {
+    pair.append(make("div", {}, make("h3", {}, "Signals (shaded: maneuvers)"), signalPicture(log)));
+  }
+  if (log.maneuvers.some((one) => present(one.height_m))) {
+    pair.append(make("div", {}, make("h3", {}, "Height of each maneuver (bar: 95 % of its noise; band: answer)"), heightPicture(log)));
+  }
+  cell.append(pair);
+  if (log.maneuvers.length) {
+    const rows = log.maneuvers.map((one) => make("tr", {},
+      make("td", {}, `${one.start_s.toFixed(1)} to ${one.end_s.toFixed(1)} s`),
+      make("td", {}, present(one.height_m) ? `${one.height_m.toFixed(3)} ± ${one.height_sd_m.toFixed(3)} m` : NONE),
+      make("td", { class: "wide" }, fixed(one.snr_db, 1, " dB")),
+      make("td", one.reason ? { class: "bad" } : {}, one.reason || one.status)));
+    const head = ["Maneuver", "Height ± noise", "SNR", "Status"].map((text, k) => make("th", k === 2 ? { class: "wide" } : {}, text));
+    cell.append(make("table", {}, make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...rows)));
+  }
+  return make("tr", { class: "detail" }, cell);
+}
+
+// The table.
+const answered = page.logs.filter((log) => present(log.height_m));
+const knowing = page.logs.some((log) => present(log.known_height_m));
+const status = (log) => present(log.unreadable) ? "unreadable" : log.status;
+const error = (log) => present(log.height_m) && present(log.known_height_m) ? 100 * (log.height_m / log.known_height_m - 1) : null;
+const signed = (value) => present(value) ? (value >= 0 ? "+" : "−") + Math.abs(value).toFixed(1) + " %" : NONE;
+const COLUMNS = [
+  { name: "Log", sort: (log) => log.log, text: (log) => log.log },
+  { name: "Height", sort: (log) => log.height_m, text: (log) => present(log.height_m) ? fixed(log.height_m, 3, " m") : status(log) },
+  { name: "± sd", wide: true, sort: (log) => log.height_sd_m, text: (log) => fixed(log.height_sd_m, 3, " m") },
+  { name: "95 % interval", wide: true, sort: (log) => log.height_ci95_m ? log.height_ci95_m[0] : null,
+    text: (log) => log.height_ci95_m ? `${log.height_ci95_m[0].toFixed(2)} to ${log.height_ci95_m[1].toFixed(2)} m` : NONE },
+  { name: "Rollover", sort: (log) => log.static_rollover_threshold_g, text: (log) => fixed(log.static_rollover_threshold_g, 2, " g") },
+  { name: "Turns", wide: true, sort: (log) => log.maneuvers ? log.maneuvers.length : null,
+    text: (log) => log.maneuvers ? `${log.maneuvers.filter((one) => one.status === "ok").length} of ${log.maneuvers.length}` : NONE },
+  ...(knowing ? [
+    { name: "Known", wide: true, sort: (log) => log.known_height_m, text: (log) => fixed(log.known_height_m, 3, " m") },
+    { name: "Error", sort: error, text: (log) => signed(error(log)) },
+  ] : []),
+];
+const rows = page.logs.map((log, k) => {
+  const cells = COLUMNS.map((column) => {
+    const bad = column.name === "Height" && !present(log.height_m);
+    return make("td", { class: [column.wide ? "wide" : "", bad ? "bad" : ""].join(" ").trim() }, column.text(log));
+  });
+  const row = make("tr", { class: "log", tabindex: "0", "aria-expanded": "false", id: `log-${k}` }, ...cells);
+  row.addEventListener("click", () => toggle(k));
+  row.addEventListener("keydown", (event) => {
+    if (event.key === "Enter" || event.key === " ") { event.preventDefault(); toggle(k); }
+  });
+  return row;
+});
+const details = new Map();
+function toggle(k, open = !details.has(k)) {
+  if (open === details.has(k)) return;
+  rows[k].classList.toggle("open", open);
+  rows[k].setAttribute("aria-expanded", String(open));
+  if (open) {
+    details.set(k, detail(page.logs[k]));
+    rows[k].after(details.get(k));
+  } else {
+    details.get(k).remove();
+    details.delete(k);
+  }
+}
+const body = document.querySelector("#logs tbody");
+const heads = COLUMNS.map((column, place) => {
+  const button = make("button", { type: "button" }, column.name);
+  const head = make("th", { scope: "col", "aria-sort": "none", class: column.wide ? "wide" : "" }, button);
+  button.addEventListener("click", () => sort(place));
+  return head;
+});
+document.querySelector("#logs thead tr").append(...heads);
+function sort(place) {
+  const down = heads[place].getAttribute("aria-sort") === "ascending";
+  heads.forEach((head, k) => head.setAttribute("aria-sort", k === place ? (down ? "descending" : "ascending") : "none"));
+  const key = page.logs.map((log) => COLUMNS[place].sort(log));
+  const order = page.logs.map((_, k) => k).sort((a, b) => {
+    if (!present(key[a]) || !present(key[b])) return present(key[b]) - present(key[a]); // absent ones last
+    const less = typeof key[a] === "string" ? key[a].localeCompare(key[b], "en", { numeric: true }) : key[a] - key[b];
+    return down ? -less : less;
+  });
+  body.replaceChildren(...order.flatMap((k) => details.has(k) ? [rows[k], details.get(k)] : [rows[k]]));
+}
+body.replaceChildren(...rows);
+
+// Head, totals, overview.
+document.title = page.title;
+document.getElementById("title").textContent = page.title;
+document.getElementById("about").textContent =
+  `${page.calibration ? `Calibrated with ${page.calibration}` : "Not calibrated: the intervals are those of the vehicle file's [uncertainty]"}. Written ${page.written}.`;
+document.getElementById("foot").textContent =
+  `cg ${page.version}. Heights are of the trailer's sprung mass above ground at rest; rollover: lateral acceleration of wheel lift in a steady turn.`;
+function median(values) {
+  const sorted = values.filter(present).sort((a, b) => a - b), n = sorted.length;
+  return n ? (sorted[(n - 1) >> 1] + sorted[n >> 1]) / 2 : null;
+}
+const errors = page.logs.map(error).filter(present);
+const totals = [
+  ["logs", String(page.logs.length)],
+  ["with a height", String(answered.length)],
+  ["rejected", String(page.logs.filter((log) => status(log) === "rejected").length)],
+  ...(page.logs.some((log) => present(log.unreadable)) ? [["unreadable", String(page.logs.filter((log) => present(log.unreadable)).length)]] : []),
+  ["median height", fixed(median(answered.map((log) => log.height_m)), 2, " m")],
+  ["lowest rollover threshold", answered.length ? fixed(Math.min(...answered.map((log) => log.static_rollover_threshold_g).filter(present)), 2, " g") : NONE],
+  ...(errors.length ? [["largest error", signed(errors.reduce((a, b) => Math.abs(b) > Math.abs(a) ? b : a))]] : []),
+];
+document.getElementById("totals").append(...totals.map(([name, value]) =>
+  make("div", { class: "tile" }, make("b", {}, value), make("span", { class: "quiet" }, name))));
+function overview() {
+  const narrow = window.innerWidth <= 700, width = narrow ? 380 : 1080, height = narrow ? 220 : 240;
+  const y = scale(...extent(page.logs.flatMap((log) => [log.known_height_m, ...(log.height_ci95_m || [])])), height - BOTTOM, TOP);
+  const svg = axes(width, height, null, y, "Heights of all logs", "height, m");
+  const step = (width - LEFT - RIGHT) / Math.max(1, page.logs.length), radius = Math.max(1.5, Math.min(4, step / 3));
+  page.logs.forEach((log, k) => {
+    const at = LEFT + (k + 0.5) * step;
+    const dot = draw("circle", { class: "dot", cx: at, r: radius });
+    if (log.height_ci95_m) {
+      svg.append(draw("path", { class: "interval", d: `M${at} ${y.at(log.height_ci95_m[0])}V${y.at(log.height_ci95_m[1])}` }));
+      dot.setAttribute("cy", y.at(log.height_m));
+    } else {
+      dot.setAttribute("class", "dot none");
+      dot.setAttribute("cy", height - BOTTOM);
+    }
+    dot.append(draw("title", {}, `${log.log}: ${present(log.height_m) ? fixed(log.height_m, 3, " m") : status(log)}`));
+    dot.addEventListener("click", () => { toggle(k, true); rows[k].scrollIntoView({ block: "center" }); });
+    if (present(log.known_height_m)) diamond(svg, at, y.at(log.known_height_m));
+    svg.append(dot);
+  });
+  svg.append(draw("text", { x: width - RIGHT, y: height - BOTTOM + 14, "text-anchor": "end" }, `${page.logs.length} logs, in the order given`));
+  document.getElementById("overview").replaceChildren(svg);
+}
+if (answered.length || knowing) overview(); else document.getElementById("overview").textContent = "No log gave a height.";
+if (page.logs.length === 1) toggle(0, true);

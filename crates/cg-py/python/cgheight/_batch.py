@@ -1,0 +1,184 @@
+"""Many logs at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal
+
+from cgheight import _native, _show
+from cgheight._estimate import estimate_log
+from cgheight._extras import need
+from cgheight._results import Estimate, Maneuver, rejected
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Estimates(Sequence[Estimate]):
+    """The answers for many logs, in their order.
+
+    Attributes
+    ----------
+    logs : tuple of str
+        Names of the logs; a table is ``table 0``, ``table 1``, … by its place.
+    estimates : tuple of Estimate
+        One answer for each.
+    """
+
+    logs: tuple[str, ...]
+    estimates: tuple[Estimate, ...]
+
+    def __len__(self) -> int:
+        return len(self.estimates)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.estimates[index]
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return iter(self.estimates)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas DataFrame with one row for each log.
+
+        Columns are those of ``cg estimate --format csv``: the attributes of `Estimate` with the
+        interval in two columns, the number of maneuvers, and the messages in one text.
+        """
+        rows = []
+        for log, one in zip(self.logs, self.estimates, strict=True):
+            row: dict[str, Any] = {"log": log}
+            for field in fields(one):
+                value = getattr(one, field.name)
+                if field.name == "height_ci95_m":
+                    row["height_ci95_low_m"], row["height_ci95_high_m"] = value or (None, None)
+                else:
+                    row[field.name] = value
+            rows.append(
+                row | {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
+            )
+        return _numbers(need("pandas", "pandas").DataFrame(rows))
+
+    def maneuvers_frame(self) -> pd.DataFrame:
+        """Return a pandas DataFrame with one row for each maneuver: its log, its attributes."""
+        names = [field.name for field in fields(Maneuver)]
+        rows = [
+            {"log": log} | {name: getattr(maneuver, name) for name in names}
+            for log, one in zip(self.logs, self.estimates, strict=True)
+            for maneuver in one.maneuvers
+        ]
+        pandas = need("pandas", "pandas")
+        return _numbers(pandas.DataFrame(rows, columns=["log", *names]))
+
+    def __repr__(self) -> str:
+        good = sum(one.status == "ok" for one in self.estimates)
+        return f"Estimates({good} of {len(self)} logs with a height)"
+
+    def _repr_html_(self) -> str:
+        header = ["log", "height", "±", "rollover threshold", "channel", "maneuvers", "messages"]
+        rows = [
+            (
+                log,
+                _show.number(one.height_m, 3, "m"),
+                _show.number(one.height_sd_m, 3, "m"),
+                _show.number(one.static_rollover_threshold_g, 2, "g"),
+                one.channel or "–",
+                str(len(one.maneuvers)),
+                "; ".join(one.messages),
+            )
+            for log, one in zip(self.logs, self.estimates, strict=True)
+        ]
+        return f"<p>{_show.escape(repr(self))}</p>" + _show.grid(header, rows)
+
+
+def _numbers(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table with NaN where numbers are absent."""
+    names = [name for name in table if str(name).endswith(_UNITS) or name == "ratio"]
+    return table.astype(dict.fromkeys(names, "float64"))
+
+
+_UNITS = ("_m", "_s", "_sd", "_mps", "_kg", "_db", "_percent", "_g")
+
+
+def estimate_logs(
+    logs: Iterable[str | os.PathLike[str] | Any],
+    *,
+    vehicle: _native.Vehicle,
+    jobs: int | None = None,
+    progress: bool = False,
+    errors: Literal["raise", "reject"] = "raise",
+    calibration: str | os.PathLike[str] | None = None,
+    **options: Any,
+) -> Estimates:
+    """Estimate many logs in parallel threads; the interpreter is free while one is estimated.
+
+    Parameters
+    ----------
+    logs : iterable of str, os.PathLike, or data frame
+        The logs, each as `estimate_log` takes it.
+    vehicle : Vehicle
+        The vehicle.
+    jobs : int, optional
+        Threads, 1 or more; as many as there are processors if absent.
+    progress : bool
+        Whether to show a progress bar (needs tqdm).
+    errors : {"raise", "reject"}
+        What to do with a log that cannot be read: raise its error, or go on and answer
+        "rejected" with the error as its message.
+    calibration : str or os.PathLike, optional
+        A calibration file of this vehicle, read once.
+    **options
+        Further keywords of `estimate_log`.
+
+    Returns
+    -------
+    Estimates
+        The answers, in the order of the logs.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        As for `estimate_log`, with errors="raise"; the logs not yet begun are left out.
+    ImportError
+        tqdm is not installed and `progress` is asked for.
+
+    Examples
+    --------
+    >>> import cgheight
+    >>> truck = cgheight.Vehicle.load("fixtures/vehicles/kraz.toml")
+    >>> logs = [f"fixtures/logs/A_p20_h{h}_v50_L.csv" for h in (150, 190, 220)]
+    >>> cgheight.estimate_logs(logs, vehicle=truck)
+    Estimates(3 of 3 logs with a height)
+    """
+    if errors not in ("raise", "reject"):
+        raise ValueError(f'errors is {errors!r}: it must be "raise" or "reject"')
+    if jobs is not None and jobs < 1:
+        raise ValueError(f"jobs is {jobs}: it must be 1 or more")
+    known = list(logs)
+    truck = vehicle if calibration is None else vehicle.calibrated(calibration)
+    bar = need("tqdm.auto", "progress").tqdm(total=len(known), unit="log") if progress else None
+
+    def work(log: Any) -> Estimate:
+        try:
+            answer = estimate_log(log, vehicle=truck, **options)
+        except (OSError, ValueError) as error:
+            if errors == "raise":
+                raise
+            answer = rejected(str(error), truck.reference_trailer_mass_kg, options)
+        if bar is not None:
+            bar.update()
+        return answer
+
+    names = tuple(
+        os.fspath(log) if isinstance(log, str | os.PathLike) else f"table {place}"
+        for place, log in enumerate(known)
+    )
+    pool = ThreadPoolExecutor(jobs or os.cpu_count())
+    try:
+        return Estimates(names, tuple(pool.map(work, known)))
+    finally:
+        pool.shutdown(cancel_futures=True)
+        if bar is not None:
+            bar.close()

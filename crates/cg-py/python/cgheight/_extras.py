@@ -1,0 +1,17 @@
+"""Optional packages: imported where needed, named in the message where missing."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+
+def need(module: str, extra: str) -> Any:
+    """Import an optional module; ImportError that names the extra to install if it is missing."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package = module.partition(".")[0]
+        raise ImportError(
+            f"this needs {package}, which is not installed: pip install 'cgheight[{extra}]'"
+        ) from error

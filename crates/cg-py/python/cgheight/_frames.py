@@ -1,0 +1,231 @@
+"""CAN frames to rows: J1939 by the core's table, anything else by a DBC file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, Protocol
+
+from cgheight import _native
+from cgheight._extras import need
+from cgheight._logs import flips, maps
+
+# How DBC files write the units that a column of a log may come in.
+UNITS = {
+    "s": "s", "ms": "ms", "us": "us", "µs": "us",
+    "rad": "rad", "deg": "deg", "°": "deg", "degree": "deg", "degrees": "deg",
+    "m/s": "mps", "mps": "mps", "km/h": "kmh", "kmh": "kmh", "kph": "kmh",
+    "m/s2": "mps2", "m/s^2": "mps2", "m/s²": "mps2", "mps2": "mps2", "g": "g",
+    "rad/s": "radps", "radps": "radps", "deg/s": "degps", "°/s": "degps", "degps": "degps",
+    "kg": "kg", "t": "t",
+}  # fmt: skip
+# The columns of a log, in their usual order.
+COLUMNS = (
+    "time_s",
+    "steer_rad",
+    "steering_wheel_rad",
+    "roll_rad",
+    "tilt_rad",
+    "speed_mps",
+    "lateral_acceleration_mps2",
+    "yaw_rate_radps",
+    "trailer_mass_kg",
+)
+# The mass is sent now and then, and does not change while driving.
+_SLOW = "trailer_mass_kg"
+
+
+class Frame(Protocol):
+    """What is needed of a `can.Message`."""
+
+    timestamp: float
+    arbitration_id: int
+    is_extended_id: bool
+    data: bytearray
+
+
+class Rows:
+    """Puts frames together to rows of a log.
+
+    A frame with the roll angle (or, where there is none, the inclinometer's) makes a row; the
+    other signals keep their last value for `hold_s` seconds, the trailer mass for ever.
+    """
+
+    def __init__(
+        self,
+        dbc: str | os.PathLike[str] | None,
+        signals: Mapping[str, str] | None,
+        flip: Iterable[str],
+        hold_s: float,
+    ) -> None:
+        """Begin a log."""
+        if not hold_s > 0:
+            raise ValueError(f"hold_s is {hold_s}: it must be positive")
+        if dbc is None and signals:
+            raise ValueError("signals names signals of a DBC file: give dbc too")
+        self.frames = 0
+        self.used = 0
+        self._hold_s = hold_s
+        self._decode = _j1939(flip) if dbc is None else Dbc(dbc, signals, flip).decode
+        self._last: dict[str, tuple[float, float]] = {}
+
+    def push(self, frame: Frame) -> dict[str, float] | None:
+        """Take in a frame; the row that it completes, if it does."""
+        self.frames += 1
+        values = self._decode(frame)
+        if not values:
+            return None
+        self.used += 1
+        now_s = frame.timestamp
+        for name, value in values.items():
+            self._last[name] = (now_s, value)
+        trigger = "roll_rad" if self._is_fresh("roll_rad", now_s) else "tilt_rad"
+        if trigger not in values:
+            return None
+        row = {"time_s": now_s}
+        for name, (_, value) in self._last.items():
+            if name == _SLOW or self._is_fresh(name, now_s):
+                row[name] = value
+        if trigger == "roll_rad":
+            row.pop("tilt_rad", None)
+        return row
+
+    def _is_fresh(self, name: str, now_s: float) -> bool:
+        known = self._last.get(name)
+        return known is not None and now_s - known[0] <= self._hold_s
+
+
+def _j1939(flip: Iterable[str]) -> Any:
+    # The sign of each signal, by the rules for columns.
+    found = _native.resolve_columns(list(COLUMNS), [], flips(flip))
+    turned = {name for name, (_, factor) in found.items() if factor < 0}
+
+    def decode(frame: Frame) -> dict[str, float]:
+        if not frame.is_extended_id:
+            return {}
+        values = _native.decode_j1939(frame.arbitration_id, bytes(frame.data))
+        for name in turned & values.keys():
+            values[name] = -values[name]
+        return values
+
+    return decode
+
+
+class Dbc:
+    """The signals of a DBC file that a log is made of."""
+
+    def __init__(
+        self,
+        dbc: str | os.PathLike[str],
+        signals: Mapping[str, str] | None,
+        flip: Iterable[str],
+    ) -> None:
+        """Find the signals in the file."""
+        cantools = need("cantools", "can")
+        path = os.fspath(dbc)
+        try:
+            database = cantools.database.load_file(path, strict=False)
+        except OSError:
+            raise
+        except Exception as error:  # cantools has one class of error for each format
+            raise ValueError(f"{path}: is no DBC file that cantools reads: {error}") from error
+        if not signals:
+            raise ValueError(
+                f"{path}: say which of its signals are which, such as signals={{'roll': 'Name', "
+                f"'steering_wheel': 'Name'}}; it has {_names(database)}"
+            )
+        # The rules for names, units and signs are those of columns.
+        labels, texts = ["time_s"], {}
+        places: list[tuple[Any, Any]] = []
+        for key, text in signals.items():
+            name, unit = split(text)
+            message, signal = _find(database, name, path)
+            unit = unit or UNITS.get((signal.unit or "").strip().lower(), "")
+            if not unit:
+                raise ValueError(
+                    f"{path}: {name} has the unit {signal.unit!r}: name it, such as "
+                    f"{{{key!r}: '{name}[deg]'}}"
+                )
+            labels.append(name)
+            texts[key] = f"{name}[{unit}]"
+            places.append((message, signal))
+        found = _native.resolve_columns(labels, maps(texts), flips(flip))
+        self._by_id: dict[tuple[bool, int], Any] = {}
+        self._by_group: dict[int, Any] = {}
+        self._columns: dict[tuple[str, str], tuple[str, float]] = {}
+        for column, (place, factor) in found.items():
+            if column == "time_s":
+                continue
+            message, signal = places[place - 1]
+            self._columns[message.name, signal.name] = (column, factor)
+            if message.protocol == "j1939":
+                self._by_group[_group(message.frame_id)] = message
+            else:
+                self._by_id[message.is_extended_frame, message.frame_id] = message
+
+    def decode(self, frame: Frame) -> dict[str, float]:
+        """Return the signals of a frame by their SI column names."""
+        identifier, extended = frame.arbitration_id, frame.is_extended_id
+        message = self._by_id.get((extended, identifier))
+        if message is None and extended and self._by_group:
+            message = self._by_group.get(_group(identifier))
+        if message is None:
+            return {}
+        try:
+            decoded = message.decode(bytes(frame.data), decode_choices=False, allow_truncated=True)
+        except Exception:  # a frame of the same identifier that is not of this form
+            return {}
+        values = {}
+        for signal in message.signals:
+            target = self._columns.get((message.name, signal.name))
+            value = decoded.get(signal.name)
+            if target is None or not isinstance(value, int | float) or not _is_valid(signal, value):
+                continue
+            values[target[0]] = value * target[1]
+        return values
+
+
+def split(text: str) -> tuple[str, str]:
+    """Return name and unit of ``Name[unit]``; no unit if there are no brackets."""
+    name, bracket, unit = text.partition("[")
+    return name.strip(), unit.removesuffix("]").strip() if bracket else ""
+
+
+def _names(database: Any) -> str:
+    names = [f"{m.name}.{s.name}" for m in database.messages for s in m.signals]
+    more = "" if len(names) <= 20 else f" and {len(names) - 20} more"
+    return ", ".join(names[:20]) + more
+
+
+def _find(database: Any, name: str, path: str) -> tuple[Any, Any]:
+    where, dot, bare = name.rpartition(".")
+    found = [
+        (message, signal)
+        for message in database.messages
+        if not dot or message.name == where
+        for signal in message.signals
+        if signal.name == bare
+    ]
+    if not found:
+        raise ValueError(f"{path}: has no signal {name}; it has {_names(database)}")
+    if len(found) > 1:
+        both = ", ".join(f"{message.name}.{signal.name}" for message, signal in found)
+        raise ValueError(f"{path}: {name} is in several messages: give one of {both}")
+    return found[0]
+
+
+def _is_valid(signal: Any, value: float) -> bool:
+    """Whether a value is one: beyond the file's range stands "not available" or "error"."""
+    low, high = signal.minimum, signal.maximum
+    if low is None or high is None or not low < high:
+        return True
+    return bool(low <= value <= high)
+
+
+def _group(identifier: int) -> int:
+    """Return the parameter group of a 29-bit identifier."""
+    j1939 = need("cantools", "can").j1939
+    parts = j1939.frame_id_unpack(identifier)
+    specific = 0 if parts.pdu_format < 240 else parts.pdu_specific
+    group: int = j1939.pgn_pack(parts.reserved, parts.data_page, parts.pdu_format, specific)
+    return group

@@ -1,0 +1,107 @@
+"""Logs of any usual kind as the arrays that the compiled half reads."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cgheight import _native
+from cgheight._arrays import column
+from cgheight._extras import need
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# File formats of CAN frames, all read by python-can.
+CAN_SUFFIXES = (".log", ".asc", ".blf", ".mf4", ".trc")
+
+
+def maps(columns: Mapping[str, str] | None) -> list[str]:
+    """Return names of columns as the compiled half takes them: ``roll=MyName[deg]``."""
+    return [f"{signal}={name}" for signal, name in (columns or {}).items()]
+
+
+def flips(flip: Iterable[str]) -> list[str]:
+    """Return the signals to turn round as a list."""
+    return [flip] if isinstance(flip, str) else list(flip)
+
+
+def is_can(path: str | os.PathLike[str]) -> bool:
+    """Return whether a file of this name holds CAN frames."""
+    return PurePath(path).suffix.lower() in CAN_SUFFIXES
+
+
+def signals(
+    log: Any, columns: Mapping[str, str] | None, flip: Iterable[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the signals of a file or of a table in SI units, by their SI column names."""
+    if isinstance(log, str | os.PathLike):
+        if not is_can(log):
+            return _native.read_file(os.fspath(log), maps(columns), flips(flip))
+        if columns:
+            raise ValueError(
+                "columns is for tables: read a CAN log with cgheight.can.read_log(path, dbc=…, "
+                "signals=…)"
+            )
+        from cgheight.can import read_log as read_can
+
+        log = read_can(log)
+    elif isinstance(getattr(log, "signals", None), dict):
+        log = log.signals  # a SimulatedLog
+    return table_signals(log, maps(columns), flips(flip))
+
+
+def table_signals(table: Any, maps: list[str], flips: list[str]) -> dict[str, NDArray[np.float64]]:
+    """Return the signals of a data frame, or of a dict of arrays, in SI units."""
+    if isinstance(table, Mapping):
+        keys = list(table)
+    elif hasattr(table, "columns") and hasattr(table, "__getitem__"):
+        keys = list(table.columns)
+    else:
+        kind = type(table).__name__
+        raise ValueError(f"log is of type {kind}: give a path or a data frame")
+    found = _native.resolve_columns([str(key) for key in keys], maps, flips)
+    resolved = {}
+    for name, (place, factor) in found.items():
+        values = column(str(keys[place]), table[keys[place]])
+        resolved[name] = values if factor == 1.0 else values * factor
+    return resolved
+
+
+def read_log(
+    log: str | os.PathLike[str] | Any,
+    *,
+    columns: Mapping[str, str] | None = None,
+    flip: Iterable[str] = (),
+) -> pd.DataFrame:
+    """Read a log of any usual kind into a table in SI units.
+
+    Parameters
+    ----------
+    log : str, os.PathLike, or data frame
+        A file: ``.csv``, ``.csv.gz``, ``.parquet``, or J1939 frames in ``.log`` (candump),
+        ``.asc``, ``.blf``, ``.mf4``, ``.trc``; or a table, whose columns are converted.
+        CAN logs that need a DBC: `cgheight.can.read_log`.
+    columns, flip
+        As for `estimate_log`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The signals that the log has, in columns with SI names; NaN where a value is absent.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    ValueError
+        The log is not as described; the message names line (or row), column and remedy.
+    ImportError
+        pandas, or for CAN logs python-can, is not installed.
+    """
+    return need("pandas", "pandas").DataFrame(signals(log, columns, flip))

@@ -1,0 +1,319 @@
+"""Models as frozen dataclasses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cgheight import _show
+from cgheight._arrays import column
+from cgheight._extras import need
+from cgheight._transfer import TransferFunction
+
+_Array = NDArray[np.float64]
+_ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ArxModel:
+    """A fitted ARX model ``A(q) y(t) = B(q) u(t) + e(t)`` in powers of the delay q⁻¹.
+
+    Attributes
+    ----------
+    a : array, shape (na + 1,)
+        ``1, a1 … a_na``: coefficients of y(t), y(t-1) …
+    b : array, shape (nk + nb,)
+        ``nk`` zeros, then ``b1 … b_nb``: coefficients of u(t), u(t-1) … (MATLAB's B).
+    na, nb, nk : int
+        Past outputs, input terms, samples until the input first acts.
+    ts : float
+        Sampling interval, s.
+    covariance : array, shape (na + nb, na + nb)
+        Covariance of ``a1 … a_na, b1 … b_nb``, in that order.
+    noise_variance : float
+        Sum of squared residuals over rows less coefficients, in units of y squared.
+    dc_gain, dc_gain_sd : float
+        ``B(1)/A(1)`` and its standard deviation (to first order), units of y over u.
+    fit_percent : float
+        ``100 (1 - sqrt(noise_variance / variance of y))``, one step ahead.
+    rows : int
+        Rows of the regression.
+    """
+
+    a: _Array
+    b: _Array
+    na: int
+    nb: int
+    nk: int
+    ts: float
+    covariance: _Array
+    noise_variance: float
+    dc_gain: float
+    dc_gain_sd: float
+    fit_percent: float
+    rows: int
+
+    def __repr__(self) -> str:
+        orders = f"[{self.na} {self.nb} {self.nk}]"
+        gain = f"DC gain {self.dc_gain:.4g} ± {self.dc_gain_sd:.2g}"
+        return f"ArxModel({orders}, {self.ts:g} s, {gain}, {self.rows} rows)"
+
+    def _repr_html_(self) -> str:
+        sd = np.sqrt(np.diag(self.covariance))
+        names = [f"a{k}" for k in range(1, self.na + 1)] + [f"b{k}" for k in range(1, self.nb + 1)]
+        values = np.concatenate([self.a[1:], self.b[self.nk :]])
+        rows = [(n, f"{v:.6g}", f"{s:.2g}") for n, v, s in zip(names, values, sd, strict=True)]
+        summary = [
+            ("sampling interval", f"{self.ts:g} s"),
+            ("DC gain", f"{self.dc_gain:.5g} ± {self.dc_gain_sd:.2g}"),
+            ("fit, one step ahead", f"{self.fit_percent:.1f} %"),
+            ("rows", str(self.rows)),
+        ]
+        title = f"ARX [{self.na} {self.nb} {self.nk}]"
+        return _show.pairs(title, summary) + _show.grid(["", "value", "± 1 sd"], rows)
+
+    def residuals(self, u: ArrayLike, y: ArrayLike) -> _Array:
+        """Return the one-step-ahead residuals ``A(q) y - B(q) u`` on data, in units of y.
+
+        Parameters
+        ----------
+        u, y : array, shape (n,)
+            Input and output at the model's sampling interval.
+
+        Returns
+        -------
+        array, shape (n - max(na, nb + nk - 1),)
+            One for each row in which every regressor is in the data.
+
+        Raises
+        ------
+        ValueError
+            The arrays differ in length or are shorter than the model's memory.
+        """
+        inputs, outputs = column("u", u), column("y", y)
+        if len(inputs) != len(outputs):
+            raise ValueError(
+                f"y has {len(outputs)} values and u has {len(inputs)}: give one length"
+            )
+        memory = max(self.na, self.nb + self.nk - 1)
+        if len(inputs) <= memory:
+            raise ValueError(f"u has {len(inputs)} values: this model needs {memory + 1} or more")
+        past = np.convolve(outputs, self.a)[memory : len(outputs)]
+        drive = np.convolve(inputs, self.b)[memory : len(inputs)]
+        return past - drive
+
+    @property
+    def transfer_function(self) -> TransferFunction:
+        """``B/A`` as a discrete transfer function."""
+        order = max(self.na, self.nb + self.nk - 1)
+        numerator, denominator = np.zeros(order + 1), np.zeros(order + 1)
+        numerator[: len(self.b)], denominator[: len(self.a)] = self.b, self.a
+        return TransferFunction.from_polynomials(numerator, denominator, ts=self.ts)
+
+    def response(self, frequency_radps: ArrayLike) -> tuple[_ComplexArray, _Array]:
+        """Return the frequency response and the covariance of its two parts.
+
+        The covariance is that of the coefficients, carried over to first order (delta method).
+
+        Parameters
+        ----------
+        frequency_radps : array, shape (n,)
+            Angular frequencies, rad/s, above zero and below Nyquist's ``pi / ts``.
+
+        Returns
+        -------
+        response : complex array, shape (n,)
+            In units of y over u.
+        covariance : array, shape (n, 2, 2)
+            Covariance of real and imaginary part at each frequency.
+
+        Raises
+        ------
+        ValueError
+            A frequency lies beyond Nyquist's.
+        """
+        omega = column("frequency_radps", frequency_radps)
+        if omega.size and (omega.min() < 0 or omega.max() > np.pi / self.ts * (1 + 1e-12)):
+            raise ValueError(
+                f"frequency_radps must lie between 0 and {np.pi / self.ts:g} (Nyquist)"
+            )
+        delay = np.exp(-1j * np.outer(omega * self.ts, np.arange(max(len(self.a), len(self.b)))))
+        past = delay[:, : len(self.a)] @ self.a
+        value = delay[:, : len(self.b)] @ self.b / past
+        # dG/da_k = -G q^-k / A,  dG/db_k = q^-k / A
+        by_a = -value[:, None] * delay[:, 1 : self.na + 1]
+        slope = np.hstack([by_a, delay[:, self.nk : self.nk + self.nb]]) / past[:, None]
+        parts = np.stack([slope.real, slope.imag], axis=1)
+        return value, parts @ self.covariance @ parts.transpose(0, 2, 1)
+
+    def to_control(self) -> Any:
+        """Return the model as a discrete `control.TransferFunction`.
+
+        Raises
+        ------
+        ImportError
+            python-control is not installed.
+        """
+        return self.transfer_function.to_control()
+
+
+@dataclass(frozen=True, slots=True)
+class RatioLine:
+    """A DC ratio over height: ``(a1 h + a0) / (b1 h + b0)``, h in m.
+
+    Attributes
+    ----------
+    a0, a1, b0, b1 : float
+        The coefficients, scaled to ``b1 h + b0 = 1`` at the height of the model.
+    """
+
+    a0: float
+    a1: float
+    b0: float
+    b1: float
+
+    def ratio_at(self, height_m: float) -> float:
+        """Return the ratio at a height of the sprung c.g. above ground, m."""
+        return (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReducedModel:
+    """The reduced model from steer angle to trailer roll angle.
+
+    Attributes
+    ----------
+    order : int
+        Its order.
+    method : {"pade", "slowest-poles"}
+        How it came about: Padé approximant at s = 0, or the slowest poles of the full model.
+    numerator, denominator : array, shape (order + 1,)
+        Coefficients in descending powers of s; the denominator begins with one.
+    """
+
+    order: int
+    method: Literal["pade", "slowest-poles"]
+    numerator: _Array
+    denominator: _Array
+
+    @property
+    def transfer_function(self) -> TransferFunction:
+        """The same by poles, zeros and gain."""
+        return TransferFunction.from_polynomials(self.numerator, self.denominator)
+
+    def to_control(self) -> Any:
+        """Return the model as a `control.TransferFunction`.
+
+        Raises
+        ------
+        ImportError
+            python-control is not installed.
+        """
+        return self.transfer_function.to_control()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StaticBalance:
+    """Static loads.
+
+    Attributes
+    ----------
+    axle_load_n : array
+        Vertical load of each axle on the road, tractor first, N.
+    hitch_load_n : float
+        Vertical load of the trailer on the fifth wheel, N.
+    residual_nm : float
+        What is left over in the trailer's balance of moments: rounding only, N m.
+    """
+
+    axle_load_n: _Array
+    hitch_load_n: float
+    residual_nm: float
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LinearModel:
+    """The linear model at one speed and load, steer angle (rad) to trailer roll angle (rad).
+
+    Attributes
+    ----------
+    vehicle : str
+        Name of the vehicle.
+    speed_mps, height_m, trailer_mass_kg : float
+        Forward speed, height of the trailer's sprung c.g., mass of the whole semitrailer.
+    numerator, denominator : array
+        Coefficients in descending powers of s; the denominator begins with one.
+    poles, zeros : complex array
+        Roots of denominator and numerator, rad/s, the largest real part first.
+    gain : float
+        Leading coefficient of the numerator.
+    dc_gain : float
+        Value at s = 0, rad/rad.
+    ratio, lateral_acceleration_ratio : RatioLine
+        DC ratio over height, roll per steer angle (rad/rad) and per lateral acceleration
+        (rad per m/s²).
+    reduced : ReducedModel
+        The reduced model.
+    static_balance : StaticBalance
+        Static loads.
+    A, B, C, D : array, shapes (n, n), (n, 1), (1, n), (1, 1)
+        State space of the same transfer function.
+    """
+
+    vehicle: str
+    speed_mps: float
+    height_m: float
+    trailer_mass_kg: float
+    numerator: _Array
+    denominator: _Array
+    poles: _ComplexArray
+    zeros: _ComplexArray
+    gain: float
+    dc_gain: float
+    ratio: RatioLine
+    lateral_acceleration_ratio: RatioLine
+    reduced: ReducedModel
+    static_balance: StaticBalance
+    A: _Array
+    B: _Array
+    C: _Array
+    D: _Array
+
+    def __repr__(self) -> str:
+        load = f"{self.trailer_mass_kg:.0f} kg at {self.height_m:.3f} m"
+        return (
+            f"LinearModel({self.vehicle!r}, {self.speed_mps:.2f} m/s, trailer {load}, "
+            f"order {len(self.poles)}, DC gain {self.dc_gain:.4f})"
+        )
+
+    def _repr_html_(self) -> str:
+        axles = ", ".join(f"{load / 1e3:.1f}" for load in self.static_balance.axle_load_n)
+        rows = [
+            ("speed", _show.number(self.speed_mps, 2, "m/s")),
+            ("trailer mass", _show.number(self.trailer_mass_kg, 0, "kg")),
+            ("c.g. height", _show.number(self.height_m, 3, "m")),
+            ("DC gain, roll per steer", f"{self.dc_gain:.4f} rad/rad"),
+            ("order", str(len(self.poles))),
+            ("slowest pole", f"{self.poles[0]:.3f} rad/s"),
+            ("axle loads", f"{axles} kN"),
+        ]
+        return _show.pairs(f"Linear model of {self.vehicle}", rows)
+
+    @property
+    def transfer_function(self) -> TransferFunction:
+        """Steer angle (rad) to trailer roll angle (rad) by poles, zeros and gain."""
+        return TransferFunction(self.zeros, self.poles, self.gain, None)
+
+    def to_control(self) -> Any:
+        """Return the model as a `control.StateSpace` from ``steer_rad`` to ``roll_rad``.
+
+        Raises
+        ------
+        ImportError
+            python-control is not installed.
+        """
+        names = {"inputs": "steer_rad", "outputs": "roll_rad", "name": self.vehicle}
+        return need("control", "control").ss(self.A, self.B, self.C, self.D, **names)

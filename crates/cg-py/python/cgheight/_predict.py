@@ -1,0 +1,64 @@
+"""The roll angle that the model expects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cgheight import _native
+from cgheight._arrays import number
+from cgheight._estimate import _options
+from cgheight._logs import signals
+
+
+def predict_roll(
+    log: Any,
+    height_m: float,
+    *,
+    vehicle: _native.Vehicle,
+    channel: Literal["steer", "lateral-acceleration"] = "lateral-acceleration",
+    columns: Mapping[str, str] | None = None,
+    flip: Iterable[str] = (),
+    speed_mps: float | None = None,
+    trailer_mass_kg: float | None = None,
+    model: Literal["complete", "as-printed"] = "complete",
+) -> NDArray[np.float64]:
+    """Predict the roll angle of a log for a c.g. height, from one of its inputs.
+
+    The input times the model's DC ratio at that height, speed and mass, through the reduced
+    model's dynamics. The offset of the roll sensor is not in it.
+
+    Parameters
+    ----------
+    log
+        As for `estimate_log`.
+    height_m : float
+        Height of the trailer's sprung c.g. above ground, m.
+    vehicle : Vehicle
+        The vehicle.
+    channel : {"steer", "lateral-acceleration"}
+        The input.
+    columns, flip, speed_mps, trailer_mass_kg, model
+        As for `estimate_log`.
+
+    Returns
+    -------
+    array, shape (n,)
+        Roll angle at each row, rad; NaN where speed or mass lie outside the vehicle's range, or
+        before the input is seen.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    ValueError
+        The log is not as described, or a number is not positive.
+    """
+    options = _options("filtered", "auto", 5, model, speed_mps, trailer_mass_kg)
+    height = number("height_m", height_m)
+    if not (np.isfinite(height) and height > 0):
+        raise ValueError(f"height_m is {height}: it must be positive and finite")
+    return _native.predict_roll(vehicle, signals(log, columns, flip), channel, height, options)

@@ -1,0 +1,11 @@
+"""Pictures for a report, each a matplotlib Figure.
+
+Every function draws on a new figure and returns it: ``figure.savefig("roll.png")`` keeps it,
+``matplotlib.pyplot.show()`` shows it. Needs ``pip install 'cgheight[plot]'``.
+"""
+
+from cgheight.plot._accuracy import accuracy_map
+from cgheight.plot._logs import height, log
+from cgheight.plot._models import bode, pole_zero, residuals
+
+__all__ = ["accuracy_map", "bode", "height", "log", "pole_zero", "residuals"]

@@ -1,0 +1,127 @@
+"""Simulated logs, their truth, and the tables of the thesis."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import cgheight
+from conftest import FIXTURES
+
+
+def test_a_simulated_log_gives_its_height_back_whichever_way_it_is_read(baseline, tmp_path):
+    path = tmp_path / "turn.csv"
+    log = cgheight.simulate(baseline, "steady-turn", height_m=1.85, payload_kg=12e3, output=path)
+    assert log.truth["height_m"] == 1.85
+    assert log.truth["trailer_mass_kg"] == baseline.empty_trailer_mass_kg + 12e3
+    answer = cgheight.estimate(**log.signals, vehicle=baseline)
+    # What the library's own test from plant to height allows over its range of heights.
+    assert answer.height_m == pytest.approx(1.85, rel=3.5e-3)
+    frame = log.to_frame()
+    assert list(frame) == list(log.signals)
+    assert cgheight.estimate_log(frame, vehicle=baseline) == answer
+    assert cgheight.estimate_log(log, vehicle=baseline) == answer
+    # Times go through the file with microseconds, everything else with all digits.
+    back = cgheight.read_log(path)
+    for name, values in log.signals.items():
+        assert np.max(np.abs(back[name] - values)) <= (5e-7 if name == "time_s" else 0.0)
+
+
+def test_sensors_do_what_their_keywords_say(baseline):
+    perfect = cgheight.simulate(baseline, "sine", duration_s=10).signals
+    noisy = cgheight.simulate(
+        baseline, "sine", duration_s=10, snr_db=20, roll_offset_rad=0.01, drop_out=0.1, seed=3
+    )
+    there = np.isfinite(noisy.signals["roll_rad"])
+    # Binomial: 1001 rows, 4 sd.
+    assert abs(np.mean(~there) - 0.1) < 4 * np.sqrt(0.1 * 0.9 / 1001)
+    error = noisy.signals["roll_rad"][there] - perfect["roll_rad"][there]
+    sd = noisy.truth["noise_sd_rad"]
+    # 20 dB: a hundredth of the mean square.
+    assert sd == pytest.approx(0.1 * np.sqrt(np.mean(perfect["roll_rad"] ** 2)), rel=1e-9)
+    assert np.mean(error) == pytest.approx(0.01, abs=4 * sd / np.sqrt(len(error)))
+    assert np.std(error) == pytest.approx(sd, rel=4 / np.sqrt(2 * len(error)))
+    tilt = cgheight.simulate(baseline, "sine", duration_s=10, inclinometer=True).signals
+    file = tomllib.loads((FIXTURES / "vehicles" / "baseline.toml").read_text())
+    felt = perfect["roll_rad"] + perfect["lateral_acceleration_mps2"] / file["gravity_mps2"]
+    # One rounding of each of two angles below 1 rad.
+    assert np.max(np.abs(tilt["tilt_rad"] - felt)) <= 2 * np.finfo(float).eps
+    assert "roll_rad" not in tilt
+
+
+def test_the_driver_and_the_nonlinear_plant(baseline):
+    log = cgheight.simulate(
+        baseline, "steady-turn", plant="nonlinear", turn_rad=0.7, radius_m=120, rate_hz=50
+    )
+    yaw = np.trapezoid(log.signals["yaw_rate_radps"], log.signals["time_s"])
+    # The trailer follows the tractor through the turn and comes to rest within the 5 s after it.
+    assert yaw == pytest.approx(0.7, rel=0.02)
+    right = cgheight.simulate(
+        baseline, "steady-turn", plant="nonlinear", turn_rad=-0.7, radius_m=120, rate_hz=50
+    )
+    assert right.signals["roll_rad"].min() < -0.5 * log.signals["roll_rad"].max()
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"maneuver": "loop"}, 'maneuver is "loop": it must be "rounded-step"'),
+        ({"plant": "real"}, 'plant is "real": it must be "linear"'),
+        ({"height_m": 19.0}, "height"),
+        ({"height_m": "high"}, "height_m is no number"),
+        ({"rate_hz": -1.0}, "rate_hz -1 must be positive"),
+        ({"duration_s": 1.0}, "start_s 2 must lie between 0 and duration_s 1"),
+        ({"payload_kg": 1e3, "trailer_mass_kg": 2e4}, "both given: give one"),
+        ({"gate_m": 20.0}, 'gate_m for "lane-change"'),
+        ({"turn_rad": 1.0, "maneuver": "steady-turn"}, 'need plant="nonlinear"'),
+        ({"speed_change": 0.2}, 'for maneuver="drive"'),
+        ({"drop_out": 2.0}, "drop-out"),
+        ({"output": "log.txt"}, r"a log ends in \.csv, \.csv\.gz or \.log"),
+    ],
+)
+def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, message):
+    arguments = {"maneuver": "sine"} | keywords
+    with pytest.raises(ValueError, match=message) as raised:
+        cgheight.simulate(baseline, **arguments)
+    assert "--" not in str(raised.value)
+
+
+def test_an_accuracy_map_follows_the_noise(baseline):
+    table = cgheight.accuracy_map(
+        baseline, [1.8, 2.1], [10, 30], runs=40, duration_s=10, rate_hz=50, jobs=2
+    )
+    assert list(table.height_m) == [1.8, 1.8, 2.1, 2.1]
+    assert (table.answered == 40).all()
+    loud, quiet = table[table.snr_db == 10], table[table.snr_db == 30]
+    # Ten times the noise; an RMSE of 40 runs scatters by 11 %: the ratio of two by 16 %, 4 sd.
+    ratio = loud.rmse_percent.to_numpy() / quiet.rmse_percent.to_numpy()
+    assert np.all((ratio > 10 * 0.36) & (ratio < 10 * 1.64))
+    # No estimator beats the bound; that of a root mean square of 40 by 4 sd.
+    assert (table.rmse_percent > table.bound_percent * (1 - 4 * 0.11)).all()
+    with pytest.raises(TypeError, match="wheels is no keyword of a scenario"):
+        cgheight.accuracy_map(baseline, [1.8], [10], wheels=3)
+    with pytest.raises(ValueError, match="runs is 0"):
+        cgheight.accuracy_map(baseline, [1.8], [10], runs=0)
+
+
+def test_the_tables_of_the_thesis_as_a_frame():
+    rows = cgheight.reproduce("5.17")
+    columns = ["table", "item", "thesis", "ours", "relative_error", "same_digits", "note"]
+    assert list(rows) == columns
+    assert (rows.table == "5.17").all()
+    assert rows.same_digits.all()
+    assert rows.relative_error.abs().max() < 1e-3
+    with pytest.raises(ValueError, match=r"5\.11"):
+        cgheight.reproduce("17")
+    with pytest.raises(ValueError, match="runs is 0"):
+        cgheight.reproduce("5.9", runs=0)
+
+
+def test_a_simulated_log_shows_itself(baseline):
+    log = cgheight.simulate(baseline, "sine", duration_s=5)
+    assert repr(log).startswith("SimulatedLog(true height ")
+    assert "noise_sd_rad" in log._repr_html_()
+    json.dumps(log.truth)
