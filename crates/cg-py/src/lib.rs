@@ -2,13 +2,14 @@
 //!
 //! | file | what Python sees |
 //! |---|---|
-//! | `vehicle` | `Vehicle` |
+//! | `vehicle` | `Vehicle`, `restore_vehicle` |
 //! | `options` | the options that every estimate shares |
 //! | `signals` | `estimate_arrays`, `predict_roll`: arrays in, answer or roll angle out |
 //! | `log` | `estimate_file`, `read_file`, `resolve_columns`: logs and the names of their columns |
 //! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
 //! | `stream` | `Stream`: row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
+//! | `write` | `write_file`: arrays to a log file |
 //! | `can` | `decode_j1939`: the signals of a CAN frame |
 //! | `reproduce` | `reproduce_tables`: the source's tables beside ours |
 //! | `results` | answers as the dataclasses of `cgheight._results` |
@@ -33,6 +34,7 @@ mod arx;
 mod linear;
 mod scenario;
 mod simulate;
+mod write;
 mod can;
 mod reproduce;
 
@@ -58,7 +60,9 @@ mod _native {
     #[pymodule_export]
     use crate::stream::Stream;
     #[pymodule_export]
-    use crate::vehicle::Vehicle;
+    use crate::vehicle::{Vehicle, restore_vehicle};
+    #[pymodule_export]
+    use crate::write::write_file;
 
     /// The version of the package.
     #[pymodule_export]

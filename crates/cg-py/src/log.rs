@@ -50,12 +50,12 @@ pub(crate) fn estimate_file<'py>(
 /// that the log does not have are left out.
 #[pyfunction]
 #[pyo3(signature = (path, columns, flip, /))]
-pub(crate) fn read_file<'py>(
-    py: Python<'py>,
+pub(crate) fn read_file(
+    py: Python<'_>,
     path: PathBuf,
     columns: Vec<String>,
     flip: Vec<String>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let options = log_options(&columns, &flip)?;
     let mut reader = py.detach(|| LogReader::open(&path, &options)).map_err(log_error)?;
     let mut rows: Vec<LogRow> = Vec::new();

@@ -10,12 +10,12 @@ use crate::error::vehicle_error;
 /// One table of the thesis, or all of them, beside ours: a dict of columns.
 #[pyfunction]
 #[pyo3(signature = (name, runs, seed, /))]
-pub(crate) fn reproduce_tables<'py>(
-    py: Python<'py>,
+pub(crate) fn reproduce_tables(
+    py: Python<'_>,
     name: Option<String>,
     runs: u32,
     seed: u64,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let options = Options { runs, seed };
     let names: Vec<&str> = name.as_deref().map_or_else(|| tables().to_vec(), |name| vec![name]);
     let mut rows: Vec<Row> = Vec::new();

@@ -28,7 +28,7 @@ pub(crate) fn slice<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> P
 }
 
 /// The columns of a log in memory, one optional slice for each of [`Signal::ALL`].
-struct Columns<'a> {
+pub(crate) struct Columns<'a> {
     values: [Option<&'a [f64]>; Signal::ALL.len()],
     time_s: &'a [f64],
 }
@@ -64,7 +64,11 @@ impl<'a> Columns<'a> {
         Ok(Self { values, time_s })
     }
 
-    fn row(&self, index: usize) -> LogRow {
+    pub(crate) fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    pub(crate) fn row(&self, index: usize) -> LogRow {
         let at = |signal: Signal| self.values[signal as usize].map_or(f64::NAN, |v| v[index]);
         LogRow {
             time_s: self.time_s[index],
@@ -128,10 +132,10 @@ pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)>
     Ok(())
 }
 
-type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::ALL.len()];
+pub(crate) type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::ALL.len()];
 
 /// The arrays of a dict from SI column names.
-fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
+pub(crate) fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
     let mut arrays = [const { None }; Signal::ALL.len()];
     for (array, signal) in arrays.iter_mut().zip(Signal::ALL) {
         if let Some(value) = signals.get_item(signal.column())? {
@@ -142,7 +146,7 @@ fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
 }
 
 /// The same as slices, checked.
-fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
+pub(crate) fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
     let mut values = [None; Signal::ALL.len()];
     for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
         *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;

@@ -1,36 +1,28 @@
 //! `simulate_log`: logs with known truth; `score_accuracy`: many of them, estimated and scored.
 
-use std::path::{Path, PathBuf};
-
 use cg_vehicle::VehicleError;
 use cg_vehicle::accuracy::{Experiment, Truck};
-use cg_vehicle::log::{CandumpWriter, LogError, LogRow, LogWriter, Signal};
+use cg_vehicle::log::LogRow;
 use cg_vehicle::simulate::LogSimulation;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{log_error, value_error, vehicle_error};
+use crate::error::{value_error, vehicle_error};
 use crate::options;
 use crate::scenario::Request;
 use crate::vehicle::Vehicle;
 
-/// Simulate a log; also write it to `output` (.csv, .csv.gz or .log) if that is given.
-///
-/// Returns a dict of columns and the truth as JSON.
+/// Simulate a log: a dict of columns, and the truth as JSON.
 #[pyfunction]
-#[pyo3(signature = (vehicle, request, output, /))]
+#[pyo3(signature = (vehicle, request, /))]
 pub(crate) fn simulate_log<'py>(
     py: Python<'py>,
     vehicle: &Bound<'py, Vehicle>,
     request: Request,
-    output: Option<PathBuf>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
     let vehicle = &vehicle.get().inner;
     let scenario = request.scenario(vehicle)?;
-    if let Some(output) = &output {
-        check_name(output)?;
-    }
     let run = || -> Result<(LogSimulation, Vec<LogRow>), VehicleError> {
         let simulation = LogSimulation::new(vehicle, scenario)?;
         let mut rows = Vec::new();
@@ -44,48 +36,12 @@ pub(crate) fn simulate_log<'py>(
     let (simulation, rows) = py.detach(run).map_err(vehicle_error)?;
     let truth =
         serde_json::to_string(&simulation.truth).map_err(|error| value_error(error.to_string()))?;
-    let columns = scenario.sensors.columns();
-    if let Some(output) = &output {
-        let steering_ratio = vehicle.steering_ratio.unwrap_or(f64::NAN);
-        py.detach(|| write(output, &rows, &columns, &truth, steering_ratio)).map_err(log_error)?;
-    }
     let table = PyDict::new(py);
-    for signal in columns {
+    for signal in scenario.sensors.columns() {
         let values = PyArray1::from_iter(py, rows.iter().map(|row| row.get(signal)));
         table.set_item(signal.column(), values)?;
     }
     Ok((table, truth))
-}
-
-fn is_candump(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "log")
-}
-
-fn check_name(path: &Path) -> PyResult<()> {
-    let name = path.to_string_lossy();
-    if name.ends_with(".csv") || name.ends_with(".csv.gz") || is_candump(path) {
-        return Ok(());
-    }
-    Err(value_error(format!(
-        "{name}: a log ends in .csv, .csv.gz or .log (CAN frames); give output such a name"
-    )))
-}
-
-fn write(
-    path: &Path,
-    rows: &[LogRow],
-    columns: &[Signal],
-    truth: &str,
-    steering_ratio: f64,
-) -> Result<(), LogError> {
-    if is_candump(path) {
-        let mut writer = CandumpWriter::create(path, steering_ratio)?;
-        rows.iter().try_for_each(|row| writer.write_row(row))?;
-        return writer.finish();
-    }
-    let mut writer = LogWriter::create(path, &[format!("truth {truth}")], columns)?;
-    rows.iter().try_for_each(|row| writer.write_row(row))?;
-    writer.finish()
 }
 
 /// Estimate the same scenario `runs` times with fresh noise, and score the heights.

@@ -19,14 +19,20 @@ use crate::error::vehicle_error;
 #[pyclass(frozen, module = "cgheight")]
 pub(crate) struct Vehicle {
     pub(crate) inner: cg_vehicle::Vehicle,
+    /// Text and name of its file: what is pickled.
+    source: (String, String),
     calibration: Option<Calibration>,
     complete: OnceLock<Design<f64>>,
     as_printed: OnceLock<Design<f64>>,
 }
 
 impl Vehicle {
-    fn new(inner: cg_vehicle::Vehicle, calibration: Option<Calibration>) -> Self {
-        Self { inner, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
+    fn new(
+        inner: cg_vehicle::Vehicle,
+        source: (String, String),
+        calibration: Option<Calibration>,
+    ) -> Self {
+        Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
     }
 
     /// The design for one set of equations: computed on first use.
@@ -70,8 +76,11 @@ impl Vehicle {
     #[staticmethod]
     #[pyo3(signature = (path, /))]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let inner = py.detach(|| cg_vehicle::Vehicle::load(&path)).map_err(vehicle_error)?;
-        Ok(Self::new(inner, None))
+        let file = path.display().to_string();
+        let text = py
+            .detach(|| std::fs::read_to_string(&path))
+            .map_err(|source| vehicle_error(VehicleError::Read { file: file.clone(), source }))?;
+        restore_vehicle(text, file, None)
     }
 
     /// Return the same vehicle with a calibration.
@@ -96,7 +105,7 @@ impl Vehicle {
     fn calibrated(&self, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let calibration =
             py.detach(|| Calibration::load(&path, &self.inner)).map_err(vehicle_error)?;
-        Ok(Self::new(self.inner.clone(), Some(calibration)))
+        Ok(Self::new(self.inner.clone(), self.source.clone(), Some(calibration)))
     }
 
     /// Whether it has a calibration, bool.
@@ -147,6 +156,15 @@ impl Vehicle {
         (self.inner.height.least_m, self.inner.height.greatest_m)
     }
 
+    /// Pickles as the texts of its files: any process can make it again.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Restored)> {
+        let restore = slf.py().import("cgheight._native")?.getattr("restore_vehicle")?;
+        let this = slf.get();
+        let calibration = this.calibration.as_ref().map(Calibration::to_toml).transpose();
+        let (text, file) = this.source.clone();
+        Ok((restore, (text, file, calibration.map_err(vehicle_error)?)))
+    }
+
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("cgheight._show")?.call_method1("vehicle", (slf,))
     }
@@ -162,4 +180,23 @@ impl Vehicle {
             if self.calibration.is_some() { ", calibrated" } else { "" }
         )
     }
+}
+
+/// Text and name of a vehicle file, and the text of a calibration.
+type Restored = (String, String, Option<String>);
+
+/// A vehicle from the text of its file, and of its calibration if it has one.
+#[pyfunction]
+#[pyo3(signature = (text, file, calibration, /))]
+pub(crate) fn restore_vehicle(
+    text: String,
+    file: String,
+    calibration: Option<String>,
+) -> PyResult<Vehicle> {
+    let inner = cg_vehicle::Vehicle::parse(&text, &file).map_err(vehicle_error)?;
+    let calibration = calibration
+        .map(|calibration| Calibration::parse(&calibration, "calibration", &inner))
+        .transpose()
+        .map_err(vehicle_error)?;
+    Ok(Vehicle::new(inner, (text, file), calibration))
 }

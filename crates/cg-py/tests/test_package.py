@@ -1,4 +1,4 @@
-"""The package itself: documentation, version, types."""
+"""The package itself: documentation, version, types, optional parts."""
 
 from __future__ import annotations
 
@@ -6,45 +6,143 @@ import dataclasses
 import doctest
 import importlib.resources
 import inspect
+import pickle
+import re
+import subprocess
+import sys
+from types import ModuleType
 
 import pytest
 
 import cgheight
-from cgheight import _native
+from cgheight import _native, can, plot, spark
 from conftest import FIXTURES
 
 PUBLIC = [name for name in cgheight.__all__ if name != "__version__"]
+MODULES = [cgheight, can, plot, spark]
+FUNCTIONS = [
+    (module, name)
+    for module in MODULES
+    for name in module.__all__
+    if inspect.isroutine(getattr(module, name))
+]
+CLASSES = [
+    (module, name)
+    for module in MODULES
+    for name in module.__all__
+    if inspect.isclass(getattr(module, name))
+]
+# What a description must say of a quantity with this ending.
+UNITS = {
+    "_m": r"\bm\b",
+    "_s": r"\bs\b|seconds",
+    "_rad": r"\brad\b|steer",
+    "_mps": r"m/s",
+    "_mps2": r"m/s²",
+    "_radps": r"rad/s",
+    "_kg": r"\bkg\b",
+    "_db": r"\bdB\b",
+    "_hz": r"\bHz\b|per second",
+    "_g": r"\bin g\b",
+    "_n": r"\bN\b",
+    "_nm": r"\bN m\b",
+    "_percent": r"%",
+}
 
 
 def members(thing: object) -> list[tuple[str, object]]:
     return [(name, value) for name, value in vars(thing).items() if not name.startswith("_")]
 
 
-@pytest.mark.parametrize("name", PUBLIC)
-def test_every_public_name_is_documented(name):
-    thing = getattr(cgheight, name)
+def sections(text: str) -> dict[str, str]:
+    """Return the parts of a docstring in numpydoc's form by their headings."""
+    parts = re.split(r"^([A-Z][a-z]+)\n-{4,}\n", inspect.cleandoc(text), flags=re.MULTILINE)
+    return dict(zip(["Summary", *parts[1::2]], [parts[0], *parts[2::2]], strict=True))
+
+
+def entries(section: str) -> dict[str, tuple[str, str]]:
+    """Return type and description of each name in a section."""
+    found = {}
+    for names, kind, description in re.findall(
+        r"^(\S[^\n:]*?)(?: : ([^\n]*))?\n((?:[ ]{4}[^\n]*\n?|\n)+)", section, flags=re.MULTILINE
+    ):
+        for name in names.split(", "):
+            found[name.strip("*` ")] = (kind, description)
+    return found
+
+
+def has_units_and_shapes(where: str, documented: dict[str, tuple[str, str]]) -> None:
+    for name, (kind, description) in documented.items():
+        if "array" in kind and "dict" not in kind:
+            assert re.search(r"shape|1-D|one for each axle|shapes", kind + description), (
+                where,
+                name,
+            )
+        ending = next((e for e in sorted(UNITS, key=len, reverse=True) if name.endswith(e)), None)
+        is_number = re.match(r"(float|array|int|iterable of float)", kind)
+        if ending and is_number:
+            assert re.search(UNITS[ending], kind + " " + description), (where, name, description)
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), FUNCTIONS, ids=lambda one: getattr(one, "__name__", one)
+)
+def test_every_function_says_what_goes_in_what_comes_out_and_what_it_raises(module, name):
+    thing = getattr(module, name)
+    parts = sections(thing.__doc__)
+    assert re.match(r"[A-Z][^\n]+\.", parts["Summary"])
+    documented = entries(parts["Parameters"])
+    parameters = list(inspect.signature(thing).parameters)
+    assert set(documented) == set(parameters), name
+    has_units_and_shapes(name, documented)
+    signature = inspect.signature(thing)
+    if signature.return_annotation not in (None, "None"):
+        assert parts["Returns"].strip()
+    assert re.search(r"(ValueError|OSError|FileNotFoundError|TypeError)", parts["Raises"])
+
+
+@pytest.mark.parametrize(("module", "name"), CLASSES, ids=lambda one: getattr(one, "__name__", one))
+def test_every_class_says_what_it_holds(module, name):
+    thing = getattr(module, name)
     # A dataclass without a docstring gets its signature as one.
     assert thing.__doc__
     assert not thing.__doc__.startswith(f"{name}(")
+    parts = sections(thing.__doc__)
+    fields = set()
     if dataclasses.is_dataclass(thing):
-        for field in dataclasses.fields(thing):
-            assert field.name in thing.__doc__
-    elif not inspect.isclass(thing):
-        for parameter in inspect.signature(thing).parameters:
-            assert parameter in thing.__doc__
-        assert "Returns" in thing.__doc__
-        assert "Raises" in thing.__doc__
-    if inspect.isclass(thing):
-        for member, value in members(thing):
-            documented = value.__doc__ if not dataclasses.is_dataclass(thing) else None
-            is_field = dataclasses.is_dataclass(thing) and not inspect.isfunction(value)
-            assert is_field or inspect.getdoc(value) or documented, member
+        documented = entries(parts["Attributes"])
+        fields = {field.name for field in dataclasses.fields(thing)}
+        assert fields == set(documented)
+        has_units_and_shapes(name, documented)
+    elif name != "Vehicle":
+        assert "Parameters" in parts
+        assert "Raises" in parts
+    for member, value in members(thing):
+        if member in fields:
+            continue
+        text = inspect.getdoc(value)
+        assert text, member
+        routine = inspect.isfunction(value) or inspect.ismethoddescriptor(value)
+        takes = routine and len(inspect.signature(value).parameters) > 1
+        if takes and member != "on_message_received":
+            # to_frame and the like take nothing and return what their name says.
+            assert "Parameters" in text, member
+            assert "Returns" in text, member
 
 
-def test_the_example_runs(monkeypatch):
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
+def test_the_examples_run(module, monkeypatch):
     monkeypatch.chdir(FIXTURES.parent)
-    failed, attempted = doctest.testmod(cgheight)
-    assert (failed, attempted) == (0, 4)
+    inner = [
+        value
+        for name, value in vars(sys.modules["cgheight"]).items()
+        if isinstance(value, ModuleType) and name.startswith("_") and value is not _native
+    ]
+    of = [module, *inner] if module is cgheight else [module]
+    results = [doctest.testmod(one) for one in of]
+    assert sum(result.failed for result in results) == 0
+    if module in (cgheight, can):
+        assert sum(result.attempted for result in results) >= 5
 
 
 def test_the_compiled_half_is_documented_too():
@@ -62,6 +160,66 @@ def test_version_and_types_are_there():
 
 
 def test_the_public_names_are_sorted_and_there():
-    assert sorted(PUBLIC) == PUBLIC
-    contract = {"Vehicle", "estimate", "estimate_log", "Estimator", "arx", "linear_model"}
+    for module in MODULES:
+        assert sorted(module.__all__) == module.__all__
+    contract = {"Vehicle", "estimate", "estimate_log", "Estimator", "arx", "linear_model",
+                "simulate", "calibrate", "reproduce"}  # fmt: skip
     assert contract <= set(PUBLIC)
+    assert {"HeightListener", "read_log"} <= set(can.__all__)
+
+
+WITHOUT = """
+import sys
+class Refuse:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {absent!r}:
+            raise ImportError(f"No module named {{name!r}}")
+sys.meta_path.insert(0, Refuse())
+import cgheight
+truck = cgheight.Vehicle.load({vehicle!r})
+lag = cgheight.TransferFunction.from_polynomials([1], [1, 1])
+print(cgheight.estimate_log({log!r}, vehicle=truck).status)
+try:
+    {call}
+except ImportError as error:
+    print(error)
+"""
+EXTRAS = [
+    ("matplotlib", "plot", "cgheight.plot.bode(lag)"),
+    ("can", "can", "cgheight.can"),
+    ("control", "control", "lag.to_control()"),
+    ("pandas", "pandas", "cgheight.reproduce('5.17')"),
+    ("tqdm", "progress", "cgheight.estimate_logs([], vehicle=truck, progress=True)"),
+]
+
+
+@pytest.mark.parametrize(
+    ("package", "extra", "call"), EXTRAS, ids=[extra for _, extra, _ in EXTRAS]
+)
+def test_numpy_alone_is_enough_and_a_missing_extra_is_named(package, extra, call):
+    vehicle = str(FIXTURES / "vehicles" / "kraz.toml")
+    program = WITHOUT.format(
+        absent={one for one, _, _ in EXTRAS} | {"polars", "scipy", "pyspark", "pyarrow"},
+        log=str(FIXTURES / "logs" / "A_p10_h170_v50_L.csv"),
+        vehicle=vehicle,
+        call=call,
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    status, message = done.stdout.splitlines()
+    assert status == "ok"
+    assert message == (
+        f"this needs {package}, which is not installed: pip install 'cgheight[{extra}]'"
+    )
+
+
+def test_vehicles_pickle_with_their_calibration(kraz, tmp_path):
+    log = FIXTURES / "logs" / "A_p20_h190_v50_L.csv"
+    truck = cgheight.calibrate(kraz, [(log, 1.9)], tmp_path / "truck.toml")
+    for one in (kraz, truck):
+        again = pickle.loads(pickle.dumps(one))
+        assert repr(again) == repr(one)
+        expected = cgheight.estimate_log(log, vehicle=one)
+        assert cgheight.estimate_log(log, vehicle=again) == expected

@@ -79,7 +79,7 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
         ({"turn_rad": 1.0, "maneuver": "steady-turn"}, 'need plant="nonlinear"'),
         ({"speed_change": 0.2}, 'for maneuver="drive"'),
         ({"drop_out": 2.0}, "drop-out"),
-        ({"output": "log.txt"}, r"a log ends in \.csv, \.csv\.gz or \.log"),
+        ({"output": "log.txt"}, r"log\.txt: a log ends in \.csv, \.csv\.gz or \.log"),
     ],
 )
 def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, message):

@@ -141,6 +141,13 @@ fn a_missing_column_is_an_error_that_lists_what_was_found_and_proposes_an_option
 }
 
 #[test]
+fn any_input_will_do() {
+    for name in ["steer_rad", "steering_wheel_rad", "lateral_acceleration_mps2", "yaw_rate_radps"] {
+        assert_eq!(read(format!("time_s,{name},roll_rad\n0,0,0\n")).unwrap().len(), 1, "{name}");
+    }
+}
+
+#[test]
 fn the_nearest_name_is_proposed_for_the_signal_it_is_near_to() {
     refused("time_s,steer_rad,Rol_rad\n0,0,0\n", &["--column roll=Rol_rad[deg]"]);
     refused("time_s,steer_rad,Trailer Tilt\n0,0,0\n", &["--column 'tilt=Trailer Tilt[deg]'"]);

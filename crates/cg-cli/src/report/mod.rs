@@ -50,6 +50,7 @@ struct Page<'a> {
 }
 
 #[derive(Serialize)]
+#[allow(clippy::struct_field_names)] // `log` is its key in every output
 struct Log<'a> {
     log: &'a str,
     #[serde(flatten)]

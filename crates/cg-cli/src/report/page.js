@@ -18,6 +18,12 @@ function draw(name, attributes = {}, text = null) {
 }
 const present = (value) => value !== null && value !== undefined;
 const fixed = (value, digits, unit = "") => present(value) ? value.toFixed(digits) + unit : NONE;
+// Names without the folders that all logs share.
+const folder = page.logs.map((log) => log.log.slice(0, log.log.lastIndexOf("/") + 1)).reduce((shared, one) => {
+  while (!one.startsWith(shared)) shared = shared.length > 1 ? shared.slice(0, shared.lastIndexOf("/", shared.length - 2) + 1) : "";
+  return shared;
+});
+const short = (log) => log.log.slice(folder.length);
 
 // A map from data to picture, with round marks.
 function scale(low, high, from, to) {
@@ -36,7 +42,7 @@ function extent(values) {
   const margin = 0.06 * (high - low) || 0.05;
   return [low - margin, high + margin];
 }
-const LEFT = 44, RIGHT = 8, TOP = 16, BOTTOM = 30;
+const WIDTH = 460, LEFT = 44, RIGHT = 8, TOP = 16, BOTTOM = 30;
 function axes(width, height, x, y, title, unit) {
   const svg = draw("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": title });
   for (const mark of y.marks) {
@@ -68,20 +74,21 @@ function shade(svg, x, log, height) {
 }
 
 // The pictures of a log.
-function signalPicture(log) {
-  const width = 460, height = 190, s = log.signals;
-  const times = s.time_s, roll = s.roll_rad.map((v) => present(v) ? v * DEGREES : null);
-  const lateral = s.lateral_acceleration_mps2.map((v) => present(v) ? v / G * 10 : null);
-  const steer = s.steer_rad.map((v) => present(v) ? v * DEGREES : null);
-  const [from, to] = [Math.min(...times.filter(present)), Math.max(...times.filter(present))];
-  const x = scale(from, to, LEFT, width - RIGHT);
-  const y = scale(...extent([...roll, ...lateral, ...steer]), height - BOTTOM, TOP);
-  const svg = axes(width, height, x, y, `Signals of ${log.log}`, "°");
+function signalPictures(log) {
+  const { time_s: times, steer_rad: steer, lateral_acceleration_mps2: lateral, roll_rad: roll } = log.signals;
+  const known = times.filter(present), x = scale(Math.min(...known), Math.max(...known), LEFT, WIDTH - RIGHT);
+  const degrees = (values) => values.map((v) => present(v) ? v * DEGREES : null);
+  const inputs = [["steer", degrees(steer), "steer, °"], ["lateral", lateral.map((v) => present(v) ? v / G * 10 : null), "lateral acceleration, 0.1 g"]];
+  return [panel(log, x, 120, inputs), panel(log, x, 130, [["roll", degrees(roll), "roll, °"]])];
+}
+function panel(log, x, height, lines) {
+  const y = scale(...extent(lines.flatMap(([, values]) => values)), height - BOTTOM, TOP);
+  const names = lines.filter(([, values]) => values.length);
+  const svg = axes(WIDTH, height, x, y, names.map(([, , text]) => text).join(" and "), "");
   shade(svg, x, log, height);
-  let at = LEFT + 8;
-  for (const [name, values, text] of [["steer", steer, "steer °"], ["lateral", lateral, "lateral accel. 0.1 g"], ["roll", roll, "roll °"]]) {
-    if (!values.length) continue;
-    line(svg, x, y, times, values, name);
+  let at = LEFT;
+  for (const [name, values, text] of names) {
+    line(svg, x, y, log.signals.time_s, values, name);
     svg.append(draw("text", { class: `key ${name}`, x: at, y: 10 }, text));
     at += 24 + text.length * 6;
   }
@@ -89,13 +96,13 @@ function signalPicture(log) {
 }
 function heightPicture(log) {
   const good = log.maneuvers.filter((one) => present(one.height_m));
-  const width = 460, height = 190;
+  const width = WIDTH, height = 250;
   const reach = good.flatMap((one) => [one.height_m - 1.96 * one.height_sd_m, one.height_m + 1.96 * one.height_sd_m]);
   const y = scale(...extent([...reach, ...(log.height_ci95_m || []), log.known_height_m]), height - BOTTOM, TOP);
   const times = log.signals ? log.signals.time_s.filter(present) : [];
   const all = [...times, ...log.maneuvers.flatMap((one) => [one.start_s, one.end_s])];
   const x = scale(Math.min(...all), Math.max(...all), LEFT, width - RIGHT);
-  const svg = axes(width, height, x, y, `Heights of ${log.log}`, "height, m");
+  const svg = axes(width, height, x, y, `Heights of ${short(log)}`, "height, m");
   if (log.height_ci95_m) {
     const [low, high] = log.height_ci95_m;
     svg.append(draw("rect", { class: "band", x: LEFT, y: y.at(high), width: width - LEFT - RIGHT, height: y.at(low) - y.at(high) }));
@@ -126,7 +133,7 @@ function detail(log) {
   cell.append(make("p", { class: "quiet" }, facts));
   const pair = make("div", { class: "pair" });
   if (log.signals && log.signals.time_s.length) {
-    pair.append(make("div", {}, make("h3", {}, "Signals (shaded: maneuvers)"), signalPicture(log)));
+    pair.append(make("div", {}, make("h3", {}, "Signals (shaded: maneuvers)"), ...signalPictures(log)));
   }
   if (log.maneuvers.some((one) => present(one.height_m))) {
     pair.append(make("div", {}, make("h3", {}, "Height of each maneuver (bar: 95 % of its noise; band: answer)"), heightPicture(log)));
@@ -151,7 +158,7 @@ const status = (log) => present(log.unreadable) ? "unreadable" : log.status;
 const error = (log) => present(log.height_m) && present(log.known_height_m) ? 100 * (log.height_m / log.known_height_m - 1) : null;
 const signed = (value) => present(value) ? (value >= 0 ? "+" : "−") + Math.abs(value).toFixed(1) + " %" : NONE;
 const COLUMNS = [
-  { name: "Log", sort: (log) => log.log, text: (log) => log.log },
+  { name: "Log", sort: (log) => log.log, text: short },
   { name: "Height", sort: (log) => log.height_m, text: (log) => present(log.height_m) ? fixed(log.height_m, 3, " m") : status(log) },
   { name: "± sd", wide: true, sort: (log) => log.height_sd_m, text: (log) => fixed(log.height_sd_m, 3, " m") },
   { name: "95 % interval", wide: true, sort: (log) => log.height_ci95_m ? log.height_ci95_m[0] : null,
@@ -169,7 +176,7 @@ const rows = page.logs.map((log, k) => {
     const bad = column.name === "Height" && !present(log.height_m);
     return make("td", { class: [column.wide ? "wide" : "", bad ? "bad" : ""].join(" ").trim() }, column.text(log));
   });
-  const row = make("tr", { class: "log", tabindex: "0", "aria-expanded": "false", id: `log-${k}` }, ...cells);
+  const row = make("tr", { class: "log", title: log.log, tabindex: "0", "aria-expanded": "false", id: `log-${k}` }, ...cells);
   row.addEventListener("click", () => toggle(k));
   row.addEventListener("keydown", (event) => {
     if (event.key === "Enter" || event.key === " ") { event.preventDefault(); toggle(k); }
@@ -214,7 +221,7 @@ body.replaceChildren(...rows);
 document.title = page.title;
 document.getElementById("title").textContent = page.title;
 document.getElementById("about").textContent =
-  `${page.calibration ? `Calibrated with ${page.calibration}` : "Not calibrated: the intervals are those of the vehicle file's [uncertainty]"}. Written ${page.written}.`;
+  `${page.calibration ? `Calibrated with ${page.calibration}` : "Not calibrated: the intervals are those of the vehicle file's [uncertainty]"}. Written ${page.written}.${folder ? ` Logs in ${folder}` : ""}`;
 document.getElementById("foot").textContent =
   `cg ${page.version}. Heights are of the trailer's sprung mass above ground at rest; rollover: lateral acceleration of wheel lift in a steady turn.`;
 function median(values) {
@@ -248,7 +255,7 @@ function overview() {
       dot.setAttribute("class", "dot none");
       dot.setAttribute("cy", height - BOTTOM);
     }
-    dot.append(draw("title", {}, `${log.log}: ${present(log.height_m) ? fixed(log.height_m, 3, " m") : status(log)}`));
+    dot.append(draw("title", {}, `${short(log)}: ${present(log.height_m) ? fixed(log.height_m, 3, " m") : status(log)}`));
     dot.addEventListener("click", () => { toggle(k, true); rows[k].scrollIntoView({ block: "center" }); });
     if (present(log.known_height_m)) diamond(svg, at, y.at(log.known_height_m));
     svg.append(dot);

@@ -18,10 +18,13 @@ down, so that a left turn gives all positive. Heights are of the trailer's sprun
 ground at rest; ``trailer_mass_kg`` is the whole semitrailer as weighed (sprung mass and axles).
 """
 
+from importlib import import_module
+from types import ModuleType
+
 from cgheight._batch import Estimates, estimate_logs
 from cgheight._calibrate import calibrate
 from cgheight._estimate import Estimator, estimate, estimate_log
-from cgheight._logs import read_log
+from cgheight._logs import read_log, write_log
 from cgheight._model_results import (
     ArxModel,
     LinearModel,
@@ -64,4 +67,12 @@ __all__ = [
     "reproduce",
     "select_order",
     "simulate",
+    "write_log",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import `cgheight.can`, `cgheight.plot` and `cgheight.spark` when they are first used."""
+    if name in ("can", "plot", "spark"):
+        return import_module(f"cgheight.{name}")
+    raise AttributeError(f"module 'cgheight' has no attribute {name!r}")

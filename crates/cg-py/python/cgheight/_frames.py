@@ -140,7 +140,7 @@ class Dbc:
         for key, text in signals.items():
             name, unit = split(text)
             message, signal = _find(database, name, path)
-            unit = unit or UNITS.get((signal.unit or "").strip().lower(), "")
+            unit = unit or usual_unit(signal.unit)
             if not unit:
                 raise ValueError(
                     f"{path}: {name} has the unit {signal.unit!r}: name it, such as "
@@ -183,6 +183,12 @@ class Dbc:
                 continue
             values[target[0]] = value * target[1]
         return values
+
+
+def usual_unit(text: str | None) -> str:
+    """Return our name of a unit as files write it; nothing if it is none of ours."""
+    # A degree sign in UTF-8 that was read as Latin-1 has an Â before it.
+    return UNITS.get((text or "").strip().lower().replace("â°", "°").replace("â²", "²"), "")
 
 
 def split(text: str) -> tuple[str, str]:

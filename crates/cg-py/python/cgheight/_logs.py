@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import PurePath
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -105,3 +107,62 @@ def read_log(
         pandas, or for CAN logs python-can, is not installed.
     """
     return need("pandas", "pandas").DataFrame(signals(log, columns, flip))
+
+
+def write_log(
+    log: str | os.PathLike[str] | Any,
+    path: str | os.PathLike[str],
+    *,
+    vehicle: _native.Vehicle | None = None,
+    columns: Mapping[str, str] | None = None,
+    flip: Iterable[str] = (),
+) -> None:
+    """Write a log to a file: as a table, or as the J1939 frames that a truck would send.
+
+    Parameters
+    ----------
+    log, columns, flip
+        As for `estimate_log`.
+    path : str or os.PathLike
+        ``.csv`` or ``.csv.gz``, with SI columns; or CAN frames in ``.log`` (candump), ``.asc``,
+        ``.blf``, ``.mf4``, ``.trc``. It appears whole or, for ``.csv`` and ``.log``, not at all.
+    vehicle : Vehicle, optional
+        For CAN frames: its steering ratio makes the steering-wheel angle, which J1939 has, of the
+        road-wheel angle. Without, frames have no steering angle unless the log has that.
+
+    Raises
+    ------
+    ValueError
+        The log is not as described, or `path` ends otherwise.
+    OSError
+        The file cannot be written.
+    ImportError
+        python-can is not installed; ``.csv``, ``.csv.gz`` and ``.log`` do without.
+
+    Warns
+    -----
+    UserWarning
+        Values beyond the range of their J1939 signal are written as "not available".
+    """
+    table, target = signals(log, columns, flip), os.fspath(path)
+    ratio = None if vehicle is None else vehicle.steering_ratio
+    truth = [f"truth {key} = {value}" for key, value in getattr(log, "truth", {}).items()]
+    if not is_can(target) or target.lower().endswith(".log"):
+        lost = _native.write_file(target, table, truth, ratio)
+    else:
+        can = need("can", "can")
+        if target.lower().endswith(".mf4"):
+            need("asammdf", "can")
+        with TemporaryDirectory() as folder:
+            frames = os.path.join(folder, "frames.log")
+            lost = _native.write_file(frames, table, truth, ratio)
+            with can.LogReader(frames) as reader, can.Logger(target) as writer:
+                for message in reader:
+                    message.is_rx = True
+                    writer.on_message_received(message)
+    if lost:
+        warnings.warn(
+            f"{target}: {lost} values beyond the range of their J1939 signal are written as "
+            '"not available"',
+            stacklevel=2,
+        )

@@ -24,8 +24,10 @@ __all__ = [
     "read_file",
     "reproduce_tables",
     "resolve_columns",
+    "restore_vehicle",
     "score_accuracy",
     "simulate_log",
+    "write_file",
 ]
 
 __version__: Final[str]
@@ -63,6 +65,7 @@ class Vehicle:
     @property
     def height_range_m(self) -> tuple[float, float]:
         """Range of c.g. heights that the file allows (least, greatest), m."""
+    def __reduce__(self) -> tuple[Any, tuple[str, str, str | None]]: ...
     def _repr_html_(self) -> str: ...
 
 @disjoint_base
@@ -165,7 +168,6 @@ def decode_j1939(identifier: int, data: bytes, /) -> dict[str, float]:
 def simulate_log(
     vehicle: Vehicle,
     request: dict[str, Any],
-    output: str | os.PathLike[str] | None,
     /,
 ) -> tuple[dict[str, NDArray[np.float64]], str]:
     """Simulate a log: columns, and the truth as JSON."""
@@ -183,3 +185,15 @@ def score_accuracy(
 
 def reproduce_tables(name: str | None, runs: int, seed: int, /) -> dict[str, list[Any]]:
     """One table of the thesis, or all of them, beside ours: a dict of columns."""
+
+def restore_vehicle(text: str, file: str, calibration: str | None, /) -> Vehicle:
+    """Return a vehicle from the text of its file, and of its calibration if it has one."""
+
+def write_file(
+    path: str | os.PathLike[str],
+    signals: dict[str, NDArray[np.float64]],
+    comments: list[str],
+    steering_ratio: float | None,
+    /,
+) -> int:
+    """Write arrays to a log; return how many values no J1939 signal can hold."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cgheight import _native, _show
 from cgheight._arrays import number
 from cgheight._extras import need
+from cgheight._logs import write_log
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -196,7 +197,7 @@ def simulate(
     seed : int
         Seed of sensors and drive.
     output : str or os.PathLike, optional
-        Also write the log: ``.csv``, ``.csv.gz``, or ``.log`` (J1939 frames, as of candump).
+        Also write the log, as `write_log` does.
 
     Returns
     -------
@@ -224,9 +225,11 @@ def simulate(
     """
     given = {key: value for key, value in locals().items()
              if key not in ("vehicle", "maneuver", "output")}  # fmt: skip
-    target = None if output is None else os.fspath(output)
-    signals, truth = _native.simulate_log(vehicle, _request(maneuver, given), target)
-    return SimulatedLog(signals, json.loads(truth))
+    signals, truth = _native.simulate_log(vehicle, _request(maneuver, given))
+    log = SimulatedLog(signals, json.loads(truth))
+    if output is not None:
+        write_log(log, output, vehicle=vehicle)
+    return log
 
 
 def accuracy_map(

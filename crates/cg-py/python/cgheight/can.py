@@ -17,7 +17,7 @@ import numpy as np
 from cgheight import _native
 from cgheight._estimate import Estimator
 from cgheight._extras import need
-from cgheight._frames import COLUMNS, UNITS, Rows, split
+from cgheight._frames import COLUMNS, Rows, split, usual_unit
 from cgheight._logs import CAN_SUFFIXES, table_signals
 from cgheight._results import Estimate
 
@@ -164,8 +164,8 @@ def _some(names: set[str]) -> str:
 
 
 def _unit(text: str, channel: str, name: str) -> str:
-    unit = UNITS.get((text or "").strip().lower())
-    if unit is None:
+    unit = usual_unit(text)
+    if not unit:
         raise ValueError(f"{name}: {channel} has the unit {text!r}: name it, as '{channel}[deg]'")
     return unit
 

@@ -164,8 +164,16 @@ impl Calibration {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(path)
             .map_err(|source| VehicleError::Read { file: file.clone(), source })?;
+        Self::parse(&text, &file, vehicle)
+    }
+
+    /// Checks the text of a calibration of `vehicle`; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(text: &str, file: &str, vehicle: &Vehicle) -> Result<Self, VehicleError> {
         let calibration: Self =
-            toml::from_str(&text).map_err(|source| VehicleError::syntax(&file, &source))?;
+            toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
         calibration
             .check(vehicle)
             .map_err(|reason| VehicleError::Model(format!("{file}: {reason}")))?;

@@ -31,7 +31,12 @@ pub(super) fn resolve(
     }
     header.refuse_bare_names()?;
     header.require(&[Signal::Time])?;
-    header.require(&[Signal::Steer, Signal::SteeringWheel])?;
+    header.require(&[
+        Signal::Steer,
+        Signal::SteeringWheel,
+        Signal::LateralAcceleration,
+        Signal::YawRate,
+    ])?;
     header.require(&[Signal::Roll, Signal::Tilt])?;
     for &signal in &options.flip {
         header.check_flip(signal)?;

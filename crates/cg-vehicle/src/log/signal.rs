@@ -82,9 +82,9 @@ impl LogRow {
 pub enum Signal {
     /// `time_s`; required.
     Time,
-    /// `steer_rad`; this or the steering wheel is required.
+    /// `steer_rad`; this or another input is required.
     Steer,
-    /// `steering_wheel_rad`; this or the steer angle is required.
+    /// `steering_wheel_rad`; an input.
     SteeringWheel,
     /// `roll_rad`; this or tilt is required.
     Roll,
@@ -92,9 +92,9 @@ pub enum Signal {
     Tilt,
     /// `speed_mps`.
     Speed,
-    /// `lateral_acceleration_mps2`.
+    /// `lateral_acceleration_mps2`; an input.
     LateralAcceleration,
-    /// `yaw_rate_radps`.
+    /// `yaw_rate_radps`; an input.
     YawRate,
     /// `trailer_mass_kg`.
     TrailerMass,

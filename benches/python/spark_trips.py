@@ -1,0 +1,77 @@
+"""Trips on Spark with two workers beside `cg estimate --jobs 2` on the same Parquet files.
+
+    python benches/python/spark_trips.py     # 400 trips; CG_BENCH_TRIPS=20 for a short one
+
+Prints a section for benches/RESULTS.md. CG names the program; else target/release/cg.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from pyspark.sql import SparkSession
+from trips import ROOT, VEHICLE, simulated
+
+import cgheight
+import cgheight.spark
+
+TRIPS = int(os.environ.get("CG_BENCH_TRIPS", "400"))
+DURATION_S, RATE_HZ = 120.0, 50.0
+CG = os.environ.get("CG", str(ROOT / "target" / "release" / "cg"))
+
+
+def main() -> None:
+    """Make the trips, run both, print the table."""
+    truck = cgheight.Vehicle.load(VEHICLE)
+    with tempfile.TemporaryDirectory() as folder:
+        paths = []
+        for k, log in enumerate(
+            simulated(TRIPS, duration_s=DURATION_S, rate_hz=RATE_HZ)
+        ):
+            paths.append(str(Path(folder) / f"{k:04d}.parquet"))
+            log.to_frame().assign(trip=k).to_parquet(paths[-1])
+        start = time.perf_counter()
+        command = [CG, "estimate", *paths, "--vehicle", str(VEHICLE), "--jobs", "2"]
+        done = subprocess.run(
+            [*command, "--format", "json"], capture_output=True, check=True
+        )
+        alone = time.perf_counter() - start
+        expected = [json.loads(line)["height_m"] for line in done.stdout.splitlines()]
+        builder = SparkSession.builder.master("local[2]").config(
+            "spark.ui.enabled", "false"
+        )
+        spark = builder.config("spark.sql.shuffle.partitions", "4").getOrCreate()
+        spark.sparkContext.setLogLevel("ERROR")
+        table = spark.read.parquet(folder)
+        times = []
+        for _ in range(2):
+            start = time.perf_counter()
+            found = cgheight.spark.estimate_trips(table, vehicle=truck).collect()
+            times.append(time.perf_counter() - start)
+        spark.stop()
+    heights = {int(row["log"]): row["height_m"] for row in found}
+    assert [heights[k] for k in range(TRIPS)] == expected
+    print(f"## {TRIPS} trips on Spark\n")
+    what = (
+        f"{TRIPS} simulated drives of {DURATION_S:.0f} s at {RATE_HZ:.0f} Hz in Parquet"
+    )
+    print(
+        f"{what}, the same heights to the last bit. Spark: one machine, two workers.\n"
+    )
+    print("| what | time | trips a second |\n|---|---|---|")
+    for name, seconds in (
+        ("`cg estimate --jobs 2`, start included", alone),
+        ("`cgheight.spark`, first query (starts the workers)", times[0]),
+        ("`cgheight.spark`, second query", times[1]),
+    ):
+        print(f"| {name} | {seconds:.2f} s | {TRIPS / seconds:.0f} |")
+    print()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+"""Thousands of trips on a cluster, with PySpark.
+
+The same heights as on one machine: each trip goes through `cgheight.estimate_log` on a worker, as
+Arrow columns. Needs ``pip install 'cgheight[spark]'`` here and on the workers.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from cgheight import _native
+from cgheight._batch import Estimates
+from cgheight._estimate import estimate_log
+from cgheight._results import rejected
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    from pyspark.sql import DataFrame
+
+__all__ = ["estimate_files", "estimate_trips"]
+
+# The columns of `Estimates.to_frame`, as Spark names their types.
+_COLUMNS = {
+    "log": "string",
+    "status": "string",
+    "height_m": "double",
+    "height_sd_m": "double",
+    "height_ci95_low_m": "double",
+    "height_ci95_high_m": "double",
+    "ratio": "double",
+    "ratio_sd": "double",
+    "method": "string",
+    "channel": "string",
+    "speed_mps": "double",
+    "trailer_mass_kg": "double",
+    "snr_db": "double",
+    "fit_percent": "double",
+    "static_rollover_threshold_g": "double",
+    "maneuvers": "bigint",
+    "messages": "string",
+}
+_SCHEMA = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
+
+
+@lru_cache(maxsize=8)
+def _truck(pickled: bytes) -> _native.Vehicle:
+    """Return the vehicle of a pickle: the same one for all trips of a worker, design and all."""
+    vehicle: _native.Vehicle = pickle.loads(pickled)
+    return vehicle
+
+
+def _answers(pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, Any]) -> pa.Table:
+    """Estimate logs on a worker: one row for each, also for those that cannot be read."""
+    import pyarrow as pa
+
+    truck = _truck(pickled)
+    answers = []
+    for _, log in logs:
+        try:
+            answers.append(estimate_log(log, vehicle=truck, **options))
+        except (OSError, ValueError) as error:
+            mass_kg = truck.reference_trailer_mass_kg
+            answers.append(rejected(str(error), mass_kg, dict(options)))
+    frame = Estimates(tuple(name for name, _ in logs), tuple(answers)).to_frame()
+    kinds = {"string": pa.string(), "double": pa.float64(), "bigint": pa.int64()}
+    schema = pa.schema([(name, kinds[kind]) for name, kind in _COLUMNS.items()])
+    return pa.Table.from_pandas(frame[list(_COLUMNS)], schema=schema, preserve_index=False)
+
+
+def estimate_trips(
+    trips: DataFrame,
+    *,
+    vehicle: _native.Vehicle,
+    trip: str = "trip",
+    time: str = "time_s",
+    **options: Any,
+) -> DataFrame:
+    """Estimate trips that stand as rows in one table.
+
+    Parameters
+    ----------
+    trips : pyspark.sql.DataFrame
+        One row for each sample: a column that names the trip, and those of a log as
+        `cgheight.estimate_log` takes them. The order of rows does not matter.
+    vehicle : Vehicle
+        The vehicle, with its calibration; it travels to the workers as text.
+    trip, time : str
+        The columns that name the trip and hold the time stamp, by which rows are sorted.
+    **options
+        Keywords of `cgheight.estimate_log`: ``channel``, ``method``, ``columns``, ….
+
+    Returns
+    -------
+    pyspark.sql.DataFrame
+        One row for each trip, lazily: the columns of `Estimates.to_frame`, the name of the trip in
+        ``log``. A trip that cannot be estimated is "rejected", with its reason in ``messages``.
+
+    Raises
+    ------
+    ValueError
+        The table has no such column.
+    ImportError
+        PySpark or PyArrow is not installed.
+    """
+    for name in (trip, time):
+        if name not in trips.columns:
+            raise ValueError(f"the table has no column {name}; it has {', '.join(trips.columns)}")
+    work = _trip_worker(pickle.dumps(vehicle), trip, time, dict(options))
+    return trips.groupBy(trip).applyInArrow(work, schema=_SCHEMA)
+
+
+def _trip_worker(
+    pickled: bytes, trip: str, time: str, options: dict[str, Any]
+) -> Callable[[tuple[Any, ...], pa.Table], pa.Table]:
+    def work(key: tuple[Any, ...], table: pa.Table) -> pa.Table:
+        rows = table.drop_columns([trip]).sort_by(time)
+        log = {
+            name: rows.column(name).to_numpy()
+            for name, kind in zip(rows.column_names, rows.schema.types, strict=True)
+            if _is_number(kind)
+        }
+        return _answers(pickled, [(str(key[0].as_py()), log)], options)
+
+    return work
+
+
+def _is_number(kind: Any) -> bool:
+    import pyarrow as pa
+
+    is_number: bool = pa.types.is_floating(kind) or pa.types.is_integer(kind)
+    return is_number
+
+
+def estimate_files(
+    files: DataFrame, *, vehicle: _native.Vehicle, path: str = "path", **options: Any
+) -> DataFrame:
+    """Estimate log files that every worker can open.
+
+    Parameters
+    ----------
+    files : pyspark.sql.DataFrame
+        One row for each file; repartition it to as many parts as there are workers, or more.
+    vehicle : Vehicle
+        The vehicle, with its calibration; it travels to the workers as text.
+    path : str
+        The column that holds the path of a log, of any kind that `cgheight.estimate_log` reads.
+    **options
+        Keywords of `cgheight.estimate_log`.
+
+    Returns
+    -------
+    pyspark.sql.DataFrame
+        One row for each file, lazily: the columns of `Estimates.to_frame`. A file that cannot be
+        read is "rejected", with its reason in ``messages``.
+
+    Raises
+    ------
+    ValueError
+        The table has no such column.
+    ImportError
+        PySpark or PyArrow is not installed.
+    """
+    if path not in files.columns:
+        raise ValueError(f"the table has no column {path}; it has {', '.join(files.columns)}")
+    work = _file_worker(pickle.dumps(vehicle), dict(options))
+    return files.select(path).mapInArrow(work, schema=_SCHEMA)
+
+
+def _file_worker(
+    pickled: bytes, options: dict[str, Any]
+) -> Callable[[Iterator[pa.RecordBatch]], Iterator[pa.RecordBatch]]:
+    def work(batches: Iterator[pa.RecordBatch]) -> Iterator[pa.RecordBatch]:
+        for batch in batches:
+            for name in batch.column(0).to_pylist():
+                yield from _answers(pickled, [(name, name)], options).to_batches()
+
+    return work

@@ -1,0 +1,261 @@
+"""CAN logs of every format, with and without a DBC file, and a live bus."""
+
+from __future__ import annotations
+
+import logging
+import time
+
+import asammdf
+import can
+import numpy as np
+import pytest
+
+import cgheight
+from cgheight.can import HeightListener, read_log
+from conftest import FIXTURES
+
+# Half a bit of J1939's roll angle (SSI2), lateral acceleration, yaw rate and steering wheel.
+HALF_A_BIT = {
+    "roll_rad": np.radians(0.5 / 32768),
+    "lateral_acceleration_mps2": 0.5 / 2048,
+    "yaw_rate_radps": 0.5 / 8192,
+    "steering_wheel_rad": 0.5 / 1024,
+    "speed_mps": 0.5 / 256 / 3.6,
+    "trailer_mass_kg": 1.0,
+}
+DBC = """VERSION ""
+NS_ :
+BS_:
+BU_: Logger
+BO_ 256 Motion: 8 Logger
+ SG_ RollAngle : 0|16@1- (0.0005,0) [-16|16] "deg" Logger
+ SG_ LatAccel : 16|16@1- (0.0005,0) [-16|16] "m/s^2" Logger
+ SG_ WheelAngle : 32|16@1- (0.02,0) [-640|640] "°" Logger
+BO_ 257 Slow: 8 Logger
+ SG_ Speed : 0|16@1+ (0.01,0) [0|250] "km/h" Logger
+ SG_ Mass : 16|16@1+ (2,0) [0|100000] "furlong" Logger
+BO_ 258 Other: 8 Logger
+ SG_ Speed : 0|8@1+ (1,0) [0|250] "km/h" Logger
+"""
+SIGNALS = {
+    "roll": "RollAngle",
+    "lateral_acceleration": "LatAccel",
+    "steering_wheel": "Motion.WheelAngle",
+    "speed": "Slow.Speed",
+    "trailer_mass": "Mass[kg]",
+}
+
+
+@pytest.fixture(scope="module")
+def truck(tmp_path_factory):
+    """Return the independent truck with a steering ratio: CAN has the steering wheel only."""
+    path = tmp_path_factory.mktemp("truck") / "wheel.toml"
+    text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
+    path.write_text("steering_ratio = 20.0\n" + text)
+    return cgheight.Vehicle.load(path)
+
+
+@pytest.fixture(scope="module")
+def drive(truck, tmp_path_factory):
+    """Simulate a turn; return its columns and its candump log."""
+    path = tmp_path_factory.mktemp("can") / "turn.log"
+    log = cgheight.simulate(truck, "steady-turn", height_m=1.9, snr_db=30, output=path)
+    return log, path
+
+
+def test_a_candump_log_is_the_simulated_one_to_half_a_bit(truck, drive):
+    log, path = drive
+    frame = read_log(path)
+    assert len(frame) == len(log.signals["time_s"])
+    assert np.max(np.abs(frame.time_s - log.signals["time_s"])) <= 5e-7
+    expected = dict(log.signals)
+    expected["steering_wheel_rad"] = truck.steering_ratio * expected.pop("steer_rad")
+    for name, half in HALF_A_BIT.items():
+        seen = frame[name].dropna()
+        error = np.max(np.abs(seen - expected[name][seen.index]))
+        # Speed and mass are sent less often than they are sampled, but constant here.
+        assert error <= half * (1 + 1e-9), name
+    assert frame.attrs["frames"] == frame.attrs["frames_used"] > 2 * len(frame)
+    assert frame.attrs["rows_out_of_order"] == 0
+
+
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf", ".trc", ".mf4"])
+def test_every_format_gives_the_height_of_the_arrays(suffix, truck, drive, tmp_path):
+    log, _ = drive
+    path = tmp_path / f"turn{suffix}"
+    cgheight.write_log(log, path, vehicle=truck)
+    expected = cgheight.estimate(**log.signals, vehicle=truck)
+    answer = cgheight.estimate_log(path, vehicle=truck)
+    # Half a bit of the wheel is 0.5/1024/20 rad of 0.05 rad of steer: 5e-4 of the ratio; the height
+    # follows it with a slope below two.
+    assert answer.height_m == pytest.approx(expected.height_m, rel=1e-3)
+    assert answer.channel == expected.channel == "combined"
+    again = cgheight.estimate_logs([path], vehicle=truck)[0]
+    assert again == answer
+
+
+def messages_by_dbc(log, folder):
+    """Write a log in the frames of our DBC; return its path and that of the DBC."""
+    dbc, path = folder / "truck.dbc", folder / "dbc.asc"
+    dbc.write_text(DBC)
+    s = log.signals
+    with can.Logger(path) as writer:
+        for k, time_s in enumerate(s["time_s"]):
+            raw = [
+                round(np.degrees(s["roll_rad"][k]) / 0.0005),
+                round(s["lateral_acceleration_mps2"][k] / 0.0005),
+                round(np.degrees(20 * s["steer_rad"][k]) / 0.02),
+            ]
+            data = b"".join(value.to_bytes(2, "little", signed=True) for value in raw) + bytes(2)
+            frames = [(256, data)]
+            if k % 10 == 0:
+                values = round(s["speed_mps"][k] * 3.6 / 0.01), round(s["trailer_mass_kg"][k] / 2)
+                data = b"".join(value.to_bytes(2, "little") for value in values) + bytes(4)
+                frames = [(257, data), *frames, (0x7FF, b"\x01")]
+            for identifier, content in frames:
+                message = can.Message(
+                    timestamp=time_s, arbitration_id=identifier, data=content, is_extended_id=False
+                )
+                writer.on_message_received(message)
+    return path, dbc
+
+
+def test_a_dbc_file_says_what_the_frames_hold(truck, drive, tmp_path):
+    log, _ = drive
+    path, dbc = messages_by_dbc(log, tmp_path)
+    frame = read_log(path, dbc=dbc, signals=SIGNALS)
+    # Half a bit of each signal, by the DBC's scale.
+    assert np.max(np.abs(frame.roll_rad - log.signals["roll_rad"])) <= np.radians(0.00025) * 1.01
+    lateral = frame.lateral_acceleration_mps2 - log.signals["lateral_acceleration_mps2"]
+    assert np.max(np.abs(lateral)) <= 0.00025 * 1.01
+    assert frame.speed_mps.dropna().iloc[0] == pytest.approx(50.0 / 3.6, abs=0.005 / 3.6 * 1.01)
+    assert frame.attrs["frames"] > frame.attrs["frames_used"]  # one identifier is none of ours
+    expected = cgheight.estimate(**log.signals, vehicle=truck).height_m
+    answer = cgheight.estimate_log(frame, vehicle=truck)
+    assert answer.height_m == pytest.approx(expected, rel=1e-3)
+    flipped = read_log(path, dbc=dbc, signals=SIGNALS, flip="roll")
+    assert np.array_equal(flipped.roll_rad, -frame.roll_rad)
+
+
+def test_measured_channels_of_an_mdf_file(truck, drive, tmp_path):
+    log, _ = drive
+    s = log.signals
+    mdf = asammdf.MDF()
+    fast, slow = s["time_s"], s["time_s"][::10]
+    roll = asammdf.Signal(np.degrees(s["roll_rad"]), fast, name="Roll", unit="deg")
+    lateral = asammdf.Signal(s["lateral_acceleration_mps2"], fast, name="Ay", unit="m/s^2")
+    mdf.append([roll, lateral])
+    mdf.append([asammdf.Signal(s["speed_mps"][::10] * 3.6, slow, name="V", unit="km/h")])
+    path = mdf.save(tmp_path / "measured.mf4")
+    frame = read_log(path, signals={"roll": "Roll", "lateral_acceleration": "Ay", "speed": "V"})
+    assert frame.roll_rad.to_numpy() == pytest.approx(s["roll_rad"], abs=1e-15)
+    assert frame.speed_mps.to_numpy() == pytest.approx(s["speed_mps"], rel=1e-12)
+    answer = cgheight.estimate_log(frame, vehicle=truck, trailer_mass_kg=s["trailer_mass_kg"][0])
+    assert answer.channel == "lateral-acceleration"
+    assert answer.status == "ok"
+    with pytest.raises(ValueError, match=r"has no channel Rol; it has .*Roll"):
+        read_log(path, signals={"roll": "Rol"})
+    with pytest.raises(ValueError, match="names no roll angle"):
+        read_log(path, signals={"speed": "V"})
+
+
+def test_what_is_wrong_with_a_log_or_its_names_is_said(drive, tmp_path):
+    log, path = drive
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.blf: cannot be read"):
+        read_log(tmp_path / "nowhere.blf")
+    with pytest.raises(ValueError, match=r"is no CAN log by its name; those end in \.log, \.asc"):
+        read_log(tmp_path / "a.csv")
+    (tmp_path / "bad.blf").write_bytes(b"no frames here" * 20)
+    with pytest.raises(ValueError, match=r"bad\.blf, after 0 frames: cannot be read as what its"):
+        read_log(tmp_path / "bad.blf")
+    (tmp_path / "no.log").write_text("(0.000000) can0 18FEF100#FF00FFFFFFFFFFFF\n")
+    with pytest.raises(ValueError, match="none of its 1 frames completes a row: a roll angle"):
+        read_log(tmp_path / "no.log")
+    dbc_log, dbc = messages_by_dbc(log, tmp_path)
+    with pytest.raises(ValueError, match="signals names signals of a DBC file: give dbc too"):
+        read_log(dbc_log, signals=SIGNALS)
+    with pytest.raises(ValueError, match=r"say which of its signals are which.*Motion\.RollAngle"):
+        read_log(dbc_log, dbc=dbc)
+    with pytest.raises(ValueError, match=r"has no signal Rolll; it has Motion\.RollAngle"):
+        read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"roll": "Rolll"})
+    with pytest.raises(ValueError, match=r"Speed is in several messages: give one of Slow\.Speed"):
+        read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"speed": "Speed"})
+    with pytest.raises(ValueError, match="Mass has the unit 'furlong': name it"):
+        read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"trailer_mass": "Mass"})
+    (tmp_path / "bad.dbc").write_text("BO_ 1")
+    with pytest.raises(ValueError, match=r"bad\.dbc: is no DBC file that cantools reads"):
+        read_log(dbc_log, dbc=tmp_path / "bad.dbc", signals=SIGNALS)
+    with pytest.raises(FileNotFoundError):
+        read_log(dbc_log, dbc=tmp_path / "nowhere.dbc", signals=SIGNALS)
+    with pytest.raises(ValueError, match="hold_s is 0"):
+        read_log(path, hold_s=0)
+    with pytest.raises(ValueError, match="columns is for tables"):
+        cgheight.read_log(path, columns={"roll": "x[deg]"})
+
+
+def frame_of(time_s, identifier, data):
+    return can.Message(timestamp=time_s, arbitration_id=identifier, data=bytes.fromhex(data))
+
+
+def test_a_value_is_held_for_a_while_and_an_inclinometer_stands_in_for_the_roll_sensor(truck):
+    listener = HeightListener(truck, hold_s=0.5)
+    rows = listener._rows
+    vdc2, ssi, ssi2 = 0x18F0090B, 0x0CF013E4, 0x0CF029E4
+    assert rows.push(frame_of(0.0, vdc2, "7F7DFF007D007DFF")) is None
+    row = rows.push(frame_of(0.1, ssi, "FFFF007DFFFFFFFF"))
+    assert set(row) == {"time_s", "tilt_rad", "steering_wheel_rad", "yaw_rate_radps",
+                        "lateral_acceleration_mps2"}  # fmt: skip
+    row = rows.push(frame_of(0.2, ssi2, "FFFFFF00007DFFFF"))
+    assert "roll_rad" in row
+    assert "tilt_rad" not in row
+    # The inclinometer makes no row while there is a roll sensor, and again once it is gone.
+    assert rows.push(frame_of(0.3, ssi, "FFFF007DFFFFFFFF")) is None
+    row = rows.push(frame_of(0.8, ssi, "FFFF007DFFFFFFFF"))
+    assert set(row) == {"time_s", "tilt_rad"}  # the others are older than 0.5 s
+    # A standard frame with the same number is none of J1939.
+    message = frame_of(0.9, 0x129, "00")
+    message.is_extended_id = False
+    assert rows.push(message) is None
+
+
+def test_the_listener_on_a_virtual_bus_gives_the_height_of_the_log(truck, drive):
+    _, path = drive
+    heard = []
+    listener = HeightListener(truck, on_estimate=heard.append)
+    options = {"interface": "virtual", "preserve_timestamps": True}
+    with can.Bus("height", **options) as here, can.Bus("height", **options) as there:
+        with can.Notifier(here, [listener]), can.LogReader(path) as frames:
+            sent = 0
+            for message in frames:
+                there.send(message)
+                sent += 1
+            deadline = time.monotonic() + 30
+            while listener.frames < sent and time.monotonic() < deadline:
+                time.sleep(0.01)
+        assert (listener.frames, listener.frames_used) == (sent, sent)
+    expected = cgheight.estimate_log(path, vehicle=truck)
+    assert listener.rows == len(read_log(path))
+    assert listener.estimate() == expected
+    assert len(heard) == 1  # one turn
+    assert heard[0].status == "ok"
+
+
+def test_the_listener_leaves_out_what_does_not_fit_and_goes_on(truck, drive):
+    _, path = drive
+    listener = HeightListener(truck)
+    with can.LogReader(path) as frames:
+        for message in frames:
+            listener(message)
+            if message.arbitration_id == 0x0CF029E4:
+                listener(message)  # twice the same time
+    listener(can.Message(is_error_frame=True, timestamp=0.0))
+    assert listener.rows_out_of_order == listener.rows == len(read_log(path))
+    assert listener.estimate() == cgheight.estimate_log(path, vehicle=truck)
+    with pytest.raises(ValueError, match="order is 50"):
+        HeightListener(truck, order=50)
+
+
+@pytest.fixture(autouse=True)
+def quiet_libraries():
+    """Leave asammdf's notes on what it converts out of the test output."""
+    logging.getLogger("asammdf").setLevel(logging.ERROR)

@@ -1,0 +1,174 @@
+"""Pictures: what they draw, with which units, and that they say how to read them."""
+
+from __future__ import annotations
+
+import inspect
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from test_arx import noisy_second_order
+
+import cgheight
+from cgheight import plot
+from conftest import FIXTURES, ONE_TURN
+
+DRIVE = FIXTURES / "logs" / "F_drive1_p15_h155.csv.gz"
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    """Draw without a screen, and close every figure after its test."""
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
+
+
+def drawn(figure: Figure, path) -> np.ndarray:
+    """Save a figure as PNG and return its pixels: not empty, and wide enough for a report."""
+    figure.savefig(path)
+    pixels = plt.imread(path)
+    assert pixels.shape[1] >= 600
+    assert np.mean(np.any(pixels[:, :, :3] < 0.9, axis=2)) > 0.01
+    return pixels
+
+
+def test_every_picture_says_how_to_read_it_and_what_its_axes_are():
+    for name in plot.__all__:
+        text = inspect.getdoc(getattr(plot, name))
+        assert "How to read it:" in text, name
+        for heading in ("Parameters", "Returns", "Raises"):
+            assert heading in text, (name, heading)
+        for parameter in inspect.signature(getattr(plot, name)).parameters:
+            assert parameter in text, (name, parameter)
+
+
+def test_a_log_with_its_maneuvers_and_predicted_roll(kraz, turn, tmp_path):
+    figure = plot.log(turn, vehicle=kraz)
+    drawn(figure, tmp_path / "log.png")
+    answer = cgheight.estimate(**turn, vehicle=kraz)
+    inputs, roll, rest = figure.axes[:3]
+    assert f"height {answer.height_m:.2f} m" in inputs.get_title(loc="left")
+    measured, predicted = roll.get_lines()[:2]
+    assert np.array_equal(measured.get_ydata(), np.degrees(turn["roll_rad"]))
+    expected = cgheight.predict_roll(turn, answer.height_m, vehicle=kraz)
+    offset = np.mean(turn["roll_rad"] - expected)
+    assert predicted.get_ydata() == pytest.approx(np.degrees(expected + offset), abs=1e-12)
+    assert np.mean(rest.get_lines()[0].get_ydata()) == pytest.approx(0.0, abs=1e-12)
+    assert [axes.get_ylabel().split("(")[-1] for axes in figure.axes[:3]] == ["°)"] * 3
+    assert rest.get_xlabel() == "time (s)"
+    shades = [patch for patch in roll.patches if patch.get_width() > 0]
+    assert len(shades) == len(answer.maneuvers)
+    assert shades[0].get_x() == answer.maneuvers[0].start_s
+
+
+def test_logs_without_a_height_or_a_steer_angle_are_drawn_too(kraz, turn, tmp_path):
+    straight = {name: column[:150] for name, column in turn.items()}
+    figure = plot.log(straight, vehicle=kraz)
+    drawn(figure, tmp_path / "straight.png")
+    assert "rejected" in figure.axes[0].get_title(loc="left")
+    tilted = {name: column for name, column in turn.items() if name != "steer_rad"}
+    tilted["tilt_rad"] = tilted.pop("roll_rad") + turn["lateral_acceleration_mps2"] / 9.81
+    figure = plot.log(tilted, vehicle=kraz)
+    assert "acceleration (g)" in figure.axes[0].get_ylabel()
+
+
+def test_the_height_over_time_ends_with_the_answer(kraz, tmp_path):
+    figure = plot.height(DRIVE, vehicle=kraz, true_height_m=1.55)
+    drawn(figure, tmp_path / "height.png")
+    answer = cgheight.estimate_log(DRIVE, vehicle=kraz)
+    (axes,) = figure.axes
+    steps = next(line for line in axes.get_lines() if line.get_label() == "all turns so far")
+    times, heights = steps.get_data()
+    assert heights[-1] == answer.height_m
+    assert np.all(np.diff(times) >= 0)
+    assert len(heights) > 5
+    assert axes.get_ylabel() == "c.g. height (m)"
+
+
+def test_a_bode_plot_draws_the_responses_and_a_band_of_the_right_width(baseline, tmp_path):
+    u, y = noisy_second_order(2000)
+    model = cgheight.arx(u, y, 2, 2, 1, 0.05)
+    linear = cgheight.linear_model(baseline)
+    figure = plot.bode(model, linear, linear.reduced, linear.to_control(), labels=list("abcd"))
+    drawn(figure, tmp_path / "bode.png")
+    upper = figure.axes[0]
+    assert [line.get_label() for line in upper.get_lines()] == list("abcd")
+    hz, size = upper.get_lines()[1].get_data()
+    expected = np.abs(linear.transfer_function.response(2 * np.pi * hz))
+    assert size == pytest.approx(expected, rel=1e-12)
+    assert upper.get_lines()[3].get_ydata() == pytest.approx(expected, rel=1e-6)
+    # The left end is the DC gain: the band there is 1.96 of its standard deviation.
+    figure = plot.bode(model, frequency_hz=[1e-6, 0.1])
+    corners = figure.axes[0].collections[0].get_paths()[0].vertices
+    at_left = corners[np.isclose(corners[:, 0], 1e-6), 1]
+    ratio = np.sqrt(at_left.max() / at_left.min())
+    assert np.log(ratio) == pytest.approx(1.96 * model.dc_gain_sd / model.dc_gain, rel=1e-3)
+    with pytest.raises(ValueError, match="no model to draw"):
+        plot.bode()
+    with pytest.raises(ValueError, match="1 labels for 2 models"):
+        plot.bode(model, linear, labels=["a"])
+    with pytest.raises(ValueError, match="type int has no transfer function"):
+        plot.bode(3)
+
+
+def test_roots_are_drawn_where_they_are(baseline, tmp_path):
+    linear = cgheight.linear_model(baseline)
+    ts = 0.01
+    poles = np.exp(linear.reduced.transfer_function.poles * ts)
+    sampled = cgheight.TransferFunction(np.array([]), poles, 1.0, ts)
+    figure = plot.pole_zero(linear, sampled)
+    drawn(figure, tmp_path / "roots.png")
+    marks = [np.asarray(one.get_offsets()) for one in figure.axes[0].collections]
+    assert np.allclose(marks[0] @ [1, 1j], linear.poles, atol=1e-12)
+    # Sampled and carried back: the logarithm of poles within a radius of one.
+    assert np.allclose(marks[2] @ [1, 1j], linear.reduced.transfer_function.poles, atol=1e-9)
+    assert "more beyond 15 rad/s" in figure.axes[0].get_title(loc="left")
+    with pytest.raises(ValueError, match="reach_radps is 0"):
+        plot.pole_zero(linear, reach_radps=0)
+
+
+def test_residuals_that_are_white_stay_in_the_band_and_others_do_not(tmp_path):
+    random = np.random.default_rng(5)
+    u = random.standard_normal(3000)
+    y = np.zeros(3000)
+    e = 0.1 * random.standard_normal(3000)
+    for t in range(2, 3000):
+        y[t] = 1.2 * y[t - 1] - 0.5 * y[t - 2] + u[t - 1] + e[t]
+    right, wrong = cgheight.arx(u, y, 2, 1, 1, 0.1), cgheight.arx(u, y, 1, 1, 1, 0.1)
+    figures = [plot.residuals(model, u, y) for model in (right, wrong)]
+    drawn(figures[0], tmp_path / "white.png")
+    titles = [figure.axes[0].get_title(loc="left") for figure in figures]
+    outside = [int(title.split(": ")[1].split()[0]) for title in titles]
+    # 25 lags, each outside with probability 0.01: more than 3 with probability 1e-4.
+    assert outside[0] <= 3
+    assert outside[1] > 3
+    with pytest.raises(ValueError, match="lags is 0"):
+        plot.residuals(right, u, y, lags=0)
+
+
+def test_an_accuracy_map_has_its_numbers_in_its_cells(tmp_path):
+    table = pd.DataFrame(
+        {"height_m": [1.5, 1.5, 2.0, 2.0], "snr_db": [10, 20, 10, 20],
+         "rmse_percent": [2.0, 0.5, 2.5, np.nan], "bias_percent": [0.1, -0.2, 0.0, 0.3],
+         "coverage_percent": [94.0, 95, 96, 97]}
+    )  # fmt: skip
+    figure = plot.accuracy_map(table)
+    drawn(figure, tmp_path / "map.png")
+    assert [text.get_text() for text in figure.axes[0].texts] == ["2.00", "0.50", "2.50", "–"]
+    assert figure.axes[1].get_ylabel() == "root mean square error of the height (%)"
+    for value in ("bias_percent", "coverage_percent"):
+        drawn(plot.accuracy_map(table, value=value), tmp_path / f"{value}.png")
+    with pytest.raises(ValueError, match="no column rmse; it has height_m"):
+        plot.accuracy_map(table, value="rmse")
+    with pytest.raises(ValueError, match="several rows have the same"):
+        plot.accuracy_map(pd.concat([table, table]))
+
+
+def test_the_figure_of_a_file_is_that_of_its_arrays(kraz, turn):
+    by_path = plot.log(FIXTURES / "logs" / ONE_TURN, vehicle=kraz)
+    by_arrays = plot.log(turn, vehicle=kraz)
+    lines = [figure.axes[1].get_lines()[1].get_ydata() for figure in (by_path, by_arrays)]
+    assert lines[0] == pytest.approx(lines[1], abs=1e-9)

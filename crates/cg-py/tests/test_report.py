@@ -1,0 +1,189 @@
+"""The page of `cg estimate --report`, in a browser: headless Chromium."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+
+from conftest import FIXTURES, LOGS
+
+ROOT = FIXTURES.parent
+PATHS = [str(FIXTURES / "logs" / name) for name in LOGS]
+PHONE = (390, 844)
+HOSTILE = "<img src=x onerror=alert(1)>&\"'.csv"
+
+
+def cg() -> str:
+    """Return the command-line program: that of `make` (CG), else the newest build."""
+    builds = [ROOT / "target" / profile / "cg" for profile in ("release", "debug")]
+    there = sorted(
+        (path for path in builds if path.exists()), key=lambda path: path.stat().st_mtime
+    )
+    found = os.environ.get("CG") or (str(there[-1]) if there else None)
+    assert found, "no cg: run cargo build --package cg-cli"
+    return found
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory) -> Path:
+    """Write the report of the ten logs, of a rejected, a hostile and an unreadable one."""
+    folder = tmp_path_factory.mktemp("report")
+    text = Path(PATHS[0]).read_text().splitlines()
+    (folder / "straight.csv").write_text("\n".join(text[:150]) + "\n")
+    shutil.copy(PATHS[1], folder / HOSTILE)
+    (folder / "broken.csv").write_text("time_s,steer_rad,roll_rad\n0,</script><b>,0\n")
+    logs = [*PATHS, *(str(folder / name) for name in ("straight.csv", HOSTILE, "broken.csv"))]
+    out = folder / "report.html"
+    arguments = ["--vehicle", FIXTURES / "vehicles" / "kraz.toml", "--truth",
+                 FIXTURES / "logs" / "truth.json", "--report", out]  # fmt: skip
+    done = subprocess.run([cg(), "estimate", *logs, *arguments], capture_output=True, check=False)
+    assert done.returncode == 2, done.stderr  # one log cannot be read
+    assert b"broken.csv" in done.stderr
+    return out
+
+
+def browser(size: tuple[int, int]) -> webdriver.Chrome:
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
+    # A phone's width is smaller than a window can be.
+    metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    return driver
+
+
+@pytest.fixture(scope="module", params=[(1280, 900), PHONE], ids=["desktop", "phone"])
+def opened(request, page):
+    """Open the page on a desktop and on a phone."""
+    driver = browser(request.param)
+    driver.get(page.as_uri())
+    yield driver
+    driver.quit()
+
+
+def cells(driver, column: int) -> list[str]:
+    rows = "[...document.querySelectorAll('tr.log')]"
+    script = f"return {rows}.map(row => row.cells[arguments[0]].textContent)"
+    return driver.execute_script(script, column)
+
+
+def test_the_table_has_every_log_and_what_became_of_it(opened):
+    names = cells(opened, 0)
+    assert len(names) == len(PATHS) + 3
+    # Shown without the folder that all share; the whole name is in the title.
+    assert all(path.endswith(name) for path, name in zip(PATHS, names, strict=False))
+    rows = opened.find_elements(By.CSS_SELECTOR, "tr.log")[: len(PATHS)]
+    assert [row.get_attribute("title") for row in rows] == PATHS
+    heights = dict(zip(names, cells(opened, 1), strict=True))
+    states = {Path(name).name: height for name, height in heights.items()}
+    assert states["straight.csv"] == "rejected"
+    assert states["broken.csv"] == "unreadable"
+    assert states[HOSTILE] == states[LOGS[1]]
+    assert re.fullmatch(r"\d\.\d{3} m", states[HOSTILE])
+    tiles = opened.find_element(By.ID, "totals").text
+    assert "13\nlogs" in tiles
+    assert "1\nunreadable" in tiles
+
+
+def test_a_heading_sorts_both_ways_and_absent_values_come_last(opened):
+    button = opened.find_elements(By.CSS_SELECTOR, "#logs th button")[1]
+    orders = []
+    for expected in ("ascending", "descending"):
+        button.click()
+        head = opened.find_elements(By.CSS_SELECTOR, "#logs th")[1]
+        assert head.get_attribute("aria-sort") == expected
+        column = cells(opened, 1)
+        assert set(column[-2:]) == {"rejected", "unreadable"}
+        orders.append([float(text.removesuffix(" m")) for text in column[:-2]])
+    assert orders[0] == sorted(orders[0])
+    assert orders[1] == orders[0][::-1]
+
+
+def test_a_row_opens_its_pictures_and_messages(opened):
+    rows = opened.find_elements(By.CSS_SELECTOR, "tr.log")
+    for row in rows:
+        opened.execute_script("arguments[0].click()", row)
+    details = opened.find_elements(By.CSS_SELECTOR, "tr.detail")
+    assert len(details) == len(rows)
+    text = "\n".join(detail.text for detail in details)
+    assert "rejected: unexcited" in text
+    assert "</script><b>" in text  # as it stands in the log, as text
+    pictures = opened.find_elements(By.CSS_SELECTOR, "tr.detail svg")
+    assert len(pictures) == 3 * (len(PATHS) + 1) + 2  # the straight log has signals only
+    script = (
+        "return [...document.querySelectorAll('tr.detail path.roll')].map(p => p.getTotalLength())"
+    )
+    assert min(opened.execute_script(script)) > 100  # each roll angle is drawn, across its picture
+    assert not opened.find_elements(By.CSS_SELECTOR, "tr.log img, tr.log b, tr.detail b")
+
+
+def test_the_page_is_no_wider_than_its_screen_and_says_nothing_to_the_console(opened):
+    wide, room = opened.execute_script(
+        "const e = document.documentElement; return [e.scrollWidth, e.clientWidth]"
+    )
+    assert wide <= room
+    assert opened.get_log("browser") == []
+
+
+def test_nothing_is_fetched(opened, page):
+    entries = (json.loads(entry["message"])["message"] for entry in opened.get_log("performance"))
+    asked = {
+        entry["params"]["request"]["url"]
+        for entry in entries
+        if entry["method"] == "Network.requestWillBeSent"
+    }
+    assert asked <= {page.as_uri(), "data:,"}
+    assert page.as_uri() in asked
+
+
+def test_light_and_dark_can_both_be_read(page):
+    """Text and paper differ by WCAG's contrast of 4.5 in either scheme."""
+    for scheme in ("light", "dark"):
+        driver = browser((1280, 900))
+        try:
+            features = [{"name": "prefers-color-scheme", "value": scheme}]
+            driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+            driver.get(page.as_uri())
+            for selector in ("body", ".quiet", "td.bad"):
+                element = driver.find_element(By.CSS_SELECTOR, selector)
+                ink = luminance(element.value_of_css_property("color"))
+                body = driver.find_element(By.CSS_SELECTOR, "body")
+                paper = luminance(body.value_of_css_property("background-color"))
+                contrast = (max(ink, paper) + 0.05) / (min(ink, paper) + 0.05)
+                assert contrast >= 4.5, (scheme, selector, contrast)
+                assert (paper > 0.5) == (scheme == "light")
+        finally:
+            driver.quit()
+
+
+def luminance(colour: str) -> float:
+    """Return WCAG's relative luminance of `rgb(r, g, b)`."""
+    parts = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+    linear = [
+        part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_a_hundred_logs_make_a_page_of_a_few_hundred_kib_and_a_rejected_target_leaves_nothing(
+    tmp_path,
+):
+    out = tmp_path / "many.html"
+    vehicle = FIXTURES / "vehicles" / "kraz.toml"
+    run = [cg(), "estimate", *(PATHS * 10), "--vehicle", vehicle, "--report"]
+    assert subprocess.run([*run, out], capture_output=True, check=False).returncode == 0
+    assert out.stat().st_size < 900 * 1024
+    refused = subprocess.run([*run, tmp_path], capture_output=True, check=False)
+    assert refused.returncode == 2
+    assert b"is a folder; give --report a file" in refused.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["many.html"]

@@ -1,0 +1,99 @@
+"""Trips on a local Spark of two workers: the same heights as on one machine."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from pyspark.sql import SparkSession
+
+import cgheight
+from cgheight.spark import estimate_files, estimate_trips
+from conftest import FIXTURES, LOGS
+
+TRIPS = 240
+
+
+@pytest.fixture(scope="module")
+def spark():
+    """Start a Spark of two workers."""
+    import os
+
+    os.environ["PYSPARK_PYTHON"] = os.environ["PYSPARK_DRIVER_PYTHON"] = sys.executable
+    builder = SparkSession.builder.master("local[2]").appName("cgheight")
+    for key, value in {
+        "spark.ui.enabled": "false",
+        "spark.sql.shuffle.partitions": "4",
+        "spark.driver.host": "127.0.0.1",
+        "spark.driver.bindAddress": "127.0.0.1",
+    }.items():
+        builder = builder.config(key, value)
+    session = builder.getOrCreate()
+    session.sparkContext.setLogLevel("ERROR")
+    yield session
+    session.stop()
+
+
+@pytest.fixture(scope="module")
+def trips(baseline, tmp_path_factory):
+    """Simulate trips; return them in memory and the folder of their Parquet files."""
+    folder = tmp_path_factory.mktemp("trips")
+    random = np.random.default_rng(4)
+    logs = []
+    for k in range(TRIPS):
+        log = cgheight.simulate(
+            baseline,
+            "steady-turn",
+            height_m=random.uniform(1.6, 2.2),
+            payload_kg=random.uniform(5e3, 2e4),
+            snr_db=20,
+            rate_hz=20,
+            seed=k,
+        )
+        logs.append(log.to_frame().assign(trip=f"trip-{k:03d}"))
+    for part in range(6):
+        table = pd.concat(logs[part::6]).sample(frac=1, random_state=part)  # rows in any order
+        table.to_parquet(folder / f"part-{part}.parquet")
+    return logs, folder
+
+
+def test_hundreds_of_trips_have_the_heights_of_one_machine(spark, trips, baseline):
+    logs, folder = trips
+    table = spark.read.parquet(str(folder))
+    found = estimate_trips(table, vehicle=baseline, channel="steer").toPandas()
+    found = found.sort_values("log", ignore_index=True)
+    one_machine = cgheight.estimate_logs(
+        [log.drop(columns="trip") for log in logs], vehicle=baseline, channel="steer"
+    ).to_frame()
+    assert found["log"].tolist() == [log.trip.iloc[0] for log in logs]
+    assert len(found) == TRIPS
+    assert found.height_m.notna().all()
+    for name in one_machine.columns.drop("log"):
+        # The same arithmetic on the same rows: to the last bit.
+        pd.testing.assert_series_equal(found[name], one_machine[name], check_dtype=False,
+                                       check_exact=True)  # fmt: skip
+
+
+def test_a_calibrated_vehicle_travels_and_bad_files_are_rejected_not_fatal(spark, kraz, tmp_path):
+    log = FIXTURES / "logs" / "A_p20_h190_v50_L.csv"
+    truck = cgheight.calibrate(kraz, [(log, 1.9)], tmp_path / "truck.toml")
+    paths = [str(FIXTURES / "logs" / name) for name in LOGS] + [str(tmp_path / "nowhere.csv")]
+    files = spark.createDataFrame([(path,) for path in paths], "path string").repartition(3)
+    found = {row["log"]: row for row in estimate_files(files, vehicle=truck).collect()}
+    expected = cgheight.estimate_logs(paths, vehicle=truck, errors="reject")
+    assert len(found) == len(paths)
+    for path, answer in zip(paths, expected, strict=True):
+        assert found[path]["height_m"] == answer.height_m
+        assert found[path]["messages"] == "; ".join(answer.messages)
+    assert found[paths[-1]]["status"] == "rejected"
+    assert "nowhere.csv: cannot be opened" in found[paths[-1]]["messages"]
+
+
+def test_a_column_that_is_not_there_is_named(spark, kraz):
+    table = spark.createDataFrame([("a", 0.0)], "trip string, t double")
+    with pytest.raises(ValueError, match="no column time_s; it has trip, t"):
+        estimate_trips(table, vehicle=kraz)
+    with pytest.raises(ValueError, match="no column path"):
+        estimate_files(table, vehicle=kraz)
