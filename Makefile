@@ -19,6 +19,9 @@ tools:
 	  || { echo "Python 3.11 or later with venv is missing"; exit 1; }
 	rustup target add thumbv7em-none-eabihf
 	rustup component add clippy rustfmt
+	@missing=; for need in chromium:chromium chromedriver:chromium-driver java:default-jre-headless; do \
+	  command -v $${need%%:*} >/dev/null || missing="$$missing $${need##*:}"; done; \
+	if [ -n "$$missing" ]; then apt-get update -qq && apt-get install -y -qq $$missing; fi
 
 fmt:
 	cargo fmt --all --check
@@ -49,21 +52,28 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The Python package in a fresh environment: build, tests, stubs against the binary, lint.
+# The Python package in a fresh environment with every extra: build, tests (the page of a report in
+# Chromium, Spark, the notebook), stubs against the binary, lint. Then its wheel with numpy alone.
 python:
+	cargo build --package cg-cli
 	$(PYTHON) -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
-	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release -m crates/cg-py/Cargo.toml
-	$(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
+	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release --extras all -m crates/cg-py/Cargo.toml
+	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy.stubtest cgheight
-	$(VENV)/bin/ruff check crates/cg-py
-	$(VENV)/bin/ruff format --check crates/cg-py
+	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
+	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
+	rm -rf $(VENV)/clean && $(PYTHON) -m venv $(VENV)/clean
+	$(VENV)/clean/bin/python -m pip install --quiet ./crates/cg-py
+	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
 # Every bench once on little data: shows that they run, measures nothing.
 bench-short:
 	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
+	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
+	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 
-# All benches, ten million rows; writes benches/RESULTS.md.
+# All benches, ten million rows, a thousand logs; writes benches/RESULTS.md. After `make python`.
 bench:
 	benches/run.sh
 

@@ -3,8 +3,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 raw=$(mktemp)
-trap 'rm -f "$raw"' EXIT
+trap 'rm -f "$raw" "$raw.python"' EXIT
 cargo bench --package cg-bench | tee "$raw"
+cargo build --release --package cg-cli
+OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
+.venv/bin/python benches/python/spark_trips.py >> "$raw.python"
 {
   echo "# Bench results"
   echo
@@ -25,6 +28,7 @@ cargo bench --package cg-bench | tee "$raw"
   echo
   python3 firmware/check.py --markdown
   echo
+  cat "$raw.python"
   echo "## Raw output"
   echo
   echo '```text'

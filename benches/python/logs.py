@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from trips import VEHICLE, simulated
 
 import cgheight
+from trips import VEHICLE, simulated
 
 LOGS = int(os.environ.get("CG_BENCH_LOGS", "1000"))
 DURATION_S, RATE_HZ = 120.0, 20.0
@@ -40,9 +40,7 @@ def by_pandas(path: Path) -> np.ndarray:
 def by_cgheight(path: Path) -> np.ndarray:
     """Do the same with this package: its reader, its ARX."""
     frame = cgheight.read_log(path)
-    model = cgheight.arx(
-        frame["steer_rad"], frame["roll_rad"], ORDER, ORDER, DELAY, 1 / RATE_HZ
-    )
+    model = cgheight.arx(frame["steer_rad"], frame["roll_rad"], ORDER, ORDER, DELAY, 1 / RATE_HZ)
     return np.concatenate([model.a[1:], model.b])
 
 
@@ -59,15 +57,11 @@ def timed(work: Callable[[], object]) -> float:
 def main() -> None:
     """Make the logs, run everybody, print the table."""
     if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
-        raise SystemExit(
-            "give OPENBLAS_NUM_THREADS=1: one thread for numpy as for the others"
-        )
+        raise SystemExit("give OPENBLAS_NUM_THREADS=1: one thread for numpy as for the others")
     truck = cgheight.Vehicle.load(VEHICLE)
     with tempfile.TemporaryDirectory() as folder:
         paths = []
-        for k, log in enumerate(
-            simulated(LOGS, duration_s=DURATION_S, rate_hz=RATE_HZ)
-        ):
+        for k, log in enumerate(simulated(LOGS, duration_s=DURATION_S, rate_hz=RATE_HZ)):
             paths.append(Path(folder) / f"{k:04d}.csv")
             cgheight.write_log(log, paths[-1])
         rows = int(DURATION_S * RATE_HZ) + 1
@@ -77,9 +71,7 @@ def main() -> None:
         assert np.max(np.abs(ours - theirs)) < 1e-6 * np.max(np.abs(theirs))
 
         def batch(jobs: int, **options: object) -> Callable[[], object]:
-            return lambda: cgheight.estimate_logs(
-                paths, vehicle=truck, jobs=jobs, **options
-            )
+            return lambda: cgheight.estimate_logs(paths, vehicle=truck, jobs=jobs, **options)
 
         peer = timed(lambda: [by_pandas(path) for path in paths])
         arx = {"method": "arx", "order": ORDER, "channel": "steer"}

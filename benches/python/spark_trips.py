@@ -15,10 +15,10 @@ import time
 from pathlib import Path
 
 from pyspark.sql import SparkSession
-from trips import ROOT, VEHICLE, simulated
 
 import cgheight
 import cgheight.spark
+from trips import ROOT, VEHICLE, simulated
 
 TRIPS = int(os.environ.get("CG_BENCH_TRIPS", "400"))
 DURATION_S, RATE_HZ = 120.0, 50.0
@@ -30,21 +30,15 @@ def main() -> None:
     truck = cgheight.Vehicle.load(VEHICLE)
     with tempfile.TemporaryDirectory() as folder:
         paths = []
-        for k, log in enumerate(
-            simulated(TRIPS, duration_s=DURATION_S, rate_hz=RATE_HZ)
-        ):
+        for k, log in enumerate(simulated(TRIPS, duration_s=DURATION_S, rate_hz=RATE_HZ)):
             paths.append(str(Path(folder) / f"{k:04d}.parquet"))
             log.to_frame().assign(trip=k).to_parquet(paths[-1])
         start = time.perf_counter()
         command = [CG, "estimate", *paths, "--vehicle", str(VEHICLE), "--jobs", "2"]
-        done = subprocess.run(
-            [*command, "--format", "json"], capture_output=True, check=True
-        )
+        done = subprocess.run([*command, "--format", "json"], capture_output=True, check=True)
         alone = time.perf_counter() - start
         expected = [json.loads(line)["height_m"] for line in done.stdout.splitlines()]
-        builder = SparkSession.builder.master("local[2]").config(
-            "spark.ui.enabled", "false"
-        )
+        builder = SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false")
         spark = builder.config("spark.sql.shuffle.partitions", "4").getOrCreate()
         spark.sparkContext.setLogLevel("ERROR")
         table = spark.read.parquet(folder)
@@ -57,12 +51,8 @@ def main() -> None:
     heights = {int(row["log"]): row["height_m"] for row in found}
     assert [heights[k] for k in range(TRIPS)] == expected
     print(f"## {TRIPS} trips on Spark\n")
-    what = (
-        f"{TRIPS} simulated drives of {DURATION_S:.0f} s at {RATE_HZ:.0f} Hz in Parquet"
-    )
-    print(
-        f"{what}, the same heights to the last bit. Spark: one machine, two workers.\n"
-    )
+    what = f"{TRIPS} simulated drives of {DURATION_S:.0f} s at {RATE_HZ:.0f} Hz in Parquet"
+    print(f"{what}, the same heights to the last bit. Spark: one machine, two workers.\n")
     print("| what | time | trips a second |\n|---|---|---|")
     for name, seconds in (
         ("`cg estimate --jobs 2`, start included", alone),

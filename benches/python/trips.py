@@ -14,15 +14,11 @@ ROOT = Path(__file__).resolve().parents[2]
 VEHICLE = ROOT / "fixtures" / "vehicles" / "baseline.toml"
 
 
-def simulated(
-    count: int, *, duration_s: float, rate_hz: float
-) -> list[cgheight.SimulatedLog]:
+def simulated(count: int, *, duration_s: float, rate_hz: float) -> list[cgheight.SimulatedLog]:
     """Return drives of the linear model with noise of 20 dB under loads of 5 to 20 t."""
     truck = cgheight.Vehicle.load(VEHICLE)
     random = np.random.default_rng(1)
-    loads = [
-        (random.uniform(1.6, 2.2), random.uniform(5e3, 20e3)) for _ in range(count)
-    ]
+    loads = [(random.uniform(1.6, 2.2), random.uniform(5e3, 20e3)) for _ in range(count)]
 
     def one(seed: int) -> cgheight.SimulatedLog:
         height_m, payload_kg = loads[seed]

@@ -67,6 +67,10 @@ impl Vehicle {
     /// path : str or os.PathLike
     ///     The vehicle file (TOML, SI units).
     ///
+    /// Returns
+    /// -------
+    /// Vehicle
+    ///
     /// Raises
     /// ------
     /// FileNotFoundError

@@ -6,9 +6,9 @@ import control
 import numpy as np
 import pytest
 import scipy.signal
-from test_arx import noisy_second_order, regression, response
 
 import cgheight
+from test_arx import noisy_second_order, regression, response
 
 
 @pytest.fixture(scope="module")

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
-from test_arx import noisy_second_order
 
 import cgheight
 from cgheight import plot
 from conftest import FIXTURES, ONE_TURN
+from test_arx import noisy_second_order
 
 DRIVE = FIXTURES / "logs" / "F_drive1_p15_h155.csv.gz"
 

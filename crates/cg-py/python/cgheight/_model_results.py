@@ -38,7 +38,7 @@ class ArxModel:
     dc_gain, dc_gain_sd : float
         ``B(1)/A(1)`` and its standard deviation (to first order), units of y over u.
     fit_percent : float
-        ``100 (1 - sqrt(noise_variance / variance of y))``, one step ahead.
+        ``100 (1 - sqrt(noise_variance / variance of y))``, one step ahead, %.
     rows : int
         Rows of the regression.
     """
@@ -176,7 +176,23 @@ class RatioLine:
     b1: float
 
     def ratio_at(self, height_m: float) -> float:
-        """Return the ratio at a height of the sprung c.g. above ground, m."""
+        """Return the ratio at a height.
+
+        Parameters
+        ----------
+        height_m : float
+            Height of the sprung c.g. above ground, m.
+
+        Returns
+        -------
+        float
+            In the units of the line.
+
+        Raises
+        ------
+        ZeroDivisionError
+            The height is the line's pole.
+        """
         return (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
 
 
@@ -221,7 +237,7 @@ class StaticBalance:
 
     Attributes
     ----------
-    axle_load_n : array
+    axle_load_n : array, shape (axles,)
         Vertical load of each axle on the road, tractor first, N.
     hitch_load_n : float
         Vertical load of the trailer on the fifth wheel, N.
@@ -243,10 +259,11 @@ class LinearModel:
     vehicle : str
         Name of the vehicle.
     speed_mps, height_m, trailer_mass_kg : float
-        Forward speed, height of the trailer's sprung c.g., mass of the whole semitrailer.
-    numerator, denominator : array
+        Forward speed (m/s), height of the trailer's sprung c.g. above ground (m), mass of the whole
+        semitrailer (kg).
+    numerator, denominator : array, shapes (zeros + 1,), (poles + 1,)
         Coefficients in descending powers of s; the denominator begins with one.
-    poles, zeros : complex array
+    poles, zeros : complex array, shapes (n,), (m,)
         Roots of denominator and numerator, rad/s, the largest real part first.
     gain : float
         Leading coefficient of the numerator.

@@ -42,8 +42,8 @@ def reproduce(table: str | None = None, *, runs: int = 1000, seed: int = 1) -> p
     --------
     >>> import cgheight
     >>> rows = cgheight.reproduce("eq. 5.19")
-    >>> abs(rows.relative_error[0]) < 1e-4
-    True
+    >>> print(f"{rows.ours[0]:.4f}, printed {rows.thesis[0]}")
+    1.4894, printed 1.4894
     """
     pandas = need("pandas", "pandas")
     for name, value, least in (

@@ -217,7 +217,7 @@ def simulate(
     >>> truck = cgheight.Vehicle.load("fixtures/vehicles/baseline.toml")
     >>> log = cgheight.simulate(truck, "rounded-step", height_m=1.9, snr_db=20)
     >>> log
-    SimulatedLog(true height 1.900 m, trailer 28750 kg, 2001 rows, 20.0 s)
+    SimulatedLog(true height 1.900 m, trailer 31298 kg, 2001 rows, 20.0 s)
     >>> answer = cgheight.estimate(**log.signals, vehicle=truck)
     >>> low_m, high_m = answer.height_ci95_m
     >>> low_m < 1.9 < high_m

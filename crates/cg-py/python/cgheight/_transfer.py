@@ -24,7 +24,7 @@ class TransferFunction:
 
     Attributes
     ----------
-    zeros, poles : complex array
+    zeros, poles : complex array, shapes (m,), (n,)
         Roots of numerator and denominator, rad/s (discrete: in the z plane).
     gain : float
         Leading coefficient of the numerator over that of the denominator.

@@ -57,7 +57,7 @@ def read_log(
     flip : iterable of str
         Signals whose sensor is mounted the other way round.
     hold_s : float
-        Seconds for which a signal keeps its last value.
+        How long a signal keeps its last value, s.
 
     Returns
     -------

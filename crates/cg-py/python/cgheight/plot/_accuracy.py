@@ -66,9 +66,9 @@ def accuracy_map(
         raise ValueError(f"several rows have the same {x} and {y}: choose among them first")
     grid = table.pivot(index=y, columns=x, values=value).sort_index()
     values = grid.to_numpy(dtype=float)
+    width = max(6.0, 2.6 + 0.85 * values.shape[1])
+    made, (axes,) = figure(1, [max(3.0, 1.6 + 0.5 * values.shape[0])], width=width)
     with style():
-        width = max(6.0, 2.6 + 0.85 * values.shape[1])
-        made, (axes,) = figure(1, [max(3.0, 1.6 + 0.5 * values.shape[0])], width=width)
         colours, limits = _colours(value, values)
         digits = 2 if np.nanmax(np.abs(values)) < 10 else 0
         image = axes.pcolormesh(values, cmap=colours, edgecolors="white", linewidth=1.5, **limits)

@@ -65,8 +65,8 @@ def log(
     table = signals(log, columns, flip)
     answer = estimate_log(table, vehicle=vehicle, **options)
     time_s = table["time_s"]
+    made, (top, middle, bottom) = figure(3, [1.9, 2.9, 1.5])
     with style():
-        made, (top, middle, bottom) = figure(3, [1.9, 2.9, 1.5])
         _inputs(top, table)
         roll_rad = _roll(table, vehicle)
         middle.plot(time_s, np.degrees(roll_rad), color=BLUE, label="measured")
@@ -229,8 +229,8 @@ def height(
     """
     table = signals(log, columns, flip)
     steps, answer = _history(table, vehicle, options)
+    made, (axes,) = figure(1, [3.6])
     with style():
-        made, (axes,) = figure(1, [3.6])
         if steps:
             time_s, height_m, low_m, high_m = np.array(steps).T
             ends_s = np.append(time_s, table["time_s"][-1])

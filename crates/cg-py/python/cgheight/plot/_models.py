@@ -94,8 +94,8 @@ def bode(
         hz = np.geomspace(0.02, min([5.0, *nyquist_hz]), 400)
     else:
         hz = column("frequency_hz", frequency_hz)
+    made, (upper, lower) = figure(2, [3.2, 2.4])
     with style():
-        made, (upper, lower) = figure(2, [3.2, 2.4])
         for model, transfer, name, colour in zip(
             models, transfers, names, _colours(), strict=False
         ):
@@ -189,8 +189,8 @@ def pole_zero(
     names = _labels(models, labels)
     if not 0 < reach_radps < np.inf:
         raise ValueError(f"reach_radps is {reach_radps}: it must be positive and finite")
+    made, (axes,) = figure(1, [5.6], width=7.5)
     with style():
-        made, (axes,) = figure(1, [5.6], width=7.5)
         beyond = 0
         for model, name, colour in zip(models, names, _colours(), strict=False):
             transfer = _transfer(model)
@@ -277,8 +277,8 @@ def residuals(model: ArxModel, u: ArrayLike, y: ArrayLike, *, lags: int = 25) ->
     # Ljung, System Identification, 16.6: variance of a cross-correlation of independent signals.
     around_e, around_u = own, _correlation(drive, drive, lags)
     spread = np.sqrt(max(float(np.sum(around_e * around_u)), 1.0) / n)
+    made, (upper, lower) = figure(2, [2.5, 2.5], sharex=False)
     with style():
-        made, (upper, lower) = figure(2, [2.5, 2.5], sharex=False)
         upper.axhspan(-_QUANTILE_99 / np.sqrt(n), _QUANTILE_99 / np.sqrt(n), color=BLUE, alpha=0.12,
                       linewidth=0, label="99 % band of white noise")  # fmt: skip
         at = np.arange(lags + 1)

@@ -36,16 +36,12 @@ def figure(
     rows: int, heights: Sequence[float], *, width: float = 9.0, sharex: bool = True
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels one above the other, heights in inches."""
+    # Outside the style: whatever shows figures sets itself up with the first one, for good.
     pyplot = need("matplotlib.pyplot", "plot")
-    with pyplot.rc_context(_STYLE):
-        made, axes = pyplot.subplots(
-            rows,
-            1,
-            figsize=(width, sum(heights)),
-            sharex=sharex,
-            squeeze=False,
-            layout="constrained",
-            height_ratios=list(heights),
+    made = pyplot.figure(figsize=(width, sum(heights)), layout="constrained")
+    with style():
+        axes = made.subplots(
+            rows, 1, sharex=sharex, squeeze=False, gridspec_kw={"height_ratios": list(heights)}
         )
     return made, list(axes[:, 0])
 
