@@ -1,29 +1,28 @@
 //! `decode_j1939`: the signals of a CAN frame, by the table of `cg_core::j1939`.
 
-use cg_core::j1939::{
-    FRONT_AXLE_SPEED, LATERAL_ACCELERATION, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
-    TRAILER_AXLE_LOAD, TRAILER_MASS, YAW_RATE, pgn_of,
-};
-use cg_vehicle::log::Signal as Column;
+use cg_core::{Quantity, j1939};
+use cg_vehicle::log::Signal;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What each J1939 signal is in a log, the better source of a signal first. SSI's roll angle comes
-/// from an accelerometer inclinometer, SSI2's from a roll sensor.
-const SIGNALS: [(Signal, Column); 9] = [
-    (STEERING_WHEEL_ANGLE, Column::SteeringWheel),
-    (YAW_RATE, Column::YawRate),
-    (LATERAL_ACCELERATION, Column::LateralAcceleration),
-    (ROLL_FINE, Column::Roll),
-    (ROLL, Column::Tilt),
-    (SPEED, Column::Speed),
-    (FRONT_AXLE_SPEED, Column::Speed),
-    (TRAILER_MASS, Column::TrailerMass),
-    (TRAILER_AXLE_LOAD, Column::TrailerMass),
-];
+/// The column of a log that holds a quantity; axle load is none.
+fn column(quantity: Quantity) -> Option<Signal> {
+    Some(match quantity {
+        Quantity::Steer => Signal::Steer,
+        Quantity::SteeringWheel => Signal::SteeringWheel,
+        Quantity::Roll => Signal::Roll,
+        Quantity::Tilt => Signal::Tilt,
+        Quantity::Speed => Signal::Speed,
+        Quantity::LateralAcceleration => Signal::LateralAcceleration,
+        Quantity::YawRate => Signal::YawRate,
+        Quantity::TrailerMass => Signal::TrailerMass,
+        Quantity::TrailerAxleLoad => return None,
+    })
+}
 
-/// The signals in a frame with a 29-bit identifier: a dict from SI column names to values; empty
-/// where the group is not one of ours or nothing in it is available.
+/// The signals in a frame with a 29-bit identifier: a dict from SI column names to (value, rank),
+/// the least rank being the preferred source of a signal; empty where the group is not one of ours
+/// or nothing in it is available.
 #[pyfunction]
 #[pyo3(signature = (identifier, data, /))]
 pub(crate) fn decode_j1939<'py>(
@@ -32,11 +31,11 @@ pub(crate) fn decode_j1939<'py>(
     data: &[u8],
 ) -> PyResult<Bound<'py, PyDict>> {
     let values = PyDict::new(py);
-    let pgn = pgn_of(identifier);
-    for (signal, column) in SIGNALS.iter().filter(|(signal, _)| signal.pgn == pgn) {
-        if let Some(value) = signal.decode::<f64>(data) {
-            values.set_item(column.column(), value)?;
+    let mut result = Ok(());
+    j1939::decode(identifier, data, |quantity, rank, value: f64| {
+        if let (Some(signal), Ok(())) = (column(quantity), &result) {
+            result = values.set_item(signal.column(), (value, rank));
         }
-    }
-    Ok(values)
+    });
+    result.map(|()| values)
 }

@@ -72,6 +72,7 @@ def test_a_candump_log_is_the_simulated_one_to_half_a_bit(truck, drive):
     expected["steering_wheel_rad"] = truck.steering_ratio * expected.pop("steer_rad")
     for name, half in HALF_A_BIT.items():
         seen = frame[name].dropna()
+        assert len(seen) >= len(frame) - (name == "speed_mps")  # the first speed comes after a row
         error = np.max(np.abs(seen - expected[name][seen.index]))
         # Speed and mass are sent less often than they are sampled, but constant here.
         assert error <= half * (1 + 1e-9), name
@@ -219,6 +220,26 @@ def test_a_value_is_held_for_a_while_and_an_inclinometer_stands_in_for_the_roll_
     message = frame_of(0.9, 0x129, "00")
     message.is_extended_id = False
     assert rows.push(message) is None
+
+
+def test_of_several_senders_the_first_counts_while_it_lives_and_a_better_one_at_once(truck):
+    rows = HeightListener(truck, hold_s=0.5)._rows
+    roll, front_axle, wheels = "FFFFFF00007DFFFF", "0040FFFFFFFFFFFF", "FF0032FFFFFFFFFF"
+
+    def speed_after(time_s, identifier, data):
+        rows.push(frame_of(time_s, identifier, data))
+        return rows.push(frame_of(time_s + 0.01, 0x0CF029E4, roll)).get("speed_mps")
+
+    # EBC2 has 64 km/h, CCVS1 50 km/h.
+    assert speed_after(0.0, 0x18FEBF0B, front_axle) == pytest.approx(64 / 3.6)
+    assert speed_after(0.1, 0x18FEF100, wheels) == pytest.approx(50 / 3.6)  # preferred
+    assert speed_after(0.2, 0x18FEBF0B, front_axle) == pytest.approx(50 / 3.6)
+    assert speed_after(0.3, 0x18FEF127, "FF0040FFFFFFFFFF") == pytest.approx(
+        50 / 3.6
+    )  # a second one
+    assert speed_after(1.0, 0x18FEBF0B, front_axle) == pytest.approx(
+        64 / 3.6
+    )  # the others are gone
 
 
 def test_the_listener_on_a_virtual_bus_gives_the_height_of_the_log(truck, drive):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Protocol
 
 from cgheight import _native
@@ -44,11 +44,17 @@ class Frame(Protocol):
     data: bytearray
 
 
+# The signals of a frame: SI column names to value and rank.
+Decode = Callable[[Frame], dict[str, tuple[float, int]]]
+
+
 class Rows:
     """Puts frames together to rows of a log.
 
     A frame with the roll angle (or, where there is none, the inclinometer's) makes a row; the
-    other signals keep their last value for `hold_s` seconds, the trailer mass for ever.
+    other signals keep their last value for `hold_s` seconds, the trailer mass for ever. Where
+    several devices send the same signal, the first is kept while it lives, unless J1939 has a
+    better source for it.
     """
 
     def __init__(
@@ -66,8 +72,8 @@ class Rows:
         self.frames = 0
         self.used = 0
         self._hold_s = hold_s
-        self._decode = _j1939(flip) if dbc is None else Dbc(dbc, signals, flip).decode
-        self._last: dict[str, tuple[float, float]] = {}
+        self._decode: Decode = _j1939(flip) if dbc is None else Dbc(dbc, signals, flip).decode
+        self._last: dict[str, tuple[float, float, int, int]] = {}
 
     def push(self, frame: Frame) -> dict[str, float] | None:
         """Take in a frame; the row that it completes, if it does."""
@@ -76,36 +82,50 @@ class Rows:
         if not values:
             return None
         self.used += 1
-        now_s = frame.timestamp
-        for name, value in values.items():
-            self._last[name] = (now_s, value)
+        now_s, sender = frame.timestamp, frame.arbitration_id
+        taken = {
+            name
+            for name, (value, rank) in values.items()
+            if self._take(name, now_s, value, rank, sender)
+        }
         trigger = "roll_rad" if self._is_fresh("roll_rad", now_s) else "tilt_rad"
-        if trigger not in values:
+        if trigger not in taken:
             return None
         row = {"time_s": now_s}
-        for name, (_, value) in self._last.items():
+        for name, (_, value, _, _) in self._last.items():
             if name == _SLOW or self._is_fresh(name, now_s):
                 row[name] = value
         if trigger == "roll_rad":
             row.pop("tilt_rad", None)
         return row
 
+    def _take(self, name: str, now_s: float, value: float, rank: int, sender: int) -> bool:
+        """Keep a value, unless a sender that is preferred, or was there first, still lives."""
+        known = self._last.get(name)
+        if known is not None and self._is_fresh(name, now_s):
+            _, _, known_rank, known_sender = known
+            if sender != known_sender and rank >= known_rank:
+                return False
+        self._last[name] = (now_s, value, rank, sender)
+        return True
+
     def _is_fresh(self, name: str, now_s: float) -> bool:
         known = self._last.get(name)
         return known is not None and now_s - known[0] <= self._hold_s
 
 
-def _j1939(flip: Iterable[str]) -> Any:
+def _j1939(flip: Iterable[str]) -> Decode:
     # The sign of each signal, by the rules for columns.
     found = _native.resolve_columns(list(COLUMNS), [], flips(flip))
     turned = {name for name, (_, factor) in found.items() if factor < 0}
 
-    def decode(frame: Frame) -> dict[str, float]:
+    def decode(frame: Frame) -> dict[str, tuple[float, int]]:
         if not frame.is_extended_id:
             return {}
         values = _native.decode_j1939(frame.arbitration_id, bytes(frame.data))
         for name in turned & values.keys():
-            values[name] = -values[name]
+            value, rank = values[name]
+            values[name] = -value, rank
         return values
 
     return decode
@@ -163,8 +183,8 @@ class Dbc:
             else:
                 self._by_id[message.is_extended_frame, message.frame_id] = message
 
-    def decode(self, frame: Frame) -> dict[str, float]:
-        """Return the signals of a frame by their SI column names."""
+    def decode(self, frame: Frame) -> dict[str, tuple[float, int]]:
+        """Return the signals of a frame by their SI column names, all of one rank."""
         identifier, extended = frame.arbitration_id, frame.is_extended_id
         message = self._by_id.get((extended, identifier))
         if message is None and extended and self._by_group:
@@ -181,7 +201,7 @@ class Dbc:
             value = decoded.get(signal.name)
             if target is None or not isinstance(value, int | float) or not _is_valid(signal, value):
                 continue
-            values[target[0]] = value * target[1]
+            values[target[0]] = value * target[1], 0
         return values
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import index
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -197,4 +197,6 @@ def select_order(
         raise ValueError("unexcited: the data determine none of these models; give a longer log")
     best = orders[int(np.nanargmin(scores[row]))]
     tried = np.array(orders, dtype=np.int64).T
-    return OrderSelection(*tried, *scores, criterion=criterion, model=arx(*data, *best, ts=ts))
+    names = ("na", "nb", "nk", "loss", "aic", "bic", "validation_loss")
+    columns: dict[str, Any] = dict(zip(names, [*tried, *scores], strict=True))
+    return OrderSelection(**columns, criterion=criterion, model=arx(*data, *best, ts=ts))

@@ -162,8 +162,8 @@ def predict_roll(
 ) -> NDArray[np.float64]:
     """Return the roll angle that the model expects of the arrays, for a height."""
 
-def decode_j1939(identifier: int, data: bytes, /) -> dict[str, float]:
-    """Return the signals in a frame with a 29-bit identifier: SI column names to values."""
+def decode_j1939(identifier: int, data: bytes, /) -> dict[str, tuple[float, int]]:
+    """Return the signals in a frame with a 29-bit identifier: SI names to (value, rank)."""
 
 def simulate_log(
     vehicle: Vehicle,

@@ -144,8 +144,8 @@ class TransferFunction:
         ValueError
             `frequency_radps` is no array of numbers.
         """
-        omega = 1j * column("frequency_radps", frequency_radps)
-        return self._at(omega if self.ts is None else np.exp(omega * self.ts))
+        points = 1j * column("frequency_radps", frequency_radps).astype(complex)
+        return self._at(points if self.ts is None else np.exp(points * self.ts).astype(complex))
 
     def _at(self, points: _ComplexArray) -> _ComplexArray:
         # Factor by factor: neither product overflows on its own.

@@ -1,7 +1,7 @@
 """CAN logs and a live CAN bus.
 
-Frames are decoded by J1939 (steering wheel, yaw rate and lateral acceleration of VDC2, roll angle
-of SSI2 or SSI, speed of CCVS1 or EBC2, trailer mass of VW or EBS22), or by a DBC file. Needs
+Frames are decoded by J1939 (steering wheel, yaw rate and lateral acceleration of VDC2 or SAS, roll
+angle of SSI2 or SSI, speed of CCVS1 or EBC2, trailer mass of VW), or by a DBC file. Needs
 ``pip install 'cgheight[can]'``.
 """
 
@@ -95,6 +95,9 @@ def read_log(
             "(J1939 SSI2 or SSI); for other frames give dbc and signals"
         )
     frame = pandas.DataFrame({key: table[key] for key in COLUMNS if key in table})
+    if "trailer_mass_kg" in frame:
+        # The trailer was as heavy before its first message as after.
+        frame["trailer_mass_kg"] = frame["trailer_mass_kg"].bfill()
     frame.attrs = {"frames": rows.frames, "frames_used": rows.used, "rows_out_of_order": counted}
     return frame
 
@@ -170,7 +173,7 @@ def _unit(text: str, channel: str, name: str) -> str:
     return unit
 
 
-class HeightListener(can.Listener):  # type: ignore[misc]  # python-can is imported where it is used
+class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # imported by `need`
     """Estimates from a live bus: attach it to a `can.Notifier`.
 
     Parameters

@@ -90,7 +90,7 @@ def accuracy_map(
     return made
 
 
-def _colours(value: str, values: Any) -> tuple[Any, dict[str, float]]:
+def _colours(value: str, values: Any) -> tuple[Any, dict[str, Any]]:
     maps = need("matplotlib", "plot").colormaps
     if value == "bias_percent":
         most = float(np.nanmax(np.abs(values))) or 1.0

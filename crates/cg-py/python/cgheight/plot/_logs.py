@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _STANDARD_GRAVITY_MPS2 = 9.80665
 _QUANTILE_95 = 1.96
+Channel = Literal["steer", "lateral-acceleration"]
 _Table = dict[str, NDArray[np.float64]]
 
 
@@ -132,7 +133,7 @@ def _prediction(
     options: Mapping[str, Any],
 ) -> None:
     assert answer.height_m is not None
-    channel = "steer" if answer.channel == "steer" else "lateral-acceleration"
+    channel: Channel = "steer" if answer.channel == "steer" else "lateral-acceleration"
     calibration = options.get("calibration")
     truck = vehicle if calibration is None else vehicle.calibrated(calibration)
     known = {key: options[key] for key in ("speed_mps", "trailer_mass_kg", "model")
@@ -243,7 +244,7 @@ def height(
             noise_m = [_QUANTILE_95 * (one.height_sd_m or 0.0) for one in good]
             axes.errorbar(
                 [one.end_s for one in good],
-                [one.height_m for one in good],
+                [one.height_m or 0.0 for one in good],
                 yerr=noise_m,
                 fmt="o",
                 markersize=4,

@@ -100,7 +100,10 @@ def bode(
             models, transfers, names, _colours(), strict=False
         ):
             seen = hz if transfer.ts is None else hz[hz <= 0.5 / transfer.ts]
-            line = {"color": colour, "linestyle": "-" if isinstance(model, ArxModel) else "--"}
+            line: dict[str, Any] = {
+                "color": colour,
+                "linestyle": "-" if isinstance(model, ArxModel) else "--",
+            }
             if isinstance(model, ArxModel):
                 value, covariance = model.response(2 * np.pi * seen)
                 _band(upper, lower, seen, value, covariance, colour)
@@ -148,7 +151,7 @@ def _band(
     # Beyond a factor of ten the first order says nothing more.
     factor = np.exp(np.minimum(_QUANTILE_95 * log_sd, np.log(10.0)))
     size, phase = np.abs(value), _phase_deg(value)
-    shade = {"color": colour, "alpha": 0.18, "linewidth": 0}
+    shade: dict[str, Any] = {"color": colour, "alpha": 0.18, "linewidth": 0}
     upper.fill_between(hz, size / factor, size * factor, **shade)
     wide = np.minimum(_QUANTILE_95 * np.degrees(phase_sd), 180.0)
     lower.fill_between(hz, phase - wide, phase + wide, **shade)
@@ -198,8 +201,13 @@ def pole_zero(
                 _continuous(transfer.poles, transfer),
                 _continuous(transfer.zeros, transfer),
             )
-            crosses = {"marker": "x", "s": 55, "color": colour}
-            circles = {"marker": "o", "s": 42, "facecolors": "none", "edgecolors": colour}
+            crosses: dict[str, Any] = {"marker": "x", "s": 55, "color": colour}
+            circles: dict[str, Any] = {
+                "marker": "o",
+                "s": 42,
+                "facecolors": "none",
+                "edgecolors": colour,
+            }
             for roots, what, mark in ((poles, "poles", crosses), (zeros, "zeros", circles)):
                 axes.scatter(roots.real, roots.imag, label=f"{name}: {what}", zorder=3, **mark)
             beyond += int(np.sum(np.abs(np.concatenate([poles, zeros])) > reach_radps))
@@ -222,7 +230,7 @@ def _continuous(
     if transfer.ts is None:
         return roots
     inside = roots[np.abs(roots) > 0]
-    carried: NDArray[np.complex128] = np.log(inside) / transfer.ts
+    carried: NDArray[np.complex128] = np.log(inside.astype(complex)) / transfer.ts
     return carried
 
 
@@ -308,4 +316,5 @@ def _correlation(a: _Array, b: _Array, lags: int) -> _Array:
         np.sum(a[max(k, 0) : n + min(k, 0)] * b[max(-k, 0) : n - max(k, 0)])
         for k in range(-lags, lags + 1)
     ]
-    return np.array(values) / size
+    coefficients: _Array = np.array(values) / size
+    return coefficients
