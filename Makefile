@@ -60,8 +60,8 @@ python:
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
 	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release --extras all -m crates/cg-py/Cargo.toml
 	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
-	$(VENV)/bin/python -m mypy --strict --ignore-missing-imports crates/cg-py/python/cgheight
-	$(VENV)/bin/python -m mypy.stubtest cgheight
+	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
+	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
 	rm -rf $(VENV)/clean && $(PYTHON) -m venv $(VENV)/clean

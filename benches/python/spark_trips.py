@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -38,6 +39,7 @@ def main() -> None:
         done = subprocess.run([*command, "--format", "json"], capture_output=True, check=True)
         alone = time.perf_counter() - start
         expected = [json.loads(line)["height_m"] for line in done.stdout.splitlines()]
+        os.environ["PYSPARK_PYTHON"] = sys.executable
         builder = SparkSession.builder.master("local[2]").config("spark.ui.enabled", "false")
         spark = builder.config("spark.sql.shuffle.partitions", "4").getOrCreate()
         spark.sparkContext.setLogLevel("ERROR")
