@@ -17,7 +17,7 @@ use crate::Outcome;
 use crate::cli::EstimateArgs;
 use crate::design;
 use crate::draft::Draft;
-use crate::report::{self, Batch, Trace};
+use crate::report::{self, About, Trace};
 use crate::sink;
 
 /// Rows between two updates of the progress bar.
@@ -74,40 +74,60 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
     });
     progress.finish_and_clear();
 
-    let mut outcome = Outcome::Done;
-    let mut answers = Vec::with_capacity(results.len());
-    let mut unreadable = Vec::new();
-    for (log, result) in arguments.logs.iter().zip(results) {
-        let name = log.display().to_string();
-        match result {
-            Ok((estimate, trace)) => {
-                if estimate.status == Verdict::Rejected {
-                    outcome = outcome.max(Outcome::NoAnswer);
-                }
-                let known_m = truth.as_ref().and_then(|truth| truth.height_m(log));
-                answers.push(Answer { log: name, estimate, known_m, trace });
-            }
-            Err(error) => {
-                unreadable.push((name, crate::told(&error)));
-                crate::report(&error);
-                outcome = Outcome::Unreadable;
-            }
-        }
-    }
+    let Batch { answers, unreadable, outcome } = gathered(&arguments.logs, results, truth.as_ref());
     let page = match &arguments.report {
         Some(target) => {
-            let batch = Batch {
+            let about = About {
                 vehicle: &vehicle.name,
                 calibration: arguments.calibration.as_deref(),
                 unreadable: &unreadable,
             };
-            Some(report::write(target, &batch, &answers)?)
+            Some(report::write(target, &about, &answers)?)
         }
         None => None,
     };
     sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
     page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
+}
+
+/// What became of all logs.
+struct Batch {
+    answers: Vec<Answer>,
+    /// Logs that could not be read, and why.
+    unreadable: Vec<(String, String)>,
+    outcome: Outcome,
+}
+
+/// Answers beside what is known; errors are told.
+fn gathered(
+    logs: &[PathBuf],
+    results: Vec<anyhow::Result<Estimated>>,
+    truth: Option<&Truth>,
+) -> Batch {
+    let mut batch = Batch {
+        answers: Vec::with_capacity(results.len()),
+        unreadable: Vec::new(),
+        outcome: Outcome::Done,
+    };
+    for (log, result) in logs.iter().zip(results) {
+        let name = log.display().to_string();
+        match result {
+            Ok((estimate, trace)) => {
+                if estimate.status == Verdict::Rejected {
+                    batch.outcome = batch.outcome.max(Outcome::NoAnswer);
+                }
+                let known_m = truth.and_then(|truth| truth.height_m(log));
+                batch.answers.push(Answer { log: name, estimate, known_m, trace });
+            }
+            Err(error) => {
+                batch.unreadable.push((name, crate::told(&error)));
+                crate::report(&error);
+                batch.outcome = Outcome::Unreadable;
+            }
+        }
+    }
+    batch
 }
 
 /// The answer for a log, and its signals if there is room for them.

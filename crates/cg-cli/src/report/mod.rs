@@ -32,7 +32,7 @@ pub(crate) fn room(logs: usize) -> usize {
 }
 
 /// What the batch was.
-pub(crate) struct Batch<'a> {
+pub(crate) struct About<'a> {
     pub(crate) vehicle: &'a str,
     pub(crate) calibration: Option<&'a Path>,
     /// Logs that could not be read, and why.
@@ -64,7 +64,7 @@ struct Log<'a> {
 }
 
 /// Makes the page beside its place; it appears with [`Draft::publish`].
-pub(crate) fn write(target: &Path, batch: &Batch, answers: &[Answer]) -> anyhow::Result<Draft> {
+pub(crate) fn write(target: &Path, about: &About, answers: &[Answer]) -> anyhow::Result<Draft> {
     let read = answers.iter().map(|answer| Log {
         log: &answer.log,
         estimate: Some(&answer.estimate),
@@ -72,7 +72,7 @@ pub(crate) fn write(target: &Path, batch: &Batch, answers: &[Answer]) -> anyhow:
         unreadable: None,
         signals: answer.trace.as_ref().map(Trace::signals),
     });
-    let unread = batch.unreadable.iter().map(|(log, why)| Log {
+    let unread = about.unreadable.iter().map(|(log, why)| Log {
         log,
         estimate: None,
         known_height_m: None,
@@ -80,9 +80,9 @@ pub(crate) fn write(target: &Path, batch: &Batch, answers: &[Answer]) -> anyhow:
         signals: None,
     });
     let page = Page {
-        title: format!("C.g. heights, {}", batch.vehicle),
-        vehicle: batch.vehicle,
-        calibration: batch.calibration.map(|path| path.display().to_string()),
+        title: format!("C.g. heights, {}", about.vehicle),
+        vehicle: about.vehicle,
+        calibration: about.calibration.map(|path| path.display().to_string()),
         written: Utc::now().format("%Y-%m-%d %H:%M UTC").to_string(),
         version: env!("CARGO_PKG_VERSION"),
         logs: read.chain(unread).collect(),
