@@ -47,6 +47,10 @@ class Estimates(Sequence[Estimate]):
         Columns are those of ``cg estimate --format csv``: the attributes of `Estimate` with the
         interval in two columns, the number of maneuvers, and the messages in one text.
         """
+        return _numbers(need("pandas", "pandas").DataFrame(self.to_rows()))
+
+    def to_rows(self) -> list[dict[str, Any]]:
+        """Return the rows of `to_frame` as dicts, None where a number is absent."""
         rows = []
         for log, one in zip(self.logs, self.estimates, strict=True):
             row: dict[str, Any] = {"log": log}
@@ -59,7 +63,7 @@ class Estimates(Sequence[Estimate]):
             rows.append(
                 row | {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
             )
-        return _numbers(need("pandas", "pandas").DataFrame(rows))
+        return rows
 
     def maneuvers_frame(self) -> pd.DataFrame:
         """Return a pandas DataFrame with one row for each maneuver: its log, its attributes."""

@@ -64,10 +64,10 @@ def _answers(pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, 
         except (OSError, ValueError) as error:
             mass_kg = truck.reference_trailer_mass_kg
             answers.append(rejected(str(error), mass_kg, dict(options)))
-    frame = Estimates(tuple(name for name, _ in logs), tuple(answers)).to_frame()
+    rows = Estimates(tuple(name for name, _ in logs), tuple(answers)).to_rows()
     kinds = {"string": pa.string(), "double": pa.float64(), "bigint": pa.int64()}
     schema = pa.schema([(name, kinds[kind]) for name, kind in _COLUMNS.items()])
-    return pa.Table.from_pandas(frame[list(_COLUMNS)], schema=schema, preserve_index=False)
+    return pa.Table.from_pylist(rows, schema=schema)
 
 
 def estimate_trips(
