@@ -9,7 +9,7 @@
 //! its own and never overwritten: somebody may want to know.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use cg_core::{Design, Memory};
@@ -18,6 +18,8 @@ use serde::{Deserialize, Serialize};
 
 const FORMAT: &str = "cg-height state";
 const VERSION: u32 = 1;
+/// A state is shorter, bytes.
+const LONGEST: u64 = 1 << 20;
 
 /// The content of a state file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,11 +87,17 @@ impl StateFile {
 
     /// Reads the state, if it is one and belongs to this design.
     pub(crate) fn load(&self) -> io::Result<Found> {
-        let bytes = match fs::read(&self.path) {
-            Ok(bytes) => bytes,
+        let file = match File::open(&self.path) {
+            Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
             Err(error) => return Err(error),
         };
+        // A device or a folder is nobody's state and stays where it is.
+        if !file.metadata()?.is_file() {
+            return Err(io::Error::other("it is no regular file"));
+        }
+        let mut bytes = Vec::new();
+        file.take(LONGEST).read_to_end(&mut bytes)?;
         match self.parse(&bytes) {
             Ok(state) => Ok(Found::State(Box::new(state))),
             Err(reason) => Ok(Found::PutAside(self.put_aside()?, reason)),

@@ -15,6 +15,7 @@
 //! | `simulate` | logs with known truth, there and back |
 //! | `rollover` | every measure with its unit and its meaning |
 //! | `reproduce` | the source's tables beside ours |
+//! | `run` | recorded drives replayed as if live, restarts, full disks, a service manager |
 //! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs in the memory of short ones |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
@@ -27,6 +28,7 @@ mod memory;
 mod model;
 mod output;
 mod reproduce;
+mod run;
 mod rollover;
 mod simulate;
 mod streams;

@@ -1,0 +1,314 @@
+//! `cg run` on recorded drives, its state file, and what a service manager sees. Real SocketCAN is
+//! the guest test's (`make guest`).
+
+use std::io::Read;
+use std::os::unix::net::UnixDatagram;
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::common::{Run, cg, cg_fed, command, fixture, kraz};
+
+/// A truck with a steering ratio, since J1939 has the angle of the steering wheel.
+struct Drive {
+    folder: TempDir,
+    truck: String,
+    csv: String,
+    candump: String,
+}
+
+fn drive() -> Drive {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (truck, csv, candump) = (path("truck.toml"), path("drive.csv"), path("drive.log"));
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let text = text.replacen("nominal_speed_mps", "steering_ratio = 20.0\nnominal_speed_mps", 1);
+    std::fs::write(&truck, text).unwrap();
+    for log in [&csv, &candump] {
+        let fixed = ["--maneuver", "drive", "--duration-s", "120", "--seed", "5", "--snr-db", "25"];
+        let mut arguments = vec!["simulate", "--vehicle", &truck, "-o", log];
+        arguments.extend(fixed);
+        cg(&arguments).done();
+    }
+    Drive { folder, truck, csv, candump }
+}
+
+impl Drive {
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    fn replay(&self, log: &str, more: &[&str]) -> Run {
+        let mut arguments = vec!["run", "--vehicle", &self.truck, "--candump", log];
+        arguments.extend(more);
+        cg(&arguments)
+    }
+}
+
+fn lines(run: &Run) -> Vec<Value> {
+    run.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+fn events<'a>(lines: &'a [Value], event: &str) -> Vec<&'a Value> {
+    lines.iter().filter(|line| line["event"] == event).collect()
+}
+
+fn last_height(lines: &[Value]) -> f64 {
+    events(lines, "maneuver").last().unwrap()["height_m"].as_f64().unwrap()
+}
+
+/// CSV through the same stages is the same to the last bit; J1939 rounds the signals (steer angle
+/// 5e-5 rad, acceleration 5e-4 m/s²: 3e-4 of a turn's), which thousands of rows average out.
+#[test]
+fn a_drive_gives_one_height_however_it_comes() {
+    let drive = drive();
+    let estimate = cg(&["estimate", "--vehicle", &drive.truck, "--format", "json", &drive.csv]);
+    let estimate: Value = serde_json::from_str(&estimate.done().out).unwrap();
+    let expected = estimate["height_m"].as_f64().unwrap();
+    let csv = lines(&cg(&["run", "--vehicle", &drive.truck, "--csv", &drive.csv]).done());
+    assert!((last_height(&csv) - expected).abs() < 1e-12);
+    let candump = lines(&drive.replay(&drive.candump, &[]).done());
+    assert!((last_height(&candump) / expected - 1.0).abs() < 3e-4, "{}", last_height(&candump));
+    assert_eq!(candump[0]["event"], "start");
+    assert_eq!(candump.last().unwrap()["event"], "stop");
+    let states = events(&candump, "state");
+    assert!(states.iter().any(|line| line["state"] == "turning"));
+    let status = events(&candump, "status");
+    assert!(status.len() >= 120 && status.len() <= 123, "{}", status.len());
+    assert_eq!(status.last().unwrap()["malformed"], 0);
+    let fed = cg_fed(
+        &["run", "--vehicle", &drive.truck, "--candump", "-"],
+        &std::fs::read(&drive.candump).unwrap(),
+    );
+    assert!((last_height(&lines(&fed.done())) - last_height(&candump)).abs() < 1e-15);
+}
+
+/// Two halves of a drive, with a restart between them, know what the whole one knows, but for the
+/// maneuver that was cut.
+#[test]
+fn a_restart_forgets_nothing() {
+    let drive = drive();
+    let whole = lines(&drive.replay(&drive.candump, &[]).done());
+    let text = std::fs::read_to_string(&drive.candump).unwrap();
+    let cut = events(&whole, "maneuver")[1]["time_s"].as_f64().unwrap();
+    let at = |line: &str| line[1..line.find(')').unwrap()].parse::<f64>().unwrap();
+    let state = drive.path("state.json");
+    let mut last = Vec::new();
+    for (name, first) in [("one.log", true), ("two.log", false)] {
+        let half: String = text
+            .lines()
+            .filter(|line| (at(line) <= cut) == first)
+            .flat_map(|line| [line, "\n"])
+            .collect();
+        std::fs::write(drive.path(name), half).unwrap();
+        last = lines(&drive.replay(&drive.path(name), &["--state", &state]));
+        assert_eq!(last[0]["restored"], !first);
+    }
+    let count = |lines: &[Value]| events(lines, "maneuver").last().unwrap()["maneuvers"].as_u64();
+    assert_eq!(count(&last), count(&whole));
+    // The cut begins with filters at rest in the midst of straight driving: noise only.
+    assert!((last_height(&last) / last_height(&whole) - 1.0).abs() < 2e-3);
+    assert_eq!(std::fs::read_dir(drive.folder.path()).unwrap().count(), 6);
+}
+
+#[test]
+fn a_damaged_state_is_said_and_kept() {
+    let drive = drive();
+    let state = drive.path("state.json");
+    std::fs::write(&state, b"{\"format\":\"cg-height st").unwrap();
+    let found = lines(&drive.replay(&drive.candump, &["--state", &state]).done());
+    assert_eq!(found[0]["event"], "notice");
+    assert!(found[0]["message"].as_str().unwrap().contains("state.json.aside-1"));
+    assert!(Path::new(&drive.path("state.json.aside-1")).exists());
+    let again = lines(&drive.replay(&drive.candump, &["--state", &state]).done());
+    assert_eq!(again[0]["restored"], true);
+}
+
+/// A full disk costs the file, not the estimate; it is said once.
+#[test]
+fn a_full_disk_stops_nothing() {
+    let drive = drive();
+    let full = ["--state", "/dev/full", "--metrics", "/dev/full"];
+    let found = lines(&drive.replay(&drive.candump, &full).done());
+    let notices = events(&found, "notice");
+    let told = |subject: &str| {
+        let of = |line: &&&Value| line["subject"] == subject;
+        notices.iter().filter(of).map(|line| line["message"].to_string()).collect::<Vec<_>>()
+    };
+    assert!(told("metrics").len() == 1 && told("metrics")[0].contains("No space left"));
+    // A device is no state: neither read nor moved.
+    assert!(told("state")[0].contains("no regular file"));
+    assert!(told("state")[1].contains("No space left") && told("state").len() == 2);
+    assert!(Path::new("/dev/full").exists());
+    assert!(last_height(&found) > 1.0);
+}
+
+#[test]
+fn metrics_hold_the_result() {
+    let drive = drive();
+    let metrics = drive.path("cg.prom");
+    let found = lines(&drive.replay(&drive.candump, &["--metrics", &metrics]).done());
+    let text = std::fs::read_to_string(&metrics).unwrap();
+    let value = |name: &str| {
+        let line = text.lines().find(|line| line.starts_with(&format!("{name} "))).unwrap();
+        line.rsplit(' ').next().unwrap().parse::<f64>().unwrap()
+    };
+    assert!((value("cg_height_metres") - last_height(&found)).abs() < 1e-12);
+    let frames = std::fs::read_to_string(&drive.candump).unwrap().lines().count();
+    assert_eq!(value("cg_frames_total").to_string(), frames.to_string());
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        assert!(text.contains(&format!("# TYPE {} ", line.split(' ').next().unwrap())));
+    }
+}
+
+/// Garbage lines, a clock set back by an hour and forward again: all said, height as before.
+#[test]
+fn garbage_and_clock_jumps_are_survived() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.candump).unwrap();
+    let mut bad = String::new();
+    for (k, line) in text.lines().enumerate() {
+        let (time, rest) = line[1..].split_once(')').unwrap();
+        let jumped = 1e6 + time.parse::<f64>().unwrap() - if k > 13_000 { 3600.0 } else { 0.0 };
+        bad += &format!("({jumped:.6}){rest}\n");
+        if k % 1000 == 500 {
+            bad += "(((( no line\n(1.000000) can0 18F0090B#GG\n\u{fffd}\n";
+        }
+    }
+    std::fs::write(drive.path("bad.log"), bad).unwrap();
+    let found = lines(&drive.replay(&drive.path("bad.log"), &[]).done());
+    let notices = events(&found, "notice");
+    let told = |words: &str| {
+        notices.iter().filter(|line| line["message"].as_str().unwrap().contains(words)).count()
+    };
+    assert_eq!((told("line 502"), told("jumped by -3599")), (1, 1));
+    let malformed = events(&found, "status").last().unwrap()["malformed"].as_u64().unwrap();
+    assert_eq!(malformed, 3 * (text.lines().count() as u64 - 500).div_ceil(1000));
+    let whole = lines(&drive.replay(&drive.candump, &[]).done());
+    // The jump ends a maneuver early, perhaps in a turn: that one alone is another.
+    assert!((last_height(&found) / last_height(&whole) - 1.0).abs() < 5e-3);
+}
+
+/// A roll sensor that is no J1939 device, mounted the other way round.
+#[test]
+fn a_sensor_of_a_dbc_file_takes_the_place_of_j1939() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.candump).unwrap();
+    let mut moved = String::new();
+    for line in text.lines() {
+        let Some((head, data)) = line.split_once("0CF029E4#") else {
+            moved += &format!("{line}\n");
+            continue;
+        };
+        let bytes: Vec<u8> =
+            (0..3).map(|k| u8::from_str_radix(&data[6 + 2 * k..8 + 2 * k], 16).unwrap()).collect();
+        let raw = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], 0]);
+        let degrees = f64::from(raw) / 32768.0 - 250.0;
+        #[allow(clippy::cast_possible_truncation)] // some degrees
+        let [low, high] = ((-degrees * 1000.0).round() as i16).to_le_bytes();
+        moved += &format!("{head}123#{low:02X}{high:02X}\n");
+    }
+    std::fs::write(drive.path("moved.log"), moved).unwrap();
+    std::fs::write(
+        drive.path("tilt.dbc"),
+        "VERSION \"\"\n\nBU_: S\n\nBO_ 291 TILT: 2 S\n SG_ Angle : 0|16@1- (0.001,0) [-30|30] \"deg\" X\n",
+    )
+    .unwrap();
+    let log = drive.path("moved.log");
+    let dbc = drive.path("tilt.dbc");
+    let signal = ["--dbc", &dbc, "--signal", "roll=TILT.Angle"];
+    let whole = lines(&drive.replay(&drive.candump, &[]).done());
+    for turn in [&["--flip", "roll"][..], &[]] {
+        let mut more = signal.to_vec();
+        more.extend(turn);
+        let run = drive.replay(&log, &more);
+        if turn.is_empty() {
+            assert_eq!(run.code, Some(1), "a roll sensor the wrong way round gives no height");
+        } else {
+            // Rounded to a thousandth of a degree, 1e-4 of the roll angle.
+            let height = last_height(&lines(&run.done()));
+            assert!((height / last_height(&whole) - 1.0).abs() < 1e-3);
+        }
+    }
+}
+
+#[test]
+fn mistakes_are_refused_before_anything_runs() {
+    let drive = drive();
+    let log = drive.candump.as_str();
+    let truck = drive.truck.as_str();
+    let cases: [(&[&str], &[&str]); 6] = [
+        (&["run", "--vehicle", truck], &["--can <IFACE>", "--candump <FILE>"]),
+        (&["run", "--vehicle", "none.toml", "--candump", log], &["none.toml"]),
+        (&["run", "--vehicle", truck, "--candump", "none.log"], &["none.log: cannot be read"]),
+        (
+            &["run", "--vehicle", truck, "--candump", log, "--warn", "1.5"],
+            &["share of the threshold"],
+        ),
+        (&["run", "--vehicle", truck, "--candump", log, "--signal", "roll=A.B"], &["--dbc <FILE>"]),
+        (
+            &["run", "--vehicle", truck, "--candump", log, "--source-of", "rol=1"],
+            &["no quantity `rol`"],
+        ),
+    ];
+    for (arguments, parts) in cases {
+        cg(arguments).told(2, parts);
+    }
+}
+
+fn ask_to_stop(child: &Child) {
+    let kill = std::process::Command::new("kill").args(["-15", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+}
+
+/// An interface that is not there is waited for; systemd is told that the program is ready, that it
+/// is alive, and that it stops; SIGTERM ends it in order.
+#[test]
+fn a_service_manager_sees_a_living_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let address = folder.path().join("notify");
+    let socket = UnixDatagram::bind(&address).unwrap();
+    socket.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    let mut child = command(&["run", "--vehicle", &kraz(), "--can", "can77", "--status-s", "0"])
+        .env("NOTIFY_SOCKET", &address)
+        .env("WATCHDOG_USEC", "400000")
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut heard = String::new();
+    let mut buffer = [0; 256];
+    while !heard.contains("READY=1") || heard.matches("WATCHDOG=1").count() < 3 {
+        let length = socket.recv(&mut buffer).unwrap();
+        heard += &String::from_utf8_lossy(&buffer[..length]);
+    }
+    ask_to_stop(&child);
+    assert!(child.wait().unwrap().success());
+    let length = socket.recv(&mut buffer).unwrap();
+    heard += &String::from_utf8_lossy(&buffer[..length]);
+    assert!(heard.contains("STOPPING=1"), "{heard}");
+    let mut out = String::new();
+    child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
+    assert!(out.contains("can77") && out.contains("waiting for it"), "{out}");
+    assert!(out.lines().last().unwrap().contains("\"event\":\"stop\""), "{out}");
+}
+
+/// `--realtime` takes as long as the log, and can be stopped.
+#[test]
+fn a_replay_in_real_time_can_be_stopped() {
+    let log = fixture("logs/A_p20_h190_v50_L.csv");
+    let child = command(&["run", "--vehicle", &kraz(), "--csv", &log, "--realtime"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    ask_to_stop(&child);
+    let run: Run = child.wait_with_output().unwrap().into();
+    let found = lines(&run);
+    let stop = found.last().unwrap();
+    assert_eq!(stop["reason"], "signal");
+    // Not more rows than the time that has passed allows (17 s in all).
+    assert!(stop["frames"].as_u64().unwrap() < 1700, "{stop}");
+}
