@@ -75,7 +75,7 @@ bench-short:
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 
 # All benches, ten million rows, a thousand logs; writes benches/RESULTS.md. After `make python`.
-bench:
+bench: firmware-tools
 	benches/run.sh
 
 demo:

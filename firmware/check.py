@@ -15,7 +15,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 BUDGETS = HERE / "budgets.toml"
 TARGET = "thumbv7em-none-eabihf"
-IMAGE = HERE / "target" / TARGET / "release" / "firmware"
+IMAGES = HERE / "target" / TARGET / "release"
 
 # Nothing of this may be linked: panics, unwinding, and any allocator.
 FORBIDDEN = re.compile(r"panic|unwind|unwrap_failed|expect_failed|__rust_alloc|__rg_alloc|\bmalloc\b|_sbrk")
@@ -53,10 +53,10 @@ def maneuvers(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("maneuver ")]
 
 
-def symbols(*features: str) -> list[str]:
-    """What is linked into the image."""
-    run("cargo", "build", "--release", "--bin", "firmware", *features)
-    return run("arm-none-eabi-nm", "--demangle", str(IMAGE)).splitlines()
+def symbols(image: str, *features: str) -> list[str]:
+    """What is linked into an image."""
+    run("cargo", "build", "--release", "--bin", image, *features)
+    return run("arm-none-eabi-nm", "--demangle", str(IMAGES / image)).splitlines()
 
 
 def same_as_host(chip: str) -> list[str]:
@@ -78,13 +78,14 @@ def same_as_host(chip: str) -> list[str]:
 
 def linked() -> list[str]:
     """Panics and allocators in the image; and whether the search would find one."""
-    control = [line for line in symbols("--features", "control") if FORBIDDEN.search(line)]
-    image = symbols()
-    faults = [f"linked: {line}" for line in image if FORBIDDEN.search(line)]
-    if not control:
+    faults = []
+    if not any(FORBIDDEN.search(line) for line in symbols("firmware", "--features", "control")):
         faults.append("the search for panics finds none where there is one")
-    if not any("cg_core::" in line for line in image):
-        faults.append("the image has no symbols to search")
+    for image in ("firmware", "identify", "can"):
+        lines = symbols(image)
+        faults += [f"{image} links {line}" for line in lines if FORBIDDEN.search(line)]
+        if not any("cg_core::" in line for line in lines):
+            faults.append(f"{image} has no symbols to search")
     return faults
 
 
