@@ -1,5 +1,4 @@
-// Design of the vehicle "kraz",
-// not calibrated.
+// Design of the vehicle "kraz", not calibrated.
 // Make it again, do not edit it:
 // cg design --vehicle fixtures/vehicles/kraz.toml --model complete --emit rust --output firmware/src/truck.rs
 
