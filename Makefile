@@ -7,9 +7,9 @@ VENV := .venv
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest python bench bench-short demo clean
 
-test: tools fmt lint rust docs firmware python bench-short
+test: tools fmt lint rust docs firmware guest python bench-short
 	@echo "all checks passed"
 
 tools:
@@ -51,6 +51,11 @@ firmware-tools:
 	@command -v qemu-system-arm >/dev/null && command -v arm-none-eabi-gcc >/dev/null \
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
+
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU, a drive played, the bus loaded for a minute.
+guest:
+	cargo build --release --package cg-cli
+	guest/run.sh target/release/cg
 
 # The Python package in a fresh environment with every extra: build, tests (the page of a report in
 # Chromium, Spark, the notebook), stubs against the binary, lint. Then its wheel with numpy alone.
