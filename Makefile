@@ -7,7 +7,7 @@ VENV := .venv
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest fuzz python bench bench-short demo clean
 
 test: tools fmt lint rust docs firmware guest python bench-short
 	@echo "all checks passed"
@@ -21,7 +21,7 @@ tools:
 	rustup component add clippy rustfmt
 	@missing=; for need in chromium:chromium chromedriver:chromium-driver java:default-jre-headless; do \
 	  command -v $${need%%:*} >/dev/null || missing="$$missing $${need##*:}"; done; \
-	if [ -n "$$missing" ]; then apt-get update -qq && apt-get install -y -qq $$missing; fi
+	if [ -n "$$missing" ]; then $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq $$missing; fi
 
 fmt:
 	cargo fmt --all --check
@@ -72,6 +72,12 @@ python:
 	rm -rf $(VENV)/clean && $(PYTHON) -m venv $(VENV)/clean
 	$(VENV)/clean/bin/python -m pip install --quiet ./crates/cg-py
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
+
+# Parsers and decoders on a million damaged inputs each; `make test` has some hundreds.
+fuzz:
+	PROPTEST_CASES=1000000 cargo test --release --package cg-vehicle --test can
+	PROPTEST_CASES=100000 cargo test --release --package cg-core --test properties
+	PROPTEST_CASES=1000000 cargo test --release --package cg-vehicle --lib can::
 
 # Every bench once on little data: shows that they run, measures nothing.
 bench-short:

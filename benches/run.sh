@@ -3,9 +3,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 raw=$(mktemp)
-trap 'rm -f "$raw" "$raw.python"' EXIT
+trap 'rm -f "$raw" "$raw.python" "$raw.guest"' EXIT
 cargo bench --package cg-bench | tee "$raw"
 cargo build --release --package cg-cli
+guest/run.sh target/release/cg | grep '^guest: ' > "$raw.guest"
 OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
 .venv/bin/python benches/python/spark_trips.py >> "$raw.python"
 {
@@ -27,6 +28,12 @@ OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
   echo "Instructions counted by QEMU, the same on every machine; see firmware/budgets.toml."
   echo
   python3 firmware/check.py --markdown
+  echo
+  echo "## Live CAN"
+  echo
+  echo "\`cg run\` in a guest on vcan, the CPU emulated by QEMU; latency from the kernel's time stamp to the last effect."
+  echo
+  sed 's/^guest: /- /' "$raw.guest"
   echo
   cat "$raw.python"
   echo "## Raw output"

@@ -1,0 +1,76 @@
+"""The core's J1939 table against cantools and a DBC file, and our own frame read by cantools."""
+
+import math
+from pathlib import Path
+
+import cantools
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cgheight import _native
+
+FIXTURES = Path(__file__).parents[3] / "fixtures" / "can"
+J1939 = cantools.database.load_file(FIXTURES / "j1939.dbc")
+TO_SI = {"rad": 1.0, "rad/s": 1.0, "m/s2": 1.0, "kg": 1.0, "deg": math.pi / 180, "km/h": 1 / 3.6}
+# Message, signal, column of a log; axle loads have none.
+SIGNALS = [
+    ("VDC2", "SteeringWheelAngle", "steering_wheel_rad"),
+    ("VDC2", "YawRate", "yaw_rate_radps"),
+    ("VDC2", "LateralAcceleration", "lateral_acceleration_mps2"),
+    ("SAS", "SteeringWheelAngle", "steering_wheel_rad"),
+    ("SSI2", "RollAngle", "roll_rad"),
+    ("SSI", "RollAngle", "tilt_rad"),
+    ("CCVS1", "WheelBasedVehicleSpeed", "speed_mps"),
+    ("EBC2", "FrontAxleSpeed", "speed_mps"),
+    ("VW", "TrailerWeight", "trailer_mass_kg"),
+]
+
+
+@pytest.mark.parametrize(("message", "signal", "column"), SIGNALS)
+@given(share=st.floats(0, 1), source=st.integers(0, 253), priority=st.integers(0, 7))
+def test_every_signal_comes_back_as_cantools_wrote_it(
+    message: str, signal: str, column: str, share: float, source: int, priority: int
+) -> None:
+    definition = J1939.get_message_by_name(message)
+    field = definition.get_signal_by_name(signal)
+    size = field.length
+    greatest = (0xFB << (size - 8)) - 1  # the last value that is one
+    raw = round(share * greatest)
+    everything = {other.name: (1 << other.length) - 1 for other in definition.signals}
+    data = definition.encode({**everything, signal: raw}, scaling=False, strict=False)
+    identifier = (definition.frame_id & 0x03FFFF00) | priority << 26 | source
+    found = _native.decode_j1939(identifier, bytes(data))
+    assert set(found) == {column}
+    value, _ = found[column]
+    expected = definition.decode(data, decode_choices=False)[signal] * TO_SI[field.unit]
+    # Both multiply and add once in double precision.
+    assert value == pytest.approx(expected, rel=1e-12, abs=1e-12 * abs(field.offset or 1))
+
+
+@pytest.mark.parametrize(("message", "signal", "column"), SIGNALS)
+@given(share=st.floats(0, 1))
+def test_what_is_not_available_is_absent(
+    message: str, signal: str, column: str, share: float
+) -> None:
+    definition = J1939.get_message_by_name(message)
+    size = definition.get_signal_by_name(signal).length
+    least = 0xFB << (size - 8)
+    raw = least + round(share * ((1 << size) - 1 - least))
+    everything = {other.name: (1 << other.length) - 1 for other in definition.signals}
+    data = definition.encode({**everything, signal: raw}, scaling=False, strict=False)
+    assert column not in _native.decode_j1939(definition.frame_id & 0x1FFFFFFF, bytes(data))
+
+
+def test_cantools_reads_the_frame_that_is_sent() -> None:
+    ours = cantools.database.load_file(FIXTURES / "cg_height.dbc")
+    frame = ours.get_message_by_name("CG_HEIGHT_STATUS")
+    assert frame.frame_id >> 8 & 0x3FFFF == 65296
+    # The bytes of a test in crates/cg-cli/src/run/transmit.rs.
+    told = frame.decode(bytes([0x6C, 0x07, 250, 250, 0, 0, 1, 250]))
+    assert told["Height"] == pytest.approx(1.9)
+    assert told["HeightSd"] == pytest.approx(1.25)
+    assert told["RolloverThreshold"] == pytest.approx(1.25)
+    assert told["RolloverMargin"] == pytest.approx(-1.25)
+    assert (told["WarningLevel"], told["Maneuvers"]) == (0, 250)
+    assert str(told["Status"]) == "Height known"
