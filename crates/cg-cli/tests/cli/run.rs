@@ -1,6 +1,7 @@
 //! `cg run` on recorded drives, its state file, and what a service manager sees. Real SocketCAN is
 //! the guest test's (`make guest`).
 
+use std::fmt::Write as _;
 use std::io::Read;
 use std::os::unix::net::UnixDatagram;
 use std::path::Path;
@@ -173,7 +174,7 @@ fn garbage_and_clock_jumps_are_survived() {
     for (k, line) in text.lines().enumerate() {
         let (time, rest) = line[1..].split_once(')').unwrap();
         let jumped = 1e6 + time.parse::<f64>().unwrap() - if k > 13_000 { 3600.0 } else { 0.0 };
-        bad += &format!("({jumped:.6}){rest}\n");
+        writeln!(bad, "({jumped:.6}){rest}").unwrap();
         if k % 1000 == 500 {
             bad += "(((( no line\n(1.000000) can0 18F0090B#GG\n\u{fffd}\n";
         }
@@ -200,7 +201,7 @@ fn a_sensor_of_a_dbc_file_takes_the_place_of_j1939() {
     let mut moved = String::new();
     for line in text.lines() {
         let Some((head, data)) = line.split_once("0CF029E4#") else {
-            moved += &format!("{line}\n");
+            writeln!(moved, "{line}").unwrap();
             continue;
         };
         let bytes: Vec<u8> =
@@ -209,7 +210,7 @@ fn a_sensor_of_a_dbc_file_takes_the_place_of_j1939() {
         let degrees = f64::from(raw) / 32768.0 - 250.0;
         #[allow(clippy::cast_possible_truncation)] // some degrees
         let [low, high] = ((-degrees * 1000.0).round() as i16).to_le_bytes();
-        moved += &format!("{head}123#{low:02X}{high:02X}\n");
+        writeln!(moved, "{head}123#{low:02X}{high:02X}").unwrap();
     }
     std::fs::write(drive.path("moved.log"), moved).unwrap();
     std::fs::write(
