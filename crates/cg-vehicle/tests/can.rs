@@ -2,8 +2,10 @@
 //!
 //! `make fuzz` runs the same with a million cases each.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
 use cg_core::{Quantity, j1939};
-use cg_vehicle::can::{CandumpError, Decoder, Frame, MappedSignal, SignalMap};
+use cg_vehicle::can::{Decoder, Frame, MappedSignal, SignalMap};
 use proptest::prelude::*;
 
 const DBC: &str = include_str!("../../../fixtures/can/j1939.dbc");
@@ -73,13 +75,9 @@ proptest! {
             }
         }
         let text = String::from_utf8_lossy(&line);
-        match Frame::from_candump(&text) {
-            Ok(Some(frame)) => {
-                prop_assert!(frame.identifier < 1 << 29 && frame.data().len() <= 64);
-                Decoder::default().decode(&frame, |_, _, value| assert!(value.is_finite()));
-            }
-            Ok(None) => {}
-            Err(CandumpError::Time | CandumpError::Interface | CandumpError::Identifier | CandumpError::Data) => {}
+        if let Ok(Some(frame)) = Frame::from_candump(&text) {
+            prop_assert!(frame.identifier < 1 << 29 && frame.data().len() <= 64);
+            Decoder::default().decode(&frame, |_, _, value| assert!(value.is_finite()));
         }
     }
 
