@@ -7,7 +7,7 @@ VENV := .venv
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest fuzz python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest fuzz soak python bench bench-short demo clean
 
 test: tools fmt lint rust docs firmware guest python bench-short
 	@echo "all checks passed"
@@ -78,6 +78,10 @@ fuzz:
 	PROPTEST_CASES=1000000 cargo test --release --package cg-vehicle --test can
 	PROPTEST_CASES=100000 cargo test --release --package cg-core --test properties
 	PROPTEST_CASES=1000000 cargo test --release --package cg-vehicle --lib can::
+
+# A month of an hour's driving a day through `cg run`: its memory stays (`make test` has some minutes a day).
+soak:
+	CG_SOAK_DRIVES=30 cargo test --release --package cg-cli --test cli a_month -- --nocapture
 
 # Every bench once on little data: shows that they run, measures nothing.
 bench-short:
