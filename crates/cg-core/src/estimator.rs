@@ -137,6 +137,8 @@ pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>> {
     options: I::Options,
     /// The trailer mass that the identifiers are made for.
     made_for_kg: T,
+    /// Whether any sample has had a mass.
+    weighed: bool,
     /// Since when the mass has been another one.
     other_since_us: Option<u64>,
     conditioner: Conditioner<T>,
@@ -156,6 +158,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             settings,
             options,
             made_for_kg: T::zero(), // none yet: the first row makes the identifiers
+            weighed: false,
             other_since_us: None,
             conditioner: Conditioner::new(design),
             lanes: [Lane::EMPTY; 2],
@@ -181,7 +184,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             return Ok(Step { status: Status::Absent, closed: None });
         };
         self.load.drive(row.time_us, row.speed_mps);
-        let weighed = self.is_other_mass(&row);
+        let first = !self.weighed && sample.trailer_mass_kg.present();
+        self.weighed |= first;
+        let weighed = self.is_other_mass(&row, first);
         let closed = if weighed || self.must_close(&row) { self.close() } else { None };
         if weighed {
             self.make_for(row.trailer_mass_kg);
@@ -265,15 +270,17 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// Whether the dynamics are those of another mass, for longer than a scale swings.
-    fn is_other_mass(&mut self, row: &Row<T>) -> bool {
+    /// Whether the dynamics are those of another mass, for longer than a scale swings. A `first`
+    /// weight is believed at once: before it the mass was a guess.
+    fn is_other_mass(&mut self, row: &Row<T>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {
             self.other_since_us = None;
             return false;
         }
         let since_us = *self.other_since_us.get_or_insert(row.time_us);
-        row.time_us.saturating_sub(since_us) >= self.settings.weighing_us || self.window.is_none()
+        let lasting = row.time_us.saturating_sub(since_us) >= self.settings.weighing_us;
+        lasting || first || self.window.is_none()
     }
 
     /// Begins anew with the dynamics of this mass.

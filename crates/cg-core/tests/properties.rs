@@ -193,3 +193,19 @@ fn a_memory_that_cannot_be_is_refused() {
     let nothing = cg_core::Measured { value: 0.0, sd: 0.0 };
     assert!(with(&|memory| memory.waiting = Some([Some((nothing, 0.0)), None])).is_none());
 }
+
+/// A scale that speaks a second after the rest: the turn that follows is one maneuver, with its mass.
+#[test]
+fn a_first_weight_that_comes_late_splits_no_turn() {
+    let mut estimator = estimator();
+    let mut closed = Vec::new();
+    for (k, mut sample) in one_turn(0).into_iter().enumerate() {
+        if k >= 100 {
+            sample.trailer_mass_kg = 20e3;
+        }
+        closed.extend(estimator.push(&sample).unwrap().closed);
+    }
+    closed.extend(estimator.finish());
+    assert_eq!(closed.len(), 1);
+    assert!((closed[0].trailer_mass_kg - 20e3).abs() < 1.0);
+}
