@@ -7,7 +7,7 @@ VENV := .venv
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest fuzz soak python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest fuzz soak venv python bench bench-short demo clean
 
 test: tools fmt lint rust docs firmware guest python bench-short
 	@echo "all checks passed"
@@ -31,7 +31,7 @@ lint:
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
 rust:
-	cargo test --workspace
+	cargo test --workspace --no-fail-fast
 
 docs:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
@@ -53,17 +53,20 @@ firmware-tools:
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU, a drive played, the bus loaded for a minute.
-guest:
+guest: venv
 	cargo build --release --package cg-cli
-	guest/run.sh target/release/cg
+	guest/run.sh target/release/cg $(VENV)
 
-# The Python package in a fresh environment with every extra: build, tests (the page of a report in
-# Chromium, Spark, the notebook), stubs against the binary, lint. Then its wheel with numpy alone.
-python:
-	cargo build --package cg-cli
+# The Python package in a fresh environment with every extra.
+venv:
 	$(PYTHON) -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
 	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release --extras all -m crates/cg-py/Cargo.toml
+
+# The Python package: tests (the page of a report in
+# Chromium, Spark, the notebook), stubs against the binary, lint. Then its wheel with numpy alone.
+python: venv
+	cargo build --package cg-cli
 	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml

@@ -101,6 +101,16 @@ verdict(
     and (results / "exit.txt").read_text().strip() == "0",
     "; ".join(notices),
 )
+told = (results / "listener.txt").read_text().split() or ["nothing", "nan", "0"]
+frames = len((work / "drive.log").read_text().splitlines())
+# As through `cg run`; python-can's time stamps are the kernel's as well.
+verdict(
+    "python-can's SocketCAN bus with HeightListener",
+    told[0] == "ok" and abs(float(told[1]) / reference - 1) < 5e-3 and int(told[2]) == frames,
+    f"{told[1]} m from {told[2]} of {frames} frames"
+    + ("" if told[0] == "ok" else (results / "listener.err").read_text()[-500:]),
+)
+
 for name in ("live.err", "resumed.err"):
     text = (results / name).read_text().strip()
     verdict(f"nothing on standard error ({name})", not text, text or "empty")

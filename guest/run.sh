@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # `cg run` on real SocketCAN: boots a kernel with vcan in QEMU, plays a drive, loads the bus, takes the
 # interface down, kills the program; then looks at what came out. Needs no AF_CAN on this machine.
-# Usage: guest/run.sh CG_BINARY
+# Usage: guest/run.sh CG_BINARY VENV   (the environment that `make venv` makes: python-can listens too)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cg=$(realpath "$1")
+venv=$(realpath "$2")
 work=target/guest
 seconds=${CG_LOAD_SECONDS:-60}
 rate=${CG_LOAD_RATE:-8000}
@@ -68,6 +69,40 @@ for module in can can-raw can-dev vcan; do
     *) cp "$file" "$root/lib/$module.ko" ;;
   esac
 done
+# Python with what the listener needs, from the environment.
+python=$("$venv/bin/python" -c 'import sys; print(sys.base_prefix)')
+"$venv/bin/python" - "$root" <<'PYTHON'
+import shutil, sys, sysconfig
+from pathlib import Path
+
+import can, numpy, packaging, typing_extensions, wrapt
+
+import cgheight
+
+root = Path(sys.argv[1])
+library = Path(sysconfig.get_paths()["stdlib"])
+leave = shutil.ignore_patterns(
+    "site-packages", "test", "tests", "idlelib", "tkinter", "ensurepip", "config-*", "__pycache__", "*.a"
+)
+shutil.copytree(library, root / "python/lib" / library.name, ignore=leave)
+site = root / "site"
+for package in (can, numpy, packaging, wrapt, cgheight):
+    folder = Path(package.__file__).parent
+    shutil.copytree(folder, site / folder.name, ignore=leave)
+libraries = Path(numpy.__file__).parent.parent / "numpy.libs"
+if libraries.exists():
+    shutil.copytree(libraries, site / libraries.name)
+shutil.copy(typing_extensions.__file__, site)
+PYTHON
+mkdir -p "$root/python/bin"
+cp -L "$python/bin/python3" "$root/python/bin/python3"
+find "$root/python" "$root/site" -name '*.so*' -exec ldd {} + 2>/dev/null | cat - <(ldd "$root/python/bin/python3") |
+  grep -o '/[^ )]*\.so[^ )]*' | sort -u | while read -r library; do
+    case $library in "$venv"* | *"$work"*) continue ;; esac
+    mkdir -p "$root$(dirname "$library")"
+    cp -Ln "$library" "$root$library" 2>/dev/null || true
+  done
+cp guest/listener.py "$root/"
 cp guest/init "$root/init"
 chmod +x "$root/init"
 cp "$work/truck.toml" "$work/drive.log" "$root/"
@@ -76,7 +111,7 @@ printf 'seconds=%s\nrate=%s\n' "$seconds" "$rate" > "$root/settings"
 
 # Output on the first serial port, the files of the test as a tar on the second one.
 timeout 600 qemu-system-x86_64 -kernel "$kernel" -initrd "$work/initramfs.gz" \
-  -append "console=ttyS0 panic=-1 quiet" -display none -monitor none -m 512 -smp 2 -no-reboot \
+  -append "console=ttyS0 panic=-1 quiet" -display none -monitor none -m 1536 -smp 2 -no-reboot \
   -serial "file:$work/console.txt" -serial "file:$work/results.tar" ||
   { tail -n 40 "$work/console.txt"; echo "guest: QEMU ended badly"; exit 1; }
 mkdir -p "$work/results"

@@ -107,7 +107,7 @@ impl StateFile {
     fn parse(&self, bytes: &[u8]) -> Result<State, String> {
         let text = std::str::from_utf8(bytes).map_err(|_| "it is not text")?;
         let (json, rest) = text.split_once('\n').ok_or("it has no checksum")?;
-        let sum = rest.trim_end().strip_prefix("crc32 ").ok_or("it has no checksum")?;
+        let sum = rest.trim_ascii_end().strip_prefix("crc32 ").ok_or("it has no checksum")?;
         if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(json.as_bytes())) {
             return Err("its checksum is wrong".to_owned());
         }
