@@ -15,6 +15,8 @@ use super::socket::{Bus, Received, wall_us};
 const WAIT: Duration = Duration::from_millis(50);
 /// Between two tries to open an interface that is not there.
 const RETRY: Duration = Duration::from_secs(1);
+/// Rest after reading all there was: on a full bus some frames come at once, at a fraction of the cost.
+const REST: Duration = Duration::from_millis(1);
 /// Frames read in a row before anything else.
 const BATCH: usize = 256;
 
@@ -162,6 +164,7 @@ impl Live<'_> {
             }
             session.counters.frames_lost = self.lost_before + u64::from(bus.dropped());
             self.feed_watchdog();
+            std::thread::sleep(REST);
         }
         Ok(())
     }
