@@ -6,7 +6,7 @@ raw=$(mktemp)
 trap 'rm -f "$raw" "$raw.python" "$raw.guest"' EXIT
 cargo bench --package cg-bench | tee "$raw"
 cargo build --release --package cg-cli
-guest/run.sh target/release/cg | grep '^guest: ' > "$raw.guest"
+guest/run.sh target/release/cg .venv | grep '^guest: ' > "$raw.guest"
 OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
 .venv/bin/python benches/python/spark_trips.py >> "$raw.python"
 {
