@@ -56,7 +56,7 @@ fn memory_does_not_grow_with_the_log() {
 #[test]
 fn a_month_in_the_memory_of_a_day() {
     let scratch = Scratch::new();
-    let drives: u64 = std::env::var("CG_SOAK_DRIVES").map_or(2, |drives| drives.parse().unwrap());
+    let drives: u32 = std::env::var("CG_SOAK_DRIVES").map_or(2, |drives| drives.parse().unwrap());
     let text = std::fs::read_to_string(kraz()).unwrap();
     let text = text.replacen("nominal_speed_mps", "steering_ratio = 20.0\nnominal_speed_mps", 1);
     let truck = scratch.file("truck.toml", text.as_bytes());
@@ -81,8 +81,8 @@ fn a_month_in_the_memory_of_a_day() {
     let mut peaks_kb = Vec::new();
     for day in 0..30_u32 {
         for drive in 0..drives {
-            #[allow(clippy::cast_precision_loss)]
-            let start_s = f64::from(day) * 86_400.0 + drive as f64 * 86_400.0 / drives as f64;
+            let start_s =
+                f64::from(day) * 86_400.0 + f64::from(drive) * 86_400.0 / f64::from(drives);
             for (time_s, rest) in &lines {
                 writeln!(pipe, "({:.6}){rest}", 1.7e9 + start_s + time_s).unwrap();
             }
@@ -95,7 +95,7 @@ fn a_month_in_the_memory_of_a_day() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     println!(
         "{} lines; peak after day 1 {} kB, after day 30 {} kB",
-        30 * drives as usize * lines.len(),
+        30 * u64::from(drives) * lines.len() as u64,
         peaks_kb[0],
         peaks_kb[29]
     );
