@@ -30,7 +30,7 @@ lint:
 	cargo clippy --workspace --all-targets -- -D warnings
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
-rust:
+rust: firmware-tools
 	cargo test --workspace --no-fail-fast
 
 docs:
@@ -41,7 +41,6 @@ docs:
 firmware: firmware-tools
 	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
 	$(PYTHON) firmware/check.py
-	cargo test --workspace --test c -- --ignored
 
 # What it costs now becomes what it may cost (firmware/budgets.toml); the limits stay.
 firmware-budgets: firmware-tools

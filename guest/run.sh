@@ -48,7 +48,7 @@ done
 
 # The initial file system.
 root=$work/root
-mkdir -p "$root"/{bin,lib,dev,proc,sys,tmp,results}
+mkdir -p "$root"/{bin,lib,dev,proc,sys,kept,results}
 cp "$(command -v busybox)" "$root/bin/busybox"
 for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty poweroff echo rm date; do
   ln -s busybox "$root/bin/$applet"
@@ -99,8 +99,9 @@ cp -L "$python/bin/python3" "$root/python/bin/python3"
 find "$root/python" "$root/site" -name '*.so*' -exec ldd {} + 2>/dev/null | cat - <(ldd "$root/python/bin/python3") |
   grep -o '/[^ )]*\.so[^ )]*' | sort -u | while read -r library; do
     case $library in "$venv"* | *"$work"*) continue ;; esac
+    [ -e "$root$library" ] && continue
     mkdir -p "$root$(dirname "$library")"
-    cp -Ln "$library" "$root$library" 2>/dev/null || true
+    cp -L "$library" "$root$library"
   done
 cp guest/listener.py "$root/"
 cp guest/init "$root/init"

@@ -208,7 +208,6 @@ fn c_says_what_rust_says_and_touches_nothing_else() {
 }
 
 #[test]
-#[ignore = "needs arm-none-eabi-gcc and QEMU: `make firmware` installs both and runs it"]
 fn c_on_a_cortex_m4f_says_what_rust_says_here() {
     let scene = Scene::new();
     let library = library(Some(TARGET));
