@@ -37,7 +37,7 @@ docs:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
 # The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, every answer as on the host, bit
-# for bit; and the C library there.
+# for bit. (The C library there: `make rust`.)
 firmware: firmware-tools
 	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
 	$(PYTHON) firmware/check.py
