@@ -97,7 +97,8 @@ PYTHON
 mkdir -p "$root/python/bin"
 cp -L "$python/bin/python3" "$root/python/bin/python3"
 find "$root/python" "$root/site" -name '*.so*' -exec ldd {} + 2>/dev/null | cat - <(ldd "$root/python/bin/python3") |
-  grep -o '/[^ )]*\.so[^ )]*' | sort -u | while read -r library; do
+  awk '$2 == "=>" && $3 ~ "^/" { print $3 } $1 ~ "^/" && $2 ~ "^[(]" { print $1 }' | sort -u |
+  while read -r library; do
     case $library in "$venv"* | *"$work"*) continue ;; esac
     [ -e "$root$library" ] && continue
     mkdir -p "$root$(dirname "$library")"
