@@ -50,7 +50,7 @@ done
 root=$work/root
 mkdir -p "$root"/{bin,lib,dev,proc,sys,kept,results}
 cp "$(command -v busybox)" "$root/bin/busybox"
-for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty poweroff echo rm date; do
+for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty poweroff echo rm date seq; do
   ln -s busybox "$root/bin/$applet"
 done
 programs=("$cg")
@@ -108,7 +108,7 @@ cp guest/listener.py "$root/"
 cp guest/init "$root/init"
 chmod +x "$root/init"
 cp "$work/truck.toml" "$work/drive.log" "$root/"
-printf 'seconds=%s\nrate=%s\n' "$seconds" "$rate" > "$root/settings"
+printf 'seconds=%s\nrate=%s\ndowns=20\n' "$seconds" "$rate" > "$root/settings"
 (cd "$root" && find . | cpio --quiet -o -H newc) | gzip -1 > "$work/initramfs.gz"
 
 # Output on the first serial port, the files of the test as a tar on the second one.

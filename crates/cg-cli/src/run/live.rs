@@ -24,7 +24,10 @@ const BATCH: usize = 256;
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Link {
     Up,
-    Down,
+    /// Since when, on the wall clock; frames that are older waited in the queue.
+    Down {
+        since_us: u64,
+    },
 }
 
 /// The loop's own state.
@@ -101,7 +104,7 @@ impl Live<'_> {
 
     fn down<W: Write>(&mut self, session: &mut Session<W>, error: &io::Error) -> io::Result<()> {
         if self.link == Link::Up {
-            self.link = Link::Down;
+            self.link = Link::Down { since_us: wall_us() };
             let message = format!("{}: {error}; waiting for it", self.interface);
             session.notice("interface", message)?;
         }
@@ -135,7 +138,7 @@ impl Live<'_> {
         }
     }
 
-    /// Reads until the interface is gone.
+    /// Reads until the interface is gone, and then what has come before.
     fn listen<W: Write>(
         &mut self,
         mut bus: Bus,
@@ -143,22 +146,26 @@ impl Live<'_> {
         session: &mut Session<W>,
         stop: &Stop,
     ) -> io::Result<()> {
+        let mut gone = false;
         while !stop.asked() {
-            if !bus.wait(WAIT)? {
+            if !gone && !bus.wait(WAIT)? {
                 self.idle(frames, session)?;
             }
             for _ in 0..BATCH {
                 match bus.read() {
                     Ok(Some(received)) => self.take(&received, frames, session)?,
+                    Ok(None) | Err(_) if gone => {
+                        self.lost_before += u64::from(bus.dropped());
+                        return Ok(());
+                    }
                     Ok(None) => break,
                     Err(error) => {
                         self.down(session, &error)?;
-                        if error.raw_os_error() == Some(Errno::ENETDOWN as i32) {
-                            break; // the socket stays and hears again when it is up
+                        // Only down: the socket stays and hears again when it is up.
+                        gone = error.raw_os_error() != Some(Errno::ENETDOWN as i32);
+                        if gone {
+                            session.outputs.sender = None;
                         }
-                        self.lost_before += u64::from(bus.dropped());
-                        session.outputs.sender = None;
-                        return Ok(());
                     }
                 }
             }
@@ -177,7 +184,9 @@ impl Live<'_> {
     ) -> io::Result<()> {
         match received {
             Received::Frame(frame) => {
-                if self.link == Link::Down {
+                if let Link::Down { since_us } = self.link
+                    && frame.time_us > since_us
+                {
                     self.link = Link::Up;
                     session.notice("interface", format!("{}: up again", self.interface))?;
                 }

@@ -1,6 +1,7 @@
 //! A CAN interface through SocketCAN: filters and time stamps of the kernel, its count of dropped
 //! frames, error frames, and interfaces that go and come.
 
+use std::cell::Cell;
 use std::io::{self, IoSliceMut};
 use std::os::fd::{AsFd, AsRawFd};
 use std::rc::Rc;
@@ -36,9 +37,33 @@ pub(crate) enum Received {
 
 /// An open interface.
 pub(crate) struct Bus {
-    socket: Rc<CanSocket>,
+    socket: Rc<Shared>,
     control: Vec<u8>,
     dropped: u32,
+}
+
+/// The socket, read and written. The kernel tells the loss of an interface once, to whoever asks next:
+/// what the writing side hears is kept for the reading side.
+struct Shared {
+    can: CanSocket,
+    fault: Cell<Option<Errno>>,
+}
+
+impl Shared {
+    fn send(&self, identifier: u32, data: [u8; 8]) {
+        let frame = ExtendedId::new(identifier).and_then(|id| CanFrame::new(id, &data));
+        if let Some(Err(error)) = frame.map(|frame| self.can.write_frame(&frame)) {
+            self.heard(error.raw_os_error());
+        }
+    }
+
+    /// After a full queue the next frame is a tenth of a second away; a loss is for the reader.
+    fn heard(&self, code: Option<i32>) {
+        let errno = Errno::from_raw(code.unwrap_or(0));
+        if matches!(errno, Errno::ENETDOWN | Errno::ENODEV | Errno::ENXIO) {
+            self.fault.set(Some(errno));
+        }
+    }
 }
 
 impl Bus {
@@ -61,13 +86,17 @@ impl Bus {
         if setsockopt(&socket.as_fd(), RcvBufForce, &BUFFER).is_err() {
             setsockopt(&socket.as_fd(), RcvBuf, &BUFFER)?;
         }
+        Ok(Self::over(socket))
+    }
+
+    fn over(can: CanSocket) -> Self {
         let control = nix::cmsg_space!(TimeSpec, u32);
-        Ok(Self { socket: Rc::new(socket), control, dropped: 0 })
+        Self { socket: Rc::new(Shared { can, fault: Cell::new(None) }), control, dropped: 0 }
     }
 
     /// Waits for a frame; whether there is something to read.
     pub(crate) fn wait(&self, longest: Duration) -> io::Result<bool> {
-        let mut files = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
+        let mut files = [PollFd::new(self.socket.can.as_fd(), PollFlags::POLLIN)];
         let timeout = PollTimeout::try_from(longest).unwrap_or(PollTimeout::MAX);
         match poll(&mut files, timeout) {
             Ok(ready) => Ok(ready > 0),
@@ -76,12 +105,16 @@ impl Bus {
         }
     }
 
-    /// The next thing that has come in; `None` if there is nothing.
+    /// The next thing that has come in; `None` if there is nothing. The loss of the interface is an error,
+    /// once; frames that came before it can still be read.
     pub(crate) fn read(&mut self) -> io::Result<Option<Received>> {
+        if let Some(errno) = self.socket.fault.take() {
+            return Err(errno.into());
+        }
         let mut bytes = [0_u8; FRAME_SIZE];
         let mut slices = [IoSliceMut::new(&mut bytes)];
         let flags = MsgFlags::MSG_DONTWAIT;
-        let file = self.socket.as_raw_fd();
+        let file = self.socket.can.as_raw_fd();
         let (length, mut time_us) = {
             let message = match recvmsg::<()>(file, &mut slices, Some(&mut self.control), flags) {
                 Ok(message) => message,
@@ -112,13 +145,7 @@ impl Bus {
     /// Sends frames over the same socket; one that finds no room is left out.
     pub(crate) fn sender(&self) -> impl FnMut(u32, [u8; 8]) + use<> {
         let socket = Rc::clone(&self.socket);
-        move |identifier, data| {
-            let frame = ExtendedId::new(identifier).and_then(|id| CanFrame::new(id, &data));
-            if let Some(frame) = frame {
-                // A full queue or an interface that is down: the next one is a tenth of a second away.
-                let _ = socket.write_frame(&frame);
-            }
-        }
+        move |identifier, data| socket.send(identifier, data)
     }
 }
 
@@ -198,6 +225,22 @@ mod tests {
         long[4] = 200;
         let Received::Frame(found) = frame(&long, 16, 7) else { panic!("frame") };
         assert_eq!(found.data().len(), 8);
+    }
+
+    #[test]
+    fn the_loss_that_the_sender_hears_reaches_the_reader() {
+        let (ours, _theirs) = std::os::unix::net::UnixDatagram::pair().unwrap();
+        let mut bus = Bus::over(CanSocket::from(std::os::fd::OwnedFd::from(ours)));
+        assert!(bus.read().unwrap().is_none());
+        for (code, lost) in [(Errno::ENOBUFS, false), (Errno::ENETDOWN, true), (Errno::ENXIO, true)]
+        {
+            bus.socket.heard(Some(code as i32));
+            assert_eq!(
+                bus.read().err().and_then(|e| e.raw_os_error()),
+                lost.then_some(code as i32)
+            );
+            assert!(bus.read().unwrap().is_none(), "told once");
+        }
     }
 
     #[test]
