@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
     if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read once only"));
     }
-    let estimator = LogEstimator::from_design(&design, vehicle.steering_ratio, options);
+    let estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
     let log_options = arguments.columns.options();
     let progress = progress_bar(&arguments.logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;

@@ -32,6 +32,27 @@ pub struct AlignSettings<T> {
     pub mass_of_axle_load: Option<[T; 2]>,
 }
 
+impl<T: Real> AlignSettings<T> {
+    /// Neither is known.
+    pub const NONE: Self = Self { steering_ratio: None, mass_of_axle_load: None };
+
+    /// Mean road-wheel angle: as measured, or else of the steering wheel's.
+    pub fn steer_rad(&self, steer_rad: T, steering_wheel_rad: T) -> T {
+        match self.steering_ratio {
+            Some(ratio) if !steer_rad.present() => steering_wheel_rad / ratio,
+            _ => steer_rad,
+        }
+    }
+
+    /// Trailer mass: as weighed, or else of its axle load.
+    pub fn trailer_mass_kg(&self, trailer_mass_kg: T, axle_load_kg: T) -> T {
+        match self.mass_of_axle_load {
+            Some([empty, slope]) if !trailer_mass_kg.present() => empty + slope * axle_load_kg,
+            _ => trailer_mass_kg,
+        }
+    }
+}
+
 /// What became of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
@@ -101,7 +122,7 @@ impl<T: Real> Track<T> {
 /// ```
 /// use cg_core::{AlignSettings, Aligner, Quantity};
 ///
-/// let mut aligner = Aligner::<f32>::new(AlignSettings { steering_ratio: None, mass_of_axle_load: None });
+/// let mut aligner = Aligner::<f32>::new(AlignSettings::NONE);
 /// let sensor = (0x0B, 0); // a source address, and the rank of the signal
 /// aligner.push(Quantity::LateralAcceleration, sensor, 10_000, 1.0);
 /// aligner.push(Quantity::Roll, sensor, 15_000, 0.02);
@@ -216,19 +237,10 @@ impl<T: Real> Aligner<T> {
         let held =
             |quantity: Quantity| self.track(quantity).last.map_or(T::absent(), |(_, value)| value);
         let speed_mps = at(Quantity::Speed);
-        let wheel = match self.settings.steering_ratio {
-            Some(ratio) => at(Quantity::SteeringWheel) / ratio,
-            None => T::absent(),
-        };
-        let steer = at(Quantity::Steer);
-        let steer_rad = if steer.present() { steer } else { wheel };
-        let weighed = held(Quantity::TrailerMass);
-        let trailer_mass_kg = match self.settings.mass_of_axle_load {
-            Some([empty, slope]) if !weighed.present() => {
-                empty + slope * held(Quantity::TrailerAxleLoad)
-            }
-            _ => weighed,
-        };
+        let settings = &self.settings;
+        let steer_rad = settings.steer_rad(at(Quantity::Steer), at(Quantity::SteeringWheel));
+        let trailer_mass_kg =
+            settings.trailer_mass_kg(held(Quantity::TrailerMass), held(Quantity::TrailerAxleLoad));
         let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
         // Without a speed neither steer angle nor yaw rate say how fast the truck turns.
         let with_speed = |x: T| if speed_mps.present() { x } else { T::absent() };

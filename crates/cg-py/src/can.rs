@@ -1,24 +1,9 @@
 //! `decode_j1939`: the signals of a CAN frame, by the table of `cg_core::j1939`.
 
-use cg_core::{Quantity, j1939};
+use cg_core::j1939;
 use cg_vehicle::log::Signal;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-
-/// The column of a log that holds a quantity; axle load is none.
-fn column(quantity: Quantity) -> Option<Signal> {
-    Some(match quantity {
-        Quantity::Steer => Signal::Steer,
-        Quantity::SteeringWheel => Signal::SteeringWheel,
-        Quantity::Roll => Signal::Roll,
-        Quantity::Tilt => Signal::Tilt,
-        Quantity::Speed => Signal::Speed,
-        Quantity::LateralAcceleration => Signal::LateralAcceleration,
-        Quantity::YawRate => Signal::YawRate,
-        Quantity::TrailerMass => Signal::TrailerMass,
-        Quantity::TrailerAxleLoad => return None,
-    })
-}
 
 /// The signals in a frame with a 29-bit identifier: a dict from SI column names to (value, rank),
 /// the least rank being the preferred source of a signal; empty where the group is not one of ours
@@ -33,8 +18,8 @@ pub(crate) fn decode_j1939<'py>(
     let values = PyDict::new(py);
     let mut result = Ok(());
     j1939::decode(identifier, data, |quantity, rank, value: f64| {
-        if let (Some(signal), Ok(())) = (column(quantity), &result) {
-            result = values.set_item(signal.column(), (value, rank));
+        if result.is_ok() {
+            result = values.set_item(Signal::from(quantity).column(), (value, rank));
         }
     });
     result.map(|()| values)

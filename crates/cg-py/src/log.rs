@@ -36,8 +36,8 @@ pub(crate) fn estimate_file<'py>(
     let log_options = log_options(&columns, &flip)?;
     let vehicle = vehicle.get();
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-    let steering_ratio = vehicle.inner.steering_ratio;
-    let mut estimator = LogEstimator::from_design(design, steering_ratio, options);
+    let settings = vehicle.inner.align_settings();
+    let mut estimator = LogEstimator::from_design(design, settings, options);
     let mut reader = py.detach(|| LogReader::open(&path, &log_options)).map_err(log_error)?;
     while py.detach(|| push_some(&mut reader, &mut estimator, &path)).map_err(Refused::raise)? {
         py.check_signals()?;

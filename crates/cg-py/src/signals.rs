@@ -80,6 +80,7 @@ impl<'a> Columns<'a> {
             lateral_acceleration_mps2: at(Signal::LateralAcceleration),
             yaw_rate_radps: at(Signal::YawRate),
             trailer_mass_kg: at(Signal::TrailerMass),
+            trailer_axle_load_kg: at(Signal::TrailerAxleLoad),
         }
     }
 
@@ -168,8 +169,8 @@ pub(crate) fn estimate_arrays<'py>(
     let columns = columns(&arrays)?;
     let vehicle = vehicle.get();
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-    let steering_ratio = vehicle.inner.steering_ratio;
-    let mut estimator = LogEstimator::from_design(design, steering_ratio, options);
+    let settings = vehicle.inner.align_settings();
+    let mut estimator = LogEstimator::from_design(design, settings, options);
     let rows = columns.time_s.len();
     for start in (0..rows).step_by(ROWS_BETWEEN_LOOKS) {
         let range = start..rows.min(start + ROWS_BETWEEN_LOOKS);
@@ -198,8 +199,8 @@ pub(crate) fn predict_roll<'py>(
     let columns = columns(&arrays)?;
     let vehicle = vehicle.get();
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-    let steering_ratio = vehicle.inner.steering_ratio;
-    let mut prediction = Prediction::new(design, steering_ratio, options, channel, height_m);
+    let settings = vehicle.inner.align_settings();
+    let mut prediction = Prediction::new(design, settings, options, channel, height_m);
     let predict = || -> Result<Vec<f64>, String> {
         (0..columns.time_s.len())
             .map(|index| {

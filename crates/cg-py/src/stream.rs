@@ -57,8 +57,8 @@ impl Stream {
         let options = options.checked()?;
         let vehicle = vehicle.get();
         let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
-        let steering_ratio = vehicle.inner.steering_ratio;
-        let estimator = LogEstimator::from_design(design, steering_ratio, options);
+        let settings = vehicle.inner.align_settings();
+        let estimator = LogEstimator::from_design(design, settings, options);
         let state = State { estimator, previous_s: f64::NEG_INFINITY };
         Ok(Self { state: Mutex::new(state) })
     }
@@ -85,6 +85,8 @@ impl Stream {
     ///     Steering-wheel angle, rad, used where steer_rad is NaN.
     /// tilt_rad : float
     ///     What an accelerometer inclinometer shows, rad, used where roll_rad is NaN.
+    /// trailer_axle_load_kg : float
+    ///     Load of the trailer's axles on the road, kg, used where trailer_mass_kg is NaN.
     ///
     /// Returns
     /// -------
@@ -98,7 +100,8 @@ impl Stream {
     #[pyo3(signature = (
         time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, *, speed_mps = f64::NAN,
         lateral_acceleration_mps2 = f64::NAN, yaw_rate_radps = f64::NAN,
-        trailer_mass_kg = f64::NAN, steering_wheel_rad = f64::NAN, tilt_rad = f64::NAN
+        trailer_mass_kg = f64::NAN, steering_wheel_rad = f64::NAN, tilt_rad = f64::NAN,
+        trailer_axle_load_kg = f64::NAN
     ))]
     #[allow(clippy::too_many_arguments)] // a row is that wide
     fn push(
@@ -113,6 +116,7 @@ impl Stream {
         trailer_mass_kg: f64,
         steering_wheel_rad: f64,
         tilt_rad: f64,
+        trailer_axle_load_kg: f64,
     ) -> PyResult<&'static str> {
         let row = LogRow {
             time_s,
@@ -124,6 +128,7 @@ impl Stream {
             lateral_acceleration_mps2,
             yaw_rate_radps,
             trailer_mass_kg,
+            trailer_axle_load_kg,
         };
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.push(&row).map_err(value_error)

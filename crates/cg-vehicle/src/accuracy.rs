@@ -132,7 +132,7 @@ impl Experiment {
             variant: scenario.variant,
             ..EstimateOptions::default()
         };
-        let fresh = LogEstimator::from_design(design, vehicle.steering_ratio, options);
+        let fresh = LogEstimator::from_design(design, vehicle.align_settings(), options);
         let mut source = StdRng::seed_from_u64(self.seed);
         let mut rows = true_rows(&nominal);
         for run in 0..self.runs {

@@ -6,6 +6,7 @@
 //! forces and moments alone; with more, from the stiffness of springs and tyres too. One linear
 //! system serves both cases.
 
+use cg_core::AlignSettings;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
@@ -23,6 +24,14 @@ pub struct StaticBalance {
 }
 
 impl Vehicle {
+    /// What turns the values of sensors into those of a sample.
+    pub fn align_settings(&self) -> AlignSettings<f64> {
+        AlignSettings {
+            steering_ratio: self.steering_ratio,
+            mass_of_axle_load: self.mass_of_axle_load().ok(),
+        }
+    }
+
     /// Trailer mass (sprung and axles) from the load of the trailer's axles on the road, both in kg:
     /// the mass at no axle load and its growth. A straight line, since payload stands at one place.
     ///

@@ -182,7 +182,7 @@ fn both_ratios_of_a_drive_are_told_at_one_speed() {
     let estimator = || {
         let mut estimator = cg_vehicle::estimate::LogEstimator::from_design(
             &design,
-            None,
+            cg_core::AlignSettings::NONE,
             EstimateOptions::default(),
         );
         drive.feed(&mut estimator);

@@ -6,6 +6,7 @@
 
 use cg_core::{Quantity, j1939};
 use cg_vehicle::can::{Decoder, Frame, MappedSignal, SignalMap};
+use cg_vehicle::log::Signal;
 use proptest::prelude::*;
 
 const DBC: &str = include_str!("../../../fixtures/can/j1939.dbc");
@@ -23,12 +24,8 @@ const NAMES: [(&str, Quantity, u32); 9] = [
     ("EBS22.AxleLoadSum", Quantity::TrailerAxleLoad, 65220),
 ];
 
-fn name(quantity: Quantity) -> &'static str {
-    cg_vehicle::can::name_of(quantity)
-}
-
 fn mapped(signal: &str, quantity: Quantity) -> MappedSignal {
-    let map: SignalMap = format!("{}={signal}", name(quantity)).parse().unwrap();
+    let map: SignalMap = format!("{}={signal}", Signal::from(quantity)).parse().unwrap();
     MappedSignal::parse("j1939.dbc", DBC, &[map]).unwrap().remove(0)
 }
 

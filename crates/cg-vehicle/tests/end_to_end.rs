@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::Channel;
+use cg_core::{AlignSettings, Channel};
 use cg_vehicle::calibration::{KnownLog, calibrate};
 use cg_vehicle::design::design_with;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimator};
@@ -53,7 +53,7 @@ fn errors(plant: &Vehicle, known: &Vehicle, variant: Variant) -> Vec<f64> {
     HEIGHTS_M
         .iter()
         .map(|&height_m| {
-            let mut estimator = LogEstimator::from_design(&design, None, options);
+            let mut estimator = LogEstimator::from_design(&design, AlignSettings::NONE, options);
             drive(plant, height_m, &mut estimator);
             let estimate = estimator.finish();
             let error = estimate.height_m.unwrap() / height_m - 1.0;

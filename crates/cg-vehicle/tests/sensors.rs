@@ -5,12 +5,13 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use cg_vehicle::Vehicle;
+use cg_vehicle::balance::static_balance;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimator, Verdict};
 use cg_vehicle::log::{LogOptions, LogReader, LogRow, LogWriter};
 use cg_vehicle::maneuver::{Course, Maneuver};
 use cg_vehicle::sensors::Sensors;
 use cg_vehicle::simulate::{LogSimulation, Plant, Scenario};
+use cg_vehicle::{Load, Vehicle};
 
 fn vehicle(name: &str) -> Vehicle {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
@@ -70,6 +71,38 @@ fn perfect_sensors_show_the_truth() {
     let (rows, truth) = sine(&vehicle("kraz"), Sensors::default());
     assert!(differences(&rows, &truth, roll).iter().all(|d| *d == 0.0));
     assert!(rows.iter().all(|row| row.tilt_rad.is_nan() && row.steering_wheel_rad.is_nan()));
+}
+
+/// A scale under the trailer's axles tells what a scale under the whole trailer tells: the balance is
+/// linear, so that only rounding is between them. At a payload that the vehicle file does not have.
+#[test]
+fn the_load_of_the_axles_stands_in_for_the_mass() {
+    let vehicle = vehicle("kraz");
+    let trailer_mass_kg = vehicle.reference_load().trailer_mass_kg - 4000.0;
+    let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+    let hitch_kg = static_balance(&vehicle, load).unwrap().hitch_load_n / vehicle.gravity_mps2;
+    let scenario = Scenario { load, ..Scenario::of(&vehicle, Maneuver::Sine) };
+    let (rows, _) = written(&vehicle, scenario);
+    let estimate = |weigh: &dyn Fn(&mut LogRow)| {
+        let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
+        for row in &rows {
+            let mut row = *row;
+            weigh(&mut row);
+            estimator.push(&row).unwrap();
+        }
+        estimator.finish()
+    };
+    let weighed = estimate(&|_| {});
+    let by_axles = estimate(&|row| {
+        row.trailer_axle_load_kg = row.trailer_mass_kg - hitch_kg;
+        row.trailer_mass_kg = f64::NAN;
+    });
+    assert_eq!(weighed.messages, by_axles.messages);
+    assert!((by_axles.trailer_mass_kg / trailer_mass_kg - 1.0).abs() < 1e-9);
+    let (expected, height_m) = (weighed.height_m.unwrap(), by_axles.height_m.unwrap());
+    assert!((height_m / expected - 1.0).abs() < 1e-6, "{height_m} {expected}");
+    let unweighed = estimate(&|row| row.trailer_mass_kg = f64::NAN).height_m.unwrap();
+    assert!((unweighed / expected - 1.0).abs() > 1e-2, "{unweighed} {expected}");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::{Design, Estimator, FilteredArx, Prior, Real, Sample, Settings};
+use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Real, Sample, Settings};
 use cg_vehicle::Variant;
 use cg_vehicle::design::design_with;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimator};
@@ -37,7 +37,8 @@ fn noisy(rows: &[LogRow], snr_db: f64, seed: u64) -> Vec<LogRow> {
 }
 
 fn height_m(design: &Design<f64>, rows: &[LogRow]) -> f64 {
-    let mut estimator = LogEstimator::from_design(design, None, EstimateOptions::default());
+    let mut estimator =
+        LogEstimator::from_design(design, AlignSettings::NONE, EstimateOptions::default());
     for row in rows {
         estimator.push(row).unwrap();
     }

@@ -30,7 +30,6 @@ mod warning;
 
 use std::io::{self, LineWriter, Stdout};
 
-use cg_core::AlignSettings;
 use cg_vehicle::Vehicle;
 use cg_vehicle::can::{Decoder, MappedSignal, named};
 
@@ -52,10 +51,7 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
     let design = crate::design::of(&vehicle, calibration, arguments.model.into())?;
     let decoder = decoder(arguments)?;
     let live = arguments.can.is_some() || arguments.realtime;
-    let settings = AlignSettings {
-        steering_ratio: vehicle.steering_ratio,
-        mass_of_axle_load: vehicle.mass_of_axle_load().ok(),
-    };
+    let settings = vehicle.align_settings();
     let mut frames = Frames::new(decoder, settings, live);
     let state = arguments.state.as_deref().map(|path| StateFile::new(path, &design));
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
@@ -81,7 +77,7 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
             replay::candump(path, arguments.realtime, &mut frames, &mut session, &stop)?
         }
         (.., Some(path)) => {
-            let clock = (Clock::default(), vehicle.steering_ratio);
+            let clock = (Clock::default(), settings);
             let options = arguments.columns.options();
             replay::csv(path, arguments.realtime, &options, clock, &mut session, &stop)?
         }

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use cg_core::Sample;
+use cg_core::AlignSettings;
 use cg_vehicle::can::Frame;
-use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::log::{LogOptions, LogReader};
 
 use super::clock::Clock;
 use super::frames::Frames;
@@ -91,7 +91,7 @@ pub(crate) fn csv<W: Write>(
     path: &Path,
     realtime: bool,
     options: &LogOptions,
-    (mut clock, steering_ratio): (Clock, Option<f64>),
+    (mut clock, settings): (Clock, AlignSettings<f64>),
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
@@ -112,23 +112,9 @@ pub(crate) fn csv<W: Write>(
         let stream_us = clock.stream(raw_us, None).stream_us;
         session.tick(row.time_s, stream_us);
         session.counters.frames += 1;
-        session.push(sample(&row, stream_us, steering_ratio))?;
+        session.push(row.sample(stream_us, &settings))?;
         session.due(realtime)?;
         pace.wait(stream_us);
     }
     Ok("end of log")
-}
-
-fn sample(row: &LogRow, time_us: u64, steering_ratio: Option<f64>) -> Sample<f64> {
-    let wheel_rad = row.steering_wheel_rad / steering_ratio.unwrap_or(f64::NAN);
-    Sample {
-        time_us,
-        steer_rad: if row.steer_rad.is_nan() { wheel_rad } else { row.steer_rad },
-        roll_rad: row.roll_rad,
-        tilt_rad: row.tilt_rad,
-        speed_mps: row.speed_mps,
-        lateral_acceleration_mps2: row.lateral_acceleration_mps2,
-        yaw_rate_radps: row.yaw_rate_radps,
-        trailer_mass_kg: row.trailer_mass_kg,
-    }
 }

@@ -8,6 +8,7 @@ use cg_core::{
     Status as Driving,
 };
 use cg_vehicle::estimate::ManeuverEstimate;
+use cg_vehicle::log::Signal;
 
 use super::events::{self, Counters, Event, ManeuverLine, Result as Known, Status};
 use super::outputs::Outputs;
@@ -310,5 +311,5 @@ impl<W: Write> Session<W> {
 
 /// Names of the quantities that have been there and are missing now.
 pub(crate) fn stale(is_stale: impl Fn(Quantity) -> bool) -> Vec<&'static str> {
-    Quantity::ALL.into_iter().filter(|q| is_stale(*q)).map(cg_vehicle::can::name_of).collect()
+    Quantity::ALL.into_iter().filter(|q| is_stale(*q)).map(|q| Signal::from(q).name()).collect()
 }

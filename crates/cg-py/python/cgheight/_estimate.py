@@ -52,6 +52,7 @@ def estimate(
     trailer_mass_kg: ArrayLike | None = None,
     steering_wheel_rad: ArrayLike | None = None,
     tilt_rad: ArrayLike | None = None,
+    trailer_axle_load_kg: ArrayLike | None = None,
     vehicle: _native.Vehicle,
     calibration: str | os.PathLike[str] | None = None,
     method: Literal["filtered", "arx", "gain"] = "filtered",
@@ -85,6 +86,8 @@ def estimate(
         Steering-wheel angle, rad; used where `steer_rad` is absent.
     tilt_rad : array, shape (n,), optional
         What an accelerometer inclinometer shows, rad; used where `roll_rad` is absent.
+    trailer_axle_load_kg : array, shape (n,), optional
+        Load of the trailer's axles on the road, kg; used where `trailer_mass_kg` is absent.
     vehicle : Vehicle
         The vehicle.
     calibration : str or os.PathLike, optional
@@ -123,6 +126,7 @@ def estimate(
         "lateral_acceleration_mps2": lateral_acceleration_mps2,
         "yaw_rate_radps": yaw_rate_radps,
         "trailer_mass_kg": trailer_mass_kg,
+        "trailer_axle_load_kg": trailer_axle_load_kg,
     }
     for name in scalars:
         value = given[name]
@@ -151,8 +155,9 @@ def estimate_log(
 
     Columns are found by name: ``time_s``, ``steer_rad`` (or ``steering_wheel_rad``),
     ``roll_rad`` (or ``tilt_rad``) and, if there, ``speed_mps``, ``lateral_acceleration_mps2``,
-    ``yaw_rate_radps``, ``trailer_mass_kg``; units by suffix, also ``_deg``, ``_degps``, ``_kmh``,
-    ``_g``, ``_ms``, ``_us``, ``_t``. The same rules hold for files and data frames.
+    ``yaw_rate_radps``, ``trailer_mass_kg`` (or ``trailer_axle_load_kg``); units by suffix, also
+    ``_deg``, ``_degps``, ``_kmh``, ``_g``, ``_ms``, ``_us``, ``_t``. The same rules hold for files
+    and data frames.
 
     Parameters
     ----------

@@ -30,9 +30,10 @@ COLUMNS = (
     "lateral_acceleration_mps2",
     "yaw_rate_radps",
     "trailer_mass_kg",
+    "trailer_axle_load_kg",
 )
-# The mass is sent now and then, and does not change while driving.
-_SLOW = "trailer_mass_kg"
+# Sent now and then, and the same all the drive.
+SLOW = ("trailer_mass_kg", "trailer_axle_load_kg")
 
 
 class Frame(Protocol):
@@ -52,7 +53,7 @@ class Rows:
     """Puts frames together to rows of a log.
 
     A frame with the roll angle (or, where there is none, the inclinometer's) makes a row; the
-    other signals keep their last value for `hold_s` seconds, the trailer mass for ever. Where
+    other signals keep their last value for `hold_s` seconds, mass and axle load for ever. Where
     several devices send the same signal, the first is kept while it lives, unless J1939 has a
     better source for it.
     """
@@ -93,7 +94,7 @@ class Rows:
             return None
         row = {"time_s": now_s}
         for name, (_, value, _, _) in self._last.items():
-            if name == _SLOW or self._is_fresh(name, now_s):
+            if name in SLOW or self._is_fresh(name, now_s):
                 row[name] = value
         if trigger == "roll_rad":
             row.pop("tilt_rad", None)

@@ -86,6 +86,7 @@ class Stream:
         trailer_mass_kg: float = ...,
         steering_wheel_rad: float = ...,
         tilt_rad: float = ...,
+        trailer_axle_load_kg: float = ...,
     ) -> Literal["absent", "straight", "turning"]:
         """Take in one row. Signals that are absent stay NaN."""
     def estimate(self) -> Estimate:

@@ -17,7 +17,7 @@ import numpy as np
 from cgheight import _native
 from cgheight._estimate import Estimator
 from cgheight._extras import need
-from cgheight._frames import COLUMNS, Rows, split, usual_unit
+from cgheight._frames import COLUMNS, SLOW, Rows, split, usual_unit
 from cgheight._logs import CAN_SUFFIXES, table_signals
 from cgheight._results import Estimate
 
@@ -95,9 +95,9 @@ def read_log(
             "(J1939 SSI2 or SSI); for other frames give dbc and signals"
         )
     frame = pandas.DataFrame({key: table[key] for key in COLUMNS if key in table})
-    if "trailer_mass_kg" in frame:
-        # The trailer was as heavy before its first message as after.
-        frame["trailer_mass_kg"] = frame["trailer_mass_kg"].bfill()
+    # The trailer was as heavy before its first message as after.
+    for weight in frame.columns.intersection(SLOW):
+        frame[weight] = frame[weight].bfill()
     frame.attrs = {"frames": rows.frames, "frames_used": rows.used, "rows_out_of_order": counted}
     return frame
 

@@ -63,7 +63,8 @@ pub fn calibrate<E: From<VehicleError>>(
                 trailer_mass_kg: known.trailer_mass_kg,
                 ..EstimateOptions::default()
             };
-            let mut estimator = LogEstimator::from_design(&design, vehicle.steering_ratio, options);
+            let mut estimator =
+                LogEstimator::from_design(&design, vehicle.align_settings(), options);
             feed(known, &mut estimator)?;
             runs.push(run(vehicle, known, estimator)?);
         }

@@ -14,6 +14,8 @@ use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::j1939::pgn_of;
 
+use crate::log::Signal;
+
 use super::frame::Frame;
 
 /// Rank of a mapped signal: before every J1939 signal that measures the same.
@@ -178,7 +180,7 @@ impl MappedSignal {
             fail(format!(
                 "unit \"{unit}\" is not one of {}; name it: {}={}.{}[{}]",
                 units(map.quantity).map(|(unit, _)| unit).join(", "),
-                name_of(map.quantity),
+                Signal::from(map.quantity),
                 map.message,
                 map.signal,
                 units(map.quantity)[0].0,
@@ -264,21 +266,6 @@ impl MappedSignal {
             }
         }
         Some(raw)
-    }
-}
-
-/// The name of a quantity, as in the columns of a log.
-pub const fn name_of(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Steer => "steer",
-        Quantity::SteeringWheel => "steering_wheel",
-        Quantity::Roll => "roll",
-        Quantity::Tilt => "tilt",
-        Quantity::Speed => "speed",
-        Quantity::LateralAcceleration => "lateral_acceleration",
-        Quantity::YawRate => "yaw_rate",
-        Quantity::TrailerMass => "trailer_mass",
-        Quantity::TrailerAxleLoad => "trailer_axle_load",
     }
 }
 

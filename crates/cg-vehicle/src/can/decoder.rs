@@ -4,7 +4,9 @@ use std::str::FromStr;
 
 use cg_core::{Quantity, j1939};
 
-use super::dbc::{MappedSignal, RANK, name_of};
+use crate::log::Signal;
+
+use super::dbc::{MappedSignal, RANK};
 use super::frame::Frame;
 
 /// What tells one sender of a quantity from another, and the rank of its signal: the two numbers
@@ -39,11 +41,12 @@ impl FromStr for DeviceFilter {
     }
 }
 
-/// The quantity of this name.
+/// The quantity of this name, as in the columns of a log.
 ///
 /// # Errors
 /// A sentence with all names.
 pub fn named(name: &str) -> Result<Quantity, String> {
+    let name_of = |quantity| Signal::from(quantity).name();
     Quantity::ALL.into_iter().find(|quantity| name_of(*quantity) == name).ok_or_else(|| {
         format!("there is no quantity `{name}`: {}", Quantity::ALL.map(name_of).join(", "))
     })

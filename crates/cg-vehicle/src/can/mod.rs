@@ -13,6 +13,6 @@ mod dbc;
 mod decoder;
 mod frame;
 
-pub use dbc::{DbcError, MappedSignal, SignalMap, name_of};
+pub use dbc::{DbcError, MappedSignal, SignalMap};
 pub use decoder::{Decoder, Device, DeviceFilter, named};
 pub use frame::{CandumpError, Frame};

@@ -5,7 +5,7 @@ mod engine;
 mod prediction;
 
 use cg_core::estimator::Maneuver;
-use cg_core::{Channel, Design, Measured, Sample, SampleError, Status};
+use cg_core::{AlignSettings, Channel, Design, Measured, Sample, SampleError, Status};
 use serde::Serialize;
 
 pub use answer::{LogEstimate, ManeuverEstimate, Verdict};
@@ -87,7 +87,7 @@ pub struct Identified {
 pub struct LogEstimator {
     design: Design<f64>,
     options: EstimateOptions,
-    steering_ratio: Option<f64>,
+    settings: AlignSettings<f64>,
     engine: Engine,
     origin_s: Option<f64>,
     rows: u64,
@@ -112,20 +112,20 @@ impl LogEstimator {
     /// # Errors
     /// [`VehicleError`] if the vehicle makes no usable design.
     pub fn new(vehicle: &Vehicle, options: EstimateOptions) -> Result<Self, VehicleError> {
-        Ok(Self::from_design(&design(vehicle, options.variant)?, vehicle.steering_ratio, options))
+        Ok(Self::from_design(&design(vehicle, options.variant)?, vehicle.align_settings(), options))
     }
 
     /// The same from a design that is computed already.
     pub fn from_design(
         design: &Design<f64>,
-        steering_ratio: Option<f64>,
+        settings: AlignSettings<f64>,
         options: EstimateOptions,
     ) -> Self {
         Self {
             engine: Engine::new(design, &options),
             design: *design,
             options,
-            steering_ratio,
+            settings,
             origin_s: None,
             rows: 0,
             absent_rows: 0,
@@ -156,33 +156,24 @@ impl LogEstimator {
 
     fn sample(&mut self, row: &LogRow) -> Sample<f64> {
         let origin_s = *self.origin_s.get_or_insert(row.time_s);
-        let steer_rad = if row.steer_rad.is_nan() && !row.steering_wheel_rad.is_nan() {
-            self.seen.unscaled_steering_wheel |= self.steering_ratio.is_none();
-            row.steering_wheel_rad / self.steering_ratio.unwrap_or(f64::NAN)
-        } else {
-            row.steer_rad
-        };
-        self.seen.speed |= row.speed_mps.is_finite();
-        if row.trailer_mass_kg.is_finite() {
-            self.seen.mass = true;
-            if self.options.trailer_mass_kg.is_none() {
-                self.trailer_mass_kg = row.trailer_mass_kg;
-            }
-        }
         // Microseconds since the first row; the cast saturates at zero for a step back in time,
         // which the estimator then refuses.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let time_us = ((row.time_s - origin_s) * 1e6).round() as u64;
-        Sample {
-            time_us,
-            steer_rad,
-            roll_rad: row.roll_rad,
-            tilt_rad: row.tilt_rad,
-            speed_mps: self.options.speed_mps.unwrap_or(row.speed_mps),
-            lateral_acceleration_mps2: row.lateral_acceleration_mps2,
-            yaw_rate_radps: row.yaw_rate_radps,
-            trailer_mass_kg: self.options.trailer_mass_kg.unwrap_or(row.trailer_mass_kg),
+        let mut sample = row.sample(time_us, &self.settings);
+        self.seen.unscaled_steering_wheel |=
+            sample.steer_rad.is_nan() && !row.steering_wheel_rad.is_nan();
+        self.seen.speed |= sample.speed_mps.is_finite();
+        self.seen.mass |= sample.trailer_mass_kg.is_finite();
+        if let Some(speed_mps) = self.options.speed_mps {
+            sample.speed_mps = speed_mps;
         }
+        if let Some(mass_kg) = self.options.trailer_mass_kg {
+            sample.trailer_mass_kg = mass_kg;
+        } else if sample.trailer_mass_kg.is_finite() {
+            self.trailer_mass_kg = sample.trailer_mass_kg;
+        }
+        sample
     }
 
     /// Ends the log.

@@ -2,7 +2,7 @@
 //! measured one.
 
 use cg_core::reduced::{StateVariableFilter, StepMatrices};
-use cg_core::{Channel, Conditioner, Design, Reduced5, SampleError};
+use cg_core::{AlignSettings, Channel, Conditioner, Design, Reduced5, SampleError};
 
 use super::{EstimateOptions, LogEstimator};
 use crate::log::LogRow;
@@ -40,7 +40,7 @@ impl Prediction {
     /// Before the first row of a log.
     pub fn new(
         design: &Design<f64>,
-        steering_ratio: Option<f64>,
+        settings: AlignSettings<f64>,
         options: EstimateOptions,
         channel: Channel,
         height_m: f64,
@@ -49,7 +49,7 @@ impl Prediction {
             design: *design,
             channel,
             height_m,
-            intake: LogEstimator::from_design(design, steering_ratio, options),
+            intake: LogEstimator::from_design(design, settings, options),
             conditioner: Conditioner::new(design),
             running: None,
         }
@@ -150,7 +150,7 @@ mod tests {
         let simulation = LogSimulation::new(&vehicle, scenario).unwrap();
         let mut prediction = Prediction::new(
             &design,
-            vehicle.steering_ratio,
+            vehicle.align_settings(),
             EstimateOptions::default(),
             Channel::Steer,
             scenario.load.cg_height_m,

@@ -24,6 +24,7 @@
 //! | lateral acceleration | `lateral_acceleration_mps2` | `_g` | |
 //! | yaw rate | `yaw_rate_radps` | `_degps` | |
 //! | whole semitrailer as weighed | `trailer_mass_kg` | `_t` | |
+//! | load of its axles on the road | `trailer_axle_load_kg` | `_t` | |
 //!
 //! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are passed over, but one of
 //! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a

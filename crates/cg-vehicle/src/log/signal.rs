@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
+use cg_core::{AlignSettings, Quantity, Sample};
+
 use super::OptionError;
 
 /// One row of a log in SI units, ISO 8855 signs; absent signals are NaN.
@@ -29,6 +31,8 @@ pub struct LogRow {
     pub yaw_rate_radps: f64,
     /// Mass of the whole semitrailer as weighed (sprung mass and axles).
     pub trailer_mass_kg: f64,
+    /// Load of the trailer's axles on the road; stands in for an absent mass.
+    pub trailer_axle_load_kg: f64,
 }
 
 impl LogRow {
@@ -47,6 +51,22 @@ impl LogRow {
             Signal::LateralAcceleration => self.lateral_acceleration_mps2,
             Signal::YawRate => self.yaw_rate_radps,
             Signal::TrailerMass => self.trailer_mass_kg,
+            Signal::TrailerAxleLoad => self.trailer_axle_load_kg,
+        }
+    }
+
+    /// The same for an estimator: steer angle and mass of whatever measures them.
+    pub fn sample(&self, time_us: u64, settings: &AlignSettings<f64>) -> Sample<f64> {
+        Sample {
+            time_us,
+            steer_rad: settings.steer_rad(self.steer_rad, self.steering_wheel_rad),
+            roll_rad: self.roll_rad,
+            tilt_rad: self.tilt_rad,
+            speed_mps: self.speed_mps,
+            lateral_acceleration_mps2: self.lateral_acceleration_mps2,
+            yaw_rate_radps: self.yaw_rate_radps,
+            trailer_mass_kg: settings
+                .trailer_mass_kg(self.trailer_mass_kg, self.trailer_axle_load_kg),
         }
     }
 
@@ -62,6 +82,7 @@ impl LogRow {
             lateral_acceleration_mps2,
             yaw_rate_radps,
             trailer_mass_kg,
+            trailer_axle_load_kg,
         ] = values;
         Self {
             time_s,
@@ -73,6 +94,7 @@ impl LogRow {
             lateral_acceleration_mps2,
             yaw_rate_radps,
             trailer_mass_kg,
+            trailer_axle_load_kg,
         }
     }
 }
@@ -98,10 +120,12 @@ pub enum Signal {
     YawRate,
     /// `trailer_mass_kg`.
     TrailerMass,
+    /// `trailer_axle_load_kg`.
+    TrailerAxleLoad,
 }
 
 impl Signal {
-    pub(super) const COUNT: usize = 9;
+    pub(super) const COUNT: usize = 10;
 
     /// Every signal, in the order of the fields of [`LogRow`].
     pub const ALL: [Self; Self::COUNT] = [
@@ -114,6 +138,7 @@ impl Signal {
         Self::LateralAcceleration,
         Self::YawRate,
         Self::TrailerMass,
+        Self::TrailerAxleLoad,
     ];
 
     /// The name without a unit: `roll`.
@@ -128,6 +153,7 @@ impl Signal {
             Self::LateralAcceleration => "lateral_acceleration",
             Self::YawRate => "yaw_rate",
             Self::TrailerMass => "trailer_mass",
+            Self::TrailerAxleLoad => "trailer_axle_load",
         }
     }
 
@@ -143,6 +169,7 @@ impl Signal {
             Self::LateralAcceleration => "lateral_acceleration_mps2",
             Self::YawRate => "yaw_rate_radps",
             Self::TrailerMass => "trailer_mass_kg",
+            Self::TrailerAxleLoad => "trailer_axle_load_kg",
         }
     }
 
@@ -154,7 +181,7 @@ impl Signal {
             Self::Speed => &[Unit::MPS, Unit::KMH],
             Self::LateralAcceleration => &[Unit::MPS2, Unit::G],
             Self::YawRate => &[Unit::RADPS, Unit::DEGPS],
-            Self::TrailerMass => &[Unit::KG, Unit::T],
+            Self::TrailerMass | Self::TrailerAxleLoad => &[Unit::KG, Unit::T],
         }
     }
 
@@ -178,6 +205,23 @@ impl Signal {
         match self {
             Self::Time => "s",
             _ => self.units()[1].name,
+        }
+    }
+}
+
+/// What a sensor measures is a signal of a log too.
+impl From<Quantity> for Signal {
+    fn from(quantity: Quantity) -> Self {
+        match quantity {
+            Quantity::Steer => Self::Steer,
+            Quantity::SteeringWheel => Self::SteeringWheel,
+            Quantity::Roll => Self::Roll,
+            Quantity::Tilt => Self::Tilt,
+            Quantity::Speed => Self::Speed,
+            Quantity::LateralAcceleration => Self::LateralAcceleration,
+            Quantity::YawRate => Self::YawRate,
+            Quantity::TrailerMass => Self::TrailerMass,
+            Quantity::TrailerAxleLoad => Self::TrailerAxleLoad,
         }
     }
 }

@@ -4,7 +4,7 @@
 //! log of a rounded step goes through the whole estimator, first with the vehicle file as it is,
 //! then with a calibration (`R_c`, one run) on that very truck, as the source does.
 
-use cg_core::Channel;
+use cg_core::{AlignSettings, Channel};
 
 use super::heights::bias_percent;
 use super::printed::Printed;
@@ -91,7 +91,7 @@ fn height_m(vehicle: &Vehicle, truck: &Vehicle, belief: &Belief) -> Result<f64, 
     // Springs 30 % softer are taken for a very high load: the bias is what is asked for.
     design.greatest_height_m *= 2.0;
     let options = EstimateOptions { channel: Some(Channel::Steer), ..EstimateOptions::default() };
-    let mut estimator = LogEstimator::from_design(&design, None, options);
+    let mut estimator = LogEstimator::from_design(&design, AlignSettings::NONE, options);
     drive(truck, &mut estimator)?;
     let estimate = estimator.finish();
     estimate.height_m.ok_or_else(|| {

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use cg_core::{Channel, Design};
+use cg_core::{AlignSettings, Channel, Design};
 use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator};
 use cg_vehicle::log::{LogOptions, LogReader, LogRow};
@@ -59,7 +59,7 @@ impl Known {
         options: EstimateOptions,
     ) -> LogEstimate {
         let options = EstimateOptions { channel, ..options };
-        let mut estimator = LogEstimator::from_design(design, None, options);
+        let mut estimator = LogEstimator::from_design(design, AlignSettings::NONE, options);
         self.feed(&mut estimator);
         estimator.finish()
     }
