@@ -8,13 +8,19 @@ use crate::plant::{Progress, YawRollPlant};
 
 /// Interval of the samples.
 const INTERVAL_S: f64 = 0.01;
+/// Samples of half a second.
+const MEAN_POINTS: usize = 50;
 /// Lateral acceleration that the linear model would have at the end: no truck gets there.
 const END_G: f64 = 2.0;
 /// Below this share of their greatest values lateral acceleration and roll have fallen for good.
 const FALLEN: f64 = 0.9;
 
-/// Sliding is looked for beyond this only: at first the trailer may swing out.
-const SLIDING_G: f64 = 0.1;
+/// Their fall is looked for beyond this only: at first the trailer may swing out.
+const FALLING_G: f64 = 0.1;
+
+fn has_fallen(lateral_mps2: f64, greatest_mps2: f64) -> bool {
+    greatest_mps2 > FALLING_G * super::GRAVITY_MPS2 && lateral_mps2 < FALLEN * greatest_mps2
+}
 
 /// An instant of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,8 +101,7 @@ impl Ramp {
             greatest_mps2 = greatest_mps2.max(lateral_mps2);
             greatest_roll_rad = greatest_roll_rad.max(sample.trailer.roll_rad);
             // On its way over the c.g. is thrown inwards too, but the roll angle grows.
-            if greatest_mps2 > SLIDING_G * super::GRAVITY_MPS2
-                && lateral_mps2 < FALLEN * greatest_mps2
+            if has_fallen(lateral_mps2, greatest_mps2)
                 && sample.trailer.roll_rad < FALLEN * greatest_roll_rad
             {
                 break;
@@ -105,9 +110,22 @@ impl Ramp {
         Ok(ramp)
     }
 
-    /// Greatest lateral acceleration of the trailer: the rollover threshold, if it rolled over.
+    /// Greatest lateral acceleration of the trailer, a mean over half a second: the rollover
+    /// threshold, if it rolled over. Axles that have left the road swing at 4 Hz and more, of which
+    /// the mean keeps less than a sixth; what comes after the mean has fallen is the c.g. thrown
+    /// about as the trailer tips, and not counted.
     pub fn greatest_mps2(&self) -> f64 {
-        self.points.iter().map(|point| point.lateral_acceleration_mps2).fold(0.0, f64::max)
+        let mut greatest_mps2 = 0.0_f64;
+        for points in self.points.windows(MEAN_POINTS) {
+            let sum: f64 = points.iter().map(|point| point.lateral_acceleration_mps2).sum();
+            #[allow(clippy::cast_precision_loss)] // fifty
+            let mean_mps2 = sum / MEAN_POINTS as f64;
+            if has_fallen(mean_mps2, greatest_mps2) {
+                break;
+            }
+            greatest_mps2 = greatest_mps2.max(mean_mps2);
+        }
+        greatest_mps2
     }
 
     /// Load transfer when the lateral acceleration first is this great.
