@@ -13,7 +13,7 @@
 
 use core::fmt;
 
-use crate::design::{Channel, Design};
+use crate::design::Design;
 use crate::real::Real;
 use crate::sample::Sample;
 
@@ -107,7 +107,7 @@ impl<T: Real> Conditioner<T> {
             smooth_mps2: None,
             gains: None,
         };
-        conditioner.gains = conditioner.gains_here(design);
+        conditioner.gains = design.gains(conditioner.speed_mps, conditioner.trailer_mass_kg);
         conditioner
     }
 
@@ -119,17 +119,7 @@ impl<T: Real> Conditioner<T> {
     /// Begins with a trailer mass that is known already.
     pub(crate) fn weigh(&mut self, design: &Design<T>, trailer_mass_kg: T) {
         self.trailer_mass_kg = trailer_mass_kg;
-        self.gains = self.gains_here(design);
-    }
-
-    fn gains_here(&self, design: &Design<T>) -> Option<[T; 2]> {
-        let mut gains = [T::zero(); 2];
-        for channel in Channel::ALL {
-            let line = design.line(channel, self.speed_mps, self.trailer_mass_kg)?;
-            let compensation = design.channels[channel.index()].compensation;
-            gains[channel.index()] = line.ratio_at(design.reference_height_m) * compensation;
-        }
-        Some(gains)
+        self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
     }
 
     /// Conditions one sample; `None` if it has no roll angle or no input.
@@ -208,7 +198,7 @@ impl<T: Real> Conditioner<T> {
             self.trailer_mass_kg = mass;
         }
         if new_speed || new_mass {
-            self.gains = self.gains_here(design);
+            self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
         }
     }
 }

@@ -220,10 +220,20 @@ impl<T: Real> Design<T> {
 
     /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes.
     ///
-    /// Bilinear in squared speed (a steady turn depends on speed through `U²`) and mass.
+    /// Cubic in speed and in mass, coefficient by coefficient.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
-        let lines = &self.channels[channel.index()].lines;
-        self.between(lines, speed_mps, trailer_mass_kg, RatioLine::blend)
+        let cell = self.cell(speed_mps, trailer_mass_kg)?;
+        Some(cell.line(&self.channels[channel.index()].lines))
+    }
+
+    /// The ratio of both channels at the reference height, with their compensation; `None` outside
+    /// the axes.
+    pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; 2]> {
+        let cell = self.cell(speed_mps, trailer_mass_kg)?;
+        Some(Channel::ALL.map(|channel| {
+            let design = &self.channels[channel.index()];
+            cell.line(&design.lines).ratio_at(self.reference_height_m) * design.compensation
+        }))
     }
 
     /// The reduced model of a channel at a trailer mass: that between its neighbours on the axis,
@@ -250,7 +260,13 @@ impl<T: Real> Design<T> {
 
     /// The uncertainty of the ratios at a speed and trailer mass; `None` outside the axes.
     pub fn spread(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Spread<T>> {
-        self.between(&self.spread, speed_mps, trailer_mass_kg, Spread::blend)
+        let (i, u) = locate(&self.speed_mps, speed_mps)?;
+        let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
+        let at = |i: usize| {
+            let row = self.spread.get(i)?;
+            Some(row.get(j)?.blend(row.get(j + 1)?, m))
+        };
+        Some(at(i)?.blend(&at(i + 1)?, u))
     }
 
     /// The rollover measures at a height of the sprung c.g. and a trailer mass; `None` if the mass
@@ -262,18 +278,31 @@ impl<T: Real> Design<T> {
         Some(self.rollover.at(height, trailer_mass_kg, &line, span_m))
     }
 
-    fn between<E>(
-        &self,
-        table: &[[E; MASSES]; SPEEDS],
-        speed_mps: T,
-        trailer_mass_kg: T,
-        blend: impl Fn(&E, &E, T) -> E,
-    ) -> Option<E> {
-        let (i, u) = locate(&self.speed_mps.map(|u| u * u), speed_mps * speed_mps)?;
-        let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
-        let slow = blend(table.get(i)?.get(j)?, table.get(i)?.get(j + 1)?, m);
-        let fast = blend(table.get(i + 1)?.get(j)?, table.get(i + 1)?.get(j + 1)?, m);
-        Some(blend(&slow, &fast, u))
+    fn cell(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Cell<T>> {
+        Some(Cell {
+            speed: cubic(&self.speed_mps, speed_mps)?,
+            mass: cubic(&self.trailer_mass_kg, trailer_mass_kg)?,
+        })
+    }
+}
+
+/// A point between the nodes of a table: on each axis the first of four nodes, and their weights.
+struct Cell<T> {
+    speed: (usize, [T; 4]),
+    mass: (usize, [T; 4]),
+}
+
+impl<T: Real> Cell<T> {
+    fn line(&self, table: &[[RatioLine<T>; MASSES]; SPEEDS]) -> RatioLine<T> {
+        let (i, speed) = self.speed;
+        let (j, mass) = self.mass;
+        let mut sum = RatioLine { a0: T::zero(), a1: T::zero(), b0: T::zero(), b1: T::zero() };
+        for (row, u) in table.iter().skip(i).zip(speed) {
+            for (line, m) in row.iter().skip(j).zip(mass) {
+                sum.add(line, u * m);
+            }
+        }
+        sum
     }
 }
 
@@ -301,7 +330,7 @@ fn positive<T: Real>(value: T, field: &'static str) -> Result<(), DesignError> {
 }
 
 /// The interval of a strictly increasing axis that holds `value`, and how far into it.
-fn locate<T: Real, const N: usize>(axis: &[T; N], value: T) -> Option<(usize, T)> {
+fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
     for (i, pair) in axis.windows(2).enumerate() {
         if let [low, high] = pair
             && value >= *low
@@ -311,6 +340,27 @@ fn locate<T: Real, const N: usize>(axis: &[T; N], value: T) -> Option<(usize, T)
         }
     }
     None
+}
+
+/// Lagrange's weights of the four nodes around `value`, and the first of them; the last four or the
+/// first near an end.
+fn cubic<T: Real>(axis: &[T], value: T) -> Option<(usize, [T; 4])> {
+    let (interval, _) = locate(axis, value)?;
+    let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
+    let nodes: &[T; 4] = axis.get(first..)?.first_chunk()?;
+    let mut place = 0;
+    let weights = nodes.map(|node| {
+        let (mut above, mut below) = (T::one(), T::one());
+        for (k, other) in nodes.iter().enumerate() {
+            if k != place {
+                above *= value - *other;
+                below *= node - *other;
+            }
+        }
+        place += 1;
+        above / below
+    });
+    Some((first, weights))
 }
 
 #[cfg(test)]
@@ -325,6 +375,19 @@ mod tests {
         assert_eq!(locate(&axis, 3.0), Some((1, 0.5)));
         assert_eq!(locate(&axis, 0.99), None);
         assert_eq!(locate(&axis, f64::NAN), None);
+    }
+
+    /// On any interval of an uneven axis; exact at the nodes.
+    #[test]
+    fn a_cubic_is_met_by_its_nodes() {
+        let axis = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0];
+        let law = |x: f64| 2.0 - x + 0.3 * x * x - 0.01 * x * x * x;
+        for value in [3.0, 3.2, 4.7, 5.5, 7.0, 9.0, 16.0, 17.0_f64] {
+            let (first, weights) = cubic(&axis, value).unwrap();
+            let found: f64 = axis[first..].iter().zip(weights).map(|(x, w)| w * law(*x)).sum();
+            assert!((found - law(value)).abs() < 1e-12, "{value}: {found}");
+        }
+        assert!(cubic(&axis, 2.9).is_none() && cubic(&axis, 17.1).is_none());
     }
 
     #[test]

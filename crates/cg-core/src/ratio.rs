@@ -59,16 +59,12 @@ impl<T: Real> RatioLine<T> {
         (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
     }
 
-    /// `weight` of `other`, the rest of `self`, coefficient by coefficient.
-    #[must_use]
-    pub fn blend(&self, other: &Self, weight: T) -> Self {
-        let mix = |a: T, b: T| a + (b - a) * weight;
-        Self {
-            a0: mix(self.a0, other.a0),
-            a1: mix(self.a1, other.a1),
-            b0: mix(self.b0, other.b0),
-            b1: mix(self.b1, other.b1),
-        }
+    /// Adds `weight` of `other`, coefficient by coefficient.
+    pub(crate) fn add(&mut self, other: &Self, weight: T) {
+        self.a0 += other.a0 * weight;
+        self.a1 += other.a1 * weight;
+        self.b0 += other.b0 * weight;
+        self.b1 += other.b1 * weight;
     }
 }
 

@@ -13,7 +13,7 @@ from cgheight import _native
 FIXTURES = Path(__file__).parents[3] / "fixtures" / "can"
 J1939 = cantools.database.load_file(FIXTURES / "j1939.dbc")
 TO_SI = {"rad": 1.0, "rad/s": 1.0, "m/s2": 1.0, "kg": 1.0, "deg": math.pi / 180, "km/h": 1 / 3.6}
-# Message, signal, column of a log; axle loads have none.
+# Message, signal, column of a log.
 SIGNALS = [
     ("VDC2", "SteeringWheelAngle", "steering_wheel_rad"),
     ("VDC2", "YawRate", "yaw_rate_radps"),
@@ -24,6 +24,7 @@ SIGNALS = [
     ("CCVS1", "WheelBasedVehicleSpeed", "speed_mps"),
     ("EBC2", "FrontAxleSpeed", "speed_mps"),
     ("VW", "TrailerWeight", "trailer_mass_kg"),
+    ("EBS22", "AxleLoadSum", "trailer_axle_load_kg"),
 ]
 
 

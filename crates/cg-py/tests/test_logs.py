@@ -213,6 +213,22 @@ def test_wheel_and_tilt_stand_in_for_steer_and_roll(kraz, turn, tmp_path):
     assert answer.height_m == pytest.approx(expected, rel=1e-9)  # one rounding, too
 
 
+def test_the_load_of_the_axles_stands_in_for_the_mass(kraz, turn):
+    signals = {key: value for key, value in turn.items() if key != "trailer_mass_kg"}
+
+    def by_axles(load_kg):
+        loads_kg = np.full(len(turn["time_s"]), load_kg)
+        return cgheight.estimate(**signals, trailer_axle_load_kg=loads_kg, vehicle=kraz)
+
+    # The mass is a straight line over the axle load: two points give the load of the known mass.
+    light, heavy = (by_axles(load_kg).trailer_mass_kg for load_kg in (10e3, 20e3))
+    assert heavy - light > 10e3
+    mass_kg = float(turn["trailer_mass_kg"][0])
+    answer = by_axles(10e3 + 10e3 * (mass_kg - light) / (heavy - light))
+    assert answer.trailer_mass_kg == pytest.approx(mass_kg, rel=1e-12)
+    assert answer.height_m == pytest.approx(arrays(ONE_TURN, kraz).height_m, rel=1e-9)
+
+
 def test_the_attributes_are_the_keys_of_the_json_output(kraz):
     answer = arrays(ONE_TURN, kraz)
     plain = json.loads(json.dumps(answer.to_dict()))

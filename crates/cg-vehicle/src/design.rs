@@ -13,7 +13,7 @@ use crate::rollover::RollPlane;
 use crate::vehicle::{Load, Vehicle};
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
-const GRID_MPS: [f64; SPEEDS] = [3.0, 6.0, 9.0, 12.0, 15.0, 19.0, 24.0, 30.0];
+const GRID_MPS: [f64; SPEEDS] = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0, 23.0, 30.0];
 
 /// The greatest payload of the grid.
 const GREATEST_PAYLOAD_KG: f64 = 34_000.0;
@@ -133,8 +133,9 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     let empty_kg = vehicle.empty_trailer_mass_kg();
     let least_kg = empty_kg * 0.996;
     let greatest_kg = (empty_kg + GREATEST_PAYLOAD_KG).max(reference_kg * 1.1);
+    // Closer together where the payload is small beside the trailer.
     let mut masses: [f64; MASSES] = std::array::from_fn(|j| {
-        least_kg + (greatest_kg - least_kg) * j as f64 / (MASSES - 1) as f64
+        least_kg + (greatest_kg - least_kg) * (j as f64 / (MASSES - 1) as f64).powf(1.3)
     });
     let nearest = (1..MASSES - 1)
         .min_by(|&i, &j| {

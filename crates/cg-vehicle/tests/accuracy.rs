@@ -158,7 +158,7 @@ fn the_map_is_as_it_was() {
             assert!(rmse > 0.8 * bound, "{name} {rate_hz} {snr_db}: better than possible");
             // A lane change excites what the reduced model leaves out, most of all under light
             // loads; the interval of noise alone does not know of that (docs/accuracy.md).
-            if maneuver != Maneuver::LaneChange && payload_t > 10.0 {
+            if maneuver != Maneuver::LaneChange {
                 covered += coverage;
                 cells += 1.0;
             }
