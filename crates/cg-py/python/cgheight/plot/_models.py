@@ -297,8 +297,10 @@ def residuals(model: ArxModel, u: ArrayLike, y: ArrayLike, *, lags: int = 25) ->
         lower.vlines(np.arange(-lags, lags + 1), 0, both, color=RED, linewidth=2)
         lower.set_ylabel("residuals with\nthe input")
         lower.set_xlabel(f"lag (samples of {model.ts:g} s)")
-        outside = int(np.sum(np.abs(own[lags + 1 :]) > _QUANTILE_99 / np.sqrt(n)))
-        upper.set_title(f"{_name(model)}: {outside} of {lags} lags outside the 99 % band")
+        beyond = int(np.sum(np.abs(own[lags + 1 :]) > _QUANTILE_99 / np.sqrt(n)))
+        astray = int(np.sum(np.abs(both) > _QUANTILE_99 * spread))
+        upper.set_title(f"{_name(model)}: {beyond} of {lags} lags outside the 99 % band")
+        lower.set_title(f"with the input: {astray} of {2 * lags + 1} outside")
         for axes in (upper, lower):
             axes.axhline(0.0, color=GREY, linewidth=0.8)
             axes.legend(loc="upper right")
