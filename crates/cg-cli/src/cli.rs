@@ -20,6 +20,7 @@ use crate::numbers::{
 };
 use crate::run::RunArgs;
 use crate::sensors::SensorArgs;
+use crate::truck::TruckArgs;
 
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
@@ -62,12 +63,8 @@ pub(crate) struct EstimateArgs {
     /// Logs: .csv, .csv.gz or .parquet; `-` reads CSV from standard input
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
-    /// The vehicle file
-    #[arg(long, value_name = "V.toml")]
-    pub(crate) vehicle: PathBuf,
-    /// A calibration of this vehicle (from `cg calibrate`)
-    #[arg(long, value_name = "C.toml")]
-    pub(crate) calibration: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) truck: TruckArgs,
     /// Output format; JSON is one object per line
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
@@ -86,9 +83,6 @@ pub(crate) struct EstimateArgs {
     /// Mass of the whole semitrailer as weighed, whatever the log says
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
-    /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
     /// Print the known heights of this JSON file beside (the estimator never reads it)
@@ -145,15 +139,8 @@ pub(crate) struct CalibrateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct DesignArgs {
-    /// The vehicle file
-    #[arg(long, value_name = "V.toml")]
-    pub(crate) vehicle: PathBuf,
-    /// A calibration of this vehicle (from `cg calibrate`)
-    #[arg(long, value_name = "C.toml")]
-    pub(crate) calibration: Option<PathBuf>,
-    /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
+    #[command(flatten)]
+    pub(crate) truck: TruckArgs,
     /// The language
     #[arg(long, value_enum)]
     pub(crate) emit: LanguageArg,

@@ -2,21 +2,17 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
-use cg_core::Design;
-use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::Calibration;
-use cg_vehicle::design::design_with;
+use anyhow::Context;
+use cg_vehicle::Vehicle;
 use cg_vehicle::emit::{Language, emit};
-use cg_vehicle::{Variant, Vehicle};
 
 use crate::Outcome;
 use crate::cli::DesignArgs;
 use crate::draft::Draft;
 
 pub(crate) fn run(arguments: &DesignArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
-    let design = of(&vehicle, arguments.calibration.as_deref(), arguments.model.into())?.cast();
+    let vehicle = arguments.truck.load()?;
+    let design = arguments.truck.design(&vehicle)?.cast();
     // Single precision narrows ranges and joins neighbours: checked as the firmware would.
     design.validate().context("in single precision")?;
     let language: Language = arguments.emit.into();
@@ -25,34 +21,13 @@ pub(crate) fn run(arguments: &DesignArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The design of a vehicle as its file says, or as a calibration does.
-pub(crate) fn of(
-    vehicle: &Vehicle,
-    calibration: Option<&Path>,
-    variant: Variant,
-) -> anyhow::Result<Design<f64>> {
-    let belief = match calibration {
-        Some(path) => {
-            let calibration = Calibration::load(path, vehicle)?;
-            if calibration.model != variant {
-                return Err(anyhow!(
-                    "{}: made for the other model; give the same --model as to cg calibrate",
-                    path.display()
-                ));
-            }
-            calibration.belief()
-        }
-        None => Belief::prior(vehicle),
-    };
-    Ok(design_with(vehicle, variant, &belief)?)
-}
-
 /// What it is of, and how to make it again.
 fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
     let option = |flag: &str, path: Option<&Path>| {
         path.map_or_else(String::new, |path| format!(" {flag} {}", path.display()))
     };
-    let calibration = arguments.calibration.as_deref();
+    let truck = &arguments.truck;
+    let calibration = truck.calibration.as_deref();
     let calibrated = match calibration {
         Some(path) => format!("calibrated by {}", path.display()),
         None => "not calibrated".to_owned(),
@@ -62,9 +37,9 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
         "Make it again, do not edit it:".to_owned(),
         format!(
             "cg design{}{} --model {} --emit {}{}",
-            option("--vehicle", Some(&arguments.vehicle)),
+            option("--vehicle", Some(&truck.vehicle)),
             option("--calibration", calibration),
-            crate::cli::word(&arguments.model),
+            crate::cli::word(&truck.model),
             crate::cli::word(&arguments.emit),
             option("--output", Some(&arguments.output))
         ),

@@ -8,14 +8,13 @@ use anyhow::{Context, anyhow};
 use cg_core::SampleError;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::log::{LogOptions, LogReader, LogRow};
-use cg_vehicle::{LinearModel, Variant, Vehicle};
+use cg_vehicle::{LinearModel, Variant};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Deserialize;
 
 use crate::Outcome;
 use crate::cli::EstimateArgs;
-use crate::design;
 use crate::draft::Draft;
 use crate::report::{self, About, Trace};
 use crate::sink;
@@ -36,9 +35,9 @@ pub(crate) struct Answer {
 }
 
 pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = arguments.truck.load()?;
     let options = EstimateOptions {
-        variant: arguments.model.into(),
+        variant: arguments.truck.model.into(),
         method: arguments.method.into(),
         order: arguments.order,
         channel: arguments.channel.into(),
@@ -54,8 +53,7 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
                 .context("--trailer-mass-kg")?;
         }
     }
-    let calibration = arguments.calibration.as_deref();
-    let design = design::of(&vehicle, calibration, options.variant)?;
+    let design = arguments.truck.design(&vehicle)?;
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
     if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read once only"));
@@ -79,7 +77,7 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
         Some(target) => {
             let about = About {
                 vehicle: &vehicle.name,
-                calibration: arguments.calibration.as_deref(),
+                calibration: arguments.truck.calibration.as_deref(),
                 unreadable: &unreadable,
             };
             Some(report::write(target, &about, &answers)?)

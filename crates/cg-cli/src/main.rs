@@ -35,6 +35,7 @@ mod sensors;
 mod simulate;
 mod sink;
 mod study;
+mod truck;
 mod units;
 
 use std::io::Write;

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use cg_vehicle::can::{DeviceFilter, SignalMap};
 use clap::{ArgGroup, Args};
 
-use crate::cli::{ColumnArgs, ModelArg};
+use crate::cli::ColumnArgs;
 use crate::numbers::{not_negative, trailer_mass_kg};
+use crate::truck::TruckArgs;
 
 /// Where the signals come from, what is known of the truck, where results go.
 #[derive(Debug, Args)]
@@ -24,15 +25,8 @@ pub(crate) struct RunArgs {
     /// Replay as fast as it was recorded, instead of as fast as possible
     #[arg(long, conflicts_with = "can")]
     pub(crate) realtime: bool,
-    /// The vehicle file
-    #[arg(long, value_name = "V.toml")]
-    pub(crate) vehicle: PathBuf,
-    /// A calibration of this vehicle (from `cg calibrate`)
-    #[arg(long, value_name = "C.toml")]
-    pub(crate) calibration: Option<PathBuf>,
-    /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
+    #[command(flatten)]
+    pub(crate) truck: TruckArgs,
     /// Mass of the whole semitrailer, whatever the bus says
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,

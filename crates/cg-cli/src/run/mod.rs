@@ -30,7 +30,6 @@ mod warning;
 
 use std::io::{self, LineWriter, Stdout};
 
-use cg_vehicle::Vehicle;
 use cg_vehicle::can::{Decoder, MappedSignal, named};
 
 use crate::Outcome;
@@ -46,9 +45,8 @@ use warning::Warner;
 pub(crate) use args::RunArgs;
 
 pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
-    let calibration = arguments.calibration.as_deref();
-    let design = crate::design::of(&vehicle, calibration, arguments.model.into())?;
+    let vehicle = arguments.truck.load()?;
+    let design = arguments.truck.design(&vehicle)?;
     let decoder = decoder(arguments)?;
     let live = arguments.can.is_some() || arguments.realtime;
     let settings = vehicle.align_settings();

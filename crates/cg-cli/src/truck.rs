@@ -1,0 +1,52 @@
+//! Which truck: vehicle file, calibration, equations.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use cg_core::Design;
+use cg_vehicle::Vehicle;
+use cg_vehicle::belief::Belief;
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::design::design_with;
+use clap::Args;
+
+use crate::cli::ModelArg;
+
+/// The truck, and what is believed of it.
+#[derive(Debug, Args)]
+pub(crate) struct TruckArgs {
+    /// The vehicle file
+    #[arg(long, value_name = "V.toml")]
+    pub(crate) vehicle: PathBuf,
+    /// A calibration of this vehicle (from `cg calibrate`)
+    #[arg(long, value_name = "C.toml")]
+    pub(crate) calibration: Option<PathBuf>,
+    /// Equations of the vehicle model
+    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
+    pub(crate) model: ModelArg,
+}
+
+impl TruckArgs {
+    pub(crate) fn load(&self) -> anyhow::Result<Vehicle> {
+        Ok(Vehicle::load(&self.vehicle)?)
+    }
+
+    /// The design of the loaded vehicle, as its file says or as the calibration does.
+    pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
+        let variant = self.model.into();
+        let belief = match &self.calibration {
+            Some(path) => {
+                let calibration = Calibration::load(path, vehicle)?;
+                if calibration.model != variant {
+                    return Err(anyhow!(
+                        "{}: made for the other model; give the same --model as to cg calibrate",
+                        path.display()
+                    ));
+                }
+                calibration.belief()
+            }
+            None => Belief::prior(vehicle),
+        };
+        Ok(design_with(vehicle, variant, &belief)?)
+    }
+}
