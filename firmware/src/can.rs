@@ -108,6 +108,7 @@ pub fn replay(mut told: impl FnMut(&Maneuver<f32>, &Onboard)) -> Trace {
     let mut aligner = Aligner::new(AlignSettings {
         steering_ratio: Some(STEERING_RATIO),
         mass_of_axle_load: None,
+        mass_of_suspension_pressure: None,
     });
     let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
     let mut trace = Trace::default();

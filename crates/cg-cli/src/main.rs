@@ -13,6 +13,7 @@
 //! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
 //! | `run` | `cg run`: live from CAN, or a recorded drive through the same stages |
 //! | `reproduce` | `cg reproduce`: the source's tables beside ours |
+//! | `truck` | the arguments that say which truck |
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: chapter 2 as CSV files and figures |
 //! | `units` | SI to the units of its columns and axes |

@@ -30,11 +30,14 @@ pub struct AlignSettings<T> {
     /// Trailer mass at no axle load, and its growth with the axle load: the trailer's balance on
     /// fifth wheel and axles.
     pub mass_of_axle_load: Option<[T; 2]>,
+    /// The same over the pressure in its air suspension.
+    pub mass_of_suspension_pressure: Option<[T; 2]>,
 }
 
 impl<T: Real> AlignSettings<T> {
     /// Neither is known.
-    pub const NONE: Self = Self { steering_ratio: None, mass_of_axle_load: None };
+    pub const NONE: Self =
+        Self { steering_ratio: None, mass_of_axle_load: None, mass_of_suspension_pressure: None };
 
     /// Mean road-wheel angle: as measured, or else of the steering wheel's.
     pub fn steer_rad(&self, steer_rad: T, steering_wheel_rad: T) -> T {
@@ -44,11 +47,19 @@ impl<T: Real> AlignSettings<T> {
         }
     }
 
-    /// Trailer mass: as weighed, or else of its axle load.
-    pub fn trailer_mass_kg(&self, trailer_mass_kg: T, axle_load_kg: T) -> T {
-        match self.mass_of_axle_load {
-            Some([empty, slope]) if !trailer_mass_kg.present() => empty + slope * axle_load_kg,
-            _ => trailer_mass_kg,
+    /// Trailer mass: as weighed, or else of its axle load, or else of the pressure in its suspension.
+    pub fn trailer_mass_kg(&self, trailer_mass_kg: T, axle_load_kg: T, pressure_pa: T) -> T {
+        let along = |line: Option<[T; 2]>, x: T| match line {
+            Some([at_zero, slope]) => at_zero + slope * x,
+            None => T::absent(),
+        };
+        let of_load = along(self.mass_of_axle_load, axle_load_kg);
+        if trailer_mass_kg.present() {
+            trailer_mass_kg
+        } else if of_load.present() {
+            of_load
+        } else {
+            along(self.mass_of_suspension_pressure, pressure_pa)
         }
     }
 }
@@ -239,8 +250,11 @@ impl<T: Real> Aligner<T> {
         let speed_mps = at(Quantity::Speed);
         let settings = &self.settings;
         let steer_rad = settings.steer_rad(at(Quantity::Steer), at(Quantity::SteeringWheel));
-        let trailer_mass_kg =
-            settings.trailer_mass_kg(held(Quantity::TrailerMass), held(Quantity::TrailerAxleLoad));
+        let trailer_mass_kg = settings.trailer_mass_kg(
+            held(Quantity::TrailerMass),
+            held(Quantity::TrailerAxleLoad),
+            held(Quantity::TrailerSuspensionPressure),
+        );
         let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
         // Without a speed neither steer angle nor yaw rate say how fast the truck turns.
         let with_speed = |x: T| if speed_mps.present() { x } else { T::absent() };
@@ -261,7 +275,9 @@ impl<T: Real> Aligner<T> {
 const fn stale_us(quantity: Quantity) -> u64 {
     match quantity {
         Quantity::Speed => STALE_SPEED_US,
-        Quantity::TrailerMass | Quantity::TrailerAxleLoad => u64::MAX,
+        Quantity::TrailerMass | Quantity::TrailerAxleLoad | Quantity::TrailerSuspensionPressure => {
+            u64::MAX
+        }
         _ => STALE_US,
     }
 }
@@ -271,8 +287,11 @@ mod tests {
     use super::*;
 
     fn aligner() -> Aligner<f64> {
-        let settings =
-            AlignSettings { steering_ratio: Some(20.0), mass_of_axle_load: Some([4000.0, 1.5]) };
+        let settings = AlignSettings {
+            steering_ratio: Some(20.0),
+            mass_of_axle_load: Some([4000.0, 1.5]),
+            mass_of_suspension_pressure: Some([3000.0, 0.05]),
+        };
         Aligner::new(settings)
     }
 
@@ -349,6 +368,21 @@ mod tests {
         aligner.push(Quantity::Steer, BRAKES, 10_000, 0.1);
         aligner.push(Quantity::Roll, ROLL_SENSOR, 10_000, 0.0);
         assert!((aligner.next(10_000).unwrap().steer_rad - 0.1).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_best_scale_tells_the_mass() {
+        let mut aligner = aligner();
+        let mut mass_kg = |quantity, value, us| {
+            aligner.push(quantity, BRAKES, us, value);
+            aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+            aligner.next(us).unwrap().trailer_mass_kg
+        };
+        let close = |found: f64, known: f64| assert!((found - known).abs() < 1e-9, "{found}");
+        close(mass_kg(Quantity::TrailerSuspensionPressure, 3e5, 1000), 18_000.0);
+        close(mass_kg(Quantity::TrailerAxleLoad, 10_000.0, 2000), 19_000.0);
+        close(mass_kg(Quantity::TrailerMass, 19_500.0, 3000), 19_500.0);
+        close(mass_kg(Quantity::TrailerSuspensionPressure, 4e5, 4000), 19_500.0);
     }
 
     #[test]

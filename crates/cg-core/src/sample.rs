@@ -27,11 +27,13 @@ pub enum Quantity {
     TrailerMass,
     /// Load of the trailer's axles on the road, kg.
     TrailerAxleLoad,
+    /// Pressure in the trailer's air suspension, Pa.
+    TrailerSuspensionPressure,
 }
 
 impl Quantity {
     /// How many there are.
-    pub const COUNT: usize = 9;
+    pub const COUNT: usize = 10;
 
     /// All of them, in their own order.
     pub const ALL: [Self; Self::COUNT] = [
@@ -44,6 +46,7 @@ impl Quantity {
         Self::YawRate,
         Self::TrailerMass,
         Self::TrailerAxleLoad,
+        Self::TrailerSuspensionPressure,
     ];
 
     /// Its place in [`Quantity::ALL`].

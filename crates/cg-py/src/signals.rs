@@ -81,6 +81,7 @@ impl<'a> Columns<'a> {
             yaw_rate_radps: at(Signal::YawRate),
             trailer_mass_kg: at(Signal::TrailerMass),
             trailer_axle_load_kg: at(Signal::TrailerAxleLoad),
+            trailer_suspension_pressure_pa: at(Signal::TrailerSuspensionPressure),
         }
     }
 

@@ -87,6 +87,8 @@ impl Stream {
     ///     What an accelerometer inclinometer shows, rad, used where roll_rad is NaN.
     /// trailer_axle_load_kg : float
     ///     Load of the trailer's axles on the road, kg, used where trailer_mass_kg is NaN.
+    /// trailer_suspension_pressure_pa : float
+    ///     Pressure in the trailer's air suspension, Pa, used where both are NaN.
     ///
     /// Returns
     /// -------
@@ -101,7 +103,7 @@ impl Stream {
         time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, *, speed_mps = f64::NAN,
         lateral_acceleration_mps2 = f64::NAN, yaw_rate_radps = f64::NAN,
         trailer_mass_kg = f64::NAN, steering_wheel_rad = f64::NAN, tilt_rad = f64::NAN,
-        trailer_axle_load_kg = f64::NAN
+        trailer_axle_load_kg = f64::NAN, trailer_suspension_pressure_pa = f64::NAN
     ))]
     #[allow(clippy::too_many_arguments)] // a row is that wide
     fn push(
@@ -117,6 +119,7 @@ impl Stream {
         steering_wheel_rad: f64,
         tilt_rad: f64,
         trailer_axle_load_kg: f64,
+        trailer_suspension_pressure_pa: f64,
     ) -> PyResult<&'static str> {
         let row = LogRow {
             time_s,
@@ -129,6 +132,7 @@ impl Stream {
             yaw_rate_radps,
             trailer_mass_kg,
             trailer_axle_load_kg,
+            trailer_suspension_pressure_pa,
         };
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.push(&row).map_err(value_error)

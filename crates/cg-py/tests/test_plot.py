@@ -140,7 +140,7 @@ def test_residuals_that_are_white_stay_in_the_band_and_others_do_not(tmp_path):
     right, wrong = cgheight.arx(u, y, 2, 1, 1, 0.1), cgheight.arx(u, y, 1, 1, 1, 0.1)
     figures = [plot.residuals(model, u, y) for model in (right, wrong)]
     drawn(figures[0], tmp_path / "white.png")
-    # 25 lags, each outside with probability 0.01: more than 3 with probability 1e-4; 51: more than 4.
+    # 25 lags, each outside with probability 0.01: more than 3 with probability 1e-4; of 51: 4.
     for panel, allowed in ((0, 3), (1, 4)):
         titles = [figure.axes[panel].get_title(loc="left") for figure in figures]
         outside = [int(title.split(": ")[1].split()[0]) for title in titles]

@@ -10,7 +10,7 @@ use cg_core::AlignSettings;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
-use crate::vehicle::{Load, PlacedAxle, SprungMass, Vehicle};
+use crate::vehicle::{Load, PlacedAxle, SprungMass, SuspensionPressure, Vehicle};
 
 /// Static loads of a vehicle.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,9 +26,18 @@ pub struct StaticBalance {
 impl Vehicle {
     /// What turns the values of sensors into those of a sample.
     pub fn align_settings(&self) -> AlignSettings<f64> {
+        let mass_of_axle_load = self.mass_of_axle_load().ok();
+        let readings = self.trailer.suspension_pressure;
         AlignSettings {
             steering_ratio: self.steering_ratio,
-            mass_of_axle_load: self.mass_of_axle_load().ok(),
+            mass_of_axle_load,
+            mass_of_suspension_pressure: mass_of_axle_load.zip(readings).map(
+                |([empty_kg, slope], SuspensionPressure { gauge_pa, axle_load_kg })| {
+                    let per_pa = (axle_load_kg[1] - axle_load_kg[0]) / (gauge_pa[1] - gauge_pa[0]);
+                    let at_zero_kg = axle_load_kg[0] - per_pa * gauge_pa[0];
+                    [empty_kg + slope * at_zero_kg, slope * per_pa]
+                },
+            ),
         }
     }
 

@@ -168,6 +168,18 @@ pub(crate) fn physical(v: &Vehicle) -> Result<(), Invalid> {
         }
     }
     heights_and_masses(v)?;
+    if let Some(readings) = v.trailer.suspension_pressure {
+        for (key, [first, second]) in
+            [("gauge_pa", readings.gauge_pa), ("axle_load_kg", readings.axle_load_kg)]
+        {
+            let path = format!("trailer.suspension_pressure.{key}");
+            positive(&path, first)?;
+            if !(second.is_finite() && second > first) {
+                let remedy = "the second reading must be greater than the first";
+                return Err(Invalid::new(&path, second, remedy));
+            }
+        }
+    }
     for (i, tyre) in v.tyre.iter().enumerate() {
         tyre_table(&format!("tyre[{i}]"), tyre)?;
     }

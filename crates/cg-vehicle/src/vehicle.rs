@@ -155,6 +155,9 @@ pub struct Trailer {
     pub tare: Tare,
     /// Where payload goes.
     pub payload: Payload,
+    /// What a gauge on the air suspension shows; without it a pressure says nothing.
+    #[serde(default)]
+    pub suspension_pressure: Option<SuspensionPressure>,
     /// Axles, front to rear.
     pub axle: Vec<TrailerAxle>,
 }
@@ -176,6 +179,17 @@ pub struct Tare {
     /// Pitch inertia about its c.g.; without it the yaw inertia. Nonlinear plant only.
     #[serde(default)]
     pub pitch_inertia_kgm2: Option<f64>,
+}
+
+/// Two readings of a gauge on the trailer's air suspension, such as empty and laden on a weighbridge:
+/// the load of the axles is a straight line over the pressure (area of the bellows, lever of the arms).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SuspensionPressure {
+    /// Pressure above that of the air, mean of both sides.
+    pub gauge_pa: [f64; 2],
+    /// Load of the trailer's axles on the road.
+    pub axle_load_kg: [f64; 2],
 }
 
 /// The payload: a homogeneous box on the floor, whose mass and height are the load.

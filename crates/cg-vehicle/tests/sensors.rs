@@ -11,6 +11,7 @@ use cg_vehicle::log::{LogOptions, LogReader, LogRow, LogWriter};
 use cg_vehicle::maneuver::{Course, Maneuver};
 use cg_vehicle::sensors::Sensors;
 use cg_vehicle::simulate::{LogSimulation, Plant, Scenario};
+use cg_vehicle::vehicle::SuspensionPressure;
 use cg_vehicle::{Load, Vehicle};
 
 fn vehicle(name: &str) -> Vehicle {
@@ -76,15 +77,15 @@ fn perfect_sensors_show_the_truth() {
 /// A scale under the trailer's axles tells what a scale under the whole trailer tells: the balance is
 /// linear, so that only rounding is between them. At a payload that the vehicle file does not have.
 #[test]
-fn the_load_of_the_axles_stands_in_for_the_mass() {
+fn axle_load_or_suspension_pressure_stand_in_for_the_mass() {
     let vehicle = vehicle("kraz");
     let trailer_mass_kg = vehicle.reference_load().trailer_mass_kg - 4000.0;
     let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
     let hitch_kg = static_balance(&vehicle, load).unwrap().hitch_load_n / vehicle.gravity_mps2;
     let scenario = Scenario { load, ..Scenario::of(&vehicle, Maneuver::Sine) };
     let (rows, _) = written(&vehicle, scenario);
-    let estimate = |weigh: &dyn Fn(&mut LogRow)| {
-        let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
+    let estimate = |vehicle: &Vehicle, weigh: &dyn Fn(&mut LogRow)| {
+        let mut estimator = LogEstimator::new(vehicle, EstimateOptions::default()).unwrap();
         for row in &rows {
             let mut row = *row;
             weigh(&mut row);
@@ -92,8 +93,8 @@ fn the_load_of_the_axles_stands_in_for_the_mass() {
         }
         estimator.finish()
     };
-    let weighed = estimate(&|_| {});
-    let by_axles = estimate(&|row| {
+    let weighed = estimate(&vehicle, &|_| {});
+    let by_axles = estimate(&vehicle, &|row| {
         row.trailer_axle_load_kg = row.trailer_mass_kg - hitch_kg;
         row.trailer_mass_kg = f64::NAN;
     });
@@ -101,7 +102,21 @@ fn the_load_of_the_axles_stands_in_for_the_mass() {
     assert!((by_axles.trailer_mass_kg / trailer_mass_kg - 1.0).abs() < 1e-9);
     let (expected, height_m) = (weighed.height_m.unwrap(), by_axles.height_m.unwrap());
     assert!((height_m / expected - 1.0).abs() < 1e-6, "{height_m} {expected}");
-    let unweighed = estimate(&|row| row.trailer_mass_kg = f64::NAN).height_m.unwrap();
+    // A gauge that shows 1 bar at 5 t and 5 bar at 25 t; the same without its scale.
+    let gauged = |row: &mut LogRow| {
+        row.trailer_suspension_pressure_pa = 20.0 * (row.trailer_mass_kg - hitch_kg);
+        row.trailer_mass_kg = f64::NAN;
+    };
+    let unscaled = estimate(&vehicle, &gauged);
+    assert!(unscaled.messages.iter().any(|message| message.contains("suspension_pressure")));
+    assert!((unscaled.trailer_mass_kg - vehicle.reference_load().trailer_mass_kg).abs() < 1e-9);
+    let mut scaled = vehicle.clone();
+    let (gauge_pa, axle_load_kg) = ([1e5, 5e5], [5e3, 25e3]);
+    scaled.trailer.suspension_pressure = Some(SuspensionPressure { gauge_pa, axle_load_kg });
+    let by_pressure = estimate(&scaled, &gauged);
+    assert_eq!(weighed.messages, by_pressure.messages);
+    assert!((by_pressure.height_m.unwrap() / expected - 1.0).abs() < 1e-6);
+    let unweighed = estimate(&vehicle, &|row| row.trailer_mass_kg = f64::NAN).height_m.unwrap();
     assert!((unweighed / expected - 1.0).abs() > 1e-2, "{unweighed} {expected}");
 }
 

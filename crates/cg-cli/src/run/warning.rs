@@ -100,6 +100,22 @@ mod tests {
         }
     }
 
+    /// A bump of a whole threshold, 20 ms long: 0.02/(0.2 + 0.02) = 0.09 of it comes through. The same for
+    /// 0.5 s: 1 − (0.2/0.22)^25 = 0.91 do.
+    #[test]
+    fn a_bump_is_no_turn() {
+        let threshold = Some(Measured { value: 0.4, sd: 0.0 });
+        for (samples, expected) in [(1, 0), (25, 2)] {
+            let mut warner = Warner::new(vec![0.2, 0.8], 0.05);
+            settle(&mut warner, 0.0);
+            for _ in 0..samples {
+                let time_us = warner.last_us + 20_000;
+                warner.push(time_us, 0.4 * 9.81, threshold, 9.81);
+            }
+            assert_eq!(warner.level(), expected, "{samples}");
+        }
+    }
+
     #[test]
     fn an_uncertain_threshold_warns_earlier_but_not_always() {
         assert!((Warner::bound_g(Measured { value: 0.4, sd: 0.02 }) - 0.3671).abs() < 1e-9);

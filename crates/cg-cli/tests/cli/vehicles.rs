@@ -56,6 +56,15 @@ fn a_wrong_key_in_a_tyre_is_named_with_the_keys_there_are() {
 }
 
 #[test]
+fn readings_of_a_gauge_that_do_not_rise_are_named() {
+    let table = "[trailer.suspension_pressure]\ngauge_pa = [2e5, 1e5]\naxle_load_kg = [5e3, 9e3]\n";
+    let to = format!("{table}\n[trailer.payload]");
+    let parts =
+        ["trailer.suspension_pressure.gauge_pa = 100000: the second reading must be greater"];
+    refused("[trailer.payload]", &to, "[2e5", &parts);
+}
+
+#[test]
 fn a_negative_mass_is_named_with_its_value() {
     let parts = ["tractor.sprung_mass_kg = -5: must be a positive number"];
     refused("sprung_mass_kg = 5345.646233765785", "sprung_mass_kg = -5", "-5", &parts);

@@ -53,6 +53,7 @@ def estimate(
     steering_wheel_rad: ArrayLike | None = None,
     tilt_rad: ArrayLike | None = None,
     trailer_axle_load_kg: ArrayLike | None = None,
+    trailer_suspension_pressure_pa: ArrayLike | None = None,
     vehicle: _native.Vehicle,
     calibration: str | os.PathLike[str] | None = None,
     method: Literal["filtered", "arx", "gain"] = "filtered",
@@ -88,6 +89,9 @@ def estimate(
         What an accelerometer inclinometer shows, rad; used where `roll_rad` is absent.
     trailer_axle_load_kg : array, shape (n,), optional
         Load of the trailer's axles on the road, kg; used where `trailer_mass_kg` is absent.
+    trailer_suspension_pressure_pa : array, shape (n,), optional
+        Pressure in the trailer's air suspension, mean of both sides, Pa; used where both are absent
+        if the vehicle file has ``trailer.suspension_pressure``.
     vehicle : Vehicle
         The vehicle.
     calibration : str or os.PathLike, optional
@@ -127,6 +131,7 @@ def estimate(
         "yaw_rate_radps": yaw_rate_radps,
         "trailer_mass_kg": trailer_mass_kg,
         "trailer_axle_load_kg": trailer_axle_load_kg,
+        "trailer_suspension_pressure_pa": trailer_suspension_pressure_pa,
     }
     for name in scalars:
         value = given[name]
@@ -155,9 +160,10 @@ def estimate_log(
 
     Columns are found by name: ``time_s``, ``steer_rad`` (or ``steering_wheel_rad``),
     ``roll_rad`` (or ``tilt_rad``) and, if there, ``speed_mps``, ``lateral_acceleration_mps2``,
-    ``yaw_rate_radps``, ``trailer_mass_kg`` (or ``trailer_axle_load_kg``); units by suffix, also
-    ``_deg``, ``_degps``, ``_kmh``, ``_g``, ``_ms``, ``_us``, ``_t``. The same rules hold for files
-    and data frames.
+    ``yaw_rate_radps``, ``trailer_mass_kg`` (or ``trailer_axle_load_kg``, or
+    ``trailer_suspension_pressure_pa``); units by suffix, also ``_deg``, ``_degps``, ``_kmh``,
+    ``_g``, ``_ms``, ``_us``, ``_t``, ``_kpa``, ``_bar``. The same rules hold for files and data
+    frames.
 
     Parameters
     ----------

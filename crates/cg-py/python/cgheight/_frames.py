@@ -17,7 +17,7 @@ UNITS = {
     "m/s": "mps", "mps": "mps", "km/h": "kmh", "kmh": "kmh", "kph": "kmh",
     "m/s2": "mps2", "m/s^2": "mps2", "m/s²": "mps2", "mps2": "mps2", "g": "g",
     "rad/s": "radps", "radps": "radps", "deg/s": "degps", "°/s": "degps", "degps": "degps",
-    "kg": "kg", "t": "t",
+    "kg": "kg", "t": "t", "pa": "pa", "kpa": "kpa", "bar": "bar",
 }  # fmt: skip
 # The columns of a log, in their usual order.
 COLUMNS = (
@@ -31,9 +31,10 @@ COLUMNS = (
     "yaw_rate_radps",
     "trailer_mass_kg",
     "trailer_axle_load_kg",
+    "trailer_suspension_pressure_pa",
 )
 # Sent now and then, and the same all the drive.
-SLOW = ("trailer_mass_kg", "trailer_axle_load_kg")
+SLOW = COLUMNS[-3:]
 
 
 class Frame(Protocol):
@@ -53,9 +54,9 @@ class Rows:
     """Puts frames together to rows of a log.
 
     A frame with the roll angle (or, where there is none, the inclinometer's) makes a row; the
-    other signals keep their last value for `hold_s` seconds, mass and axle load for ever. Where
-    several devices send the same signal, the first is kept while it lives, unless J1939 has a
-    better source for it.
+    other signals keep their last value for `hold_s` seconds, what weighs the trailer for ever.
+    Where several devices send the same signal, the first is kept while it lives, unless J1939 has
+    a better source for it.
     """
 
     def __init__(

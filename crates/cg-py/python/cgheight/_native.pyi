@@ -87,6 +87,7 @@ class Stream:
         steering_wheel_rad: float = ...,
         tilt_rad: float = ...,
         trailer_axle_load_kg: float = ...,
+        trailer_suspension_pressure_pa: float = ...,
     ) -> Literal["absent", "straight", "turning"]:
         """Take in one row. Signals that are absent stay NaN."""
     def estimate(self) -> Estimate:

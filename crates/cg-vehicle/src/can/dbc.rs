@@ -283,6 +283,9 @@ const fn units(quantity: Quantity) -> [(&'static str, f64); 4] {
             [("m/s2", 1.0), ("m/s²", 1.0), ("m/s^2", 1.0), ("g", 9.806_65)]
         }
         Quantity::YawRate => [("rad/s", 1.0), ("deg/s", DEGREE), ("°/s", DEGREE), ("mrad/s", 1e-3)],
+        Quantity::TrailerSuspensionPressure => {
+            [("Pa", 1.0), ("kPa", 1e3), ("bar", 1e5), ("psi", 6894.757)]
+        }
         Quantity::TrailerMass | Quantity::TrailerAxleLoad => {
             [("kg", 1.0), ("t", 1000.0), ("lb", 0.453_592_37), ("Mg", 1000.0)]
         }

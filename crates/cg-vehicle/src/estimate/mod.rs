@@ -100,10 +100,12 @@ pub struct LogEstimator {
 
 /// Which optional signals the log has had.
 #[derive(Clone, Copy, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "one for each thing to tell")]
 struct Seen {
     speed: bool,
     mass: bool,
     unscaled_steering_wheel: bool,
+    unscaled_pressure: bool,
 }
 
 impl LogEstimator {
@@ -163,6 +165,8 @@ impl LogEstimator {
         let mut sample = row.sample(time_us, &self.settings);
         self.seen.unscaled_steering_wheel |=
             sample.steer_rad.is_nan() && !row.steering_wheel_rad.is_nan();
+        self.seen.unscaled_pressure |=
+            sample.trailer_mass_kg.is_nan() && !row.trailer_suspension_pressure_pa.is_nan();
         self.seen.speed |= sample.speed_mps.is_finite();
         self.seen.mass |= sample.trailer_mass_kg.is_finite();
         if let Some(speed_mps) = self.options.speed_mps {
@@ -360,6 +364,13 @@ impl LogEstimator {
             messages.push(
                 "the log has the steering-wheel angle but the vehicle file no steering_ratio: \
                  steer channel not used"
+                    .to_owned(),
+            );
+        }
+        if self.seen.unscaled_pressure && !self.seen.mass {
+            messages.push(
+                "the log has the suspension pressure but the vehicle file no \
+                 trailer.suspension_pressure: mass not taken from it"
                     .to_owned(),
             );
         }

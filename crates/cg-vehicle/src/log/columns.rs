@@ -175,7 +175,10 @@ impl Header<'_> {
 
     fn check_flip(&self, signal: Signal) -> Result<(), LogError> {
         let reason = match signal {
-            Signal::Time | Signal::TrailerMass | Signal::TrailerAxleLoad => "it has no direction",
+            Signal::Time
+            | Signal::TrailerMass
+            | Signal::TrailerAxleLoad
+            | Signal::TrailerSuspensionPressure => "it has no direction",
             _ if self.find(signal).is_none() => "the log has no such signal",
             _ => return Ok(()),
         };

@@ -25,6 +25,7 @@
 //! | yaw rate | `yaw_rate_radps` | `_degps` | |
 //! | whole semitrailer as weighed | `trailer_mass_kg` | `_t` | |
 //! | load of its axles on the road | `trailer_axle_load_kg` | `_t` | |
+//! | pressure in its air suspension | `trailer_suspension_pressure_pa` | `_kpa`, `_bar` | |
 //!
 //! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are passed over, but one of
 //! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a

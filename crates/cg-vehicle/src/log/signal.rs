@@ -33,6 +33,8 @@ pub struct LogRow {
     pub trailer_mass_kg: f64,
     /// Load of the trailer's axles on the road; stands in for an absent mass.
     pub trailer_axle_load_kg: f64,
+    /// Pressure in the trailer's air suspension, mean of both sides; stands in for both.
+    pub trailer_suspension_pressure_pa: f64,
 }
 
 impl LogRow {
@@ -52,6 +54,7 @@ impl LogRow {
             Signal::YawRate => self.yaw_rate_radps,
             Signal::TrailerMass => self.trailer_mass_kg,
             Signal::TrailerAxleLoad => self.trailer_axle_load_kg,
+            Signal::TrailerSuspensionPressure => self.trailer_suspension_pressure_pa,
         }
     }
 
@@ -65,8 +68,11 @@ impl LogRow {
             speed_mps: self.speed_mps,
             lateral_acceleration_mps2: self.lateral_acceleration_mps2,
             yaw_rate_radps: self.yaw_rate_radps,
-            trailer_mass_kg: settings
-                .trailer_mass_kg(self.trailer_mass_kg, self.trailer_axle_load_kg),
+            trailer_mass_kg: settings.trailer_mass_kg(
+                self.trailer_mass_kg,
+                self.trailer_axle_load_kg,
+                self.trailer_suspension_pressure_pa,
+            ),
         }
     }
 
@@ -83,6 +89,7 @@ impl LogRow {
             yaw_rate_radps,
             trailer_mass_kg,
             trailer_axle_load_kg,
+            trailer_suspension_pressure_pa,
         ] = values;
         Self {
             time_s,
@@ -95,6 +102,7 @@ impl LogRow {
             yaw_rate_radps,
             trailer_mass_kg,
             trailer_axle_load_kg,
+            trailer_suspension_pressure_pa,
         }
     }
 }
@@ -122,10 +130,12 @@ pub enum Signal {
     TrailerMass,
     /// `trailer_axle_load_kg`.
     TrailerAxleLoad,
+    /// `trailer_suspension_pressure_pa`.
+    TrailerSuspensionPressure,
 }
 
 impl Signal {
-    pub(super) const COUNT: usize = 10;
+    pub(super) const COUNT: usize = 11;
 
     /// Every signal, in the order of the fields of [`LogRow`].
     pub const ALL: [Self; Self::COUNT] = [
@@ -139,6 +149,7 @@ impl Signal {
         Self::YawRate,
         Self::TrailerMass,
         Self::TrailerAxleLoad,
+        Self::TrailerSuspensionPressure,
     ];
 
     /// The name without a unit: `roll`.
@@ -154,6 +165,7 @@ impl Signal {
             Self::YawRate => "yaw_rate",
             Self::TrailerMass => "trailer_mass",
             Self::TrailerAxleLoad => "trailer_axle_load",
+            Self::TrailerSuspensionPressure => "trailer_suspension_pressure",
         }
     }
 
@@ -170,6 +182,7 @@ impl Signal {
             Self::YawRate => "yaw_rate_radps",
             Self::TrailerMass => "trailer_mass_kg",
             Self::TrailerAxleLoad => "trailer_axle_load_kg",
+            Self::TrailerSuspensionPressure => "trailer_suspension_pressure_pa",
         }
     }
 
@@ -182,6 +195,7 @@ impl Signal {
             Self::LateralAcceleration => &[Unit::MPS2, Unit::G],
             Self::YawRate => &[Unit::RADPS, Unit::DEGPS],
             Self::TrailerMass | Self::TrailerAxleLoad => &[Unit::KG, Unit::T],
+            Self::TrailerSuspensionPressure => &[Unit::PA, Unit::KPA, Unit::BAR],
         }
     }
 
@@ -222,6 +236,7 @@ impl From<Quantity> for Signal {
             Quantity::YawRate => Self::YawRate,
             Quantity::TrailerMass => Self::TrailerMass,
             Quantity::TrailerAxleLoad => Self::TrailerAxleLoad,
+            Quantity::TrailerSuspensionPressure => Self::TrailerSuspensionPressure,
         }
     }
 }
@@ -267,6 +282,9 @@ impl Unit {
     const DEGPS: Self = Self::new("degps", PI / 180.0, 1.0);
     const KG: Self = Self::new("kg", 1.0, 1.0);
     const T: Self = Self::new("t", 1e3, 1.0);
+    const PA: Self = Self::new("pa", 1.0, 1.0);
+    const KPA: Self = Self::new("kpa", 1e3, 1.0);
+    const BAR: Self = Self::new("bar", 1e5, 1.0);
 
     const fn new(name: &'static str, times: f64, per: f64) -> Self {
         Self { name, times, per }

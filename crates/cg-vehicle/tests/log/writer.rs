@@ -138,7 +138,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 proptest! {
     #[test]
     fn what_is_written_is_read_again_bit_for_bit(
-        steps_us in prop::collection::vec((1_u32..2_000_000_000, prop::array::uniform9(any_number())), 1..20),
+        steps_us in prop::collection::vec((1_u32..2_000_000_000, prop::array::uniform10(any_number())), 1..20),
         start_us in -1e15..1e15,
     ) {
         let mut time_us = f64::round(start_us);
@@ -155,6 +155,7 @@ proptest! {
                 yaw_rate_radps: v[6],
                 trailer_mass_kg: v[7],
                 trailer_axle_load_kg: v[8],
+                trailer_suspension_pressure_pa: v[9],
             }
         }).collect();
         let back = read(written(&["seed"], &Signal::ALL, &rows).unwrap()).unwrap();
