@@ -7,7 +7,7 @@ VENV := .venv
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets guest fuzz soak venv python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets cg guest fuzz soak venv python bench bench-short demo clean
 
 test: tools fmt lint rust docs firmware guest python bench-short
 	@echo "all checks passed"
@@ -51,9 +51,12 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# `cg run` on real SocketCAN: a kernel with vcan in QEMU, a drive played, the bus loaded for a minute.
-guest: venv
+# The program as users have it.
+cg:
 	cargo build --release --package cg-cli
+
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU, a drive played, the bus loaded for a minute.
+guest: venv cg
 	guest/run.sh target/release/cg $(VENV)
 
 # The Python package in a fresh environment with every extra.
@@ -64,9 +67,8 @@ venv:
 
 # The Python package: tests (the page of a report in
 # Chromium, Spark, the notebook), stubs against the binary, lint. Then its wheel with numpy alone.
-python: venv
-	cargo build --package cg-cli
-	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
+python: venv cg
+	CG=$(CURDIR)/target/release/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
@@ -86,10 +88,10 @@ soak:
 	CG_SOAK_DRIVES=30 cargo test --release --package cg-cli --test cli a_month -- --nocapture
 
 # Every bench once on little data: shows that they run, measures nothing.
-bench-short:
+bench-short: venv cg
 	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
-	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
+	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/release/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 
 # All benches, ten million rows, a thousand logs; writes benches/RESULTS.md. After `make python`.
 bench: firmware-tools

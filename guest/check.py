@@ -82,6 +82,15 @@ verdict(
     f"told {sum('waiting' in text for text in notices)} and {sum('up' in text for text in notices)} times",
 )
 
+notices = [line["message"] for line in lines(live, "notice") if line["subject"] == "metrics"]
+verdict(
+    "disk full, then read-only",
+    [text.removeprefix("cannot be written, will be tried again: ") for text in notices]
+    == ["No space left on device (os error 28)", "can be written again",
+        "Read-only file system (os error 30)", "can be written again"],
+    "; ".join(notices),
+)  # fmt: skip
+
 resumed = results / "resumed.jsonl"
 start = lines(resumed, "start")[0]
 first = lines(resumed, "status")[0]

@@ -50,7 +50,7 @@ done
 root=$work/root
 mkdir -p "$root"/{bin,lib,dev,proc,sys,kept,results}
 cp "$(command -v busybox)" "$root/bin/busybox"
-for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty poweroff echo rm date seq; do
+for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty poweroff echo rm date seq dd; do
   ln -s busybox "$root/bin/$applet"
 done
 programs=("$cg")
