@@ -85,6 +85,12 @@ mod tests {
     }
 
     #[test]
+    fn half_a_second_off_is_a_jump_and_less_a_late_frame() {
+        assert_eq!(steps(&[(0, Some(0)), (600_000, Some(50_000))])[1], (50_000, 550_000));
+        assert_eq!(steps(&[(0, Some(0)), (400_000, Some(50_000))])[1], (400_000, 0));
+    }
+
+    #[test]
     fn a_pause_is_no_jump() {
         assert_eq!(steps(&[(0, Some(0)), (70_000_000, Some(70_000_100))])[1], (70_000_000, 0));
         assert_eq!(steps(&[(0, None), (70_000_000, None)])[1], (70_000_000, 0));

@@ -70,3 +70,41 @@ fn text(status: &Status, latency: Option<Latency>) -> String {
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::events::{Counters, Result};
+
+    #[test]
+    fn every_counter_stands_under_its_own_name() {
+        let counters = Counters {
+            frames: 7,
+            frames_lost: 3,
+            malformed: 2,
+            error_frames: 5,
+            ..Counters::default()
+        };
+        let status = Status {
+            state: "straight",
+            missing: Vec::new(),
+            result: Result::default(),
+            load_since_s: None,
+            lateral_acceleration_g: None,
+            margin_g: None,
+            warning_level: 0,
+            samples: 11,
+            counters,
+        };
+        let text = text(&status, None);
+        for line in [
+            "cg_frames_total 7",
+            "cg_frames_lost_total 3",
+            "cg_malformed_total 2",
+            "cg_error_frames_total 5",
+            "cg_samples_total 11",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line}: {text}");
+        }
+    }
+}

@@ -200,6 +200,16 @@ mod tests {
     }
 
     #[test]
+    fn a_state_of_impossible_numbers_is_put_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, mut memory) = subject(folder.path());
+        memory.trailer_mass_kg = -1.0;
+        file.save(&memory, 1.5, None).unwrap();
+        let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
+        assert_eq!(reason, "its numbers cannot be");
+    }
+
+    #[test]
     fn the_state_of_another_truck_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (mut file, memory) = subject(folder.path());

@@ -67,6 +67,20 @@ mod tests {
     }
 
     #[test]
+    fn the_status_says_whether_a_signal_is_missing() {
+        let known = Result { height_m: Some(1.9), ..Result::default() };
+        for (result, missing, code) in [
+            (Result::default(), vec![], 0),
+            (known.clone(), vec![], 1),
+            (known, vec!["roll"], 2),
+            (Result::default(), vec!["roll"], 3),
+        ] {
+            let (_, data) = frame(&Status { missing, ..status(result, None) }, 0xD0);
+            assert_eq!(data[6], code);
+        }
+    }
+
+    #[test]
     fn values_that_do_not_fit_are_the_nearest_that_do() {
         let result = Result {
             height_m: Some(1.9),

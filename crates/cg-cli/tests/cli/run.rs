@@ -128,6 +128,21 @@ fn a_damaged_state_is_said_and_kept() {
     assert_eq!(again[0]["restored"], true);
 }
 
+/// As if the scale were wrong: the option counts, not the bus.
+#[test]
+fn a_given_mass_is_taken_whatever_the_bus_says() {
+    let drive = drive();
+    let told = lines(&drive.replay(&drive.candump, &[]).done());
+    let given = lines(&drive.replay(&drive.candump, &["--trailer-mass-kg", "25000"]).done());
+    let last = |lines: &[Value], key: &str| {
+        events(lines, "maneuver").last().unwrap()[key].as_f64().unwrap()
+    };
+    assert!((last(&given, "trailer_mass_kg") - 25e3).abs() < 1e-9);
+    // Mass and height are confounded: a trailer taken for heavier is taken for lower.
+    assert!(last(&told, "trailer_mass_kg") < 20e3);
+    assert!(last(&given, "height_m") < 0.95 * last(&told, "height_m"));
+}
+
 /// A full disk costs the file, not the estimate; it is said once.
 #[test]
 fn a_full_disk_stops_nothing() {
