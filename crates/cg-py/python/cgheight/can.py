@@ -53,7 +53,8 @@ def read_log(
         With `dbc` or measured channels: signal of the log to name in the file, such as
         ``{"roll": "RollAngle", "steering_wheel": "EBC1.Angle[deg]"}``. Signals are ``steer``,
         ``steering_wheel``, ``roll``, ``tilt``, ``speed``, ``lateral_acceleration``, ``yaw_rate``,
-        ``trailer_mass``; a unit in brackets overrides the file's.
+        ``trailer_mass``, ``trailer_axle_load``, ``trailer_suspension_pressure``; a unit in brackets
+        overrides the file's.
     flip : iterable of str
         Signals whose sensor is mounted the other way round.
     hold_s : float

@@ -10,6 +10,9 @@
 //! | SSI2 (roll sensor) or SSI (inclinometer) | roll or tilt | row |
 //! | CCVS1 | speed | 100 ms |
 //! | VW | trailer weight | 1 s |
+//! | EBS22 | load of the trailer's axles | 1 s |
+//!
+//! No group holds the pressure of the suspension: it is left out.
 
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
@@ -17,7 +20,7 @@ use std::path::Path;
 
 use cg_core::j1939::{
     LATERAL_ACCELERATION, NOT_AVAILABLE, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
-    TRAILER_MASS, YAW_RATE,
+    TRAILER_AXLE_LOAD, TRAILER_MASS, YAW_RATE,
 };
 
 use crate::draft::Draft;
@@ -98,9 +101,11 @@ impl CandumpWriter {
             self.next_speed_us = time_us + SPEED_CYCLE_US;
             self.frame(time_us, ENGINE, &[(SPEED, row.speed_mps)])?;
         }
-        if time_us >= self.next_weight_us && row.trailer_mass_kg.is_finite() {
+        let weighed = row.trailer_mass_kg.is_finite() || row.trailer_axle_load_kg.is_finite();
+        if time_us >= self.next_weight_us && weighed {
             self.next_weight_us = time_us + WEIGHT_CYCLE_US;
             self.frame(time_us, TRAILER, &[(TRAILER_MASS, row.trailer_mass_kg)])?;
+            self.frame(time_us, TRAILER, &[(TRAILER_AXLE_LOAD, row.trailer_axle_load_kg)])?;
         }
         Ok(())
     }
@@ -191,6 +196,19 @@ mod tests {
         assert_eq!((lines("18FEF100#"), lines("18FEEAC8#")), (2, 1));
         // 0.2 rad at the wheel is raw 32332 = 0x7E4C; yaw rate and acceleration are absent.
         assert_eq!(text.lines().next(), Some("(0.000000) can0 18F0090B#4C7EFFFFFFFFFFFF"));
+    }
+
+    #[test]
+    fn the_load_of_the_axles_is_sent_where_the_mass_is_not_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("drive.log");
+        let mut writer = CandumpWriter::create(&path, 20.0).unwrap();
+        let row = LogRow { time_s: 0.0, trailer_axle_load_kg: 18_000.0, ..LogRow::ABSENT };
+        writer.write_row(&row).unwrap();
+        writer.finish().unwrap();
+        // 9000 steps of 2 kg are 0x2328, low byte first.
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "(0.000000) can0 18FEC4C8#FFFFFFFF2823FFFF\n");
     }
 
     #[test]
