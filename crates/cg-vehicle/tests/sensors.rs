@@ -102,16 +102,16 @@ fn axle_load_or_suspension_pressure_stand_in_for_the_mass() {
     assert!((by_axles.trailer_mass_kg / trailer_mass_kg - 1.0).abs() < 1e-9);
     let (expected, height_m) = (weighed.height_m.unwrap(), by_axles.height_m.unwrap());
     assert!((height_m / expected - 1.0).abs() < 1e-6, "{height_m} {expected}");
-    // A gauge that shows 1 bar at 5 t and 5 bar at 25 t; the same without its scale.
+    // A gauge that shows 1.3 bar at 5 t and 5.3 bar at 25 t; the same without its scale.
     let gauged = |row: &mut LogRow| {
-        row.trailer_suspension_pressure_pa = 20.0 * (row.trailer_mass_kg - hitch_kg);
+        row.trailer_suspension_pressure_pa = 3e4 + 20.0 * (row.trailer_mass_kg - hitch_kg);
         row.trailer_mass_kg = f64::NAN;
     };
     let unscaled = estimate(&vehicle, &gauged);
     assert!(unscaled.messages.iter().any(|message| message.contains("suspension_pressure")));
     assert!((unscaled.trailer_mass_kg - vehicle.reference_load().trailer_mass_kg).abs() < 1e-9);
     let mut scaled = vehicle.clone();
-    let (gauge_pa, axle_load_kg) = ([1e5, 5e5], [5e3, 25e3]);
+    let (gauge_pa, axle_load_kg) = ([1.3e5, 5.3e5], [5e3, 25e3]);
     scaled.trailer.suspension_pressure = Some(SuspensionPressure { gauge_pa, axle_load_kg });
     let by_pressure = estimate(&scaled, &gauged);
     assert_eq!(weighed.messages, by_pressure.messages);
