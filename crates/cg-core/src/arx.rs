@@ -144,6 +144,8 @@ impl<T: Real, const N: usize> Arx<T, N> {
         let (snr_db, fit_percent) = self.moments.quality(variance, T::zero());
         Answer::Ready(Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
+            drift_radps: Measured::exact(T::zero()),
+            bend: Measured::exact(T::zero()),
             noise_sd_rad: variance.root(),
             snr_db,
             fit_percent,

@@ -2,18 +2,21 @@
 
 use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::input_noise::InputNoise;
-use crate::linalg::Triangle;
+use crate::linalg::{Packed, Triangle};
 use crate::long_run::LongRun;
 use crate::ratio::Measured;
 use crate::real::Real;
 use crate::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
 
 /// Unknowns of [`FilteredArx`]: five denominator coefficients, the gain, five
-/// numerator coefficients, the constant offset.
-pub const UNKNOWNS: usize = 2 * ORDER + 2;
+/// numerator coefficients, the offset of the roll sensor and its drift.
+pub const UNKNOWNS: usize = 2 * ORDER + 3;
+
+/// Regressors: the unknowns, and last the bend, which is tested but not fitted.
+const REGRESSORS: usize = UNKNOWNS + 1;
 
 /// [`UNKNOWNS`] as a number.
-const UNKNOWNS_F64: f64 = 12.0;
+const UNKNOWNS_F64: f64 = 13.0;
 
 /// Rows taken into the triangle at once.
 const BLOCK: usize = 8;
@@ -25,6 +28,20 @@ const INPUT_DOUBT: f64 = 0.35;
 
 const GAIN: usize = ORDER;
 const OFFSET: usize = 2 * ORDER + 1;
+const DRIFT: usize = 2 * ORDER + 2;
+const BEND: usize = 2 * ORDER + 3;
+
+/// Unit of time of the drift, so that its regressor is of the size of the others.
+const DRIFT_S: f64 = 10.0;
+/// Unit of the roll angle in the bend's regressor, for the same reason.
+const BEND_RAD: f64 = 0.05;
+/// Weight of rows that hold the dynamics at the model's. The rows' own weight is the roll angle times
+/// the root of their number, 3 or so.
+const HELD: f64 = 1e3;
+
+/// The equations of the rows, in half the memory of a square.
+type Equations<T> = Triangle<T, REGRESSORS, HalfSquare<T>>;
+type HalfSquare<T> = Packed<T, REGRESSORS, { REGRESSORS * (REGRESSORS + 1) / 2 }>;
 
 /// Prior knowledge that [`FilteredArx`] starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,15 +55,19 @@ pub struct Prior<T> {
     /// Standard deviation of a constant roll offset, radians; 0 = no offset regressor,
     /// infinity = a free one.
     pub offset_sd_rad: T,
+    /// Standard deviation of a steady drift of that offset, radians per second; 0 = none.
+    pub drift_sd_radps: T,
 }
 
 impl<T: Real> Prior<T> {
-    /// Dynamics within 20 %, a sensor of 0.01 degrees (2e-4 rad), a free offset.
+    /// Dynamics within 20 %, a sensor of 0.01 degrees (2e-4 rad), a free offset that drifts by a
+    /// degree a minute (3e-4 rad/s): much for a sensor that is warm, usual while one warms up.
     pub fn standard() -> Self {
         Self {
             dynamics_sd: T::of(0.2),
             noise_floor_rad: T::of(2e-4),
             offset_sd_rad: T::one() / T::zero(),
+            drift_sd_radps: T::of(3e-4),
         }
     }
 }
@@ -55,17 +76,17 @@ impl<T: Real> Prior<T> {
 #[derive(Clone, Copy, Debug)]
 struct Pending<T> {
     rows: usize,
-    columns: [[T; BLOCK]; UNKNOWNS],
+    columns: [[T; BLOCK]; REGRESSORS],
     observations: [T; BLOCK],
 }
 
 impl<T: Real> Pending<T> {
     const fn new() -> Self {
         let zero = T::ZERO;
-        Self { rows: 0, columns: [[zero; BLOCK]; UNKNOWNS], observations: [zero; BLOCK] }
+        Self { rows: 0, columns: [[zero; BLOCK]; REGRESSORS], observations: [zero; BLOCK] }
     }
 
-    fn push(&mut self, row: [T; UNKNOWNS], observation: T) {
+    fn push(&mut self, row: [T; REGRESSORS], observation: T) {
         if let Some(place) = self.observations.get_mut(self.rows) {
             *place = observation;
             for (column, value) in self.columns.iter_mut().zip(row) {
@@ -78,7 +99,7 @@ impl<T: Real> Pending<T> {
     }
 
     /// Takes the rows into a triangle; then none wait.
-    fn fold_into(&mut self, triangle: &mut Triangle<T, UNKNOWNS>) {
+    fn fold_into(&mut self, triangle: &mut Equations<T>) {
         triangle.push_block(&mut self.columns, &mut self.observations);
         *self = Self::new();
     }
@@ -88,24 +109,24 @@ impl<T: Real> Pending<T> {
 #[derive(Clone, Copy, Debug)]
 struct Solution<T: Real> {
     /// Deviations from the model.
-    theta: [T; UNKNOWNS],
+    theta: [T; REGRESSORS],
     /// Standard deviation of the residual, row by row; the floor at least.
     noise_sd: T,
     /// The same of slow noise, which is what the answer's uncertainty follows.
     slow_sd: T,
     /// What noise of the input had taken from the deviations.
-    input_shift: [T; UNKNOWNS],
+    input_shift: [T; REGRESSORS],
     /// The equations that gave the deviations, prior included.
-    triangle: Triangle<T, UNKNOWNS>,
+    triangle: Equations<T>,
 }
 
 impl<T: Real> Solution<T> {
     /// Before the rows have been asked.
     const NONE: Self = Self {
-        theta: [T::ZERO; UNKNOWNS],
+        theta: [T::ZERO; REGRESSORS],
         noise_sd: T::ZERO,
         slow_sd: T::ZERO,
-        input_shift: [T::ZERO; UNKNOWNS],
+        input_shift: [T::ZERO; REGRESSORS],
         triangle: Triangle::new(),
     };
 }
@@ -116,13 +137,17 @@ impl<T: Real> Solution<T> {
 /// model, each sample gives one row in the *deviations* from that model,
 ///
 /// ```text
-///     y − G u = −Σ δb_k y_k  +  γ (G u)  +  Σ_{k≥1} δa_k u_k  +  c  +  e
+///     y − G u = −Σ δb_k y_k  +  γ (G u)  +  Σ_{k≥1} δa_k u_k  +  c + d t  +  e
 /// ```
 ///
-/// where `γ` scales the whole response and `δa_k`, `δb_k` bend its shape. The deviations are
+/// where `γ` scales the whole response and `δa_k`, `δb_k` change its shape; `c` and `d` are the offset
+/// of the roll sensor and its drift. The deviations are
 /// small numbers, which is what keeps `f32` accurate, and the prior on each is a row
 /// `δ = 0 ± sd`. The DC ratio is `A0 (1 + γ) / (B0 + δb_0)`. Time runs in units of
-/// `B0^(−1/5)` inside. With `dynamics_sd = 0` only `γ` (and the offset `c`) are free.
+/// `B0^(−1/5)` inside. With `dynamics_sd = 0` only `γ` (and the offset `c`, its drift `d`) are free.
+///
+/// One more column, `(G u)³`, is carried but not fitted: whether it would explain something tells a
+/// roll angle that is bent over the expected one, as by the end of a sensor's range.
 #[derive(Clone, Copy, Debug)]
 pub struct FilteredArx<T: Real> {
     model: Reduced5<T>, // in scaled time
@@ -133,11 +158,15 @@ pub struct FilteredArx<T: Real> {
     input: StateVariableFilter<T>,
     roll: StateVariableFilter<T>,
     started: bool,
-    triangle: Triangle<T, UNKNOWNS>,
+    triangle: Equations<T>,
     pending: Pending<T>,
-    long_run: LongRun<T, UNKNOWNS>,
+    long_run: LongRun<T, REGRESSORS, HalfSquare<T>>,
     moments: Moments<T>,
     reference_rad: T,
+    /// Time since the origin of the drift, in units of [`DRIFT_S`].
+    clock: T,
+    /// The greatest roll angle that the model expected, up or down.
+    greatest_rad: T,
     newest_share: [T; ORDER],
     input_noise: InputNoise<T>,
     /// What unit noise on the input leaves in the rows' products, and the interval it is for.
@@ -180,7 +209,7 @@ impl<T: Real> FilteredArx<T> {
         let u = self.input.derivatives(&self.model);
         let y = self.roll.derivatives(&self.model);
         let nominal = self.model.response(&u);
-        let mut row = [T::zero(); UNKNOWNS];
+        let mut row = [T::zero(); REGRESSORS];
         row[GAIN] = nominal;
         if self.prior.dynamics_sd > T::zero() {
             for k in 0..ORDER {
@@ -190,7 +219,13 @@ impl<T: Real> FilteredArx<T> {
         }
         if self.prior.offset_sd_rad > T::zero() {
             row[OFFSET] = T::one();
+            if self.prior.drift_sd_radps > T::zero() {
+                row[DRIFT] = self.clock;
+            }
         }
+        let bent = nominal / T::of(BEND_RAD);
+        row[BEND] = nominal * bent * bent;
+        self.greatest_rad = self.greatest_rad.max(nominal.abs());
         for (sum, share) in self.newest_share.iter_mut().zip(self.step.newest_share()) {
             *sum += share;
         }
@@ -214,13 +249,14 @@ impl<T: Real> FilteredArx<T> {
         self.moments.input_variance().root() * self.model.dc_gain().abs()
     }
 
-    /// Adds the prior rows for a residual of standard deviation `noise_sd`.
+    /// Adds the prior rows for a residual of standard deviation `noise_sd`; with the dynamics held
+    /// at the model's, if `held` says so.
     #[inline(never)]
-    fn add_prior(&self, triangle: &mut Triangle<T, UNKNOWNS>, noise_sd: T) {
+    fn add_prior(&self, triangle: &mut Equations<T>, noise_sd: T, held: bool) {
         for k in 0..UNKNOWNS {
             if let Some(weight) = self.prior_weight(k, noise_sd) {
-                let mut row = [T::zero(); UNKNOWNS];
-                row[k] = weight;
+                let mut row = [T::zero(); REGRESSORS];
+                row[k] = if held && k < OFFSET { T::of(HELD) } else { weight };
                 triangle.push(row, T::zero());
             }
         }
@@ -233,6 +269,7 @@ impl<T: Real> FilteredArx<T> {
         let sd = match k {
             GAIN => return None,
             OFFSET => self.prior.offset_sd_rad,
+            DRIFT => self.prior.drift_sd_radps * T::of(DRIFT_S),
             _ if k < ORDER => self.prior.dynamics_sd * size(&self.model.denominator, k),
             // A numerator coefficient that happens to be small is not known better.
             _ => {
@@ -245,7 +282,7 @@ impl<T: Real> FilteredArx<T> {
     }
 
     /// Covariance of the deviations (scaled time; see the type's documentation for their order).
-    pub fn covariance(&self) -> Option<[[T; UNKNOWNS]; UNKNOWNS]> {
+    pub fn covariance(&self) -> Option<[[T; REGRESSORS]; REGRESSORS]> {
         let solution = self.settled()?;
         let mut covariance = solution.triangle.covariance(UNKNOWNS);
         for entry in covariance.iter_mut().flatten() {
@@ -282,7 +319,7 @@ impl<T: Real> FilteredArx<T> {
         answer.slow_sd = floor;
         for _ in 0..3 {
             answer.triangle = *data;
-            self.add_prior(&mut answer.triangle, answer.slow_sd);
+            self.add_prior(&mut answer.triangle, answer.slow_sd, false);
             answer.theta = answer
                 .triangle
                 .solve(UNKNOWNS)
@@ -310,13 +347,13 @@ impl<T: Real> FilteredArx<T> {
     /// White roll noise of variance σ² is in `−y_k` with the share that the newest sample has in
     /// it and pulls by −σ² Σ share. White noise of variance v² on the input is in `G u` and `u_k`,
     /// and in e as `−G v`, and pulls by −v² times the mean of `u_k · G u` a row.
-    fn pulls(&self, residual_variance: T) -> ([T; UNKNOWNS], [T; UNKNOWNS]) {
+    fn pulls(&self, residual_variance: T) -> ([T; REGRESSORS], [T; REGRESSORS]) {
         let input_variance = self.input_noise.variance();
         let mut gain = T::zero();
         for (a, product) in self.model.numerator.iter().zip(self.noise_products) {
             gain += *a * product;
         }
-        let (mut roll, mut input) = ([T::zero(); UNKNOWNS], [T::zero(); UNKNOWNS]);
+        let (mut roll, mut input) = ([T::zero(); REGRESSORS], [T::zero(); REGRESSORS]);
         let rows = self.moments.weight * input_variance;
         input[GAIN] = rows * gain;
         if self.prior.dynamics_sd > T::zero() {
@@ -331,34 +368,41 @@ impl<T: Real> FilteredArx<T> {
 
     /// How many unknowns the data decided, not the prior: `Σ 1 − w² (RᵀR)⁻¹`.
     #[inline(never)]
-    fn effective(&self, triangle: &Triangle<T, UNKNOWNS>, noise_sd: T) -> T {
+    fn effective(&self, triangle: &Equations<T>, noise_sd: T) -> T {
         let mut effective = T::zero();
         for k in 0..UNKNOWNS {
-            let mut gradient = [T::zero(); UNKNOWNS];
+            let mut gradient = [T::zero(); REGRESSORS];
             gradient[k] = self.prior_weight(k, noise_sd).unwrap_or(T::zero());
             effective += T::one() - triangle.variance_of(&gradient, UNKNOWNS);
         }
         effective
     }
 
-    fn describe(&self, solution: &Solution<T>) -> Fit<T> {
+    fn describe(&self, solution: &mut Solution<T>) -> Fit<T> {
         let Solution { theta, noise_sd, slow_sd, input_shift, triangle } = solution;
         // R = A0 (1 + γ) / (B0 + δb_0)
         let denominator = self.model.denominator[0] + theta[0];
         let gain = self.model.numerator[0] / denominator;
         let ratio = gain * (T::one() + theta[GAIN]);
-        let mut gradient = [T::zero(); UNKNOWNS];
+        let mut gradient = [T::zero(); REGRESSORS];
         gradient[0] = -ratio / denominator;
         gradient[GAIN] = gain;
         let spread = *slow_sd * triangle.variance_of(&gradient, UNKNOWNS).root();
         let doubt = T::of(INPUT_DOUBT)
             * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[GAIN]);
         let ratio_sd = (spread * spread + doubt * doubt).root();
+        // The filtered sensor error is B0 + δb_0 over B0 of the sensor's own.
         let rest = theta[OFFSET] / denominator;
+        let per_second = self.model.denominator[0] / denominator / T::of(DRIFT_S);
+        let mut along = [T::zero(); REGRESSORS];
+        along[DRIFT] = per_second;
+        let drift_sd = *slow_sd * triangle.variance_of(&along, UNKNOWNS).root();
         let (snr_db, fit_percent) = self.moments.quality(*noise_sd * *noise_sd, rest);
         Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
-            noise_sd_rad: *noise_sd,
+            drift_radps: Measured { value: theta[DRIFT] * per_second, sd: drift_sd },
+            bend: self.bend(solution),
+            noise_sd_rad: solution.noise_sd,
             snr_db,
             fit_percent,
             misfit: self.misfit(solution),
@@ -366,13 +410,30 @@ impl<T: Real> FilteredArx<T> {
         }
     }
 
-    /// What the nominal dynamics at the best gain and offset leave over of the roll, beyond what
-    /// the identified ones do and noise explains: root mean square, over that of the roll about
-    /// its mean.
+    /// What a cubic in the expected roll angle would add at its greatest value, as a share of it.
+    fn bend(&self, solution: &Solution<T>) -> Measured<T> {
+        let Some((value, sd)) = solution.triangle.last_of(REGRESSORS) else {
+            return Measured::exact(T::zero());
+        };
+        let greatest = self.greatest_rad / T::of(BEND_RAD);
+        let share = greatest * greatest / (T::one() + solution.theta[GAIN]);
+        // Written so that an expected roll that never moved (0/0) has no bend.
+        if value.present() && sd.present() {
+            Measured { value: value * share, sd: (sd * share).abs() * solution.slow_sd }
+        } else {
+            Measured::exact(T::zero())
+        }
+    }
+
+    /// What the nominal dynamics at the best gain, offset and drift leave over of the roll, beyond
+    /// what the identified ones do and noise explains: root mean square, over that of the roll about
+    /// its mean. The equations of the solution are lost.
     #[inline(never)]
-    fn misfit(&self, solution: &Solution<T>) -> T {
+    fn misfit(&self, solution: &mut Solution<T>) -> T {
         let data = &self.triangle;
-        let Some(nominal) = data.solve_pair(GAIN, OFFSET) else { return T::zero() };
+        solution.triangle = *data;
+        self.add_prior(&mut solution.triangle, solution.slow_sd, true);
+        let Ok(nominal) = solution.triangle.solve(UNKNOWNS) else { return T::zero() };
         let more = data.sum_of_squares_at(&nominal) - data.sum_of_squares_at(&solution.theta);
         // Each unknown explains some noise: by chance up to five standard deviations of it.
         let noise = T::of(25.0 * UNKNOWNS_F64) * solution.slow_sd * solution.slow_sd;
@@ -404,7 +465,12 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     const EMPTY: Self = Self {
         model: Reduced5 { numerator: [T::ZERO; ORDER + 1], denominator: [T::ZERO; ORDER] },
         scale_radps: T::ZERO,
-        prior: Prior { dynamics_sd: T::ZERO, noise_floor_rad: T::ZERO, offset_sd_rad: T::ZERO },
+        prior: Prior {
+            dynamics_sd: T::ZERO,
+            noise_floor_rad: T::ZERO,
+            offset_sd_rad: T::ZERO,
+            drift_sd_radps: T::ZERO,
+        },
         interval_s: T::ZERO,
         step: StepMatrices::STANDING,
         input: StateVariableFilter::EMPTY,
@@ -415,6 +481,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         long_run: LongRun::new(),
         moments: Moments::new(),
         reference_rad: T::ZERO,
+        clock: T::ZERO,
+        greatest_rad: T::ZERO,
         newest_share: [T::ZERO; ORDER],
         input_noise: InputNoise::new(),
         noise_products: [T::ZERO; ORDER + 1],
@@ -438,6 +506,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
             if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
                 self.discretise(interval_s);
             }
+            self.clock += interval_s / T::of(DRIFT_S);
             self.input.push(&self.step, input);
             self.roll.push(&self.step, roll_rad - self.reference_rad);
         } else {
@@ -463,6 +532,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.moments = Moments::new();
         self.newest_share = [T::zero(); ORDER];
         self.input_noise = InputNoise::new();
+        (self.clock, self.greatest_rad) = (T::zero(), T::zero());
     }
 
     /// Forgets the filters too: the next sample is taken as a state of rest.
@@ -474,6 +544,10 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     /// Multiplies the weight of all rows so far by `factor` (forgetting).
     fn forget(&mut self, factor: T) {
         self.pending.fold_into(&mut self.triangle);
+        // The drift counts from now on: a large number would cost digits in f32.
+        self.triangle.shift(DRIFT, OFFSET, self.clock);
+        self.long_run.shift(DRIFT, OFFSET, self.clock);
+        self.clock = T::zero();
         self.triangle.scale(factor.root());
         self.long_run.forget(factor);
         self.input_noise.forget(factor);
@@ -488,7 +562,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.pending.fold_into(&mut self.triangle);
         let mut solution = Solution::NONE;
         match self.solve(&mut solution) {
-            Ok(()) => Answer::Ready(self.describe(&solution)),
+            Ok(()) => Answer::Ready(self.describe(&mut solution)),
             Err(reason) => Answer::Unexcited(reason),
         }
     }

@@ -53,6 +53,12 @@ impl fmt::Display for Unexcited {
 pub struct Fit<T> {
     /// The DC ratio `R_i = A0/B0`, radians of roll per unit of input, and its standard deviation.
     pub ratio: Measured<T>,
+    /// Drift of the roll sensor's offset, radians per second. Zero where it is not identified.
+    pub drift_radps: Measured<T>,
+    /// By how much the roll angle bends over the expected one, as a share of it at the greatest
+    /// expected angle: negative at the end of a sensor's range, positive for a dead band. Zero where
+    /// it is not identified.
+    pub bend: Measured<T>,
     /// Standard deviation of the residual, radians (not below the noise floor).
     pub noise_sd_rad: T,
     /// Mean square of the roll response over the noise, dB.

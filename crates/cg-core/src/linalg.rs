@@ -17,10 +17,68 @@
 
 use crate::real::Real;
 
+/// Where the upper triangle `R` is kept: row `i` from its diagonal on.
+pub trait Rows<T>: Copy {
+    /// All zero.
+    const EMPTY: Self;
+
+    /// Row `i`, from its diagonal element to its last one; empty beyond the last row.
+    fn row(&self, i: usize) -> &[T];
+
+    /// The same, to be changed.
+    fn row_mut(&mut self, i: usize) -> &mut [T];
+}
+
+/// A square of which the lower half is never touched.
+impl<T: Real, const N: usize> Rows<T> for [[T; N]; N] {
+    const EMPTY: Self = [[T::ZERO; N]; N];
+
+    #[inline]
+    fn row(&self, i: usize) -> &[T] {
+        self.get(i).and_then(|row| row.get(i..)).unwrap_or(&[])
+    }
+
+    #[inline]
+    fn row_mut(&mut self, i: usize) -> &mut [T] {
+        self.get_mut(i).and_then(|row| row.get_mut(i..)).unwrap_or(&mut [])
+    }
+}
+
+/// One row after the other with nothing between, `P = N (N + 1)/2` numbers: half the memory of a
+/// square.
+#[derive(Clone, Copy, Debug)]
+pub struct Packed<T, const N: usize, const P: usize>([T; P]);
+
+impl<T, const N: usize, const P: usize> Packed<T, N, P> {
+    /// Where row `i` lies.
+    const fn place(i: usize) -> core::ops::Range<usize> {
+        let start = (i * (2 * N + 1 - i)) / 2;
+        start..start + (N - i)
+    }
+}
+
+impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
+    const EMPTY: Self = {
+        assert!(P == N * (N + 1) / 2, "P is the number of elements of a triangle");
+        Self([T::ZERO; P])
+    };
+
+    #[inline]
+    fn row(&self, i: usize) -> &[T] {
+        if i < N { self.0.get(Self::place(i)).unwrap_or(&[]) } else { &[] }
+    }
+
+    #[inline]
+    fn row_mut(&mut self, i: usize) -> &mut [T] {
+        if i < N { self.0.get_mut(Self::place(i)).unwrap_or(&mut []) } else { &mut [] }
+    }
+}
+
 /// A running least-squares problem with at most `N` unknowns.
 ///
 /// All inline, no heap. One [`push`](Self::push) costs up to `N` square roots and
-/// about `5 N² / 2` multiplications; zeros in the row are free.
+/// about `5 N² / 2` multiplications; zeros in the row are free. `R` is kept as a square, or
+/// [`Packed`] where memory counts.
 ///
 /// ```
 /// use cg_core::linalg::Triangle;
@@ -33,51 +91,48 @@ use crate::real::Real;
 /// assert!((theta[0] - 3.0).abs() < 1e-12 && (theta[1] - 0.5).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Triangle<T, const N: usize> {
-    r: [[T; N]; N],
+pub struct Triangle<T, const N: usize, R = [[T; N]; N]> {
+    r: R,
     z: [T; N],
     residual_sum_of_squares: T,
 }
 
-impl<T: Real, const N: usize> Default for Triangle<T, N> {
+impl<T: Real, const N: usize, R: Rows<T>> Default for Triangle<T, N, R> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real, const N: usize> Triangle<T, N> {
+impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     /// The empty problem.
     pub const fn new() -> Self {
-        Self { r: [[T::ZERO; N]; N], z: [T::ZERO; N], residual_sum_of_squares: T::ZERO }
+        Self { r: R::EMPTY, z: [T::ZERO; N], residual_sum_of_squares: T::ZERO }
     }
 
     /// Takes in the row `regressors · θ = observation`.
     #[inline]
     pub fn push(&mut self, mut regressors: [T; N], mut observation: T) {
-        for i in 0..N {
-            let x = regressors[i];
-            if x == T::zero() {
+        for (i, z) in self.z.iter_mut().enumerate() {
+            let Some((x, right)) = regressors.get_mut(i..).and_then(<[T]>::split_first_mut) else {
+                break;
+            };
+            let Some((diagonal, upper)) = self.r.row_mut(i).split_first_mut() else { break };
+            if *x == T::zero() {
                 continue;
             }
-            let row = &mut self.r[i];
-            let diagonal = row[i];
             // ┌ c  s ┐ ┌ r ┐   ┌ √(r² + x²) ┐
             // └-s  c ┘ └ x ┘ = └     0      ┘
-            let length = (diagonal * diagonal + x * x).root();
+            let length = (*diagonal * *diagonal + *x * *x).root();
             if length == T::zero() {
                 continue; // x so small that its square underflows: no information
             }
             let inverse = T::one() / length;
-            let (c, s) = (diagonal * inverse, x * inverse);
-            row[i] = length;
-            for j in i + 1..N {
-                let (upper, lower) = (row[j], regressors[j]);
-                row[j] = c * upper + s * lower;
-                regressors[j] = c * lower - s * upper;
+            let (c, s) = (*diagonal * inverse, *x * inverse);
+            *diagonal = length;
+            for (upper, lower) in upper.iter_mut().zip(right) {
+                (*upper, *lower) = (c * *upper + s * *lower, c * *lower - s * *upper);
             }
-            let upper = self.z[i];
-            self.z[i] = c * upper + s * observation;
-            observation = c * observation - s * upper;
+            (*z, observation) = (c * *z + s * observation, c * observation - s * *z);
         }
         self.residual_sum_of_squares += observation * observation;
     }
@@ -92,63 +147,53 @@ impl<T: Real, const N: usize> Triangle<T, N> {
         columns: &mut [[T; B]; N],
         observations: &mut [T; B],
     ) {
-        for j in 0..N {
-            let v = columns[j];
-            let tail = dot(&v, &v);
+        for (j, z) in self.z.iter_mut().enumerate() {
+            let Some((v, right)) = columns.get_mut(j..).and_then(<[_]>::split_first_mut) else {
+                break;
+            };
+            let Some((diagonal, upper)) = self.r.row_mut(j).split_first_mut() else { break };
+            let tail = dot(v, v);
             // (I − β u uᵀ) (r, v)ᵀ = (α, 0)ᵀ with u = (r − α, v); α has the sign that does not
             // cancel.
-            let diagonal = self.r[j][j];
-            let length = (diagonal * diagonal + tail).root();
-            let alpha = if diagonal > T::zero() { -length } else { length };
-            let head = diagonal - alpha;
+            let length = (*diagonal * *diagonal + tail).root();
+            let alpha = if *diagonal > T::zero() { -length } else { length };
+            let head = *diagonal - alpha;
             let beta = T::one() / (length * head.abs());
             if tail == T::zero() || !beta.present() {
                 continue; // nothing there, or so small that its square underflows
             }
-            self.r[j][j] = alpha;
-            for k in j + 1..N {
-                reflect(head, &v, beta, &mut self.r[j][k], &mut columns[k]);
+            *diagonal = alpha;
+            for (upper, column) in upper.iter_mut().zip(right) {
+                reflect(head, v, beta, upper, column);
             }
-            reflect(head, &v, beta, &mut self.z[j], observations);
+            reflect(head, v, beta, z, observations);
         }
         self.residual_sum_of_squares += dot(observations, observations);
-    }
-
-    /// The least-squares answer if only unknowns `a` and `b` differ from zero; `None` if no row
-    /// determines `a`. An undetermined `b` stays zero.
-    pub fn solve_pair(&self, a: usize, b: usize) -> Option<[T; N]> {
-        let (mut aa, mut ab, mut bb) = (T::zero(), T::zero(), T::zero());
-        let (mut az, mut bz) = (T::zero(), T::zero());
-        for (row, z) in self.r.iter().zip(self.z) {
-            let (x, y) = (*row.get(a)?, *row.get(b)?);
-            aa += x * x;
-            ab += x * y;
-            bb += y * y;
-            az += x * z;
-            bz += y * z;
-        }
-        let determinant = aa * bb - ab * ab;
-        let (first, second) = if determinant > T::zero() {
-            ((az * bb - bz * ab) / determinant, (bz * aa - az * ab) / determinant)
-        } else {
-            (az / aa, T::zero())
-        };
-        let mut theta = [T::zero(); N];
-        *theta.get_mut(a)? = first;
-        *theta.get_mut(b)? = second;
-        first.present().then_some(theta)
     }
 
     /// Multiplies the weight of everything seen so far by `factor` (exponential
     /// forgetting; `root_factor` is its square root).
     pub fn scale(&mut self, root_factor: T) {
         for i in 0..N {
-            for j in i..N {
-                self.r[i][j] *= root_factor;
+            for element in self.r.row_mut(i) {
+                *element *= root_factor;
             }
-            self.z[i] *= root_factor;
+        }
+        for z in &mut self.z {
+            *z *= root_factor;
         }
         self.residual_sum_of_squares *= root_factor * root_factor;
+    }
+
+    /// Takes `times` regressor `from` off the later regressor `column`, in every row so far.
+    pub fn shift(&mut self, column: usize, from: usize, times: T) {
+        for i in 0..=from {
+            let row = self.r.row_mut(i);
+            let Some(&other) = row.get(from - i) else { break };
+            if let Some(element) = row.get_mut(column - i) {
+                *element -= times * other;
+            }
+        }
     }
 
     /// The least-squares answer for the first `n` unknowns (the others are zero),
@@ -158,35 +203,34 @@ impl<T: Real, const N: usize> Triangle<T, N> {
     /// `Err(i)` if the `i`-th pivot vanishes against the largest one.
     pub fn solve(&self, n: usize) -> Result<[T; N], usize> {
         self.pivots(n)?;
-        let mut theta = [T::zero(); N];
-        for i in (0..N).rev() {
-            if i < n {
-                let mut sum = self.z[i];
-                for j in i + 1..N {
-                    sum -= self.r[i][j] * theta[j];
-                }
-                theta[i] = sum / self.r[i][i];
-            }
-        }
-        Ok(theta)
+        Ok(self.backward(self.z, n))
     }
 
     fn pivots(&self, n: usize) -> Result<(), usize> {
+        let pivot = |i: usize| self.r.row(i).first().map_or(T::zero(), |pivot| pivot.abs());
         let mut largest = T::zero();
-        for i in 0..N {
-            if i < n {
-                largest = largest.max(self.r[i][i].abs());
-            }
+        for i in 0..n.min(N) {
+            largest = largest.max(pivot(i));
         }
         // A pivot below N ε of the largest is rounding, not information.
         let least = largest * T::machine_epsilon() * T::of(8.0);
-        for i in 0..N {
+        for i in 0..n.min(N) {
             // Written so that NaN fails too.
-            if i < n && !(self.r[i][i].abs() > least) {
+            if !(pivot(i) > least) {
                 return Err(i);
             }
         }
         Ok(())
+    }
+
+    /// The last of the first `n` unknowns if they are all free, and its standard deviation for unit
+    /// noise: what it adds to a model without it.
+    ///
+    /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
+    pub fn last_of(&self, n: usize) -> Option<(T, T)> {
+        let i = n.checked_sub(1)?;
+        let inverse = T::one() / self.r.row(i).first()?.abs();
+        Some((*self.z.get(i)? / *self.r.row(i).first()?, inverse))
     }
 
     /// `‖R⁻ᵀ g‖²`: the variance of `gᵀ θ` for unit noise.
@@ -200,59 +244,55 @@ impl<T: Real, const N: usize> Triangle<T, N> {
     ///
     /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
     pub fn shift_for(&self, change: &[T; N], n: usize) -> [T; N] {
-        let mut w = self.forward(change, n);
-        for i in (0..N).rev() {
-            if i < n {
-                let mut value = w[i];
-                for j in i + 1..N {
-                    value -= self.r[i][j] * w[j];
-                }
-                w[i] = value / self.r[i][i];
+        self.backward(self.forward(change, n), n)
+    }
+
+    /// `R⁻ᵀ g`.
+    fn forward(&self, gradient: &[T; N], n: usize) -> [T; N] {
+        let mut w = *gradient;
+        for i in 0..N {
+            let row = self.r.row(i);
+            let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else { break };
+            if i >= n {
+                *value = T::zero();
+                continue;
+            }
+            *value /= row.first().copied().unwrap_or(T::one());
+            for (x, r) in rest.iter_mut().zip(row.iter().skip(1)) {
+                *x -= *r * *value;
             }
         }
         w
     }
 
-    /// `R⁻ᵀ g`.
-    fn forward(&self, gradient: &[T; N], n: usize) -> [T; N] {
-        let mut w = [T::zero(); N];
-        for i in 0..N {
-            if i < n {
-                let mut value = gradient[i];
-                for j in 0..i {
-                    value -= self.r[j][i] * w[j];
-                }
-                w[i] = value / self.r[i][i];
+    /// `R⁻¹ w`.
+    fn backward(&self, mut w: [T; N], n: usize) -> [T; N] {
+        for i in (0..N).rev() {
+            let row = self.r.row(i);
+            let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else { break };
+            if i >= n {
+                *value = T::zero();
+                continue;
             }
+            for (x, r) in rest.iter().zip(row.iter().skip(1)) {
+                *value -= *r * *x;
+            }
+            *value /= row.first().copied().unwrap_or(T::one());
         }
         w
     }
 
     /// `(RᵀR)⁻¹`: the covariance of θ for unit noise (rows and columns beyond `n` are zero).
+    ///
+    /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
     pub fn covariance(&self, n: usize) -> [[T; N]; N] {
         let mut covariance = [[T::zero(); N]; N];
-        let mut inverse = [[T::zero(); N]; N]; // R⁻¹, upper triangular, column by column
-        for k in 0..N {
-            if k >= n {
-                continue;
+        for (k, column) in covariance.iter_mut().enumerate().take(n) {
+            let mut unit = [T::zero(); N];
+            if let Some(place) = unit.get_mut(k) {
+                *place = T::one();
             }
-            for i in (0..N).rev() {
-                if i > k {
-                    continue;
-                }
-                let mut sum = if i == k { T::one() } else { T::zero() };
-                for j in i + 1..N {
-                    sum -= self.r[i][j] * inverse[j][k];
-                }
-                inverse[i][k] = sum / self.r[i][i];
-            }
-        }
-        for i in 0..N {
-            for j in 0..N {
-                for k in 0..N {
-                    covariance[i][j] += inverse[i][k] * inverse[j][k];
-                }
-            }
+            *column = self.shift_for(&unit, n); // symmetric: a column is a row
         }
         covariance
     }
@@ -260,10 +300,10 @@ impl<T: Real, const N: usize> Triangle<T, N> {
     /// The sum of squared residuals of all rows at the answer `theta`.
     pub fn sum_of_squares_at(&self, theta: &[T; N]) -> T {
         let mut sum = self.residual_sum_of_squares;
-        for i in 0..N {
-            let mut residual = self.z[i];
-            for j in i..N {
-                residual -= self.r[i][j] * theta[j];
+        for (i, z) in self.z.iter().enumerate() {
+            let mut residual = *z;
+            for (r, x) in self.r.row(i).iter().zip(theta.iter().skip(i)) {
+                residual -= *r * *x;
             }
             sum += residual * residual;
         }
@@ -334,6 +374,39 @@ mod tests {
         }
         let sum = single.sum_of_squares_at(&a);
         assert!((sum / block.sum_of_squares_at(&b) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_shifted_regressor_is_as_if_it_had_come_so() {
+        let (mut late, mut soon) = (Triangle::<f64, 3>::new(), Triangle::<f64, 3>::new());
+        for k in 0..7 {
+            let x = f64::from(k);
+            late.push([1.0, x * x, x], (0.3 * x).cos());
+            soon.push([1.0, x * x, x - 4.0], (0.3 * x).cos());
+        }
+        late.shift(2, 0, 4.0);
+        let (late, soon) = (late.solve(3).unwrap(), soon.solve(3).unwrap());
+        assert!(late.iter().zip(soon).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+
+    #[test]
+    fn packed_rows_give_the_same_answers_as_a_square() {
+        let mut square = Triangle::<f64, 3>::new();
+        let mut packed = Triangle::<f64, 3, Packed<f64, 3, 6>>::new();
+        for k in 0..9 {
+            let x = f64::from(k);
+            let row = [1.0, x, (x * 1.7).sin()];
+            square.push(row, (0.4 * x).cos());
+            packed.push(row, (0.4 * x).cos());
+        }
+        assert_eq!(square.solve(3), packed.solve(3));
+        assert_eq!(square.solve(2), packed.solve(2));
+        assert_eq!(square.covariance(3), packed.covariance(3));
+        // The last unknown, freed after the others, moves by what the full answer says of it.
+        let (value, sd) = packed.last_of(3).unwrap();
+        assert!((value - square.solve(3).unwrap()[2]).abs() < 1e-14);
+        assert!((sd * sd - square.covariance(3)[2][2]).abs() < 1e-14);
+        assert!(packed.last_of(0).is_none());
     }
 
     #[test]

@@ -15,7 +15,7 @@
 //! **Reference.** Newey and West, *Econometrica* 55 (1987) 703; batch means: Law, *Simulation
 //! Modeling and Analysis*, §9.5.
 
-use crate::linalg::Triangle;
+use crate::linalg::{Rows, Triangle};
 use crate::real::Real;
 
 /// Length of a block: several times what a rolling trailer takes to settle. A little less than
@@ -27,16 +27,16 @@ const BELIEVED_BLOCKS: f64 = 4.0;
 
 /// Sums of rows over blocks of time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LongRun<T, const N: usize> {
+pub(crate) struct LongRun<T, const N: usize, R = [[T; N]; N]> {
     regressors: [T; N],
     observation: T,
     rows: T,
     elapsed_s: T,
     blocks: T,
-    triangle: Triangle<T, N>,
+    triangle: Triangle<T, N, R>,
 }
 
-impl<T: Real, const N: usize> LongRun<T, N> {
+impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
     pub(crate) const fn new() -> Self {
         let zero = T::ZERO;
         Self {
@@ -67,6 +67,16 @@ impl<T: Real, const N: usize> LongRun<T, N> {
         self.triangle.push(self.regressors.map(|sum| sum * scale), self.observation * scale);
         let (blocks, triangle) = (self.blocks + T::one(), self.triangle);
         *self = Self { blocks, triangle, ..Self::new() };
+    }
+
+    /// Takes `times` regressor `from` off regressor `column`, in every row so far.
+    pub(crate) fn shift(&mut self, column: usize, from: usize, times: T) {
+        self.triangle.shift(column, from, times);
+        if let Some(&other) = self.regressors.get(from)
+            && let Some(sum) = self.regressors.get_mut(column)
+        {
+            *sum -= times * other;
+        }
     }
 
     /// Multiplies the weight of all blocks so far by `factor`.

@@ -41,7 +41,7 @@ fn score(prior: Prior<f64>, snr_db: f64, runs: u32) -> Score {
 
 /// No offset in the source's data, and the noise is known to be above any sensor's floor.
 fn without_offset(dynamics_sd: f64) -> Prior<f64> {
-    Prior { dynamics_sd, noise_floor_rad: 1e-6, offset_sd_rad: 0.0 }
+    Prior { dynamics_sd, noise_floor_rad: 1e-6, offset_sd_rad: 0.0, drift_sd_radps: 0.0 }
 }
 
 #[test]
