@@ -5,10 +5,13 @@ use cg_core::estimator::Maneuver;
 use cg_firmware::{can, replay};
 
 fn tell(maneuver: &Maneuver<f32>, height: Option<Height<f32>>) {
-    let (value, sd) = height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
+    // As the chip writes numbers: a dash where there is none.
+    let number = |x: Option<f32>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
+    let value = number(height.map(|h| h.height_m.value));
+    let sd = number(height.map(|h| h.height_m.sd));
     #[allow(clippy::cast_precision_loss)]
     let end_s = maneuver.end_us as f32 * 1e-6;
-    println!("maneuver to {end_s:.4} s: height {value:.4} m, one sigma {sd:.4} m");
+    println!("maneuver to {end_s:.4} s: height {value} m, one sigma {sd} m");
 }
 
 fn main() {

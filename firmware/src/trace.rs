@@ -63,7 +63,9 @@ impl Trace {
 
     fn outcome(&mut self, outcome: &Outcome<f32>) {
         if let Some(fit) = &outcome.fit {
-            self.measured(fit.ratio);
+            for measured in [fit.ratio, fit.drift_radps, fit.bend] {
+                self.measured(measured);
+            }
             for value in [fit.noise_sd_rad, fit.snr_db, fit.fit_percent, fit.misfit] {
                 self.number(value);
             }
@@ -89,7 +91,8 @@ impl Trace {
             Reject::Height(_) => (7, [0.0; 2]),
             Reject::Inconsistent(Inconsistency::Misfit { share }) => (8, [share, 0.0]),
             Reject::Inconsistent(Inconsistency::Standstill { roll_rad }) => (9, [roll_rad, 0.0]),
-            _ => (10, [0.0; 2]),
+            Reject::Inconsistent(Inconsistency::Bent { share }) => (10, [share, 0.0]),
+            _ => (11, [0.0; 2]),
         };
         self.word(kind);
         for value in values {

@@ -112,7 +112,7 @@ fn gathered(
         let name = log.display().to_string();
         match result {
             Ok((estimate, trace)) => {
-                if estimate.status == Verdict::Rejected {
+                if estimate.status != Verdict::Ok {
                     batch.outcome = batch.outcome.max(Outcome::NoAnswer);
                 }
                 let known_m = truth.and_then(|truth| truth.height_m(log));

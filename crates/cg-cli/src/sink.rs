@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use cg_core::Channel;
 use cg_vehicle::estimate::{LogEstimate, Verdict};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -63,10 +64,17 @@ fn csv(answers: &[Answer]) -> anyhow::Result<()> {
         "maneuvers",
         "known_height_m",
         "messages",
+        "steer_height_m",
+        "steer_height_sd_m",
+        "lateral_acceleration_height_m",
+        "lateral_acceleration_height_sd_m",
     ])?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for answer in answers {
         let e = &answer.estimate;
+        let alone =
+            |channel: Channel| e.channels.iter().find(|alone| alone.channel == channel.to_string());
+        let [steer, lateral] = Channel::ALL.map(alone);
         out.write_record([
             answer.log.clone(),
             status(e).to_owned(),
@@ -86,6 +94,10 @@ fn csv(answers: &[Answer]) -> anyhow::Result<()> {
             e.maneuvers.len().to_string(),
             number(answer.known_m),
             e.messages.join("; "),
+            number(steer.and_then(|alone| alone.height_m)),
+            number(steer.and_then(|alone| alone.height_sd_m)),
+            number(lateral.and_then(|alone| alone.height_m)),
+            number(lateral.and_then(|alone| alone.height_sd_m)),
         ])?;
     }
     out.flush()?;
@@ -96,6 +108,7 @@ fn status(estimate: &LogEstimate) -> &'static str {
     match estimate.status {
         Verdict::Ok => "ok",
         Verdict::Rejected => "rejected",
+        Verdict::Inconsistent => "inconsistent",
     }
 }
 

@@ -9,6 +9,8 @@
 //! * The steer channel counts at steady speed only: traction and braking change how a truck
 //!   answers its steering (by some 60 % per m/s² on the independent truck), while the roll angle
 //!   that belongs to a lateral acceleration stays what it is.
+//! * What a quantity cannot be (NaN, infinite, beyond its [limits](Quantity::limits)) counts as absent:
+//!   no state of the estimator ever holds such a number.
 //! * Turning and straight driving are told apart by lateral acceleration, with hysteresis.
 
 use core::fmt;
@@ -89,8 +91,8 @@ pub struct Conditioner<T> {
     lagging_mps: Option<T>,
     trailer_mass_kg: T,
     turning: bool,
-    /// The lateral acceleration through a first-order lag of [`FELT_FILTER_S`].
-    smooth_mps2: Option<T>,
+    /// The lateral acceleration through a first-order lag of [`FELT_FILTER_S`], and its time stamp.
+    smooth: Option<(u64, T)>,
     /// Roll per unit of each input at the reference height, for the speed and mass beside it.
     gains: Option<[T; 2]>,
 }
@@ -104,7 +106,7 @@ impl<T: Real> Conditioner<T> {
             lagging_mps: None,
             trailer_mass_kg: design.nominal_trailer_mass_kg,
             turning: false,
-            smooth_mps2: None,
+            smooth: None,
             gains: None,
         };
         conditioner.gains = design.gains(conditioner.speed_mps, conditioner.trailer_mass_kg);
@@ -131,6 +133,7 @@ impl<T: Real> Conditioner<T> {
         design: &Design<T>,
         sample: &Sample<T>,
     ) -> Result<Option<Row<T>>, SampleError> {
+        let sample = &sample.checked();
         let time_us = sample.time_us;
         if let Some(previous_us) = self.previous_us
             && time_us <= previous_us
@@ -158,14 +161,10 @@ impl<T: Real> Conditioner<T> {
         let gains = self.gains.unwrap_or([T::absent(); 2]);
         let expected_rad = [gains[0] * sample.steer_rad, gains[1] * lateral];
         let felt = if lateral.present() { lateral } else { expected_rad[0] / gains[1] };
-        let smooth = self.smooth_mps2.get_or_insert(felt);
-        if felt.present() {
-            let interval_s: T = seconds(interval_us);
-            *smooth += (felt - *smooth) * interval_s / (T::of(FELT_FILTER_S) + interval_s);
-        }
+        let smooth_mps2 = self.smooth_mps2(time_us, felt);
         let limit = if self.turning { STRAIGHT_MPS2 } else { TURNING_MPS2 };
-        self.turning = smooth.abs() > T::of(limit);
-        let linear = self.gains.is_some() && smooth.abs() < T::of(LINEAR_MPS2);
+        self.turning = smooth_mps2.abs() > T::of(limit);
+        let linear = self.gains.is_some() && smooth_mps2.abs() < T::of(LINEAR_MPS2);
         Ok(Some(Row {
             time_us,
             roll_rad,
@@ -176,6 +175,17 @@ impl<T: Real> Conditioner<T> {
             turning: self.turning,
             usable: [linear && steady, linear],
         }))
+    }
+
+    /// Lateral acceleration, smoothed; the last one where this row has none, zero before the first.
+    fn smooth_mps2(&mut self, time_us: u64, felt: T) -> T {
+        if felt.present() {
+            let (last_us, last) = self.smooth.unwrap_or((time_us, felt));
+            let interval_s: T = seconds(time_us - last_us);
+            let share = interval_s / (T::of(FELT_FILTER_S) + interval_s);
+            self.smooth = Some((time_us, last + (felt - last) * share));
+        }
+        self.smooth.map_or(T::zero(), |(_, smooth)| smooth)
     }
 
     /// Longitudinal acceleration, smoothed; zero while the speed is not known.
@@ -190,7 +200,8 @@ impl<T: Real> Conditioner<T> {
     fn schedule(&mut self, design: &Design<T>, sample: &Sample<T>) {
         let (speed, mass) = (sample.speed_mps, sample.trailer_mass_kg);
         let new_speed = speed.present() && speed != self.speed_mps;
-        let new_mass = mass.present() && mass != self.trailer_mass_kg;
+        // A scale that shows nothing has nothing to say yet.
+        let new_mass = mass > T::zero() && mass != self.trailer_mass_kg;
         if new_speed {
             self.speed_mps = speed;
         }

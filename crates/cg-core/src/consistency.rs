@@ -19,6 +19,12 @@ pub enum Inconsistency<T> {
         /// Root mean square of what it misses, over that of the roll about its mean.
         share: T,
     },
+    /// The roll angle bends over the expected one: the sensor comes to the end of its range, or says
+    /// nothing of small angles.
+    Bent {
+        /// What the bend takes from the roll angle (negative) or adds, at its greatest, as a share.
+        share: T,
+    },
     /// The roll angle stood still while the truck must have rolled on.
     Standstill {
         /// Where it stood, radians.
@@ -71,6 +77,26 @@ impl<T: Real> Watch<T> {
         }
     }
 
+    /// Standard deviation that the steps of a coarse sensor leave in its mean, as a share of the
+    /// expected motion, beside noise of `noise_sd_rad` (steps included).
+    ///
+    /// Where the roll angle rests, half a step either way cannot be told. Noise that is as great as a
+    /// step carries the angle over many of them, and their mean is right again: the error falls as
+    /// `exp(−2π² σ²/q²)`, here as the slower `(1 + 2π² σ²/q²)⁻²`.
+    pub(crate) fn step_share(&self, noise_sd_rad: T) -> T {
+        let step = self.least_step_rad;
+        let motion = self.all[1] - self.all[0];
+        // Written so that an angle that never moved, or nothing expected, has no steps.
+        if !step.present() || !(motion > T::zero()) {
+            return T::zero();
+        }
+        let twelfth = step * step / T::of(12.0);
+        let dither = (noise_sd_rad * noise_sd_rad - twelfth).max(T::zero()) / (step * step);
+        let carried =
+            T::one() + T::of(2.0 * core::f64::consts::PI * core::f64::consts::PI) * dither;
+        twelfth.root() / (carried * carried) / motion
+    }
+
     /// Where the roll angle stood still for too long, if it did.
     pub(crate) fn standstill(&self) -> Option<Inconsistency<T>> {
         let usual = T::of(SHARE) * (self.all[1] - self.all[0]);
@@ -102,6 +128,20 @@ mod tests {
         for step in [0.05, 0.2, 0.5] {
             assert_eq!(shown(|roll| (roll / step).round() * step), None, "{step}");
         }
+    }
+
+    /// Steps of 0.5 in a motion of 2.5: 0.5/√12/2.5, unless noise carries the angle over them.
+    #[test]
+    fn coarse_steps_are_counted_unless_noise_carries_the_angle_over_them() {
+        let mut watch = Watch::new(0.0, 0.0);
+        for k in 1..=50 {
+            watch.push((f64::from(k) * 0.1).round() * 0.5, f64::from(k) * 0.05);
+        }
+        let steps = 0.5 / 12.0_f64.sqrt();
+        assert!((watch.step_share(steps) - steps / 2.5).abs() < 1e-12);
+        assert!(watch.step_share(0.5_f64.hypot(steps)) < 0.003 * steps);
+        assert!(watch.step_share(0.0) > 0.0);
+        assert!(Watch::new(0.0, 0.0).step_share(0.1) == 0.0);
     }
 
     #[test]

@@ -25,6 +25,15 @@ impl Channel {
     /// Both channels, in the order of [`Design::channels`].
     pub const ALL: [Self; 2] = [Self::Steer, Self::LateralAcceleration];
 
+    /// The other one.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Steer => Self::LateralAcceleration,
+            Self::LateralAcceleration => Self::Steer,
+        }
+    }
+
     /// Its place in [`Channel::ALL`].
     pub const fn index(self) -> usize {
         match self {

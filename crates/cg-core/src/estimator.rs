@@ -8,105 +8,32 @@
 
 use core::borrow::Borrow;
 
-use crate::condition::{Conditioner, Row, SampleError, seconds};
+use crate::condition::{Conditioner, Row, SampleError};
 use crate::consistency::{Inconsistency, Watch};
 use crate::design::{Channel, Design};
-use crate::height::{Fusion, Height};
-use crate::identify::{Answer, Identify};
+use crate::height::{Combined, Height};
+use crate::identify::{Answer, Fit, Identify};
+use crate::lane::Lane;
 use crate::load::{LoadWatch, Said, Verdict};
 pub use crate::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 use crate::memory::Memory;
-use crate::ratio::{HeightError, Measured, solve_height};
+use crate::ratio::{HeightError, Measured, RatioLine, solve_height};
 use crate::real::Real;
 use crate::sample::Sample;
+pub use crate::settings::Settings;
 
-/// When maneuvers open and close, and what is good enough. Times in microseconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings<T> {
-    /// Straight driving that ends a maneuver.
-    pub straight_us: u64,
-    /// The longest maneuver; a longer turn is cut.
-    pub longest_us: u64,
-    /// The longest hole between two samples that a straight line may bridge.
-    pub gap_us: u64,
-    /// Half-life of the straight driving before a maneuver.
-    pub fade_us: u64,
-    /// Straight driving at a beginning whose mean input is taken as the state of rest.
-    pub rest_us: u64,
-    /// After a hole in a turn: time until the filters have forgotten their wrong start.
-    pub settle_us: u64,
-    /// The greatest relative deviation of speed from that at the maneuver's start.
-    pub speed_spread: T,
-    /// The greatest relative standard deviation of a ratio that counts.
-    pub ratio_sd_relative: T,
-    /// The greatest share of the roll angle that the reduced model may miss. On the independent
-    /// truck's logs it misses up to 0.19 uncalibrated; of a sensor that is 1 s late, 0.39 and more.
-    pub misfit: T,
-    /// How long another trailer mass must last.
-    pub weighing_us: u64,
-    /// Relative change of the trailer mass that means another load.
-    pub mass_change: T,
-}
+/// Rows that a maneuver has at least, with the straight driving before it: fewer than the unknowns
+/// of any identifier tell nothing.
+const LEAST_ROWS: f64 = 12.0;
 
-impl<T: Real> Settings<T> {
-    /// For trucks on roads.
-    pub fn truck() -> Self {
-        Self {
-            straight_us: 4_000_000,
-            longest_us: 40_000_000,
-            gap_us: 500_000,
-            fade_us: 2_000_000,
-            rest_us: 300_000,
-            settle_us: 3_000_000,
-            speed_spread: T::of(0.3),
-            ratio_sd_relative: T::of(0.2),
-            misfit: T::of(0.35),
-            weighing_us: 10_000_000,
-            mass_change: T::of(0.05),
-        }
-    }
-}
+/// Standard deviations that chance exceeds once in a hundred.
+const ONCE_IN_A_HUNDRED: f64 = 2.576;
+/// Standard deviations that chance exceeds once in a thousand.
+const ONCE_IN_A_THOUSAND: f64 = 3.29;
 
-/// One channel's identifier and the time of its last sample.
-#[derive(Clone, Copy, Debug)]
-struct Lane<T: Real, I> {
-    identifier: I,
-    last_us: Option<u64>,
-    settled_us: u64,
-    rest: Rest<T>,
-    fusion: Fusion<T>,
-}
-
-/// The state of rest that an identifier starts from: the mean input of some straight driving,
-/// since the noise of a single sample would be taken for a turn that has just ended.
-#[derive(Clone, Copy, Debug)]
-struct Rest<T> {
-    until_us: u64,
-    rows: T,
-    mean_rad: T,
-}
-
-impl<T: Real, I: Identify<T>> Lane<T, I> {
-    const EMPTY: Self = Self {
-        identifier: I::EMPTY,
-        last_us: None,
-        settled_us: 0,
-        rest: Rest::new(0),
-        fusion: Fusion::new(),
-    };
-}
-
-impl<T: Real> Rest<T> {
-    const fn new(until_us: u64) -> Self {
-        Self { until_us, rows: T::ZERO, mean_rad: T::ZERO }
-    }
-
-    fn with(&mut self, expected_rad: T) -> T {
-        self.rows += T::one();
-        self.mean_rad += (expected_rad - self.mean_rad) / self.rows;
-        self.mean_rad
-    }
-}
+/// By how much a ratio must differ from what the other channel's height means, either way, before
+/// its input is to blame for an impossible height: three times what tyres leave open.
+const ELSEWHERE: f64 = 1.5;
 
 /// The stretch of log that the identifiers hold.
 #[derive(Clone, Copy, Debug)]
@@ -244,13 +171,20 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         self.lanes[channel.index()].fusion.height()
     }
 
-    /// The height from both channels, weighted by what each knows that the other does not; from
-    /// one of them where the other has none.
-    pub fn combined_height(&self) -> Option<Height<T>> {
+    /// Both channels compared, and their height weighted by what each knows that the other does
+    /// not; that of one of them where the other has none. `None` before the first good maneuver.
+    pub fn combined(&self) -> Option<Combined<T>> {
         match (self.height(Channel::Steer), self.height(Channel::LateralAcceleration)) {
             (Some(steer), Some(lateral)) => Some(lateral.combined(&steer, self.correlation)),
-            (steer, lateral) => steer.or(lateral),
+            (None, None) => None,
+            _ if self.lanes.iter().any(|lane| lane.impossible) => Some(Combined::Impossible),
+            (steer, lateral) => steer.or(lateral).map(Combined::Agreed),
         }
+    }
+
+    /// The height of both channels; `None` also where they [contradict](Combined) each other.
+    pub fn combined_height(&self) -> Option<Height<T>> {
+        self.combined()?.height()
     }
 
     /// The end of the maneuver that showed that the load had changed; the heights are of the load
@@ -310,34 +244,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
     }
 
     fn identify(&mut self, row: &Row<T>) {
-        for ((lane, expected), usable) in
+        for ((lane, expected_rad), usable) in
             self.lanes.iter_mut().zip(row.expected_rad).zip(row.usable)
         {
-            if !expected.present() {
-                continue;
-            }
-            let interval_us = lane.last_us.map(|last_us| row.time_us.saturating_sub(last_us));
-            match interval_us {
-                Some(interval_us) if interval_us <= self.settings.gap_us => {}
-                _ => {
-                    lane.identifier.restart();
-                    // In a turn the filters start from a wrong state of rest.
-                    let wait = if row.turning { self.settings.settle_us } else { 0 };
-                    lane.settled_us = row.time_us.saturating_add(wait);
-                    let rest_us = if row.turning { 0 } else { self.settings.rest_us };
-                    lane.rest = Rest::new(row.time_us.saturating_add(rest_us));
-                }
-            }
-            lane.last_us = Some(row.time_us);
-            if row.time_us < lane.rest.until_us && !row.turning {
-                let rest_rad = lane.rest.with(expected);
-                lane.identifier.restart();
-                lane.identifier.push(rest_rad, row.roll_rad, T::zero(), false);
-                continue;
-            }
-            let interval_s = seconds(interval_us.unwrap_or(0));
-            let use_row = usable && row.time_us >= lane.settled_us;
-            lane.identifier.push(expected, row.roll_rad, interval_s, use_row);
+            lane.identify(row, expected_rad, usable, &self.settings);
         }
     }
 
@@ -387,7 +297,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
     #[inline(never)]
     fn close(&mut self) -> Option<Maneuver<T>> {
         let window = self.window.take()?;
-        let maneuver = window.last_turn_us.map(|_| self.judge(&window));
+        let told = window.last_turn_us.is_some() && window.weight > T::of(LEAST_ROWS);
+        let maneuver = told.then(|| self.judge(&window));
         for lane in &mut self.lanes {
             lane.identifier.clear();
         }
@@ -398,12 +309,24 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
 
     fn judge(&mut self, window: &Window<T>) -> Maneuver<T> {
         let Window { speed_mps, trailer_mass_kg, .. } = *window;
+        let mut outcomes = Channel::ALL.map(|channel| self.outcome(channel, window));
+        // A roll sensor that is bent or stands still is so in both channels.
+        let fault = outcomes.iter().find_map(|outcome| match outcome.height_m {
+            Err(Reject::Inconsistent(Inconsistency::Misfit { .. })) => None,
+            Err(Reject::Inconsistent(reason)) => Some(reason),
+            _ => None,
+        });
+        if let Some(reason) = fault {
+            for outcome in outcomes.iter_mut().filter(|outcome| outcome.height_m.is_ok()) {
+                outcome.height_m = Err(Reject::Inconsistent(reason));
+            }
+        }
         Maneuver {
             start_us: window.start_us,
             end_us: window.last_us,
             speed_mps,
             trailer_mass_kg,
-            outcomes: Channel::ALL.map(|channel| self.outcome(channel, window)),
+            outcomes,
             correlation: self
                 .design()
                 .spread(speed_mps, trailer_mass_kg)
@@ -432,15 +355,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         };
         let compensation = self.design().channels[channel.index()].compensation;
         let expected = line.ratio_at(self.design().reference_height_m) * compensation;
-        let ratio_sd_relative = (fit.ratio.sd / fit.ratio.value).abs();
+        let steps = window.watch.map_or(T::zero(), |watch| watch.step_share(fit.noise_sd_rad));
+        let ratio_sd_relative =
+            ((fit.ratio.sd * fit.ratio.sd + steps * steps).root() / fit.ratio.value).abs();
+        fit.ratio.sd = ratio_sd_relative * fit.ratio.value.abs();
         fit.ratio.value *= expected;
         fit.ratio.sd *= expected;
         if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
             return rejected(Some(fit), Reject::Imprecise { ratio_sd_relative });
         }
-        let misfit = (!(fit.misfit <= self.settings.misfit))
-            .then_some(Inconsistency::Misfit { share: fit.misfit });
-        if let Some(reason) = window.watch.and_then(|watch| watch.standstill()).or(misfit) {
+        if let Some(reason) = self.inconsistency(&fit, window) {
             return rejected(Some(fit), Reject::Inconsistent(reason));
         }
         let compensation = Measured::exact(compensation);
@@ -452,6 +376,13 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             Channel::LateralAcceleration => lateral_sd,
         };
         let systematic = solve_height(&line, exact, compensation, model_sd);
+        let ratio = fit.ratio.value / compensation.value;
+        let far = self.is_far(
+            &line,
+            ratio,
+            (ratio_sd_relative * ratio_sd_relative + model_sd * model_sd).root(),
+        );
+        self.lanes[channel.index()].impossible = far;
         match (height, systematic) {
             (Ok(height), Ok(systematic)) if self.is_possible(height.value) => {
                 Outcome { fit: Some(fit), height_m: Ok(height), systematic_sd_m: systematic.sd }
@@ -462,6 +393,28 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             }
             (Err(error), _) => rejected(Some(fit), Reject::Height(error)),
         }
+    }
+
+    /// Whether the roll angle cannot be what the sensor says.
+    fn inconsistency(&self, fit: &Fit<T>, window: &Window<T>) -> Option<Inconsistency<T>> {
+        let Settings { misfit, bend, .. } = self.settings;
+        if let Some(standstill) = window.watch.and_then(|watch| watch.standstill()) {
+            return Some(standstill);
+        }
+        if !(fit.misfit <= misfit) {
+            return Some(Inconsistency::Misfit { share: fit.misfit });
+        }
+        let sure = fit.bend.value.abs() > T::of(ONCE_IN_A_THOUSAND) * fit.bend.sd;
+        (sure && fit.bend.value.abs() > bend)
+            .then_some(Inconsistency::Bent { share: fit.bend.value })
+    }
+
+    /// Whether a ratio lies beyond those of all heights that this trailer can have by more than its
+    /// uncertainty, as a share of it, explains once in a hundred.
+    fn is_far(&self, line: &RatioLine<T>, ratio: T, sd_relative: T) -> bool {
+        let above = ratio / line.ratio_at(self.design().greatest_height_m) - T::one();
+        let below = T::one() - ratio / line.ratio_at(self.design().least_height_m);
+        above.max(below) > T::of(ONCE_IN_A_HUNDRED) * sd_relative
     }
 
     fn is_possible(&self, height_m: T) -> bool {
@@ -478,12 +431,33 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             Verdict::Changed { waited } => {
                 self.load_since_us = Some(maneuver.end_us);
                 for lane in &mut self.lanes {
-                    lane.fusion = Fusion::new();
+                    lane.unload();
                 }
                 self.take(waited);
             }
         }
         self.take(said);
+        for channel in Channel::ALL {
+            let unexplained = self.is_unexplained(channel, maneuver);
+            self.lanes[channel.index()].impossible &= unexplained;
+        }
+    }
+
+    /// Whether a channel found a height that cannot be, and a ratio that is about what the other
+    /// channel's height means or has no other one beside it.
+    fn is_unexplained(&self, channel: Channel, maneuver: &Maneuver<T>) -> bool {
+        let Outcome { fit: Some(fit), height_m: Err(Reject::Height(_)), .. } =
+            &maneuver.outcomes[channel.index()]
+        else {
+            return false;
+        };
+        let Some(other) = self.height(channel.other()) else { return true };
+        let line = self.design().line(channel, maneuver.speed_mps, maneuver.trailer_mass_kg);
+        let compensation = self.design().channels[channel.index()].compensation;
+        line.is_none_or(|line| {
+            let factor = fit.ratio.value / (line.ratio_at(other.height_m.value) * compensation);
+            factor < T::of(ELSEWHERE) && factor > T::one() / T::of(ELSEWHERE)
+        })
     }
 
     /// Fuses what one maneuver says.

@@ -19,7 +19,7 @@ const REGRESSORS: usize = UNKNOWNS + 1;
 const UNKNOWNS_F64: f64 = 13.0;
 
 /// Rows taken into the triangle at once.
-const BLOCK: usize = 8;
+const BLOCK: usize = 5;
 
 /// Doubt in the correction for a noisy input, as a share of it: the noise is measured to 15 % in
 /// 20 s, and what is of second order is a third of the first where the noise is as strong as an
@@ -114,8 +114,8 @@ struct Solution<T: Real> {
     noise_sd: T,
     /// The same of slow noise, which is what the answer's uncertainty follows.
     slow_sd: T,
-    /// What noise of the input had taken from the deviations.
-    input_shift: [T; REGRESSORS],
+    /// What noise of the input had taken from `δb_0` and from `γ`.
+    input_shift: [T; 2],
     /// The equations that gave the deviations, prior included.
     triangle: Equations<T>,
 }
@@ -126,7 +126,7 @@ impl<T: Real> Solution<T> {
         theta: [T::ZERO; REGRESSORS],
         noise_sd: T::ZERO,
         slow_sd: T::ZERO,
-        input_shift: [T::ZERO; REGRESSORS],
+        input_shift: [T::ZERO; 2],
         triangle: Triangle::new(),
     };
 }
@@ -332,11 +332,11 @@ impl<T: Real> FilteredArx<T> {
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
         let (roll, input) = self.pulls(residual_sd * residual_sd);
-        answer.input_shift = answer.triangle.shift_for(&input, UNKNOWNS);
-        let roll_shift = answer.triangle.shift_for(&roll, UNKNOWNS);
-        for (theta, shift) in answer.theta.iter_mut().zip(roll_shift.iter().zip(answer.input_shift))
-        {
-            *theta += *shift.0 + shift.1;
+        let input = answer.triangle.shift_for(&input, UNKNOWNS);
+        answer.input_shift = [input[0], input[GAIN]];
+        let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
+        for (theta, (roll, input)) in answer.theta.iter_mut().zip(roll.iter().zip(input)) {
+            *theta += *roll + input;
         }
         Ok(())
     }
@@ -378,6 +378,7 @@ impl<T: Real> FilteredArx<T> {
         effective
     }
 
+    #[inline(never)]
     fn describe(&self, solution: &mut Solution<T>) -> Fit<T> {
         let Solution { theta, noise_sd, slow_sd, input_shift, triangle } = solution;
         // R = A0 (1 + γ) / (B0 + δb_0)
@@ -388,8 +389,8 @@ impl<T: Real> FilteredArx<T> {
         gradient[0] = -ratio / denominator;
         gradient[GAIN] = gain;
         let spread = *slow_sd * triangle.variance_of(&gradient, UNKNOWNS).root();
-        let doubt = T::of(INPUT_DOUBT)
-            * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[GAIN]);
+        let doubt =
+            T::of(INPUT_DOUBT) * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[1]);
         let ratio_sd = (spread * spread + doubt * doubt).root();
         // The filtered sensor error is B0 + δb_0 over B0 of the sensor's own.
         let rest = theta[OFFSET] / denominator;

@@ -14,6 +14,44 @@ pub struct Height<T> {
     pub maneuvers: u32,
 }
 
+/// χ² of one degree of freedom that chance exceeds once in a hundred, and in ten thousand.
+const DOUBTFUL: f64 = 6.635;
+const CONTRADICTION: f64 = 15.137;
+
+/// What two channels say together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Combined<T> {
+    /// Their heights agree within their joint uncertainty, or only one has a height.
+    Agreed(Height<T>),
+    /// They differ by more than chance explains once in a hundred: the height, with an interval
+    /// wider by the Birge ratio `√χ²`.
+    Doubtful {
+        /// The height.
+        height: Height<T>,
+        /// Squared difference over its variance.
+        chi_square: T,
+    },
+    /// They contradict each other (once in ten thousand): there is no height of both.
+    Contradictory {
+        /// Squared difference over its variance.
+        chi_square: T,
+    },
+    /// One channel's height is one that this trailer cannot have, and what the other one says does
+    /// not show its input to be at fault: the roll angle may be. There is no height.
+    Impossible,
+}
+
+impl<T: Real> Combined<T> {
+    /// The height, unless the channels contradict each other.
+    pub fn height(&self) -> Option<Height<T>> {
+        match *self {
+            Self::Agreed(height) | Self::Doubtful { height, .. } => Some(height),
+            _ => None,
+        }
+    }
+}
+
 /// Inverse-variance mean of the maneuvers' heights.
 ///
 /// Noise averages out; the uncertainty of compensation and model is common to all maneuvers
@@ -93,20 +131,46 @@ impl<T: Real> Fusion<T> {
 }
 
 impl<T: Real> Height<T> {
-    /// The best mean of the two channels' heights, given the correlation of what model and
-    /// calibration leave open in each.
+    /// Both channels' heights compared, and combined if they agree, given the correlation of what
+    /// model and calibration leave open in each. What noise of roll and inputs gives to their
+    /// difference counts as independent.
+    #[must_use]
+    pub fn combined(&self, other: &Self, correlation: T) -> Combined<T> {
+        let (mine, theirs) = (self.systematic_sd_m(), other.systematic_sd_m());
+        let variance = self.random_sd_m * self.random_sd_m
+            + other.random_sd_m * other.random_sd_m
+            + mine * mine
+            + theirs * theirs
+            - T::of(2.0) * correlation * mine * theirs;
+        let difference = self.height_m.value - other.height_m.value;
+        let chi_square = difference * difference / variance;
+        let mut height = self.mean_with(other, correlation);
+        // Written so that two heights known without error (0/0) agree.
+        if chi_square > T::of(CONTRADICTION) {
+            Combined::Contradictory { chi_square }
+        } else if chi_square > T::of(DOUBTFUL) {
+            height.height_m.sd *= chi_square.root();
+            Combined::Doubtful { height, chi_square }
+        } else {
+            Combined::Agreed(height)
+        }
+    }
+
+    /// The part of the standard deviation that more maneuvers would not reduce.
+    fn systematic_sd_m(&self) -> T {
+        let total = self.height_m.sd * self.height_m.sd;
+        (total - self.random_sd_m * self.random_sd_m).max(T::zero()).root()
+    }
+
+    /// The best mean of the two.
     ///
     /// Both channels see the same roll angle, so their noise counts as fully correlated; a
     /// weight that would leave the interval from 0 to 1 to exploit that is not believed.
-    #[must_use]
-    pub fn combined(&self, other: &Self, correlation: T) -> Self {
+    fn mean_with(&self, other: &Self, correlation: T) -> Self {
         let variance = |height: &Self| height.height_m.sd * height.height_m.sd;
-        let systematic = |height: &Self| {
-            (variance(height) - height.random_sd_m * height.random_sd_m).max(T::zero()).root()
-        };
         let (mine, theirs) = (variance(self), variance(other));
         let common = self.random_sd_m * other.random_sd_m
-            + correlation * systematic(self) * systematic(other);
+            + correlation * self.systematic_sd_m() * other.systematic_sd_m();
         let spread = mine + theirs - T::of(2.0) * common;
         let weight = if spread > T::zero() {
             ((mine - common) / spread).max(T::zero()).min(T::one())
@@ -170,11 +234,35 @@ mod tests {
         };
         let (a, b) = (height(1.9, 0.03), height(2.0, 0.04));
         // Independent: weights 16/25 and 9/25, sd 0.03·0.04/0.05.
-        let combined = a.combined(&b, 0.0).height_m;
+        let combined = a.mean_with(&b, 0.0).height_m;
         assert!((combined.value - (1.9 * 16.0 + 2.0 * 9.0) / 25.0).abs() < 1e-12);
         assert!((combined.sd - 0.024).abs() < 1e-12);
         // Beyond a correlation of sd/sd the worse one has nothing to add.
-        assert_eq!(a.combined(&b, 0.8).height_m, a.height_m);
-        assert_eq!(b.combined(&a, 0.8).height_m, a.height_m);
+        assert_eq!(a.mean_with(&b, 0.8).height_m, a.height_m);
+        assert_eq!(b.mean_with(&a, 0.8).height_m, a.height_m);
+    }
+
+    #[test]
+    fn channels_are_compared_before_they_are_combined() {
+        let height = |value: f64, random: f64| Height {
+            height_m: Measured { value, sd: (0.03_f64.powi(2) + random * random).sqrt() },
+            random_sd_m: random,
+            maneuvers: 1,
+        };
+        // Independent systematic parts of 0.03 and noise of 0.04 in one: sd of the difference.
+        let sd = (2.0 * 0.03_f64.powi(2) + 0.04_f64.powi(2)).sqrt();
+        let beside =
+            |deviations: f64| height(2.0, 0.0).combined(&height(2.0 + deviations * sd, 0.04), 0.0);
+        assert!(matches!(beside(2.57), Combined::Agreed(_)));
+        let Combined::Doubtful { height: wide, chi_square } = beside(2.6) else { panic!("1 %") };
+        assert!((chi_square - 2.6_f64.powi(2)).abs() < 1e-9);
+        let Combined::Agreed(narrow) = beside(0.0) else { panic!("equal") };
+        assert!((wide.height_m.sd / narrow.height_m.sd - 2.6).abs() < 1e-9);
+        assert!(beside(3.88).height().is_some());
+        assert!(matches!(beside(-3.9), Combined::Contradictory { .. }));
+        assert_eq!(beside(-3.9).height(), None);
+        // What both share does not explain a difference.
+        let shared = height(2.0, 0.0).combined(&height(2.01, 0.0), 0.999);
+        assert!(matches!(shared, Combined::Contradictory { .. }));
     }
 }

@@ -22,6 +22,8 @@
 //! | [`memory`] | – | what is kept over a restart | – |
 //! | [`rollover`] | height | rollover threshold and margin | – |
 //! | [`maneuver`] | – | what is said of a sample and of a maneuver | – |
+//! | [`settings`] | – | when maneuvers open and close, what is good enough | – |
+//! | `lane` | rows | one channel's identifier and its heights | – |
 //! | [`estimator`] | [`Sample`] | [`Step`] | all of the above, joined |
 //!
 //! A module uses only modules above it; `tests/layers.rs` fails otherwise.
@@ -60,6 +62,8 @@ mod load;
 pub mod memory;
 pub mod consistency;
 pub mod maneuver;
+pub mod settings;
+mod lane;
 pub mod estimator;
 
 pub use align::{AlignSettings, Aligner};
@@ -69,7 +73,7 @@ pub use consistency::Inconsistency;
 pub use design::{Channel, ChannelDesign, Design, DesignError, Spread};
 pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
 pub use filtered::{FilteredArx, Prior};
-pub use height::Height;
+pub use height::{Combined, Height};
 pub use identify::{Answer, Fit, Identify, Unexcited};
 pub use memory::Memory;
 pub use ratio::{HeightError, Measured, RatioLine};

@@ -110,7 +110,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     }
 
     /// Takes in the row `regressors · θ = observation`.
-    #[inline]
+    #[inline(never)] // once in the image of a microcontroller, as all that follows
     pub fn push(&mut self, mut regressors: [T; N], mut observation: T) {
         for (i, z) in self.z.iter_mut().enumerate() {
             let Some((x, right)) = regressors.get_mut(i..).and_then(<[T]>::split_first_mut) else {
@@ -142,6 +142,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     /// The same answer as `B` calls of [`push`](Self::push), with one Householder reflection
     /// per unknown in place of `B` rotations: a third of the time. Rows of zeros say nothing.
     /// What stays in the block afterwards has no meaning.
+    #[inline(never)]
     pub fn push_block<const B: usize>(
         &mut self,
         columns: &mut [[T; B]; N],
@@ -201,6 +202,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     ///
     /// # Errors
     /// `Err(i)` if the `i`-th pivot vanishes against the largest one.
+    #[inline(never)]
     pub fn solve(&self, n: usize) -> Result<[T; N], usize> {
         self.pivots(n)?;
         Ok(self.backward(self.z, n))
@@ -248,13 +250,18 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     }
 
     /// `R⁻ᵀ g`.
+    #[inline(never)]
     fn forward(&self, gradient: &[T; N], n: usize) -> [T; N] {
         let mut w = *gradient;
         for i in 0..N {
             let row = self.r.row(i);
-            let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else { break };
+            let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else {
+                break;
+            };
             if i >= n {
                 *value = T::zero();
+            }
+            if *value == T::zero() {
                 continue;
             }
             *value /= row.first().copied().unwrap_or(T::one());
@@ -266,10 +273,13 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     }
 
     /// `R⁻¹ w`.
+    #[inline(never)]
     fn backward(&self, mut w: [T; N], n: usize) -> [T; N] {
         for i in (0..N).rev() {
             let row = self.r.row(i);
-            let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else { break };
+            let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else {
+                break;
+            };
             if i >= n {
                 *value = T::zero();
                 continue;
@@ -298,6 +308,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     }
 
     /// The sum of squared residuals of all rows at the answer `theta`.
+    #[inline(never)]
     pub fn sum_of_squares_at(&self, theta: &[T; N]) -> T {
         let mut sum = self.residual_sum_of_squares;
         for (i, z) in self.z.iter().enumerate() {

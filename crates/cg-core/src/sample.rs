@@ -118,6 +118,27 @@ impl<T: Real> Sample<T> {
             trailer_mass_kg: nan,
         }
     }
+
+    /// The same row with every value absent that its quantity [cannot have](Quantity::plausible):
+    /// behind this door every number is finite and of a size that a truck knows.
+    #[must_use]
+    pub fn checked(&self) -> Self {
+        let or_absent =
+            |quantity: Quantity, x: T| if quantity.plausible(x) { x } else { T::absent() };
+        Self {
+            time_us: self.time_us,
+            steer_rad: or_absent(Quantity::Steer, self.steer_rad),
+            roll_rad: or_absent(Quantity::Roll, self.roll_rad),
+            tilt_rad: or_absent(Quantity::Tilt, self.tilt_rad),
+            speed_mps: or_absent(Quantity::Speed, self.speed_mps),
+            lateral_acceleration_mps2: or_absent(
+                Quantity::LateralAcceleration,
+                self.lateral_acceleration_mps2,
+            ),
+            yaw_rate_radps: or_absent(Quantity::YawRate, self.yaw_rate_radps),
+            trailer_mass_kg: or_absent(Quantity::TrailerMass, self.trailer_mass_kg),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -9,8 +9,12 @@ use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
 use common::{EQ_5_12, narrow, rounded_step_response, with_noise};
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-const NO_PRIOR: Prior<f64> =
-    Prior { dynamics_sd: f64::INFINITY, noise_floor_rad: 1e-9, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
+const NO_PRIOR: Prior<f64> = Prior {
+    dynamics_sd: f64::INFINITY,
+    noise_floor_rad: 1e-9,
+    offset_sd_rad: 0.0,
+    drift_sd_radps: 0.0,
+};
 
 /// Steer that never settles: sum of three sines, as `(steer, roll)` of eq. 5.12.
 fn lively(n: usize, interval_s: f64) -> Vec<(f64, f64)> {

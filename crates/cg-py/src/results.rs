@@ -1,6 +1,6 @@
 //! Answers as the dataclasses of the package.
 
-use cg_vehicle::estimate::{LogEstimate, ManeuverEstimate, Method, Verdict};
+use cg_vehicle::estimate::{ChannelEstimate, LogEstimate, ManeuverEstimate, Method, Verdict};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -20,6 +20,7 @@ fn verdict(status: Verdict) -> &'static str {
     match status {
         Verdict::Ok => "ok",
         Verdict::Rejected => "rejected",
+        Verdict::Inconsistent => "inconsistent",
     }
 }
 
@@ -36,6 +37,16 @@ fn maneuver<'py>(py: Python<'py>, maneuver: &ManeuverEstimate) -> PyResult<Bound
     fields.set_item("status", verdict(maneuver.status))?;
     fields.set_item("reason", maneuver.reason.as_deref())?;
     CLASS.import(py, "cgheight._results", "Maneuver")?.call((), Some(&fields))
+}
+
+fn alone<'py>(py: Python<'py>, alone: &ChannelEstimate) -> PyResult<Bound<'py, PyAny>> {
+    let fields = PyDict::new(py);
+    fields.set_item("channel", &alone.channel)?;
+    fields.set_item("height_m", alone.height_m)?;
+    fields.set_item("height_sd_m", alone.height_sd_m)?;
+    fields.set_item("status", verdict(alone.status))?;
+    fields.set_item("reason", alone.reason.as_deref())?;
+    make(py, "ChannelEstimate", &fields)
 }
 
 /// `Estimate`.
@@ -59,6 +70,9 @@ pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<B
     fields.set_item("snr_db", answer.snr_db)?;
     fields.set_item("fit_percent", answer.fit_percent)?;
     fields.set_item("static_rollover_threshold_g", answer.static_rollover_threshold_g)?;
+    let channels: Vec<_> =
+        answer.channels.iter().map(|one| alone(py, one)).collect::<PyResult<_>>()?;
+    fields.set_item("channels", PyTuple::new(py, channels)?)?;
     let maneuvers: Vec<_> =
         answer.maneuvers.iter().map(|one| maneuver(py, one)).collect::<PyResult<_>>()?;
     fields.set_item("maneuvers", PyTuple::new(py, maneuvers)?)?;

@@ -233,6 +233,7 @@ const totals = [
   ["logs", String(page.logs.length)],
   ["with a height", String(answered.length)],
   ["rejected", String(page.logs.filter((log) => status(log) === "rejected").length)],
+  ["inconsistent", String(page.logs.filter((log) => status(log) === "inconsistent").length)],
   ...(page.logs.some((log) => present(log.unreadable)) ? [["unreadable", String(page.logs.filter((log) => present(log.unreadable)).length)]] : []),
   ["median height", fixed(median(answered.map((log) => log.height_m)), 2, " m")],
   ["lowest rollover threshold", answered.length ? fixed(Math.min(...answered.map((log) => log.static_rollover_threshold_g).filter(present)), 2, " g") : NONE],

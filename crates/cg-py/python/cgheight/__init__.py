@@ -36,12 +36,13 @@ from cgheight._models import OrderSelection, arx, select_order
 from cgheight._native import Vehicle, __version__, linear_model
 from cgheight._predict import predict_roll
 from cgheight._reproduce import reproduce
-from cgheight._results import Estimate, Maneuver
+from cgheight._results import ChannelEstimate, Estimate, Maneuver
 from cgheight._simulate import SimulatedLog, accuracy_map, simulate
 from cgheight._transfer import TransferFunction
 
 __all__ = [
     "ArxModel",
+    "ChannelEstimate",
     "Estimate",
     "Estimates",
     "Estimator",

@@ -56,13 +56,20 @@ class Estimates(Sequence[Estimate]):
             row: dict[str, Any] = {"log": log}
             for field in fields(one):
                 value = getattr(one, field.name)
+                if field.name == "channels":
+                    continue
                 if field.name == "height_ci95_m":
                     row["height_ci95_low_m"], row["height_ci95_high_m"] = value or (None, None)
                 else:
                     row[field.name] = value
-            rows.append(
-                row | {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
-            )
+            row |= {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
+            alone = {each.channel: each for each in one.channels}
+            for channel in ("steer", "lateral-acceleration"):
+                name = channel.replace("-", "_")
+                each = alone.get(channel)
+                row[f"{name}_height_m"] = each and each.height_m
+                row[f"{name}_height_sd_m"] = each and each.height_sd_m
+            rows.append(row)
         return rows
 
     def maneuvers_frame(self) -> pd.DataFrame:

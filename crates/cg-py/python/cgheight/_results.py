@@ -49,14 +49,38 @@ class Maneuver:
         return f"Maneuver({span}, {_metres(self.height_m, self.height_sd_m)})"
 
 
+@dataclass(frozen=True, slots=True)
+class ChannelEstimate:
+    """What one channel says of a log alone.
+
+    Attributes
+    ----------
+    channel : {"steer", "lateral-acceleration"}
+        Its input.
+    height_m, height_sd_m : float or None
+        Height and its standard deviation, uncertainty of the vehicle model included, m.
+    status : {"ok", "rejected"}
+        Whether there is a height.
+    reason : str or None
+        Why there is none.
+    """
+
+    channel: Literal["steer", "lateral-acceleration"]
+    height_m: float | None
+    height_sd_m: float | None
+    status: Literal["ok", "rejected"]
+    reason: str | None
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Estimate:
     """The answer for one log.
 
     Attributes
     ----------
-    status : {"ok", "rejected"}
-        Whether there is a height; if not, the first of the messages says why.
+    status : {"ok", "rejected", "inconsistent"}
+        Whether there is a height; if not, the first of the messages says why. "inconsistent":
+        channels or sensors contradict each other; what each channel says is in `channels`.
     height_m, height_sd_m : float or None
         Height of the trailer's sprung c.g. above ground at rest and its standard deviation,
         uncertainty of the vehicle model included, m.
@@ -77,14 +101,16 @@ class Estimate:
     snr_db, fit_percent : float or None
         Signal to noise (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
-        Lateral acceleration of wheel lift in a steady turn, in g.
+        The greatest lateral acceleration that the truck sustains in a steady turn, in g.
+    channels : tuple of ChannelEstimate
+        What each channel says alone.
     maneuvers : tuple of Maneuver
         Every maneuver, in the channel used.
     messages : tuple of str
         What a reader should know.
     """
 
-    status: Literal["ok", "rejected"]
+    status: Literal["ok", "rejected", "inconsistent"]
     height_m: float | None
     height_sd_m: float | None
     height_ci95_m: tuple[float, float] | None
@@ -97,6 +123,7 @@ class Estimate:
     snr_db: float | None
     fit_percent: float | None
     static_rollover_threshold_g: float | None
+    channels: tuple[ChannelEstimate, ...]
     maneuvers: tuple[Maneuver, ...]
     messages: tuple[str, ...]
 
@@ -105,6 +132,7 @@ class Estimate:
         plain = asdict(self)
         interval = self.height_ci95_m
         plain["height_ci95_m"] = None if interval is None else list(interval)
+        plain["channels"] = list(plain["channels"])
         plain["maneuvers"] = list(plain["maneuvers"])
         plain["messages"] = list(self.messages)
         return plain
@@ -159,6 +187,7 @@ def rejected(message: str, trailer_mass_kg: float, options: dict[str, Any]) -> E
         "status": "rejected",
         "method": options.get("method", "filtered"),
         "trailer_mass_kg": options.get("trailer_mass_kg") or trailer_mass_kg,
+        "channels": (),
         "maneuvers": (),
         "messages": (f"rejected: {message}",),
     }

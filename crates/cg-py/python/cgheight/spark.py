@@ -41,6 +41,10 @@ _COLUMNS = {
     "static_rollover_threshold_g": "double",
     "maneuvers": "bigint",
     "messages": "string",
+    "steer_height_m": "double",
+    "steer_height_sd_m": "double",
+    "lateral_acceleration_height_m": "double",
+    "lateral_acceleration_height_sd_m": "double",
 }
 _SCHEMA = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
 

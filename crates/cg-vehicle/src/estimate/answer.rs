@@ -13,6 +13,8 @@ pub enum Verdict {
     Ok,
     /// It did not; the reason stands beside.
     Rejected,
+    /// Channels or sensors contradict each other: no height, those of the channels stand beside.
+    Inconsistent,
 }
 
 /// The answer for one log. Field names are the keys of the JSON output.
@@ -46,12 +48,29 @@ pub struct LogEstimate {
     pub snr_db: Option<f64>,
     /// Fit of the best maneuver, %.
     pub fit_percent: Option<f64>,
-    /// Lateral acceleration of wheel lift, in g.
+    /// The greatest lateral acceleration that the truck sustains in a steady turn, in g.
     pub static_rollover_threshold_g: Option<f64>,
-    /// Every maneuver, in the channel used.
+    /// What each channel says alone.
+    pub channels: Vec<ChannelEstimate>,
+    /// Every maneuver, in the channel used; of a log with more than ten thousand the first ones.
     pub maneuvers: Vec<ManeuverEstimate>,
     /// What a reader should know.
     pub messages: Vec<String>,
+}
+
+/// What one channel says of a log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChannelEstimate {
+    /// `steer` or `lateral-acceleration`.
+    pub channel: String,
+    /// Height.
+    pub height_m: Option<f64>,
+    /// Its standard deviation, model uncertainty included.
+    pub height_sd_m: Option<f64>,
+    /// Whether there is a height.
+    pub status: Verdict,
+    /// Why not.
+    pub reason: Option<String>,
 }
 
 /// One maneuver.
@@ -78,7 +97,6 @@ pub struct ManeuverEstimate {
 }
 
 impl ManeuverEstimate {
-    /// What one channel says of a maneuver of a log that begins at `origin_s`.
     /// From what one channel says of a maneuver; `origin_s` is the time stamp of the estimator's zero.
     pub fn new(maneuver: &Maneuver<f64>, outcome: &Outcome<f64>, origin_s: f64) -> Self {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years

@@ -3,7 +3,8 @@
 use cg_core::arx::{ArxOptions, SampledArx};
 use cg_core::estimator::Maneuver;
 use cg_core::{
-    Channel, Design, Estimator, FilteredArx, Height, Prior, Sample, SampleError, Settings, Step,
+    Channel, Combined, Design, Estimator, FilteredArx, Height, Prior, Sample, SampleError,
+    Settings, Step,
 };
 
 use crate::estimate::{EstimateOptions, Method};
@@ -58,10 +59,10 @@ impl Engine {
         }
     }
 
-    pub(crate) fn combined_height(&self) -> Option<Height<f64>> {
+    pub(crate) fn combined(&self) -> Option<Combined<f64>> {
         match self {
-            Self::Filtered(estimator) => estimator.combined_height(),
-            Self::Arx(estimator) => estimator.combined_height(),
+            Self::Filtered(estimator) => estimator.combined(),
+            Self::Arx(estimator) => estimator.combined(),
         }
     }
 

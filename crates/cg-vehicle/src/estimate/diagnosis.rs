@@ -1,0 +1,172 @@
+//! One fault that explains what the channels say: a sign, a unit or a gain.
+//!
+//! Each fault changes the DC ratio of one channel or of both in a way of its own. Where the ratios as
+//! they are make no sense together, each fault is taken back in turn; the ones after which both
+//! channels give the same possible height are the likely causes.
+
+use std::fmt;
+
+use cg_core::ratio::solve_height;
+use cg_core::{Channel, Design, Measured};
+
+/// Steering-wheel angle over road-wheel angle of most trucks, where the vehicle file has none.
+const USUAL_STEERING_RATIO: f64 = 20.0;
+/// Standard deviations up to which two heights agree.
+const AGREES: f64 = 2.0;
+/// What a sensor's gain must be off by to be worth a word.
+const NOTEWORTHY: f64 = 0.05;
+
+/// A fault of one sensor that would explain the ratios.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Cause {
+    RollReversed,
+    SteerReversed,
+    LateralReversed,
+    RollIsTilt,
+    RollInDegrees,
+    SteeringWheel,
+    SteerInDegrees,
+    LateralInG,
+    LateralHasGravity,
+    /// Steer over its true value, and lateral acceleration over its own: either explains it.
+    Gain {
+        steer: f64,
+        lateral: f64,
+    },
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RollReversed => f.write_str("the roll sensor is reversed (--flip roll)"),
+            Self::SteerReversed => f.write_str("the steer angle is reversed (--flip steer)"),
+            Self::LateralReversed => f.write_str(
+                "the lateral acceleration is reversed (--flip lateral_acceleration, or yaw_rate)",
+            ),
+            Self::RollIsTilt => f.write_str(
+                "the roll angle is that of an inclinometer that feels the lateral acceleration \
+                 (name its column tilt_rad)",
+            ),
+            Self::RollInDegrees => {
+                f.write_str("the roll angle is in degrees (--column roll=NAME[deg])")
+            }
+            Self::SteeringWheel => f.write_str(
+                "the steer angle is that of the steering wheel (name its column \
+                 steering_wheel_rad)",
+            ),
+            Self::SteerInDegrees => {
+                f.write_str("the steer angle is in degrees (--column steer=NAME[deg])")
+            }
+            Self::LateralInG => f.write_str(
+                "the lateral acceleration is in g (--column lateral_acceleration=NAME[g])",
+            ),
+            Self::LateralHasGravity => f.write_str(
+                "the lateral acceleration is that of an accelerometer fixed to the body, which \
+                 feels gravity as the body rolls (leave its column out, so that yaw rate and speed \
+                 serve instead)",
+            ),
+            Self::Gain { steer, lateral } => write!(
+                f,
+                "the steer angle is {steer:.2} times its true value, or the lateral acceleration \
+                 {lateral:.2} times: check scale and unit",
+            ),
+        }
+    }
+}
+
+/// What the channels have found, whether it makes sense or not.
+pub(super) struct Evidence<'a> {
+    pub(super) design: &'a Design<f64>,
+    pub(super) steering_ratio: Option<f64>,
+    /// DC ratios in the order of [`Channel::ALL`], compensation taken off.
+    pub(super) ratio: [Option<Measured<f64>>; 2],
+    pub(super) speed_mps: f64,
+    pub(super) trailer_mass_kg: f64,
+}
+
+impl Evidence<'_> {
+    /// The faults that explain what is wrong; none if nothing is, or if none does.
+    pub(super) fn likely_causes(&self) -> Vec<Cause> {
+        if self.makes_sense(self.ratio) || self.ratio.iter().all(Option::is_none) {
+            return Vec::new();
+        }
+        let gravity = self.design.gravity_mps2;
+        let wheel = self.steering_ratio.unwrap_or(USUAL_STEERING_RATIO);
+        let degree = 1_f64.to_radians();
+        let [_, lateral] = self.ratio.map(|ratio| ratio.map_or(f64::NAN, |ratio| ratio.value));
+        // An inclinometer adds a_y/g to the roll; a body-fixed accelerometer g times the roll to a_y.
+        let tilt = 1.0 - 1.0 / (gravity * lateral);
+        let body = 1.0 / (1.0 - gravity * lateral);
+        let single: Vec<Cause> = [
+            (Cause::RollReversed, [-1.0, -1.0]),
+            (Cause::SteerReversed, [-1.0, 1.0]),
+            (Cause::LateralReversed, [1.0, -1.0]),
+            (Cause::LateralHasGravity, [1.0, body]),
+            (Cause::RollIsTilt, [tilt, tilt]),
+            (Cause::SteeringWheel, [wheel, 1.0]),
+            (Cause::LateralInG, [1.0, 1.0 / gravity]),
+            (Cause::SteerInDegrees, [1.0 / degree, 1.0]),
+            (Cause::RollInDegrees, [degree, degree]),
+        ]
+        .into_iter()
+        .filter(|(_, factors)| self.makes_sense(self.corrected(*factors)))
+        .map(|(cause, _)| cause)
+        .collect();
+        if single.is_empty() { self.gain().into_iter().collect() } else { single }
+    }
+
+    fn corrected(&self, factors: [f64; 2]) -> [Option<Measured<f64>>; 2] {
+        let mut ratio = self.ratio;
+        for (ratio, factor) in ratio.iter_mut().zip(factors) {
+            if let Some(ratio) = ratio {
+                *ratio = Measured { value: ratio.value * factor, sd: (ratio.sd * factor).abs() };
+            }
+        }
+        ratio
+    }
+
+    /// Height of a channel with all its uncertainty.
+    fn height(&self, channel: Channel, ratio: Measured<f64>) -> Option<Measured<f64>> {
+        let (speed_mps, mass_kg) = (self.speed_mps, self.trailer_mass_kg);
+        let line = self.design.line(channel, speed_mps, mass_kg)?;
+        let sd = self.design.spread(speed_mps, mass_kg)?.sd[channel.index()];
+        let height = solve_height(&line, ratio, Measured::exact(1.0), sd).ok()?;
+        let Design { least_height_m, greatest_height_m, .. } = self.design;
+        (height.value >= *least_height_m && height.value <= *greatest_height_m).then_some(height)
+    }
+
+    /// Whether every channel with a ratio has a possible height and both agree.
+    fn makes_sense(&self, ratio: [Option<Measured<f64>>; 2]) -> bool {
+        let heights: Option<Vec<Measured<f64>>> = Channel::ALL
+            .into_iter()
+            .zip(ratio)
+            .filter_map(|(channel, ratio)| Some((channel, ratio?)))
+            .map(|(channel, ratio)| self.height(channel, ratio))
+            .collect();
+        match heights.as_deref() {
+            Some([one, other]) => {
+                (one.value - other.value).abs() <= AGREES * one.sd.hypot(other.sd)
+            }
+            Some(_) => true,
+            None => false,
+        }
+    }
+
+    /// The gains that would let both channels agree, each at the height of the other one.
+    fn gain(&self) -> Option<Cause> {
+        let [steer, lateral] = self.ratio;
+        let (steer, lateral) = (steer?, lateral?);
+        let wanted = |channel: Channel, other: Channel, its: Measured<f64>| {
+            let height = self.height(other, its)?;
+            let line = self.design.line(channel, self.speed_mps, self.trailer_mass_kg)?;
+            Some(line.ratio_at(height.value))
+        };
+        // A signal that is too great gives a ratio that is too small.
+        let steer_gain =
+            wanted(Channel::Steer, Channel::LateralAcceleration, lateral)? / steer.value;
+        let lateral_gain =
+            wanted(Channel::LateralAcceleration, Channel::Steer, steer)? / lateral.value;
+        let told = steer_gain > 0.0 && (steer_gain - 1.0).abs() > NOTEWORTHY;
+        told.then_some(Cause::Gain { steer: steer_gain, lateral: lateral_gain })
+    }
+}

@@ -1,0 +1,257 @@
+//! The end of a log: what all its maneuvers say together.
+
+use cg_core::estimator::{Maneuver, Reject};
+use cg_core::{Channel, Combined, Height, Measured};
+
+use super::{
+    ChannelEstimate, Identified, LogEstimate, LogEstimator, ManeuverEstimate, QUANTILE_95, Verdict,
+};
+
+/// What [`LogEstimate::channel`] says when both went in.
+const COMBINED: &str = "combined";
+
+/// What the channels give together.
+struct Together {
+    height: Option<Height<f64>>,
+    verdict: Verdict,
+    /// What is to be said of how they fit together.
+    remark: Option<String>,
+}
+
+impl LogEstimator {
+    /// Ends the log.
+    pub fn finish(mut self) -> LogEstimate {
+        let last = self.engine.finish();
+        self.keep(last);
+        let channel = self.options.channel.or_else(|| self.engine.best_channel());
+        let shown = channel.unwrap_or(Channel::LateralAcceleration);
+        let mut estimate = self.unanswered(shown, channel);
+        estimate.messages = self.messages();
+        let together = self.together();
+        estimate.status = together.verdict;
+        if self.options.channel.is_none() && self.is_combined() {
+            estimate.channel = Some(COMBINED.to_owned());
+        }
+        // What matters most comes first.
+        let causes = self.likely_causes();
+        let mut first: Vec<String> = together.remark.into_iter().collect();
+        match together.verdict {
+            Verdict::Ok => first.extend(self.left_out()),
+            Verdict::Rejected => first.push(self.rejection(shown)),
+            Verdict::Inconsistent => {}
+        }
+        if !causes.is_empty() {
+            first.push(format!("likely cause: {}", causes.join("; or ")));
+        }
+        estimate.messages.splice(0..0, first);
+        let best = self.best_maneuver(shown);
+        if let (Some(fused), Some(best)) = (together.height, best) {
+            self.answer(&mut estimate, shown, &fused, &best);
+        }
+        estimate
+    }
+
+    /// Height and verdict of the channels that are asked for.
+    fn together(&self) -> Together {
+        let plain = |height: Option<Height<f64>>| Together {
+            height,
+            verdict: if height.is_some() { Verdict::Ok } else { Verdict::Rejected },
+            remark: None,
+        };
+        let inconsistent = |remark: String| Together {
+            height: None,
+            verdict: Verdict::Inconsistent,
+            remark: Some(format!("inconsistent: {remark}")),
+        };
+        let signals = self.check.contradiction(self.design.gravity_mps2);
+        if let Some(channel) = self.options.channel {
+            return Together { remark: signals, ..plain(self.engine.height(channel)) };
+        }
+        let combined = self.engine.combined();
+        if let (Some(remark), Some(_)) = (&signals, combined) {
+            return inconsistent(remark.clone());
+        }
+        match combined {
+            Some(Combined::Doubtful { height, chi_square }) => Together {
+                remark: Some(format!(
+                    "{}: more than their uncertainty explains; the interval is {:.1} times as wide \
+                     for it",
+                    self.both_heights(),
+                    chi_square.sqrt()
+                )),
+                ..plain(Some(height))
+            },
+            Some(Combined::Contradictory { chi_square }) => inconsistent(format!(
+                "{}: {:.0} standard deviations apart",
+                self.both_heights(),
+                chi_square.sqrt()
+            )),
+            Some(Combined::Impossible) => inconsistent(self.impossible()),
+            other => Together { remark: signals, ..plain(other.and_then(|all| all.height())) },
+        }
+    }
+
+    /// Whether both channels have a height.
+    fn is_combined(&self) -> bool {
+        Channel::ALL.iter().all(|&channel| self.engine.height(channel).is_some())
+    }
+
+    /// The maneuver with the least noise in a channel.
+    fn best_maneuver(&self, channel: Channel) -> Option<Maneuver<f64>> {
+        let noise_m =
+            |maneuver: &Maneuver<f64>| Some(maneuver.outcomes[channel.index()].height_m.ok()?.sd);
+        self.maneuvers
+            .iter()
+            .filter_map(|maneuver| Some((maneuver, noise_m(maneuver)?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(maneuver, _)| *maneuver)
+    }
+
+    /// Height, ratio, speed and rollover threshold.
+    fn answer(
+        &self,
+        estimate: &mut LogEstimate,
+        channel: Channel,
+        fused: &Height<f64>,
+        best: &Maneuver<f64>,
+    ) {
+        let (height, sd) = (fused.height_m.value, fused.height_m.sd);
+        estimate.height_m = Some(height);
+        estimate.height_sd_m = Some(sd);
+        estimate.height_random_sd_m = Some(fused.random_sd_m);
+        estimate.height_ci95_m = Some([height - QUANTILE_95 * sd, height + QUANTILE_95 * sd]);
+        let fit = best.outcomes[channel.index()].fit;
+        estimate.snr_db = fit.map(|fit| fit.snr_db);
+        estimate.fit_percent = fit.map(|fit| fit.fit_percent);
+        estimate.speed_mps = self.mean_speed_mps(&[channel]);
+        let Some(speed_mps) = estimate.speed_mps else { return };
+        if let Some(ratio) = self.ratio_of(channel, fused, speed_mps, best.trailer_mass_kg) {
+            estimate.ratio = Some(ratio.value);
+            estimate.ratio_sd = Some(ratio.sd);
+        }
+        estimate.static_rollover_threshold_g = self
+            .design
+            .rollover(fused.height_m, best.trailer_mass_kg)
+            .map(|rollover| rollover.static_rollover_threshold_g.value);
+    }
+
+    /// Mean speed of the maneuvers that gave a height in one of these channels.
+    pub(super) fn mean_speed_mps(&self, channels: &[Channel]) -> Option<f64> {
+        let speeds: Vec<f64> = self
+            .maneuvers
+            .iter()
+            .filter(|maneuver| {
+                channels.iter().any(|channel| maneuver.outcomes[channel.index()].height_m.is_ok())
+            })
+            .map(|maneuver| maneuver.speed_mps)
+            .collect();
+        #[allow(clippy::cast_precision_loss)] // a count
+        let n = speeds.len() as f64;
+        (n > 0.0).then(|| speeds.iter().sum::<f64>() / n)
+    }
+
+    /// The DC ratio that a height means, with the standard deviation that noise gives it.
+    fn ratio_of(
+        &self,
+        channel: Channel,
+        height: &Height<f64>,
+        speed_mps: f64,
+        trailer_mass_kg: f64,
+    ) -> Option<Measured<f64>> {
+        let line = self.design.line(channel, speed_mps, trailer_mass_kg)?;
+        let compensation = self.design.channels[channel.index()].compensation;
+        let h = height.height_m.value;
+        let slope = (line.ratio_at(h + 0.01) - line.ratio_at(h - 0.01)) / 0.02;
+        let sd = (compensation * slope * height.random_sd_m).abs();
+        Some(Measured { value: compensation * line.ratio_at(h), sd })
+    }
+
+    /// Ends the log: what it says of the DC ratios, whatever the height behind them. Both are
+    /// fused over the maneuvers, at the mean speed and trailer mass that stand beside.
+    pub fn identified(mut self) -> Identified {
+        let last = self.engine.finish();
+        self.keep(last);
+        let mut identified = Identified {
+            speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
+            trailer_mass_kg: self.trailer_mass_kg,
+            trailer_mass_is_known: self.seen.mass || self.options.trailer_mass_kg.is_some(),
+            ratio: [None; 2],
+            messages: self.messages(),
+        };
+        let Together { verdict, remark, .. } = self.together();
+        if verdict != Verdict::Rejected {
+            identified.messages.splice(0..0, remark);
+        }
+        for channel in Channel::ALL {
+            let Some(height) = self.engine.height(channel) else {
+                identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
+                continue;
+            };
+            // Heights do not depend on speed: both ratios can be told at one.
+            identified.ratio[channel.index()] =
+                self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
+        }
+        identified
+    }
+
+    /// The answer without a height.
+    fn unanswered(&self, shown: Channel, channel: Option<Channel>) -> LogEstimate {
+        let origin_s = self.origin_s.unwrap_or(0.0);
+        LogEstimate {
+            status: Verdict::Rejected,
+            height_m: None,
+            height_sd_m: None,
+            height_random_sd_m: None,
+            height_ci95_m: None,
+            ratio: None,
+            ratio_sd: None,
+            method: self.options.method,
+            channel: channel.map(|channel| channel.to_string()),
+            speed_mps: None,
+            trailer_mass_kg: self.trailer_mass_kg,
+            snr_db: None,
+            fit_percent: None,
+            static_rollover_threshold_g: None,
+            channels: self.asked().iter().map(|&channel| self.alone(channel)).collect(),
+            maneuvers: self
+                .maneuvers
+                .iter()
+                .map(|maneuver| {
+                    ManeuverEstimate::new(maneuver, &maneuver.outcomes[shown.index()], origin_s)
+                })
+                .collect(),
+            messages: Vec::new(),
+        }
+    }
+
+    /// The channels that were asked for.
+    fn asked(&self) -> &[Channel] {
+        match self.options.channel {
+            Some(Channel::Steer) => &Channel::ALL[..1],
+            Some(Channel::LateralAcceleration) => &Channel::ALL[1..],
+            None => &Channel::ALL,
+        }
+    }
+
+    /// What one channel says alone.
+    fn alone(&self, channel: Channel) -> ChannelEstimate {
+        let height = self.engine.height(channel);
+        let reason = || match self.last_reject(channel) {
+            Some(reject) => reject.to_string(),
+            None => "no maneuver to learn from".to_owned(),
+        };
+        ChannelEstimate {
+            channel: channel.to_string(),
+            height_m: height.map(|height| height.height_m.value),
+            height_sd_m: height.map(|height| height.height_m.sd),
+            status: if height.is_some() { Verdict::Ok } else { Verdict::Rejected },
+            reason: height.is_none().then(reason),
+        }
+    }
+
+    /// Why the last maneuver without a height in this channel has none.
+    pub(super) fn last_reject(&self, channel: Channel) -> Option<Reject<f64>> {
+        let outcomes = self.maneuvers.iter().rev().map(|one| one.outcomes[channel.index()]);
+        outcomes.filter_map(|outcome| outcome.height_m.err()).next()
+    }
+}

@@ -1,0 +1,178 @@
+//! What is said beside a height, or in place of one.
+
+use cg_core::estimator::Reject;
+use cg_core::{Channel, Measured};
+
+use super::LogEstimator;
+use super::diagnosis::Evidence;
+
+/// Drift of the roll sensor that is worth a word: a third of a degree in a minute.
+const DRIFT_RADPS: f64 = 1e-4;
+
+impl LogEstimator {
+    /// Why there is no height.
+    pub(super) fn rejection(&self, shown: Channel) -> String {
+        if self.rows == self.absent_rows {
+            return "rejected: no row has a roll angle and an input".to_owned();
+        }
+        let reasons: Vec<String> = self
+            .maneuvers
+            .iter()
+            .filter_map(|maneuver| maneuver.outcomes[shown.index()].height_m.err())
+            .map(|reason| reason.to_string())
+            .collect();
+        match reasons.last() {
+            None => "rejected: unexcited, the log holds no turn (0.5 m/s² of lateral \
+                     acceleration or more): drive a curve"
+                .to_owned(),
+            Some(last) => format!("rejected: {last}"),
+        }
+    }
+
+    pub(super) fn messages(&self) -> Vec<String> {
+        let mut messages: Vec<String> = self.check.clock().into_iter().collect();
+        if let Some(drift) = Channel::ALL.into_iter().find_map(|channel| self.drift(channel)) {
+            messages.push(format!(
+                "the roll sensor drifts by {drift:.1} degrees a minute; a steady drift has been \
+                 taken out of each maneuver"
+            ));
+        }
+        if self.more_maneuvers > 0 {
+            messages.push(format!(
+                "{} more maneuvers went into the height and are not listed",
+                self.more_maneuvers
+            ));
+        }
+        if !self.seen.speed && self.options.speed_mps.is_none() {
+            messages.push(format!(
+                "no speed in the log: {:.2} m/s of the vehicle file taken; give --speed-mps",
+                self.design.nominal_speed_mps
+            ));
+        }
+        if !self.seen.mass && self.options.trailer_mass_kg.is_none() {
+            messages.push(format!(
+                "no trailer mass in the log: {:.0} kg of the vehicle file taken; give \
+                 --trailer-mass-kg (mass and height are confounded)",
+                self.design.nominal_trailer_mass_kg
+            ));
+        }
+        if self.seen.unscaled_steering_wheel {
+            messages.push(
+                "the log has the steering-wheel angle but the vehicle file no steering_ratio: \
+                 steer channel not used"
+                    .to_owned(),
+            );
+        }
+        if self.seen.unscaled_pressure && !self.seen.mass {
+            messages.push(
+                "the log has the suspension pressure but the vehicle file no \
+                 trailer.suspension_pressure: mass not taken from it"
+                    .to_owned(),
+            );
+        }
+        if let Some(since_us) = self.engine.load_since_us() {
+            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+            let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;
+            messages.push(format!(
+                "the load changed before {since_s:.0} s: the height is that of the last load"
+            ));
+        }
+        if self.absent_rows > 0 {
+            messages.push(format!(
+                "{} of {} rows have no roll angle or no input and were left out",
+                self.absent_rows, self.rows
+            ));
+        }
+        messages
+    }
+
+    /// Both channels' heights in words.
+    pub(super) fn both_heights(&self) -> String {
+        let told = |channel: Channel| {
+            let height = self.engine.height(channel)?.height_m;
+            Some(format!("{channel} says {:.3} ± {:.3} m", height.value, height.sd))
+        };
+        Channel::ALL.into_iter().filter_map(told).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Why the height of one channel is not believed.
+    pub(super) fn impossible(&self) -> String {
+        let without = Channel::ALL.into_iter().find(|&one| self.engine.height(one).is_none());
+        let reject = without.and_then(|channel| Some((channel, self.last_reject(channel)?)));
+        let why = reject
+            .map_or_else(String::new, |(channel, reject)| format!("{channel} channel: {reject}; "));
+        format!("{why}{}, but if the roll angle is at fault that is wrong too", self.both_heights())
+    }
+
+    /// The channel that gave no height though its signal is there, and why.
+    pub(super) fn left_out(&self) -> Option<String> {
+        if self.options.channel.is_some() {
+            return None;
+        }
+        let channel = Channel::ALL.into_iter().find(|&one| self.engine.height(one).is_none())?;
+        let reject = self.last_reject(channel).filter(|reject| *reject != Reject::Absent)?;
+        Some(format!("{channel} channel left out: {reject}"))
+    }
+
+    /// Faults that would explain what the channels say, in words.
+    pub(super) fn likely_causes(&self) -> Vec<String> {
+        let speed_mps = self.mean_speed_mps_of_fits();
+        let evidence = Evidence {
+            design: &self.design,
+            steering_ratio: self.settings.steering_ratio,
+            ratio: Channel::ALL.map(|channel| self.pooled_ratio(channel, speed_mps)),
+            speed_mps,
+            trailer_mass_kg: self.trailer_mass_kg,
+        };
+        evidence.likely_causes().iter().map(ToString::to_string).collect()
+    }
+
+    fn mean_speed_mps_of_fits(&self) -> f64 {
+        let fitted =
+            self.maneuvers.iter().filter(|one| one.outcomes.iter().any(|o| o.fit.is_some()));
+        let (sum, n) = fitted.fold((0.0, 0.0), |(sum, n), one| (sum + one.speed_mps, n + 1.0));
+        sum / n
+    }
+
+    /// The DC ratio of a channel at a speed, compensation taken off, from all maneuvers that the
+    /// estimator could identify, whether their height can be or not.
+    fn pooled_ratio(&self, channel: Channel, speed_mps: f64) -> Option<Measured<f64>> {
+        let reference_m = self.design.reference_height_m;
+        let at = |speed_mps, mass_kg| {
+            Some(self.design.line(channel, speed_mps, mass_kg)?.ratio_at(reference_m))
+        };
+        let (mut weight, mut sum) = (0.0, 0.0);
+        for maneuver in &self.maneuvers {
+            let outcome = maneuver.outcomes[channel.index()];
+            let believed = matches!(outcome.height_m, Ok(_) | Err(Reject::Height(_)));
+            let Some(fit) = outcome.fit.filter(|_| believed) else { continue };
+            let Some(usual) = at(maneuver.speed_mps, maneuver.trailer_mass_kg) else { continue };
+            let one = (usual / fit.ratio.sd).powi(2);
+            weight += one;
+            sum += one * fit.ratio.value / usual;
+        }
+        let usual = at(speed_mps, self.trailer_mass_kg)?
+            / self.design.channels[channel.index()].compensation;
+        (weight > 0.0).then(|| Measured { value: sum / weight * usual, sd: usual / weight.sqrt() })
+    }
+
+    /// A drift of the roll sensor that most maneuvers show, in degrees a minute.
+    fn drift(&self, channel: Channel) -> Option<f64> {
+        let fits: Vec<_> = self
+            .maneuvers
+            .iter()
+            .filter_map(|maneuver| maneuver.outcomes[channel.index()].fit)
+            .filter(|fit| fit.drift_radps.sd > 0.0)
+            .collect();
+        let sure = |drift: &Measured<f64>| {
+            drift.value.abs() > DRIFT_RADPS && drift.value.abs() > 3.0 * drift.sd
+        };
+        let drifting = fits.iter().filter(|fit| sure(&fit.drift_radps)).count();
+        if drifting * 2 <= fits.len() {
+            return None;
+        }
+        #[allow(clippy::cast_precision_loss)] // a count
+        let mean = fits.iter().map(|fit| fit.drift_radps.value).sum::<f64>() / fits.len() as f64;
+        Some(mean.to_degrees() * 60.0)
+    }
+}
