@@ -53,6 +53,31 @@ impl Quantity {
     pub const fn index(self) -> usize {
         self as usize
     }
+
+    /// The least and the greatest value that it can physically have on a truck, SI units. They are
+    /// wide: beyond them a number is a slip of the sensor, the recording or its unit.
+    #[inline]
+    pub const fn limits(self) -> [f32; 2] {
+        match self {
+            Self::Steer | Self::Tilt => [-1.5, 1.5],
+            Self::SteeringWheel => [-60.0, 60.0],
+            Self::Roll => [-1.0, 1.0],
+            Self::Speed => [-20.0, 60.0],
+            Self::LateralAcceleration => [-30.0, 30.0],
+            Self::YawRate => [-5.0, 5.0],
+            Self::TrailerMass | Self::TrailerAxleLoad => [0.0, 200e3],
+            // Against the air outside: nothing lies below a vacuum.
+            Self::TrailerSuspensionPressure => [-101_325.0, 2e6],
+        }
+    }
+
+    /// Whether it can have this value. What cannot be is to be taken for absent; so is NaN, which
+    /// is not plausible either.
+    #[inline]
+    pub fn plausible<T: Real>(self, value: T) -> bool {
+        let [least, greatest] = self.limits().map(|limit| T::of(f64::from(limit)));
+        value >= least && value <= greatest
+    }
 }
 
 /// One row of sensors, SI units, ISO 8855 signs. A signal that is not there is NaN.
@@ -91,6 +116,45 @@ impl<T: Real> Sample<T> {
             lateral_acceleration_mps2: nan,
             yaw_rate_radps: nan,
             trailer_mass_kg: nan,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_inclusive_and_every_number_outside_is_implausible() {
+        for quantity in Quantity::ALL {
+            let [least, greatest] = quantity.limits();
+            assert!(least < greatest && quantity.plausible(0.0), "{quantity:?}");
+            assert!(quantity.plausible(least) && quantity.plausible(f64::from(greatest)));
+            for beyond in [least.next_down(), greatest.next_up(), f32::MAX, f32::NAN] {
+                assert!(!quantity.plausible(beyond), "{quantity:?} {beyond}");
+                assert!(!quantity.plausible(f64::from(beyond)), "{quantity:?} {beyond}");
+            }
+            assert!(!quantity.plausible(1e308) && !quantity.plausible(f64::NEG_INFINITY));
+        }
+    }
+
+    /// What trucks do lies well inside: a full lock of a steering wheel (6.5 turns either way), a
+    /// tilt in the turn that tips it, a heavy load. Degrees and grams in place of SI do not.
+    #[test]
+    fn what_trucks_do_is_plausible() {
+        for (quantity, usual, wrong) in [
+            (Quantity::Steer, 0.8, 45.0),
+            (Quantity::SteeringWheel, 41.0, 750.0),
+            (Quantity::Roll, 0.35, 8.0),
+            (Quantity::Tilt, 1.2, 20.0),
+            (Quantity::Speed, 30.0, 90.0),
+            (Quantity::LateralAcceleration, -9.0, 900.0),
+            (Quantity::YawRate, 0.8, 20.0),
+            (Quantity::TrailerMass, 60e3, 20e6),
+            (Quantity::TrailerAxleLoad, 40e3, 20e6),
+            (Quantity::TrailerSuspensionPressure, 9e5, 9e8),
+        ] {
+            assert!(quantity.plausible(usual) && !quantity.plausible(wrong), "{quantity:?}");
         }
     }
 }
