@@ -95,6 +95,12 @@ impl<T: Real> AlignSettings<T> {
     }
 }
 
+impl<T: Real> Default for AlignSettings<T> {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
 /// What became of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {

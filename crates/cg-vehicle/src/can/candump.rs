@@ -19,15 +19,28 @@ use super::frame::{EXTENDED_MASK, Frame, ROOM};
 /// Bit of an identifier that marks an error frame in a log.
 const ERROR_FLAG: u32 = 0x2000_0000;
 
+/// A line with a time stamp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line<'a> {
+    /// The time stamp, µs.
+    pub time_us: u64,
+    /// The interface that heard it.
+    pub interface: &'a str,
+    /// Whether it has the plain form, whose time stamps may be relative.
+    pub plain: bool,
+    /// What it holds.
+    pub content: Content,
+}
+
 /// What a line holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Line<'a> {
-    /// A data frame, and the interface that heard it.
-    Frame(Frame, &'a str),
-    /// An error frame: something was wrong on the bus of this interface.
-    Error(&'a str),
-    /// Nothing of use: a remote frame, a blank line, more words about an error frame.
-    Nothing,
+pub enum Content {
+    /// A data frame.
+    Data(Frame),
+    /// An error frame: something was wrong on the bus.
+    Error,
+    /// A remote frame: of no use.
+    Remote,
 }
 
 /// What is wrong with a line of a candump log.
@@ -70,43 +83,38 @@ impl fmt::Display for CandumpError {
 
 impl std::error::Error for CandumpError {}
 
-/// Reads a line of a candump log.
+/// Reads a line of a candump log; `None` if it is blank, or explains an error frame (`-e`).
 ///
 /// # Errors
 /// [`CandumpError`] says which part of the line is wrong.
-pub fn parse(line: &str) -> Result<Line<'_>, CandumpError> {
-    // With -e candump explains an error frame on a line of its own.
+pub fn parse(line: &str) -> Result<Option<Line<'_>>, CandumpError> {
     if line.trim().is_empty() || line.starts_with('\t') {
-        return Ok(Line::Nothing);
+        return Ok(None);
     }
     let line = line.trim();
     let Some(rest) = line.strip_prefix('(') else {
-        let frame = plain(0, line);
+        let frame = plain(0, line.split_ascii_whitespace().skip(1));
         return Err(if frame.is_ok() { CandumpError::NoTime } else { CandumpError::Time });
     };
     let (time, rest) = rest.split_once(')').ok_or(CandumpError::Time)?;
     let time_us = microseconds(time).or_else(|| date_us(time)).ok_or(CandumpError::Time)?;
     let mut words = rest.split_ascii_whitespace();
     let interface = words.next().ok_or(CandumpError::Interface)?;
-    let frame = words.next().ok_or(CandumpError::Identifier)?;
-    match frame.split_once('#') {
-        Some((identifier, payload)) => compact(time_us, interface, identifier, payload),
-        None => plain(time_us, rest),
-    }
+    let first = words.clone().next().ok_or(CandumpError::Identifier)?;
+    let (content, plain) = match first.split_once('#') {
+        Some((identifier, payload)) => (compact(time_us, identifier, payload)?, false),
+        None => (plain(time_us, words)?, true),
+    };
+    Ok(Some(Line { time_us, interface, plain, content }))
 }
 
-fn compact<'a>(
-    time_us: u64,
-    interface: &'a str,
-    identifier: &str,
-    payload: &str,
-) -> Result<Line<'a>, CandumpError> {
+fn compact(time_us: u64, identifier: &str, payload: &str) -> Result<Content, CandumpError> {
     let (identifier, extended) = identified(identifier)?;
     if extended && identifier & ERROR_FLAG != 0 {
-        return Ok(Line::Error(interface));
+        return Ok(Content::Error);
     }
     if payload.starts_with('R') {
-        return Ok(Line::Nothing);
+        return Ok(Content::Remote);
     }
     let (digits, most) = match payload.strip_prefix('#') {
         Some(fd) => (fd.get(1..).ok_or(CandumpError::Data)?, ROOM),
@@ -114,14 +122,15 @@ fn compact<'a>(
     };
     let pairs = digits.as_bytes().chunks(2).filter(|pair| *pair != b".");
     let (data, length) = bytes(pairs, most)?;
-    framed(time_us, interface, identifier, extended, &data[..length])
+    framed(time_us, identifier, extended, &data[..length])
 }
 
-/// `can0  RX - -  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF   '~}..}.}.'`, all after the identifier's
-/// length and bytes being of no use.
-fn plain(time_us: u64, line: &str) -> Result<Line<'_>, CandumpError> {
-    let mut words = line.split_ascii_whitespace();
-    let interface = words.next().ok_or(CandumpError::Interface)?;
+/// The words after the interface: `RX - -  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF   '~}..}.}.'`,
+/// of which those before the identifier and after the bytes are of no use.
+fn plain<'a>(
+    time_us: u64,
+    mut words: impl Iterator<Item = &'a str> + Clone,
+) -> Result<Content, CandumpError> {
     let mut word = words.next().ok_or(CandumpError::Identifier)?;
     if matches!(word, "RX" | "TX") {
         word = words.nth(2).ok_or(CandumpError::Identifier)?;
@@ -132,27 +141,26 @@ fn plain(time_us: u64, line: &str) -> Result<Line<'_>, CandumpError> {
         .and_then(|word| word.strip_prefix('[')?.strip_suffix(']')?.parse::<usize>().ok())
         .ok_or(CandumpError::Identifier)?;
     if extended && identifier & ERROR_FLAG != 0 {
-        return Ok(Line::Error(interface));
+        return Ok(Content::Error);
     }
     if words.clone().next() == Some("remote") {
-        return Ok(Line::Nothing);
+        return Ok(Content::Remote);
     }
     let (data, found) = bytes(words.map(str::as_bytes).take(length), ROOM)?;
     if found != length {
         return Err(CandumpError::Data);
     }
-    framed(time_us, interface, identifier, extended, &data[..length])
+    framed(time_us, identifier, extended, &data[..length])
 }
 
-fn framed<'a>(
+fn framed(
     time_us: u64,
-    interface: &'a str,
     identifier: u32,
     extended: bool,
     data: &[u8],
-) -> Result<Line<'a>, CandumpError> {
+) -> Result<Content, CandumpError> {
     let frame = Frame::new(time_us, identifier & EXTENDED_MASK, extended, data);
-    frame.map(|frame| Line::Frame(frame, interface)).ok_or(CandumpError::Data)
+    frame.map(Content::Data).ok_or(CandumpError::Data)
 }
 
 /// An identifier, and whether it has 29 bits.
@@ -229,7 +237,7 @@ mod tests {
     /// The frame of a line, and its bus.
     fn read(line: &str) -> (Frame, &str) {
         match parse(line) {
-            Ok(Line::Frame(frame, bus)) => (frame, bus),
+            Ok(Some(Line { content: Content::Data(frame), interface, .. })) => (frame, interface),
             other => panic!("{line}: {other:?}"),
         }
     }
@@ -252,11 +260,23 @@ mod tests {
     #[test]
     fn all_forms_of_a_plain_line_are_read() {
         for (line, time_us) in [
-            (" (1436509052.249713)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF", 1_436_509_052_249_713),
-            (" (1436509052.249713123)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF", 1_436_509_052_249_713),
+            (
+                " (1436509052.249713)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF",
+                1_436_509_052_249_713,
+            ),
+            (
+                " (1436509052.249713123)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF",
+                1_436_509_052_249_713,
+            ),
             (" (000.010021)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF\r\n", 10_021),
-            (" (2015-07-10 06:17:32.249713)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF", 1_436_509_052_249_713),
-            (" (2016-02-29 00:00:00.000000)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF", 1_456_704_000_000_000),
+            (
+                " (2015-07-10 06:17:32.249713)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF",
+                1_436_509_052_249_713,
+            ),
+            (
+                " (2016-02-29 00:00:00.000000)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF",
+                1_456_704_000_000_000,
+            ),
             (" (000.010021)  can1  RX - -  18F11031   [8]  00 11 22 33 44 55 66 FF", 10_021),
             (" (000.010021)  can1  18F11031   [8]  00 11 22 33 44 55 66 FF   '..\"3DUf.'", 10_021),
         ] {
@@ -273,21 +293,21 @@ mod tests {
 
     #[test]
     fn error_frames_are_told_apart_and_what_is_no_frame_is_passed_over() {
-        for line in [
-            "(1.000000) can0 20000004#0008000000000000",
-            " (000.000000)  can0  20000004   [8]  00 08 00 00 00 00 00 00   ERRORFRAME",
+        for (line, expected) in [
+            ("(1.000000) can0 20000004#0008000000000000", Content::Error),
+            (
+                " (000.000000)  can0  20000004   [8]  00 08 00 00 00 00 00 00   ERRORFRAME",
+                Content::Error,
+            ),
+            ("(1.000000) can0 123#R", Content::Remote),
+            ("(1.000000) can0 123#R8", Content::Remote),
+            (" (000.000000)  can0  123   [8]  remote request", Content::Remote),
         ] {
-            assert_eq!(parse(line), Ok(Line::Error("can0")), "{line}");
+            let found = parse(line).unwrap().unwrap();
+            assert_eq!((found.content, found.interface), (expected, "can0"), "{line}");
         }
-        for line in [
-            "",
-            "  \r\n",
-            "(1.000000) can0 123#R",
-            "(1.000000) can0 123#R8",
-            " (000.000000)  can0  123   [8]  remote request",
-            "\tcontroller-problem{rx-error-warning}",
-        ] {
-            assert_eq!(parse(line), Ok(Line::Nothing), "{line}");
+        for line in ["", "  \r\n", "\tcontroller-problem{rx-error-warning}"] {
+            assert_eq!(parse(line), Ok(None), "{line}");
         }
     }
 
@@ -337,7 +357,9 @@ mod tests {
                 ),
             ] {
                 let frame = Frame::new(time_us, identifier, true, &data).unwrap();
-                prop_assert_eq!(parse(&line), Ok(Line::Frame(frame, "can0")));
+                let line = parse(&line).unwrap().unwrap();
+                prop_assert_eq!(line.interface, "can0");
+                prop_assert_eq!((line.content, line.time_us), (Content::Data(frame), time_us));
             }
         }
 

@@ -2,6 +2,11 @@
 
 use std::str::FromStr;
 
+use cg_core::AlignSettings;
+use cg_core::j1939::Compensation;
+
+use crate::can::{DeviceFilter, MappedSignal};
+
 use super::Signal;
 use super::signal::Unit;
 
@@ -13,6 +18,24 @@ pub struct LogOptions {
     pub columns: Vec<ColumnMap>,
     /// Sensors mounted the other way round: their values change sign.
     pub flip: Vec<Signal>,
+    /// How a CAN log is read.
+    pub can: CanOptions,
+    /// What the truck's sensors mean: the mass that its scales can show, and in a CAN log the steer
+    /// angle of its steering wheel. Of [`Vehicle::align_settings`](crate::Vehicle::align_settings).
+    pub settings: AlignSettings<f64>,
+}
+
+/// How frames become signals.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CanOptions {
+    /// Signals of a DBC file, in place of J1939's.
+    pub mapped: Vec<MappedSignal>,
+    /// Quantities that are taken from one source address only.
+    pub filters: Vec<DeviceFilter>,
+    /// Whether slope sensors measure roll or tilt.
+    pub compensation: Compensation,
+    /// The only bus of the log that is listened to.
+    pub bus: Option<String>,
 }
 
 /// One foreign column, in text form `roll=MyName[deg]`.
