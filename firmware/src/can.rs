@@ -106,10 +106,8 @@ fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
 /// a hash of every maneuver.
 pub fn replay(mut told: impl FnMut(&Maneuver<f32>, &Onboard)) -> Trace {
     const STEERING_RATIO: f32 = 20.0;
-    let mut aligner = Aligner::new(AlignSettings {
-        steering_ratio: Some(STEERING_RATIO),
-        ..AlignSettings::NONE
-    });
+    let mut aligner =
+        Aligner::new(AlignSettings { steering_ratio: Some(STEERING_RATIO), ..AlignSettings::NONE });
     let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
     let mut trace = Trace::default();
     for sample in log::samples() {

@@ -79,7 +79,7 @@ impl CanArgs {
         columns: &ColumnArgs,
         vehicle: &Vehicle,
     ) -> anyhow::Result<LogOptions> {
-        let settings = vehicle.align_settings();
+        let settings = Some(vehicle.align_settings());
         Ok(LogOptions { can: self.options()?, settings, ..columns.options() })
     }
 

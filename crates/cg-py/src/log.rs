@@ -41,7 +41,7 @@ pub(crate) fn estimate_file<'py>(
     let vehicle = vehicle.get();
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
-    let log_options = LogOptions { settings, ..log_options };
+    let log_options = LogOptions { settings: Some(settings), ..log_options };
     let mut estimator = LogEstimator::from_design(design, settings, options);
     let mut reader = py.detach(|| LogReader::open(&path, &log_options)).map_err(log_error)?;
     while py.detach(|| push_some(&mut reader, &mut estimator, &path)).map_err(Refused::raise)? {
@@ -128,14 +128,13 @@ pub(crate) fn resolve_columns(
 ) -> PyResult<Bound<'_, PyDict>> {
     let options = log_options(&columns, &flip)?;
     // The rules for names and units are those of the log reader, so the log reader is asked:
-    // it gets a log with these names and two rows. The first row is a small unit in every column,
-    // which comes out as the factor to SI; the second is the number of the column times that unit.
+    // it gets a log with these names and two rows. The first row is one in every column, which
+    // comes out as the factor to SI; the second is the number of the column.
     let found = probe(&names, &options).map_err(log_error)?;
     let result = PyDict::new(py);
     if let Some((first, second)) = found {
         for signal in Signal::ALL {
-            let factor = first.get(signal) / PROBE;
-            let value = second.get(signal) / PROBE;
+            let (factor, value) = (first.get(signal), second.get(signal));
             if !factor.is_nan() {
                 // Exact up to rounding; the second row counts from two, so that time increases.
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -147,18 +146,13 @@ pub(crate) fn resolve_columns(
     Ok(result)
 }
 
-/// A unit so small that every quantity can have it, and a power of two, so that all is exact: 2^-20.
-const PROBE: f64 = 1.0 / 1_048_576.0;
-
 fn probe(names: &[String], options: &LogOptions) -> Result<Option<(LogRow, LogRow)>, LogError> {
     let quoted: Vec<String> = names
         .iter()
         .map(|name| format!("\"{}\"", name.replace('"', "\"\"").replace(['\r', '\n'], " ")))
         .collect();
-    #[allow(clippy::cast_precision_loss)] // columns
-    let number = |number: usize| (number as f64 * PROBE).to_string();
-    let ones = vec![number(1); names.len()];
-    let numbers: Vec<String> = (2..names.len() + 2).map(number).collect();
+    let ones = vec!["1".to_owned(); names.len()];
+    let numbers: Vec<String> = (2..names.len() + 2).map(|number| number.to_string()).collect();
     let text = [quoted, ones, numbers].map(|row| row.join(",") + "\n").concat();
     let stream = Box::new(std::io::Cursor::new(text.into_bytes()));
     let mut reader = LogReader::from_reader("the table", stream, options)?;

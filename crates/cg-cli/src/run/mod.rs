@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
     let design = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let live = arguments.can.is_some() || arguments.realtime;
-    let settings = options.settings;
+    let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
     let mut frames = Frames::new(decoder(&options), settings, mass_is_given, live);
     let state = arguments.state.as_deref().map(|path| StateFile::new(path, &design));

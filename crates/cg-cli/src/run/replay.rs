@@ -93,6 +93,7 @@ pub(crate) fn csv<W: Write>(
     if reader.is_of_frames() {
         bail!("{name} is a log of CAN frames: give it with --candump in place of --csv");
     }
+    let settings = options.settings.unwrap_or_default();
     let mut clock = Clock::default();
     let mut pace = Pace { began: None, realtime };
     while let Some(row) = next_row(&mut reader, session)? {
@@ -116,7 +117,7 @@ pub(crate) fn csv<W: Write>(
                 session.notice(Signal::from(quantity).name(), too_slow(step_s))?;
             }
         }
-        session.push(row.sample(instant.stream_us, &options.settings))?;
+        session.push(row.sample(instant.stream_us, &settings))?;
         session.missing(presence.missing(instant.stream_us, |_| false))?;
         session.due(realtime)?;
         pace.wait(instant.stream_us);

@@ -50,7 +50,7 @@ impl Frames {
         Self {
             file: file.into(),
             reader: CandumpReader::new(BufReader::new(stream), can.bus.clone()),
-            sampler: Sampler::new(decoder, options.settings),
+            sampler: Sampler::new(decoder, options.settings.unwrap_or_default()),
             origin_s: None,
             over: false,
         }

@@ -31,8 +31,9 @@
 //! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a
 //! semicolon or a tab, whichever the header has most of. A line that begins with `#` is a
 //! comment and never looked into; blank lines, CRLF, a byte order mark and quotes are fine.
-//! An empty cell, `NaN` or `NA` is an absent value, and so is a number that the truck
-//! [cannot have](cg_core::Quantity::limits). Time must be there and increase.
+//! An empty cell, `NaN` or `NA` is an absent value, and so is, if the reader is told which truck
+//! it is, a number that the truck [cannot have](cg_core::AlignSettings::believes). Time must be
+//! there and increase.
 
 mod batches;
 mod candump;

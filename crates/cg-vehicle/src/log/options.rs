@@ -20,9 +20,11 @@ pub struct LogOptions {
     pub flip: Vec<Signal>,
     /// How a CAN log is read.
     pub can: CanOptions,
-    /// What the truck's sensors mean: the mass that its scales can show, and in a CAN log the steer
-    /// angle of its steering wheel. Of [`Vehicle::align_settings`](crate::Vehicle::align_settings).
-    pub settings: AlignSettings<f64>,
+    /// What the truck's sensors mean, of
+    /// [`Vehicle::align_settings`](crate::Vehicle::align_settings): values that it
+    /// [cannot have](AlignSettings::believes) are absent then, and a CAN log has its steer angle.
+    /// Without it the values of a table are read as they stand.
+    pub settings: Option<AlignSettings<f64>>,
 }
 
 /// How frames become signals.

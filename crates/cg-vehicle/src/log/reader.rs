@@ -44,7 +44,7 @@ pub struct LogReader {
     signals: Box<[Signal]>,
     time_index: usize,
     values: [f64; Signal::COUNT],
-    settings: AlignSettings<f64>,
+    settings: Option<AlignSettings<f64>>,
     /// Values that the truck cannot have.
     tally: Tally,
     previous_s: f64,
@@ -187,9 +187,10 @@ impl LogReader {
     /// Makes values absent that the truck cannot have.
     #[inline]
     fn drop_implausible(&mut self) {
+        let Some(settings) = self.settings else { return };
         for quantity in Quantity::ALL {
             let value = self.values[Signal::from(quantity) as usize];
-            if !value.is_nan() && !self.settings.believes(quantity, value) {
+            if !value.is_nan() && !settings.believes(quantity, value) {
                 self.implausible(quantity, value);
             }
         }
@@ -203,7 +204,7 @@ impl LogReader {
 
     /// What is to be told of the values so far that was not told yet: a signal and a sentence.
     pub fn news(&mut self) -> Vec<(&'static str, String)> {
-        self.tally.news(&self.settings)
+        self.tally.news(&self.settings.unwrap_or_default())
     }
 
     /// What was passed over or doubted so far, for people.
@@ -212,7 +213,7 @@ impl LogReader {
             Body::Can(frames) => frames.remarks(),
             _ => Vec::new(),
         };
-        remarks.extend(self.tally.remarks(&self.settings));
+        remarks.extend(self.tally.remarks(&self.settings.unwrap_or_default()));
         remarks
     }
 
@@ -340,11 +341,7 @@ fn text_body<R: Read + Send + 'static>(
     options: &LogOptions,
 ) -> Result<Body, LogError> {
     let gzip = sniffed.magic == Magic::Gzip;
-    let read = |source| {
-        let place = Place { file: name.into(), position: Position::File };
-        if gzip { LogError::Gzip { place, source } } else { LogError::Read { place, source } }
-    };
-    let (head, text) = head(text(sniffed)).map_err(read)?;
+    let (head, text) = head(text(sniffed));
     Ok(if is_candump(&head) {
         Body::Can(Box::new(Frames::new(name, text, options)))
     } else {
