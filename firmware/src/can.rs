@@ -2,7 +2,7 @@
 //! `embedded-can`.
 
 use cg_core::estimator::Maneuver;
-use cg_core::j1939::{self, NOT_AVAILABLE, Signal};
+use cg_core::j1939::{self, Compensation, NOT_AVAILABLE, Signal};
 use cg_core::{AlignSettings, Aligner, Prior, Sample, Settings};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
@@ -24,7 +24,7 @@ pub fn listen(
     let Id::Extended(identifier) = frame.id() else { return };
     let identifier = identifier.as_raw();
     let source = identifier & 0xFF;
-    j1939::decode(identifier, frame.data(), |quantity, rank, value| {
+    j1939::decode(identifier, frame.data(), Compensation::Bits, |quantity, rank, value| {
         aligner.push(quantity, (source, rank), time_us, value);
     });
     while let Some(sample) = aligner.next(time_us) {
@@ -83,6 +83,7 @@ fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
         for (signal, value) in signals {
             identifier = signal.identifier(source);
             signal.encode(f64::from(*value), &mut data);
+            signal.set_compensated(true, &mut data);
         }
         Received { identifier, data }
     };
@@ -105,11 +106,8 @@ fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
 /// a hash of every maneuver.
 pub fn replay(mut told: impl FnMut(&Maneuver<f32>, &Onboard)) -> Trace {
     const STEERING_RATIO: f32 = 20.0;
-    let mut aligner = Aligner::new(AlignSettings {
-        steering_ratio: Some(STEERING_RATIO),
-        mass_of_axle_load: None,
-        mass_of_suspension_pressure: None,
-    });
+    let mut aligner =
+        Aligner::new(AlignSettings { steering_ratio: Some(STEERING_RATIO), ..AlignSettings::NONE });
     let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
     let mut trace = Trace::default();
     for sample in log::samples() {

@@ -73,14 +73,18 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
     let logs = arguments.run.iter().map(RunArg::known).collect::<Result<Vec<_>, _>>()?;
-    let options = arguments.columns.options();
+    let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
     let variant = arguments.model.into();
     let mut calibration = calibrate(&vehicle, variant, &logs, |known, estimator| {
-        feed(Path::new(&known.log), &options, &progress, |row| estimator.push(row).map(|_| ()))
-            .map_err(Failure)
+        let take = |row: &_| estimator.push(row).map(|_| ());
+        let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
+        for remark in remarks {
+            crate::report(&anyhow!("{}: {remark}", known.log));
+        }
+        Ok(())
     })
-    .map_err(|failure| failure.0)?;
+    .map_err(|failure: Failure| failure.0)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
     let draft = Draft::write(&arguments.output, "--output", &calibration.to_toml()?)?;
     draft.publish()?;

@@ -14,6 +14,7 @@ use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::calibrate::RunArg;
+use crate::can::CanArgs;
 use crate::numbers::{
     duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz,
     speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
@@ -60,7 +61,8 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateArgs {
-    /// Logs: .csv, .csv.gz or .parquet; `-` reads CSV from standard input
+    /// Logs: .csv, .csv.gz, .parquet, or what candump has recorded (with time stamps: -L, -l, -ta);
+    /// `-` reads CSV or candump from standard input
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
     #[command(flatten)]
@@ -85,6 +87,8 @@ pub(crate) struct EstimateArgs {
     pub(crate) trailer_mass_kg: Option<f64>,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
+    #[command(flatten)]
+    pub(crate) frames: CanArgs,
     /// Print the known heights of this JSON file beside (the estimator never reads it)
     #[arg(long, value_name = "TRUTH.json")]
     pub(crate) truth: Option<PathBuf>,
@@ -109,7 +113,8 @@ pub(crate) struct ColumnArgs {
 
 impl ColumnArgs {
     pub(crate) fn options(&self) -> LogOptions {
-        LogOptions { columns: self.column.clone(), flip: self.flip.clone() }
+        let (columns, flip) = (self.column.clone(), self.flip.clone());
+        LogOptions { columns, flip, ..LogOptions::default() }
     }
 }
 
@@ -135,6 +140,8 @@ pub(crate) struct CalibrateArgs {
     pub(crate) model: ModelArg,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
+    #[command(flatten)]
+    pub(crate) frames: CanArgs,
 }
 
 #[derive(Debug, Args)]

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
         return Err(anyhow!("standard input (-) can be read once only"));
     }
     let estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
-    let log_options = arguments.columns.options();
+    let log_options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = progress_bar(&arguments.logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
     let room = arguments.report.as_ref().map(|_| report::room(arguments.logs.len()));
@@ -139,23 +139,25 @@ fn estimate_log(
     progress: &ProgressBar,
 ) -> anyhow::Result<Estimated> {
     let mut trace = room.map(Trace::new);
-    feed(log, options, progress, |row| {
+    let remarks = feed(log, options, progress, |row| {
         estimator.push(row)?;
         if let Some(trace) = &mut trace {
             trace.push(row);
         }
         Ok(())
     })?;
-    Ok((estimator.finish(), trace))
+    let mut estimate = estimator.finish();
+    estimate.messages.extend(remarks);
+    Ok((estimate, trace))
 }
 
-/// Hands out the rows of a log.
+/// Hands out the rows of a log; what is to be told of it.
 pub(crate) fn feed(
     log: &Path,
     options: &LogOptions,
     progress: &ProgressBar,
     mut take: impl FnMut(&LogRow) -> Result<(), SampleError>,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Vec<String>> {
     let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
         LogReader::from_reader(&name, Box::new(std::io::stdin()), options)?
@@ -176,7 +178,7 @@ pub(crate) fn feed(
         }
     }
     progress.inc(reader.bytes_read() - seen);
-    Ok(())
+    Ok(reader.remarks())
 }
 
 /// A bar over the bytes of all logs, on a terminal only.

@@ -22,6 +22,7 @@
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
 
 mod calibrate;
+mod can;
 mod cli;
 mod design;
 mod draft;

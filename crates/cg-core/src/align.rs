@@ -32,12 +32,19 @@ pub struct AlignSettings<T> {
     pub mass_of_axle_load: Option<[T; 2]>,
     /// The same over the pressure in its air suspension.
     pub mass_of_suspension_pressure: Option<[T; 2]>,
+    /// The least and the greatest mass that the trailer can have: a scale that says another one is
+    /// not believed.
+    pub mass_range_kg: Option<[T; 2]>,
 }
 
 impl<T: Real> AlignSettings<T> {
-    /// Neither is known.
-    pub const NONE: Self =
-        Self { steering_ratio: None, mass_of_axle_load: None, mass_of_suspension_pressure: None };
+    /// Nothing is known.
+    pub const NONE: Self = Self {
+        steering_ratio: None,
+        mass_of_axle_load: None,
+        mass_of_suspension_pressure: None,
+        mass_range_kg: None,
+    };
 
     /// Mean road-wheel angle: as measured, or else of the steering wheel's.
     pub fn steer_rad(&self, steer_rad: T, steering_wheel_rad: T) -> T {
@@ -47,20 +54,50 @@ impl<T: Real> AlignSettings<T> {
         }
     }
 
-    /// Trailer mass: as weighed, or else of its axle load, or else of the pressure in its suspension.
+    /// Trailer mass: as weighed, or else of its axle load, or else of the pressure in its
+    /// suspension. What is not [believed](Self::believes) is passed over.
     pub fn trailer_mass_kg(&self, trailer_mass_kg: T, axle_load_kg: T, pressure_pa: T) -> T {
-        let along = |line: Option<[T; 2]>, x: T| match line {
-            Some([at_zero, slope]) => at_zero + slope * x,
+        [
+            (Quantity::TrailerMass, trailer_mass_kg),
+            (Quantity::TrailerAxleLoad, axle_load_kg),
+            (Quantity::TrailerSuspensionPressure, pressure_pa),
+        ]
+        .into_iter()
+        .filter(|(quantity, value)| self.believes(*quantity, *value))
+        .map(|(quantity, value)| self.mass_kg(quantity, value))
+        .find(|mass_kg| mass_kg.present())
+        .unwrap_or_else(T::absent)
+    }
+
+    /// The trailer mass that a value means; absent if it says none.
+    pub fn mass_kg(&self, quantity: Quantity, value: T) -> T {
+        let along = |line: Option<[T; 2]>| match line {
+            Some([at_zero, slope]) => at_zero + slope * value,
             None => T::absent(),
         };
-        let of_load = along(self.mass_of_axle_load, axle_load_kg);
-        if trailer_mass_kg.present() {
-            trailer_mass_kg
-        } else if of_load.present() {
-            of_load
-        } else {
-            along(self.mass_of_suspension_pressure, pressure_pa)
+        match quantity {
+            Quantity::TrailerMass => value,
+            Quantity::TrailerAxleLoad => along(self.mass_of_axle_load),
+            Quantity::TrailerSuspensionPressure => along(self.mass_of_suspension_pressure),
+            _ => T::absent(),
         }
+    }
+
+    /// Whether this truck can have this value: [plausible](Quantity::plausible), and of what
+    /// weighs the trailer a mass that it can have. Absent values are not believed.
+    pub fn believes(&self, quantity: Quantity, value: T) -> bool {
+        let mass_kg = self.mass_kg(quantity, value);
+        let possible = match self.mass_range_kg {
+            Some([least, greatest]) if mass_kg.present() => mass_kg >= least && mass_kg <= greatest,
+            _ => true,
+        };
+        possible && quantity.plausible(value)
+    }
+}
+
+impl<T: Real> Default for AlignSettings<T> {
+    fn default() -> Self {
+        Self::NONE
     }
 }
 
@@ -73,6 +110,8 @@ pub enum Taken {
     OtherSource,
     /// Its time does not follow that of the value before.
     OutOfOrder,
+    /// The truck [cannot have](AlignSettings::believes) this value: it counts as absent.
+    Implausible,
 }
 
 /// The last two values of a quantity.
@@ -171,6 +210,9 @@ impl<T: Real> Aligner<T> {
     pub fn push(&mut self, quantity: Quantity, device: (u32, u8), time_us: u64, value: T) -> Taken {
         if !value.present() {
             return Taken::Yes;
+        }
+        if !self.settings.believes(quantity, value) {
+            return Taken::Implausible;
         }
         let Some(track) = self.tracks.get_mut(quantity.index()) else { return Taken::OtherSource };
         let gone_us = stale_us(quantity).min(GONE_US);
@@ -291,6 +333,7 @@ mod tests {
             steering_ratio: Some(20.0),
             mass_of_axle_load: Some([4000.0, 1.5]),
             mass_of_suspension_pressure: Some([3000.0, 0.05]),
+            mass_range_kg: Some([5000.0, 60_000.0]),
         };
         Aligner::new(settings)
     }
@@ -306,7 +349,7 @@ mod tests {
         let mut samples = 0;
         for us in (0..2_000_000_u64).step_by(1000) {
             #[allow(clippy::cast_precision_loss)]
-            let ramp = us as f64 * 1e-6;
+            let ramp = us as f64 * 0.4e-6;
             if us % 100_000 == 0 {
                 aligner.push(Quantity::Speed, BRAKES, us, 14.0);
                 aligner.push(Quantity::TrailerAxleLoad, BRAKES, us, 10_000.0);
@@ -383,6 +426,43 @@ mod tests {
         close(mass_kg(Quantity::TrailerAxleLoad, 10_000.0, 2000), 19_000.0);
         close(mass_kg(Quantity::TrailerMass, 19_500.0, 3000), 19_500.0);
         close(mass_kg(Quantity::TrailerSuspensionPressure, 4e5, 4000), 19_500.0);
+    }
+
+    /// A scale that says nothing possible is passed over, be it the first value or a later one.
+    #[test]
+    fn the_next_scale_serves_where_one_is_not_believed() {
+        let mut aligner = aligner();
+        let mut mass_kg = |quantity, value, us, taken| {
+            assert_eq!(aligner.push(quantity, BRAKES, us, value), taken, "{value}");
+            aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+            aligner.next(us).unwrap().trailer_mass_kg
+        };
+        let (mass, load) = (Quantity::TrailerMass, Quantity::TrailerAxleLoad);
+        assert!(mass_kg(mass, 0.0, 1000, Taken::Implausible).is_nan());
+        let of_load = mass_kg(load, 10_000.0, 2000, Taken::Yes);
+        assert!((of_load - 19_000.0).abs() < 1e-9);
+        for (us, bad) in [(3000, 4999.0), (4000, 60_001.0), (5000, 1e308)] {
+            assert!((mass_kg(mass, bad, us, Taken::Implausible) - of_load).abs() < 1e-9);
+        }
+        assert!((mass_kg(mass, 20_000.0, 6000, Taken::Yes) - 20_000.0).abs() < 1e-9);
+        // An empty load of the axles is a mass of 4 t: below the least.
+        assert!((mass_kg(load, 0.0, 7000, Taken::Implausible) - 20_000.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_cannot_be_is_absent() {
+        let mut aligner = aligner();
+        let brakes = |aligner: &mut Aligner<f64>, us, value| {
+            aligner.push(Quantity::LateralAcceleration, BRAKES, us, value)
+        };
+        assert_eq!(brakes(&mut aligner, 1000, 1.0), Taken::Yes);
+        assert_eq!(brakes(&mut aligner, 2000, 900.0), Taken::Implausible);
+        assert_eq!(aligner.push(Quantity::Roll, ROLL_SENSOR, 2000, 1e30), Taken::Implausible);
+        assert_eq!(brakes(&mut aligner, 3000, 3.0), Taken::Yes);
+        aligner.push(Quantity::Roll, ROLL_SENSOR, 2000, 0.1);
+        let sample = aligner.next(3000).unwrap();
+        assert!((sample.lateral_acceleration_mps2 - 2.0).abs() < 1e-12);
+        assert!(aligner.next(u64::MAX).is_none());
     }
 
     #[test]

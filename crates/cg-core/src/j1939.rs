@@ -78,14 +78,14 @@ pub const CG_STATUS: Signal = signal(65296, 6, (6, 1), 1.0, 0.0);
 pub const CG_MANEUVERS: Signal = signal(65296, 6, (7, 1), 1.0, 0.0);
 
 /// Which signals are taken, what they measure and, where several measure the same, which is
-/// preferred: the least rank. An SSI roll angle is a tilt unless the sensor says that it takes the
-/// lateral acceleration off itself ([`is_compensated`]).
+/// preferred: the least rank. The angle of a slope sensor (SSI, SSI2) is a roll angle or a tilt:
+/// [`Slope`] tells.
 pub const TABLE: [(Signal, Quantity, u8); 10] = [
     (STEERING_WHEEL_ANGLE, Quantity::SteeringWheel, 0),
     (YAW_RATE, Quantity::YawRate, 0),
     (LATERAL_ACCELERATION, Quantity::LateralAcceleration, 0),
     (ROLL_FINE, Quantity::Roll, 0),
-    (ROLL, Quantity::Tilt, 1),
+    (ROLL, Quantity::Roll, 1),
     (STEERING_WHEEL_ANGLE_SAS, Quantity::SteeringWheel, 1),
     (SPEED, Quantity::Speed, 0),
     (FRONT_AXLE_SPEED, Quantity::Speed, 1),
@@ -93,22 +93,81 @@ pub const TABLE: [(Signal, Quantity, u8); 10] = [
     (TRAILER_AXLE_LOAD, Quantity::TrailerAxleLoad, 0),
 ];
 
-/// Whether an SSI frame says that its angles are free of the vehicle's accelerations (SPN 3326:
-/// two bits, 00 means compensated).
-pub fn is_compensated(data: &[u8]) -> bool {
-    data.get(6).is_some_and(|byte| byte >> 6 == 0)
+/// How it is known whether a slope sensor takes the vehicle's accelerations off its angle, which
+/// is a roll angle then; otherwise it is a tilt, as of an inclinometer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compensation {
+    /// From its compensation bits (SPN 3326, 4980) as J1939-71 has them: 0 on, 1 off. One that
+    /// does not say is taken for an inclinometer: a roll angle taken for a tilt makes no height, a
+    /// tilt taken for a roll angle makes a wrong one.
+    #[default]
+    Bits,
+    /// The same with 0 off and 1 on, as some makers have them.
+    InvertedBits,
+    /// It does, whatever the bits say.
+    On,
+    /// It does not, whatever the bits say.
+    Off,
+}
+
+/// What a slope sensor (SSI, SSI2) says of its roll angle beside the value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slope {
+    /// Compensation (SPN 3326, 4980): 0 on, 1 off, 2 error, 3 not available.
+    pub compensation: u8,
+    /// Figure of merit (SPN 3324, 4981): 0 as specified, 1 degraded, 2 error, 3 not available.
+    pub merit: u8,
+}
+
+impl Slope {
+    /// What a frame says; `None` if it is not of a slope sensor. What is not in a short frame is
+    /// not available.
+    pub fn of(identifier: u32, data: &[u8]) -> Option<Self> {
+        let [compensation, merit] = slope_bits(pgn_of(identifier))?;
+        let byte = data.get(6).copied().unwrap_or(0xFF);
+        Some(Self { compensation: byte >> compensation & 3, merit: byte >> merit & 3 })
+    }
+
+    /// What the angle is; `None` if the sensor says that something of it is wrong.
+    pub const fn quantity(self, rule: Compensation) -> Option<Quantity> {
+        match (rule, self.compensation) {
+            _ if self.merit == 2 => None,
+            (Compensation::On, _) => Some(Quantity::Roll),
+            (Compensation::Off, _) => Some(Quantity::Tilt),
+            (_, 2) => None,
+            (Compensation::Bits, 0) | (Compensation::InvertedBits, 1) => Some(Quantity::Roll),
+            _ => Some(Quantity::Tilt),
+        }
+    }
+}
+
+/// Where in the seventh byte a slope sensor's group has compensation and figure of merit of the
+/// roll angle.
+const fn slope_bits(pgn: u32) -> Option<[u8; 2]> {
+    match pgn {
+        61459 => Some([6, 2]),
+        61481 => Some([4, 6]),
+        _ => None,
+    }
 }
 
 /// What a frame measures: each present signal of [`TABLE`] as quantity, rank and SI value.
-pub fn decode<T: Real>(identifier: u32, data: &[u8], mut found: impl FnMut(Quantity, u8, T)) {
+pub fn decode<T: Real>(
+    identifier: u32,
+    data: &[u8],
+    rule: Compensation,
+    mut found: impl FnMut(Quantity, u8, T),
+) {
     let pgn = pgn_of(identifier);
     for (signal, quantity, rank) in TABLE {
         if signal.pgn != pgn {
             continue;
         }
         let Some(value) = signal.decode(data) else { continue };
-        let compensated = pgn == ROLL.pgn && is_compensated(data);
-        found(if compensated { Quantity::Roll } else { quantity }, rank, value);
+        let meant = Slope::of(identifier, data).map_or(Some(quantity), |said| said.quantity(rule));
+        if let Some(quantity) = meant {
+            found(quantity, rank, value);
+        }
     }
 }
 
@@ -139,6 +198,14 @@ impl Signal {
         }
         // At most 24 bits: exact in single precision too.
         Some(T::of(f64::from(raw)) * T::of(self.scale) + T::of(self.offset))
+    }
+
+    /// Says in a frame of a slope sensor whether its roll angle is compensated; other groups have
+    /// no such bits.
+    pub const fn set_compensated(&self, compensated: bool, data: &mut [u8; 8]) {
+        if let Some([place, _]) = slope_bits(self.pgn) {
+            data[6] = data[6] & !(3 << place) | (!compensated as u8) << place;
+        }
     }
 
     /// Puts a value, rounded to the nearest raw one, into a frame of its group; "not available" if
@@ -221,20 +288,51 @@ mod tests {
         assert!((back - 0.024 / 1024.0).abs() < 1e-9);
     }
 
+    /// The seventh byte of both groups, bits 1-based: SSI has the figure of merit of roll at 7.3
+    /// and the compensation at 7.7, SSI2 the compensation at 7.5 and the figure of merit at 7.7.
     #[test]
-    fn an_inclinometer_becomes_a_roll_sensor_when_it_says_so() {
-        let mut data = NOT_AVAILABLE;
-        ROLL.encode(0.05, &mut data);
-        let mut seen = None;
-        let mut look = |data: &[u8]| {
-            decode(ROLL.identifier(0xE4), data, |quantity, _, _: f64| seen = Some(quantity));
-            seen.take()
-        };
-        assert_eq!(look(&data), Some(Quantity::Tilt));
-        data[6] = 0x3F;
-        assert_eq!(look(&data), Some(Quantity::Roll));
-        assert_eq!(look(&data[..6]), Some(Quantity::Tilt));
-        assert_eq!(look(&NOT_AVAILABLE), None);
+    fn a_slope_sensor_says_whether_its_angle_is_a_roll_angle() {
+        use Compensation::{Bits, InvertedBits, Off, On};
+        const ROLL_ANGLE: Option<Quantity> = Some(Quantity::Roll);
+        const TILT: Option<Quantity> = Some(Quantity::Tilt);
+        let meant = [
+            // compensation, merit: bits, inverted bits, on, off
+            ((0, 3), [ROLL_ANGLE, TILT, ROLL_ANGLE, TILT]),
+            ((1, 3), [TILT, ROLL_ANGLE, ROLL_ANGLE, TILT]),
+            ((2, 3), [None, None, ROLL_ANGLE, TILT]),
+            ((3, 3), [TILT, TILT, ROLL_ANGLE, TILT]),
+            ((0, 0), [ROLL_ANGLE, TILT, ROLL_ANGLE, TILT]),
+            ((0, 1), [ROLL_ANGLE, TILT, ROLL_ANGLE, TILT]),
+            ((0, 2), [None; 4]),
+        ];
+        for (signal, compensation_bit, merit_bit) in [(ROLL, 6, 2), (ROLL_FINE, 4, 6)] {
+            let mut data = [0xFF; 8];
+            signal.encode(0.05, &mut data);
+            for ((compensation, merit), expected) in meant {
+                // The bits beside are an error: those of the pitch angle do not count.
+                data[6] = 0b1010_1010 & !(3 << compensation_bit) & !(3 << merit_bit)
+                    | compensation << compensation_bit
+                    | merit << merit_bit;
+                let slope = Slope::of(signal.identifier(0xE4), &data);
+                assert_eq!(slope, Some(Slope { compensation, merit }));
+                for (rule, expected) in [Bits, InvertedBits, On, Off].into_iter().zip(expected) {
+                    let mut seen = None;
+                    decode(signal.identifier(0xE4), &data, rule, |quantity, _, _: f64| {
+                        seen = Some(quantity);
+                    });
+                    assert_eq!(seen, expected, "{signal:?} {compensation} {merit} {rule:?}");
+                }
+            }
+            // Without a seventh byte nothing is said.
+            let short = Slope::of(signal.identifier(0xE4), &data[..6]);
+            assert_eq!(short, Some(Slope { compensation: 3, merit: 3 }));
+            for compensated in [true, false] {
+                signal.set_compensated(compensated, &mut data);
+                let said = Slope::of(signal.identifier(0xE4), &data).map(|s| s.compensation);
+                assert_eq!(said, Some(u8::from(!compensated)));
+            }
+        }
+        assert_eq!(Slope::of(SPEED.identifier(0), &[0; 8]), None);
     }
 
     #[test]

@@ -179,3 +179,42 @@ mod tests {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_inclusive_and_every_number_outside_is_implausible() {
+        for quantity in Quantity::ALL {
+            let [least, greatest] = quantity.limits();
+            assert!(least < greatest && quantity.plausible(0.0), "{quantity:?}");
+            assert!(quantity.plausible(least) && quantity.plausible(f64::from(greatest)));
+            for beyond in [least.next_down(), greatest.next_up(), f32::MAX, f32::NAN] {
+                assert!(!quantity.plausible(beyond), "{quantity:?} {beyond}");
+                assert!(!quantity.plausible(f64::from(beyond)), "{quantity:?} {beyond}");
+            }
+            assert!(!quantity.plausible(1e308) && !quantity.plausible(f64::NEG_INFINITY));
+        }
+    }
+
+    /// What trucks do lies well inside: a full lock of a steering wheel (6.5 turns either way), a
+    /// tilt in the turn that tips it, a heavy load. Degrees and grams in place of SI do not.
+    #[test]
+    fn what_trucks_do_is_plausible() {
+        for (quantity, usual, wrong) in [
+            (Quantity::Steer, 0.8, 45.0),
+            (Quantity::SteeringWheel, 41.0, 750.0),
+            (Quantity::Roll, 0.35, 8.0),
+            (Quantity::Tilt, 1.2, 20.0),
+            (Quantity::Speed, 30.0, 90.0),
+            (Quantity::LateralAcceleration, -9.0, 900.0),
+            (Quantity::YawRate, 0.8, 20.0),
+            (Quantity::TrailerMass, 60e3, 20e6),
+            (Quantity::TrailerAxleLoad, 40e3, 20e6),
+            (Quantity::TrailerSuspensionPressure, 9e5, 9e8),
+        ] {
+            assert!(quantity.plausible(usual) && !quantity.plausible(wrong), "{quantity:?}");
+        }
+    }
+}

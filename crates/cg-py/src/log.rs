@@ -18,7 +18,11 @@ use crate::vehicle::Vehicle;
 pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
     let columns = columns.iter().map(|text| text.parse()).collect::<Result<_, _>>();
     let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, _>>();
-    Ok(LogOptions { columns: columns.map_err(option_error)?, flip: flip.map_err(option_error)? })
+    Ok(LogOptions {
+        columns: columns.map_err(option_error)?,
+        flip: flip.map_err(option_error)?,
+        ..LogOptions::default()
+    })
 }
 
 /// Estimate from a log file (CSV, CSV in gzip, parquet).
@@ -37,12 +41,14 @@ pub(crate) fn estimate_file<'py>(
     let vehicle = vehicle.get();
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
+    let log_options = LogOptions { settings: Some(settings), ..log_options };
     let mut estimator = LogEstimator::from_design(design, settings, options);
     let mut reader = py.detach(|| LogReader::open(&path, &log_options)).map_err(log_error)?;
     while py.detach(|| push_some(&mut reader, &mut estimator, &path)).map_err(Refused::raise)? {
         py.check_signals()?;
     }
-    let answer = py.detach(|| estimator.finish());
+    let mut answer = py.detach(|| estimator.finish());
+    answer.messages.extend(reader.remarks());
     results::estimate(py, &answer)
 }
 

@@ -209,7 +209,7 @@ def test_a_value_is_held_for_a_while_and_an_inclinometer_stands_in_for_the_roll_
     row = rows.push(frame_of(0.1, ssi, "FFFF007DFFFFFFFF"))
     assert set(row) == {"time_s", "tilt_rad", "steering_wheel_rad", "yaw_rate_radps",
                         "lateral_acceleration_mps2"}  # fmt: skip
-    row = rows.push(frame_of(0.2, ssi2, "FFFFFF00007DFFFF"))
+    row = rows.push(frame_of(0.2, ssi2, "FFFFFF00007DCFFF"))
     assert "roll_rad" in row
     assert "tilt_rad" not in row
     # The inclinometer makes no row while there is a roll sensor, and again once it is gone.
@@ -222,9 +222,24 @@ def test_a_value_is_held_for_a_while_and_an_inclinometer_stands_in_for_the_roll_
     assert rows.push(message) is None
 
 
+def test_what_a_slope_sensor_measures_can_be_told(truck):
+    frames = [frame_of(0.0, 0x18F0090B, "7F7DFF007D007DFF"), frame_of(0.1, 0x0CF029E4, UNSAID)]
+    for word, column in [("bit", "tilt_rad"), ("yes", "roll_rad"), ("no", "tilt_rad")]:
+        rows = HeightListener(truck, roll_compensated=word, flip="roll")._rows
+        row = [rows.push(frame) for frame in frames][1]
+        assert row[column] < 0  # flipped, whichever it is
+        assert len({"roll_rad", "tilt_rad"} & row.keys()) == 1
+    with pytest.raises(ValueError, match='roll_compensated is "on"'):
+        HeightListener(truck, roll_compensated="on")
+
+
+# A roll angle of 6 degrees of a sensor that does not say whether it is compensated.
+UNSAID = "FFFFFF000080FFFF"
+
+
 def test_of_several_senders_the_first_counts_while_it_lives_and_a_better_one_at_once(truck):
     rows = HeightListener(truck, hold_s=0.5)._rows
-    roll, front_axle, wheels = "FFFFFF00007DFFFF", "0040FFFFFFFFFFFF", "FF0032FFFFFFFFFF"
+    roll, front_axle, wheels = "FFFFFF00007DCFFF", "0040FFFFFFFFFFFF", "FF0032FFFFFFFFFF"
 
     def speed_after(time_s, identifier, data):
         rows.push(frame_of(time_s, identifier, data))

@@ -41,7 +41,9 @@ def test_every_signal_comes_back_as_cantools_wrote_it(
     everything = {other.name: (1 << other.length) - 1 for other in definition.signals}
     data = definition.encode({**everything, signal: raw}, scaling=False, strict=False)
     identifier = (definition.frame_id & 0x03FFFF00) | priority << 26 | source
-    found = _native.decode_j1939(identifier, bytes(data))
+    # The bits beside say nothing: whether an angle is roll or tilt is given.
+    word = "no" if column == "tilt_rad" else "yes"
+    found = _native.decode_j1939(identifier, bytes(data), word)
     assert set(found) == {column}
     value, _ = found[column]
     expected = definition.decode(data, decode_choices=False)[signal] * TO_SI[field.unit]
@@ -61,6 +63,33 @@ def test_what_is_not_available_is_absent(
     everything = {other.name: (1 << other.length) - 1 for other in definition.signals}
     data = definition.encode({**everything, signal: raw}, scaling=False, strict=False)
     assert column not in _native.decode_j1939(definition.frame_id & 0x1FFFFFFF, bytes(data))
+
+
+SSI, SSI2 = 0x0CF013E4, 0x0CF029E4
+
+
+@pytest.mark.parametrize(("identifier", "at", "merit_at"), [(SSI, 6, 2), (SSI2, 4, 6)])
+@pytest.mark.parametrize(
+    ("bits", "expected"),
+    [
+        (0, ["roll_rad", "tilt_rad", "roll_rad", "tilt_rad"]),
+        (1, ["tilt_rad", "roll_rad", "roll_rad", "tilt_rad"]),
+        (2, [None, None, "roll_rad", "tilt_rad"]),
+        (3, ["tilt_rad", "tilt_rad", "roll_rad", "tilt_rad"]),
+    ],
+)
+def test_the_compensation_bits_tell_roll_from_tilt(
+    identifier: int, at: int, merit_at: int, bits: int, expected: list[str | None]
+) -> None:
+    data = bytearray.fromhex("00007D00007DFFFF")
+    data[6] = 0xFF & ~(3 << at) | bits << at
+    for word, column in zip(["bit", "inverted-bit", "yes", "no"], expected, strict=True):
+        found = _native.decode_j1939(identifier, bytes(data), word)
+        assert list(found) == ([] if column is None else [column])
+    data[6] = data[6] & ~(3 << merit_at) | 2 << merit_at  # the figure of merit: error
+    assert _native.decode_j1939(identifier, bytes(data), "yes") == {}
+    with pytest.raises(ValueError, match='roll_compensated is "maybe": it must be "bit"'):
+        _native.decode_j1939(identifier, bytes(data), "maybe")
 
 
 def test_cantools_reads_the_frame_that_is_sent() -> None:

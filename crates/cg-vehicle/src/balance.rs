@@ -38,7 +38,14 @@ impl Vehicle {
                     [empty_kg + slope * at_zero_kg, slope * per_pa]
                 },
             ),
+            mass_range_kg: Some(self.trailer_mass_range_kg()),
         }
+    }
+
+    /// The masses that a scale of this trailer can show: from a tenth below empty, as far as axle
+    /// weighing is off, to a quarter above the greatest mass of the [design](crate::design).
+    fn trailer_mass_range_kg(&self) -> [f64; 2] {
+        [0.9 * self.empty_trailer_mass_kg(), 1.25 * crate::design::greatest_mass_kg(self)]
     }
 
     /// Trailer mass (sprung and axles) from the load of the trailer's axles on the road, both in kg:

@@ -122,6 +122,12 @@ fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {
     speeds
 }
 
+/// The greatest trailer mass that a design knows.
+pub(crate) fn greatest_mass_kg(vehicle: &Vehicle) -> f64 {
+    let empty_kg = vehicle.empty_trailer_mass_kg();
+    (empty_kg + GREATEST_PAYLOAD_KG).max(vehicle.trailer.reference_mass_kg * 1.1)
+}
+
 #[allow(clippy::cast_precision_loss)] // indices
 fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     let reference_kg = vehicle.trailer.reference_mass_kg;
@@ -132,7 +138,7 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     // From just below empty, so that a weighing error does not fall off the grid.
     let empty_kg = vehicle.empty_trailer_mass_kg();
     let least_kg = empty_kg * 0.996;
-    let greatest_kg = (empty_kg + GREATEST_PAYLOAD_KG).max(reference_kg * 1.1);
+    let greatest_kg = greatest_mass_kg(vehicle);
     // Closer together where the payload is small beside the trailer.
     let mut masses: [f64; MASSES] = std::array::from_fn(|j| {
         least_kg + (greatest_kg - least_kg) * (j as f64 / (MASSES - 1) as f64).powf(1.3)

@@ -5,6 +5,7 @@
 
 use std::io;
 
+use cg_core::AlignSettings;
 use cg_vehicle::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 
 #[path = "log/files.rs"]
@@ -18,7 +19,7 @@ mod writer;
 
 fn options(columns: &[&str], flip: &[Signal]) -> LogOptions {
     let columns = columns.iter().map(|text| text.parse().unwrap()).collect();
-    LogOptions { columns, flip: flip.to_vec() }
+    LogOptions { columns, flip: flip.to_vec(), ..LogOptions::default() }
 }
 
 fn open(csv: impl AsRef<[u8]>, options: &LogOptions) -> Result<LogReader, LogError> {
@@ -206,7 +207,40 @@ fn time_that_does_not_increase_is_an_error_with_both_times() {
 fn after_a_bad_row_the_next_call_goes_on_with_the_row_after_it() {
     let log = open(format!("{ONE}1,x,0\n2,0\n1,0,0\n-1,0,0\n3,7,7"), &LogOptions::default());
     let rows: Vec<_> = log.unwrap().filter_map(Result::ok).map(|row| row.time_s).collect();
+    // The clock was set back at -1 s: what follows is in order again.
     assert_eq!(rows, [0.0, 1.0, 3.0]);
+}
+
+/// Neither a slip of one cell nor a clock that was set costs more than its own row.
+#[test]
+fn a_number_that_cannot_be_is_absent_and_told() {
+    let csv = format!("{ONE}1,0.1,1e308\n2,0.1,0.02\n3,-45,0.02\n4,0.1,1.5\n");
+    let settings = Some(AlignSettings::NONE);
+    let options = LogOptions { settings, ..LogOptions::default() };
+    assert_eq!(read_as(&csv, &LogOptions::default()).unwrap()[1].roll_rad, 1e308);
+    let mut log = open(csv, &options).unwrap();
+    let rows: Vec<_> = log.by_ref().map(Result::unwrap).collect();
+    let roll: Vec<bool> = rows.iter().map(|row| row.roll_rad.is_nan()).collect();
+    assert_eq!(roll, [false, true, false, false, true]);
+    assert!(rows[3].steer_rad.is_nan() && (rows[1].steer_rad - 0.1).abs() < 1e-15);
+    assert_eq!(log.implausible_values(), 3);
+    let remarks = log.remarks();
+    assert!(remarks[0].contains("line 5: steer_rad -45 cannot be"), "{remarks:?}");
+    assert!(remarks[1].contains("line 3: roll_rad 1") && remarks[1].contains("2 in all"));
+    assert_eq!(log.news().len(), 2);
+    assert!(log.news().is_empty());
+}
+
+/// A scale that cannot be right is told by the vehicle file's masses.
+#[test]
+fn a_mass_that_the_trailer_cannot_have_is_absent() {
+    let settings = AlignSettings { mass_range_kg: Some([5400.0, 51_000.0]), ..AlignSettings::NONE };
+    let options = LogOptions { settings, ..LogOptions::default() };
+    let csv = "time_s,steer_rad,roll_rad,trailer_mass_kg\n0,0,0,0\n1,0,0,20000\n2,0,0,90000\n";
+    let mut log = open(csv, &options).unwrap();
+    let masses: Vec<f64> = log.by_ref().map(|row| row.unwrap().trailer_mass_kg).collect();
+    assert!(masses[0].is_nan() && masses[1].eq(&2e4) && masses[2].is_nan(), "{masses:?}");
+    assert!(log.remarks()[0].contains("trailer_mass_kg 0 cannot be (5400 to 51000 kg"));
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use cg_vehicle::can::{DeviceFilter, SignalMap};
 use clap::{ArgGroup, Args};
 
+use crate::can::CanArgs;
 use crate::cli::ColumnArgs;
 use crate::numbers::{not_negative, trailer_mass_kg};
 use crate::truck::TruckArgs;
@@ -16,7 +16,8 @@ pub(crate) struct RunArgs {
     /// Listen to a CAN interface (J1939, and the signals of --dbc)
     #[arg(long, group = "source", value_name = "IFACE")]
     pub(crate) can: Option<String>,
-    /// Replay a candump log (`candump -L` or -l); `-` reads standard input
+    /// Replay what candump has recorded, with time stamps (`candump -L`, -l, or -ta, -td, -tz); `-`
+    /// reads standard input
     #[arg(long, group = "source", value_name = "FILE")]
     pub(crate) candump: Option<PathBuf>,
     /// Replay a CSV log; `-` reads standard input
@@ -30,16 +31,8 @@ pub(crate) struct RunArgs {
     /// Mass of the whole semitrailer, whatever the bus says
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
-    /// A DBC file with signals that are not J1939's
-    #[arg(long, value_name = "FILE", requires = "signal", conflicts_with = "csv")]
-    pub(crate) dbc: Option<PathBuf>,
-    /// Take a quantity from a signal of the DBC file; unit, factor and offset may follow:
-    /// `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
-    #[arg(long, value_name = "QUANTITY=MESSAGE.SIGNAL", requires = "dbc")]
-    pub(crate) signal: Vec<SignalMap>,
-    /// Take a J1939 quantity from one source address only: `roll=0xE4`; may be repeated
-    #[arg(long, value_name = "QUANTITY=ADDRESS", conflicts_with = "csv")]
-    pub(crate) source_of: Vec<DeviceFilter>,
+    #[command(flatten)]
+    pub(crate) frames: CanArgs,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
     /// Keep what is learnt in this file, over restarts

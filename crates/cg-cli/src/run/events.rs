@@ -49,6 +49,21 @@ pub(crate) struct ManeuverLine {
     pub(crate) result: Result,
 }
 
+/// Where the trailer's mass comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MassSource {
+    /// The vehicle file: nobody has weighed this load.
+    #[default]
+    Nominal,
+    /// The state file: weighed before the restart.
+    Kept,
+    /// A signal of the truck.
+    Signal,
+    /// `--trailer-mass-kg`.
+    Given,
+}
+
 /// What is known of the load.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Result {
@@ -58,6 +73,7 @@ pub(crate) struct Result {
     pub(crate) channel: Option<String>,
     pub(crate) maneuvers: u32,
     pub(crate) trailer_mass_kg: f64,
+    pub(crate) trailer_mass_source: MassSource,
     pub(crate) static_rollover_threshold_g: Option<f64>,
     #[serde(skip)]
     pub(crate) threshold_g: Option<Measured<f64>>,
@@ -68,9 +84,9 @@ impl Result {
     pub(crate) fn new(
         design: &Design<f64>,
         height: Option<(cg_core::Height<f64>, Option<Channel>)>,
-        trailer_mass_kg: f64,
+        (trailer_mass_kg, trailer_mass_source): (f64, MassSource),
     ) -> Self {
-        let nothing = Self { trailer_mass_kg, ..Self::default() };
+        let nothing = Self { trailer_mass_kg, trailer_mass_source, ..Self::default() };
         let Some((height, channel)) = height else { return nothing };
         let Measured { value, sd } = height.height_m;
         let threshold_g = design
@@ -123,6 +139,12 @@ pub(crate) struct Counters {
     pub(crate) malformed: u64,
     /// Error frames of the bus.
     pub(crate) error_frames: u64,
+    /// Values that the truck cannot have: they count as absent.
+    pub(crate) values_implausible: u64,
+    /// Roll angles that their sensor calls degraded: they are used.
+    pub(crate) values_degraded: u64,
+    /// Roll angles that their sensor calls wrong: they count as absent.
+    pub(crate) values_in_error: u64,
 }
 
 /// Time from the frame's time stamp to its last effect, ms.

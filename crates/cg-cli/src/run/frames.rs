@@ -1,32 +1,39 @@
-//! Frames to samples: decoded, aligned, with a time that never jumps.
+//! Frames to samples, and which signals are there.
 
 use std::io::{self, Write};
 
-use cg_core::align::Taken;
-use cg_core::{AlignSettings, Aligner};
-use cg_vehicle::can::{Decoder, Frame};
+use cg_core::{AlignSettings, Quantity};
+use cg_vehicle::can::{Decoder, Frame, Sampler};
+use cg_vehicle::log::Signal;
 
-use super::clock::Clock;
-use super::session::{Session, stale};
+use super::pace::too_slow;
+use super::presence::Presence;
+use super::session::Session;
 
 /// Between two looks for missing signals, µs.
 const LOOK_US: u64 = 100_000;
 
 /// The way of a frame.
 pub(crate) struct Frames {
-    decoder: Decoder,
-    aligner: Aligner<f64>,
-    clock: Clock,
+    sampler: Sampler,
+    presence: Presence,
+    heard: Vec<Quantity>,
     looked_us: u64,
-    now_us: u64,
     /// Whether time passes while frames come in, or as fast as a log is read.
     live: bool,
 }
 
 impl Frames {
-    pub(crate) fn new(decoder: Decoder, settings: AlignSettings<f64>, live: bool) -> Self {
-        let aligner = Aligner::new(settings);
-        Self { decoder, aligner, clock: Clock::default(), looked_us: 0, now_us: 0, live }
+    pub(crate) fn new(
+        decoder: Decoder,
+        settings: AlignSettings<f64>,
+        mass_is_given: bool,
+        live: bool,
+    ) -> Self {
+        let mapped: Vec<Quantity> = decoder.mapped().collect();
+        let presence = Presence::new(&settings, mass_is_given, &mapped);
+        let sampler = Sampler::new(decoder, settings);
+        Self { sampler, presence, heard: Vec::new(), looked_us: 0, live }
     }
 
     /// Takes in a frame that was received about now by the monotonic clock, if it is live; gives its
@@ -37,36 +44,38 @@ impl Frames {
         monotonic_us: Option<u64>,
         session: &mut Session<W>,
     ) -> io::Result<u64> {
-        let instant = self.clock.stream(frame.time_us, monotonic_us);
-        let now_us = instant.stream_us;
-        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-        session.tick(frame.time_us as f64 * 1e-6, now_us);
-        if instant.jump_us != 0 {
-            #[allow(clippy::cast_precision_loss)]
-            let jump_s = instant.jump_us as f64 * 1e-6;
-            session.notice("clock", format!("the time stamps have jumped by {jump_s:.3} s"))?;
-        }
+        let heard = &mut self.heard;
+        heard.clear();
+        let instant = self.sampler.push(frame, monotonic_us, |quantity| heard.push(quantity));
+        session.at(frame.time_us, instant)?;
         session.counters.frames += 1;
-        let aligner = &mut self.aligner;
-        self.decoder.decode(frame, |quantity, device, value| {
-            if aligner.push(quantity, device, now_us, value) == Taken::OtherSource {
-                session.counters.values_of_other_sources += 1;
+        for &quantity in &self.heard {
+            if let Some(step_s) = self.presence.saw(quantity, instant.stream_us) {
+                session.notice(Signal::from(quantity).name(), too_slow(step_s))?;
             }
-        });
-        self.now_us = now_us;
+        }
+        for (signal, message) in self.sampler.news() {
+            session.notice(signal, message)?;
+        }
+        session.counters.values_of_other_sources = self.sampler.values_of_other_sources();
+        let tally = self.sampler.tally();
+        session.counters.values_implausible = tally.implausible_values();
+        session.counters.values_degraded = tally.degraded_values();
+        session.counters.values_in_error = tally.faulty_values();
         self.pass(session)?;
-        Ok(now_us)
+        Ok(instant.stream_us)
     }
 
     /// Hands on the samples that are complete, and does what is due.
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
-        while let Some(sample) = self.aligner.next(self.now_us) {
+        while let Some(sample) = self.sampler.next() {
             session.push(sample)?;
         }
-        if self.now_us.saturating_sub(self.looked_us) >= LOOK_US {
-            self.looked_us = self.now_us;
-            let (aligner, now_us) = (&self.aligner, self.now_us);
-            session.missing(stale(|quantity| aligner.is_stale(quantity, now_us)))?;
+        let now_us = self.sampler.now_us();
+        if now_us.saturating_sub(self.looked_us) >= LOOK_US {
+            self.looked_us = now_us;
+            let sampler = &self.sampler;
+            session.missing(self.presence.missing(now_us, |q| sampler.is_stale(q)))?;
         }
         session.due(self.live)
     }
@@ -78,15 +87,15 @@ impl Frames {
         monotonic_us: u64,
         session: &mut Session<W>,
     ) -> io::Result<()> {
-        self.now_us = self.clock.stream(raw_us, Some(monotonic_us)).stream_us;
+        let stream_us = self.sampler.idle(raw_us, monotonic_us);
         #[allow(clippy::cast_precision_loss)]
-        session.tick(raw_us as f64 * 1e-6, self.now_us);
+        session.tick(raw_us as f64 * 1e-6, stream_us);
         self.pass(session)
     }
 
     /// Hands on the samples that still wait for other signals, at the end of a log.
     pub(crate) fn flush<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
-        while let Some(sample) = self.aligner.next(u64::MAX) {
+        while let Some(sample) = self.sampler.rest() {
             session.push(sample)?;
         }
         Ok(())
@@ -94,6 +103,6 @@ impl Frames {
 
     /// What a kernel filter must let pass.
     pub(crate) fn wanted(&self) -> Vec<(u32, bool, u32)> {
-        self.decoder.frames()
+        self.sampler.decoder().frames()
     }
 }

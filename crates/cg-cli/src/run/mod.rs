@@ -5,7 +5,8 @@
 //! | `args` | the arguments |
 //! | `live`, `socket` | a CAN interface: frames with the kernel's time stamps, errors, coming and going |
 //! | `replay` | candump and CSV logs |
-//! | `frames`, `clock` | frames to samples, with a time that never jumps |
+//! | `frames` | frames to samples |
+//! | `presence`, `pace` | which signals are there, and often enough |
 //! | `session` | samples to events |
 //! | `warning` | rollover warning levels |
 //! | `events` | the lines on standard output |
@@ -13,13 +14,14 @@
 //! | `signals` | the wish to stop |
 
 mod args;
-mod clock;
 mod events;
 mod frames;
 mod latency;
 mod live;
 mod metrics;
 mod outputs;
+mod pace;
+mod presence;
 mod replay;
 mod session;
 mod signals;
@@ -30,13 +32,16 @@ mod warning;
 
 use std::io::{self, LineWriter, Stdout};
 
-use cg_vehicle::can::{Decoder, MappedSignal, named};
+use anyhow::bail;
+use cg_vehicle::Vehicle;
+use cg_vehicle::can::{Decoder, named};
+use cg_vehicle::log::LogOptions;
 
 use crate::Outcome;
-use clock::Clock;
 use events::Event;
 use frames::Frames;
 use outputs::Outputs;
+use presence::Presence;
 use session::Session;
 use signals::Stop;
 use state::StateFile;
@@ -47,10 +52,11 @@ pub(crate) use args::RunArgs;
 pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
     let vehicle = arguments.truck.load()?;
     let design = arguments.truck.design(&vehicle)?;
-    let decoder = decoder(arguments)?;
+    let options = log_options(arguments, &vehicle)?;
     let live = arguments.can.is_some() || arguments.realtime;
     let settings = vehicle.align_settings();
-    let mut frames = Frames::new(decoder, settings, live);
+    let mass_is_given = arguments.trailer_mass_kg.is_some();
+    let mut frames = Frames::new(decoder(&options), settings, mass_is_given, live);
     let state = arguments.state.as_deref().map(|path| StateFile::new(path, &design));
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let outputs = Outputs::new(lines, state, arguments.metrics.clone(), None);
@@ -72,12 +78,12 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
             live::run(interface, address, &mut frames, &mut session, &stop)?
         }
         (_, Some(path), _) => {
-            replay::candump(path, arguments.realtime, &mut frames, &mut session, &stop)?
+            let bus = options.can.bus.clone();
+            replay::candump(path, bus, arguments.realtime, &mut frames, &mut session, &stop)?
         }
         (.., Some(path)) => {
-            let clock = (Clock::default(), settings);
-            let options = arguments.columns.options();
-            replay::csv(path, arguments.realtime, &options, clock, &mut session, &stop)?
+            let mut presence = Presence::new(&settings, mass_is_given, &[]);
+            replay::csv(path, arguments.realtime, &options, &mut presence, &mut session, &stop)?
         }
         _ => "no source",
     };
@@ -86,14 +92,22 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
     Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
 }
 
-fn decoder(arguments: &RunArgs) -> anyhow::Result<Decoder> {
-    let mapped = match &arguments.dbc {
-        Some(path) => MappedSignal::load(path, &arguments.signal)?,
-        None => Vec::new(),
-    };
-    let flipped = arguments.columns.options().flip;
-    let flipped = flipped.iter().filter_map(|signal| named(signal.name()).ok()).collect();
-    Ok(Decoder::new(mapped, arguments.source_of.clone(), flipped))
+/// How the source is read; flags that are not for it are refused.
+fn log_options(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<LogOptions> {
+    if arguments.csv.is_some() {
+        arguments.frames.refuse("--csv")?;
+    }
+    if arguments.can.is_some() && arguments.frames.bus.is_some() {
+        bail!("--bus chooses a bus of a log: with --can the interface is the bus, remove --bus");
+    }
+    arguments.frames.log_options(&arguments.columns, vehicle)
+}
+
+fn decoder(options: &LogOptions) -> Decoder {
+    let flipped = options.flip.iter().filter_map(|signal| named(signal.name()).ok()).collect();
+    let can = &options.can;
+    Decoder::new(can.mapped.clone(), can.filters.clone(), flipped)
+        .with_compensation(can.compensation)
 }
 
 fn source(arguments: &RunArgs) -> String {

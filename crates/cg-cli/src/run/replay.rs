@@ -1,22 +1,20 @@
 //! Recorded drives: candump logs and CSV, as fast as possible or in real time.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
-use cg_core::AlignSettings;
-use cg_vehicle::can::Frame;
-use cg_vehicle::log::{LogOptions, LogReader};
+use anyhow::{Context, bail};
+use cg_core::Quantity;
+use cg_vehicle::can::{CandumpReader, Clock};
+use cg_vehicle::log::{LogOptions, LogReader, LogRow, Signal};
 
-use super::clock::Clock;
 use super::frames::Frames;
+use super::pace::too_slow;
+use super::presence::Presence;
 use super::session::Session;
 use super::signals::Stop;
-
-/// A line of a candump log is shorter (CAN FD: 200 bytes).
-const LONGEST_LINE: u64 = 4096;
 
 /// Waits until as much time has passed as between the time stamps.
 struct Pace {
@@ -46,75 +44,103 @@ fn open(path: &Path) -> anyhow::Result<(String, Box<dyn Read + Send>)> {
     Ok((name, Box::new(file)))
 }
 
-/// Replays a candump log. A line that is none is counted and told once; all the rest counts.
+/// Replays a candump log. Lines that are none are counted and told once; all the rest counts.
 pub(crate) fn candump<W: Write>(
     path: &Path,
+    bus: Option<String>,
     realtime: bool,
     frames: &mut Frames,
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
     let (name, input) = open(path)?;
-    let mut input = BufReader::new(input);
+    let mut reader = CandumpReader::new(BufReader::new(input), bus);
     let mut pace = Pace { began: None, realtime };
-    let mut line = Vec::new();
-    for number in 1_u64.. {
+    loop {
+        let frame = reader.next_frame().with_context(|| name.clone())?;
+        session.counters.malformed = reader.malformed();
+        session.counters.error_frames = reader.error_frames();
+        for message in reader.news() {
+            session.notice("source", format!("{name}, {message}"))?;
+        }
+        let Some(frame) = frame else { break };
         if stop.asked() {
             return Ok("signal");
         }
-        line.clear();
-        let read = input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line);
-        if read.with_context(|| format!("{name}, line {number}: cannot be read"))? == 0 {
-            break;
-        }
-        let text = String::from_utf8_lossy(&line);
-        match Frame::from_candump(&text) {
-            Ok(Some(frame)) => {
-                let stream_us = frames.take(&frame, None, session)?;
-                pace.wait(stream_us);
-            }
-            Ok(None) => {}
-            Err(error) => {
-                session.counters.malformed += 1;
-                if session.counters.malformed == 1 {
-                    session.notice("source", format!("{name}, line {number}: {error}"))?;
-                }
-            }
-        }
+        let stream_us = frames.take(&frame, None, session)?;
+        pace.wait(stream_us);
     }
     frames.flush(session)?;
     Ok("end of log")
 }
 
-/// Replays a CSV log.
+/// Replays a CSV log. Bad rows are counted and told once; all the rest counts.
 pub(crate) fn csv<W: Write>(
     path: &Path,
     realtime: bool,
     options: &LogOptions,
-    (mut clock, settings): (Clock, AlignSettings<f64>),
+    presence: &mut Presence,
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
     let (name, input) = open(path)?;
-    let mut reader = if path.as_os_str() == "-" {
+    let reader = if path.as_os_str() == "-" {
         LogReader::from_reader(&name, input, options)?
     } else {
         LogReader::open(path, options)?
     };
+    let mut reader = reader.over_bad_rows();
+    if reader.is_of_frames() {
+        bail!("{name} is a log of CAN frames: give it with --candump in place of --csv");
+    }
+    let settings = options.settings.unwrap_or_default();
+    let mut clock = Clock::default();
     let mut pace = Pace { began: None, realtime };
-    while let Some(row) = reader.next_row()? {
+    while let Some(row) = next_row(&mut reader, session)? {
         if stop.asked() {
             return Ok("signal");
         }
-        // The reader lets time only go forward; microseconds since 1970 fit.
+        // The reader lets no time be absent; microseconds since 1970 fit.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let raw_us = (row.time_s.max(0.0) * 1e6).round() as u64;
-        let stream_us = clock.stream(raw_us, None).stream_us;
-        session.tick(row.time_s, stream_us);
+        let instant = clock.stream(raw_us, None);
+        session.at(raw_us, instant)?;
         session.counters.frames += 1;
-        session.push(row.sample(stream_us, &settings))?;
+        session.counters.values_implausible = reader.implausible_values();
+        for (signal, message) in reader.news() {
+            session.notice(signal, message)?;
+        }
+        for quantity in Quantity::ALL {
+            if !row.get(Signal::from(quantity)).is_nan()
+                && let Some(step_s) = presence.saw(quantity, instant.stream_us)
+            {
+                session.notice(Signal::from(quantity).name(), too_slow(step_s))?;
+            }
+        }
+        session.push(row.sample(instant.stream_us, &settings))?;
+        session.missing(presence.missing(instant.stream_us, |_| false))?;
         session.due(realtime)?;
-        pace.wait(stream_us);
+        pace.wait(instant.stream_us);
     }
     Ok("end of log")
+}
+
+/// The next row that is one.
+fn next_row<W: Write>(
+    reader: &mut LogReader,
+    session: &mut Session<W>,
+) -> anyhow::Result<Option<LogRow>> {
+    loop {
+        match reader.next_row() {
+            Ok(row) => return Ok(row),
+            Err(error) if error.is_of_a_row() => {
+                session.counters.malformed += 1;
+                if session.counters.malformed == 1 {
+                    let message = format!("{error}; bad rows are passed over and counted");
+                    session.notice("source", message)?;
+                }
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
 }

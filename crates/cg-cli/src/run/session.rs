@@ -4,14 +4,14 @@ use std::io::{self, Write};
 
 use cg_core::condition::SampleError;
 use cg_core::{
-    Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Quantity, Sample, Settings,
-    Status as Driving,
+    Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
 };
+use cg_vehicle::can::Instant;
 use cg_vehicle::estimate::ManeuverEstimate;
-use cg_vehicle::log::Signal;
 
-use super::events::{self, Counters, Event, ManeuverLine, Result as Known, Status};
+use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::outputs::Outputs;
+use super::pace::{Pace, too_slow};
 use super::state::Found;
 use super::warning::Warner;
 
@@ -22,10 +22,18 @@ const METRICS_US: u64 = 5_000_000;
 /// Without a sample for this long there are no signals.
 const SILENT_US: u64 = 1_000_000;
 
+/// A weight should have come by then; else the nominal mass is told to be taken.
+const WEIGHED_US: u64 = 5_000_000;
+
 /// What is on the way from the signals to the answers.
 pub(crate) struct Session<W: Write> {
     estimator: Estimator<f64, FilteredArx<f64>>,
     trailer_mass_kg: Option<f64>,
+    mass_source: MassSource,
+    /// Stream time since which samples come; `None` once the nominal mass is told or not taken.
+    unweighed_us: Option<u64>,
+    told_nominal: bool,
+    pace: Pace,
     warner: Warner,
     known: Known,
     load_since_s: Option<f64>,
@@ -63,10 +71,16 @@ impl<W: Write> Session<W> {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // saturates
         let status_us = (status_s > 0.0).then_some((status_s * 1e6) as u64);
         let mass_kg = trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg);
+        let mass_source =
+            if trailer_mass_kg.is_some() { MassSource::Given } else { MassSource::Nominal };
         Self {
-            known: Known::new(design, None, mass_kg),
+            known: Known::new(design, None, (mass_kg, mass_source)),
             estimator: Estimator::new(*design, Settings::truck(), Prior::standard()),
             trailer_mass_kg,
+            mass_source,
+            unweighed_us: None,
+            told_nominal: false,
+            pace: Pace::default(),
             warner,
             load_since_s: None,
             driving: "waiting",
@@ -92,6 +106,12 @@ impl<W: Write> Session<W> {
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 self.load_since_s = state.load_since_s;
+                // The nominal mass itself says that nobody has weighed the load.
+                let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
+                let weighed = (state.memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
+                if weighed && self.mass_source == MassSource::Nominal {
+                    self.mass_source = MassSource::Kept;
+                }
                 self.update(state.memory.load_mass_kg.unwrap_or(state.memory.trailer_mass_kg));
                 Ok(true)
             }
@@ -113,6 +133,18 @@ impl<W: Write> Session<W> {
         (self.offset_s, self.now_us) = (stamp_s - stream_s, stream_us);
     }
 
+    /// The same, and whether the time stamps have jumped.
+    pub(crate) fn at(&mut self, stamp_us: u64, instant: Instant) -> io::Result<()> {
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        self.tick(stamp_us as f64 * 1e-6, instant.stream_us);
+        if instant.jump_us == 0 {
+            return Ok(());
+        }
+        #[allow(clippy::cast_precision_loss)]
+        let jump_s = instant.jump_us as f64 * 1e-6;
+        self.notice("clock", format!("the time stamps have jumped by {jump_s:.3} s"))
+    }
+
     pub(crate) fn say(&mut self, event: Event<'_>) -> io::Result<()> {
         let time_s = self.time_s(self.now_us);
         events::write(&mut self.outputs.lines, time_s, event)
@@ -127,18 +159,26 @@ impl<W: Write> Session<W> {
         self.offset_s + stream_us as f64 * 1e-6
     }
 
-    /// Takes in a sample.
+    /// Takes in a sample. One that has no other near it says nothing of a motion and is left out.
     pub(crate) fn push(&mut self, mut sample: Sample<f64>) -> io::Result<()> {
-        if let Some(mass_kg) = self.trailer_mass_kg {
-            sample.trailer_mass_kg = mass_kg;
+        self.samples += 1;
+        self.sampled_us = sample.time_us;
+        self.weigh(&mut sample)?;
+        self.warn(&sample)?;
+        let (samples, slow_s) = self.pace.push(sample);
+        if let Some(step_s) = slow_s {
+            let signal = if sample.roll_rad.is_nan() { "tilt" } else { "roll" };
+            self.notice(signal, too_slow(step_s))?;
         }
-        let step = match self.estimator.push(&sample) {
+        samples.into_iter().flatten().try_for_each(|sample| self.estimate(&sample))
+    }
+
+    fn estimate(&mut self, sample: &Sample<f64>) -> io::Result<()> {
+        let step = match self.estimator.push(sample) {
             Ok(step) => step,
             // The clock and the aligner let no time go back; should one, it is passed over.
             Err(SampleError::TimeOrder { .. } | _) => return Ok(()),
         };
-        self.samples += 1;
-        self.sampled_us = sample.time_us;
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
         }
@@ -146,8 +186,40 @@ impl<W: Write> Session<W> {
             Driving::Absent => "no signals",
             Driving::Straight => "straight",
             Driving::Turning => "turning",
-        })?;
-        self.warn(&sample)
+        })
+    }
+
+    /// Gives the sample the mass that counts, and tells where it comes from.
+    fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
+        if let Some(mass_kg) = self.trailer_mass_kg {
+            sample.trailer_mass_kg = mass_kg;
+        } else if sample.trailer_mass_kg.is_nan() {
+            self.unweighed_us.get_or_insert(sample.time_us);
+        } else if self.mass_source != MassSource::Signal {
+            self.mass_source = MassSource::Signal;
+            if self.told_nominal {
+                let message = format!(
+                    "the trailer weighs {:.0} kg by its signals: from now on that counts",
+                    sample.trailer_mass_kg
+                );
+                return self.notice("mass", message);
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells once that the vehicle file's mass is taken for that of the trailer.
+    fn tell_nominal(&mut self) -> io::Result<()> {
+        let nominal = self.mass_source == MassSource::Nominal && self.unweighed_us.is_some();
+        if !nominal || std::mem::replace(&mut self.told_nominal, true) {
+            return Ok(());
+        }
+        let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
+        let message = format!(
+            "no signal tells the trailer's mass: {nominal_kg:.0} kg of the vehicle file are taken; \
+             mass and height are confounded, so give --trailer-mass-kg or a weight"
+        );
+        self.notice("mass", message)
     }
 
     fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
@@ -187,6 +259,7 @@ impl<W: Write> Session<W> {
     }
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        self.tell_nominal()?;
         let since_us = self.estimator.load_since_us();
         let since_s = since_us.map(|us| self.time_s(us));
         if since_us == Some(maneuver.end_us) {
@@ -217,7 +290,8 @@ impl<W: Write> Session<W> {
             _ => None,
         };
         let height = self.estimator.combined_height().map(|height| (height, channel));
-        self.known = Known::new(self.estimator.design(), height, trailer_mass_kg);
+        let mass = (trailer_mass_kg, self.mass_source);
+        self.known = Known::new(self.estimator.design(), height, mass);
     }
 
     fn status(&self) -> Status {
@@ -226,7 +300,11 @@ impl<W: Write> Session<W> {
         Status {
             state: self.driving,
             missing: self.missing.clone(),
-            result: Known { trailer_mass_kg, ..self.known.clone() },
+            result: Known {
+                trailer_mass_kg: self.trailer_mass_kg.unwrap_or(trailer_mass_kg),
+                trailer_mass_source: self.mass_source,
+                ..self.known.clone()
+            },
             load_since_s: self.load_since_s,
             lateral_acceleration_g: lateral_g,
             margin_g: self.known.margin_g(lateral_g),
@@ -239,6 +317,9 @@ impl<W: Write> Session<W> {
     /// What is due by now: silence noticed, status, metrics, frames, the state file.
     pub(crate) fn due(&mut self, live: bool) -> io::Result<()> {
         let now_us = self.now_us;
+        if self.unweighed_us.is_some_and(|since| now_us.saturating_sub(since) >= WEIGHED_US) {
+            self.tell_nominal()?;
+        }
         if self.driving != "waiting" && now_us.saturating_sub(self.sampled_us) > SILENT_US {
             // The hole ends the maneuver in any case; whoever parks now has its height at once.
             if let Some(maneuver) = self.estimator.finish() {
@@ -292,6 +373,7 @@ impl<W: Write> Session<W> {
         if let Some(maneuver) = self.estimator.finish() {
             self.maneuver(&maneuver)?;
         }
+        self.tell_nominal()?;
         self.save()?;
         self.measure()?;
         if self.status_us.is_some() {
@@ -307,9 +389,4 @@ impl<W: Write> Session<W> {
     pub(crate) fn has_height(&self) -> bool {
         self.known.height_m.is_some()
     }
-}
-
-/// Names of the quantities that have been there and are missing now.
-pub(crate) fn stale(is_stale: impl Fn(Quantity) -> bool) -> Vec<&'static str> {
-    Quantity::ALL.into_iter().filter(|q| is_stale(*q)).map(|q| Signal::from(q).name()).collect()
 }

@@ -21,6 +21,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 mod calibrate;
+mod can;
 mod common;
 mod design;
 mod logs;

@@ -14,14 +14,14 @@ use tempfile::TempDir;
 use crate::common::{Run, cg, cg_fed, command, fixture, kraz};
 
 /// A truck with a steering ratio, since J1939 has the angle of the steering wheel.
-struct Drive {
+pub(crate) struct Drive {
     folder: TempDir,
-    truck: String,
-    csv: String,
-    candump: String,
+    pub(crate) truck: String,
+    pub(crate) csv: String,
+    pub(crate) candump: String,
 }
 
-fn drive() -> Drive {
+pub(crate) fn drive() -> Drive {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (truck, csv, candump) = (path("truck.toml"), path("drive.csv"), path("drive.log"));
@@ -38,26 +38,26 @@ fn drive() -> Drive {
 }
 
 impl Drive {
-    fn path(&self, name: &str) -> String {
+    pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).display().to_string()
     }
 
-    fn replay(&self, log: &str, more: &[&str]) -> Run {
+    pub(crate) fn replay(&self, log: &str, more: &[&str]) -> Run {
         let mut arguments = vec!["run", "--vehicle", &self.truck, "--candump", log];
         arguments.extend(more);
         cg(&arguments)
     }
 }
 
-fn lines(run: &Run) -> Vec<Value> {
+pub(crate) fn lines(run: &Run) -> Vec<Value> {
     run.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-fn events<'a>(lines: &'a [Value], event: &str) -> Vec<&'a Value> {
+pub(crate) fn events<'a>(lines: &'a [Value], event: &str) -> Vec<&'a Value> {
     lines.iter().filter(|line| line["event"] == event).collect()
 }
 
-fn last_height(lines: &[Value]) -> f64 {
+pub(crate) fn last_height(lines: &[Value]) -> f64 {
     events(lines, "maneuver").last().unwrap()["height_m"].as_f64().unwrap()
 }
 

@@ -65,6 +65,7 @@ class Rows:
         signals: Mapping[str, str] | None,
         flip: Iterable[str],
         hold_s: float,
+        roll_compensated: str = "bit",
     ) -> None:
         """Begin a log."""
         if not hold_s > 0:
@@ -74,7 +75,10 @@ class Rows:
         self.frames = 0
         self.used = 0
         self._hold_s = hold_s
-        self._decode: Decode = _j1939(flip) if dbc is None else Dbc(dbc, signals, flip).decode
+        _native.decode_j1939(0, b"", roll_compensated)  # refuses an unknown word
+        self._decode: Decode = (
+            _j1939(flip, roll_compensated) if dbc is None else Dbc(dbc, signals, flip).decode
+        )
         self._last: dict[str, tuple[float, float, int, int]] = {}
 
     def push(self, frame: Frame) -> dict[str, float] | None:
@@ -116,15 +120,18 @@ class Rows:
         return known is not None and now_s - known[0] <= self._hold_s
 
 
-def _j1939(flip: Iterable[str]) -> Decode:
+def _j1939(flip: Iterable[str], roll_compensated: str) -> Decode:
     # The sign of each signal, by the rules for columns.
     found = _native.resolve_columns(list(COLUMNS), [], flips(flip))
     turned = {name for name, (_, factor) in found.items() if factor < 0}
+    # A slope sensor measures the one or the other.
+    slope = {"roll_rad", "tilt_rad"}
+    turned |= slope if turned & slope else set()
 
     def decode(frame: Frame) -> dict[str, tuple[float, int]]:
         if not frame.is_extended_id:
             return {}
-        values = _native.decode_j1939(frame.arbitration_id, bytes(frame.data))
+        values = _native.decode_j1939(frame.arbitration_id, bytes(frame.data), roll_compensated)
         for name in turned & values.keys():
             value, rank = values[name]
             values[name] = -value, rank

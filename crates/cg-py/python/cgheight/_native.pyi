@@ -164,7 +164,9 @@ def predict_roll(
 ) -> NDArray[np.float64]:
     """Return the roll angle that the model expects of the arrays, for a height."""
 
-def decode_j1939(identifier: int, data: bytes, /) -> dict[str, tuple[float, int]]:
+def decode_j1939(
+    identifier: int, data: bytes, roll_compensated: str = "bit", /
+) -> dict[str, tuple[float, int]]:
     """Return the signals in a frame with a 29-bit identifier: SI names to (value, rank)."""
 
 def simulate_log(

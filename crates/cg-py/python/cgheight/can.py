@@ -36,6 +36,7 @@ def read_log(
     signals: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
     hold_s: float = 1.0,
+    roll_compensated: str = "bit",
 ) -> pd.DataFrame:
     """Read a CAN log into a table that `estimate_log` takes.
 
@@ -59,6 +60,10 @@ def read_log(
         Signals whose sensor is mounted the other way round.
     hold_s : float
         How long a signal keeps its last value, s.
+    roll_compensated : {"bit", "inverted-bit", "yes", "no"}
+        Whether J1939's slope sensors (SSI, SSI2) take the vehicle's accelerations off their angle,
+        which is a roll angle then and a tilt otherwise: as their bits say (0 on, 1 off; one that
+        does not say does not), the same with 0 off and 1 on, always, or never.
 
     Returns
     -------
@@ -87,7 +92,7 @@ def read_log(
         need("asammdf", "can")
         if dbc is None and signals:
             return pandas.DataFrame(_channels(name, signals, flip))
-    rows = Rows(dbc, signals, flip, hold_s)
+    rows = Rows(dbc, signals, flip, hold_s, roll_compensated)
     table: dict[str, list[float]] = {}
     counted = _read(name, rows, table)
     if not table:
@@ -183,7 +188,7 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
         The vehicle.
     on_estimate : callable, optional
         Called with an `Estimate` whenever a turn has ended, in the notifier's thread.
-    dbc, signals, flip, hold_s
+    dbc, signals, flip, hold_s, roll_compensated
         As for `read_log`.
     **options
         Keywords of `Estimator`: ``calibration``, ``speed_mps``, ``trailer_mass_kg``, ….
@@ -222,11 +227,12 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
         signals: Mapping[str, str] | None = None,
         flip: Iterable[str] = (),
         hold_s: float = 1.0,
+        roll_compensated: str = "bit",
         **options: Any,
     ) -> None:
         """Begin a drive."""
         super().__init__()
-        self._rows = Rows(dbc, signals, flip, hold_s)
+        self._rows = Rows(dbc, signals, flip, hold_s, roll_compensated)
         self._estimator = Estimator(vehicle, **options)
         self._on_estimate = on_estimate
         self._previous_s = -np.inf

@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-use cg_core::{Quantity, j1939};
+use cg_core::Quantity;
+use cg_core::j1939::{self, Compensation, Slope};
 
 use crate::log::Signal;
 
@@ -53,50 +54,99 @@ pub fn named(name: &str) -> Result<Quantity, String> {
 }
 
 /// How frames are understood.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Decoder {
     mapped: Vec<MappedSignal>,
     filters: Vec<DeviceFilter>,
     flipped: Vec<Quantity>,
+    compensation: Compensation,
 }
 
 impl Decoder {
     /// J1939, but mapped signals in place of what they measure, some quantities from one source
-    /// address only and some turned round.
+    /// address only and some turned round; the bits of a slope sensor tell whether it measures roll
+    /// or tilt.
     pub fn new(
         mapped: Vec<MappedSignal>,
         filters: Vec<DeviceFilter>,
         flipped: Vec<Quantity>,
     ) -> Self {
-        Self { mapped, filters, flipped }
+        Self { mapped, filters, flipped, compensation: Compensation::default() }
     }
 
-    /// What a frame measures, in SI units.
-    pub fn decode(&self, frame: &Frame, mut found: impl FnMut(Quantity, Device, f64)) {
-        let mut tell = |quantity, device, value: f64| {
-            let sign = if self.flipped.contains(&quantity) { -1.0 } else { 1.0 };
-            found(quantity, device, sign * value);
-        };
+    /// The same with another rule for slope sensors.
+    #[must_use]
+    pub fn with_compensation(self, compensation: Compensation) -> Self {
+        Self { compensation, ..self }
+    }
+
+    /// What a frame measures, in SI units; beside it what the slope sensor says of its roll angle,
+    /// if the frame is of one that is listened to.
+    pub fn decode(
+        &self,
+        frame: &Frame,
+        mut found: impl FnMut(Quantity, Device, f64),
+    ) -> Option<Slope> {
         let kind = if frame.extended { 0 } else { STANDARD };
-        let number = frame.identifier & WITHOUT_PRIORITY | kind;
+        let number = frame.identifier & WITHOUT_PRIORITY | kind | bus_bits(frame.bus);
         for signal in self.mapped.iter().filter(|signal| signal.is_of(frame)) {
             if let Some(value) = signal.decode(frame) {
-                tell(signal.quantity, (number, RANK), value);
+                let sign = sign(self.flipped.contains(&signal.quantity));
+                found(signal.quantity, (number, RANK), sign * value);
             }
         }
-        if frame.extended {
-            j1939::decode(frame.identifier, frame.data(), |quantity, rank, value| {
-                let taken = !self.mapped.iter().any(|signal| signal.quantity == quantity);
-                if taken && self.accepts(quantity, frame.identifier) {
-                    tell(quantity, (number, rank), value);
-                }
-            });
+        if !frame.extended {
+            return None;
         }
+        let listens =
+            |quantity| !self.is_replaced(quantity) && self.accepts(quantity, frame.identifier);
+        j1939::decode(
+            frame.identifier,
+            frame.data(),
+            self.compensation,
+            |quantity, rank, value| {
+                if listens(quantity) {
+                    let flipped = siblings(quantity).iter().any(|one| self.flipped.contains(one));
+                    let value: f64 = value;
+                    found(quantity, (number, rank), sign(flipped) * value);
+                }
+            },
+        );
+        Slope::of(frame.identifier, frame.data()).filter(|_| listens(Quantity::Roll))
+    }
+
+    /// What is mapped to, in the order of the options.
+    pub fn mapped(&self) -> impl Iterator<Item = Quantity> {
+        self.mapped.iter().map(|signal| signal.quantity)
+    }
+
+    /// The rule for slope sensors.
+    pub fn compensation(&self) -> Compensation {
+        self.compensation
+    }
+
+    /// Whether a mapped signal takes the place of what J1939 says of a quantity: one that measures
+    /// the same, or that J1939's would be preferred to. What weighs the trailer less directly
+    /// stays as a reserve.
+    fn is_replaced(&self, quantity: Quantity) -> bool {
+        let replacing: &[Quantity] = match quantity {
+            Quantity::TrailerMass => &[
+                Quantity::TrailerMass,
+                Quantity::TrailerAxleLoad,
+                Quantity::TrailerSuspensionPressure,
+            ],
+            Quantity::TrailerAxleLoad => {
+                &[Quantity::TrailerAxleLoad, Quantity::TrailerSuspensionPressure]
+            }
+            _ => siblings(quantity),
+        };
+        self.mapped().any(|mapped| replacing.contains(&mapped))
     }
 
     fn accepts(&self, quantity: Quantity, identifier: u32) -> bool {
         let source = identifier & 0xFF;
-        let mut filters = self.filters.iter().filter(|filter| filter.quantity == quantity);
+        let mut filters =
+            self.filters.iter().filter(|filter| siblings(quantity).contains(&filter.quantity));
         filters.clone().next().is_none()
             || filters.any(|filter| u32::from(filter.address) == source)
     }
@@ -116,6 +166,29 @@ impl Decoder {
         frames.dedup();
         frames
     }
+}
+
+/// The quantities that one sensor of a J1939 truck measures, be it the one or the other.
+const fn siblings(quantity: Quantity) -> &'static [Quantity] {
+    match quantity {
+        Quantity::Roll | Quantity::Tilt => &[Quantity::Roll, Quantity::Tilt],
+        Quantity::Steer | Quantity::SteeringWheel => &[Quantity::Steer, Quantity::SteeringWheel],
+        Quantity::Speed => &[Quantity::Speed],
+        Quantity::LateralAcceleration => &[Quantity::LateralAcceleration],
+        Quantity::YawRate => &[Quantity::YawRate],
+        Quantity::TrailerMass => &[Quantity::TrailerMass],
+        Quantity::TrailerAxleLoad => &[Quantity::TrailerAxleLoad],
+        Quantity::TrailerSuspensionPressure => &[Quantity::TrailerSuspensionPressure],
+    }
+}
+
+const fn sign(flipped: bool) -> f64 {
+    if flipped { -1.0 } else { 1.0 }
+}
+
+/// Five bits that no identifier uses: a device on another bus is another one.
+const fn bus_bits(bus: u8) -> u32 {
+    (bus as u32 & 0x1F) << 26
 }
 
 #[cfg(test)]
@@ -181,13 +254,103 @@ BO_ 291 PLAIN: 8 TILT
         assert_eq!(found, [(Quantity::Tilt, 0.0)]); // −2 · 0.5 + 1
     }
 
+    /// One signal of J1939, encoded.
+    fn sent(signal: j1939::Signal, value: f64) -> (u32, [u8; 8]) {
+        let mut data = j1939::NOT_AVAILABLE;
+        signal.encode(value, &mut data);
+        signal.set_compensated(true, &mut data);
+        (signal.identifier(0xE4), data)
+    }
+
+    /// Also where the mapped signal measures the same by another way: the tilt of an inclinometer
+    /// in place of a roll angle, the suspension's pressure in place of a weight.
     #[test]
     fn a_mapped_signal_replaces_j1939() {
-        let mut data = j1939::NOT_AVAILABLE;
-        j1939::ROLL_FINE.encode(0.1, &mut data);
-        let identifier = j1939::ROLL_FINE.identifier(0xE4);
-        assert_eq!(values(&decoder(&[]), identifier, &data).len(), 1);
-        assert_eq!(values(&decoder(&["roll=SLOPE.Angle"]), identifier, &data), []);
+        let j1939s = [
+            (sent(j1939::ROLL_FINE, 0.1), Quantity::Roll),
+            (sent(j1939::ROLL, 0.1), Quantity::Roll),
+            (sent(j1939::STEERING_WHEEL_ANGLE, 0.1), Quantity::SteeringWheel),
+            (sent(j1939::TRAILER_MASS, 2e4), Quantity::TrailerMass),
+            (sent(j1939::TRAILER_AXLE_LOAD, 2e4), Quantity::TrailerAxleLoad),
+        ];
+        for (map, replaced) in [
+            (None, [false; 5]),
+            (Some("roll=SLOPE.Angle"), [true, true, false, false, false]),
+            (Some("tilt=SLOPE.Angle"), [true, true, false, false, false]),
+            (Some("steer=SLOPE.Angle"), [false, false, true, false, false]),
+            (Some("trailer_mass=SLOPE.Bare[t]"), [false, false, false, true, false]),
+            (Some("trailer_axle_load=SLOPE.Bare[t]"), [false, false, false, true, true]),
+            (
+                Some("trailer_suspension_pressure=SLOPE.Bare[bar]"),
+                [false, false, false, true, true],
+            ),
+        ] {
+            let decoder = decoder(map.as_slice());
+            for (((identifier, data), quantity), replaced) in j1939s.iter().zip(replaced) {
+                let found = values(&decoder, *identifier, data);
+                let expected = if replaced { None } else { Some(*quantity) };
+                assert_eq!(found.first().map(|found| found.0), expected, "{map:?}");
+            }
+        }
+    }
+
+    /// The signal of a group mapped itself: only what the mapping says comes out.
+    #[test]
+    fn the_native_signal_mapped_as_a_tilt_is_a_tilt_only() {
+        let dbc = include_str!("../../../../fixtures/can/j1939.dbc");
+        let map = ["tilt=SSI2.RollAngle".parse().unwrap()];
+        let decoder = Decoder::new(
+            MappedSignal::parse("j1939.dbc", dbc, &map).unwrap(),
+            Vec::new(),
+            Vec::new(),
+        );
+        let (identifier, data) = sent(j1939::ROLL_FINE, 0.1);
+        let found = values(&decoder, identifier, &data);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].0, Quantity::Tilt);
+        assert!((found[0].1 - 0.1).abs() < 1e-6);
+    }
+
+    /// Sign and source address asked for as those of the roll angle count for the tilt too that the
+    /// sensor turns out to measure.
+    #[test]
+    fn roll_and_tilt_of_a_slope_sensor_are_one_sensor() {
+        let (identifier, mut data) = sent(j1939::ROLL_FINE, 0.1);
+        for compensated in [true, false] {
+            j1939::ROLL_FINE.set_compensated(compensated, &mut data);
+            let expected = if compensated { Quantity::Roll } else { Quantity::Tilt };
+            for (asked, address, count) in [("roll", 0xE4, 1), ("tilt", 0xE4, 1), ("roll", 5, 0)] {
+                let filter = format!("{asked}={address}").parse().unwrap();
+                let flip = named(asked).unwrap();
+                let decoder = Decoder::new(Vec::new(), vec![filter], vec![flip]);
+                let found = values(&decoder, identifier, &data);
+                assert_eq!(found.len(), count);
+                assert!(found.iter().all(|found| found.0 == expected && found.1 < 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_slope_sensor_says_of_itself_is_handed_on() {
+        let (identifier, mut data) = sent(j1939::ROLL_FINE, 0.1);
+        data[6] = 0x9F; // not compensated, error
+        let frame = Frame::new(0, identifier, true, &data).unwrap();
+        let said = |decoder: &Decoder| decoder.decode(&frame, |_, _, _| panic!("no value"));
+        assert_eq!(said(&decoder(&[])), Some(Slope { compensation: 1, merit: 2 }));
+        assert_eq!(said(&decoder(&["roll=SLOPE.Angle"])), None);
+    }
+
+    #[test]
+    fn a_device_on_another_bus_is_another_device() {
+        let (identifier, data) = sent(j1939::ROLL_FINE, 0.1);
+        let mut frame = Frame::new(0, identifier, true, &data).unwrap();
+        let mut devices = Vec::new();
+        for bus in [0, 1, 2] {
+            frame.bus = bus;
+            decoder(&[]).decode(&frame, |_, device, _| devices.push(device));
+        }
+        devices.dedup();
+        assert_eq!(devices.len(), 3);
     }
 
     #[test]
@@ -196,6 +359,7 @@ BO_ 291 PLAIN: 8 TILT
         let decoder = Decoder::new(Vec::new(), vec![filter], vec![Quantity::Roll]);
         let mut data = j1939::NOT_AVAILABLE;
         j1939::ROLL_FINE.encode(0.1, &mut data);
+        j1939::ROLL_FINE.set_compensated(true, &mut data);
         assert_eq!(values(&decoder, j1939::ROLL_FINE.identifier(0xE4), &data), []);
         let found = values(&decoder, j1939::ROLL_FINE.identifier(0xE5), &data);
         assert!((found[0].1 + 0.1).abs() < 1e-6);

@@ -7,7 +7,7 @@
 //! | group | signals | every |
 //! |---|---|---|
 //! | VDC2 | steering-wheel angle, yaw rate, lateral acceleration | row |
-//! | SSI2 (roll sensor) or SSI (inclinometer) | roll or tilt | row |
+//! | SSI2 (roll sensor, compensated) or SSI (inclinometer, not compensated) | roll or tilt | row |
 //! | CCVS1 | speed | 100 ms |
 //! | VW | trailer weight | 1 s |
 //! | EBS22 | load of the trailer's axles | 1 s |
@@ -144,6 +144,7 @@ impl CandumpWriter {
         }
         let mut data = NOT_AVAILABLE;
         for (signal, value) in signals {
+            signal.set_compensated(*signal == ROLL_FINE, &mut data);
             if !signal.encode(*value, &mut data) && !value.is_nan() {
                 self.out_of_range += 1;
             }

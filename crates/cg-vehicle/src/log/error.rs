@@ -3,6 +3,8 @@
 use std::fmt;
 use std::io;
 
+use crate::can::CandumpFault;
+
 use super::Signal;
 
 /// A place in a log.
@@ -153,12 +155,35 @@ pub enum LogError {
          sort the log by time, or remove the duplicate"
     )]
     TimeOrder { place: Place, column: ColumnName, previous_s: f64, time_s: f64 },
+    /// A candump log that cannot be read, or not further.
+    #[error("{place}: {source}")]
+    Candump { place: Place, source: CandumpFault },
+    /// A candump log without roll angles.
+    #[error(
+        "{place}: none of its {frames} frames has a roll angle that counts (J1939 SSI2 or SSI); for \
+         another sensor give --dbc and --signal{remarks}"
+    )]
+    NoSamples { place: Place, frames: u64, remarks: Box<str> },
     /// The log cannot be written.
     #[error("{place}: cannot be written ({source}); check the folder, its permissions and space")]
     Write { place: Place, source: io::Error },
     /// A kind of file that is only read.
     #[error("{place}: only CSV is written; end the name in .csv or .csv.gz")]
     WriteFormat { place: Place },
+}
+
+impl LogError {
+    /// Whether one row alone is bad, so that reading can go on after it.
+    pub const fn is_of_a_row(&self) -> bool {
+        matches!(
+            self,
+            Self::FieldCount { .. }
+                | Self::NotANumber { .. }
+                | Self::Infinite { .. }
+                | Self::AbsentTime { .. }
+                | Self::TimeOrder { .. }
+        )
+    }
 }
 
 fn count_remedy(found: usize, expected: usize) -> &'static str {

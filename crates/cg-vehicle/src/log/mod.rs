@@ -5,9 +5,9 @@
 //! | bytes | `source` | counted, unpacked where they are gzip |
 //! | lines | `lines` | cut at line feeds, refused when too long |
 //! | cells | `cell`, `quoted` | numbers read in place; rows with quotes split with care |
-//! | rows | `rows`, `batches` | CSV or parquet; comments and blank lines dropped |
+//! | rows | `rows`, `batches`, `frames` | CSV, parquet or CAN frames; comments and blank lines dropped |
 //! | signals | `columns`, `options`, `signal` | header names to signals, units to SI, signs flipped |
-//! | log | `reader`, `writer`, `draft` | time checked; the public face |
+//! | log | `reader`, `writer`, `candump` | time and values checked; the public face |
 //!
 //! # Format
 //!
@@ -31,13 +31,16 @@
 //! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a
 //! semicolon or a tab, whichever the header has most of. A line that begins with `#` is a
 //! comment and never looked into; blank lines, CRLF, a byte order mark and quotes are fine.
-//! An empty cell, `NaN` or `NA` is an absent value. Time must be there and increase.
+//! An empty cell, `NaN` or `NA` is an absent value, and so is, if the reader is told which truck
+//! it is, a number that the truck [cannot have](cg_core::AlignSettings::believes). Time must be
+//! there and increase.
 
 mod batches;
 mod candump;
 mod cell;
 mod columns;
 mod error;
+mod frames;
 mod lines;
 mod options;
 mod quoted;
@@ -49,7 +52,7 @@ mod writer;
 
 pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
-pub use options::{ColumnMap, LogOptions, OptionError};
+pub use options::{CanOptions, ColumnMap, LogOptions, OptionError};
 pub use reader::LogReader;
 pub use signal::{LogRow, Signal};
 pub use writer::LogWriter;

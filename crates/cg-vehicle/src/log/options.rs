@@ -2,6 +2,11 @@
 
 use std::str::FromStr;
 
+use cg_core::AlignSettings;
+use cg_core::j1939::Compensation;
+
+use crate::can::{DeviceFilter, MappedSignal};
+
 use super::Signal;
 use super::signal::Unit;
 
@@ -13,6 +18,26 @@ pub struct LogOptions {
     pub columns: Vec<ColumnMap>,
     /// Sensors mounted the other way round: their values change sign.
     pub flip: Vec<Signal>,
+    /// How a CAN log is read.
+    pub can: CanOptions,
+    /// What the truck's sensors mean, of
+    /// [`Vehicle::align_settings`](crate::Vehicle::align_settings): values that it
+    /// [cannot have](AlignSettings::believes) are absent then, and a CAN log has its steer angle.
+    /// Without it the values of a table are read as they stand.
+    pub settings: Option<AlignSettings<f64>>,
+}
+
+/// How frames become signals.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CanOptions {
+    /// Signals of a DBC file, in place of J1939's.
+    pub mapped: Vec<MappedSignal>,
+    /// Quantities that are taken from one source address only.
+    pub filters: Vec<DeviceFilter>,
+    /// Whether slope sensors measure roll or tilt.
+    pub compensation: Compensation,
+    /// The only bus of the log that is listened to.
+    pub bus: Option<String>,
 }
 
 /// One foreign column, in text form `roll=MyName[deg]`.

@@ -8,16 +8,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::batches::Batches;
 use super::columns::Column;
+use cg_core::{AlignSettings, Quantity};
+
+use crate::can::Tally;
+
 use super::error::{ColumnName, LogError, Place, Position};
+use super::frames::{Frames, is_candump};
 use super::options::LogOptions;
 use super::rows::Rows;
 use super::signal::{LogRow, Signal};
-use super::source::{Counted, Magic, Sniffed, sniff, text};
+use super::source::{Counted, Magic, Sniffed, head, sniff, text};
 
 /// A log, read row by row in constant memory.
 ///
-/// Reads CSV, plain or gzip, and parquet; which of them, the first bytes of the file tell,
-/// not its name. It is an iterator as well.
+/// Reads CSV and what candump writes, plain or gzip, and parquet; which of them, the first bytes
+/// of the file tell, not its name. It is an iterator as well.
 ///
 /// # Example
 ///
@@ -39,9 +44,14 @@ pub struct LogReader {
     signals: Box<[Signal]>,
     time_index: usize,
     values: [f64; Signal::COUNT],
+    settings: Option<AlignSettings<f64>>,
+    /// Values that the truck cannot have.
+    tally: Tally,
     previous_s: f64,
     /// Whether a row was seen, good or bad.
     begun: bool,
+    /// Whether bad rows are passed over by the caller.
+    over_bad_rows: bool,
     taken_bytes: Arc<AtomicU64>,
     total_bytes: Option<u64>,
 }
@@ -49,10 +59,11 @@ pub struct LogReader {
 enum Body {
     Text(Box<Rows>),
     Parquet(Box<Batches>),
+    Can(Box<Frames>),
 }
 
 impl LogReader {
-    /// Opens a `.csv`, `.csv.gz` or `.parquet` file and reads its header.
+    /// Opens a `.csv`, `.csv.gz`, `.log` (candump) or `.parquet` file and reads its header.
     ///
     /// # Errors
     ///
@@ -78,10 +89,10 @@ impl LogReader {
         } else {
             text_body(&name, sniffed, options)?
         };
-        Ok(Self::new(body, taken_bytes, total_bytes))
+        Ok(Self::new(body, options, taken_bytes, total_bytes))
     }
 
-    /// Reads CSV, plain or gzip, from a stream such as the standard input; `name` is what
+    /// Reads CSV or a candump log, plain or gzip, from a stream such as the standard input; `name` is what
     /// messages call it.
     ///
     /// # Errors
@@ -99,12 +110,20 @@ impl LogReader {
             return Err(LogError::ParquetStream { place: place() });
         }
         let body = text_body(name, sniffed, options)?;
-        Ok(Self::new(body, taken_bytes, None))
+        Ok(Self::new(body, options, taken_bytes, None))
     }
 
-    fn new(body: Body, taken_bytes: Arc<AtomicU64>, total_bytes: Option<u64>) -> Self {
+    fn new(
+        body: Body,
+        options: &LogOptions,
+        taken_bytes: Arc<AtomicU64>,
+        total_bytes: Option<u64>,
+    ) -> Self {
         let columns = body.columns();
-        let mut signals: Vec<Signal> = columns.iter().map(|column| column.signal).collect();
+        let mut signals: Vec<Signal> = match &body {
+            Body::Can(frames) => frames.signals(),
+            _ => columns.iter().map(|column| column.signal).collect(),
+        };
         signals.sort_unstable();
         let time = columns.iter().find(|column| column.signal == Signal::Time);
         let time_index = time.map_or(0, |column| column.index);
@@ -113,11 +132,26 @@ impl LogReader {
             signals: signals.into(),
             time_index,
             values: [f64::NAN; Signal::COUNT],
+            settings: options.settings,
+            tally: Tally::default(),
             previous_s: f64::NEG_INFINITY,
             begun: false,
+            over_bad_rows: false,
             taken_bytes,
             total_bytes,
         }
+    }
+
+    /// The same for a caller who goes on after bad rows, in a gzip log too: damage of the file is
+    /// an error where it ends, and not looked for after a bad row.
+    #[must_use]
+    pub fn over_bad_rows(self) -> Self {
+        Self { over_bad_rows: true, ..self }
+    }
+
+    /// Whether the log is one of CAN frames.
+    pub fn is_of_frames(&self) -> bool {
+        matches!(self.body, Body::Can(_))
     }
 
     /// The next row; `None` at the end of the log.
@@ -132,38 +166,81 @@ impl LogReader {
         let more = match &mut self.body {
             Body::Text(rows) => rows.read(&mut self.values),
             Body::Parquet(batches) => batches.read(&mut self.values),
+            Body::Can(frames) => frames.read(&mut self.values),
         };
         if !matches!(more, Ok(true)) {
             return self.stopped(more);
         }
         self.begun = true;
         let time_s = self.values[Signal::Time as usize];
-        if time_s > self.previous_s {
-            self.previous_s = time_s;
+        // Also after a row that goes back: the rows after it are in order again.
+        let previous_s = std::mem::replace(&mut self.previous_s, time_s);
+        if time_s > previous_s {
+            self.drop_implausible();
             Ok(Some(LogRow::from_values(self.values)))
         } else {
-            let error = self.bad_time(time_s);
+            let error = self.bad_time(time_s, previous_s);
             self.stopped(Err(error))
         }
+    }
+
+    /// Makes values absent that the truck cannot have.
+    #[inline]
+    fn drop_implausible(&mut self) {
+        let Some(settings) = self.settings else { return };
+        for quantity in Quantity::ALL {
+            let value = self.values[Signal::from(quantity) as usize];
+            if !value.is_nan() && !settings.believes(quantity, value) {
+                self.implausible(quantity, value);
+            }
+        }
+    }
+
+    #[cold]
+    fn implausible(&mut self, quantity: Quantity, value: f64) {
+        self.tally.implausible(quantity, value, Some(self.body.position()));
+        self.values[Signal::from(quantity) as usize] = f64::NAN;
+    }
+
+    /// What is to be told of the values so far that was not told yet: a signal and a sentence.
+    pub fn news(&mut self) -> Vec<(&'static str, String)> {
+        self.tally.news(&self.settings.unwrap_or_default())
+    }
+
+    /// What was passed over or doubted so far, for people.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = match &self.body {
+            Body::Can(frames) => frames.remarks(),
+            _ => Vec::new(),
+        };
+        remarks.extend(self.tally.remarks(&self.settings.unwrap_or_default()));
+        remarks
+    }
+
+    /// Values so far that the truck cannot have; they were made absent.
+    pub fn implausible_values(&self) -> u64 {
+        self.tally.implausible_values()
     }
 
     #[cold]
     fn stopped(&mut self, more: Result<bool, LogError>) -> Result<Option<LogRow>, LogError> {
         let first = !std::mem::replace(&mut self.begun, true);
         match more {
+            Err(error) if self.over_bad_rows => Err(error),
             Err(error) => Err(self.body.damage().unwrap_or(error)),
-            Ok(_) if first => Err(LogError::NoRows { place: self.body.place() }),
+            Ok(_) if first => Err(self.body.no_rows()),
             Ok(_) => Ok(None),
         }
     }
 
     #[cold]
-    fn bad_time(&self, time_s: f64) -> LogError {
+    fn bad_time(&mut self, time_s: f64, previous_s: f64) -> LogError {
         let (place, column) = (self.body.place(), self.body.name(self.time_index));
         if time_s.is_nan() {
+            self.previous_s = previous_s;
             LogError::AbsentTime { place, column }
         } else {
-            LogError::TimeOrder { place, column, previous_s: self.previous_s, time_s }
+            LogError::TimeOrder { place, column, previous_s, time_s }
         }
     }
 
@@ -215,6 +292,7 @@ impl Body {
         match self {
             Self::Text(rows) => rows.columns(),
             Self::Parquet(batches) => batches.columns(),
+            Self::Can(_) => &[],
         }
     }
 
@@ -222,13 +300,21 @@ impl Body {
         match self {
             Self::Text(rows) => rows.name(index),
             Self::Parquet(batches) => batches.name(index),
+            Self::Can(_) => ColumnName { number: index + 1, name: "time".into() },
         }
     }
 
     fn damage(&mut self) -> Option<LogError> {
         match self {
             Self::Text(rows) => rows.damage(),
-            Self::Parquet(_) => None,
+            Self::Parquet(_) | Self::Can(_) => None,
+        }
+    }
+
+    fn no_rows(&self) -> LogError {
+        match self {
+            Self::Can(frames) => frames.no_rows(),
+            _ => LogError::NoRows { place: self.place() },
         }
     }
 
@@ -236,6 +322,7 @@ impl Body {
         match self {
             Self::Text(rows) => rows.position(),
             Self::Parquet(batches) => batches.position(),
+            Self::Can(frames) => frames.position(),
         }
     }
 
@@ -243,6 +330,7 @@ impl Body {
         match self {
             Self::Text(rows) => rows.place(),
             Self::Parquet(batches) => batches.place(),
+            Self::Can(frames) => frames.place(),
         }
     }
 }
@@ -253,5 +341,10 @@ fn text_body<R: Read + Send + 'static>(
     options: &LogOptions,
 ) -> Result<Body, LogError> {
     let gzip = sniffed.magic == Magic::Gzip;
-    Ok(Body::Text(Box::new(Rows::open(name, text(sniffed), gzip, options)?)))
+    let (head, text) = head(text(sniffed));
+    Ok(if is_candump(&head) {
+        Body::Can(Box::new(Frames::new(name, text, options)))
+    } else {
+        Body::Text(Box::new(Rows::open(name, text, gzip, options)?))
+    })
 }

@@ -46,6 +46,38 @@ pub(super) fn text<R: Read + Send + 'static>(sniffed: Sniffed<R>) -> Box<dyn Rea
     }
 }
 
+/// The first bytes of a text, some lines of it at most, and the whole text. Waits for the first
+/// line only, so that a live pipe is not held up.
+pub(super) fn head(mut stream: Box<dyn Read + Send>) -> (Vec<u8>, Box<dyn Read + Send>) {
+    const HEAD_BYTES: usize = 4096;
+    let mut head = vec![0; HEAD_BYTES];
+    let mut length = 0;
+    let mut fault = Fault(None);
+    while length < HEAD_BYTES && !head[..length].trim_ascii_start().contains(&b'\n') {
+        match stream.read(&mut head[length..]) {
+            Ok(0) => break,
+            Ok(bytes) => length += bytes,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => {
+                fault = Fault(Some(error));
+                break;
+            }
+        }
+    }
+    head.truncate(length);
+    let whole = Cursor::new(head.clone()).chain(fault).chain(stream);
+    (head, Box::new(whole))
+}
+
+/// An error that has come already, for whoever reads up to it.
+struct Fault(Option<io::Error>);
+
+impl Read for Fault {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        self.0.take().map_or(Ok(0), Err)
+    }
+}
+
 /// A stream that counts the bytes taken from it.
 pub(super) struct Counted<R> {
     inner: R,

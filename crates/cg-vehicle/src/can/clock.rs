@@ -13,12 +13,12 @@ const JUMP_US: u64 = 500_000;
 const UNKNOWN_US: u64 = 1_000_000;
 
 /// Stream time from time stamps.
-#[derive(Debug, Default)]
-pub(crate) struct Clock {
+#[derive(Clone, Debug, Default)]
+pub struct Clock {
     last: Option<Last>,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 #[allow(clippy::struct_field_names, reason = "units stand in names")]
 struct Last {
     raw_us: u64,
@@ -28,14 +28,16 @@ struct Last {
 
 /// Stream time, and by how much the wall clock had jumped before it, µs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Instant {
-    pub(crate) stream_us: u64,
-    pub(crate) jump_us: i64,
+pub struct Instant {
+    /// Stream time.
+    pub stream_us: u64,
+    /// The jump; 0 is none.
+    pub jump_us: i64,
 }
 
 impl Clock {
     /// Stream time of a time stamp that was taken about now by the monotonic clock, if there is one.
-    pub(crate) fn stream(&mut self, raw_us: u64, monotonic_us: Option<u64>) -> Instant {
+    pub fn stream(&mut self, raw_us: u64, monotonic_us: Option<u64>) -> Instant {
         let Some(last) = &mut self.last else {
             self.last = Some(Last { raw_us, stream_us: ORIGIN_US, monotonic_us });
             return Instant { stream_us: ORIGIN_US, jump_us: 0 };

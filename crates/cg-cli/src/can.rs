@@ -1,0 +1,102 @@
+//! How CAN frames are understood, for every command that reads them.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use cg_core::j1939::Compensation;
+use cg_vehicle::Vehicle;
+use cg_vehicle::can::{DeviceFilter, MappedSignal, SignalMap};
+use cg_vehicle::log::{CanOptions, LogOptions};
+use clap::{Args, ValueEnum};
+
+use crate::cli::ColumnArgs;
+
+/// Whether a slope sensor's angle is a roll angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RollCompensated {
+    /// As its compensation bits say (SPN 3326, 4980: 0 on, 1 off); if they say nothing, it is not
+    Bit,
+    /// The same for a sensor with 0 off and 1 on
+    InvertedBit,
+    /// It is, whatever the bits say
+    Yes,
+    /// It is not, whatever the bits say
+    No,
+}
+
+impl From<RollCompensated> for Compensation {
+    fn from(argument: RollCompensated) -> Self {
+        match argument {
+            RollCompensated::Bit => Self::Bits,
+            RollCompensated::InvertedBit => Self::InvertedBits,
+            RollCompensated::Yes => Self::On,
+            RollCompensated::No => Self::Off,
+        }
+    }
+}
+
+/// How frames become signals.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "CAN frames")]
+pub(crate) struct CanArgs {
+    /// A DBC file with signals that are not J1939's
+    #[arg(long, value_name = "FILE", requires = "signal")]
+    dbc: Option<PathBuf>,
+    /// Take a quantity from a signal of the DBC file, in place of J1939's; unit, factor and offset
+    /// may follow: `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
+    #[arg(long, value_name = "QUANTITY=MESSAGE.SIGNAL", requires = "dbc")]
+    signal: Vec<SignalMap>,
+    /// Take a J1939 quantity from one source address only: `roll=0xE4`; may be repeated
+    #[arg(long, value_name = "QUANTITY=ADDRESS")]
+    source_of: Vec<DeviceFilter>,
+    /// Whether a J1939 slope sensor (SSI, SSI2) takes the vehicle's accelerations off its angle,
+    /// which is a roll angle then, and a tilt otherwise
+    #[arg(long, value_enum, value_name = "WORD", default_value_t = RollCompensated::Bit)]
+    roll_compensated: RollCompensated,
+    /// Listen to one bus only of a log with several [default: each signal from the bus that has it
+    /// first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) bus: Option<String>,
+}
+
+impl CanArgs {
+    fn options(&self) -> anyhow::Result<CanOptions> {
+        let mapped = match &self.dbc {
+            Some(path) => MappedSignal::load(path, &self.signal)?,
+            None => Vec::new(),
+        };
+        Ok(CanOptions {
+            mapped,
+            filters: self.source_of.clone(),
+            compensation: self.roll_compensated.into(),
+            bus: self.bus.clone(),
+        })
+    }
+
+    /// How logs of this vehicle are read, CSV or frames.
+    pub(crate) fn log_options(
+        &self,
+        columns: &ColumnArgs,
+        vehicle: &Vehicle,
+    ) -> anyhow::Result<LogOptions> {
+        let settings = Some(vehicle.align_settings());
+        Ok(LogOptions { can: self.options()?, settings, ..columns.options() })
+    }
+
+    /// Refuses these flags where there are no frames.
+    pub(crate) fn refuse(&self, source: &str) -> anyhow::Result<()> {
+        let given = [
+            ("--dbc", self.dbc.is_some()),
+            ("--source-of", !self.source_of.is_empty()),
+            ("--roll-compensated", self.roll_compensated != RollCompensated::Bit),
+            ("--bus", self.bus.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(anyhow!(
+                "{flag} is for CAN frames and {source} has none: remove it, or give --candump or \
+                 --can in place of {source}"
+            )),
+            None => Ok(()),
+        }
+    }
+}

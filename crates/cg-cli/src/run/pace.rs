@@ -1,0 +1,107 @@
+//! Whether samples come often enough to be a motion.
+
+use cg_core::{Quantity, Sample};
+
+/// Samples further apart belong to no common motion: the estimator ends a maneuver there.
+const GREATEST_US: u64 = 500_000;
+/// Further apart they are no slow signal but one that comes and goes.
+const PAUSE_US: u64 = 10_000_000;
+/// Slow steps in a row that make a slow signal.
+const SLOW_STEPS: u32 = 3;
+
+/// How often something comes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Cadence {
+    last_us: Option<u64>,
+    slow_steps: u32,
+    /// Whether the last value came too late after the one before.
+    pub(crate) late: bool,
+    told: bool,
+}
+
+impl Cadence {
+    /// A value has come; the step in seconds if that is too long, has been so for some values, and
+    /// was not told before.
+    pub(crate) fn push(&mut self, now_us: u64) -> Option<f64> {
+        let step_us = self.last_us.replace(now_us).map(|last_us| now_us.saturating_sub(last_us));
+        self.late = step_us.is_some_and(|step_us| step_us > GREATEST_US);
+        match step_us {
+            Some(step_us) if (GREATEST_US..PAUSE_US).contains(&step_us) => self.slow_steps += 1,
+            _ => self.slow_steps = 0,
+        }
+        if self.slow_steps < SLOW_STEPS || std::mem::replace(&mut self.told, true) {
+            return None;
+        }
+        #[allow(clippy::cast_precision_loss)] // seconds
+        step_us.map(|step_us| step_us as f64 * 1e-6)
+    }
+}
+
+/// What is to be told of a signal that comes too slowly.
+pub(crate) fn too_slow(step_s: f64) -> String {
+    format!(
+        "a value comes every {step_s:.2} s only, too slow to be used: at least two a second are \
+         needed, ten or more are good; set the sensor or the logger faster"
+    )
+}
+
+/// Lets samples pass that have another one near.
+#[derive(Debug, Default)]
+pub(crate) struct Pace {
+    cadence: Cadence,
+    /// A sample after a pause: it counts when another one follows.
+    lone: Option<Sample<f64>>,
+}
+
+impl Pace {
+    /// Takes in a sample: those that count now, and the step in seconds if it is to be told.
+    pub(crate) fn push(&mut self, sample: Sample<f64>) -> ([Option<Sample<f64>>; 2], Option<f64>) {
+        let first = self.cadence.last_us.is_none();
+        let told = self.cadence.push(sample.time_us);
+        if first || self.cadence.late {
+            self.lone = Some(sample);
+            ([None, None], told)
+        } else {
+            ([self.lone.take(), Some(sample)], told)
+        }
+    }
+}
+
+/// The quantities that say how the truck moves at an instant; the others change slowly.
+pub(crate) const MOTION: [Quantity; 6] = [
+    Quantity::Steer,
+    Quantity::SteeringWheel,
+    Quantity::Roll,
+    Quantity::Tilt,
+    Quantity::LateralAcceleration,
+    Quantity::YawRate,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_of_one_a_second_never_pass_and_are_told_once() {
+        let mut pace = Pace::default();
+        let mut told = Vec::new();
+        for second in 0..100 {
+            let (passed, slow) = pace.push(Sample::absent(1_000_000 * (second + 1)));
+            assert_eq!(passed, [None, None]);
+            told.extend(slow);
+        }
+        assert_eq!(told, [1.0]);
+    }
+
+    #[test]
+    fn after_a_pause_the_first_sample_waits_for_the_second() {
+        let mut pace = Pace::default();
+        let mut passed = Vec::new();
+        for us in [10_000, 20_000, 30_000, 5_000_000, 60_000_000, 60_010_000] {
+            let (samples, told) = pace.push(Sample::absent(us));
+            assert_eq!(told, None);
+            passed.extend(samples.into_iter().flatten().map(|sample| sample.time_us));
+        }
+        assert_eq!(passed, [10_000, 20_000, 30_000, 60_000_000, 60_010_000]);
+    }
+}

@@ -1,0 +1,411 @@
+//! A candump log, frame by frame.
+
+use std::collections::VecDeque;
+use std::io::{self, BufRead, Read};
+
+use super::candump::{CandumpError, Content, Line, parse};
+use super::frame::Frame;
+
+/// A line of a candump log is shorter (CAN FD, plain: 300 bytes).
+const LONGEST_LINE: u64 = 4096;
+/// Frames without time stamps after which a log is taken for one that has none.
+const PATIENCE: u64 = 10;
+/// Frames that tell whether time stamps are differences.
+const LOOK: usize = 100;
+/// Time stamps below this one, 12 January 1970, are no Unix time.
+const RELATIVE_US: u64 = 1_000_000_000_000;
+/// Interfaces whose names are kept.
+const MOST_BUSES: usize = 32;
+
+/// Why a candump log cannot be read, or not further.
+#[derive(Debug, thiserror::Error)]
+pub enum CandumpFault {
+    /// It cannot be read.
+    #[error("line {line}: cannot be read ({source}); check the path, the disk or the connection")]
+    Read {
+        /// The line.
+        line: u64,
+        /// Why.
+        source: io::Error,
+    },
+    /// Its frames have no time stamps.
+    #[error("line {line}: {}", CandumpError::NoTime)]
+    NoTime {
+        /// The first frame's line.
+        line: u64,
+    },
+    /// The bus that was asked for is not in it.
+    #[error("no frame of the bus `{wanted}`; the log has {found}: give --bus one of them")]
+    NoBus {
+        /// The name asked for.
+        wanted: String,
+        /// The names there are.
+        found: String,
+    },
+}
+
+/// What time stamps say.
+#[derive(Clone, Copy, Debug)]
+enum Stamps {
+    /// Not known before some frames were seen.
+    Unknown,
+    /// The time.
+    Times,
+    /// The time since the frame before (`candump -td`); the sum so far.
+    Differences(u64),
+}
+
+/// A line that waits for that to be known.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    time_us: u64,
+    frame: Option<Frame>,
+}
+
+/// Reads a candump log, in constant memory. Lines that are none are passed over and counted.
+#[derive(Debug)]
+pub struct CandumpReader<R> {
+    input: R,
+    line: Vec<u8>,
+    number: u64,
+    /// The only bus that is listened to.
+    only: Option<String>,
+    buses: Vec<String>,
+    stamps: Stamps,
+    ahead: VecDeque<Waiting>,
+    ended: bool,
+    stamped: bool,
+    /// Frames of the buses that are listened to.
+    frames: u64,
+    without_time: u64,
+    malformed: u64,
+    error_frames: u64,
+    first_malformed: Option<(u64, CandumpError)>,
+    first_error: Option<u64>,
+    fresh: [bool; 3],
+}
+
+impl<R: BufRead> CandumpReader<R> {
+    /// At the beginning of a log; of several buses all are listened to, or one of them only.
+    pub fn new(input: R, bus: Option<String>) -> Self {
+        Self {
+            input,
+            line: Vec::new(),
+            number: 0,
+            only: bus,
+            buses: Vec::new(),
+            stamps: Stamps::Unknown,
+            ahead: VecDeque::new(),
+            ended: false,
+            stamped: false,
+            frames: 0,
+            without_time: 0,
+            malformed: 0,
+            error_frames: 0,
+            first_malformed: None,
+            first_error: None,
+            fresh: [false; 3],
+        }
+    }
+
+    /// The next data frame; `None` at the end.
+    ///
+    /// # Errors
+    /// [`CandumpFault`]; what follows is not read.
+    pub fn next_frame(&mut self) -> Result<Option<Frame>, CandumpFault> {
+        loop {
+            if !matches!(self.stamps, Stamps::Unknown)
+                && let Some(waiting) = self.ahead.pop_front()
+            {
+                if let Some(frame) = self.timed(waiting) {
+                    self.frames += 1;
+                    return Ok(Some(frame));
+                }
+            } else if self.ended {
+                return Ok(None);
+            } else {
+                self.read_line()?;
+            }
+        }
+    }
+
+    /// Reads a line, and at the end of the log says what was missing in it.
+    fn read_line(&mut self) -> Result<(), CandumpFault> {
+        self.line.clear();
+        let read = self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.line);
+        let line = self.number + 1;
+        if read.map_err(|source| CandumpFault::Read { line, source })? == 0 {
+            self.ended = true;
+            self.decide();
+            return self.complete();
+        }
+        self.number = line;
+        let bytes = std::mem::take(&mut self.line);
+        match parse(&String::from_utf8_lossy(&bytes)) {
+            Ok(Some(line)) => self.take(&line),
+            Ok(None) => {}
+            Err(error) => self.pass_over(error)?,
+        }
+        self.line = bytes;
+        Ok(())
+    }
+
+    fn take(&mut self, line: &Line<'_>) {
+        self.stamped = true;
+        let bus = self.bus(line.interface);
+        let listened = self.only.as_ref().is_none_or(|only| only == line.interface);
+        if listened && line.content == Content::Error {
+            self.error_frames += 1;
+            if self.first_error.is_none() {
+                (self.first_error, self.fresh[1]) = (Some(self.number), true);
+            }
+        }
+        let frame = match line.content {
+            Content::Data(mut frame) if listened => {
+                frame.bus = bus;
+                Some(frame)
+            }
+            _ => None,
+        };
+        self.ahead.push_back(Waiting { time_us: line.time_us, frame });
+        if matches!(self.stamps, Stamps::Unknown) {
+            if !line.plain || line.time_us >= RELATIVE_US {
+                self.stamps = Stamps::Times;
+            } else if self.ahead.len() >= LOOK {
+                self.decide();
+            }
+        }
+    }
+
+    fn pass_over(&mut self, error: CandumpError) -> Result<(), CandumpFault> {
+        self.malformed += 1;
+        if self.first_malformed.is_none() {
+            (self.first_malformed, self.fresh[0]) = (Some((self.number, error)), true);
+        }
+        self.without_time += u64::from(error == CandumpError::NoTime);
+        if !self.stamped && self.without_time >= PATIENCE { self.untimed() } else { Ok(()) }
+    }
+
+    fn untimed(&mut self) -> Result<(), CandumpFault> {
+        self.ended = true;
+        let line = self.first_malformed.map_or(self.number, |(line, _)| line);
+        Err(CandumpFault::NoTime { line })
+    }
+
+    fn complete(&mut self) -> Result<(), CandumpFault> {
+        if !self.stamped && self.without_time > 0 {
+            return self.untimed();
+        }
+        match &self.only {
+            Some(wanted) if !self.buses.contains(wanted) => {
+                let found = match self.buses.as_slice() {
+                    [] => "none".to_owned(),
+                    buses => buses.join(", "),
+                };
+                Err(CandumpFault::NoBus { wanted: wanted.clone(), found })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells times from differences: times grow, while differences go up and down, or stay.
+    fn decide(&mut self) {
+        let times = || self.ahead.iter().map(|waiting| waiting.time_us);
+        let backward = times().zip(times().skip(1)).filter(|(before, after)| after < before);
+        let steps = self.ahead.len().saturating_sub(1);
+        // Frames of two queues may come out of order, one in five hardly.
+        let jumping = 5 * backward.count() > steps;
+        // The first difference is zero, or that to a frame before the log.
+        let standing = steps > 1 && times().skip(1).max() == times().nth(1);
+        self.stamps = if jumping || standing { Stamps::Differences(0) } else { Stamps::Times };
+    }
+
+    fn timed(&mut self, Waiting { time_us, frame }: Waiting) -> Option<Frame> {
+        let time_us = match &mut self.stamps {
+            Stamps::Differences(sum_us) => {
+                *sum_us = sum_us.saturating_add(time_us);
+                *sum_us
+            }
+            Stamps::Unknown | Stamps::Times => time_us,
+        };
+        frame.map(|mut frame| {
+            frame.time_us = time_us;
+            frame
+        })
+    }
+
+    fn bus(&mut self, name: &str) -> u8 {
+        let known = self.buses.iter().position(|bus| bus == name);
+        let place = known.unwrap_or_else(|| {
+            if self.buses.len() < MOST_BUSES {
+                self.buses.push(name.to_owned());
+                self.fresh[2] |= self.buses.len() == 2 && self.only.is_none();
+            }
+            self.buses.len() - 1
+        });
+        u8::try_from(place).unwrap_or(u8::MAX)
+    }
+
+    /// Data frames handed out.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// The line last read, from one.
+    pub fn line(&self) -> u64 {
+        self.number
+    }
+
+    /// Lines that could not be understood.
+    pub fn malformed(&self) -> u64 {
+        self.malformed
+    }
+
+    /// Error frames of the buses that are listened to.
+    pub fn error_frames(&self) -> u64 {
+        self.error_frames
+    }
+
+    /// What has occurred for the first time since this was asked last.
+    pub fn news(&mut self) -> Vec<String> {
+        if self.fresh == [false; 3] {
+            return Vec::new();
+        }
+        let fresh = std::mem::take(&mut self.fresh);
+        self.sentences()
+            .into_iter()
+            .zip(fresh)
+            .filter_map(|(s, fresh)| s.filter(|_| fresh))
+            .collect()
+    }
+
+    /// Everything that has occurred, with its count.
+    pub fn remarks(&self) -> Vec<String> {
+        let counts = [self.malformed, self.error_frames, 0];
+        let counted = |(sentence, count): (Option<String>, u64)| {
+            sentence.map(|s| if count > 1 { format!("{s} ({count} such lines in all)") } else { s })
+        };
+        self.sentences().into_iter().zip(counts).filter_map(counted).collect()
+    }
+
+    fn sentences(&self) -> [Option<String>; 3] {
+        [
+            self.first_malformed.map(|(line, error)| format!("line {line}: passed over: {error}")),
+            self.first_error
+                .map(|line| format!("line {line}: an error frame, something was wrong on the bus")),
+            (self.buses.len() > 1 && self.only.is_none()).then(|| {
+                format!(
+                    "frames of the buses {}: each signal is taken from the bus that has it first; \
+                     --bus NAME narrows the log to one",
+                    self.buses.join(", ")
+                )
+            }),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reader(text: &str, bus: Option<&str>) -> CandumpReader<io::Cursor<String>> {
+        CandumpReader::new(io::Cursor::new(text.to_owned()), bus.map(str::to_owned))
+    }
+
+    fn times_us(text: &str) -> Vec<u64> {
+        let mut reader = reader(text, None);
+        std::iter::from_fn(|| reader.next_frame().unwrap()).map(|frame| frame.time_us).collect()
+    }
+
+    /// One drive with the time stamps of `-ta`, `-tz` and `-td`: the same times but for the origin.
+    #[test]
+    fn times_and_differences_are_told_apart() {
+        // Every 10 ms with a jitter; three frames at once now and then.
+        let times: Vec<u64> =
+            (0..300_u64).map(|k| 10_000 * (k - k % 3) + k * k * 37 % 900).collect();
+        let mut sorted = times;
+        sorted.sort_unstable();
+        let text = |stamps: &[u64]| -> String {
+            let line = |us: &u64| {
+                format!(" ({:03}.{:06})  can0  123   [1]  00\n", us / 1_000_000, us % 1_000_000)
+            };
+            stamps.iter().map(line).collect()
+        };
+        let zero: Vec<u64> = sorted.iter().map(|us| us - sorted[0]).collect();
+        let absolute: Vec<u64> = zero.iter().map(|us| us + 1_700_000_000_000_000).collect();
+        let mut differences = vec![0];
+        differences.extend(zero.windows(2).map(|pair| pair[1] - pair[0]));
+        assert_eq!(times_us(&text(&absolute)), absolute);
+        assert_eq!(times_us(&text(&zero)), zero);
+        assert_eq!(times_us(&text(&differences)), zero);
+        // Exactly periodic frames, few frames, one frame.
+        assert_eq!(times_us(&text(&[0, 5, 5, 5])), [0, 5, 10, 15]);
+        assert_eq!(times_us(&text(&[0, 5, 10, 15])), [0, 5, 10, 15]);
+        assert_eq!(times_us(&text(&[7])), [7]);
+    }
+
+    /// The compact form never has differences: frames sent at the same instant stay.
+    #[test]
+    fn compact_time_stamps_are_times() {
+        assert_eq!(times_us("(1.000000) can0 123#\n(1.000000) can0 124#\n"), [1_000_000; 2]);
+    }
+
+    #[test]
+    fn a_log_without_time_stamps_says_which_flag_mends_it() {
+        let line = "  can1  18F11031   [8]  00 11 22 33 44 55 66 77\n";
+        for count in [1, 9, 5000] {
+            let mut reader = reader(&line.repeat(count), None);
+            let error = reader.next_frame().unwrap_err().to_string();
+            assert!(error.starts_with("line 1: ") && error.contains("candump -L"), "{error}");
+            assert!(reader.next_frame().unwrap().is_none());
+            assert!(reader.line() <= PATIENCE);
+        }
+        // One such line in a log with time stamps is a bad line.
+        let text = format!("{line}(1.000000) can0 123#00\n");
+        let mut reader = reader(&text, None);
+        assert!(reader.next_frame().unwrap().is_some());
+        assert_eq!(reader.malformed(), 1);
+    }
+
+    const TWO: &str = "(1.000000) can0 123#00\n(1.100000) can1 123#01\n\
+                       (1.200000) can1 20000080#0000000000000000\ngarbage\n\
+                       (1.300000) can0 123#02\n(1.400000) can1 20000080#0000000000000000\n";
+
+    #[test]
+    fn a_log_of_two_buses_can_be_narrowed_to_one() {
+        let seen = |bus: Option<&str>| -> (Vec<(u8, u8)>, Vec<String>, u64) {
+            let mut reader = reader(TWO, bus);
+            let frames: Vec<_> = std::iter::from_fn(|| reader.next_frame().unwrap())
+                .map(|frame| (frame.bus, frame.data()[0]))
+                .collect();
+            (frames, reader.news(), reader.error_frames())
+        };
+        let (frames, news, errors) = seen(None);
+        assert_eq!(frames, [(0, 0), (1, 1), (0, 2)]);
+        assert_eq!(errors, 2);
+        assert!(
+            news[0].starts_with("line 4: passed over") && news[1].starts_with("line 3: an error")
+        );
+        assert!(news[2].contains("can0, can1") && news[2].contains("--bus"), "{news:?}");
+        let (frames, news, errors) = seen(Some("can0"));
+        assert_eq!((frames, errors, news.len()), (vec![(0, 0), (0, 2)], 0, 1));
+        let (frames, _, errors) = seen(Some("can1"));
+        assert_eq!((frames, errors), (vec![(1, 1)], 2));
+    }
+
+    #[test]
+    fn news_come_once_and_remarks_are_counted() {
+        let mut reader = reader(TWO, None);
+        while reader.next_frame().unwrap().is_some() {}
+        assert_eq!(reader.news().len(), 3);
+        assert!(reader.news().is_empty());
+        assert!(reader.remarks()[1].ends_with("(2 such lines in all)"));
+    }
+
+    #[test]
+    fn a_bus_that_is_not_there_is_an_error_with_those_there_are() {
+        let mut reader = reader(TWO, Some("can7"));
+        let error = reader.next_frame().unwrap_err().to_string();
+        assert!(error.contains("`can7`") && error.contains("can0, can1"), "{error}");
+    }
+}

@@ -1,0 +1,207 @@
+//! What is wrong with values that came in, counted, and told once.
+
+use cg_core::j1939::{Compensation, Slope};
+use cg_core::{AlignSettings, Quantity};
+
+use crate::log::{Position, Signal};
+
+/// Something that is counted: how often, the first value and where a log has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Count {
+    count: u64,
+    first: f64,
+    place: Option<Position>,
+    told: bool,
+}
+
+impl Count {
+    fn add(&mut self, value: f64, place: Option<Position>) -> bool {
+        if self.count == 0 {
+            (self.first, self.place) = (value, place);
+        }
+        self.count += 1;
+        self.count == 1
+    }
+}
+
+/// Counts of values that are not as they should be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    implausible: [Count; Quantity::COUNT],
+    degraded: Count,
+    faulty: Count,
+    unsaid: Count,
+    /// Whether there is something that was not told yet.
+    fresh: bool,
+}
+
+impl Tally {
+    /// Counts a value that the truck cannot have, at a place of a log.
+    pub fn implausible(&mut self, quantity: Quantity, value: f64, place: Option<Position>) {
+        if let Some(count) = self.implausible.get_mut(quantity.index()) {
+            self.fresh |= count.add(value, place);
+        }
+    }
+
+    /// Counts what a slope sensor says of its roll angle.
+    pub fn slope(&mut self, said: Slope, rule: Compensation) {
+        if said.quantity(rule).is_none() {
+            self.fresh |= self.faulty.add(0.0, None);
+        } else if said.merit == 1 {
+            self.fresh |= self.degraded.add(0.0, None);
+        }
+        let by_bits = matches!(rule, Compensation::Bits | Compensation::InvertedBits);
+        if by_bits && said.compensation == 3 {
+            self.fresh |= self.unsaid.add(0.0, None);
+        }
+    }
+
+    /// Values that the truck cannot have.
+    pub fn implausible_values(&self) -> u64 {
+        self.implausible.iter().map(|count| count.count).sum()
+    }
+
+    /// Roll angles that their sensor calls degraded.
+    pub fn degraded_values(&self) -> u64 {
+        self.degraded.count
+    }
+
+    /// Roll angles that their sensor calls wrong.
+    pub fn faulty_values(&self) -> u64 {
+        self.faulty.count
+    }
+
+    /// What has occurred for the first time since this was asked last: the signal and a sentence.
+    pub fn news(&mut self, settings: &AlignSettings<f64>) -> Vec<(&'static str, String)> {
+        if !std::mem::take(&mut self.fresh) {
+            return Vec::new();
+        }
+        let all = self.sentences(settings);
+        let told =
+            self.counts_mut().map(|count| std::mem::replace(&mut count.told, count.count > 0));
+        all.into_iter().zip(told).filter(|(_, told)| !told).filter_map(|(found, _)| found).collect()
+    }
+
+    /// Everything that has occurred, with its count.
+    pub fn remarks(&self, settings: &AlignSettings<f64>) -> Vec<String> {
+        let counted = |(said, count): (Option<(&'static str, String)>, Count)| {
+            said.map(|(signal, sentence)| format!("{signal}: {sentence} ({} in all)", count.count))
+        };
+        self.sentences(settings).into_iter().zip(self.counts()).filter_map(counted).collect()
+    }
+
+    fn counts(&self) -> [Count; Quantity::COUNT + 3] {
+        let mut counts = [Count::default(); Quantity::COUNT + 3];
+        counts[..Quantity::COUNT].copy_from_slice(&self.implausible);
+        counts[Quantity::COUNT..].copy_from_slice(&[self.degraded, self.faulty, self.unsaid]);
+        counts
+    }
+
+    fn counts_mut(&mut self) -> impl Iterator<Item = &mut Count> {
+        let slope = [&mut self.degraded, &mut self.faulty, &mut self.unsaid];
+        self.implausible.iter_mut().chain(slope)
+    }
+
+    /// What there is to tell, in the order of the counts.
+    fn sentences(&self, settings: &AlignSettings<f64>) -> Vec<Option<(&'static str, String)>> {
+        let mut all: Vec<_> = Quantity::ALL
+            .into_iter()
+            .zip(&self.implausible)
+            .map(|(quantity, count)| {
+                let name = Signal::from(quantity).name();
+                let place = match count.place {
+                    Some(Position::Line(line)) => format!("line {line}: "),
+                    Some(Position::Row(row)) => format!("row {row}: "),
+                    Some(Position::File) | None => String::new(),
+                };
+                let sentence = implausible(quantity, count.first, settings);
+                (count.count > 0).then(|| (name, place + &sentence))
+            })
+            .collect();
+        let roll = Signal::Roll.name();
+        for (count, sentence) in [
+            (self.degraded, "the slope sensor calls its roll angle degraded; it is used"),
+            (
+                self.faulty,
+                "the slope sensor says that its roll angle or its compensation is in error; such \
+                 values count as absent",
+            ),
+            (
+                self.unsaid,
+                "the slope sensor does not say whether it takes the vehicle's accelerations off \
+                 its angle: taken for an inclinometer, which does not; if it does, give \
+                 --roll-compensated yes",
+            ),
+        ] {
+            all.push((count.count > 0).then(|| (roll, sentence.to_owned())));
+        }
+        all
+    }
+}
+
+/// A sentence about a value that a quantity cannot have.
+fn implausible(quantity: Quantity, value: f64, settings: &AlignSettings<f64>) -> String {
+    let column = Signal::from(quantity).column();
+    let [least, greatest] = quantity.limits();
+    let mass_kg = settings.mass_kg(quantity, value);
+    match settings.mass_range_kg {
+        Some([least_kg, greatest_kg]) if mass_kg.is_finite() => {
+            let means = match quantity {
+                Quantity::TrailerMass => String::new(),
+                _ => format!(" would be a trailer of {mass_kg:.0} kg, which"),
+            };
+            format!(
+                "{column} {value}{means} cannot be ({least_kg:.0} to {greatest_kg:.0} kg by the \
+                 vehicle file); such values count as absent"
+            )
+        }
+        _ => format!(
+            "{column} {value} cannot be (possible are {least} to {greatest}); such values count as \
+             absent: check sensor and unit"
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_thing_is_told_once_and_counted() {
+        let settings =
+            AlignSettings { mass_range_kg: Some([5000.0, 50_000.0]), ..AlignSettings::NONE };
+        let mut tally = Tally::default();
+        assert!(tally.news(&settings).is_empty());
+        for value in [0.0, 4.0] {
+            tally.implausible(Quantity::TrailerMass, value, None);
+        }
+        let news = tally.news(&settings);
+        assert_eq!(news.len(), 1);
+        assert_eq!(news[0].0, "trailer_mass");
+        assert!(news[0].1.starts_with("trailer_mass_kg 0 cannot be (5000 to 50000 kg"), "{news:?}");
+        tally.implausible(Quantity::TrailerMass, 0.0, None);
+        tally.implausible(Quantity::Roll, 1e308, Some(Position::Line(7)));
+        assert_eq!(tally.news(&settings)[0].0, "roll");
+        assert!(tally.news(&settings).is_empty());
+        assert_eq!(tally.implausible_values(), 4);
+        let remarks = tally.remarks(&settings);
+        assert!(
+            remarks[0].starts_with("roll: line 7: roll_rad 1")
+                && remarks[0].contains("possible are -1 to 1")
+        );
+        assert!(remarks[1].ends_with("(3 in all)"), "{remarks:?}");
+    }
+
+    #[test]
+    fn a_slope_sensor_in_doubt_is_told() {
+        let mut tally = Tally::default();
+        for (compensation, merit) in [(0, 0), (0, 3), (0, 1), (3, 1), (0, 2), (2, 0)] {
+            tally.slope(Slope { compensation, merit }, Compensation::Bits);
+        }
+        assert_eq!((tally.degraded_values(), tally.faulty_values()), (2, 2));
+        assert_eq!(tally.news(&AlignSettings::NONE).len(), 3);
+        let mut given = Tally::default();
+        given.slope(Slope { compensation: 3, merit: 3 }, Compensation::On);
+        assert_eq!(given, Tally::default());
+    }
+}
