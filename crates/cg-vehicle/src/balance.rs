@@ -173,13 +173,18 @@ pub(crate) fn solved(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, Veh
     Ok(StaticBalance { axle_load_n, hitch_load_n, residual_nm })
 }
 
+/// Whether forces and moments alone leave the static loads open.
+pub(crate) fn depends_on_stiffness(vehicle: &Vehicle) -> bool {
+    let supports = supports(vehicle, &vehicle.axles());
+    let on_trailer = supports.iter().filter(|support| support.on_trailer).count();
+    !(on_trailer == 1 && supports.len() == 3)
+}
+
 /// Whether the file says enough for static loads; if not, key, value and what to do.
 pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, String)> {
     let axles = vehicle.axles();
     let supports = supports(vehicle, &axles);
-    let on_trailer = supports.iter().filter(|support| support.on_trailer).count();
-    let statically_determined = on_trailer == 1 && supports.len() == 3;
-    if supports.len() - on_trailer < 2 {
+    if supports.iter().filter(|support| !support.on_trailer).count() < 2 {
         return Err((
             "tractor.axle".to_owned(),
             vehicle.tractor.axle.len().to_string(),
@@ -190,7 +195,7 @@ pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, Strin
         tyre.unloaded_radius_m.is_none() && axles.iter().any(|placed| placed.tyre == *tyre)
     });
     match missing {
-        Some((i, tyre)) if !statically_determined => Err((
+        Some((i, tyre)) if depends_on_stiffness(vehicle) => Err((
             format!("tyre[{i}].unloaded_radius_m"),
             "(missing)".to_owned(),
             format!(

@@ -39,7 +39,7 @@ pub(crate) fn checked(text: &str, file: &str) -> Result<(Vehicle, Vec<Finding>),
     let syntax = |source| VehicleError::syntax(file, &source);
     let root: Table = toml::from_str(text).map_err(syntax)?;
     // Unknown keys first: a misspelt key is also a missing one, and its place says more.
-    let unknown = shapes::unknown_axle_keys(&root);
+    let unknown = shapes::axle_keys(&root);
     if !unknown.is_empty() {
         return Err(refused(unknown));
     }

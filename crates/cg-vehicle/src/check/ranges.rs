@@ -112,7 +112,7 @@ fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
 
 /// Units that people have in place of those of the file, and their size in these.
 const UNITS: [(&str, &[(&str, f64)]); 13] = [
-    ("m", &[("mm", 1e-3), ("cm", 1e-2), ("inch", 0.0254), ("ft", 0.3048)]),
+    ("m", &[("mm", 1e-3), ("cm", 1e-2), ("inch", 0.0254)]),
     ("kg", &[("t", 1e3), ("lb", 0.453_592_37), ("N", 0.102)]),
     ("N", &[("kN", 1e3), ("kg", 9.81)]),
     ("N m", &[("kN m", 1e3)]),

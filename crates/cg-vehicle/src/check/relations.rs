@@ -83,6 +83,7 @@ pub(super) fn findings(v: &Vehicle, known: &[Finding]) -> Vec<Finding> {
         widths(&path, axle, &mut relations);
         deflection(&path, axle, v, &mut relations);
     }
+    anti_roll(v, &mut relations);
     tables::relations(v, &mut relations);
     if sound {
         loads(v, &mut relations);
@@ -325,12 +326,62 @@ fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
     }
 }
 
+/// Neighbouring axles that are not steered are built alike: one has no anti-roll bar if the other
+/// has one.
+fn anti_roll(v: &Vehicle, relations: &mut Relations) {
+    let driven = v.tractor.axle.iter().filter(|axle| !axle.steered).count();
+    let all = axles(v);
+    let (tractor, trailer) = all.split_at(v.tractor.axle.len());
+    let alike = [&tractor[tractor.len() - driven..], trailer];
+    for pair in alike.into_iter().flat_map(|axles| axles.windows(2)) {
+        let [(before, one), (path, two)] = pair else { continue };
+        let key = "auxiliary_roll_stiffness_nm_per_rad";
+        let value = two.auxiliary_roll_stiffness_nm_per_rad;
+        let other = one.auxiliary_roll_stiffness_nm_per_rad;
+        let (less, more) = (value.min(other), value.max(other));
+        relations.check(Relation {
+            key: format!("{path}.{key}"),
+            value,
+            with: vec![format!("{before}.{key}")],
+            what: "the smaller over the greater",
+            quantity: if more > 0.0 { less / more } else { 1.0 },
+            unit: "",
+            usual: [0.1, 1.0],
+            possible: [0.0, 1.0],
+        });
+    }
+}
+
+/// Springs of one unit lift its frame about equally, or its axles carry very different loads.
+fn free_rises(v: &Vehicle, relations: &mut Relations) {
+    if !balance::depends_on_stiffness(v) {
+        return;
+    }
+    for pair in axles(v).windows(2) {
+        let [(before, one), (path, two)] = pair else { continue };
+        if before.split('.').next() != path.split('.').next() {
+            continue;
+        }
+        relations.check(Relation {
+            key: format!("{path}.spring_free_rise_m"),
+            value: two.spring_free_rise_m,
+            with: vec![format!("{before}.spring_free_rise_m")],
+            what: "the difference of two axles",
+            quantity: two.spring_free_rise_m - one.spring_free_rise_m,
+            unit: "m",
+            usual: [-0.05, 0.05],
+            possible: [-0.8, 0.8],
+        });
+    }
+}
+
 /// Static loads of axles, fifth wheel, tyres and springs, empty and at the reference load.
 fn loads(v: &Vehicle, relations: &mut Relations) {
     if let Err((key, value, problem)) = balance::determined(v) {
         relations.found.push(Finding::error(key, value, problem));
         return;
     }
+    free_rises(v, relations);
     let reference = v.reference_load();
     let empty = Load { trailer_mass_kg: v.empty_trailer_mass_kg(), ..reference };
     let with = keys(&[
@@ -378,7 +429,7 @@ fn loads(v: &Vehicle, relations: &mut Relations) {
             usual: usual_hitch_n,
             possible: [-1e5, 1e6],
         });
-        if load == reference {
+        if load == reference && balance.axle_load_n.iter().all(|load_n| *load_n > 0.0) {
             tables::loaded(v, &balance.axle_load_n, relations);
         }
     }

@@ -1,8 +1,9 @@
 //! Names, lengths of lists, and orders that the program needs.
 
-use toml::Table;
+use toml::{Table, Value};
 
-use super::finding::Finding;
+use super::finding::{Finding, Severity};
+use super::keys::{Key, Kind};
 use super::table::TABLES;
 use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
@@ -12,25 +13,57 @@ const MOST_AXLES: usize = 20;
 /// The longest name, in bytes: it stands in reports and in file heads.
 const LONGEST_NAME: usize = 200;
 
-/// Unknown keys of axles (serde cannot refuse them, where a struct is flattened into another).
-pub(super) fn unknown_axle_keys(root: &Table) -> Vec<Finding> {
+/// Unknown keys of axles, and values of the wrong type: where a struct is flattened into another,
+/// serde refuses neither with its place.
+pub(super) fn axle_keys(root: &Table) -> Vec<Finding> {
     let mut found = Vec::new();
     for unit in ["tractor", "trailer"] {
         let place = format!("{unit}.axle[i]");
         let tables = TABLES.iter().filter(|table| table.paths.contains(&place.as_str()));
-        let known: Vec<&str> =
-            tables.flat_map(|table| table.keys.iter().map(|key| key.name)).collect();
+        let known: Vec<(&Key, bool)> = tables
+            .flat_map(|table| table.keys.iter().map(|key| (key, table.paths.len() > 1)))
+            .collect();
         let axles = root.get(unit).and_then(|unit| unit.get("axle")).and_then(|a| a.as_array());
         for (i, axle) in axles.into_iter().flatten().enumerate() {
-            for (key, value) in axle.as_table().into_iter().flatten() {
-                if !known.contains(&key.as_str()) {
-                    let problem = format!("unknown key; expected one of {}", known.join(", "));
-                    found.push(Finding::error(format!("{unit}.axle[{i}].{key}"), value, problem));
-                }
+            for (name, value) in axle.as_table().into_iter().flatten() {
+                let problem = match known.iter().find(|(key, _)| key.name == name) {
+                    None => {
+                        let names: Vec<&str> = known.iter().map(|(key, _)| key.name).collect();
+                        format!("unknown key; expected one of {}", names.join(", "))
+                    }
+                    Some((key, true)) if !is_of(value, key.kind) => {
+                        format!("is of the wrong type, expected {}", type_of(key.kind))
+                    }
+                    Some(_) => continue,
+                };
+                found.push(Finding::error(format!("{unit}.axle[{i}].{name}"), value, problem));
             }
         }
     }
     found
+}
+
+fn is_of(value: &Value, kind: Kind) -> bool {
+    let number = |value: &Value| value.is_float() || value.is_integer();
+    match kind {
+        Kind::Text => value.is_str(),
+        Kind::Flag => value.is_bool(),
+        Kind::Whole => value.as_integer().is_some_and(|number| u32::try_from(number).is_ok()),
+        Kind::Number(_) => number(value),
+        Kind::Numbers(_) => value.as_array().is_some_and(|list| list.iter().all(number)),
+        Kind::Rows(_) => value.is_array(),
+    }
+}
+
+const fn type_of(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Text => "text in quotes",
+        Kind::Flag => "true or false",
+        Kind::Whole => "a whole number from 0",
+        Kind::Number(_) => "a number",
+        Kind::Numbers(_) => "a list of numbers",
+        Kind::Rows(_) => "a list of lists of numbers",
+    }
 }
 
 /// Everything that is no number out of its range.
@@ -123,12 +156,23 @@ fn axles(v: &Vehicle, found: &mut Vec<Finding>) {
     in_order("tractor", "ahead_of_cg_m", &ahead.collect::<Vec<_>>(), found);
     let behind = v.trailer.axle.iter().map(|a| a.behind_hitch_m);
     in_order("trailer", "behind_hitch_m", &behind.collect::<Vec<_>>(), found);
-    let tractor = v.tractor.axle.iter().map(|a| &a.axle).enumerate();
-    for (i, a) in tractor {
-        axle(&format!("tractor.axle[{i}]"), a, v, found);
-    }
-    for (i, a) in v.trailer.axle.iter().map(|a| &a.axle).enumerate() {
-        axle(&format!("trailer.axle[{i}]"), a, v, found);
+    let tractor: Vec<&Axle> = v.tractor.axle.iter().map(|a| &a.axle).collect();
+    let trailer: Vec<&Axle> = v.trailer.axle.iter().map(|a| &a.axle).collect();
+    for (unit, axles) in [("tractor", tractor), ("trailer", trailer)] {
+        for (i, a) in axles.iter().enumerate() {
+            let path = format!("{unit}.axle[{i}]");
+            axle(&path, a, v, found);
+            let Some(group) = a.load_group else { continue };
+            if axles.iter().filter(|other| other.load_group == Some(group)).count() < 2 {
+                let (key, problem) =
+                    (format!("{path}.load_group"), "no other axle of the unit has it");
+                found.push(Finding {
+                    remedy: "give it to the axles that share their load, or leave it out"
+                        .to_owned(),
+                    ..Finding::new(Severity::Warning, key, group, problem)
+                });
+            }
+        }
     }
 }
 
@@ -136,7 +180,11 @@ fn axles(v: &Vehicle, found: &mut Vec<Finding>) {
 fn in_order(unit: &str, key: &str, backwards_m: &[f64], found: &mut Vec<Finding>) {
     let (axles, n) = (format!("{unit}.axle"), backwards_m.len());
     if n == 0 {
-        found.push(Finding::error(axles.as_str(), n, format!("the {unit} needs at least one axle")));
+        found.push(Finding::error(
+            axles.as_str(),
+            n,
+            format!("the {unit} needs at least one axle"),
+        ));
     } else if n > MOST_AXLES {
         let problem = format!("there can be up to {MOST_AXLES} axles");
         found.push(Finding::error(axles.as_str(), n, problem));

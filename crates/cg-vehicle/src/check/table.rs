@@ -174,7 +174,7 @@ const TYRE: &[Key] = &[
     number("overturning_stiffness_nm_per_rad", "N m/rad", [800.0, 4e4], [0.0, 2e5], "moment about the forward axis per camber angle").optional().or(0.0, "none"),
     number("load_n", "N", [500.0, 1e5], [0.0, 2e5], "loads of the two tables of stiffness").list().or(0.0, "no load"),
     number("cornering_stiffness_n_per_rad", "N/rad", [2e3, 1e6], [0.0, 3e6], "lateral force per slip angle at each load").list().or(0.0, "no load"),
-    number("aligning_stiffness_nm_per_rad", "N m/rad", [10.0, 1e5], [0.0, 5e5], "aligning moment per slip angle at each load").list().or(0.0, "none"),
+    number("aligning_stiffness_nm_per_rad", "N m/rad", [120.0, 1e5], [0.0, 5e5], "aligning moment per slip angle at each load").list().or(0.0, "none"),
     number("vertical_damping_ns_per_m", "N s/m", [100.0, 2e4], [0.0, 2e5], "vertical damping").optional().or(0.0, "none"),
     number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle act").optional().or(0.0, "none"),
 ];
