@@ -4,7 +4,7 @@ use cg_vehicle::VehicleError;
 use cg_vehicle::check::{Key, Kind, Range, TABLES, key};
 use toml::{Table, Value};
 
-use crate::{at, numbers, parsed, table, words};
+use crate::{numbers, parsed, table, words};
 
 /// A file that has every table.
 fn complete() -> Table {
@@ -53,9 +53,9 @@ fn every_key_of_the_table_is_read_and_only_the_required_ones_must_be_there() {
                 let written = first(&mut written, path).get(key.name);
                 let same = match value {
                     // As text: a whole number is read as a float.
-                    Value::Integer(n) => {
-                        written.is_some_and(|w| *w == value || *w == Value::Float(n as f64))
-                    }
+                    Value::Integer(n) => written.is_some_and(|w| {
+                        *w == value || *w == Value::Float(f64::from(i32::try_from(n).unwrap()))
+                    }),
                     _ => written.is_some(),
                 };
                 assert!(same, "{case}: {value} {written:?}");
@@ -92,7 +92,6 @@ fn every_number_that_is_read_is_in_the_table() {
             })
             .collect();
         let known = key(&place).unwrap_or_else(|| panic!("{place} is not in the table"));
-        let _ = at(&mut root.clone(), &way);
         assert!(known.range().is_some() || known.kind == Kind::Whole, "{place}");
     }
 }
