@@ -5,9 +5,9 @@ use std::path::Path;
 use std::str::FromStr;
 
 use anyhow::{Context, anyhow};
+use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::file::{ParameterEntry, Unit};
 use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
-use cg_vehicle::{Vehicle, VehicleError};
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -17,6 +17,7 @@ use crate::Outcome;
 use crate::cli::CalibrateArgs;
 use crate::draft::Draft;
 use crate::estimate::feed;
+use crate::truck;
 
 /// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
 #[derive(Clone, Debug)]
@@ -70,7 +71,7 @@ impl From<VehicleError> for Failure {
 }
 
 pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = truck::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
     let logs = arguments.run.iter().map(RunArg::known).collect::<Result<Vec<_>, _>>()?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, anyhow};
 use cg_core::SampleError;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
+use cg_vehicle::files;
 use cg_vehicle::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::{LinearModel, Variant};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -203,7 +204,7 @@ struct KnownLog {
 impl Truth {
     fn load(path: &Path) -> anyhow::Result<Self> {
         let file = path.display();
-        let text = std::fs::read_to_string(path)
+        let text = files::read_text(path, files::TABLE_BYTES)
             .with_context(|| format!("{file}: cannot be read; check the path given to --truth"))?;
         let known: Vec<KnownLog> = serde_json::from_str(&text).with_context(|| {
             format!("{file}: expected a JSON list of objects with \"log\" and \"height_m\"")

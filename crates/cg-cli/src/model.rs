@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::Outcome;
 use crate::cli::{ModelArgs, ModelFormat};
+use crate::truck;
 
 /// The JSON output.
 #[derive(Serialize)]
@@ -57,7 +58,7 @@ struct Balance {
 }
 
 pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = truck::load(&arguments.vehicle)?;
     let description = describe(arguments, &vehicle)?;
     let mut out = std::io::stdout().lock();
     match arguments.format {
@@ -75,7 +76,7 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
     let state_space = &model.state_space;
     let TransferFunction { numerator, denominator, poles, zeros, gain, dc_gain } =
         state_space.to_trailer_roll().transfer_function()?;
-    let models = reduce(state_space)?;
+    let models = reduce(state_space).map_err(|error| error.of_vehicle(vehicle))?;
     let line = |line: &RatioLine<f64>| Line { a0: line.a0, a1: line.a1, b0: line.b0, b1: line.b1 };
     let mut reduced_denominator = vec![1.0];
     reduced_denominator.extend(models.steer.denominator.iter().rev());

@@ -3,7 +3,6 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_vehicle::Vehicle;
 use cg_vehicle::rollover::{RolloverMeasures, RolloverOptions, measures};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -11,9 +10,10 @@ use serde_json::{Map, Value, json};
 
 use crate::Outcome;
 use crate::cli::{ModelFormat, RolloverArgs};
+use crate::truck;
 
 pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = truck::load(&arguments.vehicle)?;
     let load = arguments.load.load(&vehicle);
     let options = RolloverOptions {
         speed_mps: arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps),

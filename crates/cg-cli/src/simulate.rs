@@ -11,6 +11,7 @@ use cg_vehicle::simulate::{LogSimulation, Scenario};
 use crate::Outcome;
 use crate::cli::{ManeuverArg, SimulateArgs};
 use crate::draft::Draft;
+use crate::truck;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
     let turn = arguments.turn_deg.is_some() || arguments.radius_m.is_some();
@@ -52,7 +53,7 @@ fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scena
 }
 
 pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
-    let vehicle = Vehicle::load(&arguments.vehicle)?;
+    let vehicle = truck::load(&arguments.vehicle)?;
     let scenario = scenario(arguments, &vehicle)?;
     let columns = scenario.sensors.columns();
     let simulation = LogSimulation::new(&vehicle, scenario)?;

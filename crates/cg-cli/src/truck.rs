@@ -1,6 +1,7 @@
 //! Which truck: vehicle file, calibration, equations.
 
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use cg_core::Design;
@@ -26,9 +27,20 @@ pub(crate) struct TruckArgs {
     pub(crate) model: ModelArg,
 }
 
+/// Reads a vehicle file; what is unusual in it goes to standard error.
+pub(crate) fn load(path: &Path) -> anyhow::Result<Vehicle> {
+    let (vehicle, warnings) = Vehicle::load_checked(path)?;
+    let file = path.display().to_string();
+    for warning in warnings {
+        // A closed standard error leaves nobody to tell; `eprintln!` would panic.
+        let _ = writeln!(std::io::stderr(), "cg: {}", warning.in_file(&file));
+    }
+    Ok(vehicle)
+}
+
 impl TruckArgs {
     pub(crate) fn load(&self) -> anyhow::Result<Vehicle> {
-        Ok(Vehicle::load(&self.vehicle)?)
+        load(&self.vehicle)
     }
 
     /// The design of the loaded vehicle, as its file says or as the calibration does.

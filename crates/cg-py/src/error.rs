@@ -1,12 +1,15 @@
 //! Exceptions: a missing file is `FileNotFoundError`, other trouble of the system `OSError`,
 //! everything else `ValueError`. Messages are those of the library.
 
+use std::ffi::CString;
 use std::io::{self, ErrorKind};
 
 use cg_vehicle::VehicleError;
 use cg_vehicle::log::{LogError, OptionError};
-use pyo3::PyErr;
-use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning, PyValueError,
+};
+use pyo3::prelude::*;
 
 /// `ValueError` with a message.
 pub(crate) fn value_error(message: impl Into<String>) -> PyErr {
@@ -19,6 +22,12 @@ pub(crate) fn os_error(source: &io::Error, message: String) -> PyErr {
         ErrorKind::PermissionDenied => PyPermissionError::new_err(message),
         _ => PyOSError::new_err(message),
     }
+}
+
+/// `warnings.warn`, at the place of the caller.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = CString::new(message.replace('\0', " "))?;
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 1)
 }
 
 pub(crate) fn vehicle_error(error: VehicleError) -> PyErr {

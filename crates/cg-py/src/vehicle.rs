@@ -7,10 +7,11 @@ use cg_core::Design;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
+use cg_vehicle::files;
 use cg_vehicle::{Variant, VehicleError};
 use pyo3::prelude::*;
 
-use crate::error::vehicle_error;
+use crate::error::{vehicle_error, warn};
 
 /// A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`.
 ///
@@ -76,15 +77,25 @@ impl Vehicle {
     /// FileNotFoundError
     ///     There is no such file.
     /// ValueError
-    ///     The file is not that of a vehicle; the message names line, column, key and remedy.
+    ///     The file is not that of a vehicle; the message names line, column, key and remedy of
+    ///     all that is wrong.
+    ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     A value is unusual: once for each.
     #[staticmethod]
     #[pyo3(signature = (path, /))]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let file = path.display().to_string();
         let text = py
-            .detach(|| std::fs::read_to_string(&path))
+            .detach(|| files::read_text(&path, files::VEHICLE_BYTES))
             .map_err(|source| vehicle_error(VehicleError::Read { file: file.clone(), source }))?;
-        restore_vehicle(text, file, None)
+        let (inner, warnings) = cg_vehicle::Vehicle::check(&text, &file).map_err(vehicle_error)?;
+        for warning in warnings {
+            warn(py, &warning.in_file(&file))?;
+        }
+        Ok(Self::new(inner, (text, file), None))
     }
 
     /// Return the same vehicle with a calibration.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -228,3 +230,35 @@ def test_unexcited_data_name_the_regressor():
         cgheight.arx(random.standard_normal(50), np.zeros(50), 2, 2, 1, 0.05)
     with pytest.raises(ValueError, match="unexcited: 3 rows for 4 coefficients"):
         cgheight.arx(np.arange(5.0), y[:5], 2, 2, 1, 0.05)
+
+
+def test_what_is_unusual_in_a_vehicle_file_is_a_warning(tmp_path):
+    text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
+    path = tmp_path / "unusual.toml"
+    key = "spring_stiffness_n_per_m"
+    path.write_text(text.replace(f"{key} = 592176.3", f"{key} = 6e6"))
+    with pytest.warns(UserWarning, match=r"unusual\.toml:\d+:\d+: warning: tractor\.axle\[0\]"):
+        cgheight.Vehicle.load(path)
+
+
+def test_all_that_is_wrong_with_a_vehicle_file_is_told_at_once(tmp_path):
+    text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
+    text = text.replace("floor_height_m = 1.27", "floor_height_m = 1270")
+    text = text.replace("sprung_mass_kg = 10000.0", "sprung_mass_kg = 10.0")
+    path = tmp_path / "wrong.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"sprung_mass_kg = 10: ") as refused:
+        cgheight.Vehicle.load(path)
+    assert "trailer.payload.floor_height_m = 1270: " in str(refused.value)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="no endless file")
+def test_an_endless_file_is_refused_at_once(kraz, tmp_path):
+    with pytest.raises(OSError, match=r"/dev/zero: cannot be read \(it has more than the 1 MiB"):
+        cgheight.Vehicle.load("/dev/zero")
+    with pytest.raises(OSError, match=r"/dev/zero: cannot be read \(it has more than the 1 MiB"):
+        kraz.calibrated("/dev/zero")
+    pytest.importorskip("cantools")
+    (tmp_path / "a.log").write_text("")
+    with pytest.raises(ValueError, match="/dev/zero: has more than the 16 MiB"):
+        cgheight.can.read_log(tmp_path / "a.log", dbc="/dev/zero", signals={"roll": "Roll"})

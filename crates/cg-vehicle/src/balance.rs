@@ -134,10 +134,30 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>]) -> Vec<Support> {
 /// [`VehicleError`] if the vehicle tips (an axle or the fifth wheel is lifted), if the mass is
 /// below empty, or if stiffness decides the loads and a tyre has no `unloaded_radius_m`.
 pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
+    determined(vehicle).map_err(|(_, _, problem)| VehicleError::Model(problem))?;
+    let balance = solved(vehicle, load)?;
+    let tractor = vehicle.tractor.axle.len();
+    if let Some(i) = balance.axle_load_n.iter().position(|&force| force.is_nan() || force <= 0.0) {
+        let axle = if i < tractor {
+            format!("tractor.axle[{i}]")
+        } else {
+            format!("trailer.axle[{}]", i - tractor)
+        };
+        return Err(VehicleError::Model(format!(
+            "static balance: {axle} carries {:.0} N, so the vehicle tips over its other axles; \
+             check the axles' ahead_of_cg_m and behind_hitch_m, tractor.hitch_behind_cg_m, \
+             trailer.tare.cg_behind_hitch_m, trailer.payload.behind_hitch_m and the masses",
+            balance.axle_load_n[i]
+        )));
+    }
+    Ok(balance)
+}
+
+/// The static loads, also those that would lift an axle.
+pub(crate) fn solved(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
     let axles = vehicle.axles();
     let sprung = vehicle.trailer_sprung_mass(load)?;
     let supports = supports(vehicle, &axles);
-    check_determined(&supports, &axles)?;
     let solution = solve(vehicle, &sprung, &supports)?;
 
     let g = vehicle.gravity_mps2;
@@ -150,14 +170,6 @@ pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, Ve
         }
     }
     let hitch_load_n = solution[supports.len()];
-    if let Some(i) = axle_load_n.iter().position(|&force| force.is_nan() || force <= 0.0) {
-        return Err(VehicleError::Model(format!(
-            "static balance: axle {} carries {:.0} N, so the vehicle tips over its other axles; \
-             check positions and masses",
-            i + 1,
-            axle_load_n[i]
-        )));
-    }
     let moment_nm: f64 = supports
         .iter()
         .zip(solution.iter())
@@ -168,21 +180,37 @@ pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, Ve
     Ok(StaticBalance { axle_load_n, hitch_load_n, residual_nm })
 }
 
-fn check_determined(supports: &[Support], axles: &[PlacedAxle<'_>]) -> Result<(), VehicleError> {
+/// Whether forces and moments alone leave the static loads open.
+pub(crate) fn depends_on_stiffness(vehicle: &Vehicle) -> bool {
+    let supports = supports(vehicle, &vehicle.axles());
     let on_trailer = supports.iter().filter(|support| support.on_trailer).count();
-    let statically_determined = on_trailer == 1 && supports.len() == 3;
-    if supports.len() - on_trailer < 2 {
-        return Err(VehicleError::Model(
+    !(on_trailer == 1 && supports.len() == 3)
+}
+
+/// Whether the file says enough for static loads; if not, key, value and what to do.
+pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, String)> {
+    let axles = vehicle.axles();
+    let supports = supports(vehicle, &axles);
+    if supports.iter().filter(|support| !support.on_trailer).count() < 2 {
+        return Err((
+            "tractor.axle".to_owned(),
+            vehicle.tractor.axle.len().to_string(),
             "static balance: the tractor needs at least two axles (or load groups)".to_owned(),
         ));
     }
-    let missing = axles.iter().find(|placed| placed.tyre.unloaded_radius_m.is_none());
+    let missing = vehicle.tyre.iter().enumerate().find(|(_, tyre)| {
+        tyre.unloaded_radius_m.is_none() && axles.iter().any(|placed| placed.tyre == *tyre)
+    });
     match missing {
-        Some(placed) if !statically_determined => Err(VehicleError::Model(format!(
-            "static balance: with this many axles the loads depend on stiffness; give tyre \
-             \"{}\" its unloaded_radius_m, or axles that share their load a load_group",
-            placed.tyre.name
-        ))),
+        Some((i, tyre)) if depends_on_stiffness(vehicle) => Err((
+            format!("tyre[{i}].unloaded_radius_m"),
+            "(missing)".to_owned(),
+            format!(
+                "static balance: with this many axles the loads depend on stiffness; give tyre \
+                 \"{}\" its unloaded_radius_m, or axles that share their load a load_group",
+                tyre.name
+            ),
+        )),
         _ => Ok(()),
     }
 }

@@ -30,8 +30,17 @@ pub fn design(vehicle: &Vehicle, variant: Variant) -> Result<Design<f64>, Vehicl
 /// calibration.
 ///
 /// # Errors
-/// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load.
+/// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load, with the keys
+/// of the vehicle file that are farthest from usual.
 pub fn design_with(
+    file: &Vehicle,
+    variant: Variant,
+    belief: &Belief,
+) -> Result<Design<f64>, VehicleError> {
+    computed(file, variant, belief).map_err(|error| error.of_vehicle(file))
+}
+
+fn computed(
     file: &Vehicle,
     variant: Variant,
     belief: &Belief,

@@ -2,6 +2,12 @@
 
 use thiserror::Error;
 
+use crate::check::{self, Finding, Unusual};
+use crate::vehicle::Vehicle;
+
+/// How many of the keys farthest from usual are named.
+const NAMED: usize = 3;
+
 /// A vehicle file or a model that cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -22,21 +28,21 @@ pub enum VehicleError {
         /// What and where (line and column).
         message: String,
     },
-    /// A value that no vehicle can have.
-    #[error("{file}:{line}:{column}: {key} = {value}: {remedy}")]
+    /// Values that no vehicle can have, and what else the check found.
+    #[error("{}", told(file, findings))]
     Invalid {
         /// The file.
         file: String,
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
-        /// The offending key.
-        key: String,
-        /// Its value.
-        value: String,
-        /// What to do.
-        remedy: String,
+        /// All findings, errors first.
+        findings: Vec<Finding>,
+    },
+    /// The numbers of a vehicle are possible one by one, but the vehicle is not.
+    #[error("{message}; {}", farthest_words(farthest))]
+    Unusable {
+        /// What fails.
+        message: String,
+        /// The keys farthest from usual, farthest first.
+        farthest: Vec<Unusual>,
     },
     /// A load that the trailer cannot have.
     #[error(
@@ -77,4 +83,29 @@ impl VehicleError {
     pub(crate) fn syntax(file: &str, source: &toml::de::Error) -> Self {
         Self::Syntax { file: file.to_owned(), message: source.to_string().trim_end().to_owned() }
     }
+
+    /// A model that fails says which numbers of the vehicle are farthest from usual.
+    #[must_use]
+    pub fn of_vehicle(self, vehicle: &Vehicle) -> Self {
+        match self {
+            Self::Model(message) => {
+                Self::Unusable { message, farthest: check::farthest(vehicle, NAMED) }
+            }
+            other => other,
+        }
+    }
+}
+
+fn told(file: &str, findings: &[Finding]) -> String {
+    let lines: Vec<String> = findings.iter().map(|finding| finding.in_file(file)).collect();
+    lines.join("\n")
+}
+
+fn farthest_words(farthest: &[Unusual]) -> String {
+    let one = |unusual: &Unusual| {
+        let Unusual { key, value, usual, .. } = unusual;
+        format!("{key} = {} (usual: {usual})", check::plain(*value))
+    };
+    let words: Vec<String> = farthest.iter().map(one).collect();
+    format!("farthest from usual in the vehicle file: {}", words.join(", "))
 }

@@ -4,6 +4,8 @@
 //! | module | what | source |
 //! |---|---|---|
 //! | [`vehicle`] | the vehicle file | ch. 2 |
+//! | [`check`] | whether its numbers can be | – |
+//! | [`files`] | small files, read with a limit | – |
 //! | [`tables`] | measured springs and tyres in it | Tables 2.3–2.9 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
 //! | [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
@@ -25,8 +27,8 @@
 
 pub mod error;
 pub mod draft;
-mod validate;
-mod validate_tables;
+pub mod check;
+pub mod files;
 pub mod tables;
 pub mod load;
 pub mod vehicle;

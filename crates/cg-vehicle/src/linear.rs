@@ -372,10 +372,13 @@ impl LinearModel {
         speed_mps: f64,
         load: Load,
     ) -> Result<Self, VehicleError> {
-        Ok(Self {
-            state_space: Equations::new(vehicle, variant, speed_mps, load)?.state_space()?,
-            ratio: ratio_line(vehicle, variant, speed_mps, load)?,
-            balance: static_balance(vehicle, load)?,
-        })
+        let model = || {
+            Ok(Self {
+                state_space: Equations::new(vehicle, variant, speed_mps, load)?.state_space()?,
+                ratio: ratio_line(vehicle, variant, speed_mps, load)?,
+                balance: static_balance(vehicle, load)?,
+            })
+        };
+        model().map_err(|error: VehicleError| error.of_vehicle(vehicle))
     }
 }

@@ -1,13 +1,13 @@
 //! Measured characteristics in the vehicle file: leaf springs with friction, tyres beyond the
 //! linear range. All optional; only [`crate::plant`] reads them.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// A spring measured by loading it slowly up and down: two curves that enclose its friction.
 ///
 /// Between the curves the force moves from one to the other within about the friction
 /// deflection `β`: `dF/dx = (F_env − F)/β` (Fancher, Ervin, MacAdam and Winkler, SAE 800905).
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
     /// Its name.
@@ -26,7 +26,7 @@ pub struct Spring {
 ///
 /// Linear between the nodes and to zero at no slip; beyond the last slip angle, and below the
 /// first and above the last load, the coefficient stays.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralForceTable {
     /// Loads of the columns, strictly increasing.
@@ -41,7 +41,7 @@ pub struct LateralForceTable {
 ///
 /// Linear between the nodes, to zero at no slip and at no load; beyond the last row and column
 /// it stays.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AligningMomentTable {
     /// Loads of the columns, strictly increasing.

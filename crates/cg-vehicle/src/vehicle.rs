@@ -6,15 +6,16 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
+use crate::check::Finding;
 use crate::error::VehicleError;
 pub use crate::load::{Load, SprungMass};
 use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
-use crate::validate;
+use crate::{check, files};
 
 /// A tractor-semitrailer.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vehicle {
     /// What it is called in reports.
@@ -52,7 +53,7 @@ fn standard_gravity() -> f64 {
 }
 
 /// Heights that the trailer's sprung c.g. can have.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeightRange {
     /// The lowest.
@@ -63,7 +64,7 @@ pub struct HeightRange {
 
 /// How well the file is trusted: standard deviations of what calibration can change (see
 /// [`crate::belief`]), relative where no unit is named.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Uncertainty {
     /// Roll stiffness of the suspensions, trailer and tractor each.
@@ -89,7 +90,7 @@ pub struct Uncertainty {
 }
 
 /// The fifth wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hitch {
     /// Height of the coupling.
@@ -110,7 +111,7 @@ pub struct Hitch {
 }
 
 /// The tractor's sprung mass and its axles.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tractor {
     /// Sprung mass.
@@ -131,7 +132,7 @@ pub struct Tractor {
 }
 
 /// An axle of the tractor.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct TractorAxle {
     /// Distance ahead of the sprung c.g. (negative behind it).
     pub ahead_of_cg_m: f64,
@@ -144,7 +145,7 @@ pub struct TractorAxle {
 }
 
 /// The semitrailer: tare, payload, axles.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trailer {
     /// Mass of the whole semitrailer (sprung mass and axles) when nothing else is said.
@@ -163,7 +164,7 @@ pub struct Trailer {
 }
 
 /// The trailer's sprung mass without payload.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tare {
     /// Mass.
@@ -183,7 +184,7 @@ pub struct Tare {
 
 /// Two readings of a gauge on the trailer's air suspension, such as empty and laden on a weighbridge:
 /// the load of the axles is a straight line over the pressure (area of the bellows, lever of the arms).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SuspensionPressure {
     /// Pressure above that of the air, mean of both sides.
@@ -193,7 +194,7 @@ pub struct SuspensionPressure {
 }
 
 /// The payload: a homogeneous box on the floor, whose mass and height are the load.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Payload {
     /// Distance of its c.g. behind the fifth wheel.
@@ -207,7 +208,7 @@ pub struct Payload {
 }
 
 /// An axle of the trailer.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct TrailerAxle {
     /// Distance behind the fifth wheel.
     pub behind_hitch_m: f64,
@@ -217,7 +218,7 @@ pub struct TrailerAxle {
 }
 
 /// What every axle has. Symmetric left and right.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Axle {
     /// Mass of the axle with its wheels.
     pub unsprung_mass_kg: f64,
@@ -263,7 +264,7 @@ pub struct Axle {
 }
 
 /// A tyre type: stiffnesses as functions of load.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tyre {
     /// Its name.
@@ -311,7 +312,7 @@ impl Tyre {
 }
 
 /// What only the source's printed model (appendix B) knows, at the reference load.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AsPrinted {
     /// `m1`: tractor with axles.
@@ -383,26 +384,37 @@ impl Vehicle {
     /// Reads and checks a vehicle file.
     ///
     /// # Errors
-    /// [`VehicleError`] naming file, line, column, key and value.
+    /// [`VehicleError`] naming file, line, column, key and value of all that is wrong.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, VehicleError> {
+        Ok(Self::load_checked(path)?.0)
+    }
+
+    /// The same, with what is unusual in the file beside the vehicle.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_checked(path: impl AsRef<Path>) -> Result<(Self, Vec<Finding>), VehicleError> {
         let path = path.as_ref();
-        let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| VehicleError::Read { file: name.clone(), source })?;
-        Self::parse(&text, &name)
+        let file = path.display().to_string();
+        let text = files::read_text(path, files::VEHICLE_BYTES)
+            .map_err(|source| VehicleError::Read { file: file.clone(), source })?;
+        Self::check(&text, &file)
     }
 
     /// Checks the text of a vehicle file; `file` is its name in messages.
     ///
     /// # Errors
-    /// [`VehicleError`] naming file, line, column, key and value.
+    /// As [`load`](Self::load).
     pub fn parse(text: &str, file: &str) -> Result<Self, VehicleError> {
-        // Unknown keys first: a misspelt key is also a missing one, and its place says more.
-        validate::known_axle_keys(text, file)?;
-        let vehicle: Self =
-            toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
-        validate::physical(&vehicle).map_err(|invalid| invalid.located(text, file))?;
-        Ok(vehicle)
+        Ok(Self::check(text, file)?.0)
+    }
+
+    /// The same, with what is unusual in the file beside the vehicle.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn check(text: &str, file: &str) -> Result<(Self, Vec<Finding>), VehicleError> {
+        check::checked(text, file)
     }
 
     /// All axles, tractor first, front to rear.

@@ -27,6 +27,7 @@ use crate::Outcome;
 use crate::cli::StudyArgs;
 use crate::draft::Draft;
 use crate::estimate::file_name;
+use crate::truck;
 
 /// The study that takes logs.
 const REPLAY: &str = "replay";
@@ -40,7 +41,7 @@ pub(crate) fn run(arguments: &StudyArgs) -> anyhow::Result<Outcome> {
     if folder.exists() && !folder.is_dir() {
         return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));
     }
-    let vehicle = arguments.vehicle.as_ref().map(Vehicle::load).transpose()?;
+    let vehicle = arguments.vehicle.as_deref().map(truck::load).transpose()?;
     let study = match (name.as_str(), vehicle) {
         (REPLAY, Some(vehicle)) => replayed(arguments, &vehicle)?,
         (REPLAY, None) => return Err(anyhow!("replay: give the recorded --vehicle")),

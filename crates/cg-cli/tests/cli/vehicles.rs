@@ -159,3 +159,64 @@ fn the_printed_model_is_refused_without_its_table_and_at_another_mass() {
     cg(&[&["model", "--vehicle", &baseline()][..], &heavier].concat()).refused(&parts);
     estimate(&log, &baseline(), &heavier).refused(&parts);
 }
+
+#[test]
+fn all_that_is_wrong_is_told_at_once() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let text = text
+        .replace("floor_height_m = 1.27", "floor_height_m = 1270")
+        .replace("sprung_mass_kg = 10000.0", "sprung_mass_kg = 10.0")
+        .replace("spring_spread_m = 1.458", "spring_spread_m = 1458");
+    let file = scratch.file("truck.toml", text);
+    cg(&["model", "--vehicle", &file]).refused(&[
+        "tractor.sprung_mass_kg = 10: ",
+        "10 t would be usual, but the key is in kg",
+        "trailer.payload.floor_height_m = 1270: ",
+        "trailer.axle[0].spring_spread_m = 1458: ",
+        "trailer.axle[2].spring_spread_m = 1458: ",
+        "(usual: 0.5 to 1.5 m); 1458 mm would be usual, but the key is in m",
+    ]);
+}
+
+/// Every command that reads a vehicle file tells what is unusual in it, once.
+#[test]
+fn what_is_unusual_is_told_once_by_every_command() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let text = text.replace("floor_height_m = 1.27", "floor_height_m = 1.75");
+    let file = scratch.file("truck.toml", text);
+    let log = fixture("logs/A_p20_h190_v50_L.csv");
+    let run = format!("{log}=1.9");
+    let (out, json) = (scratch.path("out.csv"), scratch.path("out.json"));
+    let calibration = scratch.path("c.toml");
+    for arguments in [
+        &["model"][..],
+        &["estimate", &log],
+        &["run", "--csv", &log],
+        &["calibrate", "--run", &run, "-o", &calibration],
+        &["design", "--emit", "json", "-o", &json],
+        &["simulate", "--maneuver", "sine", "-o", &out],
+        &["rollover"],
+    ] {
+        let run = cg(&[arguments, &["--vehicle", &file]].concat());
+        let told = "warning: trailer.payload.floor_height_m = 1.75: is unusually much";
+        assert_eq!(run.err.matches(told).count(), 1, "{arguments:?} {run:?}");
+        run.told(0, &[&format!("cg: {file}:"), "(usual: 0.6 to 1.7 m)"]);
+    }
+}
+
+/// Too much for a small file: refused at once, also where the file never ends.
+#[cfg(unix)]
+#[test]
+fn an_endless_file_is_refused_at_once() {
+    let zero = "/dev/zero";
+    let log = fixture("logs/A_p20_h190_v50_L.csv");
+    let parts =
+        ["/dev/zero: cannot be read", "it has more than the", "MiB that such a file may have"];
+    cg(&["model", "--vehicle", zero]).refused(&parts);
+    estimate(&log, &kraz(), &["--calibration", zero]).refused(&parts);
+    estimate(&log, &kraz(), &["--truth", zero, "--report", "report.html"]).refused(&parts);
+    let dbc = ["--dbc", zero, "--signal", "roll=A.B", "--candump", &log];
+    cg(&[&["run", "--vehicle", &kraz()][..], &dbc].concat()).refused(&parts);
+}

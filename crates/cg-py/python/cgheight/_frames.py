@@ -140,6 +140,10 @@ def _j1939(flip: Iterable[str], roll_compensated: str) -> Decode:
     return decode
 
 
+#: The most bytes of a DBC file, as in the compiled half.
+_LARGEST = 16 << 20
+
+
 class Dbc:
     """The signals of a DBC file that a log is made of."""
 
@@ -152,6 +156,10 @@ class Dbc:
         """Find the signals in the file."""
         cantools = need("cantools", "can")
         path = os.fspath(dbc)
+        with open(path, "rb") as file:
+            if len(file.read(_LARGEST + 1)) > _LARGEST:
+                limit = _LARGEST >> 20
+                raise ValueError(f"{path}: has more than the {limit} MiB that a DBC file may have")
         try:
             database = cantools.database.load_file(path, strict=False)
         except OSError:

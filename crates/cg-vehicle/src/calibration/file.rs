@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
 use crate::calibration::fit::{Fitted, Procedure, Run};
 use crate::error::VehicleError;
+use crate::files;
 use crate::linear::Variant;
 use crate::vehicle::{Load, Vehicle};
 
@@ -162,7 +163,7 @@ impl Calibration {
     pub fn load(path: impl AsRef<Path>, vehicle: &Vehicle) -> Result<Self, VehicleError> {
         let path = path.as_ref();
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
+        let text = files::read_text(path, files::VEHICLE_BYTES)
             .map_err(|source| VehicleError::Read { file: file.clone(), source })?;
         Self::parse(&text, &file, vehicle)
     }

@@ -14,6 +14,7 @@ use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::j1939::pgn_of;
 
+use crate::files;
 use crate::log::Signal;
 
 use super::frame::Frame;
@@ -131,8 +132,8 @@ impl MappedSignal {
     /// [`DbcError`] if the file cannot be read or lacks a signal, or a unit is unknown.
     pub fn load(path: &Path, maps: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
         let file = path.display().to_string();
-        let bytes =
-            std::fs::read(path).map_err(|source| DbcError::Read { file: file.clone(), source })?;
+        let bytes = files::read(path, files::TABLE_BYTES)
+            .map_err(|source| DbcError::Read { file: file.clone(), source })?;
         // DBC files are in Windows' Western code page as a rule; names and units of interest are ASCII.
         let text: String = match String::from_utf8(bytes) {
             Ok(text) => text,

@@ -1,0 +1,219 @@
+//! The keys of the vehicle file: the one table behind its checks.
+//!
+//! Usual ranges are those of road tractors of 4 to 12 t and of semitrailers up to 60 t (UMTRI's
+//! parameter studies of heavy vehicles, makers' data, the trucks in fixtures/vehicles); possible
+//! ranges leave room for heavy haulage and light vans. A possible range spans less than a factor
+//! of 1000 wherever it can, so that a number in mm, kN or t is always an error.
+
+use super::keys::{Key, Kind, Table, number, other};
+use crate::limits::{GREATEST_HEIGHT_M, GREATEST_TRAILER_MASS_KG};
+
+/// Every table of the vehicle file.
+pub static TABLES: &[Table] = &[
+    table(&[""], "the vehicle", TOP),
+    table(&["height"], "heights that the trailer's sprung c.g. can have", HEIGHT),
+    table(&["uncertainty"], "how well the file is trusted: standard deviations", UNCERTAINTY),
+    table(&["hitch"], "the fifth wheel", HITCH),
+    table(&["tractor"], "the tractor's sprung mass", TRACTOR),
+    table(&["tractor.axle[i]"], "an axle of the tractor, front to rear", TRACTOR_AXLE),
+    table(&["trailer"], "the semitrailer", TRAILER),
+    table(&["trailer.tare"], "the trailer's sprung mass without payload", TARE),
+    table(&["trailer.payload"], "the payload, a homogeneous box", PAYLOAD),
+    Table {
+        required: false,
+        ..table(&["trailer.suspension_pressure"], "two readings of a gauge", PRESSURE)
+    },
+    table(&["trailer.axle[i]"], "an axle of the trailer, front to rear", TRAILER_AXLE),
+    table(&["tractor.axle[i]", "trailer.axle[i]"], "what every axle has", AXLE),
+    table(&["tyre[i]"], "a tyre type", TYRE),
+    Table {
+        required: false,
+        ..table(&["tyre[i].lateral_force"], "lateral force over slip angle and load", LATERAL)
+    },
+    Table {
+        required: false,
+        ..table(&["tyre[i].aligning_moment"], "aligning moment over slip and load", ALIGNING)
+    },
+    Table { required: false, ..table(&["spring[i]"], "a measured spring", SPRING) },
+    Table {
+        required: false,
+        ..table(&["as_printed"], "what only the source's printed model knows", AS_PRINTED)
+    },
+];
+
+const fn table(
+    paths: &'static [&'static str],
+    meaning: &'static str,
+    keys: &'static [Key],
+) -> Table {
+    Table { paths, required: true, meaning, keys }
+}
+
+/// The key at a place such as `tyre[i].load_n`.
+pub fn key(place: &str) -> Option<&'static Key> {
+    let (path, name) = place.rsplit_once('.').unwrap_or(("", place));
+    let mut tables = TABLES.iter().filter(|table| table.paths.contains(&path));
+    tables.find_map(|table| table.keys.iter().find(|key| key.name == name))
+}
+
+const HEAVIEST_KG: f64 = GREATEST_TRAILER_MASS_KG;
+const HIGHEST_M: f64 = GREATEST_HEIGHT_M;
+
+#[rustfmt::skip] // one line for each key
+const TOP: &[Key] = &[
+    other("name", Kind::Text, "what the vehicle is called in reports"),
+    number("gravity_mps2", "m/s²", [9.76, 9.84], [9.5, 10.1], "acceleration of gravity").optional(),
+    number("nominal_speed_mps", "m/s", [5.0, 28.0], [1.0, 45.0], "speed taken when nothing else is said"),
+    number("steering_ratio", "", [12.0, 32.0], [5.0, 80.0], "steering-wheel angle over mean road-wheel angle").optional(),
+];
+
+#[rustfmt::skip]
+const HEIGHT: &[Key] = &[
+    number("least_m", "m", [0.6, 1.8], [0.3, 4.0], "the lowest"),
+    number("greatest_m", "m", [1.8, 4.5], [1.0, HIGHEST_M], "the greatest"),
+];
+
+#[rustfmt::skip]
+const UNCERTAINTY: &[Key] = &[
+    number("roll_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "roll stiffness of the suspensions, trailer and tractor each, relative"),
+    number("roll_center_height_sd_m", "m", [0.005, 0.2], [0.0, 1.0], "height of the suspensions' roll centres"),
+    number("tractor_cg_height_sd_m", "m", [0.01, 0.4], [0.0, 1.0], "height of the tractor's sprung c.g."),
+    number("fifth_wheel_stiffness_sd", "", [0.02, 1.0], [0.0, 1.0], "roll stiffness of the fifth wheel, relative"),
+    number("tyre_vertical_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "vertical stiffness of the tyres, relative"),
+    number("cornering_stiffness_sd", "", [0.01, 0.5], [0.0, 1.0], "cornering stiffness of steered, drive and trailer tyres, each, relative"),
+    number("steering_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "steer-angle sensor or steering ratio, relative"),
+    number("lateral_acceleration_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "lateral-acceleration sensor, relative"),
+    number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "roll sensor, and what the model gets wrong everywhere alike, relative"),
+    number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "what the model gets wrong otherwise, relative"),
+];
+
+#[rustfmt::skip]
+const HITCH: &[Key] = &[
+    number("height_m", "m", [0.9, 1.5], [0.5, 2.2], "height of the coupling"),
+    number("roll_stiffness_nm_per_rad", "N m/rad", [1e5, 8e6], [2e4, 1e10], "roll stiffness between the units, frames and coupling in series").or(1e10, "rigid"),
+    number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between the units").optional().or(0.0, "none"),
+    number("separation_moment_nm", "N m", [1e4, 2e5], [2e3, 1e6], "moment at which the plates part on one side").optional(),
+    number("lash_rad", "rad", [0.002, 0.12], [0.0, 0.35], "angle through which the parted plates move freely").optional().or(0.0, "none"),
+];
+
+#[rustfmt::skip]
+const TRACTOR: &[Key] = &[
+    number("sprung_mass_kg", "kg", [3e3, 1.2e4], [1.2e3, 5e4], "sprung mass"),
+    number("cg_height_m", "m", [0.7, 1.6], [0.4, 2.5], "height of the sprung c.g."),
+    number("roll_inertia_kgm2", "kg m²", [1e3, 1.2e4], [250.0, 1e5], "roll inertia of the sprung mass about its c.g."),
+    number("yaw_inertia_kgm2", "kg m²", [4e3, 8e4], [1.2e3, 8e5], "yaw inertia of the sprung mass about its c.g."),
+    number("pitch_inertia_kgm2", "kg m²", [4e3, 8e4], [1.2e3, 8e5], "pitch inertia of the sprung mass about its c.g.").optional(),
+    number("hitch_behind_cg_m", "m", [1.0, 5.0], [0.2, 9.0], "distance of the fifth wheel behind the sprung c.g."),
+];
+
+#[rustfmt::skip]
+const TRACTOR_AXLE: &[Key] = &[
+    number("ahead_of_cg_m", "m", [-7.0, 3.2], [-12.0, 6.0], "distance ahead of the sprung c.g.; negative behind it"),
+    other("steered", Kind::Flag, "whether the steer angle acts on it").optional(),
+];
+
+#[rustfmt::skip]
+const TRAILER: &[Key] = &[
+    number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer when nothing else is said"),
+    number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of its sprung c.g. when nothing else is said"),
+];
+
+#[rustfmt::skip]
+const TARE: &[Key] = &[
+    number("sprung_mass_kg", "kg", [1.8e3, 1.5e4], [500.0, 8e4], "mass"),
+    number("cg_behind_hitch_m", "m", [2.5, 10.0], [0.5, 20.0], "distance of its c.g. behind the fifth wheel"),
+    number("cg_height_m", "m", [0.8, 2.3], [0.4, 4.0], "height of its c.g."),
+    number("roll_inertia_kgm2", "kg m²", [1e3, 4e4], [250.0, 2.4e5], "roll inertia about its c.g."),
+    number("yaw_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "yaw inertia about its c.g."),
+    number("pitch_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "pitch inertia about its c.g.").optional(),
+];
+
+#[rustfmt::skip]
+const PAYLOAD: &[Key] = &[
+    number("behind_hitch_m", "m", [2.0, 11.0], [0.3, 20.0], "distance of its c.g. behind the fifth wheel"),
+    number("floor_height_m", "m", [0.6, 1.7], [0.2, 3.0], "height of the floor that it stands on"),
+    number("length_m", "m", [3.0, 16.0], [0.5, 40.0], "length of the box"),
+    number("width_m", "m", [1.8, 2.7], [0.5, 6.0], "width of the box"),
+];
+
+#[rustfmt::skip]
+const PRESSURE: &[Key] = &[
+    number("gauge_pa", "Pa", [1e4, 1.2e6], [3e3, 2.5e6], "pressure above that of the air, mean of both sides").list(),
+    number("axle_load_kg", "kg", [1e3, 4e4], [300.0, HEAVIEST_KG], "load of the trailer's axles on the road").list(),
+];
+
+#[rustfmt::skip]
+const TRAILER_AXLE: &[Key] = &[
+    number("behind_hitch_m", "m", [3.0, 15.0], [0.5, 30.0], "distance behind the fifth wheel"),
+];
+
+#[rustfmt::skip]
+const AXLE: &[Key] = &[
+    number("unsprung_mass_kg", "kg", [300.0, 1800.0], [80.0, 5e3], "mass of the axle with its wheels"),
+    number("roll_inertia_kgm2", "kg m²", [150.0, 1200.0], [30.0, 5e3], "roll inertia of the axle about its c.g."),
+    number("center_height_m", "m", [0.35, 0.62], [0.2, 1.0], "height of its centre: c.g. and wheel centres"),
+    number("roll_center_height_m", "m", [0.25, 1.1], [0.02, 1.6], "height of the suspension's roll centre"),
+    number("spring_spread_m", "m", [0.5, 1.5], [0.3, 2.5], "distance between left and right springs"),
+    number("spring_stiffness_n_per_m", "N/m", [8e4, 4e6], [2e4, 1.5e7], "stiffness of one spring"),
+    number("auxiliary_roll_stiffness_nm_per_rad", "N m/rad", [5e3, 1.5e6], [0.0, 5e6], "roll stiffness beside the springs").optional().or(0.0, "none"),
+    number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between body and axle").optional().or(0.0, "none"),
+    number("damper_spread_m", "m", [0.4, 1.9], [0.2, 2.6], "distance between left and right dampers").optional(),
+    other("spring", Kind::Text, "name of the measured spring").optional(),
+    number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per angle of roll between body and axle").optional(),
+    other("load_group", Kind::Whole, "axles of one unit with the same number share their load equally").optional(),
+    number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "how far the unloaded springs lift the frame").optional().or(0.0, "none"),
+    other("tyre", Kind::Text, "name of the tyre type"),
+    number("tyre_positions_m", "m", [0.6, 1.3], [0.3, 2.0], "distances of one side's tyres from the middle").list(),
+];
+
+#[rustfmt::skip]
+const TYRE: &[Key] = &[
+    other("name", Kind::Text, "its name"),
+    number("unloaded_radius_m", "m", [0.38, 0.62], [0.25, 1.0], "unloaded radius").optional(),
+    number("vertical_stiffness_n_per_m", "N/m", [4e5, 2e6], [1e5, 6e6], "vertical stiffness"),
+    number("overturning_stiffness_nm_per_rad", "N m/rad", [800.0, 4e4], [0.0, 2e5], "moment about the forward axis per camber angle").optional().or(0.0, "none"),
+    number("load_n", "N", [500.0, 1e5], [0.0, 2e5], "loads of the two tables of stiffness").list().or(0.0, "no load"),
+    number("cornering_stiffness_n_per_rad", "N/rad", [2e3, 1e6], [0.0, 3e6], "lateral force per slip angle at each load").list().or(0.0, "no load"),
+    number("aligning_stiffness_nm_per_rad", "N m/rad", [120.0, 1e5], [0.0, 5e5], "aligning moment per slip angle at each load").list().or(0.0, "none"),
+    number("vertical_damping_ns_per_m", "N s/m", [100.0, 2e4], [0.0, 2e5], "vertical damping").optional().or(0.0, "none"),
+    number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle act").optional().or(0.0, "none"),
+];
+
+#[rustfmt::skip]
+const LATERAL: &[Key] = &[
+    number("load_n", "N", [500.0, 1e5], [300.0, 2e5], "loads of the columns").list(),
+    number("slip_rad", "rad", [0.001, 0.7], [2e-4, 1.6], "slip angles of the rows").list(),
+    number("coefficient", "", [0.005, 1.3], [0.0, 3.0], "lateral force over load: a row for each slip angle").rows(),
+];
+
+#[rustfmt::skip]
+const ALIGNING: &[Key] = &[
+    number("load_n", "N", [500.0, 1e5], [300.0, 2e5], "loads of the columns").list(),
+    number("slip_rad", "rad", [0.001, 0.7], [2e-4, 1.6], "slip angles of the rows").list(),
+    number("moment_nm", "N m", [-500.0, 6e3], [-1e4, 3e4], "aligning moment: a row for each slip angle").rows(),
+];
+
+#[rustfmt::skip]
+const SPRING: &[Key] = &[
+    other("name", Kind::Text, "its name"),
+    number("deflection_m", "m", [-0.5, 0.6], [-1.5, 1.5], "compression of the spring").list(),
+    number("compression_n", "N", [-2.5e5, 5e5], [-1e6, 1e6], "force while it is being compressed").list(),
+    number("extension_n", "N", [-2.5e5, 5e5], [-1e6, 1e6], "force while it is being released").list(),
+    number("friction_deflection_m", "m", [2e-4, 0.03], [5e-5, 0.2], "deflection until the force has turned from one curve to the other"),
+];
+
+#[rustfmt::skip]
+const AS_PRINTED: &[Key] = &[
+    number("tractor_mass_kg", "kg", [4e3, 1.6e4], [1.5e3, 6e4], "m1: tractor with axles"),
+    number("tractor_cg_ahead_of_hitch_m", "m", [0.5, 4.0], [0.1, 8.0], "Xc1"),
+    number("tractor_cg_above_hitch_m", "m", [-0.7, 0.5], [-1.5, 1.5], "Zc1"),
+    number("tractor_yaw_inertia_about_hitch_kgm2", "kg m²", [2e4, 4e5], [5e3, 4e6], "Iz1"),
+    number("trailer_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "m2: trailer with axles"),
+    number("trailer_cg_behind_hitch_m", "m", [2.5, 10.0], [0.5, 20.0], "Xc2"),
+    number("trailer_cg_above_hitch_m", "m", [-0.3, 2.0], [-1.5, 4.0], "Zc2"),
+    number("trailer_sprung_cg_above_hitch_m", "m", [-0.3, 2.0], [-1.5, 4.0], "Zsc2"),
+    number("trailer_yaw_inertia_about_hitch_kgm2", "kg m²", [1e5, 1e7], [3e4, 3e7], "Iz2"),
+    number("wheel_radius_m", "m", [0.35, 0.62], [0.2, 1.0], "R"),
+    number("axle_load_n", "N", [1.5e4, 1.3e5], [2e3, 4e5], "F_i, tractor axles first").list(),
+    number("unsprung_weight_n", "N", [3e3, 1.8e4], [800.0, 5e4], "W_ui, tractor axles first").list(),
+];

@@ -1,0 +1,114 @@
+//! The table of keys beside the structure that is read.
+
+use cg_vehicle::VehicleError;
+use cg_vehicle::check::{Key, Kind, Range, TABLES, key};
+use toml::{Table, Value};
+
+use crate::{numbers, parsed, table, words};
+
+/// A file that has every table.
+fn complete() -> Table {
+    let mut root = table("baseline-tables");
+    let printed = table("baseline").remove("as_printed").unwrap();
+    root.insert("as_printed".to_owned(), printed);
+    let readings = "gauge_pa = [1e5, 4e5]\naxle_load_kg = [6e3, 2e4]".parse().unwrap();
+    let trailer = root.get_mut("trailer").unwrap().as_table_mut().unwrap();
+    trailer.insert("suspension_pressure".to_owned(), Value::Table(readings));
+    root
+}
+
+/// The first table at a path of the table of keys.
+fn first<'a>(root: &'a mut Table, path: &str) -> &'a mut Table {
+    path.split('.').filter(|step| !step.is_empty()).fold(root, |table, step| {
+        let name = step.trim_end_matches("[i]");
+        let entry = table.get_mut(name).unwrap_or_else(|| panic!("no {path}"));
+        if step == name { entry.as_table_mut() } else { entry[0].as_table_mut() }.unwrap()
+    })
+}
+
+/// A value in the middle of what is usual.
+fn usual(key: &Key) -> Value {
+    let middle = |range: Range| {
+        let [low, high] = range.usual;
+        Value::Float(if low > 0.0 { (low * high).sqrt() } else { 0.5 * (low + high) })
+    };
+    match key.kind {
+        Kind::Number(range) => middle(range),
+        Kind::Whole => Value::Integer(7),
+        _ => panic!("{} is in no file", key.name),
+    }
+}
+
+#[test]
+fn every_key_of_the_table_is_read_and_only_the_required_ones_must_be_there() {
+    for entry in TABLES {
+        for path in entry.paths {
+            for key in entry.keys {
+                let case = format!("{path}.{}", key.name);
+                let mut root = complete();
+                let place = first(&mut root, path);
+                let value = place.entry(key.name).or_insert_with(|| usual(key)).clone();
+                let vehicle = parsed(&root).unwrap_or_else(|error| panic!("{case}: {error}")).0;
+                let mut written = Table::try_from(&vehicle).unwrap();
+                let written = first(&mut written, path).get(key.name);
+                let same = match value {
+                    // As text: a whole number is read as a float.
+                    Value::Integer(n) => written.is_some_and(|w| {
+                        *w == value || *w == Value::Float(f64::from(i32::try_from(n).unwrap()))
+                    }),
+                    _ => written.is_some(),
+                };
+                assert!(same, "{case}: {value} {written:?}");
+                first(&mut root, path).remove(key.name);
+                let missing = matches!(parsed(&root), Err(VehicleError::Syntax { .. }));
+                assert_eq!(missing, key.required, "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_number_that_is_read_is_in_the_table() {
+    let vehicle = parsed(&complete()).unwrap().0;
+    let root = Table::try_from(&vehicle).unwrap();
+    let mut ways = Vec::new();
+    numbers(&Value::Table(root.clone()), &[], &mut ways);
+    assert!(ways.len() > 200);
+    for way in ways {
+        let mut end = way.len();
+        while matches!(way[end - 1], crate::Step::Index(_)) {
+            end -= 1;
+        }
+        let digits = |c: char| c.is_ascii_digit();
+        let place: String = words(&way[..end])
+            .split('[')
+            .enumerate()
+            .map(|(i, part)| {
+                if i == 0 {
+                    part.to_owned()
+                } else {
+                    format!("[i{}", part.trim_start_matches(digits))
+                }
+            })
+            .collect();
+        let known = key(&place).unwrap_or_else(|| panic!("{place} is not in the table"));
+        assert!(known.range().is_some() || known.kind == Kind::Whole, "{place}");
+    }
+}
+
+#[test]
+fn every_key_says_what_it_means_and_its_ranges_hold_each_other() {
+    for entry in TABLES {
+        assert!(!entry.meaning.is_empty());
+        for key in entry.keys {
+            assert!(!key.meaning.is_empty(), "{}", key.name);
+            let Some(range) = key.range() else { continue };
+            let ([least, greatest], [low, high]) = (range.possible, range.usual);
+            assert!(least <= low && low < high && high <= greatest, "{}", key.name);
+            assert!(range.also.is_none_or(|(also, _)| range.is_possible(also)), "{}", key.name);
+            // A factor of 1000 leads out of the usual range from anywhere in it.
+            assert!(low <= 0.0 || high / low < 1000.0, "{}", key.name);
+            assert!(range.distance(low) <= 1.0 + 1e-9 && range.distance(high * 1.01) > 1.0);
+        }
+    }
+}
