@@ -7,6 +7,7 @@ use std::str::FromStr;
 use anyhow::{Context, anyhow};
 use cg_vehicle::calibration::file::{ParameterEntry, Unit};
 use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
+use cg_vehicle::output::{Draft, Files, Kind};
 use cg_vehicle::{Vehicle, VehicleError};
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
@@ -15,7 +16,6 @@ use indicatif::ProgressBar;
 
 use crate::Outcome;
 use crate::cli::CalibrateArgs;
-use crate::draft::Draft;
 use crate::estimate::feed;
 
 /// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
@@ -69,10 +69,15 @@ impl From<VehicleError> for Failure {
     }
 }
 
-pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Outcome> {
     let vehicle = Vehicle::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
     let logs = arguments.run.iter().map(RunArg::known).collect::<Result<Vec<_>, _>>()?;
+    let mut files = files.reads("--vehicle", &arguments.vehicle);
+    for known in &logs {
+        files = files.reads("--run", Path::new(&known.log));
+    }
+    let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.columns.options();
     let progress = ProgressBar::hidden();
     let variant = arguments.model.into();
@@ -82,8 +87,7 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     })
     .map_err(|failure| failure.0)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
-    let draft = Draft::write(&arguments.output, "--output", &calibration.to_toml()?)?;
-    draft.publish()?;
+    target.write(&calibration.to_toml()?)?.map_or(Ok(()), Draft::publish)?;
     report(&calibration, &arguments.output).context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }

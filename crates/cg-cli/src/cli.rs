@@ -34,6 +34,10 @@ const GREATEST_RUNS: u32 = 1_000_000;
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// Replace files that this program did not write; one that is an input of the same call is
+    /// never replaced
+    #[arg(long, global = true)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Subcommand)]
