@@ -11,8 +11,7 @@ use crate::Outcome;
 use crate::cli::DesignArgs;
 
 pub(crate) fn run(arguments: &DesignArgs, files: Files) -> anyhow::Result<Outcome> {
-    let target =
-        arguments.truck.read(files).writes("--output", &arguments.output, Kind::Design)?;
+    let target = arguments.truck.read(files).writes("--output", &arguments.output, Kind::Design)?;
     let vehicle = arguments.truck.load()?;
     let design = arguments.truck.design(&vehicle)?.cast();
     // Single precision narrows ranges and joins neighbours: checked as the firmware would.

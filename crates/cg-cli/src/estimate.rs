@@ -92,12 +92,12 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
 
 /// Where the report goes, if there is to be one.
 fn report_target(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Option<Target>> {
-    let mut files =
-        arguments.truck.read(files).reads_some("--truth", arguments.truth.as_deref());
+    let mut files = arguments.truck.read(files).reads_some("--truth", arguments.truth.as_deref());
     for log in &arguments.logs {
         files = files.reads("LOG", log);
     }
-    let target = arguments.report.as_deref().map(|path| files.writes("--report", path, Kind::Report));
+    let target =
+        arguments.report.as_deref().map(|path| files.writes("--report", path, Kind::Report));
     Ok(target.transpose()?)
 }
 

@@ -70,7 +70,7 @@ impl Kind {
         match self {
             // A recording's clock does not begin at zero.
             Self::Log => {
-                starts("# truth vehicle = ")
+                (starts("# truth ") && holds(head, "\n# truth noise_sd_rad = "))
                     || starts(&format!("# {LOG_COMMENT}\n"))
                     || starts("(0.000000) can0 ")
             }
@@ -124,7 +124,9 @@ mod tests {
 
     #[test]
     fn a_damaged_state_is_still_ours_and_another_file_is_not() {
-        let state = format!("{STATE_HEAD},\"version\":1,\"design_crc32\":1,\"saved_s\":0.0,\"load_since_s\":null}}\ncrc32 00112233\n");
+        let state = format!(
+            "{STATE_HEAD},\"version\":1,\"design_crc32\":1,\"saved_s\":0.0,\"load_since_s\":null}}\ncrc32 00112233\n"
+        );
         let ours = |bytes: &[u8]| Kind::State.is_head_of_ours(bytes);
         for length in 0..state.len() {
             assert!(ours(&state.as_bytes()[..length]), "{length} bytes");
@@ -138,7 +140,9 @@ mod tests {
             bad[bit / 8] ^= 1 << (bit % 8);
             assert!(ours(&bad), "bit {bit}");
         }
-        for other in ["{}", "name = \"kraz\"\n", "time_s,steer_rad,roll_rad\n", "{\"format\":\"x\"}"] {
+        for other in
+            ["{}", "name = \"kraz\"\n", "time_s,steer_rad,roll_rad\n", "{\"format\":\"x\"}"]
+        {
             assert!(!ours(other.as_bytes()), "{other}");
         }
     }

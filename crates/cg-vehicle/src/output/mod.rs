@@ -58,7 +58,9 @@ impl Named {
 #[non_exhaustive]
 pub enum OutputError {
     /// It is an input of the same call.
-    #[error("{path}: given to {input} and to {output}, which would replace it; give {output} another file")]
+    #[error(
+        "{path}: given to {input} and to {output}, which would replace it; give {output} another file"
+    )]
     Input {
         /// The output, and under which name it is read if that is another.
         path: String,
@@ -78,7 +80,9 @@ pub enum OutputError {
         second: String,
     },
     /// It is there and not ours.
-    #[error("{path}: is there already and is no {kind} of ours; give {output} another file, or --force to replace it")]
+    #[error(
+        "{path}: is there already and is no {kind} of ours; give {output} another file, or --force to replace it"
+    )]
     Foreign {
         /// The file.
         path: String,
