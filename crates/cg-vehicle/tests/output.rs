@@ -94,6 +94,7 @@ fn the_longest_name_that_a_file_can_have_is_written() {
 }
 
 /// By its lock and by its process: a draft of a process that lives stays.
+#[cfg(target_os = "linux")] // it looks into /proc
 #[test]
 fn only_drafts_of_processes_that_are_no_more_are_removed() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 //!
 //! It is written beside its place as `.NAME.PROCESS-RANDOM.part`. Dropped before it is published, in
 //! a panic too, it removes itself; [`abandon`] removes all of them when the process is asked to end.
-//! What a killed process left is removed by the next one that writes the same file ([`sweep`]).
+//! What a killed process left is removed by the next one that writes the same file.
 
 use std::fs::{self, File, Metadata};
 use std::io;

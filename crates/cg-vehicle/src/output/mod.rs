@@ -3,7 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`kind`] | which files are ours and may be replaced |
-//! | [`place`] | when two paths lead to the same file |
+//! | `place` | when two paths lead to the same file |
 //! | [`draft`] | a file that takes its name when it is whole, and what a killed process left |
 //!
 //! A call tells [`Files`] what it reads and what it wants to write. [`Files::writes`] refuses, before
@@ -17,7 +17,7 @@
 
 pub mod draft;
 pub mod kind;
-pub mod place;
+mod place;
 
 use std::fs;
 use std::io;
@@ -139,6 +139,7 @@ impl Files {
     }
 
     /// The same where there is one.
+    #[must_use]
     #[must_use]
     pub fn reads_some(self, flag: &str, path: Option<&Path>) -> Self {
         match path {

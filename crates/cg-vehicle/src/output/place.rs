@@ -44,10 +44,13 @@ fn node(_: &Metadata) -> Option<(u64, u64)> {
 }
 
 /// Whether it is a block device.
+#[cfg(unix)]
 pub(crate) fn is_disk(about: &Metadata) -> bool {
-    #[cfg(unix)]
-    return std::os::unix::fs::FileTypeExt::is_block_device(&about.file_type());
-    #[cfg(not(unix))]
+    std::os::unix::fs::FileTypeExt::is_block_device(&about.file_type())
+}
+
+#[cfg(not(unix))]
+pub(crate) fn is_disk(_: &Metadata) -> bool {
     false
 }
 
