@@ -31,6 +31,7 @@ const GREATEST_RUNS: u32 = 1_000_000;
 /// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
 #[derive(Debug, Parser)]
 #[command(name = "cg", version, about, arg_required_else_help = true)]
+#[command(override_usage = "cg <COMMAND>")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

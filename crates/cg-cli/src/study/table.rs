@@ -37,7 +37,7 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
     let told = [&made, &study.finding].into_iter().chain(&study.scenario);
     // A line break in a vehicle's name would end the comment.
     let told = told.map(|line| line.replace(char::is_control, " "));
-    let comments: String = told.map(|line| format!("# {line}\n")).collect();
+    let comments: String = told.flat_map(|line| ["# ".to_owned(), line, "\n".to_owned()]).collect();
     Ok(comments + &rows)
 }
 

@@ -140,7 +140,6 @@ impl Files {
 
     /// The same where there is one.
     #[must_use]
-    #[must_use]
     pub fn reads_some(self, flag: &str, path: Option<&Path>) -> Self {
         match path {
             Some(path) => self.reads(flag, path),
