@@ -118,6 +118,24 @@ fn two_outputs_of_a_call_are_two_files() {
     cg(&[&["run", "--vehicle", v, "--csv", a][..], &null].concat()).told(0, &[]);
 }
 
+/// `/dev/stdout` is what the shell has made it: a new file is filled, an old one stays.
+#[test]
+fn standard_output_is_a_file_like_any_other() {
+    let inputs = Inputs::new();
+    let page = inputs.scratch.path("page.html");
+    let run = |report: &str, stdout: fs::File| {
+        let arguments = ["estimate", "--vehicle", &inputs.vehicle, &inputs.log, "--report", report];
+        Run::from(command(&arguments).stdout(stdout).output().unwrap())
+    };
+    run("/dev/stdout", fs::File::create(&page).unwrap()).done();
+    assert!(fs::read_to_string(&page).unwrap().starts_with("<!doctype html>"));
+    run(&page, fs::File::create(&page).unwrap()).refused(&["standard output", "--report"]);
+    fs::write(&page, "precious").unwrap();
+    let append = || fs::File::options().append(true).open(&page).unwrap();
+    run("/dev/stdout", append()).refused(&["no report of ours"]);
+    assert_eq!(fs::read_to_string(&page).unwrap(), "precious");
+}
+
 /// Each command, and the files that it writes.
 fn writers(inputs: &Inputs) -> Vec<(Vec<String>, Vec<String>)> {
     let path = |name: &str| inputs.scratch.path(name);

@@ -153,7 +153,7 @@ impl Files {
     /// # Errors
     /// [`OutputError`] naming what it clashes with.
     pub fn writes(&mut self, flag: &str, path: &Path, kind: Kind) -> Result<Target, OutputError> {
-        let target =
+        let mut target =
             Target { path: path.to_owned(), flag: flag.to_owned(), kind, force: self.force };
         if let Some(named) = Named::new(flag, path) {
             self.refuse_clash(&named)?;
@@ -162,6 +162,8 @@ impl Files {
         if let Some(resolved) = target.replaces()? {
             draft::sweep(&resolved);
         }
+        // What this call itself prints there in the meantime is no foreign file.
+        target.force |= place::is_stream(path);
         Ok(target)
     }
 
