@@ -8,6 +8,7 @@ use anyhow::{Context, anyhow};
 use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::file::{ParameterEntry, Unit};
 use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
+use cg_vehicle::output::{Draft, Files, Kind};
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -15,7 +16,6 @@ use indicatif::ProgressBar;
 
 use crate::Outcome;
 use crate::cli::CalibrateArgs;
-use crate::draft::Draft;
 use crate::estimate::feed;
 use crate::truck;
 
@@ -70,10 +70,17 @@ impl From<VehicleError> for Failure {
     }
 }
 
-pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Outcome> {
     let vehicle = truck::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
     let logs = arguments.run.iter().map(RunArg::known).collect::<Result<Vec<_>, _>>()?;
+    let mut files = files
+        .reads("--vehicle", &arguments.vehicle)
+        .reads_some("--dbc", arguments.frames.dbc.as_deref());
+    for known in &logs {
+        files = files.reads("--run", Path::new(&known.log));
+    }
+    let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
     let variant = arguments.model.into();
@@ -87,8 +94,7 @@ pub(crate) fn run(arguments: &CalibrateArgs) -> anyhow::Result<Outcome> {
     })
     .map_err(|failure: Failure| failure.0)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
-    let draft = Draft::write(&arguments.output, "--output", &calibration.to_toml()?)?;
-    draft.publish()?;
+    target.write(&calibration.to_toml()?)?.map_or(Ok(()), Draft::publish)?;
     report(&calibration, &arguments.output).context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }

@@ -41,7 +41,7 @@ impl From<RollCompensated> for Compensation {
 pub(crate) struct CanArgs {
     /// A DBC file with signals that are not J1939's
     #[arg(long, value_name = "FILE", requires = "signal")]
-    dbc: Option<PathBuf>,
+    pub(crate) dbc: Option<PathBuf>,
     /// Take a quantity from a signal of the DBC file, in place of J1939's; unit, factor and offset
     /// may follow: `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
     #[arg(long, value_name = "QUANTITY=MESSAGE.SIGNAL", requires = "dbc")]

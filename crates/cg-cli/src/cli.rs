@@ -32,9 +32,14 @@ const GREATEST_RUNS: u32 = 1_000_000;
 /// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
 #[derive(Debug, Parser)]
 #[command(name = "cg", version, about, arg_required_else_help = true)]
+#[command(override_usage = "cg <COMMAND>")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// Replace files that this program did not write; one that is an input of the same call is
+    /// never replaced
+    #[arg(long, global = true)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Subcommand)]

@@ -5,19 +5,20 @@ use std::path::Path;
 use anyhow::Context;
 use cg_vehicle::Vehicle;
 use cg_vehicle::emit::{Language, emit};
+use cg_vehicle::output::{Draft, Files, Kind};
 
 use crate::Outcome;
 use crate::cli::DesignArgs;
-use crate::draft::Draft;
 
-pub(crate) fn run(arguments: &DesignArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &DesignArgs, files: Files) -> anyhow::Result<Outcome> {
+    let target = arguments.truck.read(files).writes("--output", &arguments.output, Kind::Design)?;
     let vehicle = arguments.truck.load()?;
     let design = arguments.truck.design(&vehicle)?.cast();
     // Single precision narrows ranges and joins neighbours: checked as the firmware would.
     design.validate().context("in single precision")?;
     let language: Language = arguments.emit.into();
     let text = emit(&design, language, &comment(arguments, &vehicle));
-    Draft::write(&arguments.output, "--output", &text)?.publish()?;
+    target.write(&text)?.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
 }
 

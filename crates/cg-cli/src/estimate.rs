@@ -9,6 +9,7 @@ use cg_core::SampleError;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::files;
 use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::output::{Draft, Files, Kind, Target};
 use cg_vehicle::{LinearModel, Variant};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -16,7 +17,6 @@ use serde::Deserialize;
 
 use crate::Outcome;
 use crate::cli::EstimateArgs;
-use crate::draft::Draft;
 use crate::report::{self, About, Trace};
 use crate::sink;
 
@@ -35,7 +35,8 @@ pub(crate) struct Answer {
     pub(crate) trace: Option<Trace>,
 }
 
-pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outcome> {
+    let target = report_target(arguments, files)?;
     let vehicle = arguments.truck.load()?;
     let options = EstimateOptions {
         variant: arguments.truck.model.into(),
@@ -63,7 +64,7 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
     let log_options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = progress_bar(&arguments.logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
-    let room = arguments.report.as_ref().map(|_| report::room(arguments.logs.len()));
+    let room = target.as_ref().map(|_| report::room(arguments.logs.len()));
     let results: Vec<anyhow::Result<Estimated>> = pool.install(|| {
         arguments
             .logs
@@ -74,20 +75,31 @@ pub(crate) fn run(arguments: &EstimateArgs) -> anyhow::Result<Outcome> {
     progress.finish_and_clear();
 
     let Batch { answers, unreadable, outcome } = gathered(&arguments.logs, results, truth.as_ref());
-    let page = match &arguments.report {
+    let page = match &target {
         Some(target) => {
             let about = About {
                 vehicle: &vehicle.name,
                 calibration: arguments.truck.calibration.as_deref(),
                 unreadable: &unreadable,
             };
-            Some(report::write(target, &about, &answers)?)
+            report::write(target, &about, &answers)?
         }
         None => None,
     };
     sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
     page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
+}
+
+/// Where the report goes, if there is to be one.
+fn report_target(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Option<Target>> {
+    let mut files = arguments.truck.read(files).reads_some("--truth", arguments.truth.as_deref());
+    for log in &arguments.logs {
+        files = files.reads("LOG", log);
+    }
+    let target =
+        arguments.report.as_deref().map(|path| files.writes("--report", path, Kind::Report));
+    Ok(target.transpose()?)
 }
 
 /// What became of all logs.

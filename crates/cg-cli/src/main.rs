@@ -17,16 +17,18 @@
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: chapter 2 as CSV files and figures |
 //! | `units` | SI to the units of its columns and axes |
-//! | `draft` | files written whole or not at all |
+//! | `interrupt` | SIGINT and SIGTERM: nothing half-written stays |
 //!
-//! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage or unreadable input.
+//! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage, unreadable input or an
+//! output that may not be written; after a signal that of the signal.
 
 mod calibrate;
 mod can;
 mod cli;
 mod design;
-mod draft;
 mod estimate;
+#[cfg(unix)]
+mod interrupt;
 mod model;
 mod numbers;
 mod report;
@@ -43,6 +45,7 @@ mod units;
 use std::io::Write;
 use std::process::ExitCode;
 
+use cg_vehicle::output::Files;
 use clap::Parser;
 
 use cli::{Cli, Command};
@@ -59,18 +62,7 @@ enum Outcome {
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
-        Command::Estimate(arguments) => estimate::run(&arguments),
-        Command::Calibrate(arguments) => calibrate::run(&arguments),
-        Command::Design(arguments) => design::run(&arguments),
-        Command::Model(arguments) => model::run(&arguments),
-        Command::Simulate(arguments) => simulate::run(&arguments),
-        Command::Rollover(arguments) => rollover::run(&arguments),
-        Command::Reproduce(arguments) => reproduce::run(&arguments),
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Study(arguments) => study::run(&arguments),
-    };
-    match result {
+    match answer(&Cli::parse()) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::NoAnswer) => ExitCode::from(1),
         Ok(Outcome::Unreadable) => ExitCode::from(2),
@@ -79,6 +71,26 @@ fn main() -> ExitCode {
             report(&error);
             ExitCode::from(2)
         }
+    }
+}
+
+fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
+    // `cg run` ends in order, in its own time.
+    #[cfg(unix)]
+    if !matches!(cli.command, Command::Run(_)) {
+        interrupt::watch(None)?;
+    }
+    let files = Files::new(cli.force);
+    match &cli.command {
+        Command::Estimate(arguments) => estimate::run(arguments, files),
+        Command::Calibrate(arguments) => calibrate::run(arguments, files),
+        Command::Design(arguments) => design::run(arguments, files),
+        Command::Model(arguments) => model::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments, files),
+        Command::Rollover(arguments) => rollover::run(arguments),
+        Command::Reproduce(arguments) => reproduce::run(arguments),
+        Command::Run(arguments) => run::run(arguments, files),
+        Command::Study(arguments) => study::run(arguments, files),
     }
 }
 

@@ -6,11 +6,11 @@ use anyhow::anyhow;
 use cg_vehicle::Vehicle;
 use cg_vehicle::log::{CandumpWriter, LogWriter, Signal};
 use cg_vehicle::maneuver::Course;
+use cg_vehicle::output::{Draft, Files, Kind, Target};
 use cg_vehicle::simulate::{LogSimulation, Scenario};
 
 use crate::Outcome;
 use crate::cli::{ManeuverArg, SimulateArgs};
-use crate::draft::Draft;
 use crate::truck;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
@@ -52,7 +52,18 @@ fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scena
     })
 }
 
-pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outcome> {
+    let mut files = files.reads("--vehicle", &arguments.vehicle);
+    let output = match arguments.output.as_path() {
+        path if path.as_os_str() == "-" => None,
+        path => {
+            check_name(path)?;
+            Some(files.writes("--output", path, Kind::Log)?)
+        }
+    };
+    let truth_target =
+        arguments.truth.as_deref().map(|path| files.writes("--truth", path, Kind::Truth));
+    let truth_target = truth_target.transpose()?;
     let vehicle = truck::load(&arguments.vehicle)?;
     let scenario = scenario(arguments, &vehicle)?;
     let columns = scenario.sensors.columns();
@@ -65,17 +76,15 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
         .map(|(key, value)| format!("truth {key} = {value}"))
         .collect();
     // The truth is on the disk before the log is begun: if it cannot be, there is no log either.
-    let draft = match &arguments.truth {
-        Some(path) if *path == arguments.output => {
-            return Err(anyhow!("{}: given to --output and to --truth", path.display()));
-        }
-        Some(path) => Some(Draft::write(path, "--truth", &serde_json::to_string_pretty(&truth)?)?),
+    let draft = match &truth_target {
+        Some(target) => target.write(&serde_json::to_string_pretty(&truth)?)?,
         None => None,
     };
-    if is_candump(&arguments.output) {
-        write_candump(&simulation, &vehicle, &arguments.output)?;
-    } else {
-        write_csv(&simulation, &arguments.output, &comments, &columns)?;
+    match &output {
+        Some(target) if is_candump(target.path()) => {
+            write_candump(&simulation, &vehicle, target)?;
+        }
+        target => write_csv(&simulation, target.as_ref(), &comments, &columns)?,
     }
     draft.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
@@ -83,16 +92,15 @@ pub(crate) fn run(arguments: &SimulateArgs) -> anyhow::Result<Outcome> {
 
 fn write_csv(
     simulation: &LogSimulation,
-    output: &Path,
+    target: Option<&Target>,
     comments: &[String],
     columns: &[Signal],
 ) -> anyhow::Result<()> {
-    let mut writer = if output.as_os_str() == "-" {
+    let mut writer = if let Some(target) = target {
+        LogWriter::create(target, comments, columns)?
+    } else {
         let stream = Box::new(std::io::stdout());
         LogWriter::from_writer("standard output", stream, comments, columns)?
-    } else {
-        check_name(output)?;
-        LogWriter::create(output, comments, columns)?
     };
     simulation.run(|row| writer.write_row(row))?;
     Ok(writer.finish()?)
@@ -106,9 +114,10 @@ fn is_candump(output: &Path) -> bool {
 fn write_candump(
     simulation: &LogSimulation,
     vehicle: &Vehicle,
-    output: &Path,
+    target: &Target,
 ) -> anyhow::Result<()> {
-    let mut writer = CandumpWriter::create(output, vehicle.steering_ratio.unwrap_or(f64::NAN))?;
+    let output = target.path();
+    let mut writer = CandumpWriter::create(target, vehicle.steering_ratio.unwrap_or(f64::NAN))?;
     simulation.run(|row| writer.write_row(row))?;
     let lost = writer.out_of_range();
     writer.finish()?;
@@ -130,7 +139,7 @@ fn write_candump(
 
 fn check_name(path: &Path) -> anyhow::Result<()> {
     let name = path.to_string_lossy();
-    if name.ends_with(".csv") || name.ends_with(".csv.gz") {
+    if name.ends_with(".csv") || name.ends_with(".csv.gz") || is_candump(path) {
         Ok(())
     } else {
         Err(anyhow!(

@@ -9,6 +9,7 @@ use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
+use cg_vehicle::output::Files;
 use clap::Args;
 
 use crate::cli::ModelArg;
@@ -39,6 +40,13 @@ pub(crate) fn load(path: &Path) -> anyhow::Result<Vehicle> {
 }
 
 impl TruckArgs {
+    /// Tells what is read.
+    pub(crate) fn read(&self, files: Files) -> Files {
+        files
+            .reads("--vehicle", &self.vehicle)
+            .reads_some("--calibration", self.calibration.as_deref())
+    }
+
     pub(crate) fn load(&self) -> anyhow::Result<Vehicle> {
         load(&self.vehicle)
     }

@@ -1,15 +1,14 @@
 //! `calibrate_files`: logs of known height to a calibration file.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::{KnownLog, calibrate};
-use cg_vehicle::draft::Draft;
 use cg_vehicle::log::LogReader;
+use cg_vehicle::output::{Draft, Files, Kind};
 use pyo3::prelude::*;
 
-use crate::error::{log_error, os_error, vehicle_error};
+use crate::error::{log_error, output_error, vehicle_error};
 use crate::log::{log_options, push_some};
 use crate::options::variant;
 use crate::vehicle::Vehicle;
@@ -25,7 +24,7 @@ impl From<VehicleError> for Failure {
 
 /// Calibrate with log files and write the calibration file.
 #[pyfunction]
-#[pyo3(signature = (vehicle, runs, output, model, columns, flip, date, /))]
+#[pyo3(signature = (vehicle, runs, output, model, columns, flip, date, force, /))]
 #[allow(clippy::too_many_arguments)] // the keywords of `cgheight.calibrate`
 pub(crate) fn calibrate_files(
     py: Python<'_>,
@@ -36,9 +35,15 @@ pub(crate) fn calibrate_files(
     columns: Vec<String>,
     flip: Vec<String>,
     date: String,
+    force: bool,
 ) -> PyResult<()> {
     let options = log_options(&columns, &flip)?;
     let variant = variant(model)?;
+    let mut files = Files::new(force).reads("vehicle", vehicle.get().path());
+    for (log, ..) in &runs {
+        files = files.reads("runs", log);
+    }
+    let target = files.writes("output", &output, Kind::Calibration).map_err(output_error)?;
     let vehicle = &vehicle.get().inner;
     let logs: Vec<KnownLog> = runs
         .into_iter()
@@ -63,12 +68,6 @@ pub(crate) fn calibrate_files(
     .map_err(|Failure(error)| error)?;
     calibration.date = date;
     let text = calibration.to_toml().map_err(vehicle_error)?;
-    let write = || -> std::io::Result<()> {
-        let (draft, mut file) = Draft::open(&output)?;
-        file.write_all(text.as_bytes())?;
-        draft.map_or(Ok(()), Draft::publish)
-    };
-    write().map_err(|source| {
-        os_error(&source, format!("{}: cannot be written ({source})", output.display()))
-    })
+    let draft = target.write(&text).map_err(output_error)?;
+    draft.map_or(Ok(()), Draft::publish).map_err(|error| output_error(target.failed(error)))
 }

@@ -1,13 +1,15 @@
 //! Exceptions: a missing file is `FileNotFoundError`, other trouble of the system `OSError`,
-//! everything else `ValueError`. Messages are those of the library.
+//! a file that is not ours `FileExistsError`, everything else `ValueError`. Messages are those of the library.
 
 use std::ffi::CString;
 use std::io::{self, ErrorKind};
 
 use cg_vehicle::VehicleError;
 use cg_vehicle::log::{LogError, OptionError};
+use cg_vehicle::output::OutputError;
 use pyo3::exceptions::{
-    PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning, PyValueError,
+    PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning,
+    PyValueError,
 };
 use pyo3::prelude::*;
 
@@ -41,7 +43,20 @@ pub(crate) fn vehicle_error(error: VehicleError) -> PyErr {
 pub(crate) fn log_error(error: LogError) -> PyErr {
     let message = in_python(&error.to_string());
     match &error {
-        LogError::Open { source, .. } | LogError::Read { source, .. } => os_error(source, message),
+        LogError::Open { source, .. }
+        | LogError::Read { source, .. }
+        | LogError::Write { source, .. } => os_error(source, message),
+        _ => value_error(message),
+    }
+}
+
+pub(crate) fn output_error(error: OutputError) -> PyErr {
+    let message = in_python(&error.to_string());
+    match &error {
+        OutputError::Write { source, .. } => os_error(source, message),
+        OutputError::Foreign { .. } | OutputError::Protected { .. } => {
+            PyFileExistsError::new_err(message)
+        }
         _ => value_error(message),
     }
 }
@@ -51,7 +66,8 @@ pub(crate) fn option_error(error: OptionError) -> PyErr {
 }
 
 /// Options with a value that messages of the library name as the command line does.
-const WITH_VALUE: [(&str, &str); 3] = [
+const WITH_VALUE: [(&str, &str); 4] = [
+    ("--force", "force=True"),
     ("--model complete", "model=\"complete\""),
     ("--maneuver drive", "maneuver=\"drive\""),
     ("--plant nonlinear", "plant=\"nonlinear\""),

@@ -9,7 +9,7 @@
 //! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
 //! | `stream` | `Stream`: row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
-//! | `write` | `write_file`: arrays to a log file |
+//! | `write` | `write_file`, `copy_file`, `may_write`: arrays to a log file, if it may be written |
 //! | `can` | `decode_j1939`: the signals of a CAN frame |
 //! | `reproduce` | `reproduce_tables`: the source's tables beside ours |
 //! | `results` | answers as the dataclasses of `cgheight._results` |
@@ -62,7 +62,7 @@ mod _native {
     #[pymodule_export]
     use crate::vehicle::{Vehicle, restore_vehicle};
     #[pymodule_export]
-    use crate::write::write_file;
+    use crate::write::{copy_file, may_write, write_file};
 
     /// The version of the package.
     #[pymodule_export]

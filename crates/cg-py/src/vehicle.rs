@@ -1,6 +1,6 @@
 //! `Vehicle`: the vehicle file, its calibration if there is one, and the designs made from it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cg_core::Design;
@@ -34,6 +34,11 @@ impl Vehicle {
         calibration: Option<Calibration>,
     ) -> Self {
         Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
+    }
+
+    /// Its file, as it was given.
+    pub(crate) fn path(&self) -> &Path {
+        Path::new(&self.source.1)
     }
 
     /// The design for one set of equations: computed on first use.

@@ -1,31 +1,91 @@
-//! `write_file`: arrays to a log file.
+//! `write_file`, `copy_file`: arrays and files to a log file; `may_write`: whether they may be.
 
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use cg_vehicle::log::{CandumpWriter, LogError, LogWriter, Signal};
+use cg_vehicle::output::kind::LOG_COMMENT;
+use cg_vehicle::output::{Draft, Files, Kind, Target};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{log_error, value_error};
+use crate::error::{log_error, output_error, value_error};
 use crate::signals::{Columns, borrowed, columns};
+use crate::vehicle::Vehicle;
 
-/// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the steering ratio makes
+/// The file that a log is written to: its path, the keyword that it was given to, and what else
+/// takes part in the call.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request<'py> {
+    keyword: String,
+    path: PathBuf,
+    /// The log that is read, if that is a file.
+    log: Option<PathBuf>,
+    vehicle: Option<Bound<'py, Vehicle>>,
+    force: bool,
+}
+
+impl Request<'_> {
+    /// The file, if it may be written.
+    fn target(&self) -> PyResult<Target> {
+        let name = self.path.to_string_lossy();
+        let ends = |ends: &[&str]| ends.iter().any(|end| name.to_lowercase().ends_with(end));
+        let kind = if ends(&[".csv", ".csv.gz", ".log"]) {
+            Kind::Log
+        } else if ends(&[".asc", ".blf", ".mf4", ".trc"]) {
+            Kind::Frames
+        } else {
+            return Err(value_error(format!(
+                "{name}: a log ends in .csv, .csv.gz or .log (CAN frames; also .asc, .blf, .mf4, \
+                 .trc); give it such a name"
+            )));
+        };
+        let vehicle = self.vehicle.as_ref().map(|vehicle| vehicle.get().path());
+        Files::new(self.force)
+            .reads_some("log", self.log.as_deref())
+            .reads_some("vehicle", vehicle)
+            .writes(&self.keyword, &self.path, kind)
+            .map_err(output_error)
+    }
+}
+
+/// Refuse, before any work is done, a log that may not be written.
+#[pyfunction]
+#[pyo3(signature = (request, /))]
+pub(crate) fn may_write(request: Request<'_>) -> PyResult<()> {
+    request.target().map(|_| ())
+}
+
+/// Copy a file to that of the request; it appears there whole or not at all.
+#[pyfunction]
+#[pyo3(signature = (source, request, /))]
+pub(crate) fn copy_file(py: Python<'_>, source: PathBuf, request: Request<'_>) -> PyResult<()> {
+    let target = request.target()?;
+    let copy = || -> io::Result<()> {
+        let (draft, mut file) = target.open()?;
+        io::copy(&mut File::open(&source)?, &mut file)?;
+        draft.map_or(Ok(()), Draft::publish)
+    };
+    py.detach(copy).map_err(|error| output_error(target.failed(error)))
+}
+
+/// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the vehicle's steering ratio makes
 /// steering-wheel angles of road-wheel angles). Returns how many values no J1939 signal can hold.
 #[pyfunction]
-#[pyo3(signature = (path, signals, comments, steering_ratio, /))]
+#[pyo3(signature = (request, signals, comments, /))]
 pub(crate) fn write_file(
     py: Python<'_>,
-    path: PathBuf,
+    request: Request<'_>,
     signals: &Bound<'_, PyDict>,
-    comments: Vec<String>,
-    steering_ratio: Option<f64>,
+    mut comments: Vec<String>,
 ) -> PyResult<u64> {
-    let name = path.to_string_lossy();
-    let is_candump = path.extension().is_some_and(|extension| extension == "log");
-    if !(is_candump || name.ends_with(".csv") || name.ends_with(".csv.gz")) {
-        return Err(value_error(format!(
-            "{name}: a log ends in .csv, .csv.gz or .log (CAN frames); give it such a name"
-        )));
+    let target = request.target()?;
+    let ratio = request.vehicle.as_ref().and_then(|vehicle| vehicle.get().inner.steering_ratio);
+    if comments.is_empty() {
+        // By it the file is known as one of ours.
+        comments.push(LOG_COMMENT.to_owned());
     }
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
@@ -35,29 +95,37 @@ pub(crate) fn write_file(
         .filter_map(|(signal, array)| array.is_some().then_some(signal))
         .collect();
     py.detach(|| {
-        if is_candump {
-            write_candump(&path, &columns, steering_ratio.unwrap_or(f64::NAN))
+        if is_candump(target.path()) {
+            write_candump(&target, &columns, ratio.unwrap_or(f64::NAN))
         } else {
-            write_csv(&path, &columns, &comments, &there)
+            write_csv(&target, &columns, &comments, &there)
         }
     })
     .map_err(log_error)
 }
 
+fn is_candump(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("log"))
+}
+
 fn write_csv(
-    path: &Path,
+    target: &Target,
     columns: &Columns<'_>,
     comments: &[String],
     there: &[Signal],
 ) -> Result<u64, LogError> {
-    let mut writer = LogWriter::create(path, comments, there)?;
+    let mut writer = LogWriter::create(target, comments, there)?;
     (0..columns.rows()).try_for_each(|index| writer.write_row(&columns.row(index)))?;
     writer.finish()?;
     Ok(0)
 }
 
-fn write_candump(path: &Path, columns: &Columns<'_>, steering_ratio: f64) -> Result<u64, LogError> {
-    let mut writer = CandumpWriter::create(path, steering_ratio)?;
+fn write_candump(
+    target: &Target,
+    columns: &Columns<'_>,
+    steering_ratio: f64,
+) -> Result<u64, LogError> {
+    let mut writer = CandumpWriter::create(target, steering_ratio)?;
     (0..columns.rows()).try_for_each(|index| writer.write_row(&columns.row(index)))?;
     let lost = writer.out_of_range();
     writer.finish()?;

@@ -20,13 +20,14 @@
 //! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
 //! | [`study`] | the nonlinear plant over maneuver, load and vehicle | sections 2.5–2.7 |
 //! | [`log`] | log files in and out | – |
+//! | [`output`] | what a call may write, and how it is written whole | – |
 //! | [`accuracy`] | Monte-Carlo: errors and intervals | section 5.3.2 |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
 //!
 //! Axes and signs are those of [`cg_core::sample`] (ISO 8855).
 
 pub mod error;
-pub mod draft;
+pub mod output;
 pub mod check;
 pub mod files;
 pub mod tables;

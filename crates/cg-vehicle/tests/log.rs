@@ -235,7 +235,7 @@ fn a_number_that_cannot_be_is_absent_and_told() {
 #[test]
 fn a_mass_that_the_trailer_cannot_have_is_absent() {
     let settings = AlignSettings { mass_range_kg: Some([5400.0, 51_000.0]), ..AlignSettings::NONE };
-    let options = LogOptions { settings, ..LogOptions::default() };
+    let options = LogOptions { settings: Some(settings), ..LogOptions::default() };
     let csv = "time_s,steer_rad,roll_rad,trailer_mass_kg\n0,0,0,0\n1,0,0,20000\n2,0,0,90000\n";
     let mut log = open(csv, &options).unwrap();
     let masses: Vec<f64> = log.by_ref().map(|row| row.unwrap().trailer_mass_kg).collect();

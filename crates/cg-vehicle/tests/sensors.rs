@@ -9,6 +9,7 @@ use cg_vehicle::balance::static_balance;
 use cg_vehicle::estimate::{EstimateOptions, LogEstimator, Verdict};
 use cg_vehicle::log::{LogOptions, LogReader, LogRow, LogWriter};
 use cg_vehicle::maneuver::{Course, Maneuver};
+use cg_vehicle::output::{Files, Kind};
 use cg_vehicle::sensors::Sensors;
 use cg_vehicle::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::vehicle::SuspensionPressure;
@@ -33,7 +34,8 @@ fn written(vehicle: &Vehicle, scenario: Scenario) -> (Vec<LogRow>, Vec<LogRow>) 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
     let simulation = LogSimulation::new(vehicle, scenario).unwrap();
-    let mut writer = LogWriter::create(&path, &[], &scenario.sensors.columns()).unwrap();
+    let target = Files::new(false).writes("path", &path, Kind::Log).unwrap();
+    let mut writer = LogWriter::create(&target, &[], &scenario.sensors.columns()).unwrap();
     simulation.run(|row| writer.write_row(row)).unwrap();
     writer.finish().unwrap();
     let mut truth = Vec::new();

@@ -8,10 +8,10 @@ mod trace;
 use std::path::Path;
 
 use cg_vehicle::estimate::LogEstimate;
+use cg_vehicle::output::{Draft, Target};
 use chrono::Utc;
 use serde::Serialize;
 
-use crate::draft::Draft;
 use crate::estimate::Answer;
 
 pub(crate) use trace::Trace;
@@ -64,7 +64,11 @@ struct Log<'a> {
 }
 
 /// Makes the page beside its place; it appears with [`Draft::publish`].
-pub(crate) fn write(target: &Path, about: &About, answers: &[Answer]) -> anyhow::Result<Draft> {
+pub(crate) fn write(
+    target: &Target,
+    about: &About,
+    answers: &[Answer],
+) -> anyhow::Result<Option<Draft>> {
     let read = answers.iter().map(|answer| Log {
         log: &answer.log,
         estimate: Some(&answer.estimate),
@@ -89,7 +93,7 @@ pub(crate) fn write(target: &Path, about: &About, answers: &[Answer]) -> anyhow:
     };
     // No `<` in the data: nothing in it can end the script element or begin a comment.
     let data = serde_json::to_string(&page)?.replace('<', "\\u003c");
-    Draft::write(target, "--report", &fill(&data))
+    Ok(target.write(&fill(&data))?)
 }
 
 /// The template with its parts; what is put in is not looked at again.

@@ -2,15 +2,14 @@
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
-use std::path::Path;
 
-use cg_vehicle::draft::Draft;
+use cg_vehicle::output::{Draft, Target};
 
 use super::events::{Latency, Status};
 
 /// Writes the file anew, whole.
-pub(crate) fn write(path: &Path, status: &Status, latency: Option<Latency>) -> io::Result<()> {
-    let (draft, mut file) = Draft::open(path)?;
+pub(crate) fn write(target: &Target, status: &Status, latency: Option<Latency>) -> io::Result<()> {
+    let (draft, mut file) = target.open()?;
     file.write_all(text(status, latency).as_bytes())?;
     draft.map_or(Ok(()), Draft::publish)
 }

@@ -31,11 +31,13 @@ mod transmit;
 mod warning;
 
 use std::io::{self, LineWriter, Stdout};
+use std::path::PathBuf;
 
 use anyhow::bail;
 use cg_vehicle::Vehicle;
 use cg_vehicle::can::{Decoder, named};
 use cg_vehicle::log::LogOptions;
+use cg_vehicle::output::{Files, Kind, Target};
 
 use crate::Outcome;
 use events::Event;
@@ -49,7 +51,8 @@ use warning::Warner;
 
 pub(crate) use args::RunArgs;
 
-pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> {
+    let [state, metrics] = targets(arguments, files)?;
     let vehicle = arguments.truck.load()?;
     let design = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
@@ -57,9 +60,9 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
     let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
     let mut frames = Frames::new(decoder(&options), settings, mass_is_given, live);
-    let state = arguments.state.as_deref().map(|path| StateFile::new(path, &design));
+    let state = state.map(|target| StateFile::new(target, &design));
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
-    let outputs = Outputs::new(lines, state, arguments.metrics.clone(), None);
+    let outputs = Outputs::new(lines, state, metrics, None);
     let warner = Warner::new(arguments.warn.clone(), arguments.warn_hysteresis);
     let mass_kg = arguments.trailer_mass_kg;
     let mut session = Session::new(&design, warner, mass_kg, arguments.status_s, outputs);
@@ -90,6 +93,23 @@ pub(crate) fn run(arguments: &RunArgs) -> anyhow::Result<Outcome> {
     session.stop(reason)?;
     // Live, an end without a height is an end like any other.
     Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
+}
+
+/// State and metrics, where they are wanted.
+fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>; 2]> {
+    let mut files = arguments
+        .truck
+        .read(files)
+        .reads_some("--dbc", arguments.frames.dbc.as_deref())
+        .reads_some("--candump", arguments.candump.as_deref())
+        .reads_some("--csv", arguments.csv.as_deref());
+    let mut target = |flag, path: &Option<PathBuf>, kind| {
+        path.as_deref().map(|path| files.writes(flag, path, kind)).transpose()
+    };
+    Ok([
+        target("--state", &arguments.state, Kind::State)?,
+        target("--metrics", &arguments.metrics, Kind::Metrics)?,
+    ])
 }
 
 /// How the source is read; flags that are not for it are refused.

@@ -2,9 +2,9 @@
 //! once and tried again later; it never stops the estimation.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
 
 use cg_core::Memory;
+use cg_vehicle::output::Target;
 
 use super::events::Status;
 use super::latency::Histogram;
@@ -20,7 +20,7 @@ pub(crate) struct Outputs<W: Write> {
     /// The lines.
     pub(crate) lines: W,
     pub(crate) state: Option<StateFile>,
-    pub(crate) metrics: Option<PathBuf>,
+    pub(crate) metrics: Option<Target>,
     /// With its source address.
     pub(crate) sender: Option<(Sender, u8)>,
     pub(crate) latency: Histogram,
@@ -32,7 +32,7 @@ impl<W: Write> Outputs<W> {
     pub(crate) fn new(
         lines: W,
         state: Option<StateFile>,
-        metrics: Option<PathBuf>,
+        metrics: Option<Target>,
         sender: Option<(Sender, u8)>,
     ) -> Self {
         let latency = Histogram::default();

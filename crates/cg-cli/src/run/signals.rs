@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use crate::interrupt;
 
 /// Whether somebody has asked for the end.
 #[derive(Clone, Debug)]
@@ -14,10 +14,7 @@ impl Stop {
     /// Listens to the signals. A second one ends the program at once.
     pub(crate) fn listen() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
-        for signal in [SIGTERM, SIGINT] {
-            signal_hook::flag::register_conditional_default(signal, Arc::clone(&flag))?;
-            signal_hook::flag::register(signal, Arc::clone(&flag))?;
-        }
+        interrupt::watch(Some(Arc::clone(&flag)))?;
         Ok(Self(flag))
     }
 

@@ -13,7 +13,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use cg_core::{Design, Memory};
-use cg_vehicle::draft::Draft;
+use cg_vehicle::output::{Draft, Target};
 use serde::{Deserialize, Serialize};
 
 const FORMAT: &str = "cg-height state";
@@ -39,7 +39,7 @@ pub(crate) struct State {
 /// Where the state is kept.
 #[derive(Debug)]
 pub(crate) struct StateFile {
-    path: PathBuf,
+    target: Target,
     design_crc32: u32,
 }
 
@@ -55,10 +55,10 @@ pub(crate) enum Found {
 }
 
 impl StateFile {
-    pub(crate) fn new(path: &Path, design: &Design<f64>) -> Self {
+    pub(crate) fn new(target: Target, design: &Design<f64>) -> Self {
         // Numbers print as the shortest text that gives them again: equal designs, equal text.
         let design_crc32 = crc32fast::hash(format!("{design:?}").as_bytes());
-        Self { path: path.to_owned(), design_crc32 }
+        Self { target, design_crc32 }
     }
 
     /// Writes a state in place of the one before.
@@ -77,17 +77,17 @@ impl StateFile {
             memory: *memory,
         };
         let text = serde_json::to_string(&state)?;
-        let (draft, mut file) = Draft::open(&self.path)?;
+        let (draft, mut file) = self.target.open()?;
         writeln!(file, "{text}\ncrc32 {:08x}", crc32fast::hash(text.as_bytes()))?;
         draft.map_or(Ok(()), Draft::publish)?;
         // The new name is on the disk only when its folder is.
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = self.target.path().parent().filter(|folder| !folder.as_os_str().is_empty());
         File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
     }
 
     /// Reads the state, if it is one and belongs to this design.
     pub(crate) fn load(&self) -> io::Result<Found> {
-        let file = match File::open(&self.path) {
+        let file = match File::open(self.target.path()) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
             Err(error) => return Err(error),
@@ -132,11 +132,11 @@ impl StateFile {
     /// Renames the file to the first free `NAME.aside-N`.
     fn put_aside(&self) -> io::Result<PathBuf> {
         for n in 1..=1000 {
-            let mut name = self.path.clone().into_os_string();
+            let mut name = self.target.path().as_os_str().to_owned();
             name.push(format!(".aside-{n}"));
             let aside = PathBuf::from(name);
             if !aside.exists() {
-                fs::rename(&self.path, &aside)?;
+                fs::rename(self.target.path(), &aside)?;
                 return Ok(aside);
             }
         }
@@ -148,7 +148,12 @@ impl StateFile {
 mod tests {
     use super::*;
     use cg_core::{Estimator, FilteredArx, Prior, Settings};
+    use cg_vehicle::output::{Files, Kind};
     use cg_vehicle::{Variant, Vehicle};
+
+    fn target(folder: &Path) -> Target {
+        Files::new(false).writes("--state", &folder.join("state.json"), Kind::State).unwrap()
+    }
 
     fn subject(folder: &Path) -> (StateFile, Memory<f64>) {
         let vehicle = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
@@ -156,7 +161,7 @@ mod tests {
         let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
         let estimator: Estimator<f64, FilteredArx<f64>> =
             Estimator::new(design, Settings::truck(), Prior::standard());
-        (StateFile::new(&folder.join("state.json"), &design), estimator.memory())
+        (StateFile::new(target(folder), &design), estimator.memory())
     }
 
     #[test]
@@ -178,7 +183,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, memory) = subject(folder.path());
         file.save(&memory, 1.5, None).unwrap();
-        let good = fs::read(&file.path).unwrap();
+        let good = fs::read(file.target.path()).unwrap();
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
             bad[bit / 8] ^= 1 << (bit % 8);
@@ -190,11 +195,11 @@ mod tests {
             assert!(file.parse(&good[..length]).is_err(), "{length} bytes");
         }
         for n in 1..3 {
-            fs::write(&file.path, b"{}").unwrap();
+            fs::write(file.target.path(), &good[..40]).unwrap();
             let Found::PutAside(aside, reason) = file.load().unwrap() else { panic!("aside") };
             assert!(aside.to_string_lossy().ends_with(&format!("state.json.aside-{n}")));
             assert_eq!(reason, "it has no checksum");
-            assert_eq!(fs::read(aside).unwrap(), b"{}");
+            assert_eq!(fs::read(aside).unwrap(), &good[..40]);
             assert_eq!(file.load().unwrap(), Found::Nothing);
         }
     }

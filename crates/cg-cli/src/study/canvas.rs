@@ -66,9 +66,10 @@ fn pixel([x, y]: [f64; 2]) -> (i32, i32) {
 }
 
 impl Canvas<'_> {
-    /// A page of this size, drawn by `draw`.
+    /// A page of this size, drawn by `draw`, with a comment at its head.
     pub(super) fn page(
         size: [f64; 2],
+        comment: &str,
         draw: impl FnOnce(&Canvas<'_>) -> anyhow::Result<()>,
     ) -> anyhow::Result<String> {
         let mut text = String::new();
@@ -83,7 +84,8 @@ impl Canvas<'_> {
         // Shown at its proper size; the view box keeps the fine pixels.
         let drawn = format!("<svg width=\"{wide}\" height=\"{high}\"");
         let shown = format!("<svg width=\"{:.0}\" height=\"{:.0}\"", size[0], size[1]);
-        Ok(text.replacen(&drawn, &shown, 1))
+        let head = format!(">\n<!-- {comment} -->\n");
+        Ok(text.replacen(&drawn, &shown, 1).replacen(">\n", &head, 1))
     }
 
     pub(super) fn line(

@@ -1,5 +1,6 @@
 //! A study as a page: one sentence on top, panels, the scenario below.
 
+use cg_vehicle::output::kind::STUDY_COMMENT;
 use cg_vehicle::study::{Abscissa, Panel, Response, Series, Study};
 use plotters::style::RGBColor;
 
@@ -58,7 +59,8 @@ pub(super) fn svg(study: &Study) -> anyhow::Result<String> {
     #[allow(clippy::cast_precision_loss)]
     let panels_high = panel_high * rows.len() as f64;
     let high = MARGIN + title_high + 10.0 + panels_high + notes_high + MARGIN;
-    Canvas::page([wide, high], |canvas| {
+    let made = format!("{STUDY_COMMENT} {}", study.name);
+    Canvas::page([wide, high], &made, |canvas| {
         paragraph(canvas, &title, MARGIN, bold)?;
         let mut top = MARGIN + title_high + 10.0;
         for row in rows {

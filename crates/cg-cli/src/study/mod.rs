@@ -19,13 +19,13 @@ use anyhow::{Context, anyhow};
 use cg_vehicle::Vehicle;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::log::LogReader;
+use cg_vehicle::output::{Draft, Files, Kind, Target};
 use cg_vehicle::study::{Recorded, Study, replay, studies, study};
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 
 use crate::Outcome;
 use crate::cli::StudyArgs;
-use crate::draft::Draft;
 use crate::estimate::file_name;
 use crate::truck;
 
@@ -35,12 +35,13 @@ const REPLAY: &str = "replay";
 /// Width of the printed summary.
 const WIDTH: u16 = 120;
 
-pub(crate) fn run(arguments: &StudyArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome> {
     let Some(name) = &arguments.name else { return list() };
     let folder = &arguments.output;
     if folder.exists() && !folder.is_dir() {
         return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));
     }
+    let targets = targets(arguments, name, files)?;
     let vehicle = arguments.vehicle.as_deref().map(truck::load).transpose()?;
     let study = match (name.as_str(), vehicle) {
         (REPLAY, Some(vehicle)) => replayed(arguments, &vehicle)?,
@@ -50,7 +51,7 @@ pub(crate) fn run(arguments: &StudyArgs) -> anyhow::Result<Outcome> {
         }
         (name, vehicle) => study(name, vehicle.as_ref())?,
     };
-    let files = write(&study, folder)?;
+    let files = write(&study, folder, &targets)?;
     print(&mut std::io::stdout().lock(), &study, &files)
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
@@ -87,22 +88,31 @@ fn list() -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// The table and the figure.
+fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[Target; 2]> {
+    let mut files = files
+        .reads_some("--vehicle", arguments.vehicle.as_deref())
+        .reads_some("--calibration", arguments.calibration.as_deref());
+    for run in &arguments.run {
+        files = files.reads("--run", Path::new(&run.known()?.log));
+    }
+    let path = |end| arguments.output.join(format!("{name}.{end}"));
+    Ok([
+        files.writes("--output", &path("csv"), Kind::Table)?,
+        files.writes("--output", &path("svg"), Kind::Figure)?,
+    ])
+}
+
 /// Both files or none; their names.
-fn write(study: &Study, folder: &Path) -> anyhow::Result<[String; 2]> {
+fn write(study: &Study, folder: &Path, targets: &[Target; 2]) -> anyhow::Result<[String; 2]> {
     let (table, figure) = (table::csv(study)?, figure::svg(study)?);
     if !folder.exists() {
         std::fs::create_dir(folder)
             .with_context(|| format!("{}: cannot be made; give a folder", folder.display()))?;
     }
-    let files = ["csv", "svg"].map(|end| folder.join(format!("{}.{end}", study.name)));
-    let drafts = [
-        Draft::write(&files[0], "--output", &table)?,
-        Draft::write(&files[1], "--output", &figure)?,
-    ];
-    for draft in drafts {
-        draft.publish()?;
-    }
-    Ok(files.map(|file| file.display().to_string()))
+    let drafts = [targets[0].write(&table)?, targets[1].write(&figure)?];
+    Draft::publish_all(drafts.into_iter().flatten())?;
+    Ok(targets.each_ref().map(|target| target.path().display().to_string()))
 }
 
 /// What is seen, and each statement of the source beside ours.

@@ -2,6 +2,7 @@
 //! panels stay empty.
 
 use anyhow::Context;
+use cg_vehicle::output::kind::STUDY_COMMENT;
 use cg_vehicle::study::{Abscissa, Panel, Study};
 
 use crate::units::{column, shown};
@@ -32,8 +33,11 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
         }
     }
     let rows = String::from_utf8(writer.into_inner().context("the table is cut short")?)?;
-    let told = std::iter::once(&study.finding).chain(&study.scenario);
-    let comments: String = told.flat_map(|line| ["# ", line, "\n"]).collect();
+    let made = format!("{STUDY_COMMENT} {}", study.name);
+    let told = [&made, &study.finding].into_iter().chain(&study.scenario);
+    // A line break in a vehicle's name would end the comment.
+    let told = told.map(|line| line.replace(char::is_control, " "));
+    let comments: String = told.flat_map(|line| ["# ".to_owned(), line, "\n".to_owned()]).collect();
     Ok(comments + &rows)
 }
 

@@ -89,6 +89,51 @@ fn a_log_without_a_turn_or_a_mass_makes_no_calibration() {
 }
 
 #[test]
+fn an_edited_calibration_is_noticed() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    calibrate(&kraz(), &[format!("{}=1.90", fixture(LADEN))], &file).done();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let with = |text: &str| {
+        let file = scratch.file("edited.toml", text);
+        estimate(&fixture(LADEN), &kraz(), &["--calibration", &file])
+    };
+    let line = text.lines().find(|line| line.starts_with("steer = ")).unwrap();
+    let edited = text.replace(line, &format!("{line}1"));
+    assert_ne!(edited, text);
+    let told = with(&edited);
+    let message = told.err.clone();
+    told.refused(&["edited.toml", "was edited or damaged", "run cg calibrate again"]);
+    // The remedy that the message names.
+    let sum = message.split('"').find(|part| part.starts_with("# crc32 ")).unwrap();
+    let body = edited.rsplit_once("# crc32 ").unwrap().0;
+    with(&format!("{body}{sum}")).done();
+    with(&text.replace('\n', "\r\n")).done();
+    // Cut short after a whole table, or at any line: never taken.
+    with(body).refused(&["has no checksum"]);
+    let lines: Vec<&str> = text.lines().collect();
+    for count in (0..lines.len()).step_by(7) {
+        assert_eq!(with(&lines[..count].join("\n")).code, Some(2), "{count} lines");
+    }
+}
+
+#[test]
+fn a_vehicle_of_any_name_gives_a_calibration_that_can_be_read_back() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let name = r#"name = "a\n[b] \"c\" = \r\u0001 '''""#;
+    let named = text.replace("name = \"kraz\"", name);
+    assert_ne!(named, text);
+    let vehicle = scratch.file("v.toml", named);
+    let file = scratch.path("c.toml");
+    let runs = [format!("{}=1.90", fixture(LADEN))];
+    calibrate(&vehicle, &runs, &file).done();
+    estimate(&fixture(LADEN), &vehicle, &["--calibration", &file]).done();
+    // And over itself: it is still known as ours.
+    calibrate(&vehicle, &runs, &file).done();
+}
+
+#[test]
 fn a_calibration_of_something_else_is_refused() {
     let scratch = Scratch::new();
     let file = scratch.path("c.toml");

@@ -11,6 +11,7 @@
 //! | `usage` | arguments that make no sense |
 //! | `output` | the formats of `cg estimate` |
 //! | `design` | designs for firmware |
+//! | `files` | what may be written, and what an interrupt leaves |
 //! | `model` | `cg model` beside the printed numbers |
 //! | `simulate` | logs with known truth, there and back |
 //! | `rollover` | every measure with its unit and its meaning |
@@ -24,6 +25,8 @@ mod calibrate;
 mod can;
 mod common;
 mod design;
+#[cfg(unix)]
+mod files;
 mod logs;
 mod memory;
 mod model;

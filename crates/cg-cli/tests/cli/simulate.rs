@@ -126,13 +126,14 @@ fn a_simulation_that_cannot_be_written_leaves_nothing() {
 #[test]
 fn a_simulation_that_fails_keeps_the_log_that_was_there() {
     let scratch = Scratch::new();
-    let log = scratch.file("log.csv", "precious");
+    let log = scratch.simulate("log.csv", &kraz(), &["--maneuver", "sine"]);
+    let before = bytes(&log);
     let vehicle = kraz();
     let simulate = ["simulate", "--vehicle", &vehicle, "--maneuver", "sine", "-o", &log];
     // The truck rolls over after some seconds.
     let plant = ["--plant", "nonlinear", "--steer-rad", "0.4", "--duration-s", "10"];
     cg(&[&simulate[..], &plant].concat()).refused(&["the vehicle rolled over at"]);
-    assert_eq!((scratch.names(), bytes(&log)), (vec!["log.csv".to_owned()], b"precious".to_vec()));
+    assert_eq!((scratch.names(), bytes(&log)), (vec!["log.csv".to_owned()], before));
 }
 
 /// A candump log has the frames of the same drive's CSV log, and its truth in the sidecar only.

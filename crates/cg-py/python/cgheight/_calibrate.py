@@ -22,6 +22,7 @@ def calibrate(
     model: Literal["complete", "as-printed"] = "complete",
     columns: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
+    force: bool = False,
 ) -> _native.Vehicle:
     """Calibrate a vehicle with logs whose height is known.
 
@@ -42,6 +43,9 @@ def calibrate(
         Equations of the vehicle.
     columns, flip
         As for `estimate_log`.
+    force : bool
+        Whether `output` may replace a file that is no calibration; never one of the runs or the
+        vehicle file.
 
     Returns
     -------
@@ -52,8 +56,10 @@ def calibrate(
     ------
     FileNotFoundError
         There is no such log.
+    FileExistsError
+        `output` is there and no calibration, and `force` is false.
     ValueError
-        A run is not as described, has no turn, or a load that the vehicle cannot have.
+        `output` is a run or the vehicle file; a run is not as described, has no turn, or a load that the vehicle cannot have.
 
     Examples
     --------
@@ -74,5 +80,7 @@ def calibrate(
         mass_kg = number("trailer_mass_kg", mass[0]) if mass else None
         known.append((os.fspath(log), number("height_m", height_m), mass_kg))
     date = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    _native.calibrate_files(vehicle, known, output, model, maps(columns), flips(flip), date)
+    _native.calibrate_files(
+        vehicle, known, output, model, maps(columns), flips(flip), date, bool(force)
+    )
     return vehicle.calibrated(output)

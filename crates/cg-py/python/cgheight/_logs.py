@@ -109,6 +109,24 @@ def read_log(
     return need("pandas", "pandas").DataFrame(signals(log, columns, flip))
 
 
+def write_request(
+    keyword: str,
+    path: str | os.PathLike[str],
+    log: Any,
+    vehicle: _native.Vehicle | None,
+    force: bool,
+) -> dict[str, Any]:
+    """Return the dict by which the compiled half decides whether a log may be written."""
+    source = os.fspath(log) if isinstance(log, str | os.PathLike) else None
+    return {
+        "keyword": keyword,
+        "path": os.fspath(path),
+        "log": source,
+        "vehicle": vehicle,
+        "force": bool(force),
+    }
+
+
 def write_log(
     log: str | os.PathLike[str] | Any,
     path: str | os.PathLike[str],
@@ -116,6 +134,7 @@ def write_log(
     vehicle: _native.Vehicle | None = None,
     columns: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
+    force: bool = False,
 ) -> None:
     """Write a log to a file: as a table, or as the J1939 frames that a truck would send.
 
@@ -125,13 +144,19 @@ def write_log(
         As for `estimate_log`.
     path : str or os.PathLike
         ``.csv`` or ``.csv.gz``, with SI columns; or CAN frames in ``.log`` (candump), ``.asc``,
-        ``.blf``, ``.mf4``, ``.trc``. It appears whole or, for ``.csv`` and ``.log``, not at all.
+        ``.blf``, ``.mf4``, ``.trc``. It appears whole or not at all.
     vehicle : Vehicle, optional
         For CAN frames: its steering ratio makes the steering-wheel angle, which J1939 has, of the
         road-wheel angle. Without, frames have no steering angle unless the log has that.
+    force : bool
+        Whether `path` may replace a file that this package did not write; never `log` itself or
+        the vehicle file. ``.asc``, ``.blf``, ``.mf4``, ``.trc`` and ``.log`` that does not begin at
+        time 0 cannot be told from recordings and always need it.
 
     Raises
     ------
+    FileExistsError
+        `path` is there and not ours, and `force` is false.
     ValueError
         The log is not as described, or `path` ends otherwise.
     OSError
@@ -144,22 +169,26 @@ def write_log(
     UserWarning
         Values beyond the range of their J1939 signal are written as "not available".
     """
-    table, target = signals(log, columns, flip), os.fspath(path)
-    ratio = None if vehicle is None else vehicle.steering_ratio
+    target = os.fspath(path)
+    request = write_request("path", target, log, vehicle, force)
+    _native.may_write(request)
+    table = signals(log, columns, flip)
     truth = [f"truth {key} = {value}" for key, value in getattr(log, "truth", {}).items()]
     if not is_can(target) or target.lower().endswith(".log"):
-        lost = _native.write_file(target, table, truth, ratio)
+        lost = _native.write_file(request, table, truth)
     else:
         can = need("can", "can")
         if target.lower().endswith(".mf4"):
             need("asammdf", "can")
         with TemporaryDirectory() as folder:
             frames = os.path.join(folder, "frames.log")
-            lost = _native.write_file(frames, table, truth, ratio)
-            with can.LogReader(frames) as reader, can.Logger(target) as writer:
+            lost = _native.write_file(request | {"path": frames}, table, truth)
+            packed = os.path.join(folder, "packed" + PurePath(target).suffix.lower())
+            with can.LogReader(frames) as reader, can.Logger(packed) as writer:
                 for message in reader:
                     message.is_rx = True
                     writer.on_message_received(message)
+            _native.copy_file(packed, request)
     if lost:
         warnings.warn(
             f"{target}: {lost} values beyond the range of their J1939 signal are written as "

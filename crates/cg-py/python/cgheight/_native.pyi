@@ -15,11 +15,13 @@ __all__ = [
     "Vehicle",
     "__version__",
     "calibrate_files",
+    "copy_file",
     "decode_j1939",
     "estimate_arrays",
     "estimate_file",
     "fit_arx",
     "linear_model",
+    "may_write",
     "predict_roll",
     "read_file",
     "reproduce_tables",
@@ -145,6 +147,7 @@ def calibrate_files(
     columns: list[str],
     flip: list[str],
     date: str,
+    force: bool,
     /,
 ) -> None:
     """Calibrate with log files and write the calibration file."""
@@ -193,11 +196,16 @@ def reproduce_tables(name: str | None, runs: int, seed: int, /) -> dict[str, lis
 def restore_vehicle(text: str, file: str, calibration: str | None, /) -> Vehicle:
     """Return a vehicle from the text of its file, and of its calibration if it has one."""
 
+def may_write(request: dict[str, Any], /) -> None:
+    """Refuse, before any work is done, a log that may not be written."""
+
+def copy_file(source: str | os.PathLike[str], request: dict[str, Any], /) -> None:
+    """Copy a file to that of the request; it appears there whole or not at all."""
+
 def write_file(
-    path: str | os.PathLike[str],
+    request: dict[str, Any],
     signals: dict[str, NDArray[np.float64]],
     comments: list[str],
-    steering_ratio: float | None,
     /,
 ) -> int:
     """Write arrays to a log; return how many values no J1939 signal can hold."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cgheight import _native, _show
 from cgheight._arrays import number
 from cgheight._extras import need
-from cgheight._logs import write_log
+from cgheight._logs import write_log, write_request
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -141,6 +141,7 @@ def simulate(
     steering_wheel: bool = False,
     seed: int = 1,
     output: str | os.PathLike[str] | None = None,
+    force: bool = False,
 ) -> SimulatedLog:
     """Simulate a log with known truth, as `cg simulate` does.
 
@@ -198,6 +199,8 @@ def simulate(
         Seed of sensors and drive.
     output : str or os.PathLike, optional
         Also write the log, as `write_log` does.
+    force : bool
+        Whether `output` may replace a file that is no log of ours; never the vehicle file.
 
     Returns
     -------
@@ -208,6 +211,8 @@ def simulate(
     ------
     ValueError
         A number is out of range, the vehicle has no such load, or keywords exclude each other.
+    FileExistsError
+        `output` is there and no log of ours, and `force` is false.
     OSError
         `output` cannot be written.
 
@@ -224,11 +229,14 @@ def simulate(
     True
     """
     given = {key: value for key, value in locals().items()
-             if key not in ("vehicle", "maneuver", "output")}  # fmt: skip
-    signals, truth = _native.simulate_log(vehicle, _request(maneuver, given))
+             if key not in ("vehicle", "maneuver", "output", "force")}  # fmt: skip
+    request = _request(maneuver, given)
+    if output is not None:
+        _native.may_write(write_request("output", output, None, vehicle, force))
+    signals, truth = _native.simulate_log(vehicle, request)
     log = SimulatedLog(signals, json.loads(truth))
     if output is not None:
-        write_log(log, output, vehicle=vehicle)
+        write_log(log, output, vehicle=vehicle, force=force)
     return log
 
 

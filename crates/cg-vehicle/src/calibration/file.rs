@@ -17,6 +17,8 @@ use crate::vehicle::{Load, Vehicle};
 const DETERMINED: f64 = 0.5;
 /// Below this share the runs say next to nothing of it.
 const UNDETERMINED: f64 = 0.1;
+/// How the line with the checksum of all before it begins; to TOML it is a comment.
+const CHECKSUM: &str = "# crc32 ";
 /// Greatest relative difference between a model ratio in the file and the vehicle's now.
 const SAME_RATIO: f64 = 1e-6;
 
@@ -168,7 +170,8 @@ impl Calibration {
         Self::parse(&text, &file, vehicle)
     }
 
-    /// Checks the text of a calibration of `vehicle`; `file` is its name in messages.
+    /// Checks the text of a calibration of `vehicle`; `file` is its name in messages. Its last line
+    /// must hold the checksum of all before it: a calibration that was edited or cut short is none.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -177,6 +180,7 @@ impl Calibration {
             toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
         calibration
             .check(vehicle)
+            .and_then(|()| check_sum(text))
             .map_err(|reason| VehicleError::Model(format!("{file}: {reason}")))?;
         Ok(calibration)
     }
@@ -188,10 +192,13 @@ impl Calibration {
     pub fn to_toml(&self) -> Result<String, VehicleError> {
         let text = toml::to_string(self)
             .map_err(|error| VehicleError::Model(format!("calibration: {error}")))?;
-        Ok(format!(
-            "# Calibration of the vehicle \"{}\" (cg calibrate). The vehicle file is not changed by it.\n{text}",
-            self.vehicle
-        ))
+        let text = format!(
+            "# Calibration of the vehicle \"{}\" (cg calibrate). The vehicle file is not changed by it.\n\
+             # The last line holds the checksum of all before it: do not edit.\n{text}",
+            // A line break in a name would end the comment.
+            self.vehicle.replace(char::is_control, " ")
+        );
+        Ok(format!("{text}{CHECKSUM}{:08x}\n", checksum(&text)))
     }
 
     /// The belief that it stands for.
@@ -264,6 +271,31 @@ impl Calibration {
         }
         Ok(())
     }
+}
+
+/// CRC-32 of a text; line ends of another system and empty lines at its end make no difference.
+fn checksum(text: &str) -> u32 {
+    crc32fast::hash(text.trim_ascii_end().replace("\r\n", "\n").as_bytes())
+}
+
+/// Whether the text is as it was written.
+fn check_sum(text: &str) -> Result<(), String> {
+    let text = text.trim_ascii_end();
+    let (content, last) = text.rsplit_once('\n').unwrap_or(("", text));
+    let (content, told) = match last.strip_prefix(CHECKSUM) {
+        Some(told) => (content, Some(told)),
+        None => (text, None),
+    };
+    let now = checksum(content);
+    let what = match told {
+        Some(told) if u32::from_str_radix(told, 16) == Ok(now) => return Ok(()),
+        Some(_) => "was edited or damaged since it was made: its checksum is wrong",
+        None => "was edited, cut short or made by an older version: it has no checksum",
+    };
+    Err(format!(
+        "the calibration {what}; run cg calibrate again, or make \"{CHECKSUM}{now:08x}\" its last \
+         line if you stand by every number in it"
+    ))
 }
 
 fn entry(name: Parameter, prior: &Belief, belief: &Belief) -> ParameterEntry {

@@ -16,14 +16,13 @@
 
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
-use std::path::Path;
 
 use cg_core::j1939::{
     LATERAL_ACCELERATION, NOT_AVAILABLE, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
     TRAILER_AXLE_LOAD, TRAILER_MASS, YAW_RATE,
 };
 
-use crate::draft::Draft;
+use crate::output::{Draft, Target};
 
 use super::error::{LogError, Place, Position};
 use super::signal::LogRow;
@@ -55,13 +54,13 @@ impl CandumpWriter {
     ///
     /// # Errors
     /// The file cannot be made.
-    pub fn create(path: &Path, steering_ratio: f64) -> Result<Self, LogError> {
-        let file: Box<str> = path.display().to_string().into();
+    pub fn create(target: &Target, steering_ratio: f64) -> Result<Self, LogError> {
+        let file: Box<str> = target.path().display().to_string().into();
         let fail = |source| {
             let place = Place { file: file.clone(), position: Position::File };
             LogError::Write { place, source }
         };
-        let (draft, sink) = Draft::open(path).map_err(fail)?;
+        let (draft, sink) = target.open().map_err(fail)?;
         Ok(Self {
             sink: BufWriter::new(Box::new(sink)),
             draft,
@@ -170,12 +169,18 @@ impl CandumpWriter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::{Files, Kind};
+
+    fn writer(path: &std::path::Path) -> CandumpWriter {
+        let target = Files::new(false).writes("path", path, Kind::Log).unwrap();
+        CandumpWriter::create(&target, 20.0).unwrap()
+    }
 
     #[test]
     fn rows_become_frames_at_their_cycles() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("drive.log");
-        let mut writer = CandumpWriter::create(&path, 20.0).unwrap();
+        let mut writer = writer(&path);
         for k in 0..11 {
             writer
                 .write_row(&LogRow {
@@ -203,7 +208,7 @@ mod tests {
     fn the_load_of_the_axles_is_sent_where_the_mass_is_not_known() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("drive.log");
-        let mut writer = CandumpWriter::create(&path, 20.0).unwrap();
+        let mut writer = writer(&path);
         let row = LogRow { time_s: 0.0, trailer_axle_load_kg: 18_000.0, ..LogRow::ABSENT };
         writer.write_row(&row).unwrap();
         writer.finish().unwrap();
@@ -215,7 +220,7 @@ mod tests {
     #[test]
     fn what_no_signal_can_hold_is_counted_and_absent() {
         let folder = tempfile::tempdir().unwrap();
-        let mut writer = CandumpWriter::create(&folder.path().join("a.log"), 20.0).unwrap();
+        let mut writer = writer(&folder.path().join("a.log"));
         writer.write_row(&LogRow { time_s: 0.0, speed_mps: 500.0, ..LogRow::ABSENT }).unwrap();
         assert_eq!(writer.out_of_range(), 1);
     }

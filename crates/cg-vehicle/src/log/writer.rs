@@ -2,12 +2,11 @@
 
 use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use crate::draft::Draft;
+use crate::output::{Draft, Target};
 
 use super::columns::resolve;
 use super::error::{ColumnName, LogError, Place, Position};
@@ -56,12 +55,17 @@ impl LogWriter {
     /// Begins a `.csv` or `.csv.gz` file with comment lines and the header.
     ///
     /// A path that leads to no regular file, such as `/dev/stdout` or a pipe, is written
-    /// directly.
+    /// directly. Which files may be written is for [`Files`](crate::output::Files) to say.
     ///
     /// # Errors
     ///
     /// The file cannot be made, the name ends in `.parquet`, or the columns are no log.
-    pub fn create(path: &Path, comments: &[String], columns: &[Signal]) -> Result<Self, LogError> {
+    pub fn create(
+        target: &Target,
+        comments: &[String],
+        columns: &[Signal],
+    ) -> Result<Self, LogError> {
+        let path = target.path();
         let name = path.display().to_string();
         let place = || Place { file: name.as_str().into(), position: Position::File };
         let ends_in = |end| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(end));
@@ -70,7 +74,7 @@ impl LogWriter {
         }
         check_columns(&place(), columns)?;
         let fail = |source| LogError::Write { place: place(), source };
-        let (draft, file) = Draft::open(path).map_err(fail)?;
+        let (draft, file) = target.open().map_err(fail)?;
         let buffer: BufWriter<Box<dyn Write + Send>> = BufWriter::new(Box::new(file));
         let sink = if ends_in("gz") {
             Sink::Gzip(Box::new(GzEncoder::new(buffer, Compression::default())))

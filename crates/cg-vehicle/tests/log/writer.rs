@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use cg_vehicle::log::LogWriter;
+use cg_vehicle::output::{Files, Kind};
 use proptest::prelude::*;
 
 use super::*;
@@ -14,6 +15,12 @@ const COLUMNS: [Signal; 3] = [Signal::Time, Signal::Steer, Signal::Roll];
 
 fn row(time_s: f64, steer_rad: f64, roll_rad: f64) -> LogRow {
     LogRow { time_s, steer_rad, roll_rad, ..LogRow::ABSENT }
+}
+
+/// A writer to a file, whatever is there.
+fn writer(path: &Path) -> Result<LogWriter, LogError> {
+    let target = Files::new(true).writes("path", path, Kind::Log).unwrap();
+    LogWriter::create(&target, &[], &COLUMNS)
 }
 
 /// A stream whose bytes can be looked at afterwards.
@@ -74,7 +81,7 @@ fn a_file_takes_its_name_when_it_is_finished_and_leaves_nothing_before() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.csv");
     fs::write(&path, "old").unwrap();
-    let begin = || LogWriter::create(&path, &[], &COLUMNS).unwrap();
+    let begin = || writer(&path).unwrap();
     let mut log = begin();
     log.write_row(&row(0.0, 0.1, -0.2)).unwrap();
     assert_eq!((names(folder.path()).len(), fs::read_to_string(&path).unwrap()), (2, "old".into()));
@@ -95,14 +102,14 @@ fn a_file_takes_its_name_when_it_is_finished_and_leaves_nothing_before() {
 fn a_name_in_gz_is_packed_and_one_in_parquet_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.csv.gz");
-    let mut log = LogWriter::create(&path, &[], &COLUMNS).unwrap();
+    let mut log = writer(&path).unwrap();
     log.write_row(&row(0.0, 0.1, -0.2)).unwrap();
     log.finish().unwrap();
     assert_eq!(fs::read(&path).unwrap()[..2], [0x1f, 0x8b]);
     let rows: Result<Vec<_>, _> = LogReader::open(&path, &LogOptions::default()).unwrap().collect();
     assert_eq!(rows.unwrap()[0].roll_rad, -0.2);
     let path = folder.path().join("drive.parquet");
-    let error = LogWriter::create(&path, &[], &COLUMNS).err().unwrap();
+    let error = writer(&path).err().unwrap();
     says(&error, &["only CSV", ".csv.gz"]);
 }
 
@@ -110,14 +117,14 @@ fn a_name_in_gz_is_packed_and_one_in_parquet_is_refused() {
 fn a_folder_that_is_not_there_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("none").join("drive.csv");
-    let error = LogWriter::create(&path, &[], &COLUMNS).err().unwrap();
+    let error = writer(&path).err().unwrap();
     says(&error, &["cannot be written", "check the folder"]);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_device_is_written_to_and_a_link_stays_a_link() {
-    let mut log = LogWriter::create(Path::new("/dev/null"), &[], &COLUMNS).unwrap();
+    let mut log = writer(Path::new("/dev/null")).unwrap();
     log.write_row(&row(0.0, 0.1, -0.2)).unwrap();
     log.finish().unwrap();
     assert!(!fs::metadata("/dev/null").unwrap().is_file());
@@ -125,7 +132,7 @@ fn a_device_is_written_to_and_a_link_stays_a_link() {
     let (link, target) = (folder.path().join("link.csv"), folder.path().join("drive.csv"));
     fs::write(&target, "").unwrap();
     std::os::unix::fs::symlink(&target, &link).unwrap();
-    LogWriter::create(&link, &[], &COLUMNS).unwrap().finish().unwrap();
+    writer(&link).unwrap().finish().unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert!(fs::read_to_string(&target).unwrap().starts_with("time_s,"));
 }

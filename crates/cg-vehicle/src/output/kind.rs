@@ -1,0 +1,161 @@
+//! Which files are ours: each kind of output begins in a way that nothing else does.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::Path;
+
+use flate2::read::GzDecoder;
+use serde_json::Value;
+
+/// As much of a file is looked at, bytes; the truth of a log and a state are shorter.
+const HEAD: u64 = 1 << 20;
+/// How a state file begins.
+pub const STATE_HEAD: &str = "{\"format\":\"cg-height state\"";
+/// The comment of a log that is no simulated one.
+pub const LOG_COMMENT: &str = "cg-height log";
+/// The comment of a study's table and figure.
+pub const STUDY_COMMENT: &str = "cg study";
+
+/// A kind of output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A log: CSV, also in gzip, or lines of candump.
+    Log,
+    /// CAN frames in another program's format: not to be told from recorded ones.
+    Frames,
+    /// The truth of a simulated log.
+    Truth,
+    /// A calibration.
+    Calibration,
+    /// A design for firmware.
+    Design,
+    /// The page of `cg estimate`.
+    Report,
+    /// A study's table.
+    Table,
+    /// A study's figure.
+    Figure,
+    /// What `cg run` keeps over restarts.
+    State,
+    /// Its metrics.
+    Metrics,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            Self::Log => "log",
+            Self::Frames => "CAN log",
+            Self::Truth => "truth of a simulated log",
+            Self::Calibration => "calibration",
+            Self::Design => "design",
+            Self::Report => "report",
+            Self::Table => "table of a study",
+            Self::Figure => "figure of a study",
+            Self::State => "state",
+            Self::Metrics => "metrics file",
+        })
+    }
+}
+
+impl Kind {
+    /// Whether the file is an output of this kind. One that cannot be read is nobody's.
+    pub(crate) fn is_ours(self, path: &Path) -> bool {
+        head(path).is_ok_and(|head| self.is_head_of_ours(&head))
+    }
+
+    fn is_head_of_ours(self, head: &[u8]) -> bool {
+        let starts = |with: &str| head.starts_with(with.as_bytes());
+        match self {
+            // A recording's clock does not begin at zero.
+            Self::Log => {
+                (starts("# truth ") && holds(head, "\n# truth noise_sd_rad = "))
+                    || starts(&format!("# {LOG_COMMENT}\n"))
+                    || starts("(0.000000) can0 ")
+            }
+            Self::Frames => false,
+            Self::Truth => serde_json::from_slice(head).is_ok_and(|truth: Value| {
+                ["height_m", "noise_sd_rad", "seed"].iter().all(|key| truth.get(key).is_some())
+            }),
+            Self::Calibration => starts("# Calibration of the vehicle \""),
+            Self::Design => {
+                starts("// Design of the vehicle \"")
+                    || starts("{\n    \"comment\": \"Design of the vehicle ")
+            }
+            Self::Report => holds(head, "<meta name=\"generator\" content=\"cg estimate\">"),
+            Self::Table => starts(&format!("# {STUDY_COMMENT} ")),
+            Self::Figure => starts("<svg ") && holds(head, &format!("<!-- {STUDY_COMMENT} ")),
+            Self::State => looks_like_a_state(head),
+            Self::Metrics => starts("# HELP cg_"),
+        }
+    }
+}
+
+/// Whether this is what is left of a state file: one that power failed in, or a disk spoilt, holds
+/// zeros or a part of it.
+fn looks_like_a_state(bytes: &[u8]) -> bool {
+    bytes.iter().all(|byte| *byte == 0)
+        || STATE_HEAD.as_bytes().starts_with(bytes)
+        || [STATE_HEAD, "\"design_crc32\":", "\"load_since_s\":", "\ncrc32 "]
+            .iter()
+            .any(|part| holds(bytes, part))
+}
+
+fn holds(text: &[u8], part: &str) -> bool {
+    memchr::memmem::find(text, part.as_bytes()).is_some()
+}
+
+/// The first bytes of a file, unpacked.
+fn head(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = BufReader::new(File::open(path)?);
+    let mut head = Vec::new();
+    if file.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
+        GzDecoder::new(file).take(HEAD).read_to_end(&mut head)?;
+    } else {
+        file.take(HEAD).read_to_end(&mut head)?;
+    }
+    Ok(head)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_damaged_state_is_still_ours_and_another_file_is_not() {
+        let state = format!(
+            "{STATE_HEAD},\"version\":1,\"design_crc32\":1,\"saved_s\":0.0,\"load_since_s\":null}}\ncrc32 00112233\n"
+        );
+        let ours = |bytes: &[u8]| Kind::State.is_head_of_ours(bytes);
+        for length in 0..state.len() {
+            assert!(ours(&state.as_bytes()[..length]), "{length} bytes");
+            let mut zeros = state.clone().into_bytes();
+            zeros[..length].fill(0);
+            // The line with the checksum is the last trace.
+            assert!(ours(&zeros) || length > state.len() - 17, "{length} zeros");
+        }
+        for bit in 0..state.len() * 8 {
+            let mut bad = state.clone().into_bytes();
+            bad[bit / 8] ^= 1 << (bit % 8);
+            assert!(ours(&bad), "bit {bit}");
+        }
+        for other in
+            ["{}", "name = \"kraz\"\n", "time_s,steer_rad,roll_rad\n", "{\"format\":\"x\"}"]
+        {
+            assert!(!ours(other.as_bytes()), "{other}");
+        }
+    }
+
+    #[test]
+    fn a_recording_is_not_ours() {
+        for recorded in [
+            "(1436509052.249713) can0 18F0090B#7E7DFF007D807DFF\n",
+            "(0000000000.000000) can0 18F0090B#7E7DFF007D807DFF\n",
+            "time_s,steer_rad,roll_rad\n0,0,0\n",
+            "# truth is out there\ntime_s,steer_rad,roll_rad\n",
+        ] {
+            assert!(!Kind::Log.is_head_of_ours(recorded.as_bytes()), "{recorded}");
+        }
+    }
+}
