@@ -162,7 +162,7 @@ fn thresholds(
             Variant::Complete => mass_kg,
             Variant::AsPrinted => load.trailer_mass_kg,
         };
-        let plane = RollPlane::new(vehicle, Load { trailer_mass_kg, ..load }, compliance)?;
+        let plane = RollPlane::new(vehicle, Load { trailer_mass_kg, ..load }, 40.0/3.6, compliance)?;
         #[allow(clippy::cast_precision_loss)] // indices
         let height_m = |k: usize| {
             range.least_m + (range.greatest_m - range.least_m) * k as f64 / (HEIGHTS - 1) as f64

@@ -125,7 +125,7 @@ pub fn measures(
 
 fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), VehicleError> {
     let options = &subject.options;
-    let on_board = on_board(subject.vehicle, subject.load)?;
+    let on_board = on_board(subject.vehicle, subject.load, options.speed_mps)?;
     all.add(
         "static_stability_factor_g",
         "g",

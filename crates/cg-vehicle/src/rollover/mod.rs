@@ -35,8 +35,10 @@ pub mod offtracking;
 mod ramp;
 mod roll_plane;
 pub mod small;
+mod support;
 mod time;
 mod transfer;
+mod turn;
 
 pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
 pub use on_board::on_board;

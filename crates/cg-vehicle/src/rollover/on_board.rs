@@ -13,10 +13,10 @@ use crate::vehicle::{Load, Vehicle};
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.
-pub fn on_board(vehicle: &Vehicle, load: Load) -> Result<Rollover<f64>, VehicleError> {
+pub fn on_board(vehicle: &Vehicle, load: Load, speed_mps: f64) -> Result<Rollover<f64>, VehicleError> {
     // On board the effective track is that of the vehicle file's reference load.
     let design = rollover(vehicle, vehicle.reference_load())?;
-    let threshold_g = RollPlane::new(vehicle, load, 1.0)?.threshold_g(load.cg_height_m);
+    let threshold_g = RollPlane::new(vehicle, load, speed_mps, 1.0)?.threshold_g(load.cg_height_m);
     let line = ThresholdLine { threshold_g: [threshold_g; _] };
     let height = Measured::exact(load.cg_height_m);
     let span_m = [vehicle.height.least_m, vehicle.height.greatest_m];
