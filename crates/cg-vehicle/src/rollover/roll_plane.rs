@@ -21,8 +21,8 @@
 //! diagram of moment over roll angle, here with its corners computed).
 
 use super::support::{Springs, Tyres};
-use super::turn::{Drift, Sides, Turn};
-use crate::balance::static_balance;
+use super::turn::{Drift, Sides, Standing, Turn};
+use crate::balance::{StaticBalance, balance_on, static_balance};
 use crate::error::VehicleError;
 use crate::plant::Hitch;
 use crate::vehicle::{Load, PlacedAxle, Vehicle};
@@ -42,16 +42,12 @@ const FIRST: f64 = 0.01;
 struct Axle {
     on_trailer: bool,
     steered: bool,
-    /// Which pair of springs.
-    group: usize,
     half_spread_m: f64,
     auxiliary_nm_per_rad: f64,
     tyres: Tyres,
-    /// `C`.
-    weight_nm: f64,
     roll_center_m: f64,
     center_m: f64,
-    sprung_n: f64,
+    own_n: f64,
 }
 
 /// A pair of springs and the axles that share it.
@@ -62,15 +58,16 @@ struct Group {
 
 /// What the roll plane of a vehicle under a trailer mass at a speed consists of; the height is left
 /// open.
-pub(crate) struct RollPlane {
+pub(crate) struct RollPlane<'a> {
+    vehicle: &'a Vehicle,
+    load: Load,
+    balance: StaticBalance,
     axles: Vec<Axle>,
     groups: Vec<Group>,
     turn: Turn,
     hitch: Hitch,
     hitch_height_m: f64,
-    hitch_load_n: f64,
-    /// `B1`, and the part of `A1` that its own mass has.
-    tractor_nm: f64,
+    /// Of the tractor's sprung mass about the road.
     tractor_own_nm: f64,
     /// Roll angle of the true vehicle over that of the file's.
     compliance: f64,
@@ -81,12 +78,14 @@ struct Point {
     alpha: f64,
     tractor_rad: f64,
     axles_rad: Vec<f64>,
+    axle_load_n: Vec<f64>,
+    hitch_load_n: f64,
     sides: Sides,
     drift: Drift,
 }
 
-/// Moments of the trailer about the points that carry it: by `α` and by its roll.
-struct Trailer {
+/// Moments of a body about the points that carry it: by `α` and by its roll.
+struct Held {
     side_nm: f64,
     weight_nm: f64,
 }
@@ -99,41 +98,33 @@ struct Follows {
     side: f64,
 }
 
-impl RollPlane {
+impl<'a> RollPlane<'a> {
     /// `compliance` scales every roll angle: the compensation `R_c` of a calibration.
     ///
     /// # Errors
     /// As [`static_balance`].
     pub(crate) fn new(
-        vehicle: &Vehicle,
+        vehicle: &'a Vehicle,
         load: Load,
         speed_mps: f64,
         compliance: f64,
     ) -> Result<Self, VehicleError> {
         let balance = static_balance(vehicle, load)?;
         let placed = vehicle.axles();
-        let mut axles: Vec<Axle> = placed
-            .iter()
-            .zip(&balance.axle_load_n)
-            .map(|(placed, &load_n)| axle(vehicle, placed, load_n))
-            .collect();
-        let groups = groups(vehicle, &placed, &mut axles);
+        let axles: Vec<Axle> = placed.iter().map(|placed| axle(vehicle, placed)).collect();
+        let sprung_n: Vec<f64> =
+            axles.iter().zip(&balance.axle_load_n).map(|(axle, n)| n - axle.own_n).collect();
         let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
-        let carried: f64 = axles
-            .iter()
-            .filter(|axle| !axle.on_trailer)
-            .map(|axle| axle.sprung_n * axle.roll_center_m)
-            .sum();
-        let own = tractor.sprung_mass_kg * vehicle.gravity_mps2 * tractor.cg_height_m;
         Ok(Self {
-            tractor_nm: own + balance.hitch_load_n * hitch.height_m - carried,
-            tractor_own_nm: own,
+            vehicle,
+            load,
+            balance,
+            tractor_own_nm: tractor.sprung_mass_kg * vehicle.gravity_mps2 * tractor.cg_height_m,
             axles,
-            groups,
+            groups: groups(vehicle, &placed, &sprung_n),
             turn: Turn::new(vehicle, &vehicle.trailer_sprung_mass(load)?, speed_mps),
             hitch: Hitch::of(hitch),
             hitch_height_m: hitch.height_m,
-            hitch_load_n: balance.hitch_load_n,
             compliance,
         })
     }
@@ -146,81 +137,133 @@ impl RollPlane {
             roll_rad += STEP_RAD;
             self.solve(cg_height_m, roll_rad, &mut point);
             greatest = greatest.max(point.alpha);
-            if self.axles.iter().zip(&point.axles_rad).all(|(axle, angle)| {
-                axle.steered || axle.tyres.inner_lifted(angle / self.compliance)
-            }) {
+            let lifted = |i: usize| {
+                let (axle, angle_rad) = (&self.axles[i], point.axles_rad[i] / self.compliance);
+                axle.steered || axle.tyres.inner_lifted(point.axle_load_n[i], angle_rad)
+            };
+            if (0..self.axles.len()).all(lifted) {
                 break;
             }
+            self.shift(&mut point);
             self.turn_on(roll_rad, &mut point);
         }
         greatest
     }
 
     fn start(&self) -> Option<Point> {
-        let mut drift = Drift::default();
-        let upright = vec![0.0; self.axles.len()];
-        let tyres: Vec<_> = self.axles.iter().map(|axle| (&axle.tyres, 0.0)).collect();
-        let sides = self.turn.sides(FIRST, &upright, &tyres, &mut drift)?;
-        Some(Point { alpha: 0.0, tractor_rad: 0.0, axles_rad: upright, sides, drift })
+        let mut point = Point {
+            alpha: 0.0,
+            tractor_rad: 0.0,
+            axles_rad: vec![0.0; self.axles.len()],
+            axle_load_n: self.balance.axle_load_n.clone(),
+            hitch_load_n: self.balance.hitch_load_n,
+            sides: Sides::default(),
+            drift: Drift::default(),
+        };
+        self.turn_on(0.0, &mut point).then_some(point)
     }
 
     /// The turn at the lateral acceleration found; where the tyres do not hold it, the vehicle slides
     /// before it tips, and the distribution of forces stays as it last was.
-    fn turn_on(&self, roll_rad: f64, point: &mut Point) {
-        let angles = self.axles.iter().zip(&point.axles_rad);
-        let body = |axle: &Axle| if axle.on_trailer { roll_rad } else { point.tractor_rad };
-        let lean: Vec<f64> = angles.clone().map(|(axle, angle)| body(axle) - angle).collect();
-        let tyres: Vec<_> =
-            angles.map(|(axle, angle)| (&axle.tyres, angle / self.compliance)).collect();
-        let mut drift = point.drift;
-        if let Some(sides) = self.turn.sides(point.alpha.max(FIRST), &lean, &tyres, &mut drift) {
-            (point.sides, point.drift) = (sides, drift);
-        }
-    }
-
-    fn trailer(&self, cg_height_m: f64, sides: &Sides) -> Trailer {
-        let above_m = cg_height_m - self.hitch_height_m;
-        let mut trailer = Trailer {
-            side_nm: sides.hitch_n[0] * above_m,
-            weight_nm: self.hitch_load_n * above_m,
-        };
-        for (axle, side_n) in self.axles.iter().zip(&sides.axle_n).filter(|(a, _)| a.on_trailer) {
-            trailer.side_nm += side_n * (cg_height_m - axle.roll_center_m);
-            trailer.weight_nm += axle.sprung_n * (cg_height_m - axle.roll_center_m);
-        }
-        trailer
-    }
-
-    /// `A1`.
-    fn tractor_side_nm(&self, sides: &Sides) -> f64 {
-        let carried: f64 = self
+    fn turn_on(&self, roll_rad: f64, point: &mut Point) -> bool {
+        let standing: Vec<_> = self
             .axles
             .iter()
-            .zip(&sides.axle_n)
-            .filter(|(axle, _)| !axle.on_trailer)
-            .map(|(axle, side_n)| side_n * axle.roll_center_m)
-            .sum();
-        self.tractor_own_nm * sides.tractor + sides.hitch_n[1] * self.hitch_height_m - carried
+            .enumerate()
+            .map(|(i, axle)| Standing {
+                tyres: &axle.tyres,
+                load_n: point.axle_load_n[i],
+                angle_rad: point.axles_rad[i] / self.compliance,
+                lean_rad: if axle.on_trailer { roll_rad } else { point.tractor_rad }
+                    - point.axles_rad[i],
+            })
+            .collect();
+        let mut drift = point.drift;
+        let found = self.turn.sides(point.alpha.max(FIRST), &standing, &mut drift);
+        let holds = found.is_some();
+        if let Some(sides) = found {
+            (point.sides, point.drift) = (sides, drift);
+        }
+        holds
+    }
+
+    /// An axle rises as its inner wheels leave the road, and takes load from others that do not
+    /// share theirs with it. Half of the shift is taken at each step: an axle with more load also
+    /// rolls less, nearly as much, and the whole would overshoot.
+    fn shift(&self, point: &mut Point) {
+        if self.groups.len() <= 3 {
+            return; // Forces and moments alone decide.
+        }
+        let gives: Vec<_> = (0..self.axles.len())
+            .map(|i| {
+                let angle_rad = point.axles_rad[i] / self.compliance;
+                self.axles[i].tyres.give(point.axle_load_n[i], angle_rad)
+            })
+            .collect();
+        if let Ok(balance) = balance_on(self.vehicle, self.load, &gives) {
+            point.hitch_load_n = 0.5 * (point.hitch_load_n + balance.hitch_load_n);
+            for (load_n, found_n) in point.axle_load_n.iter_mut().zip(balance.axle_load_n) {
+                *load_n = 0.5 * (*load_n + found_n);
+            }
+        }
+    }
+
+    /// What the axles of a body carry of it, side forces and weights, times the heights of their roll
+    /// centres.
+    fn carried(&self, on_trailer: bool, point: &Point) -> [Held; 2] {
+        let none = || Held { side_nm: 0.0, weight_nm: 0.0 };
+        let (mut force, mut moment) = (none(), none());
+        for (i, axle) in self.axles.iter().enumerate().filter(|(_, a)| a.on_trailer == on_trailer) {
+            let (side_n, weight_n) = (point.sides.axle_n[i], point.axle_load_n[i] - axle.own_n);
+            force.side_nm += side_n;
+            force.weight_nm += weight_n;
+            moment.side_nm += side_n * axle.roll_center_m;
+            moment.weight_nm += weight_n * axle.roll_center_m;
+        }
+        [force, moment]
+    }
+
+    /// `A2` and `B2`.
+    fn trailer(&self, cg_height_m: f64, point: &Point) -> Held {
+        let [force, moment] = self.carried(true, point);
+        let above_m = cg_height_m - self.hitch_height_m;
+        Held {
+            side_nm: point.sides.hitch_n[0] * above_m + force.side_nm * cg_height_m
+                - moment.side_nm,
+            weight_nm: point.hitch_load_n * above_m + force.weight_nm * cg_height_m
+                - moment.weight_nm,
+        }
+    }
+
+    /// `A1` and `B1`.
+    fn tractor(&self, point: &Point) -> Held {
+        let [_, moment] = self.carried(false, point);
+        let (own, hitch_m) = (self.tractor_own_nm, self.hitch_height_m);
+        Held {
+            side_nm: own * point.sides.tractor + point.sides.hitch_n[1] * hitch_m - moment.side_nm,
+            weight_nm: own + point.hitch_load_n * hitch_m - moment.weight_nm,
+        }
     }
 
     /// Newton's method from the point before: axles and springs eliminated, two equations are left.
     /// The curves are straight almost everywhere, so a few steps end in rounding.
     fn solve(&self, cg_height_m: f64, roll_rad: f64, point: &mut Point) {
-        let held = self.trailer(cg_height_m, &point.sides);
-        let tractor_side_nm = self.tractor_side_nm(&point.sides);
-        let (c, cos) = (self.compliance, point.sides.cos);
+        let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
+        let cos = point.sides.cos;
         for _ in 0..12 {
             let (fifth, fifth_slope) = self.fifth_wheel(roll_rad * cos - point.tractor_rad);
             // Columns: by α, by φ1; residual.
             let mut trailer = [
-                held.side_nm,
+                of_trailer.side_nm,
                 cos * fifth_slope,
-                held.side_nm * point.alpha + held.weight_nm * roll_rad - cos * fifth,
+                of_trailer.side_nm * point.alpha + of_trailer.weight_nm * roll_rad - cos * fifth,
             ];
             let mut tractor = [
-                tractor_side_nm,
-                self.tractor_nm - fifth_slope,
-                tractor_side_nm * point.alpha + self.tractor_nm * point.tractor_rad + fifth,
+                of_tractor.side_nm,
+                of_tractor.weight_nm - fifth_slope,
+                of_tractor.side_nm * point.alpha
+                    + of_tractor.weight_nm * point.tractor_rad
+                    + fifth,
             ];
             let mut steps = vec![[0.0; 3]; self.axles.len()];
             for group in &self.groups {
@@ -246,7 +289,6 @@ impl RollPlane {
                 break;
             }
         }
-        let _ = c;
     }
 
     /// The steps of a group's axles, by `α`, by the body's roll and at once; returned are the same of
@@ -268,13 +310,16 @@ impl RollPlane {
         let follow = |i: usize| {
             let axle = &self.axles[i];
             let angle = point.axles_rad[i];
-            let (tyres, tyre_slope) = axle.tyres.moment(angle / c);
+            let load_n = point.axle_load_n[i];
+            let (tyres, tyre_slope) = axle.tyres.moment(load_n, angle / c);
+            let weight_nm =
+                (load_n - axle.own_n) * axle.roll_center_m + axle.own_n * axle.center_m;
             let side = point.sides.axle_n[i] * axle.roll_center_m
                 + point.sides.own_n[i] * axle.center_m;
             let springs = axle.half_spread_m * force_n + axle.auxiliary_nm_per_rad * lean(i);
             Follows {
-                stiffness: axle.auxiliary_nm_per_rad / c + tyre_slope / c - axle.weight_nm,
-                residual: springs + side * point.alpha + axle.weight_nm * angle - tyres,
+                stiffness: axle.auxiliary_nm_per_rad / c + tyre_slope / c - weight_nm,
+                residual: springs + side * point.alpha + weight_nm * angle - tyres,
                 side,
             }
         };
@@ -311,26 +356,21 @@ impl RollPlane {
     }
 }
 
-fn axle(vehicle: &Vehicle, placed: &PlacedAxle<'_>, load_n: f64) -> Axle {
-    let own_n = placed.axle.unsprung_mass_kg * vehicle.gravity_mps2;
-    let sprung_n = load_n - own_n;
-    let roll_center_m = placed.axle.roll_center_height_m;
+fn axle(vehicle: &Vehicle, placed: &PlacedAxle<'_>) -> Axle {
     Axle {
         on_trailer: placed.on_trailer,
         steered: placed.steered,
-        group: 0,
         half_spread_m: 0.5 * placed.axle.spring_spread_m,
         auxiliary_nm_per_rad: placed.axle.auxiliary_roll_stiffness_nm_per_rad,
-        tyres: Tyres::of(placed, load_n),
-        weight_nm: sprung_n * roll_center_m + own_n * placed.axle.center_height_m,
-        roll_center_m,
+        tyres: Tyres::of(placed),
+        roll_center_m: placed.axle.roll_center_height_m,
         center_m: placed.axle.center_height_m,
-        sprung_n,
+        own_n: placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
     }
 }
 
 /// The pairs of springs: one for each load group, one for each axle without.
-fn groups(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], axles: &mut [Axle]) -> Vec<Group> {
+fn groups(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], sprung_n: &[f64]) -> Vec<Group> {
     let mut members: Vec<Vec<usize>> = Vec::new();
     for (i, axle) in placed.iter().enumerate() {
         let partner = members.iter_mut().find(|group| {
@@ -344,16 +384,11 @@ fn groups(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], axles: &mut [Axle]) -> V
             None => members.push(vec![i]),
         }
     }
-    let mut groups = Vec::new();
-    for members in members {
-        for &i in &members {
-            axles[i].group = groups.len();
-        }
-        let of: Vec<_> = members.iter().map(|&i| &placed[i]).collect();
+    let pair = |axles: Vec<usize>| {
+        let of: Vec<_> = axles.iter().map(|&i| &placed[i]).collect();
         #[allow(clippy::cast_precision_loss)] // a few axles
-        let mean_n =
-            members.iter().map(|&i| axles[i].sprung_n).sum::<f64>() / members.len() as f64;
-        groups.push(Group { springs: Springs::of(vehicle, &of, mean_n), axles: members });
-    }
-    groups
+        let mean_n = axles.iter().map(|&i| sprung_n[i]).sum::<f64>() / axles.len() as f64;
+        Group { springs: Springs::of(vehicle, &of, mean_n), axles }
+    };
+    members.into_iter().map(pair).collect()
 }

@@ -1,6 +1,7 @@
 //! What carries the bodies in the roll plane: springs that axles share, and tyres that leave the
 //! road one after the other.
 
+use crate::balance::Give;
 use crate::plant::Envelope;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
@@ -71,17 +72,16 @@ impl Springs {
     }
 }
 
-/// The tyres of an axle under its load.
+/// The tyres of an axle.
 pub(super) struct Tyres {
     /// Distances from the middle to the outer side, the outermost first.
     levers_m: Vec<f64>,
     stiffness_n_per_m: f64,
     overturning_nm_per_rad: f64,
-    load_n: f64,
 }
 
 impl Tyres {
-    pub(super) fn of(placed: &PlacedAxle<'_>, load_n: f64) -> Self {
+    pub(super) fn of(placed: &PlacedAxle<'_>) -> Self {
         let positions_m = &placed.axle.tyre_positions_m;
         let mut levers_m: Vec<f64> = positions_m.iter().flat_map(|&y| [y, -y]).collect();
         levers_m.sort_by(|a, b| b.total_cmp(a));
@@ -89,19 +89,18 @@ impl Tyres {
             levers_m,
             stiffness_n_per_m: placed.tyre.vertical_stiffness_n_per_m,
             overturning_nm_per_rad: placed.tyres() * placed.tyre.overturning_stiffness_nm_per_rad,
-            load_n,
         }
     }
 
-    /// Tyres leave the road from the inside: how many carry the load at an angle of the axle, and
-    /// how far its middle is pressed down.
-    fn standing(&self, angle_rad: f64) -> (usize, f64) {
+    /// Tyres leave the road from the inside: how many carry a load at an angle of the axle, and how
+    /// far its middle is pressed down.
+    fn standing(&self, load_n: f64, angle_rad: f64) -> (usize, f64) {
         let mut count = self.levers_m.len();
         loop {
             #[allow(clippy::cast_precision_loss)] // a few tyres
             let n = count as f64;
             let sum: f64 = self.levers_m[..count].iter().sum();
-            let pressed_m = (self.load_n / self.stiffness_n_per_m - angle_rad * sum) / n;
+            let pressed_m = (load_n / self.stiffness_n_per_m - angle_rad * sum) / n;
             if count == 1 || pressed_m + angle_rad * self.levers_m[count - 1] >= 0.0 {
                 return (count, pressed_m);
             }
@@ -110,20 +109,32 @@ impl Tyres {
     }
 
     /// Whether the inner side has left the road.
-    pub(super) fn inner_lifted(&self, angle_rad: f64) -> bool {
-        self.standing(angle_rad).0 <= self.levers_m.len() / 2
+    pub(super) fn inner_lifted(&self, load_n: f64, angle_rad: f64) -> bool {
+        self.standing(load_n, angle_rad).0 <= self.levers_m.len() / 2
     }
 
     /// Load of each tyre that stands.
-    pub(super) fn loads_n(&self, angle_rad: f64) -> impl Iterator<Item = f64> {
-        let (count, pressed_m) = self.standing(angle_rad);
-        let load_n = move |lever| self.stiffness_n_per_m * (pressed_m + angle_rad * lever);
-        self.levers_m[..count].iter().map(load_n)
+    pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
+        let (count, pressed_m) = self.standing(load_n, angle_rad);
+        let each_n = move |lever| self.stiffness_n_per_m * (pressed_m + angle_rad * lever);
+        self.levers_m[..count].iter().map(each_n)
+    }
+
+    /// How they give at an angle of the axle.
+    pub(super) fn give(&self, load_n: f64, angle_rad: f64) -> Give {
+        let (count, _) = self.standing(load_n, angle_rad);
+        #[allow(clippy::cast_precision_loss)]
+        let n = count as f64;
+        let sum: f64 = self.levers_m[..count].iter().sum();
+        Give {
+            compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m),
+            rise_m: angle_rad * sum / n,
+        }
     }
 
     /// Righting moment and its slope over the angle of the axle.
-    pub(super) fn moment(&self, angle_rad: f64) -> (f64, f64) {
-        let (count, pressed_m) = self.standing(angle_rad);
+    pub(super) fn moment(&self, load_n: f64, angle_rad: f64) -> (f64, f64) {
+        let (count, pressed_m) = self.standing(load_n, angle_rad);
         let levers_m = &self.levers_m[..count];
         let (sum, square) =
             levers_m.iter().fold((0.0, 0.0), |(sum, square), y| (sum + y, square + y * y));

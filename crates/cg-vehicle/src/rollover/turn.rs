@@ -52,7 +52,7 @@ pub(super) struct Turn {
 }
 
 /// Lateral forces per lateral acceleration of the trailer in units of gravity.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Sides {
     /// Through the roll centre of each axle.
     pub(super) axle_n: Vec<f64>,
@@ -73,6 +73,14 @@ pub(super) struct Drift {
     tractor_mps: f64,
     trailer_mps: f64,
     articulation_rad: f64,
+}
+
+/// How an axle stands: the angle and load of its tyres, and how far the body leans over it.
+pub(super) struct Standing<'a> {
+    pub(super) tyres: &'a Tyres,
+    pub(super) load_n: f64,
+    pub(super) angle_rad: f64,
+    pub(super) lean_rad: f64,
 }
 
 impl Turn {
@@ -109,22 +117,21 @@ impl Turn {
     }
 
     /// Force and aligning moment of an axle's tyres at a slip angle.
-    fn grip(&self, axle: &Rolling, slip_rad: f64, tyres: &Tyres, angle_rad: f64) -> (f64, f64) {
+    fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing<'_>) -> (f64, f64) {
         let grip = &self.kinds[axle.kind];
-        tyres.loads_n(angle_rad).filter(|load_n| *load_n > 0.0).fold((0.0, 0.0), |sum, load_n| {
+        on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold((0.0, 0.0), |sum, load_n| {
             let (force_n, moment_nm) = grip.at(slip_rad, load_n);
             // The grip's force is against the slip.
             (sum.0 - force_n, sum.1 + moment_nm)
         })
     }
 
-    /// Forces at a lateral acceleration, from axles that lean by `lean_rad` (body less axle) on
-    /// tyres at angles; `None` where the tyres do not hold the vehicle in the turn.
+    /// Forces at a lateral acceleration, from axles as they stand; `None` where their tyres do not
+    /// hold the vehicle in the turn.
     pub(super) fn sides(
         &self,
         alpha: f64,
-        lean_rad: &[f64],
-        tyres: &[(&Tyres, f64)],
+        standing: &[Standing<'_>],
         drift: &mut Drift,
     ) -> Option<Sides> {
         let acceleration = alpha * self.gravity_mps2;
@@ -136,9 +143,8 @@ impl Turn {
         let radps = acceleration / (along + acceleration / along * self.hitch_behind_cg_m * sin);
         let trailer_mps = acceleration / radps;
         let force = |i: usize, slip_rad: f64| {
-            let axle = &self.axles[i];
-            let (tyres, angle_rad) = tyres[i];
-            self.grip(axle, slip_rad + axle.roll_steer * lean_rad[i], tyres, angle_rad)
+            let (axle, on) = (&self.axles[i], &standing[i]);
+            self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
         };
         let on = |trailer: bool| {
             let of = move |i: &usize| {
