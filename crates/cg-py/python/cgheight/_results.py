@@ -77,7 +77,7 @@ class Estimate:
     snr_db, fit_percent : float or None
         Signal to noise (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
-        Lateral acceleration of wheel lift in a steady turn, in g.
+        Lateral acceleration beyond which the vehicle tips in a steady turn, in g.
     maneuvers : tuple of Maneuver
         Every maneuver, in the channel used.
     messages : tuple of str

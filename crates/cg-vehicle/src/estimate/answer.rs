@@ -46,7 +46,7 @@ pub struct LogEstimate {
     pub snr_db: Option<f64>,
     /// Fit of the best maneuver, %.
     pub fit_percent: Option<f64>,
-    /// Lateral acceleration of wheel lift, in g.
+    /// Lateral acceleration beyond which the vehicle tips in a steady turn, in g.
     pub static_rollover_threshold_g: Option<f64>,
     /// Every maneuver, in the channel used.
     pub maneuvers: Vec<ManeuverEstimate>,

@@ -90,8 +90,7 @@ struct Held {
     weight_nm: f64,
 }
 
-/// What an axle's springs do, and by how much its angle follows: residual, by the springs' force, by
-/// its body's roll and by `α`, all over its stiffness.
+/// The equation of an axle: its stiffness, what is left over, and its moment per `α`.
 struct Follows {
     stiffness: f64,
     residual: f64,

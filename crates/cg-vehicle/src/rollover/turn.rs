@@ -75,6 +75,15 @@ pub(super) struct Drift {
     articulation_rad: f64,
 }
 
+/// How fast the vehicle turns.
+struct Pace {
+    /// Of the trailer.
+    acceleration: f64,
+    radps: f64,
+    /// Along the trailer's heading.
+    trailer_mps: f64,
+}
+
 /// How an axle stands: the angle and load of its tyres, and how far the body leans over it.
 pub(super) struct Standing<'a> {
     pub(super) tyres: &'a Tyres,
@@ -134,103 +143,117 @@ impl Turn {
         standing: &[Standing<'_>],
         drift: &mut Drift,
     ) -> Option<Sides> {
-        let acceleration = alpha * self.gravity_mps2;
         let (sin, cos) = drift.articulation_rad.sin_cos();
-        let hitch_mps = |radps: f64, tractor_mps: f64| tractor_mps - radps * self.hitch_behind_cg_m;
-        // The yaw rate from the last articulation and drift.
-        let across = hitch_mps(0.0, drift.tractor_mps);
-        let along = self.speed_mps * cos - across * sin;
-        let radps = acceleration / (along + acceleration / along * self.hitch_behind_cg_m * sin);
-        let trailer_mps = acceleration / radps;
-        let force = |i: usize, slip_rad: f64| {
-            let (axle, on) = (&self.axles[i], &standing[i]);
-            self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
-        };
-        let on = |trailer: bool| {
-            let of = move |i: &usize| {
-                self.axles[*i].on_trailer == trailer && (trailer || !self.axles[*i].steered)
-            };
-            (0..self.axles.len()).filter(of)
-        };
+        let acceleration = alpha * self.gravity_mps2;
+        // `U2 = U cos γ − (v1 − r x5) sin γ` with the last articulation and drift.
+        let along_mps = self.speed_mps * cos - drift.tractor_mps * sin;
+        let hitch_m = self.hitch_behind_cg_m;
+        let radps = acceleration / (along_mps + acceleration / along_mps * hitch_m * sin);
+        let pace = Pace { acceleration, radps, trailer_mps: acceleration / radps };
         let mut axle_n = vec![0.0; self.axles.len()];
-        // Trailer.
-        let inertia: f64 = self.trailer_kg * self.trailer_cg_m
-            + on(true).map(|i| self.axles[i].own_kg * self.axles[i].position_m).sum::<f64>();
-        drift.trailer_mps = newton(drift.trailer_mps, |v| {
-            let moment: f64 = on(true)
-                .map(|i| {
-                    let x = self.axles[i].position_m;
-                    let (force_n, moment_nm) = force(i, ((radps * x - v) / trailer_mps).atan());
-                    force_n * x + moment_nm
-                })
-                .sum();
-            moment - acceleration * inertia
-        })?;
-        let mut mass_kg = self.trailer_kg;
-        for i in on(true) {
-            let x = self.axles[i].position_m;
-            let slip_rad = ((radps * x - drift.trailer_mps) / trailer_mps).atan();
-            axle_n[i] = force(i, slip_rad).0 - self.axles[i].own_kg * acceleration;
-            mass_kg += self.axles[i].own_kg;
-        }
-        let hitch_n = self.trailer_kg * acceleration - on(true).map(|i| axle_n[i]).sum::<f64>();
-        // How far ahead of the foot of the turn's centre the trailer's c.g. is: it wants to go on,
-        // and the tractor holds it.
-        let ahead_m = drift.trailer_mps / radps - inertia / mass_kg;
-        let push_n = mass_kg * radps * radps * ahead_m;
-        let hitch_1_n = hitch_n * cos + push_n * sin;
-        // Tractor.
-        let tractor = radps * self.speed_mps / acceleration;
-        let behind = |i: usize| self.front_m - self.axles[i].position_m;
-        let inertia: f64 = self.tractor_kg * self.front_m
-            + on(false).map(|i| self.axles[i].own_kg * behind(i)).sum::<f64>();
-        let needed = tractor * acceleration * inertia
-            + hitch_1_n * (self.front_m + self.hitch_behind_cg_m);
-        let slip = |i: usize, v: f64| {
-            (-(v + radps * self.axles[i].position_m) / self.speed_mps).atan()
-        };
-        drift.tractor_mps = newton(drift.tractor_mps, |v| {
-            let moment: f64 = on(false)
-                .map(|i| {
-                    let (force_n, moment_nm) = force(i, slip(i, v));
-                    force_n * behind(i) + moment_nm
-                })
-                .sum();
-            moment - needed
-        })?;
-        for i in on(false) {
-            let own_n = self.axles[i].own_kg * tractor * acceleration;
-            axle_n[i] = force(i, slip(i, drift.tractor_mps)).0 - own_n;
-        }
-        // The steered axles carry the rest.
-        let rest_n = self.tractor_kg * tractor * acceleration + hitch_1_n
-            - on(false).map(|i| axle_n[i]).sum::<f64>();
-        let steered = self.axles.iter().filter(|axle| axle.steered).count().max(1);
-        for (side_n, axle) in axle_n.iter_mut().zip(&self.axles) {
-            if axle.steered {
-                #[allow(clippy::cast_precision_loss)]
-                let share = 1.0 / steered as f64;
-                *side_n = share * rest_n;
-            }
-        }
-        // The articulation that follows.
-        let across = hitch_mps(radps, drift.tractor_mps);
-        let sine = (drift.trailer_mps - across * cos) / self.speed_mps;
+        let hitch_n = self.trailer(&pace, standing, drift, &mut axle_n)?;
+        let [across_n, push_n] = hitch_n;
+        let hitch_n = [across_n, across_n * cos + push_n * sin];
+        self.tractor(&pace, hitch_n[1], standing, drift, &mut axle_n)?;
+        let sine =
+            (drift.trailer_mps - (drift.tractor_mps - radps * hitch_m) * cos) / self.speed_mps;
         if !(sine.abs() < 1.0) {
             return None;
         }
         drift.articulation_rad = sine.asin();
-        let own = |axle: &Rolling| {
-            let share = if axle.on_trailer { 1.0 } else { tractor };
-            axle.own_kg * share * self.gravity_mps2
+        let tractor = radps * self.speed_mps / acceleration;
+        let own_n = |axle: &Rolling| {
+            axle.own_kg * self.gravity_mps2 * if axle.on_trailer { 1.0 } else { tractor }
         };
         Some(Sides {
-            own_n: self.axles.iter().map(own).collect(),
+            own_n: self.axles.iter().map(own_n).collect(),
             axle_n: axle_n.into_iter().map(|n| n / alpha).collect(),
-            hitch_n: [hitch_n / alpha, hitch_1_n / alpha],
+            hitch_n: hitch_n.map(|n| n / alpha),
             tractor,
             cos: drift.articulation_rad.cos(),
         })
+    }
+
+    /// Force and aligning moment of an axle at the slip angle of its middle.
+    fn held(&self, i: usize, slip_rad: f64, standing: &[Standing<'_>]) -> (f64, f64) {
+        let (axle, on) = (&self.axles[i], &standing[i]);
+        self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
+    }
+
+    /// The trailer's axles; forces on the trailer at the fifth wheel, across it and from ahead.
+    fn trailer(
+        &self,
+        pace: &Pace,
+        standing: &[Standing<'_>],
+        drift: &mut Drift,
+        axle_n: &mut [f64],
+    ) -> Option<[f64; 2]> {
+        let axles = || (0..self.axles.len()).filter(|&i| self.axles[i].on_trailer);
+        let mass_kg =
+            self.trailer_kg + axles().map(|i| self.axles[i].own_kg).sum::<f64>();
+        let inertia_kgm = self.trailer_kg * self.trailer_cg_m
+            + axles().map(|i| self.axles[i].own_kg * self.axles[i].position_m).sum::<f64>();
+        let held = |i: usize, v: f64| {
+            let x = self.axles[i].position_m;
+            self.held(i, ((pace.radps * x - v) / pace.trailer_mps).atan(), standing)
+        };
+        drift.trailer_mps = newton(drift.trailer_mps, |v| {
+            let moment = |i: usize| {
+                let (force_n, moment_nm) = held(i, v);
+                force_n * self.axles[i].position_m + moment_nm
+            };
+            axles().map(moment).sum::<f64>() - pace.acceleration * inertia_kgm
+        })?;
+        let mut across_n = self.trailer_kg * pace.acceleration;
+        for i in axles() {
+            axle_n[i] =
+                held(i, drift.trailer_mps).0 - self.axles[i].own_kg * pace.acceleration;
+            across_n -= axle_n[i];
+        }
+        // A c.g. ahead of the foot of the turn's centre is held back by the tractor.
+        let ahead_m = drift.trailer_mps / pace.radps - inertia_kgm / mass_kg;
+        Some([across_n, mass_kg * pace.radps * pace.radps * ahead_m])
+    }
+
+    /// The tractor's axles under a force of the trailer across it; the steered ones carry the rest.
+    fn tractor(
+        &self,
+        pace: &Pace,
+        hitch_n: f64,
+        standing: &[Standing<'_>],
+        drift: &mut Drift,
+        axle_n: &mut [f64],
+    ) -> Option<()> {
+        let on = |steered: bool| {
+            let of = move |axle: &Rolling| !axle.on_trailer && axle.steered == steered;
+            (0..self.axles.len()).filter(move |&i| of(&self.axles[i]))
+        };
+        let behind_m = |i: usize| self.front_m - self.axles[i].position_m;
+        let acceleration = pace.radps * self.speed_mps;
+        let inertia_kgm = self.tractor_kg * self.front_m
+            + on(false).map(|i| self.axles[i].own_kg * behind_m(i)).sum::<f64>();
+        let needed_nm =
+            acceleration * inertia_kgm + hitch_n * (self.front_m + self.hitch_behind_cg_m);
+        let held = |i: usize, v: f64| {
+            let across_mps = v + pace.radps * self.axles[i].position_m;
+            self.held(i, (-across_mps / self.speed_mps).atan(), standing)
+        };
+        drift.tractor_mps = newton(drift.tractor_mps, |v| {
+            let moment = |i: usize| {
+                let (force_n, moment_nm) = held(i, v);
+                force_n * behind_m(i) + moment_nm
+            };
+            on(false).map(moment).sum::<f64>() - needed_nm
+        })?;
+        let mut rest_n = self.tractor_kg * acceleration + hitch_n;
+        for i in on(false) {
+            axle_n[i] = held(i, drift.tractor_mps).0 - self.axles[i].own_kg * acceleration;
+            rest_n -= axle_n[i];
+        }
+        #[allow(clippy::cast_precision_loss)] // one or two
+        let steered = on(true).count().max(1) as f64;
+        on(true).for_each(|i| axle_n[i] = rest_n / steered);
+        Some(())
     }
 }
 
