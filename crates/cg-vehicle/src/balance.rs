@@ -126,7 +126,8 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<
                 placed.position_m + vehicle.tractor.hitch_behind_cg_m
             };
             support.position_m += position_m / n;
-            support.compliance_m_per_n += (1.0 / springs_n_per_m + give.compliance_m_per_n) / (n * n);
+            support.compliance_m_per_n +=
+                (1.0 / springs_n_per_m + give.compliance_m_per_n) / (n * n);
             support.free_height_m += (placed.tyre.unloaded_radius_m.unwrap_or(0.0)
                 + placed.axle.spring_free_rise_m
                 + give.rise_m

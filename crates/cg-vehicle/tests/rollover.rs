@@ -121,8 +121,7 @@ fn steady_turn_is_the_ramp(name: &str, share: f64) {
         // Units of gravity are the vehicle file's.
         let unit = vehicle.gravity_mps2 / G;
         let steady_g = unit * steady_turn_threshold_g(&vehicle, load, kmh * KMH).unwrap();
-        let on_board_g =
-            unit * on_board(&vehicle, load).unwrap().static_rollover_threshold_g.value;
+        let on_board_g = unit * on_board(&vehicle, load).unwrap().static_rollover_threshold_g.value;
         println!(
             "{name} {trailer_mass_kg:.0} kg {kmh} km/h {height_m} m: ramp {ramp_g:.4} g, steady turn \
              {steady_g:.4} g, on board {on_board_g:.4} g"

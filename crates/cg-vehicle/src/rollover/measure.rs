@@ -8,9 +8,7 @@ use super::offtracking::{
     HIGH_SPEED_MPS, HIGH_SPEED_RADIUS_M, LOW_SPEED_RADIUS_M, high_speed_m, low_speed_m,
 };
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
-use super::{
-    GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover, on_board, steady_turn_threshold_g,
-};
+use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover, on_board, steady_turn_threshold_g};
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant};
 use crate::plant::{PlantOptions, YawRollPlant};

@@ -260,9 +260,7 @@ impl<'a> RollPlane<'a> {
             let mut tractor = [
                 of_tractor.side_nm,
                 of_tractor.weight_nm - fifth_slope,
-                of_tractor.side_nm * point.alpha
-                    + of_tractor.weight_nm * point.tractor_rad
-                    + fifth,
+                of_tractor.side_nm * point.alpha + of_tractor.weight_nm * point.tractor_rad + fifth,
             ];
             let mut steps = vec![[0.0; 3]; self.axles.len()];
             for group in &self.groups {
@@ -311,10 +309,9 @@ impl<'a> RollPlane<'a> {
             let angle = point.axles_rad[i];
             let load_n = point.axle_load_n[i];
             let (tyres, tyre_slope) = axle.tyres.moment(load_n, angle / c);
-            let weight_nm =
-                (load_n - axle.own_n) * axle.roll_center_m + axle.own_n * axle.center_m;
-            let side = point.sides.axle_n[i] * axle.roll_center_m
-                + point.sides.own_n[i] * axle.center_m;
+            let weight_nm = (load_n - axle.own_n) * axle.roll_center_m + axle.own_n * axle.center_m;
+            let side =
+                point.sides.axle_n[i] * axle.roll_center_m + point.sides.own_n[i] * axle.center_m;
             let springs = axle.half_spread_m * force_n + axle.auxiliary_nm_per_rad * lean(i);
             Follows {
                 stiffness: axle.auxiliary_nm_per_rad / c + tyre_slope / c - weight_nm,

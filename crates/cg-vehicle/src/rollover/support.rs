@@ -126,10 +126,7 @@ impl Tyres {
         #[allow(clippy::cast_precision_loss)]
         let n = count as f64;
         let sum: f64 = self.levers_m[..count].iter().sum();
-        Give {
-            compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m),
-            rise_m: angle_rad * sum / n,
-        }
+        Give { compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m), rise_m: angle_rad * sum / n }
     }
 
     /// Righting moment and its slope over the angle of the axle.

@@ -128,11 +128,14 @@ impl Turn {
     /// Force and aligning moment of an axle's tyres at a slip angle.
     fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing<'_>) -> (f64, f64) {
         let grip = &self.kinds[axle.kind];
-        on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold((0.0, 0.0), |sum, load_n| {
-            let (force_n, moment_nm) = grip.at(slip_rad, load_n);
-            // The grip's force is against the slip.
-            (sum.0 - force_n, sum.1 + moment_nm)
-        })
+        on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold(
+            (0.0, 0.0),
+            |sum, load_n| {
+                let (force_n, moment_nm) = grip.at(slip_rad, load_n);
+                // The grip's force is against the slip.
+                (sum.0 - force_n, sum.1 + moment_nm)
+            },
+        )
     }
 
     /// Forces at a lateral acceleration, from axles as they stand; `None` where their tyres do not
@@ -189,8 +192,7 @@ impl Turn {
         axle_n: &mut [f64],
     ) -> Option<[f64; 2]> {
         let axles = || (0..self.axles.len()).filter(|&i| self.axles[i].on_trailer);
-        let mass_kg =
-            self.trailer_kg + axles().map(|i| self.axles[i].own_kg).sum::<f64>();
+        let mass_kg = self.trailer_kg + axles().map(|i| self.axles[i].own_kg).sum::<f64>();
         let inertia_kgm = self.trailer_kg * self.trailer_cg_m
             + axles().map(|i| self.axles[i].own_kg * self.axles[i].position_m).sum::<f64>();
         let held = |i: usize, v: f64| {
@@ -206,8 +208,7 @@ impl Turn {
         })?;
         let mut across_n = self.trailer_kg * pace.acceleration;
         for i in axles() {
-            axle_n[i] =
-                held(i, drift.trailer_mps).0 - self.axles[i].own_kg * pace.acceleration;
+            axle_n[i] = held(i, drift.trailer_mps).0 - self.axles[i].own_kg * pace.acceleration;
             across_n -= axle_n[i];
         }
         // A c.g. ahead of the foot of the turn's centre is held back by the tractor.
