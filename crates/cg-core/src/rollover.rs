@@ -2,8 +2,10 @@
 //!
 //! A rigid trailer tips when the moment of the lateral force reaches that of the weight about the
 //! outer wheels: at `T/2` over the height of its c.g., the static stability factor. Springs, tyres,
-//! lash and axles that lift one after the other bring the real threshold far below; where it lies
-//! for each height and mass is worked out offline and stands in the design.
+//! lash and axles that lift one after the other bring the real threshold far below: the greatest
+//! lateral acceleration of the trailer that the vehicle sustains in a steady turn; beyond it, it tips.
+//! Where it lies for each height and mass, at the least in turns of 40 to 90 km/h, is worked out
+//! offline and stands in the design.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
@@ -18,7 +20,7 @@ pub const HEIGHTS: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ThresholdLine<T> {
-    /// Lateral acceleration at which the vehicle tips, in g.
+    /// Lateral acceleration beyond which the vehicle tips, in g.
     pub threshold_g: [T; HEIGHTS],
 }
 
@@ -70,7 +72,7 @@ pub struct RolloverDesign<T> {
 pub struct Rollover<T> {
     /// `T/2` over the height of the whole trailer's c.g., in g: the rigid-vehicle bound.
     pub static_stability_factor_g: T,
-    /// Lateral acceleration at which the vehicle tips in a steady turn, in g.
+    /// Lateral acceleration of the trailer beyond which the vehicle tips in a steady turn, in g.
     pub static_rollover_threshold_g: Measured<T>,
 }
 

@@ -70,6 +70,22 @@ impl Vehicle {
     }
 }
 
+/// How the tyres of an axle give under its load: its centre is at the height of the unloaded tyre,
+/// and `rise_m`, less `compliance_m_per_n` times the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Give {
+    pub(crate) compliance_m_per_n: f64,
+    pub(crate) rise_m: f64,
+}
+
+impl Give {
+    /// All tyres of an axle on the road.
+    fn upright(placed: &PlacedAxle<'_>) -> Self {
+        let tyres_n_per_m = placed.tyres() * placed.tyre.vertical_stiffness_n_per_m;
+        Self { compliance_m_per_n: 1.0 / tyres_n_per_m, rise_m: 0.0 }
+    }
+}
+
 /// A group of axles that shares its load equally.
 struct Support {
     on_trailer: bool,
@@ -82,7 +98,7 @@ struct Support {
     free_height_m: f64,
 }
 
-fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>]) -> Vec<Support> {
+fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<Support> {
     let mut supports: Vec<(Option<u32>, Support)> = Vec::new();
     for (i, placed) in axles.iter().enumerate() {
         let group = placed.axle.load_group;
@@ -108,8 +124,7 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>]) -> Vec<Support> {
         #[allow(clippy::cast_precision_loss)]
         let n = support.axles.len() as f64;
         for &i in &support.axles {
-            let placed = &axles[i];
-            let tyres_n_per_m = placed.tyres() * placed.tyre.vertical_stiffness_n_per_m;
+            let (placed, give) = (&axles[i], &gives[i]);
             let springs_n_per_m = 2.0 * placed.axle.spring_stiffness_n_per_m;
             let weight_n = placed.axle.unsprung_mass_kg * vehicle.gravity_mps2;
             let position_m = if placed.on_trailer {
@@ -118,10 +133,12 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>]) -> Vec<Support> {
                 placed.position_m + vehicle.tractor.hitch_behind_cg_m
             };
             support.position_m += position_m / n;
-            support.compliance_m_per_n += (1.0 / springs_n_per_m + 1.0 / tyres_n_per_m) / (n * n);
+            support.compliance_m_per_n +=
+                (1.0 / springs_n_per_m + give.compliance_m_per_n) / (n * n);
             support.free_height_m += (placed.tyre.unloaded_radius_m.unwrap_or(0.0)
                 + placed.axle.spring_free_rise_m
-                - weight_n / tyres_n_per_m)
+                + give.rise_m
+                - weight_n * give.compliance_m_per_n)
                 / n;
         }
     }
@@ -134,8 +151,23 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>]) -> Vec<Support> {
 /// [`VehicleError`] if the vehicle tips (an axle or the fifth wheel is lifted), if the mass is
 /// below empty, or if stiffness decides the loads and a tyre has no `unloaded_radius_m`.
 pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
+    let gives = upright(vehicle);
+    balance_on(vehicle, load, &gives)
+}
+
+/// All tyres of all axles on the road.
+fn upright(vehicle: &Vehicle) -> Vec<Give> {
+    vehicle.axles().iter().map(Give::upright).collect()
+}
+
+/// The same on tyres of which some have left the road.
+pub(crate) fn balance_on(
+    vehicle: &Vehicle,
+    load: Load,
+    gives: &[Give],
+) -> Result<StaticBalance, VehicleError> {
     determined(vehicle).map_err(|(_, _, problem)| VehicleError::Model(problem))?;
-    let balance = solved(vehicle, load)?;
+    let balance = solved_on(vehicle, load, gives)?;
     let tractor = vehicle.tractor.axle.len();
     if let Some(i) = balance.axle_load_n.iter().position(|&force| force.is_nan() || force <= 0.0) {
         let axle = if i < tractor {
@@ -155,9 +187,13 @@ pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, Ve
 
 /// The static loads, also those that would lift an axle.
 pub(crate) fn solved(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
+    solved_on(vehicle, load, &upright(vehicle))
+}
+
+fn solved_on(vehicle: &Vehicle, load: Load, gives: &[Give]) -> Result<StaticBalance, VehicleError> {
     let axles = vehicle.axles();
     let sprung = vehicle.trailer_sprung_mass(load)?;
-    let supports = supports(vehicle, &axles);
+    let supports = supports(vehicle, &axles, gives);
     let solution = solve(vehicle, &sprung, &supports)?;
 
     let g = vehicle.gravity_mps2;
@@ -182,7 +218,7 @@ pub(crate) fn solved(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, Veh
 
 /// Whether forces and moments alone leave the static loads open.
 pub(crate) fn depends_on_stiffness(vehicle: &Vehicle) -> bool {
-    let supports = supports(vehicle, &vehicle.axles());
+    let supports = supports(vehicle, &vehicle.axles(), &upright(vehicle));
     let on_trailer = supports.iter().filter(|support| support.on_trailer).count();
     !(on_trailer == 1 && supports.len() == 3)
 }
@@ -190,7 +226,7 @@ pub(crate) fn depends_on_stiffness(vehicle: &Vehicle) -> bool {
 /// Whether the file says enough for static loads; if not, key, value and what to do.
 pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, String)> {
     let axles = vehicle.axles();
-    let supports = supports(vehicle, &axles);
+    let supports = supports(vehicle, &axles, &upright(vehicle));
     if supports.iter().filter(|support| !support.on_trailer).count() < 2 {
         return Err((
             "tractor.axle".to_owned(),

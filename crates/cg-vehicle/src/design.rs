@@ -9,7 +9,7 @@ use crate::belief::Belief;
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant, ratio_line};
 use crate::reduction::{ReducedModels, reduce};
-use crate::rollover::RollPlane;
+use crate::rollover::thresholds_g;
 use crate::vehicle::{Load, Vehicle};
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
@@ -163,7 +163,8 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     masses
 }
 
-/// Rollover thresholds of each mass, at heights evenly over the vehicle's range.
+/// Rollover thresholds of each mass, at heights evenly over the vehicle's range: the least over the
+/// speeds.
 fn thresholds(
     vehicle: &Vehicle,
     variant: Variant,
@@ -177,12 +178,12 @@ fn thresholds(
             Variant::Complete => mass_kg,
             Variant::AsPrinted => load.trailer_mass_kg,
         };
-        let plane = RollPlane::new(vehicle, Load { trailer_mass_kg, ..load }, compliance)?;
+        let load = Load { trailer_mass_kg, ..load };
         #[allow(clippy::cast_precision_loss)] // indices
-        let height_m = |k: usize| {
+        let height_m = std::array::from_fn(|k| {
             range.least_m + (range.greatest_m - range.least_m) * k as f64 / (HEIGHTS - 1) as f64
-        };
-        line.threshold_g = std::array::from_fn(|k| plane.threshold_g(height_m(k)));
+        });
+        line.threshold_g = thresholds_g(vehicle, load, compliance, height_m)?;
     }
     Ok(lines)
 }

@@ -9,6 +9,7 @@ use cg_vehicle::rollover::offtracking::low_speed_m;
 use cg_vehicle::rollover::small::{modes, rearward_amplification};
 use cg_vehicle::rollover::{
     Ramp, RampEnd, RolloverMeasures, RolloverOptions, TimeToRollover, measures, on_board,
+    steady_turn_threshold_g,
 };
 use cg_vehicle::{Load, Variant, Vehicle};
 
@@ -35,7 +36,7 @@ fn all(name: &str) -> RolloverMeasures {
 }
 
 /// UMTRI (Ervin 1986): payload c.g. 83.5, 88.6, 105 in. Springs, tyres and fifth wheel move the
-/// threshold by 0.03 g either way, digits by 0.01 g (see `plant::published`). On board: what of the
+/// threshold by 0.03 g either way, digits by 0.01 g (see `plant::published`). The steady turn: what of the
 /// plant the roll plane leaves out is second order in a roll angle of up to 0.2 rad, 2 %, and a load
 /// shift by pitch, 1 %.
 #[test]
@@ -51,14 +52,14 @@ fn static_rollover_thresholds_are_the_published_ones() {
         let ramp = Ramp::drive(&plant, speed_mps, gain, 0.01 * G).unwrap();
         let found = ramp.greatest_mps2() / G;
         let on_board = on_board(&vehicle, load).unwrap();
-        let on_board_g = on_board.static_rollover_threshold_g.value;
+        let steady_g = steady_turn_threshold_g(&vehicle, load, speed_mps).unwrap();
         println!(
-            "{height_m} m: ramp {found:.3} g, on board {on_board_g:.3} g, rigid {:.3} g, published {known}",
+            "{height_m} m: ramp {found:.3} g, steady turn {steady_g:.3} g, rigid {:.3} g, published {known}",
             on_board.static_stability_factor_g
         );
         assert_eq!(ramp.end, RampEnd::RolledOver);
         assert!((found - known).abs() < 0.04, "{found} {known}");
-        assert!((on_board_g / found - 1.0).abs() < 0.03, "{on_board_g} {found}");
+        assert!((steady_g / found - 1.0).abs() < 0.03, "{steady_g} {found}");
     }
 }
 
@@ -68,8 +69,8 @@ fn static_rollover_thresholds_are_the_published_ones() {
 fn a_soft_suspension_tips_where_its_roll_plane_says() {
     let measures = all("air");
     let found = measures.get("static_rollover_threshold_g").unwrap();
-    let on_board_g = measures.get("static_rollover_threshold_on_board_g").unwrap();
-    assert!((on_board_g / found - 1.0).abs() < 0.03, "{on_board_g} {found}");
+    let steady_g = measures.get("static_rollover_threshold_steady_turn_g").unwrap();
+    assert!((steady_g / found - 1.0).abs() < 0.03, "{steady_g} {found}");
 }
 
 fn model(vehicle: &Vehicle, load: Load, speed_mps: f64) -> cg_vehicle::response::StateSpace {
@@ -97,6 +98,65 @@ fn measures_of_the_baseline_are_the_published_ones() {
     assert!(all.get("yaw_damping_ratio").unwrap() > 0.0);
 }
 
+/// Rollover threshold of the plant's slow ramp, if it rolled over rather than slid.
+fn ramp_threshold_g(vehicle: &Vehicle, load: Load, speed_mps: f64) -> Option<f64> {
+    let plant = YawRollPlant::new(vehicle, load, &PlantOptions::default()).unwrap();
+    let model = model(vehicle, load, speed_mps);
+    let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+    let ramp = Ramp::drive(&plant, speed_mps, gain, 0.01 * G).unwrap();
+    (ramp.end == RampEnd::RolledOver).then(|| ramp.greatest_mps2() / G)
+}
+
+/// 2 % is what the roll plane claims (docs/plant.md): it leaves out what is second order in roll
+/// angles of up to 0.2 rad. It must not be on the unsafe side by more, at any speed; in the mean over
+/// speeds and heights it must not be below by more either. On board is the least over the speeds, so
+/// only the first holds for it. Where the plant slides there is nothing to compare.
+fn steady_turn_is_the_ramp(name: &str, share: f64) {
+    let vehicle = vehicle(name);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (kmh, height_m) in [(40.0, 2.6), (50.0, 1.7), (50.0, 2.1), (90.0, 1.9)] {
+        let trailer_mass_kg = share * vehicle.trailer.reference_mass_kg;
+        let load = Load { trailer_mass_kg, cg_height_m: height_m };
+        let Some(ramp_g) = ramp_threshold_g(&vehicle, load, kmh * KMH) else { continue };
+        // Units of gravity are the vehicle file's.
+        let unit = vehicle.gravity_mps2 / G;
+        let steady_g = unit * steady_turn_threshold_g(&vehicle, load, kmh * KMH).unwrap();
+        let on_board_g = unit * on_board(&vehicle, load).unwrap().static_rollover_threshold_g.value;
+        println!(
+            "{name} {trailer_mass_kg:.0} kg {kmh} km/h {height_m} m: ramp {ramp_g:.4} g, steady turn \
+             {steady_g:.4} g, on board {on_board_g:.4} g"
+        );
+        assert!(steady_g < 1.02 * ramp_g, "{steady_g} {ramp_g}");
+        assert!(on_board_g < 1.02 * ramp_g, "{on_board_g} {ramp_g}");
+        sum += steady_g / ramp_g - 1.0;
+        count += 1.0;
+    }
+    assert!(count >= 3.0 && sum / count > -0.02, "{name}: mean {}", sum / count);
+}
+
+#[test]
+fn linear_springs_tip_where_their_steady_turn_says() {
+    steady_turn_is_the_ramp("baseline", 1.0);
+}
+
+#[test]
+fn measured_springs_tip_where_their_steady_turn_says() {
+    steady_turn_is_the_ramp("baseline-tables", 1.0);
+    steady_turn_is_the_ramp("worn-tyres-third", 0.9);
+    steady_turn_is_the_ramp("worn-tyres-half", 1.0);
+}
+
+#[test]
+fn air_springs_tip_where_their_steady_turn_says() {
+    steady_turn_is_the_ramp("air", 1.0);
+}
+
+#[test]
+fn axles_of_their_own_tip_where_their_steady_turn_says() {
+    steady_turn_is_the_ramp("kraz", 1.0);
+    steady_turn_is_the_ramp("kraz", 1.3);
+}
+
 #[test]
 fn the_independent_truck_has_all_measures() {
     let all = all("kraz");
@@ -104,10 +164,10 @@ fn the_independent_truck_has_all_measures() {
     println!("{none:?}");
     let of = |name: &str| all.get(name).unwrap();
     assert!(of("static_rollover_threshold_g") < of("static_stability_factor_g"));
-    let (on_board, ramp) =
-        (of("static_rollover_threshold_on_board_g"), of("static_rollover_threshold_g"));
+    let (steady, ramp) =
+        (of("static_rollover_threshold_steady_turn_g"), of("static_rollover_threshold_g"));
     // As in the published cases.
-    assert!((on_board / ramp - 1.0).abs() < 0.03, "{on_board} {ramp}");
+    assert!((steady / ramp - 1.0).abs() < 0.03, "{steady} {ramp}");
 }
 
 /// The limit of stiff springs and tyres: the roll plane tends to `T/2 Σ m / Σ m h` of the whole
@@ -126,9 +186,9 @@ fn a_rigid_truck_does_what_its_geometry_says() {
     let tractor = (vehicle.tractor.sprung_mass_kg, vehicle.tractor.cg_height_m);
     let masses = [tractor, (sprung.mass_kg, sprung.cg_height_m)].into_iter().chain(unsprung);
     let (mass, moment) = masses.fold((0.0, 0.0), |(m, mh), (a, h)| (m + a, mh + a * h));
-    let on_board = on_board(&vehicle, load).unwrap().static_rollover_threshold_g.value;
-    println!("on board {on_board:.4} g, rigid {:.4} g", mass / moment);
-    assert!((0.99..1.0).contains(&(on_board / (mass / moment))));
+    let steady = steady_turn_threshold_g(&vehicle, load, speed_mps).unwrap();
+    println!("steady turn {steady:.4} g, rigid {:.4} g", mass / moment);
+    assert!((0.99..1.0).contains(&(steady / (mass / moment))));
     let plant = YawRollPlant::new(&vehicle, load, &PlantOptions::default()).unwrap();
     let gain = {
         let model = model(&vehicle, load, speed_mps);

@@ -48,7 +48,7 @@ pub struct LogEstimate {
     pub snr_db: Option<f64>,
     /// Fit of the best maneuver, %.
     pub fit_percent: Option<f64>,
-    /// The greatest lateral acceleration that the truck sustains in a steady turn, in g.
+    /// Lateral acceleration beyond which the vehicle tips in a steady turn, in g.
     pub static_rollover_threshold_g: Option<f64>,
     /// What each channel says alone.
     pub channels: Vec<ChannelEstimate>,

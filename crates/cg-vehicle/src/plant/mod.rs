@@ -64,6 +64,7 @@ mod vector;
 
 pub(crate) use hitch::Hitch;
 pub(crate) use suspension::Envelope;
+pub(crate) use tyre::Grip;
 
 pub use driver::{Driver, DriverSettings};
 pub use dynamics::Control;

@@ -102,7 +102,7 @@ impl Patch {
 
 /// Lateral force and aligning moment of one tyre type.
 #[derive(Clone, Debug)]
-pub(super) struct Grip {
+pub(crate) struct Grip {
     by_slip: Nodes,
     by_load: Nodes,
     /// Slip by slip; lateral force (over load where it comes from a table) and moment.
@@ -147,7 +147,7 @@ fn moment_nm(table: &AligningMomentTable, slip: f64, load: f64) -> f64 {
 
 impl Grip {
     /// From a tyre's tables, or its stiffnesses where it has none or `linear` is asked for.
-    pub(super) fn new(tyre: &Tyre, linear: bool) -> Self {
+    pub(crate) fn new(tyre: &Tyre, linear: bool) -> Self {
         let force = tyre.lateral_force.as_ref().filter(|_| !linear);
         let moment = tyre.aligning_moment.as_ref().filter(|_| !linear);
         let mut slips = Vec::new();
@@ -188,7 +188,7 @@ impl Grip {
     /// Lateral force (opposite to the slip) and aligning moment (along it) at a slip angle and
     /// a load above zero.
     #[inline]
-    pub(super) fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
         self.near(slip_rad, load_n, self.by_slip.below(slip_rad.abs()))
     }
 

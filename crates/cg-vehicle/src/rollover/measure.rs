@@ -8,7 +8,7 @@ use super::offtracking::{
     HIGH_SPEED_MPS, HIGH_SPEED_RADIUS_M, LOW_SPEED_RADIUS_M, high_speed_m, low_speed_m,
 };
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
-use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover, on_board};
+use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover, on_board, steady_turn_threshold_g};
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant};
 use crate::plant::{PlantOptions, YawRollPlant};
@@ -142,19 +142,33 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "g",
         rolled.then_some(greatest_g),
         if rolled {
-            "Greatest lateral acceleration of the trailer in a slow ramp of the nonlinear plant: \
-             beyond it the vehicle rolls over."
-                .into()
+            format!(
+                "Greatest lateral acceleration of the trailer that the nonlinear plant sustains in a \
+                 slow ramp of steer at {:.0} km/h: beyond it, it tips.",
+                3.6 * options.speed_mps
+            )
         } else {
             format!("None: the vehicle slides at {greatest_g:.2} g before it rolls over.")
         },
+    );
+    let (speed_mps, gravity_mps2) = (options.speed_mps, subject.vehicle.gravity_mps2);
+    let steady = steady_turn_threshold_g(subject.vehicle, subject.load, speed_mps)?;
+    all.add(
+        "static_rollover_threshold_steady_turn_g",
+        "g",
+        Some(steady * gravity_mps2 / GRAVITY_MPS2),
+        format!(
+            "The same from the balance of a steady turn at {:.0} km/h, axle by axle; tyres that would \
+             slide before are taken to hold.",
+            3.6 * speed_mps
+        ),
     );
     all.add(
         "static_rollover_threshold_on_board_g",
         "g",
         Some(on_board.static_rollover_threshold_g.value),
-        "The same as the estimator on board has it from the height: the steady roll plane, axle by \
-         axle."
+        "As the estimator on board has it from the height: the least in steady turns of 40 to \
+         90 km/h."
             .into(),
     );
     let at_g = options.lateral_acceleration_g;

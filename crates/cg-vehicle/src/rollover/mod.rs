@@ -3,7 +3,9 @@
 //! | file | what | from |
 //! |---|---|---|
 //! | `roll_plane` | rollover threshold in a steady turn, axle by axle | static equilibrium |
-//! | `on_board` | static stability factor and threshold as on board | `cg_core::rollover` |
+//! | `turn` | its lateral forces and articulation | steady yaw plane |
+//! | `support` | its springs and tyres | vehicle file |
+//! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::rollover` |
 //! | `ramp` | static rollover threshold, wheel lift, load transfer | nonlinear plant |
 //! | `transfer` | load transfer ratio, roll safety factor | an instant of it |
 //! | `time` | time to rollover, predicted and simulated | ramp |
@@ -35,13 +37,16 @@ pub mod offtracking;
 mod ramp;
 mod roll_plane;
 pub mod small;
+mod support;
 mod time;
 mod transfer;
+mod turn;
 
 pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
-pub use on_board::on_board;
+pub(crate) use on_board::thresholds_g;
+pub use on_board::{on_board, steady_turn_threshold_g};
 pub use ramp::{Ramp, RampEnd, RampPoint};
-pub(crate) use roll_plane::RollPlane;
+use roll_plane::RollPlane;
 pub use time::{TimeToRollover, time_to_rollover_s};
 pub use transfer::Transfer;
 
