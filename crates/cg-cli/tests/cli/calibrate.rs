@@ -121,7 +121,7 @@ fn an_edited_calibration_is_noticed() {
 fn a_vehicle_of_any_name_gives_a_calibration_that_can_be_read_back() {
     let scratch = Scratch::new();
     let text = std::fs::read_to_string(kraz()).unwrap();
-    let name = r#"name = "a\n[b] \"c\" = \r\u0001 '''""#;
+    let name = r#"name = "[b] \"c\" = # 'd' \\ '''""#;
     let named = text.replace("name = \"kraz\"", name);
     assert_ne!(named, text);
     let vehicle = scratch.file("v.toml", named);
@@ -131,6 +131,9 @@ fn a_vehicle_of_any_name_gives_a_calibration_that_can_be_read_back() {
     estimate(&fixture(LADEN), &vehicle, &["--calibration", &file]).done();
     // And over itself: it is still known as ours.
     calibrate(&vehicle, &runs, &file).done();
+    // A line break in a name is refused before anything is written.
+    let broken = scratch.file("w.toml", text.replace("name = \"kraz\"", r#"name = "a\nb""#));
+    calibrate(&broken, &runs, &file).refused(&["w.toml", "name", "one line"]);
 }
 
 #[test]

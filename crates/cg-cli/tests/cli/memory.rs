@@ -50,6 +50,34 @@ fn memory_does_not_grow_with_the_log() {
     assert!(long_bytes - short_bytes > 20 * 400 * 1024, "{short_bytes} {long_bytes}");
 }
 
+/// Two million rows a second apart, with turns: no maneuver for each, and hardly any memory.
+#[test]
+fn two_million_rows_a_second_apart_take_little() {
+    let vehicle = kraz();
+    let arguments = ["estimate", "-", "--vehicle", &vehicle, "--format", "json", "--jobs", "1"];
+    let mut child = command(&arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut pipe = std::io::BufWriter::new(child.stdin.take().unwrap());
+    writeln!(pipe, "time_s,steer_rad,roll_rad,speed_mps").unwrap();
+    for second in 0..2_000_000_u32 {
+        let steer = 0.05 * (f64::from(second) / 5.0).sin();
+        writeln!(pipe, "{second},{steer:.4},{:.4},13.9", 0.5 * steer).unwrap();
+    }
+    pipe.flush().unwrap();
+    let peak_kb = peak_kb(child.id());
+    drop(pipe);
+    let output = child.wait_with_output().unwrap();
+    println!("peak {peak_kb} kB, {} bytes of answer", output.stdout.len());
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(peak_kb < 50_000 && output.stdout.len() < 5000, "{peak_kb} kB");
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(answer["messages"].to_string().contains("most rows are more than 0.5 s apart"));
+}
+
 /// Thirty days, each with some drives of two minutes and parking in between: `cg run` at the end is as
 /// large as after the first day, but for pages that the allocator rounds to. `make soak` drives an
 /// hour a day.

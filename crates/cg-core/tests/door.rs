@@ -1,0 +1,171 @@
+//! Nothing that is no number, or none that a truck knows, stays in the estimator; and a drive begins
+//! with the ignition key.
+#![allow(clippy::unwrap_used, clippy::cast_precision_loss)] // helpers of tests
+
+mod common;
+
+use cg_core::{Channel, Estimator, FilteredArx, Prior, Quantity, Sample, Settings};
+use common::{narrow, rounded_step_response};
+use proptest::prelude::*;
+
+fn estimator() -> Estimator<f32, FilteredArx<f32>> {
+    Estimator::new(common::design().cast(), Settings::truck(), Prior::standard())
+}
+
+/// A good drive, 10 ms a row: straight, one turn, straight.
+fn good_drive() -> Vec<Sample<f32>> {
+    let straight = vec![(0.0, 0.0); 200];
+    straight
+        .into_iter()
+        .chain(rounded_step_response(1500, 0.01, 3.0))
+        .zip(0_u64..)
+        .map(|((steer, roll), k)| {
+            let mut sample = Sample::absent(10_000 * k);
+            sample.steer_rad = narrow(steer);
+            sample.roll_rad = narrow(roll);
+            sample.speed_mps = 13.9;
+            sample.lateral_acceleration_mps2 = narrow(34.0 * steer);
+            sample.trailer_mass_kg = 30e3;
+            sample
+        })
+        .collect()
+}
+
+/// Heights of both channels after these samples.
+fn heights(samples: &[Sample<f32>]) -> [Option<f32>; 2] {
+    let mut estimator = estimator();
+    for sample in samples {
+        let _ = estimator.push(sample);
+    }
+    println!("{:?}", estimator.finish());
+    Channel::ALL.map(|channel| estimator.height(channel).map(|height| height.height_m.value))
+}
+
+/// What a quantity cannot be: absent, infinite, huge, just beyond its limits.
+fn impossible(quantity: Quantity) -> impl Strategy<Value = f32> {
+    let [least, greatest] = quantity.limits();
+    prop_oneof![
+        Just(f32::NAN),
+        Just(f32::INFINITY),
+        Just(f32::NEG_INFINITY),
+        Just(f32::MAX),
+        Just(f32::MIN),
+        (1.01_f32..1e30).prop_map(move |factor| factor * greatest),
+        (1.01_f32..1e30).prop_map(move |factor| least - factor * greatest),
+    ]
+}
+
+prop_compose! {
+    /// A sample of nothing possible, so many microseconds after the row with this number.
+    fn damaged()(
+        after in 0_usize..1700,
+        late_us in 1_u64..10_000,
+        steer_rad in impossible(Quantity::Steer),
+        roll_rad in impossible(Quantity::Roll),
+        tilt_rad in impossible(Quantity::Tilt),
+        speed_mps in impossible(Quantity::Speed),
+        lateral_acceleration_mps2 in impossible(Quantity::LateralAcceleration),
+        yaw_rate_radps in impossible(Quantity::YawRate),
+        trailer_mass_kg in impossible(Quantity::TrailerMass),
+    ) -> Sample<f32> {
+        Sample {
+            time_us: 10_000 * after as u64 + late_us,
+            steer_rad,
+            roll_rad,
+            tilt_rad,
+            speed_mps,
+            lateral_acceleration_mps2,
+            yaw_rate_radps,
+            trailer_mass_kg,
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+    /// Pushed between the samples of a good drive, before them too: its heights stay to 1e-3.
+    #[test]
+    fn the_impossible_does_no_harm(damage in prop::collection::vec(damaged(), 1..200)) {
+        let good = good_drive();
+        let mut all: Vec<Sample<f32>> = good.iter().chain(&damage).copied().collect();
+        all.sort_by_key(|sample| sample.time_us);
+        for (found, known) in heights(&all).into_iter().zip(heights(&good)) {
+            let (found, known) = (found.unwrap(), known.unwrap());
+            prop_assert!((found / known - 1.0).abs() < 1e-3, "{found} for {known}");
+        }
+    }
+
+    /// One impossible value in a row that is good otherwise costs that row at most.
+    #[test]
+    fn one_impossible_value_costs_its_row(places in prop::collection::vec((0_usize..1700, 0_usize..5), 1..40)) {
+        let good = good_drive();
+        let mut harmed = good.clone();
+        for (place, field) in places {
+            let sample = &mut harmed[place];
+            *[
+                &mut sample.steer_rad,
+                &mut sample.roll_rad,
+                &mut sample.speed_mps,
+                &mut sample.lateral_acceleration_mps2,
+                &mut sample.trailer_mass_kg,
+            ][field] = 1e30;
+        }
+        for (found, known) in heights(&harmed).into_iter().zip(heights(&good)) {
+            let (found, known) = (found.unwrap(), known.unwrap());
+            prop_assert!((found / known - 1.0).abs() < 1e-3, "{found} for {known}");
+        }
+    }
+}
+
+/// From the ignition key on: standing with a steering angle that ramps up to its true value, sensors
+/// that appear one after the other, no mass yet, lateral acceleration missing in the first rows.
+#[test]
+fn a_drive_begins_with_the_ignition_key() {
+    let standing = (0..3000_u64).map(|k| {
+        let time_s = k as f32 * 0.01;
+        let seen = |from_s: f32, value: f32| if time_s >= from_s { value } else { f32::NAN };
+        let mut sample = Sample::absent(10_000 * k);
+        sample.roll_rad = seen(1.0, 0.004);
+        sample.steer_rad = seen(2.0, 0.3 * ((time_s - 2.0) / 5.0).min(1.0));
+        sample.speed_mps = seen(4.0, 0.0);
+        sample.yaw_rate_radps = seen(6.0, 0.0);
+        sample.lateral_acceleration_mps2 = seen(9.0, 0.02);
+        sample
+    });
+    // Away with 1 m/s², wheels straight by then; the mass is known after a while.
+    let away = (0..1390_u64).map(|k| {
+        let mut sample = Sample::absent(30_000_000 + 10_000 * k);
+        sample.roll_rad = 0.004;
+        sample.steer_rad = 0.0;
+        sample.speed_mps = k as f32 * 0.01;
+        sample.lateral_acceleration_mps2 = 0.0;
+        sample.trailer_mass_kg = if k > 700 { 30e3 } else { f32::NAN };
+        sample
+    });
+    let driving = good_drive().into_iter().map(|sample| Sample {
+        time_us: sample.time_us + 43_900_000,
+        roll_rad: sample.roll_rad + 0.004,
+        ..sample
+    });
+    let all: Vec<Sample<f32>> = standing.chain(away).chain(driving).collect();
+    for (found, known) in heights(&all).into_iter().zip(heights(&good_drive())) {
+        let (found, known) = (found.unwrap(), known.unwrap());
+        assert!((found / known - 1.0).abs() < 1e-3, "{found} for {known}");
+    }
+}
+
+/// Rows that are further apart than a straight line may bridge make no maneuvers, each of its own.
+#[test]
+fn a_log_of_one_row_a_second_has_no_maneuvers() {
+    let mut estimator = estimator();
+    let mut closed = 0;
+    for k in 0..2000_u64 {
+        let mut sample = Sample::absent(1_000_000 * k);
+        sample.steer_rad = narrow(0.05 * (k as f64 / 5.0).sin());
+        sample.roll_rad = 0.85 * sample.steer_rad;
+        sample.speed_mps = 13.9;
+        closed += u32::from(estimator.push(&sample).unwrap().closed.is_some());
+    }
+    assert_eq!(closed, 0);
+    assert_eq!(estimator.finish(), None);
+}
