@@ -132,10 +132,10 @@ impl Slope {
     pub const fn quantity(self, rule: Compensation) -> Option<Quantity> {
         match (rule, self.compensation) {
             _ if self.merit == 2 => None,
-            (Compensation::On, _) => Some(Quantity::Roll),
-            (Compensation::Off, _) => Some(Quantity::Tilt),
-            (_, 2) => None,
-            (Compensation::Bits, 0) | (Compensation::InvertedBits, 1) => Some(Quantity::Roll),
+            (Compensation::Bits | Compensation::InvertedBits, 2) => None,
+            (Compensation::On, _) | (Compensation::Bits, 0) | (Compensation::InvertedBits, 1) => {
+                Some(Quantity::Roll)
+            }
             _ => Some(Quantity::Tilt),
         }
     }

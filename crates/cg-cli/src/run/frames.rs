@@ -68,7 +68,7 @@ impl Frames {
 
     /// Hands on the samples that are complete, and does what is due.
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
-        while let Some(sample) = self.sampler.next() {
+        while let Some(sample) = self.sampler.next_sample() {
             session.push(sample)?;
         }
         let now_us = self.sampler.now_us();

@@ -41,6 +41,9 @@ fn plain(stamp: &str, line: &str) -> String {
     format!(" {stamp} can0  {identifier}   [{}]  {}", bytes.len(), bytes.join(" "))
 }
 
+/// The name of a log, and its time stamps.
+type Stamped<'a> = (&'a str, Box<dyn FnMut(u64) -> String>);
+
 /// The drive with the plain time stamps of `-ta`, `-td`, `-tz` and `-tA`: the same to the last bit.
 #[test]
 fn every_form_of_candump_gives_the_same_height() {
@@ -48,7 +51,7 @@ fn every_form_of_candump_gives_the_same_height() {
     let expected = last_height(&lines(&drive.replay(&drive.candump, &[]).done()));
     let seconds = |us: u64| format!("({:03}.{:06}) ", us / 1_000_000, us % 1_000_000);
     let mut last_us = 0;
-    let mut stamps: [(&str, Box<dyn FnMut(u64) -> String>); 4] = [
+    let mut stamps: [Stamped<'_>; 4] = [
         ("a.log", Box::new(move |us| seconds(us + 1_700_000_000_000_000))),
         ("z.log", Box::new(seconds)),
         ("d.log", Box::new(move |us| seconds(us - std::mem::replace(&mut last_us, us)))),

@@ -35,7 +35,7 @@ impl Sampler {
     }
 
     /// Takes in a frame that was received about now by the monotonic clock, if it is live; its
-    /// stream time. `heard` gets each value that counts. Then ask for [samples](Self::next).
+    /// stream time. `heard` gets each value that counts. Then ask for [samples](Self::next_sample).
     pub fn push(
         &mut self,
         frame: &Frame,
@@ -67,7 +67,7 @@ impl Sampler {
     }
 
     /// The next sample that is complete, its time being stream time.
-    pub fn next(&mut self) -> Option<Sample<f64>> {
+    pub fn next_sample(&mut self) -> Option<Sample<f64>> {
         self.aligner.next(self.now_us)
     }
 

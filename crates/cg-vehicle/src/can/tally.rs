@@ -7,14 +7,14 @@ use crate::log::{Position, Signal};
 
 /// Something that is counted: how often, the first value and where a log has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Count {
+struct Found {
     count: u64,
     first: f64,
     place: Option<Position>,
     told: bool,
 }
 
-impl Count {
+impl Found {
     fn add(&mut self, value: f64, place: Option<Position>) -> bool {
         if self.count == 0 {
             (self.first, self.place) = (value, place);
@@ -27,10 +27,10 @@ impl Count {
 /// Counts of values that are not as they should be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    implausible: [Count; Quantity::COUNT],
-    degraded: Count,
-    faulty: Count,
-    unsaid: Count,
+    implausible: [Found; Quantity::COUNT],
+    degraded: Found,
+    faulty: Found,
+    unsaid: Found,
     /// Whether there is something that was not told yet.
     fresh: bool,
 }
@@ -84,20 +84,20 @@ impl Tally {
 
     /// Everything that has occurred, with its count.
     pub fn remarks(&self, settings: &AlignSettings<f64>) -> Vec<String> {
-        let counted = |(said, count): (Option<(&'static str, String)>, Count)| {
+        let counted = |(said, count): (Option<(&'static str, String)>, Found)| {
             said.map(|(signal, sentence)| format!("{signal}: {sentence} ({} in all)", count.count))
         };
         self.sentences(settings).into_iter().zip(self.counts()).filter_map(counted).collect()
     }
 
-    fn counts(&self) -> [Count; Quantity::COUNT + 3] {
-        let mut counts = [Count::default(); Quantity::COUNT + 3];
+    fn counts(&self) -> [Found; Quantity::COUNT + 3] {
+        let mut counts = [Found::default(); Quantity::COUNT + 3];
         counts[..Quantity::COUNT].copy_from_slice(&self.implausible);
         counts[Quantity::COUNT..].copy_from_slice(&[self.degraded, self.faulty, self.unsaid]);
         counts
     }
 
-    fn counts_mut(&mut self) -> impl Iterator<Item = &mut Count> {
+    fn counts_mut(&mut self) -> impl Iterator<Item = &mut Found> {
         let slope = [&mut self.degraded, &mut self.faulty, &mut self.unsaid];
         self.implausible.iter_mut().chain(slope)
     }

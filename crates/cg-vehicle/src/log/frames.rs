@@ -56,7 +56,7 @@ impl Frames {
         }
     }
 
-    pub(super) fn signals(&self) -> Vec<Signal> {
+    pub(super) fn signals() -> Vec<Signal> {
         SIGNALS.to_vec()
     }
 
@@ -71,7 +71,7 @@ impl Frames {
     /// Reads the next sample into `values`. `false` at the end.
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
         loop {
-            let sample = if self.over { self.sampler.rest() } else { self.sampler.next() };
+            let sample = if self.over { self.sampler.rest() } else { self.sampler.next_sample() };
             if let Some(sample) = sample {
                 #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
                 let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;

@@ -121,7 +121,7 @@ impl LogReader {
     ) -> Self {
         let columns = body.columns();
         let mut signals: Vec<Signal> = match &body {
-            Body::Can(frames) => frames.signals(),
+            Body::Can(_) => Frames::signals(),
             _ => columns.iter().map(|column| column.signal).collect(),
         };
         signals.sort_unstable();
