@@ -1,12 +1,20 @@
 //! Whether the roll angle can be what the sensor says.
 //!
-//! A sensor at the end of its range, or one that hangs, shows the same number while the truck
-//! rolls on. A coarse one does so too, but only from one of its steps to the next.
+//! A sensor at the end of its range, one that hangs, or one that says nothing of small angles shows
+//! the same number, but for a little noise, while the truck rolls on. A coarse one does so too, but
+//! only from one of its steps to the next.
 
+use crate::condition::seconds;
 use crate::real::Real;
 
 /// Share of the expected motion that a good sensor never stands still for.
 const SHARE: f64 = 0.2;
+/// Share of the expected motion within which the roll angle counts as standing: a tenth of
+/// [`SHARE`], where a roll angle that follows late still moves by a third.
+const STILL: f64 = 0.02;
+/// Time constant of a first-order lag of the expected roll angle, about that of rolling trailers: the
+/// input moves before the trailer does.
+const LAG_S: f64 = 0.5;
 /// How many of its own least steps a coarse sensor may stand still for.
 const STEPS: f64 = 3.0;
 
@@ -35,10 +43,14 @@ pub enum Inconsistency<T> {
 /// Watches the rows of a maneuver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watch<T> {
+    time_us: u64,
+    /// The last roll angle, and the expected one through a lag of [`LAG_S`].
     roll_rad: T,
-    /// Expected roll while the roll angle stood where it is: least and greatest.
+    expected_rad: T,
+    /// Since the roll angle has stood: its own least and greatest, and those of the expected one.
+    stood: [T; 2],
     standing: [T; 2],
-    /// The same over the whole maneuver.
+    /// Least and greatest of the expected one over the whole maneuver.
     all: [T; 2],
     /// The longest way that was expected while the roll angle stood still, and where.
     still_rad: T,
@@ -46,11 +58,18 @@ pub(crate) struct Watch<T> {
     least_step_rad: T,
 }
 
+fn with<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
+    [low.min(x), high.max(x)]
+}
+
 impl<T: Real> Watch<T> {
     /// From the first row on.
-    pub(crate) fn new(roll_rad: T, expected_rad: T) -> Self {
+    pub(crate) fn new(time_us: u64, roll_rad: T, expected_rad: T) -> Self {
         Self {
+            time_us,
             roll_rad,
+            expected_rad,
+            stood: [roll_rad; 2],
             standing: [expected_rad; 2],
             all: [expected_rad; 2],
             still_rad: T::zero(),
@@ -60,17 +79,22 @@ impl<T: Real> Watch<T> {
     }
 
     /// Takes in the next row.
-    pub(crate) fn push(&mut self, roll_rad: T, expected_rad: T) {
-        let with = |[low, high]: [T; 2]| [low.min(expected_rad), high.max(expected_rad)];
+    pub(crate) fn push(&mut self, time_us: u64, roll_rad: T, expected_rad: T) {
+        let interval_s: T = seconds(time_us.saturating_sub(self.time_us));
+        self.time_us = time_us;
+        self.expected_rad +=
+            (expected_rad - self.expected_rad) * interval_s / (T::of(LAG_S) + interval_s);
         let step_rad = (roll_rad - self.roll_rad).abs();
-        self.standing = if step_rad > T::zero() {
-            self.least_step_rad = self.least_step_rad.min(step_rad);
-            [expected_rad; 2]
-        } else {
-            with(self.standing)
-        };
         self.roll_rad = roll_rad;
-        self.all = with(self.all);
+        if step_rad > T::zero() {
+            self.least_step_rad = self.least_step_rad.min(step_rad);
+        }
+        self.all = with(self.all, self.expected_rad);
+        self.stood = with(self.stood, roll_rad);
+        if self.stood[1] - self.stood[0] > T::of(STILL) * (self.all[1] - self.all[0]) {
+            (self.stood, self.standing) = ([roll_rad; 2], [self.expected_rad; 2]);
+        }
+        self.standing = with(self.standing, self.expected_rad);
         let way_rad = self.standing[1] - self.standing[0];
         if way_rad > self.still_rad {
             (self.still_rad, self.still_at_rad) = (way_rad, roll_rad);
@@ -114,10 +138,10 @@ mod tests {
 
     /// A turn to 2.5 degrees in 5 s, as a sensor shows it.
     fn shown(sensor: impl Fn(f64) -> f64) -> Option<Inconsistency<f64>> {
-        let mut watch = Watch::new(sensor(0.0), 0.0);
-        for k in 1..=1000 {
+        let mut watch = Watch::new(0, sensor(0.0), 0.0);
+        for k in 1..=1000_u32 {
             let expected = 2.5 * (f64::from(k) / 500.0).min(1.0);
-            watch.push(sensor(1.1 * expected), expected);
+            watch.push(10_000 * u64::from(k), sensor(1.1 * expected), expected);
         }
         watch.standstill()
     }
@@ -133,15 +157,18 @@ mod tests {
     /// Steps of 0.5 in a motion of 2.5: 0.5/√12/2.5, unless noise carries the angle over them.
     #[test]
     fn coarse_steps_are_counted_unless_noise_carries_the_angle_over_them() {
-        let mut watch = Watch::new(0.0, 0.0);
-        for k in 1..=50 {
-            watch.push((f64::from(k) * 0.1).round() * 0.5, f64::from(k) * 0.05);
+        let mut watch = Watch::new(0, 0.0, 0.0);
+        for k in 1..=50_u32 {
+            // So slowly that the lag does not count.
+            let time_us = 100_000_000 * u64::from(k);
+            watch.push(time_us, (f64::from(k) * 0.1).round() * 0.5, f64::from(k) * 0.05);
         }
-        let steps = 0.5 / 12.0_f64.sqrt();
-        assert!((watch.step_share(steps) - steps / 2.5).abs() < 1e-12);
+        let (steps, motion) = (0.5 / 12.0_f64.sqrt(), watch.all[1] - watch.all[0]);
+        assert!((motion - 2.5).abs() < 0.001);
+        assert!((watch.step_share(steps) - steps / motion).abs() < 1e-12);
         assert!(watch.step_share(0.5_f64.hypot(steps)) < 0.003 * steps);
         assert!(watch.step_share(0.0) > 0.0);
-        assert!(Watch::new(0.0, 0.0).step_share(0.1) == 0.0);
+        assert!(Watch::new(0, 0.0, 0.0).step_share(0.1) == 0.0);
     }
 
     #[test]
@@ -150,5 +177,14 @@ mod tests {
         let coarse = shown(|roll| ((roll / 0.1).round() * 0.1).min(1.5));
         assert!(matches!(coarse, Some(Inconsistency::Standstill { .. })));
         assert_eq!(shown(|_| 0.3), Some(Inconsistency::Standstill { roll_rad: 0.3 }));
+        // The same with a little noise on top, and a dead band.
+        let noise = |roll: f64| 0.01 * (1e4 * roll).sin();
+        for limit in [1.0, 1.7] {
+            let noisy = shown(|roll| roll.min(limit) + noise(roll));
+            assert!(matches!(noisy, Some(Inconsistency::Standstill { .. })), "{limit}");
+        }
+        let dead = shown(|roll| (roll - 0.9).max(0.0));
+        assert!(matches!(dead, Some(Inconsistency::Standstill { .. })));
+        assert_eq!(shown(|roll| roll + noise(roll)), None);
     }
 }

@@ -268,9 +268,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         let [steer, lateral] = row.expected_rad;
         let expected_rad = if lateral.present() { lateral } else { steer };
         if let Some(watch) = &mut window.watch {
-            watch.push(row.roll_rad, expected_rad);
+            watch.push(row.time_us, row.roll_rad, expected_rad);
         } else if row.turning {
-            window.watch = Some(Watch::new(row.roll_rad, expected_rad));
+            window.watch = Some(Watch::new(row.time_us, row.roll_rad, expected_rad));
         }
         window.last_us = row.time_us;
         // Running means, since sums lose digits in single precision.

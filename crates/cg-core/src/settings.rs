@@ -25,7 +25,8 @@ pub struct Settings<T> {
     /// truck's logs it misses up to 0.19 uncalibrated; of a sensor that is 1 s late, 0.39 and more.
     pub misfit: T,
     /// The greatest share of the roll angle, at its greatest, that may be a bend over the expected one:
-    /// up to 0.25 in drives of the nonlinear plant whose sensors are good.
+    /// dynamics that are not quite the model's look like up to 0.5 of it, the end of a range like
+    /// several times the angle.
     pub bend: T,
     /// How long another trailer mass must last.
     pub weighing_us: u64,
@@ -46,7 +47,7 @@ impl<T: Real> Settings<T> {
             speed_spread: T::of(0.3),
             ratio_sd_relative: T::of(0.2),
             misfit: T::of(0.35),
-            bend: T::of(0.3),
+            bend: T::one(),
             weighing_us: 10_000_000,
             mass_change: T::of(0.05),
         }

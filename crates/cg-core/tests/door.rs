@@ -37,7 +37,7 @@ fn heights(samples: &[Sample<f32>]) -> [Option<f32>; 2] {
     for sample in samples {
         let _ = estimator.push(sample);
     }
-    println!("{:?}", estimator.finish());
+    estimator.finish();
     Channel::ALL.map(|channel| estimator.height(channel).map(|height| height.height_m.value))
 }
 
@@ -132,18 +132,19 @@ fn a_drive_begins_with_the_ignition_key() {
         sample.lateral_acceleration_mps2 = seen(9.0, 0.02);
         sample
     });
-    // Away with 1 m/s², wheels straight by then; the mass is known after a while.
-    let away = (0..1390_u64).map(|k| {
+    // Away with 1 m/s², wheels straight by then, and ten seconds at a steady speed; the mass is
+    // known after a while.
+    let away = (0..2400_u64).map(|k| {
         let mut sample = Sample::absent(30_000_000 + 10_000 * k);
         sample.roll_rad = 0.004;
         sample.steer_rad = 0.0;
-        sample.speed_mps = k as f32 * 0.01;
+        sample.speed_mps = (k as f32 * 0.01).min(13.9);
         sample.lateral_acceleration_mps2 = 0.0;
         sample.trailer_mass_kg = if k > 700 { 30e3 } else { f32::NAN };
         sample
     });
     let driving = good_drive().into_iter().map(|sample| Sample {
-        time_us: sample.time_us + 43_900_000,
+        time_us: sample.time_us + 54_000_000,
         roll_rad: sample.roll_rad + 0.004,
         ..sample
     });

@@ -4,8 +4,9 @@ use serde_json::Value;
 
 use crate::common::{Scratch, baseline, cg, estimate, fixture, height_m, kraz};
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "channel",
+    "channels",
     "fit_percent",
     "height_ci95_m",
     "height_m",
