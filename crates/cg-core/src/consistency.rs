@@ -27,10 +27,10 @@ pub enum Inconsistency<T> {
         /// Root mean square of what it misses, over that of the roll about its mean.
         share: T,
     },
-    /// The roll angle bends over the expected one: the sensor comes to the end of its range, or says
-    /// nothing of small angles.
+    /// The roll angle falls behind the expected one as it grows: the sensor comes to the end of its
+    /// range.
     Bent {
-        /// What the bend takes from the roll angle (negative) or adds, at its greatest, as a share.
+        /// What the bend takes from the roll angle at its greatest, as a share.
         share: T,
     },
     /// The roll angle stood still while the truck must have rolled on.

@@ -404,9 +404,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         if !(fit.misfit <= misfit) {
             return Some(Inconsistency::Misfit { share: fit.misfit });
         }
-        let sure = fit.bend.value.abs() > T::of(ONCE_IN_A_THOUSAND) * fit.bend.sd;
-        (sure && fit.bend.value.abs() > bend)
-            .then_some(Inconsistency::Bent { share: fit.bend.value })
+        // The other way round a sensor that is late looks like it.
+        let short = -fit.bend.value;
+        (short > bend && short > T::of(ONCE_IN_A_THOUSAND) * fit.bend.sd)
+            .then_some(Inconsistency::Bent { share: short })
     }
 
     /// Whether a ratio lies beyond those of all heights that this trailer can have by more than its

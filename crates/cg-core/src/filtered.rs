@@ -33,6 +33,10 @@ const BEND: usize = 2 * ORDER + 3;
 
 /// Unit of time of the drift, so that its regressor is of the size of the others.
 const DRIFT_S: f64 = 10.0;
+/// A drift is taken out of the ratio if it is greater than a third of a degree a minute, and than chance
+/// explains once in a thousand.
+const LEAST_DRIFT_RADPS: f64 = 1e-4;
+const SURE: f64 = 3.29;
 /// Unit of the roll angle in the bend's regressor, for the same reason.
 const BEND_RAD: f64 = 0.05;
 /// Weight of rows that hold the dynamics at the model's. The rows' own weight is the roll angle times
@@ -388,20 +392,38 @@ impl<T: Real> FilteredArx<T> {
         let mut gradient = [T::zero(); REGRESSORS];
         gradient[0] = -ratio / denominator;
         gradient[GAIN] = gain;
-        let spread = *slow_sd * triangle.variance_of(&gradient, UNKNOWNS).root();
-        let doubt =
-            T::of(INPUT_DOUBT) * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[1]);
-        let ratio_sd = (spread * spread + doubt * doubt).root();
         // The filtered sensor error is B0 + δb_0 over B0 of the sensor's own.
         let rest = theta[OFFSET] / denominator;
         let per_second = self.model.denominator[0] / denominator / T::of(DRIFT_S);
-        let mut along = [T::zero(); REGRESSORS];
-        along[DRIFT] = per_second;
-        let drift_sd = *slow_sd * triangle.variance_of(&along, UNKNOWNS).root();
+        // (RᵀR)⁻¹ of the drift: how the ratio moves with it.
+        let mut unit = [T::zero(); REGRESSORS];
+        unit[DRIFT] = T::one();
+        let along = triangle.shift_for(&unit, UNKNOWNS);
+        let covariance = gradient[0] * along[0] + gradient[GAIN] * along[GAIN];
+        let drift_radps = Measured {
+            value: theta[DRIFT] * per_second,
+            sd: *slow_sd * along[DRIFT].root() * per_second,
+        };
+        let mut variance = *slow_sd * *slow_sd * triangle.variance_of(&gradient, UNKNOWNS);
+        // What the drift takes from the ratio. A small one is more likely slow dynamics: left out, it
+        // is doubt.
+        let taken = covariance / along[DRIFT] * theta[DRIFT];
+        let drifts = drift_radps.value.abs() > T::of(LEAST_DRIFT_RADPS)
+            && drift_radps.value.abs() > T::of(SURE) * drift_radps.sd;
+        let ratio = if drifts {
+            ratio
+        } else {
+            variance +=
+                taken * taken - *slow_sd * *slow_sd * covariance * covariance / along[DRIFT];
+            ratio - taken
+        };
+        let doubt =
+            T::of(INPUT_DOUBT) * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[1]);
+        let ratio_sd = (variance + doubt * doubt).root();
         let (snr_db, fit_percent) = self.moments.quality(*noise_sd * *noise_sd, rest);
         Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
-            drift_radps: Measured { value: theta[DRIFT] * per_second, sd: drift_sd },
+            drift_radps,
             bend: self.bend(solution),
             noise_sd_rad: solution.noise_sd,
             snr_db,

@@ -63,12 +63,12 @@ impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
         Self([T::ZERO; P])
     };
 
-    #[inline]
+    #[inline(never)] // once in the image of a microcontroller
     fn row(&self, i: usize) -> &[T] {
         if i < N { self.0.get(Self::place(i)).unwrap_or(&[]) } else { &[] }
     }
 
-    #[inline]
+    #[inline(never)]
     fn row_mut(&mut self, i: usize) -> &mut [T] {
         if i < N { self.0.get_mut(Self::place(i)).unwrap_or(&mut []) } else { &mut [] }
     }

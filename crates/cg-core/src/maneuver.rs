@@ -65,22 +65,14 @@ impl<T: Real> fmt::Display for Reject<T> {
                  times, signs and units",
                 share.as_f64() * 100.0
             ),
-            Self::Inconsistent(Inconsistency::Bent { share }) if share.as_f64() < 0.0 => write!(
-                f,
-                "inconsistent: the roll angle falls behind the expected one by {:.0} % as it grows; \
-                 the sensor seems to come to the end of its range",
-                -share.as_f64() * 100.0
-            ),
-            Self::Inconsistent(Inconsistency::Bent { share }) => write!(
-                f,
-                "inconsistent: small roll angles are {:.0} % too small beside great ones; the sensor \
-                 seems to have a dead band",
-                share.as_f64() * 100.0
+            Self::Inconsistent(Inconsistency::Bent { .. }) => f.write_str(
+                "inconsistent: the roll angle falls behind the expected one as it grows; the sensor \
+                 seems to come to the end of its range",
             ),
             Self::Inconsistent(Inconsistency::Standstill { roll_rad }) => write!(
                 f,
                 "inconsistent: the roll angle stood still at {:.4} rad while the truck rolled on; \
-                 the sensor hangs or is at the end of its range",
+                 the sensor hangs, has a dead band or is at the end of its range",
                 roll_rad.as_f64()
             ),
         }

@@ -44,7 +44,7 @@ fn faults() -> Vec<Fault> {
         fault("lateral acceleration reversed", &["--flip lateral_acceleration"], |_, row| {
             row.lateral_acceleration_mps2 *= -1.0;
         }),
-        fault("roll twice", SENSOR, |_, row| row.roll_rad *= 2.0),
+        fault("roll twice", &["left out", "gain of the roll sensor"], |_, row| row.roll_rad *= 2.0),
         fault("roll in degrees", SENSOR, |_, row| row.roll_rad = row.roll_rad.to_degrees()),
         fault("steering wheel", &["steering_wheel_rad"], |_, row| row.steer_rad *= 20.0),
         fault("steer in degrees", SENSOR, |_, row| row.steer_rad = row.steer_rad.to_degrees()),

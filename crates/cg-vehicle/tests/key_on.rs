@@ -5,7 +5,7 @@ mod common;
 
 use cg_core::{AlignSettings, Estimator, FilteredArx, Prior, Sample, Settings};
 use cg_vehicle::design::design;
-use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator};
+use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::log::{CandumpWriter, LogOptions, LogReader, LogRow, LogWriter, Signal};
 use cg_vehicle::output::{Files, Kind};
 use cg_vehicle::{Variant, Vehicle};
@@ -86,7 +86,11 @@ fn the_height_is_that_of_the_drive() {
         assert!((found_m / expected_m - 1.0).abs() < share, "{name}: {found_m} for {expected_m}");
     };
     let whole = estimate(&rows);
-    assert_eq!(whole.maneuvers.len(), plain.maneuvers.len());
+    // The steering angle that ramps up as the truck stands is a turn to nobody but the clock.
+    let good = |answer: &LogEstimate| {
+        answer.maneuvers.iter().filter(|one| one.status == Verdict::Ok).count()
+    };
+    assert_eq!(good(&whole), good(&plain));
     // Nothing of the beginning goes into a maneuver but two seconds of straight driving.
     same("in memory", whole.height_m.unwrap(), 2e-3);
 
@@ -95,6 +99,7 @@ fn the_height_is_that_of_the_drive() {
     let mut files = Files::new(false);
     let csv = folder.path().join("drive.csv");
     let columns = [
+        Signal::Time,
         Signal::Steer,
         Signal::Roll,
         Signal::Speed,

@@ -133,6 +133,7 @@ impl LogEstimator {
             .design
             .rollover(fused.height_m, best.trailer_mass_kg)
             .map(|rollover| rollover.static_rollover_threshold_g.value);
+        estimate.messages.extend(Self::unusual(height));
     }
 
     /// Mean speed of the maneuvers that gave a height in one of these channels.

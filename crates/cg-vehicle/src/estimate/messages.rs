@@ -6,6 +6,9 @@ use cg_core::{Channel, Measured};
 use super::LogEstimator;
 use super::diagnosis::Evidence;
 
+/// The greatest usual height: a box that is full to a roof at 4 m over a floor at 1.2 m has its middle
+/// at 2.6 m, and the trailer's own weight lies below.
+const USUAL_HEIGHT_M: f64 = 2.5;
 /// Drift of the roll sensor that is worth a word: a third of a degree in a minute.
 const DRIFT_RADPS: f64 = 1e-4;
 
@@ -84,6 +87,16 @@ impl LogEstimator {
             ));
         }
         messages
+    }
+
+    /// What is to be said of a height that loads hardly have.
+    pub(super) fn unusual(height_m: f64) -> Option<String> {
+        (height_m > USUAL_HEIGHT_M).then(|| {
+            format!(
+                "a height of {height_m:.2} m is more than loads have (up to {USUAL_HEIGHT_M} m): \
+                 check the gain of the roll sensor and the trailer mass"
+            )
+        })
     }
 
     /// Both channels' heights in words.
