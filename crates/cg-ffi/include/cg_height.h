@@ -84,7 +84,7 @@ typedef struct cg_design {
 } cg_design;
 
 /* Bytes of an estimator. */
-#define CG_ESTIMATOR_SIZE 4000
+#define CG_ESTIMATOR_SIZE 4064
 
 /* An estimator: memory of the caller, static or on a stack. What is in it is its own affair. */
 typedef struct cg_estimator {

@@ -14,7 +14,7 @@ use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, 
 pub use types::{CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
 
 /// As in the header: bytes of an estimator.
-pub const CG_ESTIMATOR_SIZE: usize = 4000;
+pub const CG_ESTIMATOR_SIZE: usize = 4064;
 
 /// Why nothing was done; the numbers are those of the header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 
 use std::io::{self, Write};
 
-use cg_core::{Channel, Design, Measured};
-use cg_vehicle::estimate::ManeuverEstimate;
+use cg_core::{Channel, Combined, Design, Measured};
+use cg_vehicle::estimate::{ManeuverEstimate, Verdict};
 use serde::Serialize;
 
 /// Two-sided 95 % quantile of the normal distribution.
@@ -67,6 +67,7 @@ pub(crate) enum MassSource {
 /// What is known of the load.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Result {
+    pub(crate) status: Verdict,
     pub(crate) height_m: Option<f64>,
     pub(crate) height_sd_m: Option<f64>,
     pub(crate) height_ci95_m: Option<[f64; 2]>,
@@ -83,11 +84,17 @@ impl Result {
     /// From the fused height, if there is one.
     pub(crate) fn new(
         design: &Design<f64>,
-        height: Option<(cg_core::Height<f64>, Option<Channel>)>,
+        combined: Option<Combined<f64>>,
+        channel: Option<Channel>,
         (trailer_mass_kg, trailer_mass_source): (f64, MassSource),
     ) -> Self {
-        let nothing = Self { trailer_mass_kg, trailer_mass_source, ..Self::default() };
-        let Some((height, channel)) = height else { return nothing };
+        let status = match combined {
+            None => Verdict::Rejected,
+            Some(Combined::Contradictory { .. } | Combined::Impossible) => Verdict::Inconsistent,
+            Some(_) => Verdict::Ok,
+        };
+        let nothing = Self { status, trailer_mass_kg, trailer_mass_source, ..Self::default() };
+        let Some(height) = combined.and_then(|all| all.height()) else { return nothing };
         let Measured { value, sd } = height.height_m;
         let threshold_g = design
             .rollover(height.height_m, trailer_mass_kg)

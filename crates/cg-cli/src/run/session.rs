@@ -7,7 +7,7 @@ use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
 };
 use cg_vehicle::can::Instant;
-use cg_vehicle::estimate::ManeuverEstimate;
+use cg_vehicle::estimate::{ManeuverEstimate, Verdict};
 
 use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::outputs::Outputs;
@@ -267,6 +267,7 @@ impl<W: Write> Session<W> {
             let message = "the heights so far were of another load and are forgotten";
             self.say(Event::LoadChanged { message })?;
         }
+        let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
         let of = |channel: Channel| {
             ManeuverEstimate::new(maneuver, &maneuver.outcomes[channel.index()], self.offset_s)
@@ -278,6 +279,7 @@ impl<W: Write> Session<W> {
             result: self.known.clone(),
         };
         self.say(Event::Maneuver(Box::new(line)))?;
+        self.compare(before)?;
         self.save()
     }
 
@@ -289,9 +291,29 @@ impl<W: Write> Session<W> {
             [None, Some(_)] => Some(Channel::LateralAcceleration),
             _ => None,
         };
-        let height = self.estimator.combined_height().map(|height| (height, channel));
         let mass = (trailer_mass_kg, self.mass_source);
-        self.known = Known::new(self.estimator.design(), height, mass);
+        let combined = self.estimator.combined();
+        self.known = Known::new(self.estimator.design(), combined, channel, mass);
+    }
+
+    /// Tells that the channels begin to contradict each other.
+    fn compare(&mut self, before: Verdict) -> io::Result<()> {
+        if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
+            return Ok(());
+        }
+        let told = Channel::ALL.map(|channel| match self.estimator.height(channel) {
+            Some(height) => {
+                format!("{channel} says {:.2} ± {:.2} m", height.height_m.value, height.height_m.sd)
+            }
+            None => format!("{channel} has no possible height"),
+        });
+        self.notice(
+            "channels",
+            format!(
+                "inconsistent, so there is no height: {}; a sensor is at fault",
+                told.join(", ")
+            ),
+        )
     }
 
     fn status(&self) -> Status {

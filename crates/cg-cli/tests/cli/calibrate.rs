@@ -13,12 +13,12 @@ fn calibrate(vehicle: &str, runs: &[String], output: &str) -> Run {
     cg(&arguments)
 }
 
-fn two_runs() -> Vec<String> {
+pub(crate) fn two_runs() -> Vec<String> {
     vec![format!("{}=1.32963", fixture(EMPTY)), format!("{}=1.90,28684", fixture(LADEN))]
 }
 
 #[test]
-fn two_runs_make_a_calibration_that_mends_another_log() {
+pub(crate) fn two_runs_make_a_calibration_that_mends_another_log() {
     let scratch = Scratch::new();
     let file = scratch.path("c.toml");
     let run = calibrate(&kraz(), &two_runs(), &file).done();

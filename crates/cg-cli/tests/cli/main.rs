@@ -24,6 +24,7 @@
 mod calibrate;
 mod can;
 mod common;
+mod consistent;
 mod design;
 #[cfg(unix)]
 mod files;

@@ -6,12 +6,13 @@ use serde::Serialize;
 use crate::estimate::Method;
 
 /// Whether a log (or a maneuver) gave a height.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// It did.
     Ok,
     /// It did not; the reason stands beside.
+    #[default]
     Rejected,
     /// Channels or sensors contradict each other: no height, those of the channels stand beside.
     Inconsistent,
