@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(found, Err(HeightError::NoSolution { ratio: 2.0 }));
     }
 
-    /// h = R_i/R_c here: relative variances add.
+    /// The height is the ratio itself here: relative variances add.
     #[test]
     fn ratio_compensation_and_model_each_have_their_part() {
         let line = RatioLine { a0: 0.0, a1: 1.0, b0: 1.0, b1: 0.0 };

@@ -44,7 +44,7 @@ fn straight_driving_before_a_turn_fades() {
     road.turn(); // it is told after 1 s
     let maneuver = road.finish();
     assert_eq!(maneuver.start_us, 6_010_000);
-    let before = ((171.0 / 2.0 + 200.0) / 2.0 + 200.0) / 2.0;
+    let before = 171.0 / 8.0 + 200.0 / 4.0 + 200.0 / 2.0;
     for outcome in maneuver.outcomes {
         let fit = outcome.fit.unwrap();
         assert_eq!(fit.snr_db, before + 800.0);

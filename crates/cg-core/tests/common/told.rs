@@ -101,6 +101,7 @@ impl Road {
         Self::on(Estimator::new(super::design(), Settings::truck(), says))
     }
 
+    #[allow(clippy::large_types_passed_by_value)] // once in a test
     pub(crate) fn on(estimator: Estimator<f64, Told>) -> Self {
         Self {
             estimator,
