@@ -129,6 +129,8 @@ pub enum DesignError {
     NotIncreasing(&'static str),
     /// A number that must be positive is not; the field is named.
     NotPositive(&'static str),
+    /// A correlation of the two channels lies outside −1 to 1.
+    NotCorrelation,
     /// The reduced model of this channel is unstable.
     Unstable(Channel),
 }
@@ -139,6 +141,9 @@ impl fmt::Display for DesignError {
             Self::NotFinite(field) => write!(f, "{field} must be a finite number"),
             Self::NotIncreasing(field) => write!(f, "{field} must increase strictly"),
             Self::NotPositive(field) => write!(f, "{field} must be positive"),
+            Self::NotCorrelation => {
+                write!(f, "the correlation of the channels must lie between -1 and 1")
+            }
             Self::Unstable(channel) => {
                 write!(f, "the reduced model of the {channel} channel is unstable")
             }
@@ -201,6 +206,7 @@ impl<T: Real> Design<T> {
             &[self.least_height_m, self.reference_height_m, self.greatest_height_m],
             "least, reference and greatest height_m",
         )?;
+        positive(self.least_height_m, "least_height_m")?;
         for channel in Channel::ALL {
             let design = &self.channels[channel.index()];
             if !design.models.iter().all(Reduced5::is_stable) {
@@ -216,9 +222,17 @@ impl<T: Real> Design<T> {
             positive(steer, "spread of the steer ratio")?;
             positive(lateral, "spread of the lateral-acceleration ratio")?;
             if !(spread.correlation.abs() <= T::one()) {
-                return Err(DesignError::NotFinite("correlation of the channels"));
+                return Err(DesignError::NotCorrelation);
             }
         }
+        positive(self.rollover.half_track_m, "rollover half_track_m")?;
+        positive(self.rollover.unsprung_mass_kg, "rollover unsprung_mass_kg")?;
+        positive(self.rollover.unsprung_height_m, "rollover unsprung_height_m")?;
+        let [lightest_kg, ..] = self.trailer_mass_kg;
+        increasing(
+            &[self.rollover.unsprung_mass_kg, lightest_kg],
+            "rollover unsprung_mass_kg and least trailer_mass_kg",
+        )?;
         for threshold_g in self.thresholds.iter().flat_map(|line| line.threshold_g) {
             positive(threshold_g, "rollover threshold")?;
         }

@@ -281,8 +281,8 @@ impl<T: Real> FilteredArx<T> {
                 self.prior.dynamics_sd * size(&self.model.numerator, k - GAIN).max(least)
             }
         };
-        // A fixed unknown has a zero column: any weight keeps it at zero.
-        Some(if sd > T::zero() { noise_sd / sd } else { T::one() })
+        // A fixed unknown has a zero column: any weight keeps it at zero, a great one without doubt.
+        Some(if sd > T::zero() { noise_sd / sd } else { T::of(HELD) })
     }
 
     /// Covariance of the deviations (scaled time; see the type's documentation for their order).

@@ -265,4 +265,86 @@ mod tests {
         let shared = height(2.0, 0.0).combined(&height(2.01, 0.0), 0.999);
         assert!(matches!(shared, Combined::Contradictory { .. }));
     }
+
+    #[test]
+    fn maneuvers_count_by_their_inverse_variance() {
+        let mut fusion = Fusion::<f64>::default();
+        fusion.push(Measured { value: 2.0, sd: 0.02 }, 0.03);
+        fusion.push(Measured { value: 2.02, sd: 0.04 }, 0.08);
+        let height = fusion.height().unwrap();
+        // Weights 4 : 1; scatter of 0.02²/(0.02² + 0.04²) = 0.2 is no more than noise explains.
+        assert!((height.height_m.value - 2.004).abs() < 1e-12);
+        assert!((height.random_sd_m - 0.02 / 1.25_f64.sqrt()).abs() < 1e-12);
+        let systematic: f64 = (4.0 * 0.03 + 0.08) / 5.0;
+        let total = (0.02_f64.powi(2) / 1.25 + systematic.powi(2)).sqrt();
+        assert!((height.height_m.sd - total).abs() < 1e-12);
+        assert_eq!(height.maneuvers, 2);
+        for wrong in [f64::NAN, f64::INFINITY, -0.0] {
+            fusion.push(Measured { value: 2.0, sd: wrong }, 0.0);
+        }
+        assert_eq!(fusion.height(), Some(height));
+    }
+
+    /// Three of standard deviation 0.01 at ±0.03 and 0: χ² = 18 with two degrees of freedom.
+    #[test]
+    fn scatter_counts_per_degree_of_freedom() {
+        let mut fusion = Fusion::<f64>::default();
+        for value in [1.97, 2.03, 2.0] {
+            fusion.push(Measured { value, sd: 0.01 }, 0.0);
+        }
+        assert!((fusion.height().unwrap().random_sd_m - 0.01 * 3.0_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_fusion_is_sound_if_every_number_can_be() {
+        let empty = Fusion::<f64>::new();
+        let mut good = empty;
+        good.push(Measured { value: 2.0, sd: 0.02 }, 0.03);
+        assert!(empty.is_sound() && good.is_sound());
+        let changes: [fn(&mut Fusion<f64>); 11] = [
+            |f| f.weight = 0.0,
+            |f| f.weight = f64::NAN,
+            |f| f.weight = f64::INFINITY,
+            |f| f.mean = 0.0,
+            |f| f.mean = -1.0,
+            |f| f.scatter = -1e-9,
+            |f| f.scatter = f64::NAN,
+            |f| f.systematic = -1e-9,
+            |f| f.systematic = f64::INFINITY,
+            |f| f.maneuvers = 0,
+            |f| f.mean = f64::INFINITY,
+        ];
+        for (k, change) in changes.into_iter().enumerate() {
+            let mut changed = good;
+            change(&mut changed);
+            assert!(!changed.is_sound(), "{k}");
+        }
+        assert!(!Fusion { maneuvers: 1, ..empty }.is_sound());
+    }
+
+    /// By hand, with noise and systematic parts in both: common = 0.02·0.01 + 0.5·0.03·0.04,
+    /// weight = (mine − common)/(mine + theirs − 2 common).
+    #[test]
+    fn two_channels_with_noise_have_the_mean_that_is_best() {
+        let height = |value: f64, random: f64, systematic: f64, maneuvers| Height {
+            height_m: Measured { value, sd: random.hypot(systematic) },
+            random_sd_m: random,
+            maneuvers,
+        };
+        let (a, b) = (height(2.0, 0.02, 0.03, 3), height(2.05, 0.01, 0.04, 5));
+        let (mine, theirs, common): (f64, f64, f64) = (0.0013, 0.0017, 0.0002 + 0.0006);
+        let weight = (mine - common) / (mine + theirs - 2.0 * common);
+        let Combined::Agreed(found) = a.combined(&b, 0.5) else { panic!("0.05 m") };
+        assert!((found.height_m.value - (2.0 + 0.05 * weight)).abs() < 1e-12);
+        let best = (mine * theirs - common * common) / (mine + theirs - 2.0 * common);
+        assert!((found.height_m.sd - best.sqrt()).abs() < 1e-12);
+        assert!((found.random_sd_m - (0.02 - 0.01 * weight)).abs() < 1e-12);
+        assert_eq!(found.maneuvers, 5);
+        // Their difference: independent noise, and 0.03² + 0.04² − 2·0.5·0.03·0.04 of the rest.
+        let variance = 0.0004 + 0.0001 + 0.0009 + 0.0016 - 0.0012_f64;
+        let other =
+            Height { height_m: Measured { value: 2.0 + 3.0 * variance.sqrt(), ..b.height_m }, ..b };
+        let Combined::Doubtful { chi_square, .. } = a.combined(&other, 0.5) else { panic!("3 sd") };
+        assert!((chi_square - 9.0).abs() < 1e-9);
+    }
 }

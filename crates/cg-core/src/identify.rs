@@ -180,3 +180,52 @@ pub trait Identify<T: Real>: Copy {
     /// The answer for all rows so far. Takes in what waits for more rows first.
     fn fit(&mut self) -> Answer<T>;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows (1, 2), (3, 4), (5, 9): means 3 and 5, variances 8/3 and 26/3.
+    fn moments() -> Moments<f64> {
+        let mut moments = Moments::new();
+        for (input, roll) in [(1.0, 2.0), (3.0, 4.0), (5.0, 9.0)] {
+            moments.push(input, roll);
+        }
+        moments
+    }
+
+    #[test]
+    fn variances_are_about_the_mean_and_forgetting_leaves_them() {
+        let mut moments = moments();
+        assert_eq!((moments.rows, moments.weight.round()), (3, 3.0));
+        for _ in 0..2 {
+            assert!((moments.input_variance() - 8.0 / 3.0).abs() < 1e-12);
+            assert!((moments.roll_variance() - 26.0 / 3.0).abs() < 1e-12);
+            moments.scale(0.25);
+        }
+        assert!((moments.weight - 3.0 / 16.0).abs() < 1e-15);
+        // What comes after counts for more: weights 3/16 and 1.
+        moments.push(6.0, 8.0);
+        let share = 16.0 / 19.0;
+        let mean = 3.0 + 3.0 * share;
+        let square = (35.0 / 3.0) * (1.0 - share) + 36.0 * share;
+        assert!((moments.input_variance() - (square - mean * mean)).abs() < 1e-12);
+        let mean = 5.0 + 3.0 * share;
+        let square = (101.0 / 3.0) * (1.0 - share) + 64.0 * share;
+        assert!((moments.roll_variance() - (square - mean * mean)).abs() < 1e-12);
+    }
+
+    /// About a rest of 1 the mean square is (1 + 9 + 64)/3 = 74/3.
+    #[test]
+    fn quality_is_the_signal_about_its_rest_over_the_noise() {
+        let (snr_db, fit_percent) = moments().quality(2.0 / 3.0, 1.0);
+        assert!((snr_db - 10.0 * 36.0_f64.log10()).abs() < 1e-9); // (74/3 − 2/3)/(2/3)
+        assert!((fit_percent - 100.0 * (1.0 - (2.0_f64 / 26.0).sqrt())).abs() < 1e-9);
+        // Noise without a signal is 60 dB above it at the most.
+        let (snr_db, _) = moments().quality(1e3, 1.0);
+        assert!((snr_db + 60.0).abs() < 1e-9);
+        let mut still = Moments::new();
+        still.push(1.0, 0.0);
+        assert!(still.quality(1.0, 0.0).1 == 0.0);
+    }
+}

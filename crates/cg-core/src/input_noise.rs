@@ -107,4 +107,26 @@ mod tests {
         let vibration = measured_sd(|k| if k % 2 == 0 { 0.5 } else { -0.5 });
         assert!(vibration < 0.01, "{vibration}");
     }
+
+    /// Ten rows of each value: means 0, 0, 4, 0, 0. Second differences 0, 0, 4, −8, 4: products
+    /// of neighbours 0, 0, −32, −32, ten rows each, over four times their number.
+    #[test]
+    fn the_variance_is_that_of_the_means_by_hand() {
+        let mut found = InputNoise::<f64>::new();
+        assert!(found.variance() == 0.0);
+        for value in [0.0, 0.0, 4.0, 0.0, 0.0] {
+            for _ in 0..10 {
+                found.push(value, 0.01);
+            }
+        }
+        assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
+        // Forgetting leaves the mean as it is, and new rows count for more.
+        found.forget(0.25);
+        assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
+        for _ in 0..10 {
+            found.push(0.0, 0.01);
+        }
+        // The next second difference is 0: nothing joins the 160 of the products, one the count of 1.
+        assert!((found.variance() - 160.0 / 8.0).abs() < 1e-9);
+    }
 }

@@ -342,4 +342,75 @@ mod tests {
         assert_eq!(pgn_of(0x0CF0_29E4), 61481);
         assert_eq!(pgn_of(0x18EA_FF00), 0xEA00); // addressed: the destination is left out
     }
+
+    /// Raw zero and one bit as J1939-71 prints them: degrees, km/h, kg and SI units.
+    #[test]
+    fn every_signal_has_the_scale_and_the_offset_of_its_standard() {
+        let (rad, deg, kmh) = (1.0, core::f64::consts::PI / 180.0, 1.0 / 3.6);
+        for (signal, unit, offset, per_bit) in [
+            (STEERING_WHEEL_ANGLE, rad, -31.374, 1.0 / 1024.0),
+            (STEERING_WHEEL_ANGLE_SAS, rad, -31.374, 1.0 / 1024.0),
+            (YAW_RATE, rad, -3.92, 1.0 / 8192.0),
+            (LATERAL_ACCELERATION, rad, -15.687, 1.0 / 2048.0),
+            (ROLL, deg, -64.0, 0.002),
+            (ROLL_FINE, deg, -250.0, 1.0 / 32768.0),
+            (ROLL_RATE, deg, -250.0, 1.0 / 128.0),
+            (SPEED, kmh, 0.0, 1.0 / 256.0),
+            (FRONT_AXLE_SPEED, kmh, 0.0, 1.0 / 256.0),
+            (TRAILER_MASS, rad, 0.0, 2.0),
+            (TRAILER_AXLE_LOAD, rad, 0.0, 2.0),
+            (CG_HEIGHT, rad, 0.0, 0.001),
+            (CG_HEIGHT_SD, rad, 0.0, 0.005),
+            (CG_THRESHOLD, rad, 0.0, 0.005),
+            (CG_MARGIN, rad, -1.25, 0.01),
+        ] {
+            let mut data = [0; 8];
+            let at = |data: &[u8]| signal.decode::<f64>(data).unwrap() / unit;
+            assert!((at(&data) - offset).abs() < 1e-12, "{signal:?}");
+            data[usize::from(signal.first_byte)] = 100;
+            assert!((at(&data) - (offset + 100.0 * per_bit)).abs() < 1e-12, "{signal:?}");
+        }
+    }
+
+    /// 0xFA and all bits below it: 250, 64255 and 16449535.
+    #[test]
+    fn the_greatest_raw_value_is_a_value_and_the_next_is_none() {
+        for (signal, greatest) in [(CG_MANEUVERS, 250), (SPEED, 0xFAFF), (ROLL_FINE, 0xFA_FFFF)] {
+            let value = |raw: u32| signal.offset + signal.scale * f64::from(raw);
+            let mut data = [0; 8];
+            assert!(signal.encode(value(greatest), &mut data), "{signal:?}");
+            let back: f64 = signal.decode(&data).unwrap();
+            assert!((back - value(greatest)).abs() < 1e-9 * back.abs());
+            assert!(!signal.encode(value(greatest + 1), &mut data), "{signal:?}");
+            assert!(signal.encode(value(0), &mut data));
+        }
+    }
+
+    #[test]
+    fn a_frame_gives_its_signals_with_their_ranks() {
+        let seen = |identifier: u32, wanted: Quantity| {
+            let (mut count, mut ranks) = (0, None);
+            decode(identifier, &[0x10; 8], Compensation::On, |quantity, rank, _: f64| {
+                count += 1;
+                if quantity == wanted {
+                    ranks = Some(rank);
+                }
+            });
+            (count, ranks)
+        };
+        assert_eq!(seen(YAW_RATE.identifier(0x0B), Quantity::YawRate), (3, Some(0)));
+        assert_eq!(seen(ROLL.identifier(0xE4), Quantity::Roll), (1, Some(1)));
+        assert_eq!(seen(ROLL_FINE.identifier(0xE4), Quantity::Roll), (1, Some(0)));
+        assert_eq!(seen(FRONT_AXLE_SPEED.identifier(0x0B), Quantity::Speed), (1, Some(1)));
+        assert_eq!(seen(CG_HEIGHT.identifier(0x0B), Quantity::Speed), (0, None));
+    }
+
+    /// Groups of the second kind begin at format 240; their identifiers have 18 bits of group.
+    #[test]
+    fn groups_below_240_leave_their_destination_out() {
+        assert_eq!(pgn_of(0x18EF_1234), 0xEF00);
+        assert_eq!(pgn_of(0x18F0_1234), 0xF012);
+        assert_eq!(pgn_of(0x1BFF_FF00), 0x3_FFFF);
+        assert_eq!(pgn_of(0x1DEF_1234), 0x1_EF00);
+    }
 }

@@ -92,3 +92,107 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         self.impossible = false;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::{Answer, Unexcited};
+    use crate::ratio::Measured;
+    use crate::reduced::Reduced5;
+
+    /// Remembers what it was handed last, and how often it began anew.
+    #[derive(Clone, Copy)]
+    struct Recorder {
+        last: (f64, f64, bool),
+        restarts: u32,
+    }
+
+    impl Identify<f64> for Recorder {
+        type Options = ();
+        const EMPTY: Self = Self { last: (0.0, 0.0, false), restarts: 0 };
+        fn make_for(&mut self, _: &Reduced5<f64>, (): ()) {}
+        fn push(&mut self, input: f64, _: f64, interval_s: f64, use_row: bool) {
+            self.last = (input, interval_s, use_row);
+        }
+        fn clear(&mut self) {}
+        fn restart(&mut self) {
+            self.restarts += 1;
+        }
+        fn forget(&mut self, _: f64) {}
+        fn fit(&mut self) -> Answer<f64> {
+            Answer::Unexcited(Unexcited::Input)
+        }
+    }
+
+    /// Hands a usable row to a lane; what its identifier got of it.
+    fn push(
+        lane: &mut Lane<f64, Recorder>,
+        time_us: u64,
+        turning: bool,
+        expected: f64,
+    ) -> (f64, f64, bool) {
+        let row = Row {
+            time_us,
+            roll_rad: 0.1,
+            expected_rad: [expected; 2],
+            speed_mps: 10.0,
+            trailer_mass_kg: 2e4,
+            lateral_acceleration_mps2: 0.0,
+            turning,
+            usable: [true; 2],
+        };
+        lane.identify(&row, expected, true, &Settings::truck());
+        lane.identifier.last
+    }
+
+    #[test]
+    fn the_mean_of_a_third_of_a_second_is_the_state_of_rest() {
+        let mut lane = Lane::EMPTY;
+        assert_eq!(push(&mut lane, 1_000_000, false, 1.0), (1.0, 0.0, false));
+        assert_eq!(push(&mut lane, 1_100_000, false, 2.0), (1.5, 0.0, false));
+        assert_eq!(push(&mut lane, 1_299_999, false, 6.0), (3.0, 0.0, false));
+        let restarts = lane.identifier.restarts;
+        assert_eq!(push(&mut lane, 1_300_000, false, 7.0), (7.0, 1e-6, true));
+        assert_eq!(lane.identifier.restarts, restarts);
+        // A turn ends the rest.
+        let mut lane = Lane::EMPTY;
+        push(&mut lane, 0, false, 1.0);
+        assert_eq!(push(&mut lane, 250_000, true, 5.0), (5.0, 0.25, true));
+    }
+
+    #[test]
+    fn begun_in_a_turn_rows_count_after_three_seconds() {
+        let mut lane = Lane::EMPTY;
+        let mut counts = false;
+        for k in 0..=30 {
+            let (input, _, use_row) = push(&mut lane, k * 100_000, true, 2.0);
+            assert!((input - 2.0).abs() < 1e-15 && !counts);
+            counts = use_row;
+        }
+        assert!(counts);
+        assert_eq!(lane.identifier.restarts, 1);
+    }
+
+    #[test]
+    fn a_hole_of_more_than_half_a_second_begins_anew() {
+        let mut lane = Lane::EMPTY;
+        push(&mut lane, 0, true, 1.0);
+        assert_eq!(push(&mut lane, 500_000, true, 1.0), (1.0, 0.5, false));
+        assert_eq!(lane.identifier.restarts, 1);
+        push(&mut lane, 1_000_001, true, 1.0);
+        assert_eq!(lane.identifier.restarts, 2);
+        // An absent input is a hole too.
+        push(&mut lane, 1_300_000, true, f64::NAN);
+        push(&mut lane, 1_600_000, true, 1.0);
+        assert_eq!((lane.identifier.restarts, lane.last_us), (3, Some(1_600_000)));
+    }
+
+    #[test]
+    fn another_load_forgets_heights_and_doubts() {
+        let mut lane = Lane::<f64, Recorder>::EMPTY;
+        lane.fusion.push(Measured { value: 2.0, sd: 0.1 }, 0.1);
+        lane.impossible = true;
+        lane.unload();
+        assert!(lane.fusion.height().is_none() && !lane.impossible);
+    }
+}

@@ -208,4 +208,83 @@ mod tests {
         let changed = Verdict::Changed { waited: [None; 2] };
         assert_eq!(watch.judge(3.4e4, said(2.0), fused(2.0)), changed);
     }
+
+    /// Noise of 0.02 and 0.005 m and 0.3 of 0.05 m: √ = 0.0255 m, of which 4 on the road and 3 after
+    /// a stop contradict.
+    #[test]
+    fn four_standard_deviations_contradict_and_three_after_a_stop() {
+        let sd = (0.02_f64.powi(2) + 0.005_f64.powi(2) + 0.015_f64.powi(2)).sqrt();
+        for (deviations, same) in [(3.99, true), (4.01, false), (-3.99, true), (-4.01, false)] {
+            let mut watch = LoadWatch::new(0.05);
+            let verdict = watch.judge(3e4, said(2.0 + deviations * sd), fused(2.0));
+            assert_eq!(verdict == Verdict::Same, same, "{deviations}");
+        }
+        for (deviations, same) in [(2.99, true), (3.01, false)] {
+            let mut watch = LoadWatch::resumed(0.05, Some(3e4), None);
+            let verdict = watch.judge(3e4, said(2.0 + deviations * sd), fused(2.0));
+            let changed = Verdict::Changed { waited: [None; 2] };
+            assert_eq!(verdict, if same { Verdict::Same } else { changed });
+            // The stop has been judged.
+            assert_eq!(watch.judge(3e4, said(2.0 + 3.5 * sd), fused(2.0)), Verdict::Same);
+        }
+    }
+
+    /// What waits has noise of its own: √(2 · 0.02² + 0.015²) = 0.032 m.
+    #[test]
+    fn two_maneuvers_agree_within_four_of_their_standard_deviations() {
+        let sd = (2.0 * 0.02_f64.powi(2) + 0.015_f64.powi(2)).sqrt();
+        for (deviations, agree) in [(3.99, true), (4.01, false)] {
+            let mut watch = LoadWatch::new(0.05);
+            assert_eq!(watch.judge(3e4, said(2.5), fused(2.0)), Verdict::Wait);
+            assert_eq!(watch.waiting(), Some(said(2.5)));
+            let verdict = watch.judge(3e4, said(2.5 + deviations * sd), fused(2.0));
+            assert_eq!(verdict != Verdict::Wait, agree, "{deviations}");
+            assert_eq!(watch.waiting().is_none(), agree);
+        }
+    }
+
+    #[test]
+    fn a_maneuver_that_says_nothing_keeps_what_waits() {
+        let mut watch = LoadWatch::new(0.05);
+        assert_eq!(watch.judge(3e4, said(2.5), fused(2.0)), Verdict::Wait);
+        assert_eq!(watch.judge(3e4, [None; 2], fused(2.0)), Verdict::Same);
+        assert_eq!(watch.waiting(), Some(said(2.5)));
+        assert_eq!(watch.judge(3e4, said(2.0), fused(2.0)), Verdict::Same);
+        assert_eq!(watch.waiting(), None);
+        assert_eq!(watch.mass_kg(), Some(3e4));
+    }
+
+    #[test]
+    fn a_mass_that_changes_by_more_than_its_share_is_another_load() {
+        for (mass_kg, same) in [(31.4e3, true), (31.6e3, false), (28.6e3, true), (28.4e3, false)] {
+            let mut watch = LoadWatch::resumed(0.05, Some(30e3), Some(said(2.5)));
+            let verdict = watch.judge(mass_kg, said(2.0), [None; 2]);
+            assert_eq!(verdict == Verdict::Same, same, "{mass_kg}");
+            assert_eq!(watch.waiting(), None);
+        }
+    }
+
+    /// Whether a maneuver that deviates by 3.5 standard deviations is taken for another load.
+    fn stopped(rows: &[(u64, f64)]) -> bool {
+        let mut watch = LoadWatch::new(0.05);
+        for (time_s, speed_mps) in rows {
+            watch.drive(time_s * 1_000_000, *speed_mps);
+        }
+        watch.judge(3e4, said(2.09), fused(2.0)) != Verdict::Same
+    }
+
+    #[test]
+    fn a_minute_below_half_a_metre_per_second_is_a_stop() {
+        let still = |seconds: u64, speed_mps: f64| {
+            let rows: [(u64, f64); 70] =
+                core::array::from_fn(|k| (1000 + (k as u64).min(seconds), speed_mps));
+            stopped(&rows)
+        };
+        assert!(still(60, 0.0) && still(60, -0.49) && still(60, 0.49));
+        assert!(!still(59, 0.0) && !still(60, 0.5) && !still(60, -0.51));
+        // Driving in between begins anew.
+        assert!(!stopped(&[(0, 0.0), (40, 0.0), (41, 9.0), (60, 9.0), (90, 0.0), (119, 0.0)]));
+        // A hole is a stop, whatever the speed at its ends.
+        assert!(stopped(&[(0, 9.0), (60, 9.0)]) && !stopped(&[(0, 9.0), (59, 9.0)]));
+    }
 }

@@ -123,4 +123,53 @@ mod tests {
         let slow = inflation(|k| if (k / 150) % 2 == 0 { 1.0 } else { -1.0 });
         assert!((slow / 150.0 - 40.0 / 43.0).abs() < 0.05, "{slow}");
     }
+
+    /// By hand: six blocks of 150 rows with e = ±1 each, two of them halved by forgetting.
+    #[test]
+    fn the_inflation_is_that_of_the_blocks_by_hand() {
+        let mut run = LongRun::<f64, 1>::new();
+        let block = |run: &mut LongRun<f64, 1>, error: f64| {
+            for _ in 0..150 {
+                run.push(&[1.0], 2.0 + error, 0.01);
+            }
+        };
+        let law = |sum: f64, freedom: f64, variance: f64| {
+            let excess = sum / (freedom * variance) - 1.0;
+            1.0 + excess.powi(3) / (excess * excess + 8.0 / freedom)
+        };
+        block(&mut run, 1.0);
+        block(&mut run, -1.0);
+        // (150)²/150 a block; four blocks of white noise are believed.
+        let found = run.inflation(&[2.0], 1.0, 0.5);
+        assert!((found - law(300.0 + 4.0 * 0.5, 5.0, 0.5)).abs() < 1e-9, "{found}");
+        run.forget(0.5);
+        for error in [1.0, -1.0, 1.0, -1.0] {
+            block(&mut run, error);
+        }
+        let found = run.inflation(&[2.0], 1.5, 2.0);
+        assert!((found - law(150.0 + 600.0 + 8.0, 5.0 - 1.5 + 4.0, 2.0)).abs() < 1e-9, "{found}");
+        // More unknowns than blocks: the believed ones are left.
+        let found = run.inflation(&[2.0], 9.0, 2.0);
+        assert!((found - law(758.0, 4.0, 2.0)).abs() < 1e-9, "{found}");
+        assert!((run.inflation(&[2.0], 1.0, 1e4) - 1.0).abs() < 1e-15);
+    }
+
+    /// Rows against a clock that then begins anew: both in closed blocks and in the one under way.
+    #[test]
+    fn a_shifted_clock_is_as_if_it_had_begun_later() {
+        let (mut late, mut soon) = (LongRun::<f64, 2>::new(), LongRun::<f64, 2>::new());
+        for k in 0..400 {
+            let t = f64::from(k) * 0.01;
+            late.push(&[1.0, t], (3.0 * t).sin(), 0.01);
+            soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
+        }
+        late.shift(1, 0, 2.5);
+        for k in 400..600 {
+            let t = f64::from(k) * 0.01;
+            late.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
+            soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
+        }
+        let [late, soon] = [late, soon].map(|run| run.inflation(&[0.3, -0.7], 2.0, 0.1));
+        assert!((late / soon - 1.0).abs() < 1e-12 && late > 1.1, "{late} {soon}");
+    }
 }

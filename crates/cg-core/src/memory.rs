@@ -38,3 +38,41 @@ impl<T: Real> Memory<T> {
             && self.waiting.iter().flatten().flatten().all(said)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: (Measured<f64>, f64) = (Measured { value: 2.0, sd: 0.1 }, 0.05);
+
+    fn good() -> Memory<f64> {
+        Memory {
+            fused: [Fusion::new(); 2],
+            correlation: 0.5,
+            trailer_mass_kg: 20e3,
+            load_mass_kg: Some(20e3),
+            waiting: Some([Some(GOOD), None]),
+        }
+    }
+
+    #[test]
+    fn every_number_is_looked_at() {
+        assert!(good().is_sound());
+        assert!(Memory { load_mass_kg: None, waiting: None, ..good() }.is_sound());
+        assert!(Memory { correlation: -1.0, ..good() }.is_sound());
+        for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(!Memory { trailer_mass_kg: wrong, ..good() }.is_sound());
+            assert!(!Memory { load_mass_kg: Some(wrong), ..good() }.is_sound());
+            for (value, sd) in [(wrong, 0.1), (2.0, wrong)] {
+                let said = Some((Measured { value, sd }, 0.05));
+                assert!(!Memory { waiting: Some([said, None]), ..good() }.is_sound());
+                assert!(!Memory { waiting: Some([Some(GOOD), said]), ..good() }.is_sound());
+            }
+        }
+        for wrong in [1.01, -1.01, f64::NAN] {
+            assert!(!Memory { correlation: wrong, ..good() }.is_sound());
+        }
+        let endless = Some((GOOD.0, f64::INFINITY));
+        assert!(!Memory { waiting: Some([endless, None]), ..good() }.is_sound());
+    }
+}

@@ -183,4 +183,30 @@ mod tests {
         let nan = Measured::exact(f64::NAN);
         assert!(solve_height(&THESIS, nan, Measured::exact(1.0), 0.0).is_err());
     }
+
+    #[test]
+    fn a_height_without_a_standard_deviation_is_none() {
+        let line = RatioLine { a0: 0.0, a1: 1.0, b0: 1.0, b1: 0.0 };
+        let (ratio, exact) = (Measured { value: 2.0, sd: f64::NAN }, Measured::exact(1.0));
+        let found = solve_height(&line, ratio, exact, 0.0);
+        assert_eq!(found, Err(HeightError::NoSolution { ratio: 2.0 }));
+    }
+
+    /// The height is the ratio itself here: relative variances add.
+    #[test]
+    fn ratio_compensation_and_model_each_have_their_part() {
+        let line = RatioLine { a0: 0.0, a1: 1.0, b0: 1.0, b1: 0.0 };
+        let (ratio, compensation) =
+            (Measured { value: 3.0, sd: 0.06 }, Measured { value: 1.5, sd: 0.045 });
+        let found = solve_height(&line, ratio, compensation, 0.06_f64).unwrap();
+        assert!((found.value - 2.0).abs() < 1e-14);
+        assert!((found.sd - 2.0 * 0.07).abs() < 1e-14); // √(0.02² + 0.03² + 0.06²)
+    }
+
+    #[test]
+    fn lines_add_coefficient_by_coefficient() {
+        let mut line = RatioLine { a0: 1.0, a1: 2.0, b0: 3.0, b1: 4.0 };
+        line.add(&RatioLine { a0: 10.0, a1: 20.0, b0: 40.0, b1: 80.0 }, 0.5);
+        assert_eq!(line, RatioLine { a0: 6.0, a1: 12.0, b0: 23.0, b1: 44.0 });
+    }
 }

@@ -95,3 +95,26 @@ impl Real for f32 {
         self.is_finite()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What both types must agree on, to a few of their own ε.
+    fn behaves<T: Real>() {
+        let close = |a: T, b: f64| (a.as_f64() - b).abs() < 4.0 * T::machine_epsilon().as_f64();
+        assert!(T::ZERO == T::zero() && close(T::of(0.75), 0.75));
+        assert!(close(T::of(2.0).root(), core::f64::consts::SQRT_2));
+        assert!(close(T::of(0.25).power(T::of(1.5)), 0.125));
+        assert!(close(T::of(0.01).decimal_log(), -2.0));
+        assert!(!T::absent().present() && !(T::one() / T::zero()).present() && T::one().present());
+        let epsilon = T::machine_epsilon();
+        assert!(T::one() + epsilon > T::one() && T::one() + epsilon / T::of(4.0) == T::one());
+    }
+
+    #[test]
+    fn both_precisions_do_the_same() {
+        behaves::<f32>();
+        behaves::<f64>();
+    }
+}

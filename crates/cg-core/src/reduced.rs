@@ -358,4 +358,73 @@ mod tests {
         unstable.denominator[0] = -1.0;
         assert!(!unstable.is_stable());
     }
+
+    /// White noise is a sum of single samples: what each leaves in a product over all time adds up.
+    #[test]
+    fn the_products_of_noise_are_those_of_its_single_samples() {
+        let model = Reduced5 { numerator: [120.0, 20.0, 30.0, 4.0, 5.0, 0.3], ..five_lags() };
+        let step = StepMatrices::new(&model, 0.05);
+        let mut filter = StateVariableFilter::at_rest(&model, 0.0);
+        let mut sums = [0.0; ORDER + 1];
+        for k in 0..1000 {
+            filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
+            let derivatives = filter.derivatives(&model);
+            if k == 0 {
+                assert_eq!(step.newest_share()[..], derivatives[..ORDER]);
+            }
+            let response = model.response(&derivatives);
+            for (sum, derivative) in sums.iter_mut().zip(derivatives) {
+                *sum += derivative * response;
+            }
+        }
+        for (product, sum) in step.noise_products(&model).into_iter().zip(sums) {
+            // After 50 s nothing is left of the slowest lag of 1 s; rounding of sums of order one.
+            assert!((product - sum).abs() < 1e-12 * sums[ORDER].abs(), "{product} {sum}");
+        }
+    }
+
+    #[test]
+    fn scaled_time_leaves_the_roll_angle_and_its_scale_is_the_fifth_root() {
+        let model = five_lags();
+        let scale = model.time_scale_radps();
+        assert!((scale.powi(5) - 120.0).abs() < 1e-10);
+        let scaled = model.in_scaled_time(scale);
+        assert!((scaled.denominator[0] - 1.0).abs() < 1e-14);
+        assert!((scaled.denominator[4] - 15.0 / scale).abs() < 1e-14);
+        assert!((scaled.numerator[0] - 1.0).abs() < 1e-14);
+        let full = Reduced5 { numerator: [1.0; 6], ..model }.in_scaled_time(2.0);
+        for (found, known) in full.numerator.into_iter().zip([32.0, 16.0, 8.0, 4.0, 2.0, 1.0_f64]) {
+            assert!((found * known - 1.0).abs() < 1e-15);
+        }
+    }
+
+    /// Each row of Routh's array alone: what makes its first element vanish or change its sign.
+    #[test]
+    fn every_row_of_routh_counts() {
+        // (s + 1)^5, then (s + 1)(s + 2)(s + 3)(s² + 9): an oscillation that neither grows nor fades.
+        for (denominator, stable) in [
+            ([1.0, 5.0, 10.0, 10.0, 5.0], true),
+            ([54.0, 99.0, 60.0, 20.0, 6.0], false),
+            ([-1.0, 5.0, 10.0, 10.0, 5.0], false),
+            ([0.0, 5.0, 10.0, 10.0, 5.0], false),
+            ([1.0, 5.0, 10.0, 10.0, -5.0], false),
+            ([1.0, 5.0, 60.0, 10.0, 5.0], false),
+            ([1.0, 5.0, f64::NAN, 10.0, 5.0], false),
+        ] {
+            let model = Reduced5 { denominator, ..five_lags() };
+            assert_eq!(model.is_stable(), stable, "{denominator:?}");
+        }
+        // (s + 1)(s + 2)(s + 3)(s² + 2 d s + 9): stable for any damping d above none.
+        for damping in [0.01, -0.01] {
+            let d = 2.0 * damping;
+            let denominator = [54.0, 99.0 + 6.0 * d, 60.0 + 11.0 * d, 20.0 + 6.0 * d, 6.0 + d];
+            let model = Reduced5 { denominator, ..five_lags() };
+            assert_eq!(model.is_stable(), damping > 0.0);
+        }
+        for wrong in [f64::NAN, f64::INFINITY] {
+            let mut model = five_lags();
+            model.numerator[5] = wrong;
+            assert!(!model.is_stable());
+        }
+    }
 }

@@ -145,4 +145,22 @@ mod tests {
         let measures = design.at(Measured::exact(2.0), 30e3, &between, [1.0, 3.0]);
         assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
     }
+
+    /// 27 t at 2 m and 3 t of axles at 0.5 m: 30 t at 1.85 m.
+    #[test]
+    fn the_axles_lower_the_whole_trailers_centre_of_gravity() {
+        let (design, line) = rigid();
+        let design = RolloverDesign { half_track_m: 0.925, unsprung_mass_kg: 3e3, ..design };
+        let measures = design.at(Measured::exact(2.0), 30e3, &line, [1.0, 3.0]);
+        assert!((measures.static_stability_factor_g - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn beyond_the_heights_the_last_threshold_holds() {
+        let (design, line) = rigid();
+        for (height_m, g) in [(0.5, 1.0), (1.0, 1.0), (3.0, 1.0 / 3.0), (3.5, 1.0 / 3.0)] {
+            let measures = design.at(Measured::exact(height_m), 30e3, &line, [1.0, 3.0]);
+            assert!((measures.static_rollover_threshold_g.value - g).abs() < 1e-12, "{height_m}");
+        }
+    }
 }

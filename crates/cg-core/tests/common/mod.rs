@@ -1,6 +1,8 @@
 //! The source's reduced model (eq. 5.12) as a plant, its rounded step, and white noise.
 #![allow(dead_code, clippy::cast_precision_loss, clippy::unwrap_used)] // each test file uses its part; indices are small
 
+pub(crate) mod told;
+
 use cg_core::design::{MASSES, SPEEDS};
 use cg_core::ratio::{Measured, RatioLine, solve_height};
 use cg_core::reduced::Simulation;

@@ -1,0 +1,147 @@
+//! What the aligner holds, interpolates, waits for and forgets.
+
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
+
+use cg_core::align::Taken;
+use cg_core::{AlignSettings, Aligner, Quantity};
+
+const ROLL_SENSOR: (u32, u8) = (0xE4, 0);
+const BRAKES: (u32, u8) = (0x0B, 0);
+
+fn aligner() -> Aligner<f64> {
+    Aligner::new(AlignSettings::NONE)
+}
+
+fn lateral(aligner: &mut Aligner<f64>, us: u64, value: f64) -> Taken {
+    aligner.push(Quantity::LateralAcceleration, BRAKES, us, value)
+}
+
+/// The lateral acceleration of a sample at an instant, asked for when nothing is waited for any longer.
+fn at(aligner: &mut Aligner<f64>, us: u64) -> f64 {
+    aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+    aligner.next(us + 200_000).unwrap().lateral_acceleration_mps2
+}
+
+#[test]
+fn a_value_is_held_for_half_a_second_either_way() {
+    for (us, there) in [(1_500_000, true), (1_500_001, false), (500_000, true), (499_999, false)] {
+        let mut aligner = aligner();
+        lateral(&mut aligner, 1_000_000, 1.5);
+        assert_eq!(at(&mut aligner, us) == 1.5, there, "{us}");
+    }
+}
+
+#[test]
+fn a_line_bridges_half_a_second_and_no_more() {
+    for (gap_us, expected) in [(400_000, 1.25), (500_000, 1.2), (500_001, 2.0)] {
+        let mut aligner = aligner();
+        lateral(&mut aligner, 1_000_000, 1.0);
+        lateral(&mut aligner, 1_000_000 + gap_us, 2.0);
+        let found = at(&mut aligner, 1_100_000);
+        assert!((found - expected).abs() < 1e-12, "{gap_us}: {found}");
+    }
+    // Before both the line goes on from its first value.
+    let mut aligner = aligner();
+    lateral(&mut aligner, 1_000_000, 1.0);
+    lateral(&mut aligner, 1_100_000, 2.0);
+    assert_eq!(at(&mut aligner, 1_100_000), 2.0);
+}
+
+#[test]
+fn a_roll_angle_waits_for_a_tenth_of_a_second() {
+    let mut aligner = aligner();
+    lateral(&mut aligner, 1_000_000, 1.0);
+    aligner.push(Quantity::Roll, ROLL_SENSOR, 1_010_000, 0.0);
+    assert!(aligner.next(1_109_999).is_none());
+    assert_eq!(aligner.next(1_110_000).unwrap().time_us, 1_010_000);
+    // At its own instant a value is there.
+    lateral(&mut aligner, 1_200_000, 1.0);
+    aligner.push(Quantity::Roll, ROLL_SENSOR, 1_200_000, 0.0);
+    assert!(aligner.next(1_200_000).is_some());
+}
+
+#[test]
+fn every_input_is_waited_for() {
+    for quantity in
+        [Quantity::Steer, Quantity::SteeringWheel, Quantity::LateralAcceleration, Quantity::YawRate]
+    {
+        let mut aligner = aligner();
+        aligner.push(quantity, BRAKES, 1000, 0.1);
+        aligner.push(Quantity::Roll, ROLL_SENSOR, 2000, 0.0);
+        assert!(aligner.next(2000).is_none(), "{quantity:?}");
+    }
+    let mut aligner = aligner();
+    aligner.push(Quantity::Speed, BRAKES, 1000, 10.0);
+    aligner.push(Quantity::Roll, ROLL_SENSOR, 2000, 0.0);
+    assert!(aligner.next(2000).is_some());
+}
+
+#[test]
+fn speed_is_held_for_two_and_a_half_seconds_and_a_mass_for_ever() {
+    for (us, there) in [(2_500_000, true), (2_500_001, false)] {
+        let mut aligner = aligner();
+        aligner.push(Quantity::Speed, BRAKES, 0, 12.0);
+        aligner.push(Quantity::TrailerMass, BRAKES, 0, 20e3);
+        aligner.push(Quantity::YawRate, BRAKES, us, 0.1);
+        aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+        let sample = aligner.next(us).unwrap();
+        assert_eq!((sample.speed_mps == 12.0, sample.yaw_rate_radps == 0.1), (there, there));
+        assert_eq!(sample.trailer_mass_kg, 20e3);
+        assert_eq!(aligner.is_stale(Quantity::Speed, us), !there);
+        assert!(!aligner.is_stale(Quantity::TrailerMass, u64::MAX - 1));
+        assert_eq!(aligner.age_us(Quantity::Speed, us), Some(us));
+        assert_eq!(aligner.age_us(Quantity::Steer, us), None);
+    }
+}
+
+/// A device is dead when its signal is stale; a scale that is never stale, after half a minute.
+#[test]
+fn another_device_is_listened_to_when_the_first_one_is_dead() {
+    for (quantity, gone_us) in [
+        (Quantity::LateralAcceleration, 500_000),
+        (Quantity::Speed, 2_500_000),
+        (Quantity::TrailerMass, 30_000_000),
+    ] {
+        let mut aligner = aligner();
+        assert_eq!(aligner.push(quantity, (1, 0), 1000, 20.0), Taken::Yes);
+        let at_us = 1000 + gone_us;
+        assert_eq!(aligner.push(quantity, (2, 0), at_us, 20.0), Taken::OtherSource);
+        assert_eq!(aligner.push(quantity, (1, 1), at_us, 20.0), Taken::OtherSource);
+        assert_eq!(aligner.push(quantity, (2, 0), at_us + 1, 20.0), Taken::Yes, "{quantity:?}");
+    }
+}
+
+/// Between values of two devices no line is drawn.
+#[test]
+fn two_devices_make_no_line() {
+    let mut aligner = aligner();
+    aligner.push(Quantity::LateralAcceleration, (1, 1), 1_000_000, 1.0);
+    aligner.push(Quantity::LateralAcceleration, (2, 0), 1_100_000, 2.0);
+    assert_eq!(at(&mut aligner, 1_050_000), 2.0);
+}
+
+#[test]
+fn what_is_absent_is_no_news() {
+    let mut aligner = aligner();
+    assert_eq!(lateral(&mut aligner, 1000, f64::NAN), Taken::Yes);
+    assert_eq!(aligner.age_us(Quantity::LateralAcceleration, 1000), None);
+}
+
+#[test]
+fn a_steer_angle_comes_before_the_wheels() {
+    let settings = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
+    assert_eq!(settings.steer_rad(0.1, 4.0), 0.1);
+    assert_eq!(settings.steer_rad(f64::NAN, 4.0), 0.2);
+    assert!(AlignSettings::NONE.steer_rad(f64::NAN, 4.0).is_nan());
+}
+
+/// Time that goes back is no sample; nor is the same roll angle one twice.
+#[test]
+fn samples_follow_each_other() {
+    let mut aligner = aligner();
+    for us in [1000, 3000, 2000, 3000, 4000] {
+        aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
+    }
+    let times: Vec<u64> = (0..).map_while(|_| aligner.next(4000)).map(|s| s.time_us).collect();
+    assert_eq!(times, [1000, 3000, 4000]);
+}

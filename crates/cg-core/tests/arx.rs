@@ -1,0 +1,137 @@
+//! The shift form: what fits, when it counts a row, and how it thins out a log.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use cg_core::arx::{ArxOptions, SampledArx};
+use cg_core::{Answer, Arx, Fit, Identify, Unexcited};
+
+/// Input and output of `y⁺ = 0.8 y + 0.5 u`, DC ratio 2.5, about an input of `origin`.
+fn lag(rows: u32, origin: f64) -> impl Iterator<Item = (f64, f64)> {
+    let (mut y, mut k) = (2.5 * origin, 0);
+    core::iter::from_fn(move || {
+        let u = origin + if k % 7 < 3 { 1.0 } else { -0.4 };
+        let row = (u, y);
+        y = 0.8 * y + 0.5 * u;
+        k += 1;
+        (k <= rows).then_some(row)
+    })
+}
+
+fn ready(answer: Answer<f64>) -> Fit<f64> {
+    let Answer::Ready(fit) = answer else { panic!("{answer:?}") };
+    fit
+}
+
+#[test]
+fn an_order_must_fit_in_its_room() {
+    let fits = |na, nb, nk| Arx::<f64, 4>::new(na, nb, nk).is_some();
+    assert!(fits(0, 1, 0) && fits(2, 2, 3) && fits(3, 1, 4) && fits(0, 4, 1));
+    assert!(!fits(1, 0, 0)); // no input
+    assert!(!fits(3, 2, 0) && !fits(0, 5, 0)); // too many unknowns
+    assert!(!fits(1, 1, 5) && !fits(2, 2, 4)); // too far back
+    assert!(!fits(usize::MAX, 1, 0) && !fits(1, 1, usize::MAX));
+    let with_constant = |na, nb| Arx::<f64, 4>::new(na, nb, 0).unwrap().with_constant().is_some();
+    assert!(with_constant(2, 1) && !with_constant(2, 2));
+}
+
+/// The first row that has all its past is the one after the longest lag.
+#[test]
+fn rows_count_from_the_longest_lag_on() {
+    // Of no model at all: every order is excited.
+    let restless = |k: u32| ((1.3 * f64::from(k)).sin(), (0.37 * f64::from(k * k)).sin());
+    for (na, nb, nk, first) in [(1, 1, 1, 1), (3, 1, 1, 3), (1, 2, 3, 4), (0, 1, 0, 0)] {
+        let mut arx = Arx::<f64, 5>::new(na, nb, nk).unwrap();
+        for (u, y) in (0..12).map(restless) {
+            arx.push(u, y, true);
+        }
+        assert_eq!(ready(arx.fit()).rows, 12 - first, "{na} {nb} {nk}");
+        arx.restart();
+        for (u, y) in (0..12).map(restless) {
+            arx.push(u, y, false);
+        }
+        assert_eq!(ready(arx.fit()).rows, 12 - first);
+    }
+}
+
+#[test]
+fn as_many_rows_as_unknowns_are_too_few() {
+    for (samples, rows) in [(3, 2), (4, 3)] {
+        let mut arx = Arx::<f64, 2>::new(1, 1, 1).unwrap();
+        for (u, y) in lag(samples, 0.0) {
+            arx.push(u, y, true);
+        }
+        let few = Answer::Unexcited(Unexcited::TooFewRows { rows });
+        assert_eq!(arx.fit() == few, rows <= 2, "{rows}");
+    }
+}
+
+#[test]
+fn a_restart_keeps_the_rows_and_forgets_the_past() {
+    let mut arx = Arx::<f64, 2>::new(1, 1, 1).unwrap();
+    for (u, y) in lag(20, 0.0) {
+        arx.push(u, y, true);
+    }
+    arx.restart();
+    // A jump of the output that no row may explain.
+    for (u, y) in lag(20, 5.0) {
+        arx.push(u, y, true);
+    }
+    let fit = ready(arx.fit());
+    assert!((fit.ratio.value - 2.5).abs() < 1e-10);
+    assert_eq!(fit.rows, 38);
+}
+
+#[test]
+fn a_constant_takes_an_offset() {
+    let mut arx = Arx::<f64, 3>::new(1, 1, 1).unwrap().with_constant().unwrap();
+    for (u, y) in lag(40, 0.0) {
+        arx.push(u + 3.0, y - 20.0, true);
+    }
+    let [a, b, constant] = arx.coefficients().unwrap();
+    // y + 20 = 0.8 (y⁻ + 20) + 0.5 (u⁻ − 3) for the shown values: −4 − 1.5 of constant.
+    for (found, known) in [(a, -0.8), (b, 0.5), (constant, -5.5)] {
+        assert!((found - known).abs() < 1e-10, "{found} {known}");
+    }
+}
+
+/// A log at 100 Hz of a law at 20 Hz, held between: every fifth sample counts, however time
+/// stamps are rounded; the origin may lie anywhere.
+#[test]
+fn a_fast_log_is_thinned_out() {
+    for (jitter_s, origin) in [(0.0, 0.0), (2e-5, 4.0)] {
+        let options = ArxOptions { order: 1, interval_s: 0.05 };
+        let mut sampled = SampledArx::<f64>::for_model(&common::EQ_5_12, options);
+        for (u, y) in lag(60, origin) {
+            for _ in 0..5 {
+                sampled.push(u, y, 0.01 - jitter_s, true);
+            }
+        }
+        let fit = ready(sampled.fit());
+        assert!((fit.ratio.value - 2.5).abs() < 1e-9, "{fit:?}");
+        assert_eq!(fit.rows, 59);
+        // Half the weight of what was, but as sure of it: there is no noise.
+        sampled.forget(0.5);
+        assert!((ready(sampled.fit()).ratio.value - 2.5).abs() < 1e-9);
+        sampled.clear();
+        assert_eq!(sampled.fit(), Answer::Unexcited(Unexcited::TooFewRows { rows: 0 }));
+    }
+}
+
+#[test]
+fn an_order_beyond_the_room_is_the_greatest_that_fits() {
+    for (order, unknowns) in [(0, 3), (1, 3), (10, 21), (50, 21)] {
+        let options = ArxOptions { order, interval_s: 0.01 };
+        let mut sampled = SampledArx::<f64>::for_model(&common::EQ_5_12, options);
+        let mut rows = 0;
+        for (u, y) in common::rounded_step_response(200, 0.05, 3.0) {
+            sampled.push(u, y, 0.01, true);
+            match sampled.fit() {
+                Answer::Unexcited(Unexcited::TooFewRows { rows: so_far }) => rows = so_far,
+                _ => break,
+            }
+        }
+        assert_eq!(rows, unknowns, "{order}");
+    }
+}

@@ -1,0 +1,279 @@
+//! From sensor values to conditioned rows: what is told of turns, speed, tilt and absent values.
+
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
+
+mod common;
+
+use cg_core::condition::Row;
+use cg_core::{Channel, Conditioner, Design, Sample, SampleError};
+use common::design;
+
+/// Samples at 100 Hz through a conditioner.
+struct Road {
+    design: Design<f64>,
+    conditioner: Conditioner<f64>,
+    time_us: u64,
+}
+
+impl Road {
+    fn of(design: &Design<f64>) -> Self {
+        Self { design: *design, conditioner: Conditioner::new(design), time_us: 0 }
+    }
+
+    fn new() -> Self {
+        Self::of(&design())
+    }
+
+    /// The next row, 10 ms after the one before: no roll angle, unless `fill` says otherwise.
+    fn row(&mut self, fill: impl Fn(&mut Sample<f64>)) -> Option<Row<f64>> {
+        self.time_us += 10_000;
+        let mut sample = Sample::absent(self.time_us);
+        sample.roll_rad = 0.01;
+        fill(&mut sample);
+        self.conditioner.push(&self.design, &sample).unwrap()
+    }
+
+    /// The last of `rows` rows of one lateral acceleration.
+    fn felt(&mut self, rows: u32, lateral_mps2: f64) -> Row<f64> {
+        let mut last = None;
+        for _ in 0..rows {
+            last = self.row(|sample| sample.lateral_acceleration_mps2 = lateral_mps2);
+        }
+        last.unwrap()
+    }
+
+    /// Number of the first row of one lateral acceleration in which the truck turns, or no longer.
+    fn rows_until(&mut self, turning: bool, lateral_mps2: f64) -> u32 {
+        (1..1000).find(|_| self.felt(1, lateral_mps2).turning == turning).unwrap()
+    }
+}
+
+/// Five seconds are twenty time constants of the filter.
+#[test]
+fn a_turn_begins_above_0_5_and_ends_at_0_3() {
+    for sign in [1.0, -1.0] {
+        let mut road = Road::new();
+        let steps = [
+            (0.0, false),
+            (0.499, false),
+            (0.501, true),
+            (0.301, true),
+            (0.299, false),
+            (0.4, false),
+        ];
+        for (lateral, turning) in steps {
+            assert_eq!(road.felt(500, sign * lateral).turning, turning, "{lateral}");
+        }
+    }
+    assert!(!Road::new().felt(1, 0.5).turning);
+    assert!(Road::new().felt(1, 0.51).turning); // the first row is believed as it is
+}
+
+/// A lag of 0.25 s at 100 Hz leaves (25/26)ⁿ of a step: half of it at n = 17.7, 0.3 at n = 30.7.
+#[test]
+fn lateral_acceleration_is_smoothed_over_a_quarter_of_a_second() {
+    let mut road = Road::new();
+    road.felt(1, 0.0);
+    assert_eq!(road.rows_until(true, 1.0), 18);
+    road.felt(500, 1.0);
+    assert_eq!(road.rows_until(false, 0.0), 31);
+}
+
+#[test]
+fn the_linear_model_holds_below_3_5() {
+    for (lateral, linear) in [(3.49, true), (3.5, false), (-3.49, true), (-3.51, false)] {
+        assert_eq!(Road::new().felt(1, lateral).usable, [linear; 2], "{lateral}");
+    }
+}
+
+/// Behind a ramp a lag of first order stays by slope times time constant, whatever the interval.
+#[test]
+fn steer_counts_at_less_than_0_05_of_longitudinal_acceleration() {
+    for (slope_mps2, steady) in [(0.0499, true), (-0.0499, true), (0.0501, false), (-0.0501, false)]
+    {
+        let mut road = Road::new();
+        let mut last = None;
+        for k in 0..3000 {
+            last = road.row(|sample| {
+                sample.lateral_acceleration_mps2 = 0.1;
+                sample.speed_mps = 15.0 + slope_mps2 * 0.01 * f64::from(k);
+            });
+        }
+        assert_eq!(last.unwrap().usable, [steady, true], "{slope_mps2}");
+    }
+}
+
+/// A step of 1 m/s in a lag of 2 s at 100 Hz: (200/201)ⁿ/2 falls to 0.05 at n = 461.7.
+#[test]
+fn a_step_of_speed_is_forgotten_with_its_filter() {
+    let mut road = Road::new();
+    road.row(|sample| (sample.speed_mps, sample.steer_rad) = (10.0, 0.0));
+    let usable = |road: &mut Road| {
+        road.row(|sample| (sample.speed_mps, sample.steer_rad) = (11.0, 0.0)).unwrap().usable
+    };
+    assert_eq!((1..1000).find(|_| usable(&mut road) == [true; 2]), Some(462));
+}
+
+#[test]
+fn a_row_wants_a_roll_angle_and_an_input() {
+    let mut road = Road::new();
+    assert!(road.row(|_| {}).is_none());
+    assert!(road.row(|sample| sample.steer_rad = 0.0).is_some());
+    assert!(road.row(|sample| sample.lateral_acceleration_mps2 = 0.0).is_some());
+    assert!(road.row(|sample| sample.yaw_rate_radps = 0.0).is_some());
+    let blind = |sample: &mut Sample<f64>| {
+        (sample.roll_rad, sample.steer_rad) = (f64::NAN, 0.0);
+    };
+    assert!(road.row(blind).is_none());
+    // An inclinometer needs a lateral acceleration.
+    let tilted = |sample: &mut Sample<f64>| {
+        blind(sample);
+        sample.tilt_rad = 0.1;
+    };
+    assert!(road.row(tilted).is_none());
+}
+
+#[test]
+fn an_inclinometer_shows_roll_and_lateral_acceleration() {
+    let mut road = Road::new();
+    let tilted = |sample: &mut Sample<f64>| {
+        (sample.roll_rad, sample.tilt_rad) = (f64::NAN, 0.25);
+        sample.lateral_acceleration_mps2 = 1.962;
+    };
+    let row = road.row(tilted).unwrap();
+    assert!((row.roll_rad - 0.05).abs() < 1e-15); // 0.25 − 1.962/9.81
+    let both = |sample: &mut Sample<f64>| {
+        tilted(sample);
+        sample.roll_rad = 0.07;
+    };
+    assert_eq!(road.row(both).unwrap().roll_rad, 0.07);
+    let turned = |sample: &mut Sample<f64>| {
+        tilted(sample);
+        sample.lateral_acceleration_mps2 = f64::NAN;
+        (sample.yaw_rate_radps, sample.speed_mps) = (0.1962, 10.0);
+    };
+    assert!((road.row(turned).unwrap().roll_rad - 0.05).abs() < 1e-15);
+}
+
+#[test]
+fn yaw_rate_times_speed_stands_in_for_lateral_acceleration() {
+    let mut road = Road::new();
+    let turned =
+        |sample: &mut Sample<f64>| (sample.yaw_rate_radps, sample.speed_mps) = (-0.1, 12.0);
+    assert!((road.row(turned).unwrap().lateral_acceleration_mps2 + 1.2).abs() < 1e-15);
+    // At the last speed known; what is measured comes first.
+    let row = road.row(|sample| sample.yaw_rate_radps = 0.05).unwrap();
+    assert!((row.lateral_acceleration_mps2 - 0.6).abs() < 1e-15);
+    let row = road.row(|sample| {
+        (sample.yaw_rate_radps, sample.lateral_acceleration_mps2) = (0.05, 0.7);
+    });
+    assert_eq!(row.unwrap().lateral_acceleration_mps2, 0.7);
+    // Before the first speed, the nominal one.
+    let row = Road::new().row(|sample| sample.yaw_rate_radps = 0.1).unwrap();
+    assert!((row.lateral_acceleration_mps2 - 1.39).abs() < 1e-15);
+}
+
+/// A design whose ratios are those of the plain one times speed and mass over the nominal ones.
+fn scheduled() -> Design<f64> {
+    let mut design = design();
+    for (i, speed) in design.speed_mps.into_iter().enumerate() {
+        for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
+            let factor = speed / 13.9 * mass / 31.3e3;
+            for channel in &mut design.channels {
+                let line = &mut channel.lines[i][j];
+                (line.a0, line.a1) = (line.a0 * factor, line.a1 * factor);
+            }
+        }
+    }
+    design
+}
+
+/// Expected roll of both channels for unit inputs over that of the plain design.
+fn factors(row: &Row<f64>) -> [f64; 2] {
+    let plain = design();
+    Channel::ALL.map(|channel| {
+        let design = &plain.channels[channel.index()];
+        let ratio = design.lines[0][0].ratio_at(plain.reference_height_m) * design.compensation;
+        row.expected_rad[channel.index()] / ratio
+    })
+}
+
+#[test]
+fn inputs_are_scaled_by_what_speed_and_mass_make_of_them() {
+    let mut road = Road::of(&scheduled());
+    let mut inputs = |speed_mps: f64, mass_kg: f64| {
+        let row = road.row(|sample| {
+            (sample.steer_rad, sample.lateral_acceleration_mps2) = (0.1, 2.0);
+            (sample.speed_mps, sample.trailer_mass_kg) = (speed_mps, mass_kg);
+        });
+        row.unwrap()
+    };
+    let (nan, nominal, heavy) = (f64::NAN, 1.0, 35.0 / 31.3);
+    for (speed, mass, factor) in [
+        (nan, nan, nominal),
+        (13.9, 31.3e3, nominal),
+        (20.0, nan, 20.0 / 13.9),
+        (nan, 35e3, 20.0 / 13.9 * heavy), // the last speed stays
+        (10.0, 0.0, 10.0 / 13.9 * heavy), // a scale without anything on it says nothing
+        (nan, -1.0, 10.0 / 13.9 * heavy),
+        (90.0, nan, 10.0 / 13.9 * heavy), // no truck is as fast
+    ] {
+        let row = inputs(speed, mass);
+        let [steer, lateral] = factors(&row);
+        assert!((steer - 0.1 * factor).abs() < 1e-13, "{speed} {mass}: {steer}");
+        assert!((lateral - 2.0 * factor).abs() < 1e-12, "{speed} {mass}: {lateral}");
+    }
+    let row = inputs(nan, nan);
+    assert_eq!((row.speed_mps, row.trailer_mass_kg), (10.0, 35e3));
+}
+
+#[test]
+fn beyond_the_axes_nothing_is_expected_and_nothing_usable() {
+    let mut road = Road::new();
+    let turn = |speed_mps: f64| {
+        move |sample: &mut Sample<f64>| {
+            (sample.steer_rad, sample.lateral_acceleration_mps2) = (0.02, 1.0);
+            sample.speed_mps = speed_mps;
+        }
+    };
+    assert!(road.row(turn(30.0)).unwrap().usable[1]);
+    let row = road.row(turn(30.1)).unwrap();
+    assert!(row.expected_rad.iter().all(|expected| expected.is_nan()));
+    assert_eq!((row.usable, row.turning), ([false; 2], true));
+    // Nor does the steer angle then say how fast the truck turns: it turns on.
+    let row = road.row(|sample| sample.steer_rad = 0.0).unwrap();
+    assert!(row.turning && row.lateral_acceleration_mps2.is_nan());
+}
+
+/// Steady, 34 m/s² belong to a steer angle of one in this design.
+#[test]
+fn steer_tells_of_a_turn_where_lateral_acceleration_is_absent() {
+    let mut road = Road::new();
+    let row = road.row(|sample| sample.steer_rad = 0.02).unwrap();
+    assert!((row.lateral_acceleration_mps2 - 0.68).abs() < 1e-13 && row.turning);
+    assert!(row.expected_rad[1].is_nan() && row.expected_rad[0] > 0.0);
+}
+
+#[test]
+fn what_cannot_be_is_absent() {
+    let mut road = Road::new();
+    for wrong in [31.0, f64::NAN, f64::NEG_INFINITY] {
+        let row = road.row(|sample| {
+            (sample.steer_rad, sample.lateral_acceleration_mps2) = (0.0, wrong);
+        });
+        assert_eq!(row.unwrap().lateral_acceleration_mps2, 0.0);
+    }
+}
+
+#[test]
+fn time_that_does_not_increase_is_refused_and_named() {
+    let mut road = Road::new();
+    road.felt(3, 0.0);
+    for time_us in [30_000, 29_999, 0] {
+        let refused = road.conditioner.push(&road.design, &Sample::absent(time_us)).unwrap_err();
+        assert_eq!(refused, SampleError::TimeOrder { previous_us: 30_000, time_us });
+        let text = format!("time stamp {time_us} µs does not follow 30000 µs");
+        assert_eq!(refused.to_string(), text);
+    }
+    assert!(road.row(|sample| sample.steer_rad = 0.0).is_some());
+}

@@ -1,0 +1,279 @@
+//! What a design gives between its nodes, and what it refuses.
+
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are copied keep every bit
+
+mod common;
+
+use cg_core::design::{MASSES, SPEEDS};
+use cg_core::{Channel, Design, DesignError, Measured, Reduced5};
+use common::design;
+
+use DesignError::{NotCorrelation, NotFinite, NotIncreasing, NotPositive};
+
+/// A number of a design, to be changed.
+type Place = fn(&mut Design<f64>) -> &mut f64;
+
+/// Every kind of number that must be positive, and the name that its error bears.
+const POSITIVE: [(&str, Place); 11] = [
+    ("least_height_m", |d| &mut d.least_height_m),
+    ("compensation", |d| &mut d.channels[1].compensation),
+    ("spread of the steer ratio", |d| &mut d.spread[7][5].sd[0]),
+    ("spread of the lateral-acceleration ratio", |d| &mut d.spread[0][3].sd[1]),
+    ("rollover half_track_m", |d| &mut d.rollover.half_track_m),
+    ("rollover unsprung_mass_kg", |d| &mut d.rollover.unsprung_mass_kg),
+    ("rollover unsprung_height_m", |d| &mut d.rollover.unsprung_height_m),
+    ("rollover threshold", |d| &mut d.thresholds[5].threshold_g[7]),
+    ("nominal_speed_mps", |d| &mut d.nominal_speed_mps),
+    ("nominal_trailer_mass_kg", |d| &mut d.nominal_trailer_mass_kg),
+    ("gravity_mps2", |d| &mut d.gravity_mps2),
+];
+
+/// Numbers of axes, whose error bears the name of the axis.
+const AXES: [(&str, Place); 5] = [
+    ("speed_mps", |d| &mut d.speed_mps[7]),
+    ("trailer_mass_kg", |d| &mut d.trailer_mass_kg[5]),
+    ("least, reference and greatest height_m", |d| &mut d.least_height_m),
+    ("least, reference and greatest height_m", |d| &mut d.reference_height_m),
+    ("least, reference and greatest height_m", |d| &mut d.greatest_height_m),
+];
+
+fn with(place: Place, value: f64) -> Result<(), DesignError> {
+    let mut changed = design();
+    *place(&mut changed) = value;
+    changed.validate()
+}
+
+#[test]
+fn a_number_that_must_be_positive_is_named() {
+    assert_eq!(design().validate(), Ok(()));
+    for (name, place) in POSITIVE {
+        assert_eq!(with(place, 0.0), Err(NotPositive(name)));
+        assert_eq!(with(place, -1.0), Err(NotPositive(name)));
+    }
+    // A height is also part of the axis of heights, which is looked at first.
+    for (name, place) in &POSITIVE[1..] {
+        assert_eq!(with(*place, f64::NAN), Err(NotFinite(name)));
+        assert_eq!(with(*place, f64::INFINITY), Err(NotFinite(name)));
+    }
+}
+
+#[test]
+fn an_axis_that_does_not_increase_is_named() {
+    for (name, place) in AXES {
+        assert_eq!(with(place, f64::NAN), Err(NotFinite(name)));
+        assert_eq!(with(place, f64::INFINITY), Err(NotFinite(name)));
+    }
+    assert_eq!(with(AXES[0].1, 24.0), Err(NotIncreasing("speed_mps")));
+    assert_eq!(with(AXES[1].1, 31e3), Err(NotIncreasing("trailer_mass_kg")));
+    for ((name, place), beside) in AXES[2..].iter().zip([1.973, 3.0, 1.973]) {
+        assert_eq!(with(*place, beside), Err(NotIncreasing(name)));
+    }
+    let axles = "rollover unsprung_mass_kg and least trailer_mass_kg";
+    assert_eq!(with(POSITIVE[5].1, 8e3), Err(NotIncreasing(axles)));
+}
+
+#[test]
+fn a_ratio_line_without_a_positive_ratio_is_refused() {
+    let name = "ratio at the reference height";
+    for (i, j) in [(0, 0), (SPEEDS - 1, MASSES - 1)] {
+        for channel in Channel::ALL {
+            let changed = |value: f64| {
+                let mut changed = design();
+                changed.channels[channel.index()].lines[i][j].a1 = value;
+                changed.validate()
+            };
+            assert_eq!(changed(-1.0), Err(NotPositive(name)));
+            assert_eq!(changed(f64::NAN), Err(NotFinite(name)));
+        }
+    }
+}
+
+#[test]
+fn an_unstable_model_names_its_channel() {
+    for channel in Channel::ALL {
+        let mut changed = design();
+        changed.channels[channel.index()].models[MASSES - 1].denominator[0] = -1.0;
+        assert_eq!(changed.validate(), Err(DesignError::Unstable(channel)));
+    }
+}
+
+#[test]
+fn a_correlation_lies_between_minus_one_and_one() {
+    let place: Place = |d| &mut d.spread[7][5].correlation;
+    for value in [-1.0, 0.0, 1.0] {
+        assert_eq!(with(place, value), Ok(()));
+    }
+    for value in [-1.001, 1.001, f64::NAN] {
+        assert_eq!(with(place, value), Err(NotCorrelation));
+    }
+}
+
+#[test]
+fn an_error_says_what_it_wants_of_which_field() {
+    assert_eq!(NotFinite("x").to_string(), "x must be a finite number");
+    assert_eq!(NotIncreasing("x").to_string(), "x must increase strictly");
+    assert_eq!(NotPositive("x").to_string(), "x must be positive");
+    assert!(NotCorrelation.to_string().contains("between -1 and 1"));
+    let unstable = DesignError::Unstable(Channel::LateralAcceleration).to_string();
+    assert_eq!(unstable, "the reduced model of the lateral-acceleration channel is unstable");
+}
+
+#[test]
+fn a_channel_has_a_place_a_name_and_another_one() {
+    for (place, channel) in Channel::ALL.into_iter().enumerate() {
+        assert_eq!(channel.index(), place);
+        assert_eq!(channel.other(), Channel::ALL[1 - place]);
+    }
+    assert_eq!(format!("{:>7}", Channel::Steer), "  steer");
+}
+
+/// A design whose numbers follow laws that its tables meet exactly: ratio lines cubic in speed and
+/// mass, everything else linear.
+#[allow(clippy::cast_precision_loss)]
+fn lawful() -> Design<f64> {
+    let mut design = design();
+    for (i, speed) in design.speed_mps.into_iter().enumerate() {
+        for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
+            for channel in Channel::ALL {
+                let line = &mut design.channels[channel.index()].lines[i][j];
+                let factor = cubic(speed, mass);
+                (line.a0, line.a1) = (line.a0 * factor, line.a1 * factor);
+            }
+            design.spread[i][j].sd = [0.001 * speed, 1e-6 * mass];
+            design.spread[i][j].correlation = 0.01 * speed - 1e-6 * mass;
+        }
+    }
+    for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
+        for channel in &mut design.channels {
+            channel.models[j].numerator[1] = 1e-3 * mass;
+            channel.models[j].denominator[4] *= 1.0 + 1e-6 * mass;
+        }
+        design.thresholds[j].threshold_g = [1e-5 * mass; 8];
+    }
+    design.validate().unwrap();
+    design
+}
+
+fn cubic(speed_mps: f64, mass_kg: f64) -> f64 {
+    let (v, m) = (speed_mps / 30.0, mass_kg / 40e3);
+    (1.0 + v - 0.5 * v * v + 0.3 * v * v * v) * (2.0 - m + 0.4 * m * m - 0.1 * m * m * m)
+}
+
+/// Inside every cell and at its corners.
+fn places() -> impl Iterator<Item = (f64, f64)> {
+    let speeds = [2.0, 3.1, 5.0, 7.7, 9.5, 13.9, 16.0, 20.0, 29.0, 30.0];
+    let masses = [8e3, 9e3, 15e3, 19e3, 24e3, 31.3e3, 40e3];
+    speeds.into_iter().flat_map(move |speed| masses.map(|mass| (speed, mass)))
+}
+
+const OUTSIDE: [(f64, f64); 6] = [
+    (1.99, 20e3),
+    (30.01, 20e3),
+    (10.0, 7.9e3),
+    (10.0, 40.1e3),
+    (f64::NAN, 20e3),
+    (10.0, f64::NAN),
+];
+
+#[test]
+fn ratio_lines_are_cubic_in_speed_and_mass() {
+    let (design, plain) = (lawful(), design());
+    for channel in Channel::ALL {
+        let flat = plain.channels[channel.index()].lines[0][0];
+        for (speed, mass) in places() {
+            let line = design.line(channel, speed, mass).unwrap();
+            // Rounding of weights of order one: some tens of ε.
+            let expected = flat.ratio_at(2.2) * cubic(speed, mass);
+            assert!((line.ratio_at(2.2) / expected - 1.0).abs() < 1e-13, "{speed} {mass}");
+        }
+        assert!(OUTSIDE.iter().all(|&(speed, mass)| design.line(channel, speed, mass).is_none()));
+    }
+}
+
+#[test]
+fn the_spread_is_linear_in_speed_and_mass() {
+    let design = lawful();
+    for (speed, mass) in places() {
+        let spread = design.spread(speed, mass).unwrap();
+        let law = [0.001 * speed, 1e-6 * mass, 0.01 * speed - 1e-6 * mass];
+        let found = [spread.sd[0], spread.sd[1], spread.correlation];
+        for (found, law) in found.into_iter().zip(law) {
+            assert!((found - law).abs() < 1e-15, "{speed} {mass}: {found} {law}");
+        }
+    }
+    assert!(OUTSIDE.iter().all(|&(speed, mass)| design.spread(speed, mass).is_none()));
+}
+
+#[test]
+fn thresholds_are_linear_in_mass() {
+    let design = lawful();
+    for (_, mass) in places() {
+        let rollover = design.rollover(Measured::exact(2.0), mass).unwrap();
+        let found = rollover.static_rollover_threshold_g.value;
+        assert!((found - 1e-5 * mass).abs() < 1e-14, "{mass}: {found}");
+    }
+    for mass in [7.9e3, 40.1e3, f64::NAN] {
+        assert!(design.rollover(Measured::exact(2.0), mass).is_none());
+    }
+}
+
+/// The threshold's heights are those of the design: the least has the first, the greatest the last.
+#[test]
+fn thresholds_run_from_the_least_to_the_greatest_height() {
+    let design = design();
+    let at = |height_m: f64| {
+        let rollover = design.rollover(Measured::exact(height_m), 20e3).unwrap();
+        rollover.static_rollover_threshold_g.value
+    };
+    assert!((at(1.0) - 0.6).abs() < 1e-14 && (at(3.0) - 0.26).abs() < 1e-14);
+}
+
+#[test]
+fn models_are_blended_in_mass_and_held_beyond_the_axis() {
+    let mut design = lawful();
+    design.channels[1].models = design.channels[1].models.map(|mut model| {
+        model.numerator[5] = 7.0;
+        model
+    });
+    for channel in Channel::ALL {
+        for (_, mass) in places().chain([(0.0, 5e3), (0.0, 60e3)]) {
+            let model = design.model(channel, mass);
+            let within = mass.clamp(8e3, 40e3);
+            assert!((model.numerator[1] - 1e-3 * within).abs() < 1e-12, "{mass}");
+            let law = 5.8858 * (1.0 + 1e-6 * within);
+            assert!((model.denominator[4] - law).abs() < 1e-13, "{mass}");
+            assert_eq!(model.numerator[5] == 7.0, channel == Channel::LateralAcceleration);
+        }
+    }
+}
+
+/// Between (s² + s/2 + 1)(s² + s/2 + 4)(s + 2) and (s² + s/2 + 16)(s² + s/2 + 25)(s + 2) most blends
+/// are unstable, though both are stable.
+#[test]
+fn where_a_blend_is_unstable_the_nearer_model_serves() {
+    let mut design = design();
+    let low = [8.0, 9.0, 13.0, 7.25, 3.0];
+    let high = [800.0, 441.0, 103.0, 43.25, 3.0];
+    for (model, denominator) in design.channels[0].models[2..].iter_mut().zip([low, high]) {
+        model.denominator = denominator;
+    }
+    let (light, heavy): (Reduced5<f64>, _) =
+        (design.channels[0].models[2], design.channels[0].models[3]);
+    for share in [0.3, 0.49, 0.51, 0.7] {
+        assert!(!light.blend(&heavy, share).is_stable());
+        let nearer = if share < 0.5 { light } else { heavy };
+        assert_eq!(design.model(Channel::Steer, 20e3 + share * 5e3), nearer, "{share}");
+    }
+    assert_eq!(design.model(Channel::Steer, 20e3), light);
+    assert_eq!(design.model(Channel::Steer, 25e3), heavy);
+}
+
+#[test]
+fn a_design_in_single_precision_is_the_same_design() {
+    let design = lawful();
+    assert_eq!(design.cast::<f64>(), design);
+    let narrow = design.cast::<f32>();
+    assert_eq!(narrow.gravity_mps2, 9.81_f32);
+    // Once narrow, nothing more is lost.
+    assert_eq!(narrow.cast::<f64>().cast::<f32>(), narrow);
+}

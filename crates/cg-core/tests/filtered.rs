@@ -1,0 +1,219 @@
+//! What the production identifier says beside the ratio: drift, bend, misfit, weight, what it lacks.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+mod common;
+
+use cg_core::reduced::Simulation;
+use cg_core::{Answer, FilteredArx, Fit, Identify, Prior, Unexcited};
+use common::{EQ_5_12, rounded_step_response};
+
+const INTERVAL_S: f64 = 0.01;
+
+/// Only the gain is free (and what the prior adds to it), known as well as a sensor's last digit.
+const GAIN_ALONE: Prior<f64> =
+    Prior { dynamics_sd: 0.0, noise_floor_rad: 1e-7, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
+
+fn pushed(prior: Prior<f64>, data: &[(f64, f64)]) -> FilteredArx<f64> {
+    let mut identifier = FilteredArx::new(&EQ_5_12, prior);
+    for &(u, y) in data {
+        identifier.push(u, y, INTERVAL_S, true);
+    }
+    identifier
+}
+
+fn ready(answer: Answer<f64>) -> Fit<f64> {
+    let Answer::Ready(fit) = answer else { panic!("{answer:?}") };
+    fit
+}
+
+/// Into a turn in 4 s, as half a cosine, and on: a steady roll angle of 0.042 rad. So slow that
+/// nothing of it is taken for noise of the input.
+fn drive(rows: u32) -> Vec<(f64, f64)> {
+    let steer = |k: u32| {
+        let share = (f64::from(k) * INTERVAL_S / 4.0).min(1.0);
+        0.025 * (1.0 - (core::f64::consts::PI * share).cos())
+    };
+    let mut plant = Simulation::new(&EQ_5_12, INTERVAL_S, 0.0);
+    (0..rows).map(|k| (steer(k), if k == 0 { 0.0 } else { plant.push(steer(k)) })).collect()
+}
+
+/// Ten seconds of it.
+fn step() -> Vec<(f64, f64)> {
+    drive(1000)
+}
+
+/// The roll angle of `step`, changed by a law of place and value.
+fn bent(law: impl Fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
+    let time_s = (0..).map(|k| f64::from(k) * INTERVAL_S);
+    step().into_iter().zip(time_s).map(|((u, y), t)| (u, law(t, y))).collect()
+}
+
+/// √(Σ y²/n − (Σ y/n)²) and Σ y² by hand.
+fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let n = values.clone().map(|_| 1.0).sum::<f64>();
+    let mean = values.clone().sum::<f64>() / n;
+    (values.map(|y| (y - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+#[test]
+fn a_gain_alone_scales_the_whole_response() {
+    let mut identifier = pushed(GAIN_ALONE, &bent(|_, y| 1.2 * y));
+    let fit = ready(identifier.fit());
+    assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.2).abs() < 1e-9);
+    assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (1000, 0.0, 0.0));
+    // No better than the floor allows: over the root of the response's sum of squares.
+    let squares: f64 = step().iter().map(|(_, y)| y * y).sum();
+    let sd = 1e-7 * EQ_5_12.dc_gain() / squares.sqrt();
+    assert!((fit.ratio.sd / sd - 1.0).abs() < 1e-6, "{} {sd}", fit.ratio.sd);
+    assert!((fit.noise_sd_rad - 1e-7).abs() < 1e-20);
+    let model = identifier.model().unwrap();
+    for (found, known) in model.numerator.iter().zip(EQ_5_12.numerator) {
+        assert!((found - 1.2 * known).abs() < 1e-7);
+    }
+    for (found, known) in model.denominator.iter().zip(EQ_5_12.denominator) {
+        assert!((found - known).abs() < 1e-9 * known);
+    }
+}
+
+#[test]
+fn the_excitation_is_what_the_input_moves() {
+    let data = step();
+    let identifier = pushed(GAIN_ALONE, &data);
+    let inputs = spread(data.iter().map(|(u, _)| *u));
+    assert!((identifier.excitation_rad() / (inputs * EQ_5_12.dc_gain()) - 1.0).abs() < 1e-9);
+    let (_, roll) = data.last().unwrap();
+    assert!((identifier.nominal_roll_rad() - roll).abs() < 1e-12);
+}
+
+#[test]
+fn without_rows_or_without_motion_there_is_no_answer() {
+    let few = |rows: usize| match pushed(GAIN_ALONE, &step()[..rows]).fit() {
+        Answer::Unexcited(Unexcited::TooFewRows { rows }) => Some(rows),
+        _ => None,
+    };
+    assert_eq!((few(12), few(13)), (Some(12), None));
+    let still = vec![(0.01, 0.01); 500];
+    assert_eq!(pushed(GAIN_ALONE, &still).fit(), Answer::Unexcited(Unexcited::Input));
+    let mut cleared = pushed(GAIN_ALONE, &step());
+    cleared.clear();
+    assert_eq!(cleared.fit(), Answer::Unexcited(Unexcited::TooFewRows { rows: 0 }));
+}
+
+/// A free offset and a drift within 3e-4 rad/s, which the floor of 1e-7 rad hardly pulls to zero.
+#[test]
+fn a_drift_is_told_from_the_turn() {
+    let prior = Prior { offset_sd_rad: f64::INFINITY, drift_sd_radps: 3e-4, ..GAIN_ALONE };
+    let mut identifier = pushed(prior, &bent(|t, y| y + 0.3 + 2e-4 * t));
+    let fit = ready(identifier.fit());
+    assert!((fit.drift_radps.value - 2e-4).abs() < 1e-9, "{:?}", fit.drift_radps);
+    assert!(fit.drift_radps.sd > 1e-10 && fit.drift_radps.sd < 1e-8);
+    assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-5);
+    // Forgetting begins the clock anew: the drift stays what it is.
+    identifier.forget(0.5);
+    let later = ready(identifier.fit());
+    assert!((later.drift_radps.value - 2e-4).abs() < 1e-9);
+    assert!((later.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-5);
+    // Without a place for it, the gain takes it; without an offset nothing begins at zero.
+    let held = Prior { drift_sd_radps: 0.0, ..prior };
+    let fit = ready(pushed(held, &bent(|t, y| y + 0.3 + 2e-4 * t)).fit());
+    assert!(fit.drift_radps.value == 0.0);
+    assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() > 1e-3);
+}
+
+/// y − β y³: the cubic adds −β g² at the greatest angle g, over the gain that is fitted without it.
+#[test]
+fn a_bend_is_measured_at_the_greatest_angle() {
+    let greatest = step().iter().map(|(_, y)| y.abs()).fold(0.0, f64::max);
+    for bend in [-0.2, 0.2] {
+        for sign in [1.0, -1.0] {
+            let mut data = bent(|_, y| sign * (y + bend * y * (y / greatest).powi(2)));
+            for (u, _) in &mut data {
+                *u *= sign;
+            }
+            let fit = ready(pushed(GAIN_ALONE, &data).fit());
+            let gain = fit.ratio.value / EQ_5_12.dc_gain();
+            assert!((fit.bend.value - bend / gain).abs() < 1e-9, "{:?}", fit.bend);
+            assert!(fit.bend.sd > 0.0 && fit.bend.sd < 0.1);
+        }
+    }
+    let fit = ready(pushed(GAIN_ALONE, &step()).fit());
+    assert!(fit.bend.value.abs() < 1e-6);
+}
+
+/// A roll angle a second late: the dynamics bend to it, and that they had to is the misfit.
+#[test]
+fn a_late_roll_angle_does_not_fit_the_model() {
+    let data = rounded_step_response(1000, INTERVAL_S, 3.0);
+    let late: Vec<_> =
+        (0..1000).map(|k: usize| (data[k].0, data[k.saturating_sub(100)].1)).collect();
+    let prior = Prior { dynamics_sd: 0.2, noise_floor_rad: 2e-4, ..GAIN_ALONE };
+    let fit = ready(pushed(prior, &late).fit());
+    // By hand: what a second of a step leaves over at the best gain, over the roll's spread.
+    let (mut yy, mut yr) = (0.0, 0.0);
+    for ((_, shown), (_, nominal)) in late.iter().zip(&data) {
+        yy += nominal * nominal;
+        yr += nominal * shown;
+    }
+    let left: f64 =
+        late.iter().zip(&data).map(|((_, y), (_, g))| (y - yr / yy * g).powi(2)).sum::<f64>() / 1e3;
+    let most = left.sqrt() / spread(late.iter().map(|(_, y)| *y));
+    assert!(fit.misfit > 0.35 && fit.misfit < most * 1.001, "{} {most}", fit.misfit);
+    assert!(ready(pushed(prior, &data).fit()).misfit < 0.02);
+}
+
+/// Half the weight of the rows before: as if each had come with half its square.
+#[test]
+fn forgetting_halves_the_weight_of_what_was() {
+    let data = drive(1400);
+    let (first, more) = data.split_at(1000);
+    let mut identifier = pushed(GAIN_ALONE, first);
+    identifier.forget(0.5);
+    for &(u, y) in more {
+        identifier.push(u, 1.1 * y, INTERVAL_S, true);
+    }
+    let squares = |rows: &[(f64, f64)]| rows.iter().map(|(_, y)| y * y).sum::<f64>();
+    let (before, after) = (0.5 * squares(first), squares(more));
+    let gain = (before + 1.1 * after) / (before + after);
+    let fit = ready(identifier.fit());
+    assert!((fit.ratio.value / EQ_5_12.dc_gain() - gain).abs() < 1e-9, "{gain}");
+    assert_eq!(fit.rows, 1400);
+}
+
+/// A row that does not count leaves the answer, not the filters, as it was.
+#[test]
+fn rows_that_do_not_count_only_move_the_filters() {
+    let mut identifier = FilteredArx::new(&EQ_5_12, GAIN_ALONE);
+    for (k, (u, y)) in step().into_iter().enumerate() {
+        let counts = k >= 300;
+        identifier.push(u, if counts { y } else { 9.0 }, INTERVAL_S, counts);
+    }
+    let fit = ready(identifier.fit());
+    assert_eq!(fit.rows, 700);
+    assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-9);
+}
+
+/// The estimator's inputs are expected roll angles: the model is taken at unit gain.
+#[test]
+fn made_for_a_model_the_ratio_is_one() {
+    let mut identifier = FilteredArx::for_model(&EQ_5_12, GAIN_ALONE);
+    for (u, y) in step() {
+        identifier.push(u * EQ_5_12.dc_gain(), y, INTERVAL_S, true);
+    }
+    assert!((ready(identifier.fit()).ratio.value - 1.0).abs() < 1e-9);
+}
+
+/// Time stamps that jitter: straight lines between samples are exact whatever the interval.
+#[test]
+fn intervals_may_change_from_row_to_row() {
+    let mut identifier = FilteredArx::new(&EQ_5_12, GAIN_ALONE);
+    let data = step();
+    let mut last = 0;
+    for k in (0..1000).filter(|k| k % 3 != 1) {
+        let (u, y) = data[k];
+        identifier.push(u, y, f64::from(u32::try_from(k - last).unwrap()) * INTERVAL_S, true);
+        last = k;
+    }
+    // A line over two samples of a rounded step misses it by (2h)² ü/8: 4e-5 of it at 3 rad/s.
+    assert!((ready(identifier.fit()).ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-4);
+}
