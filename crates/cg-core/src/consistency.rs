@@ -188,19 +188,28 @@ mod tests {
         assert_eq!(shown(|roll| roll + noise(roll)), None);
     }
 
+    /// Rows so far apart that the lag does not count.
+    fn slow(k: u32) -> u64 {
+        4_000_000_000 * u64::from(k)
+    }
+
     /// An angle that stands while a share of the expected motion goes by, then follows it.
     #[test]
     fn a_fifth_of_the_motion_is_the_longest_standstill() {
-        for (share, hangs) in [(0.19, false), (0.21, true)] {
-            let mut watch = Watch::new(-1.0, -1.0);
-            for k in -999..=1000 {
-                let expected = f64::from(k) / 1000.0;
+        // Within 2 % of the motion it still counts as standing, before and after.
+        for (share, hangs) in [(0.15, false), (0.21, true)] {
+            let mut watch = Watch::new(0, -1.0, -1.0);
+            for k in 1..=2000_u32 {
+                let expected = f64::from(k) / 1000.0 - 1.0;
                 let stands = expected > 0.3 && expected <= 0.3 + 2.0 * share;
-                watch.push(if stands { 0.3 } else { expected }, expected);
+                watch.push(slow(k), if stands { 0.3 } else { expected }, expected);
             }
-            let found = watch.standstill();
-            let at = Some(Inconsistency::Standstill { roll_rad: 0.3 });
-            assert_eq!(found, if hangs { at } else { None }, "{share}");
+            match watch.standstill() {
+                Some(Inconsistency::Standstill { roll_rad }) => {
+                    assert!(hangs && (roll_rad - 0.3).abs() < 0.04, "{share}: {roll_rad}");
+                }
+                found => assert!(!hangs && found.is_none(), "{share}: {found:?}"),
+            }
         }
     }
 
@@ -209,11 +218,11 @@ mod tests {
     #[test]
     fn three_steps_are_the_longest_standstill_of_a_coarse_sensor() {
         for (left_out, hangs) in [(1, false), (3, true)] {
-            let mut watch = Watch::new(0.0, 0.0);
-            for k in 1..=1000 {
+            let mut watch = Watch::new(0, 0.0, 0.0);
+            for k in 1..=1000_u32 {
                 let place = k / 100;
                 let shown = if place > 4 && place <= 4 + left_out { 4 } else { place };
-                watch.push(0.1 * f64::from(shown), f64::from(k) / 1000.0);
+                watch.push(slow(k), 0.1 * f64::from(shown), f64::from(k) / 1000.0);
             }
             assert_eq!(watch.standstill().is_some(), hangs, "{left_out}");
         }
@@ -222,13 +231,14 @@ mod tests {
     /// √(σ² − q²/12) beside the steps' own noise: with σ² = q²/12 + q²/(2π²) they count a quarter.
     #[test]
     fn noise_of_a_step_carries_by_the_law_that_is_written_there() {
-        let mut watch = Watch::new(0.0, -1.0);
-        for k in 1..=8 {
-            watch.push(0.25 * f64::from(k), f64::from(k) / 4.0 - 1.0);
+        let mut watch = Watch::new(0, 0.0, -1.0);
+        for k in 1..=8_u32 {
+            watch.push(slow(k), 0.25 * f64::from(k), f64::from(k) / 4.0 - 1.0);
         }
         let q = 0.25_f64;
         let sd = q * (1.0 / 12.0 + 1.0 / (2.0 * core::f64::consts::PI.powi(2))).sqrt();
         let expected = q / 12.0_f64.sqrt() / 2.0 / 4.0;
-        assert!((watch.step_share(sd) - expected).abs() < 1e-15);
+        // The lag leaves 1.2e-4 of the way out.
+        assert!((watch.step_share(sd) / expected - 1.0).abs() < 1e-3);
     }
 }

@@ -92,20 +92,18 @@ fn a_misfit_of_more_than_035_is_its_channels_own() {
     assert!(reasons(Says { misfit: [f64::NAN; 2], ..Says::WELL })[0].is_some());
 }
 
-/// A bent roll angle is bent in both channels, if it is so by more than chance (3.29 standard
-/// deviations) and more than the plant itself (0.3).
+/// A roll angle that falls behind does so in both channels, if by more than chance (3.29 standard
+/// deviations) and by more than the angle itself.
 #[test]
-fn a_bend_of_more_than_03_is_the_roll_sensors() {
-    for value in [-0.301, 0.301] {
-        let bent = Measured { value, sd: 0.301 / 3.3 };
-        let says = Says { bend: [Says::WELL.bend[0], bent], ..Says::WELL };
-        let reject = Some(Reject::Inconsistent(Inconsistency::Bent { share: value }));
-        assert_eq!(reasons(says), [reject; 2]);
-        let doubtful = Measured { value, sd: 0.301 / 3.28 };
-        assert_eq!(reasons(Says { bend: [doubtful; 2], ..Says::WELL }), [None; 2]);
+fn a_roll_angle_that_falls_behind_is_the_roll_sensors() {
+    let bent = |value, sd| Measured { value, sd };
+    let says = Says { bend: [Says::WELL.bend[0], bent(-1.01, 1.01 / 3.3)], ..Says::WELL };
+    let reject = Some(Reject::Inconsistent(Inconsistency::Bent { share: 1.01 }));
+    assert_eq!(reasons(says), [reject; 2]);
+    // Chance, too little, or the other way round, as that of a sensor that is late.
+    for good in [bent(-1.01, 1.01 / 3.28), bent(-0.99, 0.0), bent(1.01, 0.0)] {
+        assert_eq!(reasons(Says { bend: [good; 2], ..Says::WELL }), [None; 2]);
     }
-    let small = Measured { value: 0.299, sd: 0.0 };
-    assert_eq!(reasons(Says { bend: [small; 2], ..Says::WELL }), [None; 2]);
 }
 
 #[test]
@@ -132,10 +130,11 @@ fn a_coarse_sensor_makes_a_ratio_less_certain() {
     }
     let maneuver = road.finish();
     let fit = maneuver.outcomes[0].fit.unwrap();
-    // It begins where the turn does, at half a metre per second squared or a little later.
+    // The motion begins where the turn does, at half a metre per second squared or a little later, and
+    // is seen through a lag of half a second: an eighth of its four seconds is left out.
     let share = fit.ratio.sd / fit.ratio.value;
     let steps = (share * share - 1e-4).sqrt() * 12.0_f64.sqrt() * 8.0;
-    assert!(steps > 1.2 && steps < 1.8, "{steps}");
+    assert!(steps > 1.2 && steps < 2.1, "{steps}");
 }
 
 #[test]
@@ -266,11 +265,6 @@ fn a_reason_says_what_to_look_at() {
     says(Reject::Height(range).to_string(), &["3.20 m"]);
     says(HeightError::NoSolution { ratio: 0.5 }.to_string(), &["0.5000"]);
     says(inconsistent(Inconsistency::Misfit { share: 0.4 }), &["misses 40 %"]);
-    says(
-        inconsistent(Inconsistency::Bent { share: -0.4 }),
-        &["behind", " 40 %", "end of its range"],
-    );
-    says(inconsistent(Inconsistency::Bent { share: 0.4 }), &[" 40 % too small", "dead band"]);
-    says(inconsistent(Inconsistency::Bent { share: 0.0 }), &["dead band"]);
+    says(inconsistent(Inconsistency::Bent { share: 1.4 }), &["behind", "end of its range"]);
     says(inconsistent(Inconsistency::Standstill { roll_rad: 0.1 }), &["0.1000 rad"]);
 }
