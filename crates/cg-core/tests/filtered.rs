@@ -217,3 +217,15 @@ fn intervals_may_change_from_row_to_row() {
     // A line over two samples of a rounded step misses it by (2h)² ü/8: 4e-5 of it at 3 rad/s.
     assert!((ready(identifier.fit()).ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-4);
 }
+
+/// How the sensor is mounted is not known: its offset is free, its drift a degree a minute.
+#[test]
+fn the_standard_prior_leaves_the_offset_free() {
+    let prior = Prior::<f64>::standard();
+    assert!(prior.offset_sd_rad.is_infinite() && prior.offset_sd_rad > 0.0);
+    assert!((prior.drift_sd_radps * 60.0 / 1.0_f64.to_radians() - 1.0).abs() < 0.05);
+    let plain = ready(pushed(prior, &step()).fit()).ratio;
+    let offset = ready(pushed(prior, &bent(|_, y| y + 0.3)).fit()).ratio;
+    // Rounding of numbers near 0.3 only.
+    assert!((plain.value - offset.value).abs() < 1e-9 && plain.sd > 0.0);
+}
