@@ -24,8 +24,8 @@ CLOCK_HZ = 168e6  # an STM32F4, the common M4F
 CYCLES_PER_INSTRUCTION = 2.0  # assumed, on the safe side: loads and flash wait states included
 
 WORDS = {
-    "identify_mean": "identify, a row of one channel (12 unknowns)",
-    "identify_worst": "identify, dearest row (folds a block of eight)",
+    "identify_mean": "identify, a row of one channel (13 unknowns)",
+    "identify_worst": "identify, dearest row (folds a block of five)",
     "push_mean": "whole push, both channels, mean",
     "push_running_worst": "dearest push inside a drive (filters made anew)",
     "push_closing_worst": "dearest push of all (maneuver ends: solve, judge, fuse)",

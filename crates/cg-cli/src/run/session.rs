@@ -74,7 +74,7 @@ impl<W: Write> Session<W> {
         let mass_source =
             if trailer_mass_kg.is_some() { MassSource::Given } else { MassSource::Nominal };
         Self {
-            known: Known::new(design, None, (mass_kg, mass_source)),
+            known: Known::new(design, None, None, (mass_kg, mass_source)),
             estimator: Estimator::new(*design, Settings::truck(), Prior::standard()),
             trailer_mass_kg,
             mass_source,
