@@ -8,8 +8,8 @@ use crate::condition::seconds;
 use crate::real::Real;
 
 /// Share of the expected motion that a good sensor never stands still for.
-const SHARE: f64 = 0.2;
-/// Share of the expected motion within which the roll angle counts as standing: a tenth of
+const SHARE: f64 = 0.15;
+/// Share of the expected motion within which the roll angle counts as standing: a seventh of
 /// [`SHARE`], where a roll angle that follows late still moves by a third.
 const STILL: f64 = 0.02;
 /// Time constant of a first-order lag of the expected roll angle, about that of rolling trailers: the
@@ -195,9 +195,9 @@ mod tests {
 
     /// An angle that stands while a share of the expected motion goes by, then follows it.
     #[test]
-    fn a_fifth_of_the_motion_is_the_longest_standstill() {
+    fn a_seventh_of_the_motion_is_the_longest_standstill() {
         // Within 2 % of the motion it still counts as standing, before and after.
-        for (share, hangs) in [(0.15, false), (0.21, true)] {
+        for (share, hangs) in [(0.10, false), (0.16, true)] {
             let mut watch = Watch::new(0, -1.0, -1.0);
             for k in 1..=2000_u32 {
                 let expected = f64::from(k) / 1000.0 - 1.0;

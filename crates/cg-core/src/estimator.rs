@@ -49,7 +49,7 @@ struct Window<T> {
     /// Mean over all rows, which a swinging scale needs, and their weight.
     trailer_mass_kg: T,
     weight: T,
-    /// From the first turning row on.
+    /// From the first row on: a dead band shows where a turn begins.
     watch: Option<Watch<T>>,
 }
 
@@ -267,10 +267,13 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         });
         let [steer, lateral] = row.expected_rad;
         let expected_rad = if lateral.present() { lateral } else { steer };
-        if let Some(watch) = &mut window.watch {
-            watch.push(row.time_us, row.roll_rad, expected_rad);
-        } else if row.turning {
-            window.watch = Some(Watch::new(row.time_us, row.roll_rad, expected_rad));
+        if expected_rad.present() {
+            match &mut window.watch {
+                Some(watch) => watch.push(row.time_us, row.roll_rad, expected_rad),
+                None => {
+                    window.watch = Some(Watch::new(row.time_us, row.roll_rad, expected_rad));
+                }
+            }
         }
         window.last_us = row.time_us;
         // Running means, since sums lose digits in single precision.

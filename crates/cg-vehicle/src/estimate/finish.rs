@@ -24,7 +24,10 @@ impl LogEstimator {
         let last = self.engine.finish();
         self.keep(last);
         let channel = self.options.channel.or_else(|| self.engine.best_channel());
-        let shown = channel.unwrap_or(Channel::LateralAcceleration);
+        // Without any height, the channel whose signal is there says why.
+        let there = |one: &Channel| self.last_reject(*one).is_some_and(|why| why != Reject::Absent);
+        let told = || Channel::ALL.into_iter().rev().find(there);
+        let shown = channel.or_else(told).unwrap_or(Channel::LateralAcceleration);
         let mut estimate = self.unanswered(shown, channel);
         estimate.messages = self.messages();
         let together = self.together();
@@ -33,13 +36,13 @@ impl LogEstimator {
             estimate.channel = Some(COMBINED.to_owned());
         }
         // What matters most comes first.
-        let causes = self.likely_causes();
         let mut first: Vec<String> = together.remark.into_iter().collect();
         match together.verdict {
             Verdict::Ok => first.extend(self.left_out()),
             Verdict::Rejected => first.push(self.rejection(shown)),
             Verdict::Inconsistent => {}
         }
+        let causes = if first.is_empty() { Vec::new() } else { self.likely_causes() };
         if !causes.is_empty() {
             first.push(format!("likely cause: {}", causes.join("; or ")));
         }
