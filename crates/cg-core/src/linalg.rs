@@ -458,4 +458,15 @@ mod tests {
         }
         assert!((quadratic / triangle.variance_of(&g, 3) - 1.0).abs() < 1e-10);
     }
+
+    /// Eight ε of the largest pivot are rounding.
+    #[test]
+    fn a_pivot_counts_from_eight_epsilon_on() {
+        for (epsilons, found) in [(7.0, Err(1)), (9.0, Ok(()))] {
+            let mut triangle = Triangle::<f64, 2>::new();
+            triangle.push([-2.0, 0.0], 1.0);
+            triangle.push([0.0, 2.0 * epsilons * f64::EPSILON], 0.0);
+            assert_eq!(triangle.solve(2).map(|_| ()), found, "{epsilons}");
+        }
+    }
 }

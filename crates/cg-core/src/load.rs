@@ -258,6 +258,7 @@ mod tests {
     fn a_mass_that_changes_by_more_than_its_share_is_another_load() {
         for (mass_kg, same) in [(31.4e3, true), (31.6e3, false), (28.6e3, true), (28.4e3, false)] {
             let mut watch = LoadWatch::resumed(0.05, Some(30e3), Some(said(2.5)));
+            assert_eq!((watch.mass_kg(), watch.waiting()), (Some(30e3), Some(said(2.5))));
             let verdict = watch.judge(mass_kg, said(2.0), [None; 2]);
             assert_eq!(verdict == Verdict::Same, same, "{mass_kg}");
             assert_eq!(watch.waiting(), None);
