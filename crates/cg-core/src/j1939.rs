@@ -130,8 +130,10 @@ impl Slope {
 
     /// What the angle is; `None` if the sensor says that something of it is wrong.
     pub const fn quantity(self, rule: Compensation) -> Option<Quantity> {
+        if self.merit == 2 {
+            return None;
+        }
         match (rule, self.compensation) {
-            _ if self.merit == 2 => None,
             (Compensation::Bits | Compensation::InvertedBits, 2) => None,
             (Compensation::On, _) | (Compensation::Bits, 0) | (Compensation::InvertedBits, 1) => {
                 Some(Quantity::Roll)

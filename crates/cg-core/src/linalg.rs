@@ -208,6 +208,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         Ok(self.backward(self.z, n))
     }
 
+    #[allow(clippy::redundant_closure_for_method_calls, reason = "there are several of that name")]
     fn pivots(&self, n: usize) -> Result<(), usize> {
         let pivot = |i: usize| self.r.row(i).first().map_or(T::zero(), |pivot| pivot.abs());
         let mut largest = T::zero();

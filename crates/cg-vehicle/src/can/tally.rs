@@ -143,6 +143,8 @@ impl Tally {
 fn implausible(quantity: Quantity, value: f64, settings: &AlignSettings<f64>) -> String {
     let column = Signal::from(quantity).column();
     let [least, greatest] = quantity.limits();
+    // A number of three hundred digits says no more than its power of ten.
+    let shown = if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") };
     let mass_kg = settings.mass_kg(quantity, value);
     match settings.mass_range_kg {
         Some([least_kg, greatest_kg]) if mass_kg.is_finite() => {
@@ -151,12 +153,12 @@ fn implausible(quantity: Quantity, value: f64, settings: &AlignSettings<f64>) ->
                 _ => format!(" would be a trailer of {mass_kg:.0} kg, which"),
             };
             format!(
-                "{column} {value}{means} cannot be ({least_kg:.0} to {greatest_kg:.0} kg by the \
+                "{column} {shown}{means} cannot be ({least_kg:.0} to {greatest_kg:.0} kg by the \
                  vehicle file); such values count as absent"
             )
         }
         _ => format!(
-            "{column} {value} cannot be (possible are {least} to {greatest}); such values count as \
+            "{column} {shown} cannot be (possible are {least} to {greatest}); such values count as \
              absent: check sensor and unit"
         ),
     }
