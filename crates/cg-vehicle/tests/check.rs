@@ -1,4 +1,5 @@
 //! The check of vehicle files.
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 #[path = "check/fixtures.rs"]
 mod fixtures;

@@ -109,7 +109,9 @@ fn the_height_is_that_of_the_drive() {
     ];
     let target = files.writes("--output", &csv, Kind::Log).unwrap();
     let mut writer = LogWriter::create(&target, &[], &columns).unwrap();
-    rows.iter().for_each(|row| writer.write_row(row).unwrap());
+    for row in &rows {
+        writer.write_row(row).unwrap();
+    }
     writer.finish().unwrap();
     let options = LogOptions::default();
     let read: Vec<LogRow> = LogReader::open(&csv, &options).unwrap().map(Result::unwrap).collect();
@@ -121,7 +123,9 @@ fn the_height_is_that_of_the_drive() {
     let log = folder.path().join("drive.log");
     let target = files.writes("--output", &log, Kind::Log).unwrap();
     let mut writer = CandumpWriter::create(&target, STEERING_RATIO).unwrap();
-    rows.iter().for_each(|row| writer.write_row(row).unwrap());
+    for row in &rows {
+        writer.write_row(row).unwrap();
+    }
     writer.finish().unwrap();
     let options = LogOptions { settings: Some(truck().align_settings()), ..LogOptions::default() };
     let read: Vec<LogRow> = LogReader::open(&log, &options).unwrap().map(Result::unwrap).collect();

@@ -22,7 +22,7 @@ impl LogEstimator {
     /// Ends the log.
     pub fn finish(mut self) -> LogEstimate {
         let last = self.engine.finish();
-        self.keep(last);
+        self.keep(last.as_ref());
         let channel = self.options.channel.or_else(|| self.engine.best_channel());
         // Without any height, the channel whose signal is there says why.
         let there = |one: &Channel| self.last_reject(*one).is_some_and(|why| why != Reject::Absent);
@@ -174,7 +174,7 @@ impl LogEstimator {
     /// fused over the maneuvers, at the mean speed and trailer mass that stand beside.
     pub fn identified(mut self) -> Identified {
         let last = self.engine.finish();
-        self.keep(last);
+        self.keep(last.as_ref());
         let mut identified = Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             trailer_mass_kg: self.trailer_mass_kg,
@@ -255,7 +255,7 @@ impl LogEstimator {
 
     /// Why the last maneuver without a height in this channel has none.
     pub(super) fn last_reject(&self, channel: Channel) -> Option<Reject<f64>> {
-        let outcomes = self.maneuvers.iter().rev().map(|one| one.outcomes[channel.index()]);
-        outcomes.filter_map(|outcome| outcome.height_m.err()).next()
+        let mut outcomes = self.maneuvers.iter().rev().map(|one| one.outcomes[channel.index()]);
+        outcomes.find_map(|outcome| outcome.height_m.err())
     }
 }

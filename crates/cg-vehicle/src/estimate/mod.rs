@@ -159,11 +159,11 @@ impl LogEstimator {
         if step.status == Status::Absent {
             self.absent_rows += 1;
         }
-        self.keep(step.closed);
+        self.keep(step.closed.as_ref());
         Ok(step.status)
     }
 
-    fn keep(&mut self, closed: Option<Maneuver<f64>>) {
+    fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if self.maneuvers.len() < MOST_MANEUVERS {
             self.maneuvers.extend(closed);
         } else {
