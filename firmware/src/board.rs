@@ -106,6 +106,7 @@ impl Line {
 
     /// Adds text, as far as it fits.
     #[must_use]
+    #[inline(never)] // the image is the estimator's
     pub(crate) fn text(mut self, text: &str) -> Self {
         for byte in text.bytes() {
             if let Some(place) = self.bytes.get_mut(self.length) {
@@ -116,6 +117,7 @@ impl Line {
         self
     }
 
+    #[inline(never)]
     fn digits(mut self, mut value: u64, base: u64, least: usize) -> Self {
         let mut digits = [b'0'; 20];
         let mut count = 0;

@@ -47,9 +47,12 @@ pub(crate) struct Watch<T> {
     /// The last roll angle, and the expected one through a lag of [`LAG_S`].
     roll_rad: T,
     expected_rad: T,
-    /// Since the roll angle has stood: its own least and greatest, and those of the expected one.
+    /// Since the roll angle has stood: its own least and greatest, those of the expected one through
+    /// the lag, and as it is. Where a motion begins the latter is ahead of the trailer, where it ends the
+    /// former may be behind; both must have moved on.
     stood: [T; 2],
     standing: [T; 2],
+    ahead: [T; 2],
     /// Least and greatest of the expected one over the whole maneuver.
     all: [T; 2],
     /// The longest way that was expected while the roll angle stood still, and where.
@@ -71,6 +74,7 @@ impl<T: Real> Watch<T> {
             expected_rad,
             stood: [roll_rad; 2],
             standing: [expected_rad; 2],
+            ahead: [expected_rad; 2],
             all: [expected_rad; 2],
             still_rad: T::zero(),
             still_at_rad: roll_rad,
@@ -93,9 +97,11 @@ impl<T: Real> Watch<T> {
         self.stood = with(self.stood, roll_rad);
         if self.stood[1] - self.stood[0] > T::of(STILL) * (self.all[1] - self.all[0]) {
             (self.stood, self.standing) = ([roll_rad; 2], [self.expected_rad; 2]);
+            self.ahead = [expected_rad; 2];
         }
         self.standing = with(self.standing, self.expected_rad);
-        let way_rad = self.standing[1] - self.standing[0];
+        self.ahead = with(self.ahead, expected_rad);
+        let way_rad = (self.standing[1] - self.standing[0]).min(self.ahead[1] - self.ahead[0]);
         if way_rad > self.still_rad {
             (self.still_rad, self.still_at_rad) = (way_rad, roll_rad);
         }
