@@ -15,6 +15,8 @@ const STILL: f64 = 0.02;
 /// Time constant of a first-order lag of the expected roll angle, about that of rolling trailers: the
 /// input moves before the trailer does.
 const LAG_S: f64 = 0.5;
+/// The same of what counts as the present one: noise of an accelerometer is no motion.
+const NOISE_S: f64 = 0.1;
 /// How many of its own least steps a coarse sensor may stand still for.
 const STEPS: f64 = 3.0;
 
@@ -47,9 +49,10 @@ pub(crate) struct Watch<T> {
     /// The last roll angle, and the expected one through a lag of [`LAG_S`].
     roll_rad: T,
     expected_rad: T,
+    present_rad: T,
     /// Since the roll angle has stood: its own least and greatest, those of the expected one through
     /// the lag, and as it is. Where a motion begins the latter is ahead of the trailer, where it ends the
-    /// former may be behind; both must have moved on.
+    /// former may be behind: the mean of both ways counts.
     stood: [T; 2],
     standing: [T; 2],
     ahead: [T; 2],
@@ -72,6 +75,7 @@ impl<T: Real> Watch<T> {
             time_us,
             roll_rad,
             expected_rad,
+            present_rad: expected_rad,
             stood: [roll_rad; 2],
             standing: [expected_rad; 2],
             ahead: [expected_rad; 2],
@@ -88,6 +92,8 @@ impl<T: Real> Watch<T> {
         self.time_us = time_us;
         self.expected_rad +=
             (expected_rad - self.expected_rad) * interval_s / (T::of(LAG_S) + interval_s);
+        self.present_rad +=
+            (expected_rad - self.present_rad) * interval_s / (T::of(NOISE_S) + interval_s);
         let step_rad = (roll_rad - self.roll_rad).abs();
         self.roll_rad = roll_rad;
         if step_rad > T::zero() {
@@ -97,11 +103,12 @@ impl<T: Real> Watch<T> {
         self.stood = with(self.stood, roll_rad);
         if self.stood[1] - self.stood[0] > T::of(STILL) * (self.all[1] - self.all[0]) {
             (self.stood, self.standing) = ([roll_rad; 2], [self.expected_rad; 2]);
-            self.ahead = [expected_rad; 2];
+            self.ahead = [self.present_rad; 2];
         }
         self.standing = with(self.standing, self.expected_rad);
-        self.ahead = with(self.ahead, expected_rad);
-        let way_rad = (self.standing[1] - self.standing[0]).min(self.ahead[1] - self.ahead[0]);
+        self.ahead = with(self.ahead, self.present_rad);
+        let way_rad =
+            T::of(0.5) * (self.standing[1] - self.standing[0] + self.ahead[1] - self.ahead[0]);
         if way_rad > self.still_rad {
             (self.still_rad, self.still_at_rad) = (way_rad, roll_rad);
         }
