@@ -4,7 +4,7 @@ use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::linalg::Triangle;
 use crate::ratio::Measured;
 use crate::real::Real;
-use crate::reduced::Reduced5;
+use crate::reduced::{Reduced5, Simulation};
 
 /// Classical shift-form ARX `[na nb nk]` (eq. 5.1):
 ///
@@ -174,6 +174,9 @@ impl<T: Real, const N: usize> Arx<T, N> {
     }
 }
 
+/// Steps of the reduced model between two samples at most: half a second at 200 Hz.
+const MOST_STEPS: u32 = 100;
+
 /// Settings of [`SampledArx`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArxOptions<T> {
@@ -189,8 +192,9 @@ pub struct ArxOptions<T> {
 /// For comparison with the source. Its DC ratio has a bias that more data do not remove and
 /// that grows with the sampling rate; prefer [`FilteredArx`](crate::FilteredArx).
 #[derive(Clone, Copy, Debug)]
-pub struct SampledArx<T> {
+pub struct SampledArx<T: Real> {
     arx: Arx<T, 21>,
+    model: Option<Simulation<T>>,
     interval_s: T,
     elapsed_s: T,
     origin: Option<(T, T)>,
@@ -204,13 +208,19 @@ impl<T: Real> SampledArx<T> {
 impl<T: Real> Identify<T> for SampledArx<T> {
     type Options = ArxOptions<T>;
 
-    const EMPTY: Self =
-        Self { arx: Arx::empty(), interval_s: T::ZERO, elapsed_s: T::ZERO, origin: None };
+    const EMPTY: Self = Self {
+        arx: Arx::empty(),
+        model: None,
+        interval_s: T::ZERO,
+        elapsed_s: T::ZERO,
+        origin: None,
+    };
 
-    fn make_for(&mut self, _: &Reduced5<T>, options: ArxOptions<T>) {
+    fn make_for(&mut self, model: &Reduced5<T>, options: ArxOptions<T>) {
         let order = options.order.clamp(1, Self::GREATEST_ORDER);
         *self = Self {
             arx: Arx { na: order, nb: order, nk: 1, with_constant: true, ..Arx::empty() },
+            model: Some(Simulation::new(&model.at_unit_gain(), options.interval_s, T::zero())),
             interval_s: options.interval_s,
             ..Self::EMPTY
         };
@@ -222,9 +232,26 @@ impl<T: Real> Identify<T> for SampledArx<T> {
         let (input_0, roll_0) = *self.origin.get_or_insert((input, roll_rad));
         // Within half a per cent of the interval counts as it: time stamps are rounded.
         if first || self.elapsed_s >= self.interval_s * T::of(0.995) {
-            self.elapsed_s = T::zero();
             self.arx.push(input - input_0, roll_rad - roll_0, use_row);
+            if let Some(model) = &mut self.model {
+                if first {
+                    model.rest(input);
+                }
+                // A log that is slower than the identification is many steps of the model.
+                for _ in 0..MOST_STEPS {
+                    if self.elapsed_s < self.interval_s * T::of(0.5) {
+                        break;
+                    }
+                    model.push(input);
+                    self.elapsed_s -= self.interval_s;
+                }
+            }
+            self.elapsed_s = T::zero();
         }
+    }
+
+    fn expected_roll_rad(&self) -> T {
+        self.model.as_ref().map_or(T::zero(), Simulation::roll_rad)
     }
 
     fn clear(&mut self) {

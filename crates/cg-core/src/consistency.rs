@@ -7,16 +7,11 @@
 use crate::condition::seconds;
 use crate::real::Real;
 
-/// Share of the expected motion that a good sensor never stands still for.
-const SHARE: f64 = 0.15;
-/// Share of the expected motion within which the roll angle counts as standing: a seventh of
-/// [`SHARE`], where a roll angle that follows late still moves by a third.
+/// Share of the expected motion within which the roll angle counts as standing: a seventh of what it
+/// may stand for, where a roll angle that follows late still moves by a third.
 const STILL: f64 = 0.02;
-/// Time constant of a first-order lag of the expected roll angle, about that of rolling trailers: the
-/// input moves before the trailer does.
+/// Time constant of a first-order lag of the input, about that of rolling trailers.
 const LAG_S: f64 = 0.5;
-/// The same of what counts as the present one: noise of an accelerometer is no motion.
-const NOISE_S: f64 = 0.1;
 /// How many of its own least steps a coarse sensor may stand still for.
 const STEPS: f64 = 3.0;
 
@@ -42,21 +37,19 @@ pub enum Inconsistency<T> {
     },
 }
 
-/// Watches the rows of a maneuver.
+/// Watches the rows of a maneuver: the roll angle beside two views of what it must be, the reduced
+/// model's answer to the input and the input through a first-order lag.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watch<T> {
     time_us: u64,
-    /// The last roll angle, and the expected one through a lag of [`LAG_S`].
     roll_rad: T,
-    expected_rad: T,
-    present_rad: T,
-    /// Since the roll angle has stood: its own least and greatest, those of the expected one through
-    /// the lag, and as it is. Where a motion begins the latter is ahead of the trailer, where it ends the
-    /// former may be behind: the mean of both ways counts.
+    lagged_rad: T,
+    /// Since the roll angle has stood: its own least and greatest, and those of both views. A model
+    /// that is wrong overshoots where the truck does not, a lag is behind where the motion ends: the
+    /// mean of both ways counts.
     stood: [T; 2],
-    standing: [T; 2],
-    ahead: [T; 2],
-    /// Least and greatest of the expected one over the whole maneuver.
+    standing: [[T; 2]; 2],
+    /// Least and greatest of the lagged input over the whole maneuver.
     all: [T; 2],
     /// The longest way that was expected while the roll angle stood still, and where.
     still_rad: T,
@@ -70,16 +63,14 @@ fn with<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
 
 impl<T: Real> Watch<T> {
     /// From the first row on.
-    pub(crate) fn new(time_us: u64, roll_rad: T, expected_rad: T) -> Self {
+    pub(crate) fn new(time_us: u64, roll_rad: T, input_rad: T, model_rad: T) -> Self {
         Self {
             time_us,
             roll_rad,
-            expected_rad,
-            present_rad: expected_rad,
+            lagged_rad: input_rad,
             stood: [roll_rad; 2],
-            standing: [expected_rad; 2],
-            ahead: [expected_rad; 2],
-            all: [expected_rad; 2],
+            standing: [[input_rad; 2], [model_rad; 2]],
+            all: [input_rad; 2],
             still_rad: T::zero(),
             still_at_rad: roll_rad,
             least_step_rad: T::one() / T::zero(),
@@ -87,28 +78,26 @@ impl<T: Real> Watch<T> {
     }
 
     /// Takes in the next row.
-    pub(crate) fn push(&mut self, time_us: u64, roll_rad: T, expected_rad: T) {
+    pub(crate) fn push(&mut self, time_us: u64, roll_rad: T, input_rad: T, model_rad: T) {
         let interval_s: T = seconds(time_us.saturating_sub(self.time_us));
         self.time_us = time_us;
-        self.expected_rad +=
-            (expected_rad - self.expected_rad) * interval_s / (T::of(LAG_S) + interval_s);
-        self.present_rad +=
-            (expected_rad - self.present_rad) * interval_s / (T::of(NOISE_S) + interval_s);
+        self.lagged_rad += (input_rad - self.lagged_rad) * interval_s / (T::of(LAG_S) + interval_s);
         let step_rad = (roll_rad - self.roll_rad).abs();
         self.roll_rad = roll_rad;
         if step_rad > T::zero() {
             self.least_step_rad = self.least_step_rad.min(step_rad);
         }
-        self.all = with(self.all, self.expected_rad);
+        let views = [self.lagged_rad, model_rad];
+        self.all = with(self.all, self.lagged_rad);
         self.stood = with(self.stood, roll_rad);
         if self.stood[1] - self.stood[0] > T::of(STILL) * (self.all[1] - self.all[0]) {
-            (self.stood, self.standing) = ([roll_rad; 2], [self.expected_rad; 2]);
-            self.ahead = [self.present_rad; 2];
+            (self.stood, self.standing) = ([roll_rad; 2], views.map(|view| [view; 2]));
         }
-        self.standing = with(self.standing, self.expected_rad);
-        self.ahead = with(self.ahead, self.present_rad);
-        let way_rad =
-            T::of(0.5) * (self.standing[1] - self.standing[0] + self.ahead[1] - self.ahead[0]);
+        let mut way_rad = T::zero();
+        for (range, view) in self.standing.iter_mut().zip(views) {
+            *range = with(*range, view);
+            way_rad += T::of(0.5) * (range[1] - range[0]);
+        }
         if way_rad > self.still_rad {
             (self.still_rad, self.still_at_rad) = (way_rad, roll_rad);
         }
@@ -134,9 +123,9 @@ impl<T: Real> Watch<T> {
         twelfth.root() / (carried * carried) / motion
     }
 
-    /// Where the roll angle stood still for too long, if it did.
-    pub(crate) fn standstill(&self) -> Option<Inconsistency<T>> {
-        let usual = T::of(SHARE) * (self.all[1] - self.all[0]);
+    /// Where the roll angle stood still for more than `share` of the expected motion, if it did.
+    pub(crate) fn standstill(&self, share: T) -> Option<Inconsistency<T>> {
+        let usual = share * (self.all[1] - self.all[0]);
         let long =
             self.still_rad > usual && !(self.still_rad <= T::of(STEPS) * self.least_step_rad);
         // A sensor that never moved has no step.
@@ -151,12 +140,12 @@ mod tests {
 
     /// A turn to 2.5 degrees in 5 s, as a sensor shows it.
     fn shown(sensor: impl Fn(f64) -> f64) -> Option<Inconsistency<f64>> {
-        let mut watch = Watch::new(0, sensor(0.0), 0.0);
+        let mut watch = Watch::new(0, sensor(0.0), 0.0, 0.0);
         for k in 1..=1000_u32 {
             let expected = 2.5 * (f64::from(k) / 500.0).min(1.0);
-            watch.push(10_000 * u64::from(k), sensor(1.1 * expected), expected);
+            watch.push(10_000 * u64::from(k), sensor(1.1 * expected), expected, expected);
         }
-        watch.standstill()
+        watch.standstill(0.15)
     }
 
     #[test]
@@ -167,21 +156,25 @@ mod tests {
         }
     }
 
+    /// Rows so far apart that the lag does not count.
+    fn slow(k: u32) -> u64 {
+        4_000_000_000 * u64::from(k)
+    }
+
     /// Steps of 0.5 in a motion of 2.5: 0.5/√12/2.5, unless noise carries the angle over them.
     #[test]
     fn coarse_steps_are_counted_unless_noise_carries_the_angle_over_them() {
-        let mut watch = Watch::new(0, 0.0, 0.0);
+        let mut watch = Watch::new(0, 0.0, 0.0, 0.0);
         for k in 1..=50_u32 {
-            // So slowly that the lag does not count.
-            let time_us = 100_000_000 * u64::from(k);
-            watch.push(time_us, (f64::from(k) * 0.1).round() * 0.5, f64::from(k) * 0.05);
+            let expected = f64::from(k) * 0.05;
+            watch.push(slow(k), (f64::from(k) * 0.1).round() * 0.5, expected, expected);
         }
         let (steps, motion) = (0.5 / 12.0_f64.sqrt(), watch.all[1] - watch.all[0]);
         assert!((motion - 2.5).abs() < 0.001);
         assert!((watch.step_share(steps) - steps / motion).abs() < 1e-12);
         assert!(watch.step_share(0.5_f64.hypot(steps)) < 0.003 * steps);
         assert!(watch.step_share(0.0) > 0.0);
-        assert!(Watch::new(0, 0.0, 0.0).step_share(0.1) == 0.0);
+        assert!(Watch::new(0, 0.0, 0.0, 0.0).step_share(0.1) == 0.0);
     }
 
     #[test]
@@ -201,23 +194,18 @@ mod tests {
         assert_eq!(shown(|roll| roll + noise(roll)), None);
     }
 
-    /// Rows so far apart that the lag does not count.
-    fn slow(k: u32) -> u64 {
-        4_000_000_000 * u64::from(k)
-    }
-
     /// An angle that stands while a share of the expected motion goes by, then follows it.
     #[test]
     fn a_seventh_of_the_motion_is_the_longest_standstill() {
         // Within 2 % of the motion it still counts as standing, before and after.
         for (share, hangs) in [(0.10, false), (0.16, true)] {
-            let mut watch = Watch::new(0, -1.0, -1.0);
+            let mut watch = Watch::new(0, -1.0, -1.0, -1.0);
             for k in 1..=2000_u32 {
                 let expected = f64::from(k) / 1000.0 - 1.0;
                 let stands = expected > 0.3 && expected <= 0.3 + 2.0 * share;
-                watch.push(slow(k), if stands { 0.3 } else { expected }, expected);
+                watch.push(slow(k), if stands { 0.3 } else { expected }, expected, expected);
             }
-            match watch.standstill() {
+            match watch.standstill(0.15) {
                 Some(Inconsistency::Standstill { roll_rad }) => {
                     assert!(hangs && (roll_rad - 0.3).abs() < 0.04, "{share}: {roll_rad}");
                 }
@@ -231,22 +219,24 @@ mod tests {
     #[test]
     fn three_steps_are_the_longest_standstill_of_a_coarse_sensor() {
         for (left_out, hangs) in [(1, false), (3, true)] {
-            let mut watch = Watch::new(0, 0.0, 0.0);
+            let mut watch = Watch::new(0, 0.0, 0.0, 0.0);
             for k in 1..=1000_u32 {
                 let place = k / 100;
                 let shown = if place > 4 && place <= 4 + left_out { 4 } else { place };
-                watch.push(slow(k), 0.1 * f64::from(shown), f64::from(k) / 1000.0);
+                let expected = f64::from(k) / 1000.0;
+                watch.push(slow(k), 0.1 * f64::from(shown), expected, expected);
             }
-            assert_eq!(watch.standstill().is_some(), hangs, "{left_out}");
+            assert_eq!(watch.standstill(0.15).is_some(), hangs, "{left_out}");
         }
     }
 
     /// √(σ² − q²/12) beside the steps' own noise: with σ² = q²/12 + q²/(2π²) they count a quarter.
     #[test]
     fn noise_of_a_step_carries_by_the_law_that_is_written_there() {
-        let mut watch = Watch::new(0, 0.0, -1.0);
+        let mut watch = Watch::new(0, 0.0, -1.0, -1.0);
         for k in 1..=8_u32 {
-            watch.push(slow(k), 0.25 * f64::from(k), f64::from(k) / 4.0 - 1.0);
+            let expected = f64::from(k) / 4.0 - 1.0;
+            watch.push(slow(k), 0.25 * f64::from(k), expected, expected);
         }
         let q = 0.25_f64;
         let sd = q * (1.0 / 12.0 + 1.0 / (2.0 * core::f64::consts::PI.powi(2))).sqrt();

@@ -265,13 +265,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             weight: T::zero(),
             watch: None,
         });
-        let [steer, lateral] = row.expected_rad;
-        let expected_rad = if lateral.present() { lateral } else { steer };
-        if expected_rad.present() {
+        let [steer_rad, lateral_rad] = row.expected_rad;
+        let input_rad = if lateral_rad.present() { lateral_rad } else { steer_rad };
+        // The steer angle's, if there is one: its reduced model follows faster motions.
+        let awake = |lane: &&Lane<T, I>| lane.last_us == Some(row.time_us);
+        if let Some(lane) = self.lanes.iter().find(awake) {
+            let (roll_rad, model_rad) = (row.roll_rad, lane.identifier.expected_roll_rad());
             match &mut window.watch {
-                Some(watch) => watch.push(row.time_us, row.roll_rad, expected_rad),
+                Some(watch) => watch.push(row.time_us, roll_rad, input_rad, model_rad),
                 None => {
-                    window.watch = Some(Watch::new(row.time_us, row.roll_rad, expected_rad));
+                    window.watch = Some(Watch::new(row.time_us, roll_rad, input_rad, model_rad));
                 }
             }
         }
@@ -400,9 +403,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
 
     /// Whether the roll angle cannot be what the sensor says.
     fn inconsistency(&self, fit: &Fit<T>, window: &Window<T>) -> Option<Inconsistency<T>> {
-        let Settings { misfit, bend, .. } = self.settings;
-        if let Some(standstill) = window.watch.and_then(|watch| watch.standstill()) {
-            return Some(standstill);
+        let Settings { standstill, misfit, bend, .. } = self.settings;
+        if let Some(stood) = window.watch.and_then(|watch| watch.standstill(standstill)) {
+            return Some(stood);
         }
         if !(fit.misfit <= misfit) {
             return Some(Inconsistency::Misfit { share: fit.misfit });

@@ -242,11 +242,6 @@ impl<T: Real> FilteredArx<T> {
         self.input_noise.push(input, interval_s);
     }
 
-    /// The expected roll angle of the reduced model now, radians from the first sample's.
-    pub fn nominal_roll_rad(&self) -> T {
-        self.model.response(&self.input.derivatives(&self.model))
-    }
-
     /// Standard deviation of the expected roll angle over the rows, radians: how much the
     /// input moves the vehicle.
     pub fn excitation_rad(&self) -> T {
@@ -514,12 +509,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// The estimator's input is the expected roll angle, so the model is taken at unit gain.
     fn make_for(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
-        let mut model = *model;
-        let gain = model.dc_gain();
-        for coefficient in &mut model.numerator {
-            *coefficient /= gain;
-        }
-        self.begin(&model, prior);
+        self.begin(&model.at_unit_gain(), prior);
     }
 
     /// Advances the filters to the next sample, `interval_s` after the one before, and takes
@@ -545,6 +535,10 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         if use_row {
             self.take_row(input, roll_rad - self.reference_rad, interval_s);
         }
+    }
+
+    fn expected_roll_rad(&self) -> T {
+        self.model.response(&self.input.derivatives(&self.model))
     }
 
     /// Forgets the rows, keeps the filters running.

@@ -171,6 +171,8 @@ pub trait Identify<T: Real>: Copy {
     /// Takes in the next sample, `interval_s` after the one before; its row counts only if
     /// `use_row` says so.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
+    /// The roll angle that the channel's reduced model makes of the input up to now, radians.
+    fn expected_roll_rad(&self) -> T;
     /// Forgets the rows, keeps the memory of past samples.
     fn clear(&mut self);
     /// Forgets everything: the next sample is a new beginning.

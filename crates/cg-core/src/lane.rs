@@ -118,6 +118,9 @@ mod tests {
         fn restart(&mut self) {
             self.restarts += 1;
         }
+        fn expected_roll_rad(&self) -> f64 {
+            self.last.0
+        }
         fn forget(&mut self, _: f64) {}
         fn fit(&mut self) -> Answer<f64> {
             Answer::Unexcited(Unexcited::Input)

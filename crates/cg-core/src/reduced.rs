@@ -65,6 +65,16 @@ impl<T: Real> Reduced5<T> {
         self.denominator[0].power(T::of(0.2))
     }
 
+    /// The same model with a DC gain of one: for an input that is already the expected roll.
+    #[must_use]
+    pub fn at_unit_gain(&self) -> Self {
+        let (mut model, gain) = (*self, self.dc_gain());
+        for coefficient in &mut model.numerator {
+            *coefficient /= gain;
+        }
+        model
+    }
+
     /// The same model in the time `τ = ω t`.
     #[must_use]
     pub fn in_scaled_time(&self, scale_radps: T) -> Self {
@@ -288,6 +298,11 @@ impl<T: Real> Simulation<T> {
             step: StepMatrices::new(&model, interval_s * scale),
             filter: StateVariableFilter::at_rest(&model, input),
         }
+    }
+
+    /// Starts anew, at rest under the constant `input`.
+    pub fn rest(&mut self, input: T) {
+        self.filter = StateVariableFilter::at_rest(&self.model, input);
     }
 
     /// The present roll angle, radians.

@@ -21,6 +21,10 @@ pub struct Settings<T> {
     pub speed_spread: T,
     /// The greatest relative standard deviation of a ratio that counts.
     pub ratio_sd_relative: T,
+    /// The greatest share of the expected motion that the roll angle may stand still for; infinity = any.
+    /// The baseline truck's nonlinear plant stands for up to 0.11 where it settles in a turn, a sensor
+    /// whose range ends at two thirds of the turn's roll angle, with 20 dB of noise, for 0.17 and more.
+    pub standstill: T,
     /// The greatest share of the roll angle that the reduced model may miss. On the independent
     /// truck's logs it misses up to 0.19 uncalibrated; of a sensor that is 1 s late, 0.39 and more.
     pub misfit: T,
@@ -46,6 +50,7 @@ impl<T: Real> Settings<T> {
             settle_us: 3_000_000,
             speed_spread: T::of(0.3),
             ratio_sd_relative: T::of(0.2),
+            standstill: T::of(0.15),
             misfit: T::of(0.35),
             bend: T::one(),
             weighing_us: 10_000_000,

@@ -83,7 +83,7 @@ fn the_excitation_is_what_the_input_moves() {
     let inputs = spread(data.iter().map(|(u, _)| *u));
     assert!((identifier.excitation_rad() / (inputs * EQ_5_12.dc_gain()) - 1.0).abs() < 1e-9);
     let (_, roll) = data.last().unwrap();
-    assert!((identifier.nominal_roll_rad() - roll).abs() < 1e-12);
+    assert!((identifier.expected_roll_rad() - roll).abs() < 1e-12);
 }
 
 #[test]

@@ -130,9 +130,9 @@ fn a_coarse_sensor_makes_a_ratio_less_certain() {
     }
     let maneuver = road.finish();
     let fit = maneuver.outcomes[0].fit.unwrap();
-    // Seen through a lag of half a second: an eighth of its four seconds is left out of the motion.
     let share = fit.ratio.sd / fit.ratio.value;
     let steps = (share * share - 1e-4).sqrt() * 12.0_f64.sqrt() * 8.0;
+    // Seen through a lag of half a second: an eighth of its four seconds is left out of the motion.
     assert!((steps * 7.0 / 8.0 - 1.0).abs() < 0.01, "{steps}");
 }
 

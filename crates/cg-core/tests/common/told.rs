@@ -27,13 +27,20 @@ pub(crate) struct Told {
     rows: u32,
     weight: f64,
     ratio: f64,
+    input: f64,
 }
 
 impl Identify<f64> for Told {
     type Options = Says;
 
-    const EMPTY: Self =
-        Self { says: Says::WELL, channel: Channel::Steer, rows: 0, weight: 0.0, ratio: 0.0 };
+    const EMPTY: Self = Self {
+        says: Says::WELL,
+        channel: Channel::Steer,
+        rows: 0,
+        weight: 0.0,
+        ratio: 0.0,
+        input: 0.0,
+    };
 
     fn make_for(&mut self, model: &Reduced5<f64>, says: Says) {
         // A radian of steer makes more roll than a metre per second squared.
@@ -43,6 +50,7 @@ impl Identify<f64> for Told {
     }
 
     fn push(&mut self, input: f64, roll_rad: f64, _: f64, use_row: bool) {
+        self.input = input;
         if use_row {
             self.rows += 1;
             self.weight += 1.0;
@@ -50,6 +58,10 @@ impl Identify<f64> for Told {
                 self.ratio = roll_rad / input;
             }
         }
+    }
+
+    fn expected_roll_rad(&self) -> f64 {
+        self.input
     }
 
     fn clear(&mut self) {
