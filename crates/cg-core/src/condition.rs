@@ -9,7 +9,7 @@
 //! * The steer channel counts at steady speed only: traction and braking change how a truck
 //!   answers its steering (by some 60 % per m/s² on the independent truck), while the roll angle
 //!   that belongs to a lateral acceleration stays what it is.
-//! * What a quantity cannot be (NaN, infinite, beyond its [limits](Quantity::limits)) counts as absent:
+//! * What a quantity cannot be (NaN, infinite, beyond its [limits](crate::Quantity::limits)) counts as absent:
 //!   no state of the estimator ever holds such a number.
 //! * Turning and straight driving are told apart by lateral acceleration, with hysteresis.
 
