@@ -63,7 +63,7 @@ pub fn replay(
 ) -> Report {
     let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
     let mut report = Report::default();
-    let mut mass_kg = DESIGN.nominal_trailer_mass_kg;
+    let (mut mass_kg, mut speed_mps) = (DESIGN.nominal_trailer_mass_kg, f32::NAN);
     for sample in log::samples() {
         let start = clock();
         let step = estimator.push(&sample);
@@ -77,7 +77,7 @@ pub fn replay(
         report.trace.step(&step);
         report.trace.height(estimator.combined_height());
         if let Some(maneuver) = closed {
-            mass_kg = maneuver.trailer_mass_kg;
+            (mass_kg, speed_mps) = (maneuver.trailer_mass_kg, maneuver.speed_mps);
             for channel in Channel::ALL {
                 report.trace.height(estimator.height(channel));
             }
@@ -93,7 +93,7 @@ pub fn replay(
     }
     report.height = estimator.combined_height();
     report.trace.height(report.height);
-    let rollover = report.height.and_then(|h| DESIGN.rollover(h.height_m, mass_kg));
+    let rollover = report.height.and_then(|h| DESIGN.rollover(h.height_m, mass_kg, speed_mps));
     report.threshold_g = rollover.map_or(0.0, |r| r.static_rollover_threshold_g.value);
     report.trace.number(report.threshold_g);
     report

@@ -189,9 +189,9 @@ impl<T: Real> Design<T> {
                 unsprung_mass_kg: to(self.rollover.unsprung_mass_kg),
                 unsprung_height_m: to(self.rollover.unsprung_height_m),
             },
-            thresholds: self
-                .thresholds
-                .map(|line| ThresholdLine { threshold_g: line.threshold_g.map(to) }),
+            thresholds: self.thresholds.map(|line| ThresholdLine {
+                threshold_g: line.threshold_g.map(|line| line.map(to)),
+            }),
         }
     }
 
@@ -233,7 +233,7 @@ impl<T: Real> Design<T> {
             &[self.rollover.unsprung_mass_kg, lightest_kg],
             "rollover unsprung_mass_kg and least trailer_mass_kg",
         )?;
-        for threshold_g in self.thresholds.iter().flat_map(|line| line.threshold_g) {
+        for threshold_g in self.thresholds.iter().flat_map(|line| line.threshold_g).flatten() {
             positive(threshold_g, "rollover threshold")?;
         }
         positive(self.nominal_speed_mps, "nominal_speed_mps")?;
@@ -292,13 +292,18 @@ impl<T: Real> Design<T> {
         Some(at(i)?.blend(&at(i + 1)?, u))
     }
 
-    /// The rollover measures at a height of the sprung c.g. and a trailer mass; `None` if the mass
-    /// lies outside the axis.
-    pub fn rollover(&self, height: Measured<T>, trailer_mass_kg: T) -> Option<Rollover<T>> {
+    /// The rollover measures at a height of the sprung c.g., a trailer mass and a speed (NaN = not
+    /// known: the least threshold of all); `None` if the mass lies outside the axis.
+    pub fn rollover(
+        &self,
+        height: Measured<T>,
+        trailer_mass_kg: T,
+        speed_mps: T,
+    ) -> Option<Rollover<T>> {
         let (j, share) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
         let line = self.thresholds.get(j)?.blend(self.thresholds.get(j + 1)?, share);
         let span_m = [self.least_height_m, self.greatest_height_m];
-        Some(self.rollover.at(height, trailer_mass_kg, &line, span_m))
+        Some(self.rollover.at(height, trailer_mass_kg, &line.at_speed(speed_mps), span_m))
     }
 
     fn cell(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Cell<T>> {

@@ -4,8 +4,12 @@
 //! outer wheels: at `T/2` over the height of its c.g., the static stability factor. Springs, tyres,
 //! lash and axles that lift one after the other bring the real threshold far below: the greatest
 //! lateral acceleration of the trailer that the vehicle sustains in a steady turn; beyond it, it tips.
-//! Where it lies for each height and mass, at the least in turns of 40 to 90 km/h, is worked out
-//! offline and stands in the design.
+//! Where it lies for each height and mass, in turns of 40 and of 90 km/h, is worked out offline and
+//! stands in the design.
+//!
+//! At the same lateral acceleration a slower turn is tighter: it articulates the vehicle more and sets
+//! the axles of a group further apart in slip, by the curvature, which falls with the square of the
+//! speed. So the reciprocal of the threshold is a straight line over `1/U²` between the two speeds.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
@@ -16,12 +20,15 @@ use crate::real::Real;
 /// Heights at which a design holds thresholds, evenly from its least to its greatest height.
 pub const HEIGHTS: usize = 8;
 
+/// The speeds of a design's thresholds: 40 and 90 km/h. Beyond them the nearer one counts.
+pub const TURN_MPS: [f64; 2] = [40.0 / 3.6, 90.0 / 3.6];
+
 /// Rollover thresholds of one trailer mass over height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ThresholdLine<T> {
-    /// Lateral acceleration beyond which the vehicle tips, in g.
-    pub threshold_g: [T; HEIGHTS],
+    /// Lateral acceleration beyond which the vehicle tips, in g: at each of [`TURN_MPS`], over height.
+    pub threshold_g: [[T; HEIGHTS]; 2],
 }
 
 impl<T: Real> ThresholdLine<T> {
@@ -29,29 +36,48 @@ impl<T: Real> ThresholdLine<T> {
     #[must_use]
     pub(crate) fn blend(&self, other: &Self, weight: T) -> Self {
         let mut blended = *self;
-        for (a, b) in blended.threshold_g.iter_mut().zip(&other.threshold_g) {
+        let pairs = blended.threshold_g.iter_mut().flatten();
+        for (a, b) in pairs.zip(other.threshold_g.iter().flatten()) {
             *a += (*b - *a) * weight;
         }
         blended
     }
 
-    /// The threshold at a share of the way from the least to the greatest height, which is kept
-    /// within them. Between the heights its reciprocal is linear: exact for a rigid trailer.
-    fn at(&self, share: T) -> T {
-        #[allow(clippy::cast_precision_loss)] // a small constant
-        let mut place = share.max(T::zero()).min(T::one()) * T::of(HEIGHTS as f64 - 1.0);
-        let mut found = T::zero();
-        for pair in self.threshold_g.windows(2) {
-            let [low, high] = pair else { break };
-            let part = place.min(T::one());
-            found = T::one() / (T::one() / *low * (T::one() - part) + part / *high);
-            place -= T::one();
-            if !(place > T::zero()) {
-                break;
-            }
+    /// The thresholds at a speed, over height; the least of both where the speed is not known.
+    pub fn at_speed(&self, speed_mps: T) -> [T; HEIGHTS] {
+        let [slow, fast] = TURN_MPS.map(T::of);
+        let curvature = |mps: T| T::one() / (mps * mps);
+        let held = speed_mps.max(slow).min(fast);
+        let part = (curvature(held) - curvature(fast)) / (curvature(slow) - curvature(fast));
+        let [mut at, fast_g] = self.threshold_g;
+        for (at_g, fast_g) in at.iter_mut().zip(fast_g) {
+            *at_g =
+                if speed_mps.present() { between(fast_g, *at_g, part) } else { at_g.min(fast_g) };
         }
-        found
+        at
     }
+}
+
+/// Between two thresholds, part of the way to the second: the reciprocal is linear.
+fn between<T: Real>(from: T, to: T, part: T) -> T {
+    T::one() / ((T::one() - part) / from + part / to)
+}
+
+/// The threshold at a share of the way from the least to the greatest height, which is kept within
+/// them. That its reciprocal is linear is exact for a rigid trailer.
+fn at_height<T: Real>(threshold_g: &[T; HEIGHTS], share: T) -> T {
+    #[allow(clippy::cast_precision_loss)] // a small constant
+    let mut place = share.max(T::zero()).min(T::one()) * T::of(HEIGHTS as f64 - 1.0);
+    let mut found = T::zero();
+    for pair in threshold_g.windows(2) {
+        let [low, high] = pair else { break };
+        found = between(*low, *high, place.min(T::one()));
+        place -= T::one();
+        if !(place > T::zero()) {
+            break;
+        }
+    }
+    found
 }
 
 /// What the rollover measures need beside height and thresholds.
@@ -78,17 +104,17 @@ pub struct Rollover<T> {
 
 impl<T: Real> RolloverDesign<T> {
     /// The rollover measures at height `height` of the sprung c.g., with the thresholds of this
-    /// trailer mass between a least and a greatest height.
+    /// trailer mass and speed between a least and a greatest height.
     pub fn at(
         &self,
         height: Measured<T>,
         trailer_mass_kg: T,
-        thresholds: &ThresholdLine<T>,
+        threshold_g: &[T; HEIGHTS],
         [least_m, greatest_m]: [T; 2],
     ) -> Rollover<T> {
         let sprung_kg = trailer_mass_kg - self.unsprung_mass_kg;
         let moment = sprung_kg * height.value + self.unsprung_mass_kg * self.unsprung_height_m;
-        let threshold = |h: T| thresholds.at((h - least_m) / (greatest_m - least_m));
+        let threshold = |h: T| at_height(threshold_g, (h - least_m) / (greatest_m - least_m));
         let half_m = height.value * T::of(0.01);
         let (above, below) = (threshold(height.value + half_m), threshold(height.value - half_m));
         let slope = (above - below) / (half_m + half_m);
@@ -114,13 +140,15 @@ mod tests {
     use super::*;
 
     /// A rigid trailer from 1 to 3 m: 1/h at every height.
-    fn rigid() -> (RolloverDesign<f64>, ThresholdLine<f64>) {
+    fn rigid() -> (RolloverDesign<f64>, [f64; HEIGHTS]) {
         let design =
             RolloverDesign { half_track_m: 1.0, unsprung_mass_kg: 0.0, unsprung_height_m: 0.5 };
         #[allow(clippy::cast_precision_loss)]
         let threshold_g = core::array::from_fn(|k| 1.0 / (1.0 + 2.0 * k as f64 / 7.0));
-        (design, ThresholdLine { threshold_g })
+        (design, threshold_g)
     }
+
+    const FAST_MPS: f64 = TURN_MPS[1];
 
     #[test]
     fn a_rigid_vehicle_tips_at_half_track_over_height() {
@@ -139,11 +167,27 @@ mod tests {
 
     #[test]
     fn thresholds_between_two_masses_are_blended() {
-        let (design, light) = rigid();
-        let heavy = ThresholdLine { threshold_g: light.threshold_g.map(|g| 0.8 * g) };
-        let between = light.blend(&heavy, 0.25);
+        let (design, line) = rigid();
+        let light = ThresholdLine { threshold_g: [line; 2] };
+        let heavy = ThresholdLine { threshold_g: [line.map(|g| 0.8 * g); 2] };
+        let between = light.blend(&heavy, 0.25).at_speed(FAST_MPS);
         let measures = design.at(Measured::exact(2.0), 30e3, &between, [1.0, 3.0]);
         assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
+    }
+
+    /// 0.4 g at 40 km/h, 0.5 g at 90: where `1/U²` is half way, 1/(1.25 + 1) of a g.
+    #[test]
+    fn a_tighter_turn_tips_at_less() {
+        let line = ThresholdLine { threshold_g: [[0.4; HEIGHTS], [0.5; HEIGHTS]] };
+        let middle_mps = (0.5 / TURN_MPS[0].powi(2) + 0.5 / TURN_MPS[1].powi(2)).powf(-0.5);
+        let known = [(0.0, 0.4), (40.0 / 3.6, 0.4), (middle_mps, 1.0 / 2.25), (25.0, 0.5)];
+        for (speed_mps, g) in known.into_iter().chain([(40.0, 0.5), (f64::NAN, 0.4)]) {
+            for found in line.at_speed(speed_mps) {
+                assert!((found - g).abs() < 1e-12, "{speed_mps}: {found}");
+            }
+        }
+        let turned = ThresholdLine { threshold_g: [[0.5; HEIGHTS], [0.4; HEIGHTS]] };
+        assert_eq!(turned.at_speed(f64::NAN), [0.4; HEIGHTS]);
     }
 
     /// 27 t at 2 m and 3 t of axles at 0.5 m: 30 t at 1.85 m.

@@ -22,7 +22,7 @@ const POSITIVE: [(&str, Place); 11] = [
     ("rollover half_track_m", |d| &mut d.rollover.half_track_m),
     ("rollover unsprung_mass_kg", |d| &mut d.rollover.unsprung_mass_kg),
     ("rollover unsprung_height_m", |d| &mut d.rollover.unsprung_height_m),
-    ("rollover threshold", |d| &mut d.thresholds[5].threshold_g[7]),
+    ("rollover threshold", |d| &mut d.thresholds[5].threshold_g[1][7]),
     ("nominal_speed_mps", |d| &mut d.nominal_speed_mps),
     ("nominal_trailer_mass_kg", |d| &mut d.nominal_trailer_mass_kg),
     ("gravity_mps2", |d| &mut d.gravity_mps2),
@@ -148,7 +148,7 @@ fn lawful() -> Design<f64> {
             channel.models[j].numerator[1] = 1e-3 * mass;
             channel.models[j].denominator[4] *= 1.0 + 1e-6 * mass;
         }
-        design.thresholds[j].threshold_g = [1e-5 * mass; 8];
+        design.thresholds[j].threshold_g = [[1e-5 * mass; 8]; 2];
     }
     design.validate().unwrap();
     design
@@ -208,12 +208,12 @@ fn the_spread_is_linear_in_speed_and_mass() {
 fn thresholds_are_linear_in_mass() {
     let design = lawful();
     for (_, mass) in places() {
-        let rollover = design.rollover(Measured::exact(2.0), mass).unwrap();
+        let rollover = design.rollover(Measured::exact(2.0), mass, 20.0).unwrap();
         let found = rollover.static_rollover_threshold_g.value;
         assert!((found - 1e-5 * mass).abs() < 1e-14, "{mass}: {found}");
     }
     for mass in [7.9e3, 40.1e3, f64::NAN] {
-        assert!(design.rollover(Measured::exact(2.0), mass).is_none());
+        assert!(design.rollover(Measured::exact(2.0), mass, 20.0).is_none());
     }
 }
 
@@ -222,7 +222,7 @@ fn thresholds_are_linear_in_mass() {
 fn thresholds_run_from_the_least_to_the_greatest_height() {
     let design = design();
     let at = |height_m: f64| {
-        let rollover = design.rollover(Measured::exact(height_m), 20e3).unwrap();
+        let rollover = design.rollover(Measured::exact(height_m), 20e3, 20.0).unwrap();
         rollover.static_rollover_threshold_g.value
     };
     assert!((at(1.0) - 0.6).abs() < 1e-14 && (at(3.0) - 0.26).abs() < 1e-14);

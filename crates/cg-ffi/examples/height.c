@@ -86,6 +86,7 @@ int main(void)
     cg_height height;
     cg_rollover rollover;
     float mass_kg = CG_DESIGN.nominal_trailer_mass_kg;
+    float speed_mps = CG_DESIGN.nominal_speed_mps;
     uint32_t turning = 0;
 
     printf("design %016llx\n", (unsigned long long)hash_of(&CG_DESIGN, sizeof CG_DESIGN));
@@ -97,6 +98,7 @@ int main(void)
             return 1;
         turning += step.status == CG_TURNING;
         mass_kg = sample->trailer_mass_kg;
+        speed_mps = sample->speed_mps;
         if (step.closed)
             print_step(&step);
     }
@@ -110,7 +112,7 @@ int main(void)
             printf("height %d: %08lx %08lx %08lx of %lu\n",
                    (int)channel, bits(height.height_m.value), bits(height.height_m.sd),
                    bits(height.random_sd_m), (unsigned long)height.maneuvers);
-    if (cg_estimator_threshold(&estimator, mass_kg, &rollover) == CG_OK)
+    if (cg_estimator_threshold(&estimator, mass_kg, speed_mps, &rollover) == CG_OK)
         printf("threshold %08lx %08lx\n",
                bits(rollover.static_rollover_threshold_g.value),
                bits(rollover.static_rollover_threshold_g.sd));

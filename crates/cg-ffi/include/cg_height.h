@@ -62,9 +62,10 @@ typedef struct cg_rollover_design {
     float unsprung_height_m;
 } cg_rollover_design;
 
-/* Rollover thresholds of one mass, evenly from the least to the greatest height. */
+/* Rollover thresholds of one mass in steady turns of 40 and of 90 km/h, evenly from the least to the
+ * greatest height. */
 typedef struct cg_threshold_line {
-    float threshold_g[CG_HEIGHTS];
+    float threshold_g[2][CG_HEIGHTS];
 } cg_threshold_line;
 
 /* The constants of one truck: never written by hand. Keep it in flash; the estimator reads it there. */
@@ -239,10 +240,11 @@ int32_t cg_estimator_finish(cg_estimator *estimator, cg_step *step);
  * CG_NULL_POINTER, CG_MISALIGNED, CG_NOT_INITIALISED, CG_BAD_CHANNEL, CG_NO_ANSWER. */
 int32_t cg_estimator_height(const cg_estimator *estimator, int32_t channel, cg_height *height);
 
-/* The rollover threshold at the combined height, for a trailer of this mass.
+/* The rollover threshold at the combined height, for a trailer of this mass in a steady turn at this
+ * speed (NAN: the least of 40 and 90 km/h).
  * CG_NULL_POINTER, CG_MISALIGNED, CG_NOT_INITIALISED, CG_NO_ANSWER. */
 int32_t cg_estimator_threshold(const cg_estimator *estimator, float trailer_mass_kg,
-                               cg_rollover *rollover);
+                               float speed_mps, cg_rollover *rollover);
 
 #ifdef __cplusplus
 }

@@ -247,13 +247,14 @@ pub unsafe extern "C" fn cg_estimator_height(
 pub unsafe extern "C" fn cg_estimator_threshold(
     estimator: *const CgEstimator,
     trailer_mass_kg: f32,
+    speed_mps: f32,
     rollover: *mut CgRollover,
 ) -> i32 {
     let ask = || {
         // SAFETY: the caller's; only read.
         let (estimator, told) = unsafe { (asked(estimator)?, exclusive(rollover)?) };
         let height = estimator.combined_height().ok_or(CgError::NoAnswer)?.height_m;
-        let found = estimator.design().rollover(height, trailer_mass_kg);
+        let found = estimator.design().rollover(height, trailer_mass_kg, speed_mps);
         *told = CgRollover::new(&found.ok_or(CgError::NoAnswer)?);
         Ok(())
     };

@@ -127,8 +127,9 @@ fn expected(design: &Design<f32>, samples: &[CgSample]) -> String {
             .unwrap();
     }
     let height = estimator.combined_height().unwrap().height_m;
-    let mass_kg = samples.last().unwrap().trailer_mass_kg;
-    let rollover = CgRollover::new(&design.rollover(height, mass_kg).unwrap());
+    let last = samples.last().unwrap();
+    let rollover = design.rollover(height, last.trailer_mass_kg, last.speed_mps).unwrap();
+    let rollover = CgRollover::new(&rollover);
     let threshold = rollover.static_rollover_threshold_g;
     writeln!(out, "threshold {:08x} {:08x}", bits(threshold.value), bits(threshold.sd)).unwrap();
     out

@@ -27,7 +27,12 @@ static DESIGN: Design<f32> = Design {
     greatest_height_m: 3.0,
     gravity_mps2: 9.81,
     rollover: RolloverDesign { half_track_m: 0.95, unsprung_mass_kg: 2e3, unsprung_height_m: 0.5 },
-    thresholds: [ThresholdLine { threshold_g: [0.6, 0.5, 0.45, 0.4, 0.36, 0.33, 0.3, 0.28] }; 6],
+    thresholds: [ThresholdLine {
+        threshold_g: [
+            [0.6, 0.5, 0.45, 0.4, 0.36, 0.33, 0.3, 0.28],
+            [0.65, 0.54, 0.48, 0.42, 0.38, 0.35, 0.32, 0.3],
+        ],
+    }; 6],
 };
 
 const fn channel(gain: f32) -> ChannelDesign<f32> {
@@ -128,9 +133,9 @@ proptest! {
                 CgRollover { static_stability_factor_g: 0.0, static_rollover_threshold_g: zero };
             // SAFETY: good pointers.
             let code =
-                unsafe { cg_estimator_threshold(&raw const for_c, 25e3, &raw mut rollover) };
+                unsafe { cg_estimator_threshold(&raw const for_c, 25e3, 15.0, &raw mut rollover) };
             prop_assert_eq!(code, CgError::Ok as i32);
-            let found = DESIGN.rollover(combined.height_m, 25e3).unwrap();
+            let found = DESIGN.rollover(combined.height_m, 25e3, 15.0).unwrap();
             prop_assert_eq!(words(&rollover), words(&CgRollover::new(&found)));
         }
     }

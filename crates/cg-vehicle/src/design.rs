@@ -9,7 +9,7 @@ use crate::belief::Belief;
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant, ratio_line};
 use crate::reduction::{ReducedModels, reduce};
-use crate::rollover::thresholds_g;
+use crate::rollover::threshold_line;
 use crate::vehicle::{Load, Vehicle};
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
@@ -163,8 +163,7 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     masses
 }
 
-/// Rollover thresholds of each mass, at heights evenly over the vehicle's range: the least over the
-/// speeds.
+/// Rollover thresholds of each mass, at heights evenly over the vehicle's range.
 fn thresholds(
     vehicle: &Vehicle,
     variant: Variant,
@@ -172,7 +171,7 @@ fn thresholds(
     compliance: f64,
 ) -> Result<[ThresholdLine<f64>; MASSES], VehicleError> {
     let (load, range) = (vehicle.reference_load(), &vehicle.height);
-    let mut lines = [ThresholdLine { threshold_g: [0.0; HEIGHTS] }; MASSES];
+    let mut lines = [ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] }; MASSES];
     for (line, &mass_kg) in lines.iter_mut().zip(masses_kg) {
         let trailer_mass_kg = match variant {
             Variant::Complete => mass_kg,
@@ -183,7 +182,7 @@ fn thresholds(
         let height_m = std::array::from_fn(|k| {
             range.least_m + (range.greatest_m - range.least_m) * k as f64 / (HEIGHTS - 1) as f64
         });
-        line.threshold_g = thresholds_g(vehicle, load, compliance, height_m)?;
+        *line = threshold_line(vehicle, load, compliance, height_m)?;
     }
     Ok(lines)
 }

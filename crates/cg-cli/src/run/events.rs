@@ -77,13 +77,14 @@ pub(crate) struct Result {
     pub(crate) trailer_mass_source: MassSource,
     pub(crate) static_rollover_threshold_g: Option<f64>,
     #[serde(skip)]
+    measured_m: Option<Measured<f64>>,
+    #[serde(skip)]
     pub(crate) threshold_g: Option<Measured<f64>>,
 }
 
 impl Result {
-    /// From the fused height, if there is one.
+    /// From the fused height, if there is one; the threshold comes with the [speed](Self::at_speed).
     pub(crate) fn new(
-        design: &Design<f64>,
         combined: Option<Combined<f64>>,
         channel: Option<Channel>,
         (trailer_mass_kg, trailer_mass_source): (f64, MassSource),
@@ -96,19 +97,24 @@ impl Result {
         let nothing = Self { status, trailer_mass_kg, trailer_mass_source, ..Self::default() };
         let Some(height) = combined.and_then(|all| all.height()) else { return nothing };
         let Measured { value, sd } = height.height_m;
-        let threshold_g = design
-            .rollover(height.height_m, trailer_mass_kg)
-            .map(|rollover| rollover.static_rollover_threshold_g);
         Self {
             height_m: Some(value),
             height_sd_m: Some(sd),
             height_ci95_m: Some([value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]),
             channel: Some(channel.map_or("combined".to_owned(), |channel| channel.to_string())),
             maneuvers: height.maneuvers,
-            static_rollover_threshold_g: threshold_g.map(|threshold| threshold.value),
-            threshold_g,
+            measured_m: Some(height.height_m),
             ..nothing
         }
+    }
+
+    /// The rollover threshold in a turn at this speed.
+    pub(crate) fn at_speed(&mut self, design: &Design<f64>, speed_mps: f64) {
+        self.threshold_g = self
+            .measured_m
+            .and_then(|height_m| design.rollover(height_m, self.trailer_mass_kg, speed_mps))
+            .map(|rollover| rollover.static_rollover_threshold_g);
+        self.static_rollover_threshold_g = self.threshold_g.map(|threshold| threshold.value);
     }
 
     /// Threshold less a lateral acceleration, in g.

@@ -36,6 +36,8 @@ pub(crate) struct Session<W: Write> {
     pace: Pace,
     warner: Warner,
     known: Known,
+    /// The last speed; NaN before there is one.
+    speed_mps: f64,
     load_since_s: Option<f64>,
     driving: &'static str,
     missing: Vec<&'static str>,
@@ -74,7 +76,8 @@ impl<W: Write> Session<W> {
         let mass_source =
             if trailer_mass_kg.is_some() { MassSource::Given } else { MassSource::Nominal };
         Self {
-            known: Known::new(design, None, None, (mass_kg, mass_source)),
+            known: Known::new(None, None, (mass_kg, mass_source)),
+            speed_mps: f64::NAN,
             estimator: Estimator::new(*design, Settings::truck(), Prior::standard()),
             trailer_mass_kg,
             mass_source,
@@ -229,6 +232,11 @@ impl<W: Write> Session<W> {
             sample.lateral_acceleration_mps2
         };
         let gravity_mps2 = self.estimator.design().gravity_mps2;
+        // Without a speed the last one counts.
+        if sample.speed_mps.is_finite() {
+            self.speed_mps = sample.speed_mps;
+            self.known.at_speed(self.estimator.design(), self.speed_mps);
+        }
         let threshold_g = self.known.threshold_g;
         let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
         let Some(level) = level else { return Ok(()) };
@@ -293,7 +301,8 @@ impl<W: Write> Session<W> {
         };
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.estimator.combined();
-        self.known = Known::new(self.estimator.design(), combined, channel, mass);
+        self.known = Known::new(combined, channel, mass);
+        self.known.at_speed(self.estimator.design(), self.speed_mps);
     }
 
     /// Tells that the channels begin to contradict each other.

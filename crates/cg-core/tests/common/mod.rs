@@ -82,8 +82,9 @@ pub(crate) fn design() -> Design<f64> {
             unsprung_mass_kg: 1.36e3,
             unsprung_height_m: 0.508,
         },
-        thresholds: [ThresholdLine { threshold_g: [0.6, 0.53, 0.47, 0.41, 0.36, 0.32, 0.29, 0.26] };
-            MASSES],
+        thresholds: [ThresholdLine {
+            threshold_g: [[0.6, 0.53, 0.47, 0.41, 0.36, 0.32, 0.29, 0.26]; 2],
+        }; MASSES],
     };
     design.validate().unwrap();
     design

@@ -134,7 +134,7 @@ impl LogEstimator {
         }
         estimate.static_rollover_threshold_g = self
             .design
-            .rollover(fused.height_m, best.trailer_mass_kg)
+            .rollover(fused.height_m, best.trailer_mass_kg, speed_mps)
             .map(|rollover| rollover.static_rollover_threshold_g.value);
         estimate.messages.extend(Self::unusual(height));
     }

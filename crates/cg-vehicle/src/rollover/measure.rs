@@ -125,7 +125,7 @@ pub fn measures(
 
 fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), VehicleError> {
     let options = &subject.options;
-    let on_board = on_board(subject.vehicle, subject.load)?;
+    let on_board = on_board(subject.vehicle, subject.load, options.speed_mps)?;
     all.add(
         "static_stability_factor_g",
         "g",
@@ -167,9 +167,11 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "static_rollover_threshold_on_board_g",
         "g",
         Some(on_board.static_rollover_threshold_g.value),
-        "As the estimator on board has it from the height: the least in steady turns of 40 to \
-         90 km/h."
-            .into(),
+        format!(
+            "As the estimator on board has it from the height and {:.0} km/h: between the steady turns \
+             at 40 and 90 km/h.",
+            3.6 * speed_mps
+        ),
     );
     let at_g = options.lateral_acceleration_g;
     let transfer = ramp.transfer_at(at_g * GRAVITY_MPS2);

@@ -23,7 +23,7 @@
 //!
 //! let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml");
 //! let vehicle = Vehicle::load(file)?;
-//! let measures = on_board(&vehicle, vehicle.reference_load())?;
+//! let measures = on_board(&vehicle, vehicle.reference_load(), 20.0)?;
 //! let threshold_g = measures.static_rollover_threshold_g.value;
 //! assert!(threshold_g < measures.static_stability_factor_g && threshold_g > 0.3);
 //! # Ok::<(), cg_vehicle::VehicleError>(())
@@ -43,7 +43,7 @@ mod transfer;
 mod turn;
 
 pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
-pub(crate) use on_board::thresholds_g;
+pub(crate) use on_board::threshold_line;
 pub use on_board::{on_board, steady_turn_threshold_g};
 pub use ramp::{Ramp, RampEnd, RampPoint};
 use roll_plane::RollPlane;
