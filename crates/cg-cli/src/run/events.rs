@@ -77,7 +77,7 @@ pub(crate) struct Result {
     pub(crate) trailer_mass_source: MassSource,
     pub(crate) static_rollover_threshold_g: Option<f64>,
     #[serde(skip)]
-    measured_m: Option<Measured<f64>>,
+    pub(crate) measured_m: Option<Measured<f64>>,
     #[serde(skip)]
     pub(crate) threshold_g: Option<Measured<f64>>,
 }
