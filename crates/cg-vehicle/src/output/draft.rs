@@ -125,7 +125,7 @@ fn begin(target: &Path, before: Option<&Metadata>) -> io::Result<NamedTempFile> 
         builder.permissions(permissions);
     }
     for _ in 0..TRIES {
-        let file = builder.tempfile_in(folder(target))?;
+        let file = builder.tempfile_in(folder(target)).map_err(bare)?;
         // Held until the file is closed, however the process ends. Where there are no locks, the
         // process's number alone says whose the draft is.
         let sweeping = matches!(file.as_file().try_lock(), Err(fs::TryLockError::WouldBlock));
@@ -134,6 +134,13 @@ fn begin(target: &Path, before: Option<&Metadata>) -> io::Result<NamedTempFile> 
         }
     }
     Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// The system's own error: who reports it names the file that was asked for, not its draft.
+fn bare(error: io::Error) -> io::Error {
+    let cause = error.get_ref().and_then(|named| named.source());
+    let cause = cause.and_then(|cause| cause.downcast_ref::<io::Error>());
+    cause.and_then(io::Error::raw_os_error).map_or(error, io::Error::from_raw_os_error)
 }
 
 /// Those of a new file: all that the process's mask leaves.
@@ -203,5 +210,20 @@ fn remove_if_left(draft: &Path) {
     let Some(file) = is_file.then(|| File::open(draft).ok()).flatten() else { return };
     if !matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
         let _ = fs::remove_file(draft);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Its number says more than its text: a disk that is full, a folder that is not there.
+    #[test]
+    fn an_error_is_the_systems_own_without_the_name_of_the_draft() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = begin(&folder.path().join("missing/out.csv"), None).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(error.raw_os_error().is_some(), "{error}");
+        assert!(!error.to_string().contains(".part"), "{error}");
     }
 }
