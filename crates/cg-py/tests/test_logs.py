@@ -16,7 +16,7 @@ from conftest import FIXTURES, LOGS, ONE_TURN, read
 JSON_KEYS = [
     "status", "height_m", "height_sd_m", "height_ci95_m", "ratio", "ratio_sd", "method", "channel",
     "speed_mps", "trailer_mass_kg", "snr_db", "fit_percent", "static_rollover_threshold_g",
-    "maneuvers", "messages",
+    "channels", "maneuvers", "messages",
 ]  # fmt: skip
 MANEUVER_KEYS = [
     "start_s", "end_s", "height_m", "height_sd_m", "ratio", "ratio_sd", "snr_db", "status",
@@ -234,9 +234,12 @@ def test_the_attributes_are_the_keys_of_the_json_output(kraz):
     plain = json.loads(json.dumps(answer.to_dict()))
     assert list(plain) == JSON_KEYS
     assert list(plain["maneuvers"][0]) == MANEUVER_KEYS
-    for key in JSON_KEYS[:-2]:
+    for key in JSON_KEYS[:-3]:
         value = getattr(answer, key)
         assert plain[key] == (list(value) if isinstance(value, tuple) else value)
+    assert [channel["height_m"] for channel in plain["channels"]] == [
+        channel.height_m for channel in answer.channels
+    ]
     assert plain["maneuvers"][0]["height_m"] == answer.maneuvers[0].height_m
     low, high = answer.height_ci95_m
     # 1.96 is the quantile to three digits.
