@@ -51,7 +51,7 @@ def test_a_foreign_file_needs_force_and_ours_keeps_its_mode(truck, tmp_path):
                         (written, "w.csv"), (calibrated, "c.toml")]:  # fmt: skip
         path = tmp_path / name
         path.write_text("precious")
-        with pytest.raises(FileExistsError, match="is there already.*force=True to replace it"):
+        with pytest.raises(FileExistsError, match=r"is there already.*force=True to replace it"):
             write(path)
         assert path.read_text() == "precious"
         write(path, force=True)

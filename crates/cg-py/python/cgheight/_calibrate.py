@@ -59,7 +59,8 @@ def calibrate(
     FileExistsError
         `output` is there and no calibration, and `force` is false.
     ValueError
-        `output` is a run or the vehicle file; a run is not as described, has no turn, or a load that the vehicle cannot have.
+        `output` is a run or the vehicle file; a run is not as described, has no turn, or a load
+        that the vehicle cannot have.
 
     Examples
     --------
