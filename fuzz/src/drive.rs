@@ -103,10 +103,10 @@ impl<T: Real + Debug> Truck<T> {
     fn stretch(&mut self, bytes: [u8; 8]) {
         let [count, interval_ms, steer, roll, lateral, speed, mass, flags] = bytes;
         let to = (0.15 * signed(steer), 0.15 * signed(roll), 6.0 * signed(lateral));
-        let interval_us = 1000 * (1 + u64::from(interval_ms % 64));
-        let share = 0.001 * (interval_us / 1000) as f64 / (0.1 + 0.1 * f64::from(flags >> 5));
+        let interval_ms = 1 + interval_ms % 64;
+        let share = 0.001 * f64::from(interval_ms) / (0.1 + 0.1 * f64::from(flags >> 5));
         for _ in 0..=count {
-            self.pass(interval_us);
+            self.pass(1000 * u64::from(interval_ms));
             self.steer_rad += (to.0 - self.steer_rad) * share.min(1.0);
             self.lateral_mps2 += (to.2 - self.lateral_mps2) * share.min(1.0);
             self.roll_rad += (to.1 - self.roll_rad) * share.min(1.0);
@@ -186,7 +186,8 @@ impl<T: Real + Debug> Truck<T> {
         let (settings, prior) = (Settings::truck(), Prior::standard());
         let memory = self.estimator.memory();
         let restored = Estimator::restored(self.design, settings, prior, &memory);
-        self.estimator = restored.unwrap_or_else(|| panic!("its own memory is unsound: {memory:?}"));
+        self.estimator =
+            restored.unwrap_or_else(|| panic!("its own memory is unsound: {memory:?}"));
         self.look();
     }
 }

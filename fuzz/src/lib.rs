@@ -105,7 +105,7 @@ fn read_all(mut reader: LogReader, most_bytes: usize) -> bool {
         }
     }
     assert!(reader.bytes_read() <= most_bytes as u64);
-    assert!(reader.news().iter().chain(&[]).all(|(_, sentence)| !sentence.is_empty()));
+    assert!(reader.news().iter().all(|(_, sentence)| !sentence.is_empty()));
     assert!(reader.remarks().iter().all(|remark| !remark.is_empty()));
     rows > 0
 }
@@ -233,11 +233,9 @@ pub fn vehicle_file(data: &[u8]) -> bool {
         let variant =
             if vehicle.as_printed.is_some() { Variant::AsPrinted } else { Variant::Complete };
         match design(&vehicle, variant) {
-            Ok(design) => drive::hundred_samples(Estimator::new(
-                design,
-                Settings::truck(),
-                Prior::standard(),
-            )),
+            Ok(design) => {
+                drive::hundred_samples(Estimator::new(design, Settings::truck(), Prior::standard()))
+            }
             Err(error) => assert!(!error.to_string().is_empty()),
         }
     }
