@@ -234,7 +234,11 @@ pub fn vehicle_file(data: &[u8]) -> bool {
             if vehicle.as_printed.is_some() { Variant::AsPrinted } else { Variant::Complete };
         match design(&vehicle, variant) {
             Ok(design) => {
-                drive::hundred_samples(Estimator::new(design, Settings::truck(), Prior::standard()))
+                drive::hundred_samples(Estimator::new(
+                    design,
+                    Settings::truck(),
+                    Prior::standard(),
+                ));
             }
             Err(error) => assert!(!error.to_string().is_empty()),
         }

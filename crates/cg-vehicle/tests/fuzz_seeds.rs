@@ -36,7 +36,7 @@ fn changed(seed: &[u8], other: &[u8], random: &mut StdRng) -> Vec<u8> {
         match random.random_range(0..6) {
             0 | 1 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
             2 if at < bytes.len() => {
-                bytes[at] = b"0-+.eE\n,;\"#\0\xFF9"[random.random_range(0..14)]
+                bytes[at] = b"0-+.eE\n,;\"#\0\xFF9"[random.random_range(0..14)];
             }
             3 => drop(bytes.drain(at..end)),
             4 => {
