@@ -103,12 +103,21 @@ impl<T: Real> Fusion<T> {
         self.maneuvers = self.maneuvers.saturating_add(1);
     }
 
-    /// Whether every number can be what it says.
+    /// Whether every number can be what it says. The limits are far beyond any truck, and low enough
+    /// for squares and quotients of two fusions to stay finite in single precision too.
     pub(crate) fn is_sound(&self) -> bool {
         let Self { weight, mean, scatter, systematic, maneuvers } = *self;
+        let (greatest_m, greatest_weight) = (T::of(1e6), T::of(1e24));
         let counted = (maneuvers > 0) == (weight > T::zero() && mean > T::zero());
-        let least = |x: T| x.present() && x >= T::zero();
-        counted && [weight, mean, scatter, systematic].into_iter().all(least)
+        let within = |x: T, greatest: T| x >= T::zero() && x <= greatest;
+        let known = self.height().is_none_or(|height| within(height.height_m.sd, greatest_m));
+        counted
+            && known
+            && within(weight, greatest_weight)
+            && scatter.present()
+            && scatter >= T::zero()
+            && within(mean, greatest_m)
+            && within(systematic, greatest_m)
     }
 
     /// The fused height, or `None` before the first maneuver.
@@ -195,6 +204,22 @@ impl<T: Real> Height<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Numbers that are finite themselves, and whose height would not be.
+    #[test]
+    fn a_fusion_without_a_finite_height_is_not_sound() {
+        let good = Fusion { weight: 4e4, mean: 1.7, scatter: 0.0, systematic: 0.2, maneuvers: 2 };
+        assert!(good.is_sound() && Fusion::<f64>::new().is_sound());
+        for wrong in [
+            Fusion { weight: 1e-320, ..good },
+            Fusion { weight: 1e300, ..good },
+            Fusion { mean: 1e300, ..good },
+            Fusion { systematic: 1e200, ..good },
+            Fusion { weight: 1e-6, scatter: 1e308, ..good },
+        ] {
+            assert!(!wrong.is_sound(), "{wrong:?}");
+        }
+    }
 
     #[test]
     fn noise_averages_out_and_the_systematic_part_stays() {

@@ -20,6 +20,7 @@
 //! | [`maneuver`], [`sensors`], [`simulate`] | steer and speed histories, sensors, logs with known truth | section 5.3 |
 //! | [`study`] | the nonlinear plant over maneuver, load and vehicle | sections 2.5–2.7 |
 //! | [`log`] | log files in and out | – |
+//! | [`state`] | what is learnt, as a text | – |
 //! | [`output`] | what a call may write, and how it is written whole | – |
 //! | [`accuracy`] | Monte-Carlo: errors and intervals | section 5.3.2 |
 //! | [`reproduce`] | the source's tables beside ours | all of it |
@@ -54,6 +55,7 @@ pub mod sensors;
 pub mod simulate;
 pub mod study;
 pub mod log;
+pub mod state;
 pub mod estimate;
 pub mod accuracy;
 pub mod reproduce;

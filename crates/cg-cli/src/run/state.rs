@@ -1,9 +1,5 @@
-//! What is learnt, kept over restarts: one file, whole or not at all, checked when it is read.
-//!
-//! ```text
-//!     {"format":"cg-height state","version":1,"design_crc32":…,"memory":{…},…}
-//!     crc32 89abcdef
-//! ```
+//! What is learnt, kept over restarts: one file, whole or not at all, checked when it is read
+//! (its text: [`cg_vehicle::state`]).
 //!
 //! A file that is damaged, of another version or of another vehicle is put aside under a name of
 //! its own and never overwritten: somebody may want to know.
@@ -14,27 +10,10 @@ use std::path::{Path, PathBuf};
 
 use cg_core::{Design, Memory};
 use cg_vehicle::output::{Draft, Target};
-use serde::{Deserialize, Serialize};
+use cg_vehicle::state::{State, StateError, design_crc32};
 
-const FORMAT: &str = "cg-height state";
-const VERSION: u32 = 1;
 /// A state is shorter, bytes.
 const LONGEST: u64 = 1 << 20;
-
-/// The content of a state file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct State {
-    format: String,
-    version: u32,
-    /// Checksum of the design it was learnt with: vehicle file and calibration.
-    design_crc32: u32,
-    /// When it was written, Unix time of the source.
-    pub(crate) saved_s: f64,
-    /// Since when the load has been this one, if it was noticed.
-    pub(crate) load_since_s: Option<f64>,
-    pub(crate) memory: Memory<f64>,
-}
 
 /// Where the state is kept.
 #[derive(Debug)]
@@ -51,14 +30,12 @@ pub(crate) enum Found {
     /// A state.
     State(Box<State>),
     /// Something else, which has been put aside here, and why.
-    PutAside(PathBuf, String),
+    PutAside(PathBuf, StateError),
 }
 
 impl StateFile {
     pub(crate) fn new(target: Target, design: &Design<f64>) -> Self {
-        // Numbers print as the shortest text that gives them again: equal designs, equal text.
-        let design_crc32 = crc32fast::hash(format!("{design:?}").as_bytes());
-        Self { target, design_crc32 }
+        Self { target, design_crc32: design_crc32(design) }
     }
 
     /// Writes a state in place of the one before.
@@ -68,17 +45,9 @@ impl StateFile {
         saved_s: f64,
         load_since_s: Option<f64>,
     ) -> io::Result<()> {
-        let state = State {
-            format: FORMAT.to_owned(),
-            version: VERSION,
-            design_crc32: self.design_crc32,
-            saved_s,
-            load_since_s,
-            memory: *memory,
-        };
-        let text = serde_json::to_string(&state)?;
+        let text = State::new(self.design_crc32, memory, saved_s, load_since_s).to_text()?;
         let (draft, mut file) = self.target.open()?;
-        writeln!(file, "{text}\ncrc32 {:08x}", crc32fast::hash(text.as_bytes()))?;
+        file.write_all(text.as_bytes())?;
         draft.map_or(Ok(()), Draft::publish)?;
         // The new name is on the disk only when its folder is.
         let folder = self.target.path().parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -98,35 +67,10 @@ impl StateFile {
         }
         let mut bytes = Vec::new();
         file.take(LONGEST).read_to_end(&mut bytes)?;
-        match self.parse(&bytes) {
+        match State::parse(&bytes, self.design_crc32) {
             Ok(state) => Ok(Found::State(Box::new(state))),
             Err(reason) => Ok(Found::PutAside(self.put_aside()?, reason)),
         }
-    }
-
-    fn parse(&self, bytes: &[u8]) -> Result<State, String> {
-        let text = std::str::from_utf8(bytes).map_err(|_| "it is not text")?;
-        let (json, rest) = text.split_once('\n').ok_or("it has no checksum")?;
-        let sum = rest.trim_ascii_end().strip_prefix("crc32 ").ok_or("it has no checksum")?;
-        if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(json.as_bytes())) {
-            return Err("its checksum is wrong".to_owned());
-        }
-        let version = serde_json::from_str::<serde_json::Value>(json)
-            .ok()
-            .filter(|value| value["format"] == FORMAT)
-            .and_then(|value| value["version"].as_u64())
-            .ok_or("it is no state of cg run")?;
-        if version != u64::from(VERSION) {
-            return Err(format!("it is of version {version}, this program reads {VERSION}"));
-        }
-        let state: State = serde_json::from_str(json).map_err(|error| error.to_string())?;
-        if state.design_crc32 != self.design_crc32 {
-            return Err("it was learnt with another vehicle file or calibration".to_owned());
-        }
-        if !state.memory.is_sound() {
-            return Err("its numbers cannot be".to_owned());
-        }
-        Ok(state)
     }
 
     /// Renames the file to the first free `NAME.aside-N`.
@@ -189,16 +133,16 @@ mod tests {
             bad[bit / 8] ^= 1 << (bit % 8);
             // White space at the end and the case of the checksum's digits do not matter.
             let harmless = bad.trim_ascii_end().eq_ignore_ascii_case(good.trim_ascii_end());
-            assert!(harmless || file.parse(&bad).is_err(), "bit {bit}");
+            assert!(harmless || State::parse(&bad, file.design_crc32).is_err(), "bit {bit}");
         }
         for length in 0..good.len() - 1 {
-            assert!(file.parse(&good[..length]).is_err(), "{length} bytes");
+            assert!(State::parse(&good[..length], file.design_crc32).is_err(), "{length} bytes");
         }
         for n in 1..3 {
             fs::write(file.target.path(), &good[..40]).unwrap();
             let Found::PutAside(aside, reason) = file.load().unwrap() else { panic!("aside") };
             assert!(aside.to_string_lossy().ends_with(&format!("state.json.aside-{n}")));
-            assert_eq!(reason, "it has no checksum");
+            assert_eq!(reason, StateError::NoChecksum);
             assert_eq!(fs::read(aside).unwrap(), &good[..40]);
             assert_eq!(file.load().unwrap(), Found::Nothing);
         }
@@ -211,7 +155,7 @@ mod tests {
         memory.trailer_mass_kg = -1.0;
         file.save(&memory, 1.5, None).unwrap();
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
-        assert_eq!(reason, "its numbers cannot be");
+        assert_eq!(reason, StateError::Unsound);
     }
 
     #[test]
@@ -221,6 +165,6 @@ mod tests {
         file.save(&memory, 1.5, None).unwrap();
         file.design_crc32 ^= 1;
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
-        assert!(reason.contains("another vehicle file or calibration"));
+        assert_eq!(reason, StateError::OtherDesign);
     }
 }

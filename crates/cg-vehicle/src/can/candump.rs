@@ -221,6 +221,10 @@ fn date_us(text: &str) -> Option<u64> {
     if !(1970..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&day) {
         return None;
     }
+    // The last second of a day may be a leap second.
+    if hour > 23 || minute > 59 || second_us >= 61_000_000 {
+        return None;
+    }
     // Days since 1970 in years that begin in March (Gregorian calendar).
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 + day - 1;
@@ -319,6 +323,12 @@ mod tests {
             ("(-1.500000) can0 123#00", CandumpError::Time),
             ("(+1.500000) can0 123#00", CandumpError::Time),
             ("(2015-13-10 06:17:32.249713) can0 123#00", CandumpError::Time),
+            ("(2015-07-10 24:17:32.249713) can0 123#00", CandumpError::Time),
+            ("(2015-07-10 06:60:32.249713) can0 123#00", CandumpError::Time),
+            ("(2015-07-10 06:17:61.000000) can0 123#00", CandumpError::Time),
+            // Once an overflow.
+            ("(2015-07-10 9999999999999999999:17:32.249713) can0 123#00", CandumpError::Time),
+            ("(2015-07-10 06:17:18446744073709.551615) can0 123#00", CandumpError::Time),
             ("time_s,roll_rad", CandumpError::Time),
             ("  can1  18F11031   [8]  00 11 22 33 44 55 66 77", CandumpError::NoTime),
             ("  can1  123   [8]  remote request", CandumpError::NoTime),

@@ -48,7 +48,7 @@ impl Clock {
             .and_then(|(now, then)| i64::try_from(now.saturating_sub(then)).ok());
         let (step_us, jump_us) = match (passed_us, true_us) {
             (Ok(passed), Some(truth)) if passed.abs_diff(truth) > JUMP_US => {
-                (truth.unsigned_abs(), passed - truth)
+                (truth.unsigned_abs(), passed.saturating_sub(truth))
             }
             // Frames of two queues may come a little out of order.
             (Ok(passed), None) if passed < 0 && passed.unsigned_abs() > JUMP_US => {
@@ -84,6 +84,13 @@ mod tests {
         assert_eq!(steps(&stamps), [(0, 0), (100, 0), (210, back), (220, 0)]);
         let forward = [(0, Some(0)), (hour, Some(100))];
         assert_eq!(steps(&forward), [(0, 0), (100, 3_599_999_900)]);
+    }
+
+    /// Time stamps of a broken source, 2^63 µs apart: the greatest jump there is.
+    #[test]
+    fn no_jump_is_too_far() {
+        let stamps = [(1 << 63, Some(0)), (0, Some(100))];
+        assert_eq!(steps(&stamps)[1], (100, i64::MIN));
     }
 
     #[test]
