@@ -8,8 +8,10 @@
 //! stands in the design.
 //!
 //! At the same lateral acceleration a slower turn is tighter: it articulates the vehicle more and sets
-//! the axles of a group further apart in slip, by the curvature, which falls with the square of the
-//! speed. So the reciprocal of the threshold is a straight line over `1/U²` between the two speeds.
+//! the axles of a group further apart in slip. Its curvature falls with the square of the speed, and what
+//! articulation costs is of second order in it (a cosine): the reciprocal of the threshold is taken as a
+//! straight line over `1/U⁴` between the two speeds, good to 1 % of the fixtures' vehicles at their
+//! reference load (2.5 % with little payload, low).
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
@@ -46,9 +48,11 @@ impl<T: Real> ThresholdLine<T> {
     /// The thresholds at a speed, over height; the least of both where the speed is not known.
     pub fn at_speed(&self, speed_mps: T) -> [T; HEIGHTS] {
         let [slow, fast] = TURN_MPS.map(T::of);
-        let curvature = |mps: T| T::one() / (mps * mps);
+        let square = |x: T| x * x;
+        let curvature_2 = |mps: T| T::one() / square(square(mps));
         let held = speed_mps.max(slow).min(fast);
-        let part = (curvature(held) - curvature(fast)) / (curvature(slow) - curvature(fast));
+        let part =
+            (curvature_2(held) - curvature_2(fast)) / (curvature_2(slow) - curvature_2(fast));
         let [mut at, fast_g] = self.threshold_g;
         for (at_g, fast_g) in at.iter_mut().zip(fast_g) {
             *at_g =
@@ -175,11 +179,11 @@ mod tests {
         assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
     }
 
-    /// 0.4 g at 40 km/h, 0.5 g at 90: where `1/U²` is half way, 1/(1.25 + 1) of a g.
+    /// 0.4 g at 40 km/h, 0.5 g at 90: where `1/U⁴` is half way, 1/(1.25 + 1) of a g.
     #[test]
     fn a_tighter_turn_tips_at_less() {
         let line = ThresholdLine { threshold_g: [[0.4; HEIGHTS], [0.5; HEIGHTS]] };
-        let middle_mps = (0.5 / TURN_MPS[0].powi(2) + 0.5 / TURN_MPS[1].powi(2)).powf(-0.5);
+        let middle_mps = (0.5 / TURN_MPS[0].powi(4) + 0.5 / TURN_MPS[1].powi(4)).powf(-0.25);
         let known = [(0.0, 0.4), (40.0 / 3.6, 0.4), (middle_mps, 1.0 / 2.25), (25.0, 0.5)];
         for (speed_mps, g) in known.into_iter().chain([(40.0, 0.5), (f64::NAN, 0.4)]) {
             for found in line.at_speed(speed_mps) {
