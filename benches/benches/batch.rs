@@ -6,8 +6,8 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use cg_vehicle::estimate::{EstimateOptions, LogEstimator};
-use cg_vehicle::log::{LogOptions, LogReader};
+use cg_logs::estimate::{EstimateOptions, LogEstimator};
+use cg_logs::log::{LogOptions, LogReader};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 

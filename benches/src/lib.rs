@@ -5,7 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use cg_vehicle::Vehicle;
-use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+use cg_logs::log::{LogOptions, LogReader, LogRow};
 
 /// A file under `fixtures/`.
 pub fn fixture(name: &str) -> PathBuf {

@@ -1,5 +1,5 @@
 //! What is done with bytes that nobody made with care: one function for each reader of foreign
-//! bytes, called by libFuzzer (`fuzz_targets/`) and by `crates/cg-vehicle/tests/fuzz_seeds.rs`.
+//! bytes, called by libFuzzer (`fuzz_targets/`) and by `crates/cg-logs/tests/fuzz_seeds.rs`.
 //!
 //! Each says whether the bytes were taken for what the reader reads, so that kept seeds cannot
 //! rot unnoticed. A panic, a failed assertion, a hang or much memory is a finding.
@@ -8,11 +8,11 @@ use std::io::Cursor;
 use std::sync::LazyLock;
 
 use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Sample, Settings};
+use cg_logs::can::{Content, Decoder, Frame, MappedSignal, Sampler, SignalMap, parse};
+use cg_logs::log::{LogError, LogOptions, LogReader, Signal};
+use cg_logs::state::{State, design_crc32};
 use cg_vehicle::calibration::Calibration;
-use cg_vehicle::can::{Content, Decoder, Frame, MappedSignal, Sampler, SignalMap, parse};
 use cg_vehicle::design::{design, design_with};
-use cg_vehicle::log::{LogError, LogOptions, LogReader, Signal};
-use cg_vehicle::state::{State, design_crc32};
 use cg_vehicle::{Variant, Vehicle};
 
 mod drive;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use cg_core::j1939::Compensation;
 use cg_vehicle::Vehicle;
-use cg_vehicle::can::{DeviceFilter, MappedSignal, SignalMap};
-use cg_vehicle::log::{CanOptions, LogOptions};
+use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap};
+use cg_logs::log::{CanOptions, LogOptions};
 use clap::{Args, ValueEnum};
 
 use crate::cli::ColumnArgs;

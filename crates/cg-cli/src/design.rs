@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use cg_vehicle::Vehicle;
 use cg_vehicle::emit::{Language, emit};
-use cg_vehicle::output::{Draft, Files, Kind};
+use cg_logs::output::{Draft, Files, Kind};
 
 use crate::Outcome;
 use crate::cli::DesignArgs;

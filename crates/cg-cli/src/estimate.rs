@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use cg_core::SampleError;
-use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_vehicle::files;
-use cg_vehicle::log::{LogOptions, LogReader, LogRow};
-use cg_vehicle::output::{Draft, Files, Kind, Target};
+use cg_logs::log::{LogOptions, LogReader, LogRow};
+use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_vehicle::{LinearModel, Variant};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;

@@ -45,7 +45,7 @@ mod units;
 use std::io::Write;
 use std::process::ExitCode;
 
-use cg_vehicle::output::Files;
+use cg_logs::output::Files;
 use clap::Parser;
 
 use cli::{Cli, Command};

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_vehicle::reproduce::{Options, Row, table, tables, title};
+use cg_thesis::reproduce::{Options, Row, table, tables, title};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 

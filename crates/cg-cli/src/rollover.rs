@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_vehicle::rollover::{RolloverMeasures, RolloverOptions, measures};
+use cg_plant::rollover::{RolloverMeasures, RolloverOptions, measures};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value, json};

@@ -1,6 +1,6 @@
 //! The arguments that say what sensors make of a simulated log.
 
-use cg_vehicle::sensors::Sensors;
+use cg_plant::sensors::Sensors;
 use clap::Args;
 
 use crate::numbers::{

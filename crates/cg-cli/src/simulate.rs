@@ -4,10 +4,10 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use cg_vehicle::Vehicle;
-use cg_vehicle::log::{CandumpWriter, LogWriter, Signal};
-use cg_vehicle::maneuver::Course;
-use cg_vehicle::output::{Draft, Files, Kind, Target};
-use cg_vehicle::simulate::{LogSimulation, Scenario};
+use cg_logs::log::{CandumpWriter, LogWriter, Signal};
+use cg_plant::maneuver::Course;
+use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_plant::simulate::{LogSimulation, Scenario};
 
 use crate::Outcome;
 use crate::cli::{ManeuverArg, SimulateArgs};

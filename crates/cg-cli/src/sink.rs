@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use cg_core::Channel;
-use cg_vehicle::estimate::{LogEstimate, Verdict};
+use cg_logs::estimate::{LogEstimate, Verdict};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use serde::Serialize;

@@ -9,7 +9,7 @@ use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
-use cg_vehicle::output::Files;
+use cg_logs::output::Files;
 use clap::Args;
 
 use crate::cli::ModelArg;

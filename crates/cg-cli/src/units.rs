@@ -1,6 +1,6 @@
 //! SI to the units of the source's figures: for columns and axes only.
 
-use cg_vehicle::study::{Quantity, Unit};
+use cg_thesis::study::{Quantity, Unit};
 
 /// How a quantity is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use cg_vehicle::VehicleError;
-use cg_vehicle::calibration::{KnownLog, calibrate};
-use cg_vehicle::log::LogReader;
-use cg_vehicle::output::{Draft, Files, Kind};
+use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::log::LogReader;
+use cg_logs::output::{Draft, Files, Kind};
 use pyo3::prelude::*;
 
 use crate::error::{log_error, output_error, vehicle_error};

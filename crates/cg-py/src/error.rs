@@ -5,8 +5,8 @@ use std::ffi::CString;
 use std::io::{self, ErrorKind};
 
 use cg_vehicle::VehicleError;
-use cg_vehicle::log::{LogError, OptionError};
-use cg_vehicle::output::OutputError;
+use cg_logs::log::{LogError, OptionError};
+use cg_logs::output::OutputError;
 use pyo3::exceptions::{
     PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning,
     PyValueError,

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use cg_vehicle::estimate::LogEstimator;
-use cg_vehicle::log::{LogError, LogOptions, LogReader, LogRow, Signal};
+use cg_logs::estimate::LogEstimator;
+use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -3,7 +3,7 @@
 use cg_core::Channel;
 use cg_core::arx::SampledArx;
 use cg_vehicle::Variant;
-use cg_vehicle::estimate::{EstimateOptions, Method};
+use cg_logs::estimate::{EstimateOptions, Method};
 use pyo3::prelude::*;
 
 use crate::error::value_error;

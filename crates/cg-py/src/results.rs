@@ -1,6 +1,6 @@
 //! Answers as the dataclasses of the package.
 
-use cg_vehicle::estimate::{ChannelEstimate, LogEstimate, ManeuverEstimate, Method, Verdict};
+use cg_logs::estimate::{ChannelEstimate, LogEstimate, ManeuverEstimate, Method, Verdict};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};

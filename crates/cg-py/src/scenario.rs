@@ -1,8 +1,8 @@
 //! Scenarios as Python hands them over: a dict with the keywords of `cgheight.simulate`.
 
-use cg_vehicle::maneuver::{Course, Maneuver};
-use cg_vehicle::sensors::Sensors;
-use cg_vehicle::simulate::{Plant, Scenario};
+use cg_plant::maneuver::{Course, Maneuver};
+use cg_plant::sensors::Sensors;
+use cg_plant::simulate::{Plant, Scenario};
 use cg_vehicle::{Load, Vehicle};
 use pyo3::prelude::*;
 

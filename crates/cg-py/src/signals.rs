@@ -1,7 +1,7 @@
 //! Arrays in, answer out.
 
-use cg_vehicle::estimate::{LogEstimator, Prediction};
-use cg_vehicle::log::{LogRow, Signal};
+use cg_logs::estimate::{LogEstimator, Prediction};
+use cg_logs::log::{LogRow, Signal};
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

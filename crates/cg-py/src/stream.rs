@@ -3,8 +3,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use cg_core::Status;
-use cg_vehicle::estimate::LogEstimator;
-use cg_vehicle::log::LogRow;
+use cg_logs::estimate::LogEstimator;
+use cg_logs::log::LogRow;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 

@@ -4,9 +4,9 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use cg_vehicle::log::{CandumpWriter, LogError, LogWriter, Signal};
-use cg_vehicle::output::kind::LOG_COMMENT;
-use cg_vehicle::output::{Draft, Files, Kind, Target};
+use cg_logs::log::{CandumpWriter, LogError, LogWriter, Signal};
+use cg_logs::output::kind::LOG_COMMENT;
+use cg_logs::output::{Draft, Files, Kind, Target};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

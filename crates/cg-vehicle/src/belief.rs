@@ -223,7 +223,7 @@ fn value(deviations: &Deviations, parameter: Parameter) -> f64 {
 }
 
 /// Roll over *measured* input: a sensor that reads too low makes the ratio larger.
-pub(crate) fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
+pub fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
     let sensor = match channel {
         Channel::Steer => Parameter::SteeringGain,
         Channel::LateralAcceleration => Parameter::LateralAccelerationGain,
@@ -232,7 +232,7 @@ pub(crate) fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
 }
 
 /// The vehicle with its parameters moved.
-pub(crate) fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
+pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     let factor = |parameter| value(deviations, parameter).exp();
     let mut moved = vehicle.clone();
     moved.tractor.cg_height_m += value(deviations, Parameter::TractorCgHeight);

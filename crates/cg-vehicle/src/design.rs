@@ -9,7 +9,7 @@ use crate::belief::Belief;
 use crate::error::VehicleError;
 use crate::linear::{Equations, Variant, ratio_line};
 use crate::reduction::{ReducedModels, reduce};
-use crate::rollover::threshold_line;
+use crate::steady_turn::threshold_line;
 use crate::vehicle::{Load, Vehicle};
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.

@@ -80,7 +80,7 @@ pub enum VehicleError {
 }
 
 impl VehicleError {
-    pub(crate) fn syntax(file: &str, source: &toml::de::Error) -> Self {
+    pub fn syntax(file: &str, source: &toml::de::Error) -> Self {
         Self::Syntax { file: file.to_owned(), message: source.to_string().trim_end().to_owned() }
     }
 

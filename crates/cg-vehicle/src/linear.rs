@@ -41,13 +41,19 @@ pub enum Variant {
 }
 
 /// Index of each velocity in `w` (axle `i` follows at `AXLE + i`).
-pub(crate) mod w {
-    pub(crate) const LATERAL: usize = 0;
-    pub(crate) const YAW_1: usize = 1;
-    pub(crate) const YAW_2: usize = 2;
-    pub(crate) const ROLL_1: usize = 3;
-    pub(crate) const ROLL_2: usize = 4;
-    pub(crate) const AXLE: usize = 5;
+pub mod w {
+    /// Lateral velocity of the tractor.
+    pub const LATERAL: usize = 0;
+    /// Yaw rate of the tractor.
+    pub const YAW_1: usize = 1;
+    /// Yaw rate of the trailer.
+    pub const YAW_2: usize = 2;
+    /// Roll rate of the tractor's body.
+    pub const ROLL_1: usize = 3;
+    /// Roll rate of the trailer's body.
+    pub const ROLL_2: usize = 4;
+    /// Roll rate of the first axle.
+    pub const AXLE: usize = 5;
 }
 
 /// Index of each angle in `q` (axle `i` follows at `AXLE + i`).

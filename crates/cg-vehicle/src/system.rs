@@ -85,7 +85,7 @@ pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
 }
 
 /// The product of two polynomials, ascending powers.
-pub(crate) fn multiplied(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub fn multiplied(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; (a.len() + b.len()).saturating_sub(1)];
     for (i, a) in a.iter().enumerate() {
         for (j, b) in b.iter().enumerate() {
@@ -315,14 +315,14 @@ impl Simulation {
     }
 
     /// Goes on with the equations of another model of the same states.
-    pub(crate) fn continue_as(&mut self, next: &Self) {
+    pub fn continue_as(&mut self, next: &Self) {
         self.transition.copy_from(&next.transition);
         self.held.copy_from(&next.held);
         self.ramp.copy_from(&next.ramp);
     }
 
     /// The input at the first sample.
-    pub(crate) fn start(&mut self, input: f64) {
+    pub fn start(&mut self, input: f64) {
         self.input = input;
     }
 

@@ -1,5 +1,5 @@
 //! Measured characteristics in the vehicle file: leaf springs with friction, tyres beyond the
-//! linear range. All optional; only [`crate::plant`] reads them.
+//! linear range. All optional; the nonlinear plant reads them, the linear model its stiffnesses beside them.
 
 use serde::{Deserialize, Serialize};
 

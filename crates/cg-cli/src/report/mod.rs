@@ -7,8 +7,8 @@ mod trace;
 
 use std::path::Path;
 
-use cg_vehicle::estimate::LogEstimate;
-use cg_vehicle::output::{Draft, Target};
+use cg_logs::estimate::LogEstimate;
+use cg_logs::output::{Draft, Target};
 use chrono::Utc;
 use serde::Serialize;
 

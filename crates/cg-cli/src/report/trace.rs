@@ -1,6 +1,6 @@
 //! What a report shows of a log's signals: a bounded number of points, whatever its length.
 
-use cg_vehicle::log::LogRow;
+use cg_logs::log::LogRow;
 use serde::Serialize;
 
 /// Signals of a log, thinned out while it is read.

@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Design, Measured};
-use cg_vehicle::estimate::{ManeuverEstimate, Verdict};
+use cg_logs::estimate::{ManeuverEstimate, Verdict};
 use serde::Serialize;
 
 /// Two-sided 95 % quantile of the normal distribution.

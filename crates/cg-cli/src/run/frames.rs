@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use cg_core::{AlignSettings, Quantity};
-use cg_vehicle::can::{Decoder, Frame, Sampler};
-use cg_vehicle::log::Signal;
+use cg_logs::can::{Decoder, Frame, Sampler};
+use cg_logs::log::Signal;
 
 use super::pace::too_slow;
 use super::presence::Presence;

@@ -35,9 +35,9 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use cg_vehicle::Vehicle;
-use cg_vehicle::can::{Decoder, named};
-use cg_vehicle::log::LogOptions;
-use cg_vehicle::output::{Files, Kind, Target};
+use cg_logs::can::{Decoder, named};
+use cg_logs::log::LogOptions;
+use cg_logs::output::{Files, Kind, Target};
 
 use crate::Outcome;
 use events::Event;

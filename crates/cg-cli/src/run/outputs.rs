@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use cg_core::Memory;
-use cg_vehicle::output::Target;
+use cg_logs::output::Target;
 
 use super::events::Status;
 use super::latency::Histogram;

@@ -1,7 +1,7 @@
 //! Which signals are there.
 
 use cg_core::{AlignSettings, Quantity};
-use cg_vehicle::log::Signal;
+use cg_logs::log::Signal;
 
 use super::pace::{Cadence, MOTION};
 

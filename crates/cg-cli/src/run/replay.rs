@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use cg_core::Quantity;
-use cg_vehicle::can::{CandumpReader, Clock};
-use cg_vehicle::log::{LogOptions, LogReader, LogRow, Signal};
+use cg_logs::can::{CandumpReader, Clock};
+use cg_logs::log::{LogOptions, LogReader, LogRow, Signal};
 
 use super::frames::Frames;
 use super::pace::too_slow;

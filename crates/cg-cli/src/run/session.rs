@@ -6,8 +6,8 @@ use cg_core::condition::SampleError;
 use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
 };
-use cg_vehicle::can::Instant;
-use cg_vehicle::estimate::{ManeuverEstimate, Verdict};
+use cg_logs::can::Instant;
+use cg_logs::estimate::{ManeuverEstimate, Verdict};
 
 use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::outputs::Outputs;

@@ -9,8 +9,8 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use cg_core::{Design, Memory};
-use cg_vehicle::output::{Draft, Target};
-use cg_vehicle::state::{State, StateError, design_crc32};
+use cg_logs::output::{Draft, Target};
+use cg_logs::state::{State, StateError, design_crc32};
 
 /// A state is shorter, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -92,7 +92,7 @@ impl StateFile {
 mod tests {
     use super::*;
     use cg_core::{Estimator, FilteredArx, Prior, Settings};
-    use cg_vehicle::output::{Files, Kind};
+    use cg_logs::output::{Files, Kind};
     use cg_vehicle::{Variant, Vehicle};
 
     fn target(folder: &Path) -> Target {

@@ -1,7 +1,7 @@
 //! A study as a page: one sentence on top, panels, the scenario below.
 
-use cg_vehicle::output::kind::STUDY_COMMENT;
-use cg_vehicle::study::{Abscissa, Panel, Response, Series, Study};
+use cg_logs::output::kind::STUDY_COMMENT;
+use cg_thesis::study::{Abscissa, Panel, Response, Series, Study};
 use plotters::style::RGBColor;
 
 use super::axes::{Axes, Room, Scale};

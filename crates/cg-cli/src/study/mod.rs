@@ -18,9 +18,9 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 use cg_vehicle::Vehicle;
 use cg_vehicle::calibration::Calibration;
-use cg_vehicle::log::LogReader;
-use cg_vehicle::output::{Draft, Files, Kind, Target};
-use cg_vehicle::study::{Recorded, Study, replay, studies, study};
+use cg_logs::log::LogReader;
+use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_thesis::study::{Recorded, Study, replay, studies, study};
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 

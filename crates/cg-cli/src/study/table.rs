@@ -2,8 +2,8 @@
 //! panels stay empty.
 
 use anyhow::Context;
-use cg_vehicle::output::kind::STUDY_COMMENT;
-use cg_vehicle::study::{Abscissa, Panel, Study};
+use cg_logs::output::kind::STUDY_COMMENT;
+use cg_thesis::study::{Abscissa, Panel, Study};
 
 use crate::units::{column, shown};
 

@@ -1,13 +1,17 @@
 //! How far a reduced model is from the full one.
 
 use crate::error::VehicleError;
-use crate::maneuver::rounded_step;
 use crate::system::System;
 
 /// Samples per second at which step responses are compared.
 const RATE_HZ: f64 = 100.0;
 /// Frequencies per decade of the search for the H∞ norm, before refinement.
 const PER_DECADE: u32 = 60;
+
+/// The rounded step of unit height (eq. 5.3) at time `t_s` after its start; zero before.
+pub fn rounded_step(t_s: f64, rate_per_s: f64) -> f64 {
+    if t_s <= 0.0 { 0.0 } else { 2.0 * ((-(-rate_per_s * t_s).exp()).exp2() - 0.5) }
+}
 
 /// The input of the source's comparisons: a rounded step (eq. 5.3).
 #[derive(Clone, Copy, Debug, PartialEq)]

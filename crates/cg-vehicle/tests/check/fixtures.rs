@@ -2,7 +2,7 @@
 
 use cg_vehicle::Vehicle;
 use cg_vehicle::calibration::Calibration;
-use cg_vehicle::can::MappedSignal;
+use cg_logs::can::MappedSignal;
 
 #[test]
 fn the_fixtures_are_usual() {

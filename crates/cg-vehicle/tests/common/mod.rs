@@ -4,9 +4,10 @@
 use std::path::PathBuf;
 
 use cg_core::{AlignSettings, Channel, Design};
-use cg_vehicle::calibration::{Calibration, KnownLog, calibrate};
-use cg_vehicle::estimate::{EstimateOptions, LogEstimate, LogEstimator};
-use cg_vehicle::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::calibration::Calibration;
+use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
+use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 pub(crate) fn fixtures() -> PathBuf {

@@ -1,0 +1,112 @@
+//! Calibration from logs of known height.
+//!
+//! The runs are identified with the design that estimation will use, which the calibration itself
+//! changes a little, so that it is done twice.
+
+use cg_vehicle::belief::Belief;
+use cg_vehicle::calibration::{Calibration, Run, fit};
+use cg_vehicle::design::design_with;
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+
+use crate::estimate::{EstimateOptions, LogEstimator};
+
+/// Identification changes the design and the design changes identification, by less than a
+/// tenth of a per cent: twice is enough.
+const PASSES: usize = 2;
+
+/// A log whose height is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownLog {
+    /// Its name.
+    pub log: String,
+    /// C.g. height of the trailer's sprung mass.
+    pub height_m: f64,
+    /// Mass of the whole semitrailer; `None` takes the log's.
+    pub trailer_mass_kg: Option<f64>,
+}
+
+/// Calibrates a vehicle with logs. `feed` hands the rows of a log to the estimator that it is
+/// given.
+///
+/// # Errors
+/// Those of `feed`; [`VehicleError`] if a log is given twice, has no turn, no trailer mass, or a
+/// load that the vehicle cannot have.
+pub fn calibrate<E: From<VehicleError>>(
+    vehicle: &Vehicle,
+    variant: Variant,
+    logs: &[KnownLog],
+    mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
+) -> Result<Calibration, E> {
+    check(vehicle, logs)?;
+    let mut belief = Belief::prior(vehicle);
+    let mut outcome = None;
+    for _ in 0..PASSES {
+        let mut design = design_with(vehicle, variant, &belief)?;
+        // The height is known; what is wanted is the ratio, however wrong the height behind it.
+        design.least_height_m = -1e3;
+        design.greatest_height_m = 1e3;
+        let mut runs = Vec::with_capacity(logs.len());
+        for known in logs {
+            let options = EstimateOptions {
+                variant,
+                trailer_mass_kg: known.trailer_mass_kg,
+                ..EstimateOptions::default()
+            };
+            let mut estimator =
+                LogEstimator::from_design(&design, vehicle.align_settings(), options);
+            feed(known, &mut estimator)?;
+            runs.push(run(vehicle, known, estimator)?);
+        }
+        let fitted = fit(vehicle, variant, &runs)?;
+        belief = fitted.belief.clone();
+        outcome = Some((runs, fitted));
+    }
+    let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
+    Ok(Calibration::new(vehicle, variant, &runs, &fitted)?)
+}
+
+/// What can be refused before a log is read.
+fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
+    let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
+    for (i, known) in logs.iter().enumerate() {
+        if !(least_m..=greatest_m).contains(&known.height_m) {
+            return Err(VehicleError::Model(format!(
+                "{}: height {} m is outside the vehicle file's range {least_m} to {greatest_m} m",
+                known.log, known.height_m
+            )));
+        }
+        if logs[..i].iter().any(|other| other.log == known.log) {
+            return Err(VehicleError::Model(format!("{}: given twice", known.log)));
+        }
+        if let Some(trailer_mass_kg) = known.trailer_mass_kg {
+            vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: known.height_m })?;
+        }
+    }
+    Ok(())
+}
+
+fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<Run, VehicleError> {
+    let identified = estimator.identified();
+    if !identified.trailer_mass_is_known {
+        return Err(VehicleError::Model(format!(
+            "{}: the log has no trailer mass; give it with the run's height (on the command line \
+             LOG=HEIGHT_M,TRAILER_MASS_KG)",
+            known.log
+        )));
+    }
+    if identified.ratio.iter().all(Option::is_none) {
+        return Err(VehicleError::Model(format!(
+            "{}: no ratio can be identified: {}",
+            known.log,
+            identified.messages.join("; ")
+        )));
+    }
+    let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m: known.height_m };
+    vehicle.trailer_sprung_mass(load)?;
+    Ok(Run {
+        log: known.log.clone(),
+        load,
+        speed_mps: identified.speed_mps,
+        ratio: identified.ratio,
+    })
+}

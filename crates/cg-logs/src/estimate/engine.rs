@@ -1,0 +1,87 @@
+//! The estimator of the chosen method.
+
+use cg_core::arx::{ArxOptions, SampledArx};
+use cg_core::estimator::Maneuver;
+use cg_core::{
+    Channel, Combined, Design, Estimator, FilteredArx, Height, Prior, Sample, SampleError,
+    Settings, Step,
+};
+
+use cg_vehicle::Variant;
+use crate::estimate::{EstimateOptions, Method};
+
+/// Interval of the classical ARX (the source's 0.05 s): faster logs are thinned out.
+const ARX_INTERVAL_S: f64 = 0.05;
+
+/// The estimator of the chosen method.
+#[derive(Clone)]
+pub(crate) enum Engine {
+    Filtered(Box<Estimator<f64, FilteredArx<f64>>>),
+    Arx(Box<Estimator<f64, SampledArx<f64>>>),
+}
+
+impl Engine {
+    pub(crate) fn new(design: &Design<f64>, options: &EstimateOptions) -> Self {
+        let mut settings = Settings::truck();
+        if options.variant == Variant::AsPrinted {
+            // The printed matrices overshoot by a third where neither plant nor truck does.
+            settings.standstill = f64::INFINITY;
+        }
+        let standard = Prior::standard();
+        match options.method {
+            Method::Filtered => {
+                Self::Filtered(Box::new(Estimator::new(*design, settings, standard)))
+            }
+            Method::Gain => {
+                let fixed = Prior { dynamics_sd: 0.0, ..standard };
+                Self::Filtered(Box::new(Estimator::new(*design, settings, fixed)))
+            }
+            Method::Arx => {
+                let arx = ArxOptions { order: options.order, interval_s: ARX_INTERVAL_S };
+                Self::Arx(Box::new(Estimator::new(*design, settings, arx)))
+            }
+        }
+    }
+
+    pub(crate) fn push(&mut self, sample: &Sample<f64>) -> Result<Step<f64>, SampleError> {
+        match self {
+            Self::Filtered(estimator) => estimator.push(sample),
+            Self::Arx(estimator) => estimator.push(sample),
+        }
+    }
+
+    pub(crate) fn finish(&mut self) -> Option<Maneuver<f64>> {
+        match self {
+            Self::Filtered(estimator) => estimator.finish(),
+            Self::Arx(estimator) => estimator.finish(),
+        }
+    }
+
+    pub(crate) fn height(&self, channel: Channel) -> Option<Height<f64>> {
+        match self {
+            Self::Filtered(estimator) => estimator.height(channel),
+            Self::Arx(estimator) => estimator.height(channel),
+        }
+    }
+
+    pub(crate) fn combined(&self) -> Option<Combined<f64>> {
+        match self {
+            Self::Filtered(estimator) => estimator.combined(),
+            Self::Arx(estimator) => estimator.combined(),
+        }
+    }
+
+    pub(crate) fn load_since_us(&self) -> Option<u64> {
+        match self {
+            Self::Filtered(estimator) => estimator.load_since_us(),
+            Self::Arx(estimator) => estimator.load_since_us(),
+        }
+    }
+
+    pub(crate) fn best_channel(&self) -> Option<Channel> {
+        match self {
+            Self::Filtered(estimator) => estimator.best_channel(),
+            Self::Arx(estimator) => estimator.best_channel(),
+        }
+    }
+}

@@ -1,0 +1,350 @@
+//! The reader: one row at a time, whatever the file.
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::batches::Batches;
+use super::columns::Column;
+use cg_core::{AlignSettings, Quantity};
+
+use crate::can::Tally;
+
+use super::error::{ColumnName, LogError, Place, Position};
+use super::frames::{Frames, is_candump};
+use super::options::LogOptions;
+use super::rows::Rows;
+use super::signal::{LogRow, Signal};
+use super::source::{Counted, Magic, Sniffed, head, sniff, text};
+
+/// A log, read row by row in constant memory.
+///
+/// Reads CSV and what candump writes, plain or gzip, and parquet; which of them, the first bytes
+/// of the file tell, not its name. It is an iterator as well.
+///
+/// # Example
+///
+/// ```
+/// use cg_logs::log::{LogOptions, LogReader};
+///
+/// let csv = "time_s,steer_deg,roll_rad\n0.00,1.5,0.010\n0.01,1.6,\n";
+/// let options = LogOptions::default();
+/// let mut log = LogReader::from_reader("example", Box::new(csv.as_bytes()), &options)?;
+/// let first = log.next_row()?.expect("two rows");
+/// assert_eq!(first.steer_rad, 1.5_f64.to_radians());
+/// let second = log.next_row()?.expect("two rows");
+/// assert!(second.roll_rad.is_nan() && log.line() == 3);
+/// assert!(log.next_row()?.is_none());
+/// # Ok::<(), cg_logs::log::LogError>(())
+/// ```
+pub struct LogReader {
+    body: Body,
+    signals: Box<[Signal]>,
+    time_index: usize,
+    values: [f64; Signal::COUNT],
+    settings: Option<AlignSettings<f64>>,
+    /// Values that the truck cannot have.
+    tally: Tally,
+    previous_s: f64,
+    /// Whether a row was seen, good or bad.
+    begun: bool,
+    /// Whether bad rows are passed over by the caller.
+    over_bad_rows: bool,
+    taken_bytes: Arc<AtomicU64>,
+    total_bytes: Option<u64>,
+}
+
+enum Body {
+    Text(Box<Rows>),
+    Parquet(Box<Batches>),
+    Can(Box<Frames>),
+}
+
+impl LogReader {
+    /// Opens a `.csv`, `.csv.gz`, `.log` (candump) or `.parquet` file and reads its header.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be opened or read, or its header is not that of a log.
+    pub fn open(path: &Path, options: &LogOptions) -> Result<Self, LogError> {
+        let name = path.display().to_string();
+        let place = || Place { file: name.as_str().into(), position: Position::File };
+        let open = |source| LogError::Open { place: place(), source };
+        let file = File::open(path).map_err(open)?;
+        let about = file.metadata().map_err(open)?;
+        let total_bytes = about.is_file().then_some(about.len());
+        let (counted, taken_bytes) = Counted::new(file.try_clone().map_err(open)?);
+        let read = |source| LogError::Read { place: place(), source };
+        let sniffed = sniff(counted).map_err(read)?;
+        let named_parquet = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
+        let body = if sniffed.magic == Magic::Parquet || named_parquet {
+            if total_bytes.is_none() {
+                return Err(LogError::ParquetStream { place: place() });
+            }
+            let mut file = file;
+            file.rewind().map_err(read)?;
+            Body::Parquet(Box::new(Batches::open(&name, file, options)?))
+        } else {
+            text_body(&name, sniffed, options)?
+        };
+        Ok(Self::new(body, options, taken_bytes, total_bytes))
+    }
+
+    /// Reads CSV or a candump log, plain or gzip, from a stream such as the standard input; `name` is what
+    /// messages call it.
+    ///
+    /// # Errors
+    ///
+    /// The stream cannot be read, is parquet, or its header is not that of a log.
+    pub fn from_reader(
+        name: &str,
+        stream: Box<dyn Read + Send>,
+        options: &LogOptions,
+    ) -> Result<Self, LogError> {
+        let place = || Place { file: name.into(), position: Position::File };
+        let (counted, taken_bytes) = Counted::new(stream);
+        let sniffed = sniff(counted).map_err(|source| LogError::Read { place: place(), source })?;
+        if sniffed.magic == Magic::Parquet {
+            return Err(LogError::ParquetStream { place: place() });
+        }
+        let body = text_body(name, sniffed, options)?;
+        Ok(Self::new(body, options, taken_bytes, None))
+    }
+
+    fn new(
+        body: Body,
+        options: &LogOptions,
+        taken_bytes: Arc<AtomicU64>,
+        total_bytes: Option<u64>,
+    ) -> Self {
+        let columns = body.columns();
+        let mut signals: Vec<Signal> = match &body {
+            Body::Can(_) => Frames::signals(),
+            _ => columns.iter().map(|column| column.signal).collect(),
+        };
+        signals.sort_unstable();
+        let time = columns.iter().find(|column| column.signal == Signal::Time);
+        let time_index = time.map_or(0, |column| column.index);
+        Self {
+            body,
+            signals: signals.into(),
+            time_index,
+            values: [f64::NAN; Signal::COUNT],
+            settings: options.settings,
+            tally: Tally::default(),
+            previous_s: f64::NEG_INFINITY,
+            begun: false,
+            over_bad_rows: false,
+            taken_bytes,
+            total_bytes,
+        }
+    }
+
+    /// The same for a caller who goes on after bad rows, in a gzip log too: damage of the file is
+    /// an error where it ends, and not looked for after a bad row.
+    #[must_use]
+    pub fn over_bad_rows(self) -> Self {
+        Self { over_bad_rows: true, ..self }
+    }
+
+    /// Whether the log is one of CAN frames.
+    pub fn is_of_frames(&self) -> bool {
+        matches!(self.body, Body::Can(_))
+    }
+
+    /// The next row; `None` at the end of the log.
+    ///
+    /// # Errors
+    ///
+    /// A row is not as the format says: the next call goes on with the row after it, but in
+    /// a gzip log returns `None`, because the rest was searched for damage that explains the
+    /// row. Or the file cannot be read further: the next call returns `None`.
+    #[inline]
+    pub fn next_row(&mut self) -> Result<Option<LogRow>, LogError> {
+        let more = match &mut self.body {
+            Body::Text(rows) => rows.read(&mut self.values),
+            Body::Parquet(batches) => batches.read(&mut self.values),
+            Body::Can(frames) => frames.read(&mut self.values),
+        };
+        if !matches!(more, Ok(true)) {
+            return self.stopped(more);
+        }
+        self.begun = true;
+        let time_s = self.values[Signal::Time as usize];
+        // Also after a row that goes back: the rows after it are in order again.
+        let previous_s = std::mem::replace(&mut self.previous_s, time_s);
+        if time_s > previous_s {
+            self.drop_implausible();
+            Ok(Some(LogRow::from_values(self.values)))
+        } else {
+            let error = self.bad_time(time_s, previous_s);
+            self.stopped(Err(error))
+        }
+    }
+
+    /// Makes values absent that the truck cannot have.
+    #[inline]
+    fn drop_implausible(&mut self) {
+        let Some(settings) = self.settings else { return };
+        for quantity in Quantity::ALL {
+            let value = self.values[Signal::from(quantity) as usize];
+            if !value.is_nan() && !settings.believes(quantity, value) {
+                self.implausible(quantity, value);
+            }
+        }
+    }
+
+    #[cold]
+    fn implausible(&mut self, quantity: Quantity, value: f64) {
+        self.tally.implausible(quantity, value, Some(self.body.position()));
+        self.values[Signal::from(quantity) as usize] = f64::NAN;
+    }
+
+    /// What is to be told of the values so far that was not told yet: a signal and a sentence.
+    pub fn news(&mut self) -> Vec<(&'static str, String)> {
+        self.tally.news(&self.settings.unwrap_or_default())
+    }
+
+    /// What was passed over or doubted so far, for people.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = match &self.body {
+            Body::Can(frames) => frames.remarks(),
+            _ => Vec::new(),
+        };
+        remarks.extend(self.tally.remarks(&self.settings.unwrap_or_default()));
+        remarks
+    }
+
+    /// Values so far that the truck cannot have; they were made absent.
+    pub fn implausible_values(&self) -> u64 {
+        self.tally.implausible_values()
+    }
+
+    #[cold]
+    fn stopped(&mut self, more: Result<bool, LogError>) -> Result<Option<LogRow>, LogError> {
+        let first = !std::mem::replace(&mut self.begun, true);
+        match more {
+            Err(error) if self.over_bad_rows => Err(error),
+            Err(error) => Err(self.body.damage().unwrap_or(error)),
+            Ok(_) if first => Err(self.body.no_rows()),
+            Ok(_) => Ok(None),
+        }
+    }
+
+    #[cold]
+    fn bad_time(&mut self, time_s: f64, previous_s: f64) -> LogError {
+        let (place, column) = (self.body.place(), self.body.name(self.time_index));
+        if time_s.is_nan() {
+            self.previous_s = previous_s;
+            LogError::AbsentTime { place, column }
+        } else {
+            LogError::TimeOrder { place, column, previous_s, time_s }
+        }
+    }
+
+    /// Whether the log has a column for this signal.
+    pub fn has(&self, signal: Signal) -> bool {
+        self.signals.contains(&signal)
+    }
+
+    /// The signals of the log, in the order of [`Signal::ALL`].
+    pub fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    /// The line the last row stands in, comments and blank lines counted, from one; in a
+    /// parquet file the number of the row.
+    pub fn line(&self) -> u64 {
+        match self.body.position() {
+            Position::Line(number) | Position::Row(number) => number,
+            Position::File => 0,
+        }
+    }
+
+    /// The bytes taken from the file so far, before unpacking. In a parquet file, whose
+    /// columns are read in any order, the share of its size that the rows read stand for.
+    pub fn bytes_read(&self) -> u64 {
+        match (&self.body, self.total_bytes) {
+            (Body::Parquet(batches), Some(total_bytes)) => batches.share(total_bytes),
+            _ => self.taken_bytes.load(Ordering::Relaxed),
+        }
+    }
+
+    /// The size of the file; `None` for a stream.
+    pub fn total_bytes(&self) -> Option<u64> {
+        self.total_bytes
+    }
+}
+
+impl Iterator for LogReader {
+    type Item = Result<LogRow, LogError>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_row().transpose()
+    }
+}
+
+impl Body {
+    fn columns(&self) -> &[Column] {
+        match self {
+            Self::Text(rows) => rows.columns(),
+            Self::Parquet(batches) => batches.columns(),
+            Self::Can(_) => &[],
+        }
+    }
+
+    fn name(&self, index: usize) -> ColumnName {
+        match self {
+            Self::Text(rows) => rows.name(index),
+            Self::Parquet(batches) => batches.name(index),
+            Self::Can(_) => ColumnName { number: index + 1, name: "time".into() },
+        }
+    }
+
+    fn damage(&mut self) -> Option<LogError> {
+        match self {
+            Self::Text(rows) => rows.damage(),
+            Self::Parquet(_) | Self::Can(_) => None,
+        }
+    }
+
+    fn no_rows(&self) -> LogError {
+        match self {
+            Self::Can(frames) => frames.no_rows(),
+            _ => LogError::NoRows { place: self.place() },
+        }
+    }
+
+    fn position(&self) -> Position {
+        match self {
+            Self::Text(rows) => rows.position(),
+            Self::Parquet(batches) => batches.position(),
+            Self::Can(frames) => frames.position(),
+        }
+    }
+
+    fn place(&self) -> Place {
+        match self {
+            Self::Text(rows) => rows.place(),
+            Self::Parquet(batches) => batches.place(),
+            Self::Can(frames) => frames.place(),
+        }
+    }
+}
+
+fn text_body<R: Read + Send + 'static>(
+    name: &str,
+    sniffed: Sniffed<R>,
+    options: &LogOptions,
+) -> Result<Body, LogError> {
+    let gzip = sniffed.magic == Magic::Gzip;
+    let (head, text) = head(text(sniffed));
+    Ok(if is_candump(&head) {
+        Body::Can(Box::new(Frames::new(name, text, options)))
+    } else {
+        Body::Text(Box::new(Rows::open(name, text, gzip, options)?))
+    })
+}

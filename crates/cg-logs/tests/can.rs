@@ -1,0 +1,120 @@
+//! CAN text and frames that nobody made with care, and two decoders against each other.
+//!
+//! `make fuzz` runs the same with a million cases each.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+use cg_core::j1939::{Compensation, Slope};
+use cg_core::{Quantity, j1939};
+use cg_logs::can::{Content, Decoder, Frame, MappedSignal, SignalMap, parse};
+use cg_logs::log::Signal;
+use proptest::prelude::*;
+
+const DBC: &str = include_str!("../../../fixtures/can/j1939.dbc");
+
+/// The signals of the core's table under their names in the DBC file, SSI's once as tilt.
+const NAMES: [(&str, Quantity, u32); 9] = [
+    ("VDC2.SteeringWheelAngle", Quantity::SteeringWheel, 61449),
+    ("VDC2.YawRate", Quantity::YawRate, 61449),
+    ("VDC2.LateralAcceleration", Quantity::LateralAcceleration, 61449),
+    ("SSI2.RollAngle", Quantity::Roll, 61481),
+    ("SAS.SteeringWheelAngle", Quantity::SteeringWheel, 61469),
+    ("CCVS1.WheelBasedVehicleSpeed", Quantity::Speed, 65265),
+    ("EBC2.FrontAxleSpeed", Quantity::Speed, 65215),
+    ("VW.TrailerWeight", Quantity::TrailerMass, 65258),
+    ("EBS22.AxleLoadSum", Quantity::TrailerAxleLoad, 65220),
+];
+
+fn mapped(signal: &str, quantity: Quantity) -> MappedSignal {
+    let map: SignalMap = format!("{}={signal}", Signal::from(quantity)).parse().unwrap();
+    MappedSignal::parse("j1939.dbc", DBC, &[map]).unwrap().remove(0)
+}
+
+proptest! {
+    /// Every signal of the table, read by the DBC file and by the table, in any frame: both have a
+    /// value or neither, and the same to rounding.
+    #[test]
+    fn the_table_and_the_dbc_file_say_the_same(
+        data in any::<[u8; 8]>(),
+        length in 0_usize..=8,
+        priority in 0_u32..8,
+        source in any::<u8>(),
+    ) {
+        for (signal, quantity, pgn) in NAMES {
+            let identifier = priority << 26 | pgn << 8 | u32::from(source);
+            let frame = Frame::new(0, identifier, true, &data[..length]).unwrap();
+            let mut by_table = None;
+            j1939::decode(identifier, frame.data(), Compensation::On, |found, _, value: f64| {
+                if found == quantity {
+                    by_table = Some(value);
+                }
+            });
+            let by_dbc = mapped(signal, quantity).decode(&frame).filter(|_| {
+                // A slope sensor's figure of merit counts beside the value.
+                Slope::of(identifier, frame.data()).is_none_or(|slope| slope.merit != 2)
+            });
+            match (by_table, by_dbc) {
+                (Some(a), Some(b)) => prop_assert!((a - b).abs() <= 1e-12 * (1.0 + a.abs()), "{signal} {a} {b}"),
+                (a, b) => prop_assert_eq!(a, b, "{}", signal),
+            }
+        }
+    }
+
+    /// A good line with some bytes changed, cut out or put in: read or refused, never a panic, and
+    /// what is read is a frame that can be.
+    #[test]
+    fn a_damaged_line_is_read_or_refused(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0_u8..3), 0..6),
+        plain in any::<bool>(),
+    ) {
+        let lines = [
+            &b"(1436509052.249713) can0 18F0090B#0011FF8899AABBCC"[..],
+            b" (1436509052.249713)  can0  18F0090B   [8]  00 11 FF 88 99 AA BB CC",
+        ];
+        let mut line = lines[usize::from(plain)].to_vec();
+        for (place, byte, edit) in edits {
+            let k = place.index(line.len().max(1)).min(line.len().saturating_sub(1));
+            match edit {
+                0 if !line.is_empty() => line[k] = byte,
+                1 if !line.is_empty() => drop(line.remove(k)),
+                _ => line.insert(k, byte),
+            }
+        }
+        let text = String::from_utf8_lossy(&line);
+        if let Ok(Some(line)) = parse(&text) && let Content::Data(frame) = line.content {
+            prop_assert!(frame.identifier < 1 << 29 && frame.data().len() <= 64);
+            Decoder::default().decode(&frame, |_, _, value| assert!(value.is_finite()));
+        }
+    }
+
+    /// A DBC file with some bytes changed or a part cut off: parsed or refused.
+    #[test]
+    fn a_damaged_dbc_file_is_read_or_refused(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        end in any::<prop::sample::Index>(),
+        whole in any::<bool>(),
+        data in any::<[u8; 8]>(),
+    ) {
+        let mut text = DBC.as_bytes().to_vec();
+        for (place, byte) in edits {
+            let k = place.index(text.len());
+            text[k] = byte;
+        }
+        if !whole {
+            text.truncate(end.index(text.len()));
+        }
+        let map: SignalMap = "roll=SSI2.RollAngle".parse().unwrap();
+        let text = String::from_utf8_lossy(&text);
+        if let Ok(found) = MappedSignal::parse("damaged.dbc", &text, &[map]) {
+            let frame = Frame::new(0, 0x0CF0_29E4, true, &data).unwrap();
+            let _ = found[0].decode(&frame);
+        }
+    }
+
+    #[test]
+    fn any_text_is_a_mapping_or_an_explanation(text in "[a-z_]{0,8}=?\\PC{0,20}") {
+        if let Err(message) = text.parse::<SignalMap>() {
+            prop_assert!(message.contains("expected") || message.contains("no quantity"), "{message}");
+        }
+    }
+}

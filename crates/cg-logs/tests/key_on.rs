@@ -1,0 +1,143 @@
+//! A recorded drive that begins with the ignition key, as CSV, as CAN frames and in single precision.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use cg_core::{AlignSettings, Estimator, FilteredArx, Prior, Sample, Settings};
+use cg_vehicle::design::design;
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
+use cg_logs::log::{CandumpWriter, LogOptions, LogReader, LogRow, LogWriter, Signal};
+use cg_logs::output::{Files, Kind};
+use cg_vehicle::{Variant, Vehicle};
+
+const STEERING_RATIO: f64 = 20.0;
+/// Standing before the drive.
+const STANDING_S: f64 = 30.0;
+
+fn truck() -> Vehicle {
+    Vehicle { steering_ratio: Some(STEERING_RATIO), ..common::vehicle("kraz.toml") }
+}
+
+/// Standing with sensors that appear one after the other and a steering angle that ramps up, then
+/// half a minute at which the truck gathers speed, then the recorded drive.
+fn from_the_key_on(drive: &[LogRow]) -> Vec<LogRow> {
+    let first = drive[0];
+    let standing = (0..3000).map(|k| {
+        let time_s = f64::from(k) * 0.01;
+        let seen = |from_s: f64, value: f64| if time_s >= from_s { value } else { f64::NAN };
+        LogRow {
+            time_s,
+            roll_rad: seen(1.0, first.roll_rad),
+            steer_rad: seen(2.0, first.steer_rad + 0.2 - 0.2 * ((time_s - 2.0) / 8.0).min(1.0)),
+            speed_mps: seen(4.0, 0.0),
+            yaw_rate_radps: seen(6.0, 0.0),
+            lateral_acceleration_mps2: seen(9.0, 0.0),
+            trailer_mass_kg: f64::NAN,
+            ..LogRow::ABSENT
+        }
+    });
+    let away = (0..2000).map(|k| LogRow {
+        time_s: STANDING_S + f64::from(k) * 0.01,
+        speed_mps: first.speed_mps * f64::from(k) / 2000.0,
+        yaw_rate_radps: 0.0,
+        lateral_acceleration_mps2: 0.0,
+        ..first
+    });
+    let recorded = drive
+        .iter()
+        .map(|row| LogRow { time_s: STANDING_S + 20.0 + row.time_s - first.time_s, ..*row });
+    standing.chain(away).chain(recorded).collect()
+}
+
+fn estimate(rows: &[LogRow]) -> LogEstimate {
+    let mut estimator = LogEstimator::new(&truck(), EstimateOptions::default()).unwrap();
+    for row in rows {
+        estimator.push(row).unwrap();
+    }
+    estimator.finish()
+}
+
+/// A row as a chip takes it.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn single(row: &LogRow) -> Sample<f32> {
+    let wide = row.sample((row.time_s * 1e6).round() as u64, &AlignSettings::NONE);
+    Sample {
+        time_us: wide.time_us,
+        steer_rad: wide.steer_rad as f32,
+        roll_rad: wide.roll_rad as f32,
+        tilt_rad: wide.tilt_rad as f32,
+        speed_mps: wide.speed_mps as f32,
+        lateral_acceleration_mps2: wide.lateral_acceleration_mps2 as f32,
+        yaw_rate_radps: wide.yaw_rate_radps as f32,
+        trailer_mass_kg: wide.trailer_mass_kg as f32,
+    }
+}
+
+#[test]
+fn the_height_is_that_of_the_drive() {
+    let known = common::known();
+    let known = known.iter().find(|known| known.log.contains("drive1")).unwrap();
+    let drive = known.rows();
+    let plain = estimate(&drive);
+    let rows = from_the_key_on(&drive);
+    let expected_m = plain.height_m.unwrap();
+    let same = |name: &str, found_m: f64, share: f64| {
+        println!("{name}: {found_m:.4} m for {expected_m:.4} m");
+        assert!((found_m / expected_m - 1.0).abs() < share, "{name}: {found_m} for {expected_m}");
+    };
+    let whole = estimate(&rows);
+    // The steering angle that ramps up as the truck stands is a turn to nobody but the clock.
+    let good = |answer: &LogEstimate| {
+        answer.maneuvers.iter().filter(|one| one.status == Verdict::Ok).count()
+    };
+    assert_eq!(good(&whole), good(&plain));
+    // Nothing of the beginning goes into a maneuver but two seconds of straight driving.
+    same("in memory", whole.height_m.unwrap(), 2e-3);
+
+    // CSV: the numbers come back as they are.
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Files::new(false);
+    let csv = folder.path().join("drive.csv");
+    let columns = [
+        Signal::Time,
+        Signal::Steer,
+        Signal::Roll,
+        Signal::Speed,
+        Signal::LateralAcceleration,
+        Signal::YawRate,
+        Signal::TrailerMass,
+    ];
+    let target = files.writes("--output", &csv, Kind::Log).unwrap();
+    let mut writer = LogWriter::create(&target, &[], &columns).unwrap();
+    for row in &rows {
+        writer.write_row(row).unwrap();
+    }
+    writer.finish().unwrap();
+    let options = LogOptions::default();
+    let read: Vec<LogRow> = LogReader::open(&csv, &options).unwrap().map(Result::unwrap).collect();
+    assert_eq!(read.len(), rows.len());
+    let of_csv = estimate(&read).height_m.unwrap();
+    assert!((of_csv / whole.height_m.unwrap() - 1.0).abs() < 1e-9);
+
+    // CAN frames: each signal at its own time, rounded to its bits.
+    let log = folder.path().join("drive.log");
+    let target = files.writes("--output", &log, Kind::Log).unwrap();
+    let mut writer = CandumpWriter::create(&target, STEERING_RATIO).unwrap();
+    for row in &rows {
+        writer.write_row(row).unwrap();
+    }
+    writer.finish().unwrap();
+    let options = LogOptions { settings: Some(truck().align_settings()), ..LogOptions::default() };
+    let read: Vec<LogRow> = LogReader::open(&log, &options).unwrap().map(Result::unwrap).collect();
+    same("as CAN frames", estimate(&read).height_m.unwrap(), 1e-2);
+
+    // As on the chip.
+    let design = design(&truck(), Variant::Complete).unwrap().cast::<f32>();
+    let mut chip: Estimator<f32, FilteredArx<f32>> =
+        Estimator::new(design, Settings::truck(), Prior::standard());
+    for row in &rows {
+        chip.push(&single(row)).unwrap();
+    }
+    chip.finish();
+    same("in single precision", f64::from(chip.combined_height().unwrap().height_m.value), 2e-3);
+}

@@ -1,0 +1,254 @@
+//! Logs, read and written: one test for each promise of the format.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+#![allow(clippy::float_cmp, reason = "numbers come through exactly")]
+
+use std::io;
+
+use cg_core::AlignSettings;
+use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
+
+#[path = "log/files.rs"]
+mod files;
+#[path = "log/options.rs"]
+mod options;
+#[path = "log/parquet.rs"]
+mod parquet;
+#[path = "log/writer.rs"]
+mod writer;
+
+fn options(columns: &[&str], flip: &[Signal]) -> LogOptions {
+    let columns = columns.iter().map(|text| text.parse().unwrap()).collect();
+    LogOptions { columns, flip: flip.to_vec(), ..LogOptions::default() }
+}
+
+fn open(csv: impl AsRef<[u8]>, options: &LogOptions) -> Result<LogReader, LogError> {
+    let bytes = io::Cursor::new(csv.as_ref().to_vec());
+    LogReader::from_reader("drive.csv", Box::new(bytes), options)
+}
+
+fn read_as(csv: impl AsRef<[u8]>, options: &LogOptions) -> Result<Vec<LogRow>, LogError> {
+    open(csv, options)?.collect()
+}
+
+fn read(csv: impl AsRef<[u8]>) -> Result<Vec<LogRow>, LogError> {
+    read_as(csv, &LogOptions::default())
+}
+
+/// Steer and roll of the only row of a log.
+fn pair(csv: impl AsRef<[u8]>) -> (f64, f64) {
+    let rows = read(csv).unwrap();
+    assert_eq!(rows.len(), 1);
+    (rows[0].steer_rad, rows[0].roll_rad)
+}
+
+#[track_caller]
+fn says(error: &LogError, words: &[&str]) {
+    let message = error.to_string();
+    for word in words.iter().chain(&["drive."]) {
+        assert!(message.contains(word), "no `{word}` in: {message}");
+    }
+}
+
+#[track_caller]
+fn refused(csv: impl AsRef<[u8]>, words: &[&str]) {
+    says(&read(csv).unwrap_err(), words);
+}
+
+const ONE: &str = "time_s,steer_rad,roll_rad\n0,0.1,-0.2\n";
+
+#[test]
+fn every_signal_in_si_is_read_as_it_is_and_an_absent_one_is_nan() {
+    let names = Signal::ALL.map(Signal::column).join(",");
+    let rows = read(format!("{names}\n0.5,1,2,3,4,5,6,7,8,9,10\n")).unwrap();
+    let values = [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
+    assert_eq!(Signal::ALL.map(|s| rows[0].get(s)), values);
+    let row = read(ONE).unwrap()[0];
+    assert_eq!((row.time_s, row.steer_rad, row.roll_rad), (0.0, 0.1, -0.2));
+    assert!(Signal::ALL.iter().filter(|&&s| row.get(s).is_nan()).count() == 8);
+}
+
+#[test]
+fn every_accepted_suffix_is_converted_to_si() {
+    let head = "time_us,steering_wheel_deg,tilt_deg,speed_kmh,lateral_acceleration_g,\
+                yaw_rate_degps,trailer_mass_t\n";
+    let row = read(format!("{head}1003,180,90,36,0.5,-90,32.5\n")).unwrap()[0];
+    let pi = std::f64::consts::PI;
+    assert_eq!((row.time_s, row.steering_wheel_rad, row.tilt_rad), (0.001_003, pi, pi / 2.0));
+    assert_eq!((row.speed_mps, row.lateral_acceleration_mps2), (10.0, 4.903_325));
+    assert_eq!((row.yaw_rate_radps, row.trailer_mass_kg), (-pi / 2.0, 32_500.0));
+    assert_eq!(read("time_ms,steer_deg,roll_deg\n1003,0,0\n").unwrap()[0].time_s, 1.003);
+}
+
+#[test]
+fn comments_and_blank_lines_are_skipped_anywhere_and_never_interpreted() {
+    let csv = "# time_s,roll_deg \"\n\n#\ntime_s,steer_rad,roll_rad\n# 5\n0,1,2\n  \n\n1,3,4\n#\"";
+    let mut log = open(csv, &LogOptions::default()).unwrap();
+    assert_eq!((log.next_row().unwrap().unwrap().steer_rad, log.line()), (1.0, 6));
+    assert_eq!((log.next_row().unwrap().unwrap().roll_rad, log.line()), (4.0, 9));
+    assert!(log.next_row().unwrap().is_none());
+}
+
+#[test]
+fn unknown_columns_are_ignored_whatever_they_hold() {
+    let csv = "note,time_s,roll_rate_grad,steer_rad,roll_rad,x\n\
+               \"a,\"\"b\n# c\",0,?,0.1,-0.2,\n5\" nail,1,\u{fffd},0.1,-0.2,inf\n";
+    let rows = read(csv).unwrap();
+    assert_eq!((rows.len(), rows[0].roll_rad, rows[1].steer_rad), (2, -0.2, 0.1));
+    assert_eq!(pair(b"time_s,steer_rad,roll_rad,x\n0,0.1,-0.2,\xff\xfe\n"), (0.1, -0.2));
+}
+
+#[test]
+fn one_of_our_columns_in_an_unknown_unit_or_without_one_is_an_error() {
+    let words = ["line 2", "column 3 `roll_grad`", "unknown unit", "rad, deg", "--column roll="];
+    refused("#\ntime_s,steer_rad,roll_grad\n0,0,0\n", &words);
+    refused("time_s,steer_rad,roll_rad,speed\n0,0,0,0\n", &["column 4 `speed`", "mps, kmh"]);
+    refused("time_s,steer_kmh,roll_rad\n0,0,0\n", &["column 2 `steer_kmh`", "rad, deg"]);
+}
+
+#[test]
+fn the_same_signal_twice_is_an_error_that_names_both_columns() {
+    let words = ["line 1", "column 1 `time_s`", "column 3 `time_ms`", "remove one"];
+    refused("time_s,steer_rad,time_ms,roll_rad\n0,0,0,0\n", &words);
+}
+
+#[test]
+fn the_delimiter_is_taken_from_the_header() {
+    for delimiter in [",", ";", "\t"] {
+        assert_eq!(pair(ONE.replace(',', delimiter)), (0.1, -0.2));
+    }
+    assert_eq!(pair("time_s;steer_rad;roll_rad;\"a,b,c,d,e\"\n0;0.1;-0.2;x,y\n"), (0.1, -0.2));
+}
+
+#[test]
+fn windows_line_ends_marks_quotes_spaces_and_an_open_last_line_are_tolerated() {
+    let quoted = "\"time_s\",\"steer_rad\",\"roll_rad\"\n\"0\",\"0.1\",\"-0.2\"\n";
+    let spaced = "time_s , steer_rad, roll_rad \n 0 , +0.1, -0.2 \n";
+    let mark = "\u{feff}";
+    for csv in [quoted, spaced, &ONE.replace('\n', "\r\n"), &quoted.replace('\n', "\r\n")] {
+        for csv in [csv.to_string(), format!("{mark}{csv}"), format!("{mark}# c\r\n\r\n{csv}")] {
+            assert_eq!(pair(csv.trim_end_matches('\n')), (0.1, -0.2), "{csv:?}");
+        }
+    }
+    assert_eq!(read(format!("{mark}\n{ONE}")).unwrap().len(), 1);
+}
+
+#[test]
+fn a_missing_column_is_an_error_that_lists_what_was_found_and_proposes_an_option() {
+    let words =
+        ["line 1", "roll_rad or tilt_rad", "time_s, steer_rad, a", "--column roll=NAME[deg]"];
+    refused("time_s,steer_rad,a\n0,0,0\n", &words);
+    refused("t,steer_rad,roll_rad\n0,0,0\n", &["time_s", "--column time=NAME[s]"]);
+    refused("time_s,a,roll_rad\n0,0,0\n", &["steer_rad or steering_wheel_rad", "--column steer="]);
+}
+
+#[test]
+fn any_input_will_do() {
+    for name in ["steer_rad", "steering_wheel_rad", "lateral_acceleration_mps2", "yaw_rate_radps"] {
+        assert_eq!(read(format!("time_s,{name},roll_rad\n0,0,0\n")).unwrap().len(), 1, "{name}");
+    }
+}
+
+#[test]
+fn the_nearest_name_is_proposed_for_the_signal_it_is_near_to() {
+    refused("time_s,steer_rad,Rol_rad\n0,0,0\n", &["--column roll=Rol_rad[deg]"]);
+    refused("time_s,steer_rad,Trailer Tilt\n0,0,0\n", &["--column 'tilt=Trailer Tilt[deg]'"]);
+    refused("time_s,SteeringWheelAngle,roll_rad\n0,0,0\n", &["steering_wheel=SteeringWheelAngle"]);
+    refused("Timestamp,steer_rad,roll_rad\n0,0,0\n", &["--column time=Timestamp[s]"]);
+}
+
+#[test]
+fn an_empty_cell_or_na_is_absent_except_in_time() {
+    for absent in ["", " ", "NaN", "nan", "NA", "na", "-nan", "\"\"", "\"NaN\""] {
+        assert!(pair(format!("time_s,roll_rad,steer_rad\n0,-0.2,{absent}\n")).0.is_nan());
+        let words = ["line 2", "column 1 `time_s`", "absent", "remove the row"];
+        refused(format!("time_s,roll_rad,steer_rad\n{absent},-0.2,1\n"), &words);
+    }
+}
+
+#[test]
+fn text_in_a_number_is_an_error_that_shows_it_shortened_and_escaped() {
+    let words = ["line 4", "column 3 `roll_rad`", "`err\\u{7}", "not a number", "correct it"];
+    refused(format!("{ONE}#\n1,0,err\u{7}\n"), &words);
+    refused(format!("{ONE}1,0,\"err\u{7}\"\n"), &["line 3", "column 3 `roll_rad`", "`err\\u{7}`"]);
+    refused(format!("{ONE}1,0,{}\n", "y".repeat(999)), &[&format!("`{}…`", "y".repeat(40))]);
+    refused(format!("{ONE}1,0,1.5x\n"), &["`1.5x`"]);
+    refused(b"time_s,steer_rad,roll_rad\n0,0,\xff\0\n", &["`\u{fffd}\\u{0}`"]);
+    refused("time_s;steer_rad;roll_rad\n0;0;0,1\n", &["`0,1`", "decimals with a point"]);
+}
+
+#[test]
+fn infinity_is_an_error_also_by_overflow() {
+    for cell in ["inf", "-Infinity", "1e999", "\"inf\""] {
+        refused(format!("{ONE}1,0,{cell}\n"), &["line 3", "column 3 `roll_rad`", "not finite"]);
+    }
+    refused("time_s,steer_rad,roll_rad,speed_mps,trailer_mass_t\n0,0,0,0,1e308", &["not finite"]);
+}
+
+#[test]
+fn a_row_with_too_few_or_too_many_fields_is_an_error_with_both_counts() {
+    for (row, found) in [("1,0", 2), ("1,0,0,0", 4), ("1,\"0\"", 2), ("1,0,0,,,", 6), ("x", 1)] {
+        let error = read(format!("{ONE}{row}\n")).unwrap_err();
+        if row == "x" {
+            says(&error, &["`x` is not a number"]);
+        } else {
+            says(&error, &["line 3", &format!("{found} fields"), "3 columns"]);
+        }
+    }
+}
+
+#[test]
+fn time_that_does_not_increase_is_an_error_with_both_times() {
+    refused(format!("{ONE}1.5,0,0\n1.25,0,0\n"), &["line 4", "1.25 s", "1.5 s", "sort the log"]);
+    refused(format!("{ONE}0,0,0\n"), &["line 3", "column 1 `time_s`", "remove the duplicate"]);
+}
+
+#[test]
+fn after_a_bad_row_the_next_call_goes_on_with_the_row_after_it() {
+    let log = open(format!("{ONE}1,x,0\n2,0\n1,0,0\n-1,0,0\n3,7,7"), &LogOptions::default());
+    let rows: Vec<_> = log.unwrap().filter_map(Result::ok).map(|row| row.time_s).collect();
+    // The clock was set back at -1 s: what follows is in order again.
+    assert_eq!(rows, [0.0, 1.0, 3.0]);
+}
+
+/// Neither a slip of one cell nor a clock that was set costs more than its own row.
+#[test]
+fn a_number_that_cannot_be_is_absent_and_told() {
+    let csv = format!("{ONE}1,0.1,1e308\n2,0.1,0.02\n3,-45,0.02\n4,0.1,1.5\n");
+    let settings = Some(AlignSettings::NONE);
+    let options = LogOptions { settings, ..LogOptions::default() };
+    // Without a truck the values stay as they stand.
+    assert!(read_as(&csv, &LogOptions::default()).unwrap()[1].roll_rad >= 1e308);
+    let mut log = open(csv, &options).unwrap();
+    let rows: Vec<_> = log.by_ref().map(Result::unwrap).collect();
+    let roll: Vec<bool> = rows.iter().map(|row| row.roll_rad.is_nan()).collect();
+    assert_eq!(roll, [false, true, false, false, true]);
+    assert!(rows[3].steer_rad.is_nan() && (rows[1].steer_rad - 0.1).abs() < 1e-15);
+    assert_eq!(log.implausible_values(), 3);
+    let remarks = log.remarks();
+    assert!(remarks[0].contains("line 5: steer_rad -45 cannot be"), "{remarks:?}");
+    assert!(remarks[1].contains("line 3: roll_rad 1") && remarks[1].contains("2 in all"));
+    assert_eq!(log.news().len(), 2);
+    assert!(log.news().is_empty());
+}
+
+/// A scale that cannot be right is told by the vehicle file's masses.
+#[test]
+fn a_mass_that_the_trailer_cannot_have_is_absent() {
+    let settings = AlignSettings { mass_range_kg: Some([5400.0, 51_000.0]), ..AlignSettings::NONE };
+    let options = LogOptions { settings: Some(settings), ..LogOptions::default() };
+    let csv = "time_s,steer_rad,roll_rad,trailer_mass_kg\n0,0,0,0\n1,0,0,20000\n2,0,0,90000\n";
+    let mut log = open(csv, &options).unwrap();
+    let masses: Vec<f64> = log.by_ref().map(|row| row.unwrap().trailer_mass_kg).collect();
+    assert!(masses[0].is_nan() && masses[1].eq(&2e4) && masses[2].is_nan(), "{masses:?}");
+    assert!(log.remarks()[0].contains("trailer_mass_kg 0 cannot be (5400 to 51000 kg"));
+}
+
+#[test]
+fn a_log_without_header_or_rows_is_an_error() {
+    for csv in ["", "# only\n\n", "\u{feff}"] {
+        refused(csv, &["empty", "time_s,steer_rad,roll_rad"]);
+    }
+    refused("time_s,steer_rad,roll_rad\n# end\n", &["no rows", "export it again"]);
+    refused("0,0.1,0.2\n", &["line 1", "numbers where the header should be"]);
+}

@@ -1,0 +1,20 @@
+//! A truck to try things on: a nonlinear simulator with driver, maneuvers and sensors, simulated logs
+//! with known truth, and rollover measures.
+//!
+//! | module | what | source |
+//! |---|---|---|
+//! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator and driver | ch. 2, UMTRI |
+//! | [`maneuver`] | steer and speed histories | section 5.3 |
+//! | [`sensors`] | what sensors make of the truth | section 5.3 |
+//! | [`simulate`] | logs with known truth | section 5.3 |
+//! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
+//!
+//! # Example
+//!
+//! See [`plant`].
+
+pub mod maneuver;
+pub mod plant;
+pub mod sensors;
+pub mod rollover;
+pub mod simulate;

@@ -1,0 +1,367 @@
+//! The equations of motion, once: rates of the state from the state and the driver's inputs.
+//!
+//! ```text
+//!     1  poses of all axles, forces of all springs
+//!     2  tractor about its sprung c.g., its axles eliminated
+//!     3  trailer about the fifth wheel, its axles eliminated; its rotation eliminated leaves
+//!        an apparent 3 × 3 mass at the fifth wheel
+//!     4  five equations for v1, z1, ψ1, θ1, φ1; then back outwards
+//! ```
+//!
+//! Nothing larger than 5 × 5 is ever factorised (Kane's equations with the constraint of the
+//! fifth wheel embedded; the speed is prescribed, so its reaction does no virtual work).
+
+use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
+use super::body::{Attitude, Equations, Motion};
+use super::hitch::couple;
+use cg_vehicle::characteristics::FifthWheel;
+use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
+use super::suspension::Group;
+use super::tyre::Contact;
+use cg_vehicle::characteristics::Grip;
+use super::vector::{Vector, add, inverse_symmetric, sin_cos, solve_spd, turned};
+
+/// What the driver does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Control {
+    /// Mean road-wheel steer angle, left positive.
+    pub steer_rad: f64,
+    /// Forward speed of the tractor's sprung c.g.
+    pub speed_mps: f64,
+    /// Its rate.
+    pub acceleration_mps2: f64,
+}
+
+/// A sprung mass.
+#[derive(Clone, Debug)]
+pub(super) struct Sprung {
+    pub(super) mass_kg: f64,
+    /// Roll, pitch, yaw about the c.g.
+    pub(super) inertia_kgm2: Vector,
+    /// C.g. from the unit's reference point, body axes.
+    pub(super) cg: Vector,
+}
+
+/// Everything that does not move.
+#[derive(Clone, Debug)]
+pub(super) struct Parameters {
+    /// Reference point: its c.g.
+    pub(super) tractor: Sprung,
+    /// Reference point: the fifth wheel.
+    pub(super) trailer: Sprung,
+    /// From the tractor's c.g., body axes.
+    pub(super) hitch_arm: Vector,
+    pub(super) hitch: FifthWheel,
+    /// Tractor's first.
+    pub(super) axles: Vec<Axle>,
+    pub(super) groups: Vec<Group>,
+    pub(super) kinds: Vec<Grip>,
+    pub(super) gravity_mps2: f64,
+    /// Of the road, right side lower positive.
+    pub(super) bank_rad: f64,
+}
+
+/// What is found on the way to the rates; kept from one evaluation to the next, so that nothing is
+/// cleared.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Probe {
+    units: Option<[Motion; 2]>,
+    /// Accelerations of both units: reference point, then yaw, pitch, roll.
+    accelerations: [[f64; 6]; 2],
+    /// Force on the trailer, in its yaw frame.
+    pub(super) hitch_force_n: Vector,
+    pub(super) hitch_moment_nm: f64,
+    pub(super) contacts: [Contact; MAX_AXLES],
+    eliminated: [Eliminated; MAX_AXLES],
+    poses: [Pose; MAX_AXLES],
+    springs_n: [[f64; 2]; MAX_AXLES],
+}
+
+/// The instant: positions, inputs.
+struct Instant<'a> {
+    x: &'a [f64; ROOM],
+    control: &'a Control,
+    /// Sine and cosine of the trailer's yaw less the tractor's.
+    turn: (f64, f64),
+    gravity: [Vector; 2],
+}
+
+impl Parameters {
+    /// Compression of each group's springs, left and right, at rest.
+    pub(super) fn compressions(&self, state: &State) -> [[f64; 2]; MAX_AXLES] {
+        let mut found = [[0.0; 2]; MAX_AXLES];
+        let (tractor, trailer) = attitudes(&state.x);
+        let still = |attitude| Motion::new(attitude, [0.0; 3], [0.0; 3], [0.0; 3]);
+        let mut poses = [Pose::default(); MAX_AXLES];
+        self.pose(&state.x, &[still(tractor), still(trailer)], &mut poses);
+        let stored = |_| [0.0; 2];
+        group_forces(&self.groups, &self.axles, &poses, stored, |g, _, x| {
+            found[g] = [x[0][0], x[1][0]];
+        });
+        found
+    }
+
+    #[inline]
+    fn pose(&self, x: &[f64; ROOM], units: &[Motion; 2], poses: &mut [Pose; MAX_AXLES]) {
+        for (i, (axle, pose)) in self.axles.iter().zip(poses).enumerate() {
+            let own = [A::Rise, A::Roll, A::RiseRate, A::RollRate].map(|c| x[at(i, c)]);
+            let roll = if axle.on_trailer { C::TrailerRoll } else { C::TractorRoll };
+            *pose = Pose::new(own, x[roll as usize], &units[usize::from(axle.on_trailer)]);
+        }
+    }
+
+    /// Gravity in both yaw frames; on a bank it leans about the mean heading.
+    #[inline]
+    fn gravity(&self, turn_rad: f64) -> [Vector; 2] {
+        if self.bank_rad == 0.0 {
+            return [[0.0, 0.0, -self.gravity_mps2]; 2];
+        }
+        let (side, down) = sin_cos(self.bank_rad);
+        let (sin, cos) = sin_cos(0.5 * turn_rad);
+        let (side, down) = (self.gravity_mps2 * side, -self.gravity_mps2 * down);
+        [[side * sin, -side * cos, down], [-side * sin, -side * cos, down]]
+    }
+
+    /// Rates of the state, and what can be seen meanwhile.
+    #[inline]
+    pub(super) fn rates(
+        &self,
+        x: &[f64; ROOM],
+        control: &Control,
+        rate: &mut [f64; ROOM],
+        probe: &mut Probe,
+    ) {
+        let value = |c: C| x[c as usize];
+        let turn_rad = value(C::TrailerYaw) - value(C::TractorYaw);
+        let turn = sin_cos(turn_rad);
+        let (tractor, trailer) = self.motions(x, control, turn);
+        let hitch_rho = tractor.attitude.outward(self.hitch_arm);
+        let units = [tractor, trailer];
+        self.pose(x, &units, &mut probe.poses);
+        let Probe { poses, springs_n, .. } = probe;
+        let stored = |i| [x[at(i, A::LeftSpring)], x[at(i, A::RightSpring)]];
+        group_forces(&self.groups, &self.axles, poses, stored, |g, force, x| {
+            springs_n[g] = force;
+            let group = &self.groups[g];
+            for (side, c) in [A::LeftSpring, A::RightSpring].into_iter().enumerate() {
+                let [x, x_rate] = x[side];
+                rate[at(group.first_axle, c)] = group.law.rate_n_per_s(x, x_rate, force[side]);
+            }
+        });
+        let instant = Instant { x, control, turn, gravity: self.gravity(turn_rad) };
+        self.solve(&instant, &units, hitch_rho, rate, probe);
+    }
+
+    #[inline]
+    fn motions(&self, x: &[f64; ROOM], control: &Control, turn: (f64, f64)) -> (Motion, Motion) {
+        let value = |c: C| x[c as usize];
+        let (first, second) = attitudes(x);
+        let (speed, side) = (control.speed_mps, value(C::LateralVelocity));
+        let yaw = value(C::TractorYawRate);
+        let tractor = Motion::new(
+            first,
+            [yaw, value(C::TractorPitchRate), value(C::TractorRollRate)],
+            [speed, side, value(C::VerticalVelocity)],
+            [control.acceleration_mps2 - side * yaw, speed * yaw, 0.0],
+        );
+        let (velocity, bias) = tractor.point(first.outward(self.hitch_arm));
+        let trailer = Motion::new(
+            second,
+            [value(C::TrailerYawRate), value(C::TrailerPitchRate), value(C::TrailerRollRate)],
+            turned(velocity, turn),
+            turned(bias, turn),
+        );
+        (tractor, trailer)
+    }
+
+    /// The equations of one unit with its axles.
+    #[inline]
+    fn unit(
+        &self,
+        instant: &Instant<'_>,
+        motion: &Motion,
+        on_trailer: bool,
+        height_m: f64,
+        probe: &mut Probe,
+    ) -> Equations {
+        let mut equations = Equations::zeros();
+        let sprung = if on_trailer { &self.trailer } else { &self.tractor };
+        let gravity = instant.gravity[usize::from(on_trailer)];
+        let cg = motion.attitude.outward(sprung.cg);
+        equations.add_sprung(motion, cg, sprung.mass_kg, sprung.inertia_kgm2, gravity);
+        for (i, axle) in self.axles.iter().enumerate() {
+            if axle.on_trailer != on_trailer {
+                continue;
+            }
+            let road = Road {
+                kinds: &self.kinds,
+                reference_height_m: height_m,
+                gravity,
+                steer_rad: instant.control.steer_rad,
+                lagged_slip_rad: instant.x[at(i, A::Slip)],
+                springs_n: &probe.springs_n,
+            };
+            let (eliminated, contact) =
+                axle.assemble(&mut equations, motion, &probe.poses[i], &road);
+            probe.eliminated[i] = eliminated;
+            probe.contacts[i] = contact;
+        }
+        equations
+    }
+
+    #[inline]
+    fn solve(
+        &self,
+        instant: &Instant<'_>,
+        units: &[Motion; 2],
+        hitch_rho: Vector,
+        rate: &mut [f64; ROOM],
+        probe: &mut Probe,
+    ) {
+        let height_m = instant.x[C::TractorHeight as usize];
+        let [first, second] = units;
+        let mut tractor = self.unit(instant, first, false, height_m, probe);
+        let mut trailer = self.unit(instant, second, true, height_m + hitch_rho[2], probe);
+        let coupling = couple(
+            &self.hitch,
+            instant.x[C::TractorRoll as usize],
+            first.rates,
+            &second.attitude,
+            second.rates,
+            instant.turn,
+        );
+        for i in 0..3 {
+            tractor.force[3 + i] += coupling.tractor[i];
+            trailer.force[3 + i] += coupling.trailer[i];
+        }
+        let arms = first.attitude.arms(hitch_rho);
+        let solution = join(&tractor, &trailer, &arms, instant.turn);
+        probe.units = Some(*units);
+        probe.accelerations = [solution.tractor, solution.trailer];
+        probe.hitch_force_n = solution.hitch_force_n;
+        probe.hitch_moment_nm = coupling.moment_nm;
+        self.spread(instant, probe, rate);
+    }
+
+    /// Writes every rate.
+    #[inline]
+    fn spread(&self, instant: &Instant<'_>, probe: &Probe, rate: &mut [f64; ROOM]) {
+        let x = instant.x;
+        rate[..7].copy_from_slice(&x[8..15]);
+        let [tractor, trailer] = &probe.accelerations;
+        rate[7..12].copy_from_slice(&tractor[1..]);
+        rate[12..15].copy_from_slice(&trailer[3..]);
+        let (sin, cos) = x[C::TractorYaw as usize].sin_cos();
+        let (speed, side) = (instant.control.speed_mps, x[C::LateralVelocity as usize]);
+        rate[C::PositionX as usize] = speed * cos - side * sin;
+        rate[C::PositionY as usize] = speed * sin + side * cos;
+        for (i, axle) in self.axles.iter().enumerate() {
+            let unit = if axle.on_trailer { trailer } else { tractor };
+            let (rise, roll) = probe.eliminated[i].accelerations(unit);
+            rate[at(i, A::Rise)] = probe.poses[i].rise_rate;
+            rate[at(i, A::Roll)] = probe.poses[i].roll_rate;
+            rate[at(i, A::RiseRate)] = rise;
+            rate[at(i, A::RollRate)] = roll;
+            rate[at(i, A::Slip)] = probe.contacts[i].slip_rate;
+        }
+    }
+
+    /// Lateral accelerations of the sprung c.g.s at the last evaluation, horizontal, in each
+    /// unit's heading.
+    pub(super) fn lateral_mps2(&self, probe: &Probe) -> [f64; 2] {
+        let Some(units) = &probe.units else { return [0.0; 2] };
+        [0, 1].map(|unit| {
+            let sprung = [&self.tractor, &self.trailer][unit];
+            let (motion, acceleration) = (&units[unit], &probe.accelerations[unit]);
+            let rho = motion.attitude.outward(sprung.cg);
+            let arms = motion.attitude.arms(rho);
+            let turning: f64 = (0..3).map(|j| arms[j][1] * acceleration[3 + j]).sum();
+            acceleration[1] + turning + motion.point(rho).1[1]
+        })
+    }
+}
+
+/// Attitudes of both units.
+#[inline]
+fn attitudes(x: &[f64; ROOM]) -> (Attitude, Attitude) {
+    let value = |c: C| x[c as usize];
+    (
+        Attitude::new(value(C::TractorPitch), value(C::TractorRoll)),
+        Attitude::new(value(C::TrailerPitch), value(C::TrailerRoll)),
+    )
+}
+
+/// Accelerations of both units: reference point, then yaw, pitch, roll.
+struct Solution {
+    tractor: [f64; 6],
+    trailer: [f64; 6],
+    hitch_force_n: Vector,
+}
+
+/// Joins the units at the fifth wheel, whose arms of the tractor's rates are given.
+#[inline]
+fn join(
+    tractor: &Equations,
+    trailer: &Equations,
+    arms: &[Vector; 3],
+    turn: (f64, f64),
+) -> Solution {
+    let m = &trailer.mass;
+    let inverse = inverse_symmetric([
+        [m[3][3], 0.0, 0.0],
+        [m[4][3], m[4][4], 0.0],
+        [m[5][3], m[5][4], m[5][5]],
+    ]);
+    // C R⁻¹, the apparent mass A = T − C R⁻¹ Cᵀ and its force p = f_t − C R⁻¹ f_r.
+    let mut gain = [[0.0; 3]; 3];
+    let mut apparent = [[0.0; 3]; 3];
+    let mut push = [0.0; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            gain[i][j] = (0..3).map(|k| m[3 + k][i] * inverse[k][j]).sum();
+        }
+        push[i] = trailer.force[i];
+        for j in 0..3 {
+            push[i] -= gain[i][j] * trailer.force[3 + j];
+            apparent[i][j] = m[i.max(j)][i.min(j)];
+            for k in 0..3 {
+                apparent[i][j] -= gain[i][k] * m[3 + k][j];
+            }
+        }
+    }
+    // Columns of the fifth wheel's velocity in the trailer's frame: v1, ż1, then the rates.
+    let columns = [
+        turned([0.0, 1.0, 0.0], turn),
+        [0.0, 0.0, 1.0],
+        turned(arms[0], turn),
+        turned(arms[1], turn),
+        turned(arms[2], turn),
+    ];
+    let times = |v: Vector| apparent.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
+    let dot = |a: Vector, b: Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let mut mass = [[0.0; 5]; 5];
+    let mut force = [0.0; 5];
+    for j in 0..5 {
+        let carried = times(columns[j]);
+        for i in j..5 {
+            mass[i][j] = tractor.mass[1 + i][1 + j] + dot(columns[i], carried);
+        }
+        force[j] = tractor.force[1 + j] + dot(columns[j], push);
+    }
+    let w = solve_spd(mass, force);
+    let mut hitch = [0.0; 3];
+    for j in 0..5 {
+        hitch = add(hitch, columns[j].map(|value| value * w[j]));
+    }
+    let mut rest = [0, 1, 2].map(|j| trailer.force[3 + j]);
+    for j in 0..3 {
+        rest[j] -= dot([m[3 + j][0], m[3 + j][1], m[3 + j][2]], hitch);
+    }
+    let rotation = inverse.map(|row| dot(row, rest));
+    let needed = times(hitch);
+    Solution {
+        tractor: [0.0, w[0], w[1], w[2], w[3], w[4]],
+        trailer: [hitch[0], hitch[1], hitch[2], rotation[0], rotation[1], rotation[2]],
+        hitch_force_n: [needed[0] - push[0], needed[1] - push[1], needed[2] - push[2]],
+    }
+}

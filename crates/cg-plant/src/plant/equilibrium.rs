@@ -1,0 +1,140 @@
+//! Straight running at constant speed: the position in which nothing accelerates.
+//!
+//! Newton's method on height, pitch and roll of the bodies, rise and roll of the axles, and on
+//! lateral velocity, articulation and steer angle, which on a bank hold the vehicle up. Measured
+//! springs rest midway between their curves.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::dynamics::{Control, Parameters, Probe};
+use super::state::{AxleCoordinate, Coordinate, ROOM, State};
+use cg_vehicle::error::VehicleError;
+
+/// A state of rest and the steer angle that keeps it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rest {
+    pub(super) state: State,
+    pub(super) steer_rad: f64,
+}
+
+/// Accelerations (m/s², rad/s²) that rounding leaves: forces of 1e5 N to 1e-16 on 500 kg, with room.
+const ROUNDING: f64 = 1e-10;
+const BODIES: [Coordinate; 7] = [
+    Coordinate::TractorHeight,
+    Coordinate::TractorPitch,
+    Coordinate::TractorRoll,
+    Coordinate::TrailerPitch,
+    Coordinate::TrailerRoll,
+    Coordinate::LateralVelocity,
+    Coordinate::TrailerYaw,
+];
+const OWN: [AxleCoordinate; 2] = [AxleCoordinate::Rise, AxleCoordinate::Roll];
+
+impl Rest {
+    fn unknowns(&self, axles: usize) -> DVector<f64> {
+        let bodies = BODIES.map(|c| self.state.get(c));
+        let own = (0..axles).flat_map(|i| OWN.map(|c| self.state.axle(i, c)));
+        let values: Vec<f64> = bodies.into_iter().chain([self.steer_rad]).chain(own).collect();
+        DVector::from_vec(values)
+    }
+
+    fn with(&self, axles: usize, unknowns: &DVector<f64>) -> Self {
+        let mut rest = *self;
+        for (k, c) in BODIES.into_iter().enumerate() {
+            rest.state.set(c, unknowns[k]);
+        }
+        rest.steer_rad = unknowns[BODIES.len()];
+        for i in 0..axles {
+            for (k, c) in OWN.into_iter().enumerate() {
+                rest.state.set_axle(i, c, unknowns[BODIES.len() + 1 + 2 * i + k]);
+            }
+        }
+        rest
+    }
+
+    /// Puts the states that have no equation of their own to rest: springs and lagged slip.
+    fn relaxed(mut self, parameters: &Parameters, control: &Control) -> Self {
+        let compressions = parameters.compressions(&self.state);
+        for (group, x) in parameters.groups.iter().zip(compressions) {
+            let (i, law) = (group.first_axle, &group.law);
+            self.state.set_axle(i, AxleCoordinate::LeftSpring, law.resting_n(x[0]));
+            self.state.set_axle(i, AxleCoordinate::RightSpring, law.resting_n(x[1]));
+        }
+        if parameters.axles.iter().any(|axle| axle.tyres.relaxation_length_m > 0.0) {
+            let mut probe = Probe::default();
+            let control = Control { steer_rad: self.steer_rad, ..*control };
+            parameters.rates(&self.state.x, &control, &mut [0.0; ROOM], &mut probe);
+            for i in 0..parameters.axles.len() {
+                self.state.set_axle(i, AxleCoordinate::Slip, probe.contacts[i].slip_rad);
+            }
+        }
+        self
+    }
+}
+
+/// Accelerations of a relaxed state.
+fn accelerations(parameters: &Parameters, rest: &Rest, control: &Control) -> DVector<f64> {
+    let mut rate = [0.0; ROOM];
+    let control = Control { steer_rad: rest.steer_rad, ..*control };
+    parameters.rates(&rest.state.x, &control, &mut rate, &mut Probe::default());
+    let first = Coordinate::LateralVelocity as usize;
+    let bodies = rate[first..=Coordinate::TrailerRollRate as usize].iter().copied();
+    let own = (0..parameters.axles.len()).flat_map(|i| {
+        [AxleCoordinate::RiseRate, AxleCoordinate::RollRate].map(|c| rate[super::state::at(i, c)])
+    });
+    DVector::from_vec(bodies.chain(own).collect())
+}
+
+/// Finds straight running at a speed, from a position near it.
+///
+/// # Errors
+/// If there is none: the vehicle tips over, or slides off the bank.
+pub(super) fn settle(
+    parameters: &Parameters,
+    start: &State,
+    speed_mps: f64,
+) -> Result<Rest, VehicleError> {
+    let control = Control { speed_mps, ..Control::default() };
+    let axles = parameters.axles.len();
+    let mut rest = Rest { state: *start, steer_rad: 0.0 }.relaxed(parameters, &control);
+    let mut residual = accelerations(parameters, &rest, &control);
+    for _ in 0..50 {
+        if residual.amax() < ROUNDING {
+            return Ok(rest);
+        }
+        let unknowns = rest.unknowns(axles);
+        let n = unknowns.len();
+        let mut jacobian = DMatrix::zeros(n, n);
+        let moved = |unknowns: &DVector<f64>| {
+            let rest = rest.with(axles, unknowns).relaxed(parameters, &control);
+            let residual = accelerations(parameters, &rest, &control);
+            (rest, residual)
+        };
+        for k in 0..n {
+            let mut shifted = unknowns.clone();
+            let h = 1e-7;
+            shifted[k] += h;
+            jacobian.set_column(k, &((moved(&shifted).1 - &residual) / h));
+        }
+        let Some(step) = jacobian.lu().solve(&residual) else { break };
+        let mut share = 1.0;
+        let mut better = moved(&(&unknowns - &step));
+        while !(better.1.norm() < residual.norm()) && share > 1e-3 {
+            share *= 0.5;
+            better = moved(&(&unknowns - &step * share));
+        }
+        if !(better.1.norm() < residual.norm()) {
+            break;
+        }
+        (rest, residual) = better;
+    }
+    // Rounding may stop the descent a little above its estimate.
+    if residual.amax() < 1e3 * ROUNDING {
+        return Ok(rest);
+    }
+    Err(VehicleError::Model(format!(
+        "no straight running at {speed_mps:.1} m/s: {:.3} m/s² (or rad/s²) remain; the bank or the \
+         payload's lateral offset may be too much for this vehicle",
+        residual.amax()
+    )))
+}

@@ -1,0 +1,70 @@
+//! The fifth wheel: carries every force, free in yaw and pitch, a spring in roll.
+//!
+//! The angle of the plates is that of the trailer's vertical seen along the tractor,
+//! `φ5 = atan2(−e_y1·k_2, e_z·k_2)` (eq. 3.22), less the tractor's roll. Beyond the separation
+//! moment one side lifts: the moment stays until the lash is used up and the kingpin locks.
+
+use cg_vehicle::characteristics::FifthWheel;
+
+use super::body::Attitude;
+use super::vector::Vector;
+
+/// What the fifth wheel's roll moment does to the rates.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Coupling {
+    /// On the trailer, restoring.
+    pub(super) moment_nm: f64,
+    /// Generalised moments on the tractor's yaw, pitch, roll.
+    pub(super) tractor: [f64; 3],
+    /// The same of the trailer.
+    pub(super) trailer: [f64; 3],
+}
+
+/// What the fifth wheel does to the rates; `turn` is sine and cosine of the trailer's yaw less the
+/// tractor's.
+#[inline]
+pub(super) fn couple(
+    wheel: &FifthWheel,
+        tractor_roll_rad: f64,
+        tractor_rates: [f64; 3],
+        trailer: &Attitude,
+        trailer_rates: [f64; 3],
+        (sin, cos): (f64, f64),
+    ) -> Coupling {
+        let k = vertical(trailer);
+        // The tractor's axes in the trailer's yaw frame: e_x1 = (cos, −sin, 0), e_y1 = (sin, cos, 0).
+        let across = |v: Vector| sin * v[0] + cos * v[1];
+        let (n, c) = (-across(k), k[2]);
+        let scale = 1.0 / (n * n + c * c);
+        let angle_rad = (n / c).atan() - tractor_roll_rad;
+        // Derivatives of the angle by each rate: of k by turning about e_z, e_y, b.
+        let turned = [
+            [-k[1], k[0], 0.0],
+            [k[2], 0.0, -k[0]],
+            [
+                -trailer.sin_pitch * trailer.sin_roll,
+                -trailer.cos_roll,
+                -trailer.cos_pitch * trailer.sin_roll,
+            ],
+        ];
+        let by_trailer = turned.map(|dk| (c * -across(dk) - n * dk[2]) * scale);
+        let by_tractor = [c * (cos * k[0] - sin * k[1]) * scale, 0.0, -1.0];
+        let mut moment_nm = wheel.moment_nm(angle_rad);
+        if wheel.damping_nms_per_rad > 0.0 {
+            let rate: f64 = (0..3)
+                .map(|j| by_tractor[j] * tractor_rates[j] + by_trailer[j] * trailer_rates[j])
+                .sum();
+            moment_nm += wheel.damping_nms_per_rad * rate;
+        }
+        Coupling {
+            moment_nm,
+            tractor: by_tractor.map(|by| -moment_nm * by),
+            trailer: by_trailer.map(|by| -moment_nm * by),
+        }
+    }
+
+/// The trailer's own vertical in its yaw frame.
+#[inline]
+fn vertical(a: &Attitude) -> Vector {
+    [a.sin_pitch * a.cos_roll, -a.sin_roll, a.cos_pitch * a.cos_roll]
+}

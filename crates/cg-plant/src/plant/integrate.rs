@@ -1,0 +1,243 @@
+//! Two methods of order four: Adams, Bashforth and Moulton's takes two evaluations a step, Runge
+//! and Kutta's four. The latter starts the former, and stays where something moves too fast for
+//! it: a joint that is a hard spring.
+
+use super::YawRollPlant;
+use super::dynamics::{Control, Probe};
+use super::sample::PlantSample;
+use super::state::{Coordinate, ROOM, State};
+use cg_vehicle::error::VehicleError;
+
+/// Roll angle at which the run stops: nothing comes back from there.
+const ROLLED_OVER_RAD: f64 = 0.6;
+
+/// How a run goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress {
+    /// On its wheels.
+    Running,
+    /// A sprung mass rolled beyond 0.6 rad (or the motion diverged) at this time.
+    RolledOver {
+        /// When.
+        time_s: f64,
+    },
+}
+
+/// What the plant is integrated with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Method {
+    Adams,
+    RungeKutta,
+}
+
+impl Method {
+    /// Pole times step up to which each is stable with something to spare. The limits: 1.2 along
+    /// both axes for Adams, Bashforth and Moulton (evaluated again after the correction), 2.8 for
+    /// Runge and Kutta.
+    const ADAMS: f64 = 0.6;
+    const RUNGE_KUTTA: f64 = 2.5;
+
+    pub(super) fn for_mode(fastest_radps: f64, step_s: f64) -> Result<Self, VehicleError> {
+        match fastest_radps * step_s {
+            reach if reach <= Self::ADAMS => Ok(Self::Adams),
+            reach if reach <= Self::RUNGE_KUTTA => Ok(Self::RungeKutta),
+            _ => Err(VehicleError::Model(format!(
+                "a step of {step_s} s is too long for the vehicle's fastest motion of \
+                 {fastest_radps:.0} rad/s: take {:.1e} s or less, or look for a stiffness or \
+                 damping that is too high",
+                Self::RUNGE_KUTTA / fastest_radps
+            ))),
+        }
+    }
+}
+
+/// A run in time, from straight running. Once rolled over, it stays where it is.
+#[derive(Clone, Debug)]
+pub struct Simulation<'a> {
+    plant: &'a YawRollPlant,
+    /// The state now.
+    pub state: State,
+    control: Control,
+    time_s: f64,
+    progress: Progress,
+    probe: Box<Probe>,
+    past: Past,
+}
+
+/// Rates at the present and the three steps before it, equally spaced.
+#[derive(Clone, Debug)]
+struct Past {
+    step_s: f64,
+    /// How many of them are known.
+    known: usize,
+    /// The newest first.
+    rates: [[f64; ROOM]; 4],
+}
+
+impl Past {
+    fn new() -> Self {
+        Self { step_s: 0.0, known: 0, rates: [[0.0; ROOM]; 4] }
+    }
+}
+
+impl<'a> Simulation<'a> {
+    pub(super) fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
+        Self {
+            plant,
+            state: *state,
+            control,
+            time_s: 0.0,
+            progress: Progress::Running,
+            probe: Box::default(),
+            past: Past::new(),
+        }
+    }
+
+    /// Advances by an interval, to a steer angle and speed at its end; both are straight lines
+    /// in between.
+    pub fn push(&mut self, steer_rad: f64, speed_mps: f64, interval_s: f64) -> Progress {
+        let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
+        let from = Control { acceleration_mps2, ..self.control };
+        let to = Control { steer_rad, speed_mps, acceleration_mps2 };
+        // At least one step, of at most the plant's; rounding must not add one.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let steps = (interval_s / self.plant.step_s() - 1e-9).ceil().max(1.0) as u32;
+        let h = interval_s / f64::from(steps);
+        // The difference that rounding of a log's times makes is none.
+        if (h - self.past.step_s).abs() > 1e-6 * h {
+            self.past = Past { step_s: h, ..Past::new() };
+        }
+        let start_s = self.time_s;
+        for k in 0..steps {
+            if self.progress != Progress::Running {
+                return self.progress;
+            }
+            let at = |share: f64| between(&from, &to, (f64::from(k) + share) / f64::from(steps));
+            let controls = [at(0.0), at(0.5), at(1.0)];
+            let plant = self.plant;
+            self.state = match plant.method {
+                Method::Adams => {
+                    plant.adams(&self.state, &controls, &mut self.past, &mut self.probe)
+                }
+                Method::RungeKutta => plant.runge_kutta(&self.state, &controls, h, &mut self.probe),
+            };
+            self.control = at(1.0);
+            self.time_s = start_s + f64::from(k + 1) * h;
+            self.judge();
+        }
+        self.progress
+    }
+
+    fn judge(&mut self) {
+        let upright = [Coordinate::TractorRoll, Coordinate::TrailerRoll]
+            .into_iter()
+            .all(|c| self.state.get(c).abs() <= ROLLED_OVER_RAD);
+        if !upright {
+            self.progress = Progress::RolledOver { time_s: self.time_s };
+        }
+    }
+
+    /// Time since the start.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// How the run goes.
+    pub fn progress(&self) -> Progress {
+        self.progress
+    }
+
+    /// The vehicle now.
+    pub fn sample(&self) -> PlantSample {
+        self.plant.sample(&self.state, &self.control)
+    }
+
+    /// Fails once the vehicle has rolled over.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] with the time.
+    pub fn upright(&self) -> Result<(), VehicleError> {
+        match self.progress {
+            Progress::Running => Ok(()),
+            Progress::RolledOver { time_s } => Err(VehicleError::Model(format!(
+                "the vehicle rolled over at {time_s:.2} s; steer less, drive slower or load lower"
+            ))),
+        }
+    }
+}
+
+fn between(from: &Control, to: &Control, share: f64) -> Control {
+    let line = |a: f64, b: f64| a + share * (b - a);
+    Control {
+        steer_rad: line(from.steer_rad, to.steer_rad),
+        speed_mps: line(from.speed_mps, to.speed_mps),
+        acceleration_mps2: to.acceleration_mps2,
+    }
+}
+
+impl YawRollPlant {
+    /// The next step: predicted from the rates so far, corrected with the rates found there.
+    fn adams(
+        &self,
+        state: &State,
+        controls: &[Control; 3],
+        past: &mut Past,
+        probe: &mut Probe,
+    ) -> State {
+        let p = &self.parameters;
+        let (n, h) = (state.len(), past.step_s);
+        if past.known == 0 {
+            p.rates(&state.x, &controls[0], &mut past.rates[0], probe);
+            past.known = 1;
+        }
+        let mut next = *state;
+        if past.known < past.rates.len() {
+            next = self.runge_kutta(state, controls, h, probe);
+            past.known += 1;
+        } else {
+            let [now, one, two, three] = &past.rates;
+            for i in 0..n {
+                let ahead = 55.0 * now[i] - 59.0 * one[i] + 37.0 * two[i] - 9.0 * three[i];
+                next.x[i] += h / 24.0 * ahead;
+            }
+            let mut found = [0.0; ROOM];
+            p.rates(&next.x, &controls[2], &mut found, probe);
+            for i in 0..n {
+                let mended = 9.0 * found[i] + 19.0 * now[i] - 5.0 * one[i] + two[i];
+                next.x[i] = state.x[i] + h / 24.0 * mended;
+            }
+        }
+        past.rates.rotate_right(1);
+        p.rates(&next.x, &controls[2], &mut past.rates[0], probe);
+        next
+    }
+
+    /// One step of Runge and Kutta's, of length `h`, with the inputs at its start, middle and end.
+    pub(super) fn runge_kutta(
+        &self,
+        state: &State,
+        controls: &[Control; 3],
+        h: f64,
+        probe: &mut Probe,
+    ) -> State {
+        let n = state.len();
+        let p = &self.parameters;
+        let mut k = [0.0; ROOM];
+        let mut at = *state;
+        let mut next = *state;
+        p.rates(&state.x, &controls[0], &mut k, probe);
+        for (weight, reach, control) in
+            [(1.0 / 6.0, 0.5, 1), (1.0 / 3.0, 0.5, 1), (1.0 / 3.0, 1.0, 2)]
+        {
+            for i in 0..n {
+                next.x[i] += weight * h * k[i];
+                at.x[i] = state.x[i] + reach * h * k[i];
+            }
+            p.rates(&at.x, &controls[control], &mut k, probe);
+        }
+        for i in 0..n {
+            next.x[i] += h / 6.0 * k[i];
+        }
+        next
+    }
+}

@@ -1,0 +1,111 @@
+//! Small motion about straight running, by central differences: the plant's own linear model.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::YawRollPlant;
+use super::dynamics::{Control, Probe};
+use super::equilibrium::settle;
+use super::state::{AxleCoordinate, Coordinate, ROOM, at};
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::response::StateSpace;
+
+/// The states that matter for small motion. The tractor's own yaw angle and position do not; the
+/// trailer's yaw angle stands for minus the articulation.
+const BODIES: [Coordinate; 14] = [
+    Coordinate::TractorHeight,
+    Coordinate::TractorPitch,
+    Coordinate::TractorRoll,
+    Coordinate::TrailerYaw,
+    Coordinate::TrailerPitch,
+    Coordinate::TrailerRoll,
+    Coordinate::LateralVelocity,
+    Coordinate::VerticalVelocity,
+    Coordinate::TractorYawRate,
+    Coordinate::TractorPitchRate,
+    Coordinate::TractorRollRate,
+    Coordinate::TrailerYawRate,
+    Coordinate::TrailerPitchRate,
+    Coordinate::TrailerRollRate,
+];
+const OWN: [AxleCoordinate; 4] = [
+    AxleCoordinate::Rise,
+    AxleCoordinate::Roll,
+    AxleCoordinate::RiseRate,
+    AxleCoordinate::RollRate,
+];
+
+/// Small enough for the error of differences (square of it), large enough for rounding.
+const SHIFT: f64 = 1e-6;
+
+impl YawRollPlant {
+    /// The state-space model of small motion about straight running at a speed.
+    ///
+    /// For linear springs: the force of a measured one has no derivative at rest, so its friction
+    /// holds it there.
+    ///
+    /// # Errors
+    /// If the vehicle cannot run straight.
+    pub fn linearised(&self, speed_mps: f64) -> Result<StateSpace, VehicleError> {
+        let rest = settle(&self.parameters, &self.design, speed_mps)?;
+        let places = self.places();
+        let n = places.len();
+        let trailer_yaw = 3;
+        let look = |index: usize, shift: f64, steer_rad: f64| {
+            let mut x = rest.state.x;
+            if index < ROOM {
+                x[index] += shift;
+            }
+            let control = Control { steer_rad, speed_mps, acceleration_mps2: 0.0 };
+            let (mut rate, mut probe) = ([0.0; ROOM], Probe::default());
+            self.parameters.rates(&x, &control, &mut rate, &mut probe);
+            rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
+            let rates = places.iter().map(|&i| rate[i]);
+            DVector::from_iterator(n + 1, rates.chain([self.parameters.lateral_mps2(&probe)[1]]))
+        };
+        let slope = |index: usize, steer: f64| {
+            let ahead = look(index, SHIFT, rest.steer_rad + steer);
+            (ahead - look(index, -SHIFT, rest.steer_rad - steer)) / (2.0 * SHIFT)
+        };
+        let mut all = DMatrix::zeros(n + 1, n);
+        for (k, &index) in places.iter().enumerate() {
+            all.set_column(k, &slope(index, 0.0));
+        }
+        let by_steer = slope(ROOM, SHIFT);
+        let row = |k: usize, sign: f64| {
+            let mut row = DVector::zeros(n);
+            row[k] = sign;
+            row
+        };
+        let body = |c: Coordinate| row(BODIES.iter().position(|b| *b == c).unwrap_or(0), 1.0);
+        let axles = self.parameters.axles.len();
+        let own = places.len() - BODIES.len();
+        Ok(StateSpace {
+            trailer_roll: body(Coordinate::TrailerRoll),
+            tractor_roll: body(Coordinate::TractorRoll),
+            trailer_yaw_rate: body(Coordinate::TrailerYawRate),
+            tractor_yaw_rate: body(Coordinate::TractorYawRate),
+            articulation: row(trailer_yaw, -1.0),
+            tractor_lateral_velocity: body(Coordinate::LateralVelocity),
+            axle_roll: (0..axles).map(|i| row(BODIES.len() + own / axles * i + 1, 1.0)).collect(),
+            lateral_acceleration: all.row(n).transpose(),
+            lateral_feedthrough: by_steer[n],
+            a: all.rows(0, n).into_owned(),
+            b: by_steer.rows(0, n).into_owned(),
+        })
+    }
+
+    /// Magnitude of the fastest pole. That of a measured spring's friction is not among them.
+    pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
+        let poles = self.linearised(speed_mps)?.a.complex_eigenvalues();
+        Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
+    }
+
+    /// Places of the states that matter; lagged slip only where tyres lag.
+    fn places(&self) -> Vec<usize> {
+        let axles = &self.parameters.axles;
+        let lags = axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);
+        let own: Vec<_> = OWN.into_iter().chain(lags.then_some(AxleCoordinate::Slip)).collect();
+        let bodies = BODIES.into_iter().map(|c| c as usize);
+        bodies.chain((0..axles.len()).flat_map(|i| own.iter().map(move |&c| at(i, c)))).collect()
+    }
+}

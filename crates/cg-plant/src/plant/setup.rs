@@ -1,0 +1,232 @@
+//! From the vehicle file and a load to parameters whose static position is known.
+//!
+//! Heights in the file, and that of the load, are heights at rest: unloaded tyre radii and spring
+//! preloads follow from the static loads, so the given position is an equilibrium with nothing
+//! left to solve. With a design load of its own, the file's heights hold under that one and the
+//! body settles when the load differs.
+
+use super::axle::Axle;
+use super::dynamics::{Parameters, Sprung};
+use cg_vehicle::characteristics::FifthWheel;
+use super::options::{Characteristics, PlantOptions};
+use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
+use super::suspension::{Group, Law};
+use super::tyre::{PER_SIDE, Tyres};
+use cg_vehicle::characteristics::Grip;
+use cg_vehicle::balance::static_balance;
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::vehicle::{Load, PlacedAxle, Vehicle};
+
+fn model(message: String) -> VehicleError {
+    VehicleError::Model(message)
+}
+
+/// Parameters, and the position in which the design load rests.
+pub(super) fn parameters(
+    vehicle: &Vehicle,
+    load: Load,
+    options: &PlantOptions,
+) -> Result<(Parameters, State), VehicleError> {
+    let placed = vehicle.axles();
+    check(vehicle, &placed, options)?;
+    let balance = static_balance(vehicle, options.design_load.unwrap_or(load))?;
+    let g = vehicle.gravity_mps2;
+    let sprung_n: Vec<f64> = placed
+        .iter()
+        .zip(&balance.axle_load_n)
+        .map(|(placed, load_n)| load_n - placed.axle.unsprung_mass_kg * g)
+        .collect();
+    let members = members(&placed);
+    let groups = members
+        .iter()
+        .map(|axles| group(vehicle, &placed, axles, &sprung_n, options.springs))
+        .collect::<Result<Vec<_>, _>>()?;
+    let axles: Vec<Axle> = placed
+        .iter()
+        .enumerate()
+        .map(|(i, p)| axle(vehicle, p, balance.axle_load_n[i], (i, &members)))
+        .collect();
+    let linear_tyres = options.tyres == Characteristics::Linear;
+    let kinds = vehicle.tyre.iter().map(|tyre| Grip::new(tyre, linear_tyres)).collect();
+
+    let mut state = State::zeros(axles.len());
+    state.set(Coordinate::TractorHeight, vehicle.tractor.cg_height_m);
+    for (i, axle) in axles.iter().enumerate() {
+        state.set_axle(i, AxleCoordinate::Rise, axle.rise_m);
+    }
+    let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
+    let parameters = Parameters {
+        tractor: Sprung {
+            mass_kg: tractor.sprung_mass_kg,
+            inertia_kgm2: [
+                tractor.roll_inertia_kgm2,
+                tractor.pitch_inertia_kgm2.unwrap_or(tractor.yaw_inertia_kgm2),
+                tractor.yaw_inertia_kgm2,
+            ],
+            cg: [0.0; 3],
+        },
+        trailer: trailer(vehicle, load, options)?,
+        hitch_arm: [-tractor.hitch_behind_cg_m, 0.0, hitch.height_m - tractor.cg_height_m],
+        hitch: FifthWheel::of(hitch),
+        axles,
+        groups,
+        kinds,
+        gravity_mps2: g,
+        bank_rad: options.bank_rad,
+    };
+    Ok((parameters, state))
+}
+
+fn check(
+    vehicle: &Vehicle,
+    placed: &[PlacedAxle<'_>],
+    options: &PlantOptions,
+) -> Result<(), VehicleError> {
+    if placed.len() > MAX_AXLES {
+        return Err(model(format!(
+            "the nonlinear plant has room for {MAX_AXLES} axles, \"{}\" has {}",
+            vehicle.name,
+            placed.len()
+        )));
+    }
+    if let Some(i) = placed.iter().position(|p| p.axle.tyre_positions_m.len() > PER_SIDE) {
+        return Err(model(format!(
+            "axle {} has {} tyres a side; the nonlinear plant knows single and dual tyres",
+            i + 1,
+            placed[i].axle.tyre_positions_m.len()
+        )));
+    }
+    if !(options.step_s.is_finite() && options.step_s > 0.0) {
+        return Err(model(format!("step {} s must be positive", options.step_s)));
+    }
+    if !(options.bank_rad.abs() < 0.5) {
+        return Err(model(format!("a bank of {} rad is no road", options.bank_rad)));
+    }
+    if ![options.payload_left_m, options.payload_behind_m].iter().all(|m| m.is_finite()) {
+        return Err(model("the payload's place must be finite".to_owned()));
+    }
+    Ok(())
+}
+
+/// Axles of each load group; an axle without one is a group of its own.
+fn members(placed: &[PlacedAxle<'_>]) -> Vec<Vec<usize>> {
+    let mut members: Vec<Vec<usize>> = Vec::new();
+    for (i, p) in placed.iter().enumerate() {
+        let partner = members.iter_mut().find(|axles| {
+            let first = &placed[axles[0]];
+            p.axle.load_group.is_some()
+                && first.axle.load_group == p.axle.load_group
+                && first.on_trailer == p.on_trailer
+        });
+        match partner {
+            Some(axles) => axles.push(i),
+            None => members.push(vec![i]),
+        }
+    }
+    members
+}
+
+fn group(
+    vehicle: &Vehicle,
+    placed: &[PlacedAxle<'_>],
+    axles: &[usize],
+    sprung_n: &[f64],
+    springs: Characteristics,
+) -> Result<Group, VehicleError> {
+    // A handful of axles: exact.
+    #[allow(clippy::cast_precision_loss)]
+    let n = axles.len() as f64;
+    let mean = |value: &dyn Fn(usize) -> f64| axles.iter().map(|&i| value(i)).sum::<f64>() / n;
+    let preload_n = 0.5 * mean(&|i| sprung_n[i]);
+    let first = &placed[axles[0]].axle.spring;
+    if axles.iter().any(|&i| placed[i].axle.spring != *first) {
+        return Err(model(format!(
+            "axles {} and {} share their load but name different springs",
+            axles[0] + 1,
+            axles[axles.len() - 1] + 1
+        )));
+    }
+    let measured = first.as_ref().filter(|_| springs == Characteristics::Measured);
+    let named = measured.and_then(|name| vehicle.spring.iter().find(|s| s.name == *name));
+    let law = match named {
+        Some(spring) => Law::measured(spring, preload_n)?,
+        None => Law::Linear {
+            preload_n,
+            stiffness_n_per_m: mean(&|i| placed[i].axle.spring_stiffness_n_per_m),
+        },
+    };
+    Ok(Group { law, first_axle: axles[0] })
+}
+
+fn axle(
+    vehicle: &Vehicle,
+    placed: &PlacedAxle<'_>,
+    load_n: f64,
+    (i, members): (usize, &[Vec<usize>]),
+) -> Axle {
+    let a = placed.axle;
+    let group = members.iter().position(|axles| axles.contains(&i)).unwrap_or(0);
+    #[allow(clippy::cast_precision_loss)]
+    let share = 1.0 / members[group].len() as f64;
+    let unit_height_m =
+        if placed.on_trailer { vehicle.hitch.height_m } else { vehicle.tractor.cg_height_m };
+    let ahead_m = if placed.on_trailer { -placed.position_m } else { placed.position_m };
+    let half_damper_m = 0.5 * a.damper_spread_m.unwrap_or(a.spring_spread_m);
+    let mut positions_m = [0.0; PER_SIDE];
+    for (to, from) in positions_m.iter_mut().zip(&a.tyre_positions_m) {
+        *to = *from;
+    }
+    let tyre = placed.tyre;
+    let tyres_n_per_m = placed.tyres() * tyre.vertical_stiffness_n_per_m;
+    Axle {
+        on_trailer: placed.on_trailer,
+        roll_center: [ahead_m, 0.0, a.roll_center_height_m - unit_height_m],
+        mass_kg: a.unsprung_mass_kg,
+        inertia_kgm2: a.roll_inertia_kgm2,
+        rise_m: a.roll_center_height_m - a.center_height_m,
+        half_spread_m: 0.5 * a.spring_spread_m,
+        auxiliary_nm_per_rad: a.auxiliary_roll_stiffness_nm_per_rad,
+        bounce_damping_ns_per_m: a.roll_damping_nms_per_rad / (half_damper_m * half_damper_m),
+        roll_damping_nms_per_rad: a.roll_damping_nms_per_rad,
+        roll_steer: a.roll_steer_rad_per_rad,
+        steered: f64::from(u8::from(placed.steered)),
+        group,
+        share,
+        tyres: Tyres {
+            kind: vehicle.tyre.iter().position(|t| t.name == tyre.name).unwrap_or(0),
+            positions_m,
+            per_side: a.tyre_positions_m.len(),
+            stiffness_n_per_m: tyre.vertical_stiffness_n_per_m,
+            damping_ns_per_m: tyre.vertical_damping_ns_per_m,
+            overturning_nm_per_rad: placed.tyres() * tyre.overturning_stiffness_nm_per_rad,
+            unloaded_radius_m: a.center_height_m + load_n / tyres_n_per_m,
+            relaxation_length_m: tyre.relaxation_length_m,
+        },
+    }
+}
+
+fn trailer(vehicle: &Vehicle, load: Load, options: &PlantOptions) -> Result<Sprung, VehicleError> {
+    let sprung = vehicle.trailer_sprung_mass(load)?;
+    let share = sprung.payload_kg / sprung.mass_kg;
+    let left_m = share * options.payload_left_m;
+    let behind_m = share * options.payload_behind_m;
+    // Steiner's part of a payload beside the tare; products of inertia are left out.
+    let apart_kg = share * (sprung.mass_kg - sprung.payload_kg);
+    let beside = apart_kg * options.payload_left_m.powi(2);
+    let place = &vehicle.trailer;
+    let along_m = place.payload.behind_hitch_m - place.tare.cg_behind_hitch_m;
+    let along = apart_kg * ((along_m + options.payload_behind_m).powi(2) - along_m.powi(2));
+    Ok(Sprung {
+        mass_kg: sprung.mass_kg,
+        inertia_kgm2: [
+            sprung.roll_inertia_kgm2 + beside,
+            sprung.pitch_inertia_kgm2 + along,
+            sprung.yaw_inertia_kgm2 + beside + along,
+        ],
+        cg: [
+            -sprung.cg_behind_hitch_m - behind_m,
+            left_m,
+            sprung.cg_height_m - vehicle.hitch.height_m,
+        ],
+    })
+}

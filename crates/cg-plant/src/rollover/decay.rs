@@ -1,0 +1,93 @@
+//! Yaw damping from what is left of a pulse of steer.
+//!
+//! **Reference.** El-Gindy, quoted in the source, 1.2.3: at 100 km/h the steering wheel is turned
+//! by 80 degrees and back, half a sine of 0.1 s; logarithmic decrement of the peaks of the lateral
+//! acceleration of the rearmost trailer.
+
+use std::f64::consts::PI;
+
+use cg_vehicle::error::VehicleError;
+use crate::plant::{Progress, YawRollPlant};
+
+/// Length of the pulse.
+pub const PULSE_S: f64 = 0.1;
+/// Turn of the steering wheel.
+pub const PULSE_WHEEL_RAD: f64 = 80.0 * PI / 180.0;
+/// How long the decay is watched.
+const WATCHED_S: f64 = 8.0;
+/// Peaks below this share of the first are friction and rounding.
+const LEAST: f64 = 0.02;
+
+/// The trailer's answer to a pulse, sampled each step after the pulse has ended.
+///
+/// # Errors
+/// If the vehicle cannot run straight, or rolls over.
+pub fn after_pulse(
+    plant: &YawRollPlant,
+    speed_mps: f64,
+    amplitude_rad: f64,
+) -> Result<Vec<f64>, VehicleError> {
+    let mut run = plant.start(speed_mps)?;
+    let mut seen = Vec::new();
+    while run.time_s() < WATCHED_S {
+        let time_s = run.time_s() + plant.step_s();
+        let unit = if time_s < PULSE_S { (PI * time_s / PULSE_S).sin() } else { 0.0 };
+        if run.push(amplitude_rad * unit, speed_mps, plant.step_s()) != Progress::Running {
+            run.upright()?;
+        }
+        if time_s > PULSE_S {
+            seen.push(run.sample().trailer.lateral_acceleration_mps2);
+        }
+    }
+    Ok(seen)
+}
+
+/// Damping ratio from successive peaks of alternating sign, by their logarithmic decrement; `None`
+/// where fewer than two are there. The first is the pulse's own and does not count.
+pub fn damping_ratio(samples: &[f64]) -> Option<f64> {
+    let mut peaks: Vec<f64> = Vec::new();
+    for three in samples.windows(3) {
+        let [before, here, after] = [three[0], three[1], three[2]];
+        if (here - before) * (after - here) < 0.0 && here * (here - before) > 0.0 {
+            match peaks.last_mut() {
+                // Of one swing the greatest only.
+                Some(last) if *last * here > 0.0 => {
+                    *last = if here.abs() > last.abs() { here } else { *last };
+                }
+                _ => peaks.push(here),
+            }
+        }
+    }
+    let first = peaks.get(1)?.abs();
+    let kept: Vec<f64> =
+        peaks[1..].iter().map(|peak| peak.abs()).take_while(|peak| *peak > LEAST * first).collect();
+    let (last, swings) = (kept.last()?, kept.len() - 1);
+    if swings == 0 {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss)] // a few peaks
+    let decrement = (first / last).ln() / swings as f64;
+    Some(decrement / decrement.hypot(PI))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_decrement_of_a_damped_sine_is_its_damping() {
+        for zeta in [0.1_f64, 0.25, 0.5] {
+            let (omega, damped) = (4.0, 4.0 * (1.0 - zeta * zeta).sqrt());
+            let samples: Vec<f64> = (0..8000)
+                .map(|k| {
+                    let t = f64::from(k) * 1e-3;
+                    (-zeta * omega * t).exp() * (damped * t).sin()
+                })
+                .collect();
+            let found = damping_ratio(&samples).unwrap();
+            // Peaks on a grid of 1 ms: (ω dt)²/2 of their height each.
+            assert!((found - zeta).abs() < 1e-4, "{found} {zeta}");
+        }
+        assert_eq!(damping_ratio(&[3.0, 2.0, 1.0, 0.5]), None);
+    }
+}

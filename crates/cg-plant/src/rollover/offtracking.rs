@@ -1,0 +1,121 @@
+//! Off-tracking: how far the trailer's last axle runs beside the path of the steered one.
+//!
+//! **Reference.** El-Gindy, Int. J. of Vehicle Design 1995: high speed, steady turn of 393 m at
+//! 100 km/h, outwards; low speed, turn of 90 degrees, inwards.
+
+use std::f64::consts::FRAC_PI_2;
+
+use cg_vehicle::error::VehicleError;
+use crate::plant::{Coordinate, YawRollPlant};
+use cg_vehicle::vehicle::Vehicle;
+
+/// Radius of the high-speed turn.
+pub const HIGH_SPEED_RADIUS_M: f64 = 393.0;
+/// Its speed: 100 km/h.
+pub const HIGH_SPEED_MPS: f64 = 100.0 / 3.6;
+/// Radius of the steered axle's path in the low-speed turn of 90 degrees.
+pub const LOW_SPEED_RADIUS_M: f64 = 11.0;
+
+/// Radius of the last axle's path less that of the first one's in a steady turn of the nonlinear
+/// plant: positive outwards.
+///
+/// # Errors
+/// If the vehicle cannot run so.
+pub fn high_speed_m(
+    plant: &YawRollPlant,
+    speed_mps: f64,
+    radius_m: f64,
+    yaw_rate_gain_per_s: f64,
+) -> Result<f64, VehicleError> {
+    let mut run = plant.start(speed_mps)?;
+    let wanted_radps = speed_mps / radius_m;
+    let mut steer_rad = wanted_radps / yaw_rate_gain_per_s;
+    // Into the turn in 4 s; then the steer angle is corrected in proportion, five times, 4 s each:
+    // yaw decays faster than 1/s, so what is left is e^-4 of the last correction.
+    let mut from_rad = 0.0;
+    for _ in 0..6 {
+        for k in 1..=400 {
+            let share = (f64::from(k) / 200.0).min(1.0);
+            run.push(from_rad + share * (steer_rad - from_rad), speed_mps, 0.01);
+        }
+        run.upright()?;
+        from_rad = steer_rad;
+        steer_rad *= wanted_radps / run.state.get(Coordinate::TractorYawRate);
+    }
+    let value = |c| run.state.get(c);
+    // The centre of the turn, from the velocity (U, v) of the tractor's c.g.
+    let yaw_radps = value(Coordinate::TractorYawRate);
+    let (sin, cos) = value(Coordinate::TractorYaw).sin_cos();
+    let (along_m, left_m) =
+        (-value(Coordinate::LateralVelocity) / yaw_radps, speed_mps / yaw_radps);
+    let center = [
+        value(Coordinate::PositionX) + cos * along_m - sin * left_m,
+        value(Coordinate::PositionY) + sin * along_m + cos * left_m,
+    ];
+    let last = run.sample().axles().len().saturating_sub(1);
+    let radius = |axle: usize| {
+        let [x, y] = plant.axle_position_m(&run.state, axle);
+        (x - center[0]).hypot(y - center[1])
+    };
+    Ok(radius(last) - radius(0))
+}
+
+/// Greatest distance inwards of the trailer's axles (their middle) from the path of the steered
+/// axle in a turn of 90 degrees without slip; axles of a unit that are not steered stand for one
+/// in their middle.
+///
+/// ```text
+///     every towed point follows its tractrix: it moves along the line to what pulls it
+/// ```
+///
+/// # Errors
+/// If the tractor has no steered or no other axle.
+pub fn low_speed_m(vehicle: &Vehicle, radius_m: f64) -> Result<f64, VehicleError> {
+    let mean = |places: Vec<f64>| {
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let n = places.len() as f64;
+        (n > 0.0).then(|| places.iter().sum::<f64>() / n)
+    };
+    let tractor = &vehicle.tractor;
+    let of = |steered: bool| {
+        let axles = tractor.axle.iter().filter(|axle| axle.steered == steered);
+        mean(axles.map(|axle| axle.ahead_of_cg_m).collect())
+    };
+    let trailer_m = mean(vehicle.trailer.axle.iter().map(|axle| axle.behind_hitch_m).collect());
+    let (Some(front_m), Some(rear_m), Some(trailer_m)) = (of(true), of(false), trailer_m) else {
+        return Err(VehicleError::Model(
+            "low-speed off-tracking: the tractor needs a steered axle and one that is not".into(),
+        ));
+    };
+    let (wheelbase_m, hitch_m) = (front_m - rear_m, -tractor.hitch_behind_cg_m - rear_m);
+    let step_m = 0.01;
+    let arc_m = radius_m * FRAC_PI_2;
+    let mut rear = [-wheelbase_m, 0.0];
+    let mut tail = [rear[0] + hitch_m - trailer_m, 0.0];
+    let (mut travelled_m, mut inwards_m) = (0.0, 0.0_f64);
+    while travelled_m < arc_m + trailer_m {
+        travelled_m += step_m;
+        let (sin, cos) = (travelled_m.min(arc_m) / radius_m).sin_cos();
+        let beyond_m = (travelled_m - arc_m).max(0.0);
+        let front = [radius_m * sin, radius_m * (1.0 - cos) + beyond_m];
+        let ahead = pull(&mut rear, front, wheelbase_m);
+        let hitch = [rear[0] + hitch_m * ahead[0], rear[1] + hitch_m * ahead[1]];
+        pull(&mut tail, hitch, trailer_m);
+        let off_m = match tail {
+            [x, y] if x < 0.0 => y,
+            [x, y] if y > radius_m => radius_m - x,
+            [x, y] => radius_m - x.hypot(y - radius_m),
+        };
+        inwards_m = inwards_m.max(off_m);
+    }
+    Ok(inwards_m)
+}
+
+/// Pulls a point along to `length_m` behind another; the direction between them.
+fn pull(point: &mut [f64; 2], by: [f64; 2], length_m: f64) -> [f64; 2] {
+    let (dx, dy) = (by[0] - point[0], by[1] - point[1]);
+    let distance_m = dx.hypot(dy).max(f64::MIN_POSITIVE);
+    let ahead = [dx / distance_m, dy / distance_m];
+    *point = [by[0] - length_m * ahead[0], by[1] - length_m * ahead[1]];
+    ahead
+}

@@ -1,0 +1,91 @@
+//! What the linear model says: rearward amplification over frequency, damping of the yaw modes.
+
+use std::f64::consts::TAU;
+
+use faer::c64;
+use nalgebra::{Complex, DMatrix};
+
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::linear::w;
+use cg_vehicle::response::StateSpace;
+use cg_vehicle::system::System;
+
+/// The system from steer to the lateral acceleration of the tractor's sprung c.g.
+pub fn to_tractor_lateral_acceleration(model: &StateSpace, speed_mps: f64) -> System {
+    let v = &model.tractor_lateral_velocity;
+    // v̇ + U r
+    let row = model.a.tr_mul(v) + &model.tractor_yaw_rate * speed_mps;
+    model.to(&row, v.dot(&model.b))
+}
+
+/// `|a_y2/a_y1|` at a frequency.
+///
+/// # Errors
+/// If a pole lies there.
+pub fn rearward_amplification(
+    model: &StateSpace,
+    speed_mps: f64,
+    frequency_hz: f64,
+) -> Result<f64, VehicleError> {
+    let omega = TAU * frequency_hz;
+    let trailer = model.to_lateral_acceleration().magnitude(omega)?;
+    Ok(trailer / to_tractor_lateral_acceleration(model, speed_mps).magnitude(omega)?)
+}
+
+/// A mode of the linear model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Pole, rad/s: real and imaginary part, the latter not negative.
+    pub pole_radps: (f64, f64),
+    /// Share of lateral and yaw motion in it (participation factors; the rest is roll).
+    pub yaw_share: f64,
+}
+
+impl Mode {
+    /// `−Re/|pole|`: one where it does not oscillate, negative where it grows.
+    pub fn damping_ratio(&self) -> f64 {
+        -self.pole_radps.0 / self.pole_radps.0.hypot(self.pole_radps.1)
+    }
+}
+
+/// The modes of a linear model of [`Equations`](cg_vehicle::linear::Equations), slowest decay first.
+///
+/// The participation of state `k` in mode `i` is `V_ki (V⁻¹)_ik` (Pérez-Arriaga, Verghese and
+/// Schweppe, IEEE Trans. PAS 101, 1982); lateral velocity, yaw rates and articulation are yaw.
+///
+/// # Errors
+/// If the eigenvalues do not converge.
+pub fn modes(model: &StateSpace) -> Result<Vec<Mode>, VehicleError> {
+    let n = model.a.nrows();
+    let failed = || VehicleError::Model("the modes of the linear model do not converge".to_owned());
+    let a = faer::Mat::from_fn(n, n, |i, j| model.a[(i, j)]);
+    let eigen = a.eigen().map_err(|_| failed())?;
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+    let complex = |z: c64| Complex::new(z.re, z.im);
+    let right = DMatrix::from_fn(n, n, |i, j| complex(vectors[(i, j)]));
+    let left = right.clone().try_inverse().ok_or_else(failed)?;
+    let articulation = (0..n).find(|&k| model.articulation[k] != 0.0);
+    let mut modes: Vec<Mode> = (0..n)
+        .filter(|&i| values[i].im >= 0.0)
+        .map(|i| {
+            let part = |k: usize| (right[(k, i)] * left[(i, k)]).norm();
+            let yaw: f64 =
+                [w::LATERAL, w::YAW_1, w::YAW_2].into_iter().chain(articulation).map(part).sum();
+            Mode {
+                pole_radps: (values[i].re, values[i].im),
+                yaw_share: yaw / (0..n).map(part).sum::<f64>(),
+            }
+        })
+        .collect();
+    modes.sort_by(|a, b| b.pole_radps.0.total_cmp(&a.pole_radps.0));
+    Ok(modes)
+}
+
+/// The least damping ratio of the modes that are mostly yaw.
+///
+/// # Errors
+/// As [`modes`].
+pub fn yaw_damping_ratio(model: &StateSpace) -> Result<Option<f64>, VehicleError> {
+    let ratios = modes(model)?.into_iter().filter(|mode| mode.yaw_share > 0.5);
+    Ok(ratios.map(|mode| mode.damping_ratio()).min_by(f64::total_cmp))
+}

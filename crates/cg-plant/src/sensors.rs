@@ -1,0 +1,248 @@
+//! What sensors make of the truth: offsets, noise, quantisation, delay, jitter, drop-outs.
+//!
+//! ```text
+//!     roll ─ delayed ─ + a_y/g if inclinometer ─ + offset ─ + noise ─ limited ─ rounded ─ lost ─► roll or tilt
+//!     steer ─ through the play ─ + offset ─ + noise ─ × steering ratio if steering wheel ─► steer or steering wheel
+//!     lateral acceleration ─ + noise ─►
+//!     time ─ + jitter ─► time stamp
+//! ```
+
+use std::collections::VecDeque;
+
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, Normal};
+use serde::Serialize;
+
+use cg_vehicle::error::VehicleError;
+use cg_logs::log::{LogRow, Signal};
+
+/// The greatest offset of roll and steer.
+pub const GREATEST_OFFSET_RAD: f64 = 0.2;
+/// The greatest step of quantisation.
+pub const GREATEST_QUANTISATION_RAD: f64 = 0.1;
+/// The greatest delay.
+pub const GREATEST_DELAY_S: f64 = 2.0;
+/// The greatest standard deviation of the steer angle.
+pub const GREATEST_STEER_NOISE_RAD: f64 = 0.1;
+/// The same of the lateral acceleration.
+pub const GREATEST_LATERAL_NOISE_MPS2: f64 = 10.0;
+/// The greatest time constant of noise.
+pub const GREATEST_NOISE_LAG_S: f64 = 10.0;
+/// The greatest share of lost rows.
+pub const GREATEST_DROP_OUT: f64 = 0.95;
+
+/// The sensors of a simulated log; the default is perfect ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Sensors {
+    /// Noise on the roll angle, decibels below its mean square.
+    pub snr_db: Option<f64>,
+    /// Time constant of that noise (rough road); white if zero.
+    pub noise_lag_s: f64,
+    /// Standard deviation of white noise on the steer angle, at the road wheels.
+    pub steer_noise_rad: f64,
+    /// Standard deviation of white noise on the lateral acceleration.
+    pub lateral_noise_mps2: f64,
+    /// Play between what is measured and the road wheels, from end to end.
+    pub steer_play_rad: f64,
+    /// Greatest angle that the roll sensor can show, either way; `None` for any.
+    pub roll_limit_rad: Option<f64>,
+    /// Constant offset of the roll sensor.
+    pub roll_offset_rad: f64,
+    /// Constant offset of the steer angle, at the road wheels.
+    pub steer_offset_rad: f64,
+    /// Step of the roll sensor; zero for none.
+    pub quantisation_rad: f64,
+    /// By how much the roll sensor is late.
+    pub delay_s: f64,
+    /// An accelerometer inclinometer, which feels lateral acceleration: roll + `a_y/g`.
+    pub inclinometer: bool,
+    /// Time stamps lie up to this much beside the instant of the sample, uniformly.
+    pub jitter_s: f64,
+    /// Share of the rows whose roll angle is lost, at random.
+    pub drop_out: f64,
+    /// The steering-wheel angle in place of that of the road wheels.
+    pub steering_wheel: bool,
+}
+
+impl Sensors {
+    /// Whether the numbers make sense at a sampling rate.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] with the number and its limits.
+    pub fn check(&self, rate_hz: f64) -> Result<(), VehicleError> {
+        let half_s = 0.5 / rate_hz;
+        for (name, value, least, greatest) in [
+            ("roll offset (rad)", self.roll_offset_rad, -GREATEST_OFFSET_RAD, GREATEST_OFFSET_RAD),
+            (
+                "steer offset (rad)",
+                self.steer_offset_rad,
+                -GREATEST_OFFSET_RAD,
+                GREATEST_OFFSET_RAD,
+            ),
+            ("quantisation (rad)", self.quantisation_rad, 0.0, GREATEST_QUANTISATION_RAD),
+            ("noise lag (s)", self.noise_lag_s, 0.0, GREATEST_NOISE_LAG_S),
+            ("steer noise (rad)", self.steer_noise_rad, 0.0, GREATEST_STEER_NOISE_RAD),
+            ("lateral noise (m/s²)", self.lateral_noise_mps2, 0.0, GREATEST_LATERAL_NOISE_MPS2),
+            ("steer play (rad)", self.steer_play_rad, 0.0, GREATEST_OFFSET_RAD),
+            ("roll limit (rad)", self.roll_limit_rad.unwrap_or(1.0), 0.001, 1.0),
+            ("delay (s)", self.delay_s, 0.0, GREATEST_DELAY_S),
+            ("drop-out (share)", self.drop_out, 0.0, GREATEST_DROP_OUT),
+            // Less than half an interval, so that time increases.
+            ("jitter (s)", self.jitter_s, 0.0, 0.98 * half_s),
+        ] {
+            if !(least..=greatest).contains(&value) {
+                return Err(VehicleError::Model(format!(
+                    "{name} {value} must lie between {least} and {greatest}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of a log of these sensors.
+    pub fn columns(&self) -> [Signal; 7] {
+        [
+            Signal::Time,
+            if self.steering_wheel { Signal::SteeringWheel } else { Signal::Steer },
+            if self.inclinometer { Signal::Tilt } else { Signal::Roll },
+            Signal::Speed,
+            Signal::LateralAcceleration,
+            Signal::YawRate,
+            Signal::TrailerMass,
+        ]
+    }
+}
+
+/// Sensors at work: true rows in, measured rows out.
+#[derive(Clone, Debug)]
+pub struct Instruments {
+    sensors: Sensors,
+    noise: Option<Normal<f64>>,
+    gravity_mps2: f64,
+    steering_ratio: f64,
+    noise_source: StdRng,
+    /// Of jitter, drop-outs and the inputs' noise: noise of the roll is the same with and without.
+    chance: StdRng,
+    /// The roll's noise at the row before, and that row's time.
+    noise_before: Option<(f64, f64)>,
+    /// The steer angle on this side of the play.
+    steer_shown_rad: Option<f64>,
+    /// True time and roll angle, as far back as the delay reaches.
+    past: VecDeque<(f64, f64)>,
+    is_first: bool,
+}
+
+impl Instruments {
+    /// Before the first row. The steering ratio counts with [`Sensors::steering_wheel`] only.
+    pub fn new(
+        sensors: &Sensors,
+        noise_sd_rad: f64,
+        gravity_mps2: f64,
+        steering_ratio: f64,
+        seed: u64,
+    ) -> Self {
+        Self {
+            sensors: *sensors,
+            // A standard deviation that is finite and not negative always makes a distribution.
+            noise: Normal::new(0.0, noise_sd_rad).ok(),
+            gravity_mps2,
+            steering_ratio,
+            noise_source: StdRng::seed_from_u64(seed),
+            chance: StdRng::seed_from_u64(!seed),
+            noise_before: None,
+            steer_shown_rad: None,
+            past: VecDeque::new(),
+            is_first: true,
+        }
+    }
+
+    /// What the sensors show of a true row.
+    pub fn measure(&mut self, truth: &LogRow) -> LogRow {
+        let sensors = self.sensors;
+        let mut row = *truth;
+        row.steer_rad = self.steer_through_play_rad(truth.steer_rad)
+            + sensors.steer_offset_rad
+            + self.chance_noise(sensors.steer_noise_rad);
+        row.lateral_acceleration_mps2 += self.chance_noise(sensors.lateral_noise_mps2);
+        if sensors.steering_wheel {
+            row.steering_wheel_rad = row.steer_rad * self.steering_ratio;
+            row.steer_rad = f64::NAN;
+        }
+        let mut roll_rad = self.delayed_roll_rad(truth);
+        if sensors.inclinometer {
+            roll_rad += truth.lateral_acceleration_mps2 / self.gravity_mps2;
+        }
+        roll_rad += sensors.roll_offset_rad;
+        roll_rad += self.roll_noise_rad(truth.time_s);
+        if let Some(limit_rad) = sensors.roll_limit_rad {
+            roll_rad = roll_rad.clamp(-limit_rad, limit_rad);
+        }
+        if sensors.quantisation_rad > 0.0 {
+            let step_rad = sensors.quantisation_rad;
+            roll_rad = (roll_rad / step_rad).round() * step_rad;
+        }
+        if sensors.drop_out > 0.0 && self.chance.random_bool(sensors.drop_out) {
+            roll_rad = f64::NAN;
+        }
+        if sensors.jitter_s > 0.0 && !self.is_first {
+            row.time_s += sensors.jitter_s * self.chance.random_range(-1.0..1.0);
+        }
+        self.is_first = false;
+        (row.roll_rad, row.tilt_rad) =
+            if sensors.inclinometer { (f64::NAN, roll_rad) } else { (roll_rad, f64::NAN) };
+        row
+    }
+
+    /// White, or through a first-order lag at the same standard deviation.
+    fn roll_noise_rad(&mut self, time_s: f64) -> f64 {
+        let Some(noise) = self.noise else { return 0.0 };
+        let fresh = noise.sample(&mut self.noise_source);
+        let lag_s = self.sensors.noise_lag_s;
+        let value = match self.noise_before {
+            Some((before, then_s)) if lag_s > 0.0 => {
+                let kept = (-(time_s - then_s) / lag_s).exp();
+                kept * before + (1.0 - kept * kept).sqrt() * fresh
+            }
+            _ => fresh,
+        };
+        self.noise_before = Some((value, time_s));
+        value
+    }
+
+    fn chance_noise(&mut self, sd: f64) -> f64 {
+        if sd > 0.0 {
+            Normal::new(0.0, sd).map_or(0.0, |noise| noise.sample(&mut self.chance))
+        } else {
+            0.0
+        }
+    }
+
+    /// What is measured moves only once the road wheels have taken up the play.
+    fn steer_through_play_rad(&mut self, steer_rad: f64) -> f64 {
+        let half_rad = 0.5 * self.sensors.steer_play_rad;
+        let before_rad = self.steer_shown_rad.unwrap_or(steer_rad);
+        let shown_rad = before_rad.clamp(steer_rad - half_rad, steer_rad + half_rad);
+        self.steer_shown_rad = Some(shown_rad);
+        shown_rad
+    }
+
+    /// The roll angle of `delay_s` ago, between rows along a straight line; the first one before.
+    fn delayed_roll_rad(&mut self, truth: &LogRow) -> f64 {
+        if self.sensors.delay_s <= 0.0 {
+            return truth.roll_rad;
+        }
+        self.past.push_back((truth.time_s, truth.roll_rad));
+        let then_s = truth.time_s - self.sensors.delay_s;
+        while self.past.get(1).is_some_and(|next| next.0 <= then_s) {
+            self.past.pop_front();
+        }
+        match (self.past.front(), self.past.get(1)) {
+            (Some(before), Some(after)) if then_s > before.0 => {
+                before.1 + (after.1 - before.1) * (then_s - before.0) / (after.0 - before.0)
+            }
+            (Some(before), _) => before.1,
+            _ => truth.roll_rad,
+        }
+    }
+}

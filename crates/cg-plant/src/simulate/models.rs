@@ -1,0 +1,131 @@
+//! The linear and the reduced model through a scenario.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cg_core::reduced::Simulation as ReducedSimulation;
+
+use super::{Motion, Scenario};
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::linear::Equations;
+use crate::maneuver::Histories;
+use cg_vehicle::reduction::reduce;
+use cg_vehicle::response::StateSpace;
+use cg_vehicle::vehicle::Vehicle;
+
+/// Models of a changing speed are made anew for each 0.1 m/s: 1 % of the gain at 20 m/s at most.
+const SPEED_STEP_MPS: f64 = 0.1;
+
+/// What moves, ready to start.
+pub(super) struct Models {
+    at: BTreeMap<i64, (StateSpace, cg_vehicle::system::Simulation)>,
+    reduced: Option<Reduced>,
+    interval_s: f64,
+}
+
+/// The reduced model of roll; the rest is steady.
+struct Reduced {
+    simulation: ReducedSimulation<f64>,
+    lateral_gain: f64,
+    yaw_gain: f64,
+}
+
+/// Which model.
+#[allow(clippy::cast_possible_truncation)] // a speed below 60 m/s
+fn step_of(speed_mps: f64) -> i64 {
+    (speed_mps / SPEED_STEP_MPS).round() as i64
+}
+
+impl Models {
+    /// Every model that the speeds of a scenario ask for.
+    pub(super) fn new(
+        vehicle: &Vehicle,
+        scenario: &Scenario,
+        histories: &Histories,
+        samples: u64,
+    ) -> Result<Self, VehicleError> {
+        let interval_s = 1.0 / scenario.rate_hz;
+        let model = |speed_mps| {
+            Equations::new(vehicle, scenario.variant, speed_mps, scenario.load)?.state_space()
+        };
+        let mut at = BTreeMap::new();
+        let mut insert = |speed_mps: f64| -> Result<(), VehicleError> {
+            let model = model(speed_mps)?;
+            let simulation = model.simulation(interval_s);
+            at.insert(step_of(speed_mps), (model, simulation));
+            Ok(())
+        };
+        if histories.changes_speed() {
+            #[allow(clippy::cast_precision_loss)]
+            let steps: BTreeSet<i64> =
+                (0..samples).map(|k| step_of(histories.speed_mps(k as f64 * interval_s))).collect();
+            #[allow(clippy::cast_precision_loss)]
+            steps.iter().try_for_each(|step| insert(*step as f64 * SPEED_STEP_MPS))?;
+        } else {
+            insert(scenario.speed_mps)?;
+        }
+        let reduced = match scenario.plant {
+            super::Plant::Reduced => {
+                let model = model(scenario.speed_mps)?;
+                Some(Reduced {
+                    simulation: ReducedSimulation::new(&reduce(&model)?.steer, interval_s, 0.0),
+                    lateral_gain: model
+                        .steady(&model.lateral_acceleration, model.lateral_feedthrough)?,
+                    yaw_gain: model.steady(&model.trailer_yaw_rate, 0.0)?,
+                })
+            }
+            _ => None,
+        };
+        Ok(Self { at, reduced, interval_s })
+    }
+
+    /// Runs from rest, sample by sample.
+    pub(super) fn run<E>(
+        &self,
+        histories: &Histories,
+        samples: u64,
+        mut write: impl FnMut(f64, Motion) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut reduced = self.reduced.as_ref().map(|reduced| reduced.simulation);
+        let mut at = step_of(histories.speed_mps(0.0));
+        let mut linear = self.at.get(&at).map(|(_, simulation)| simulation.clone());
+        for k in 0..samples {
+            #[allow(clippy::cast_precision_loss)]
+            let time_s = k as f64 * self.interval_s;
+            let steer_rad = histories.steer_rad(time_s);
+            let speed_mps = histories.speed_mps(time_s);
+            let still = Motion { steer_rad, speed_mps, ..Motion::default() };
+            if let (Some(model), Some(run)) = (&self.reduced, &mut reduced) {
+                let roll_rad = if k > 0 { run.push(steer_rad) } else { 0.0 };
+                let motion = Motion {
+                    roll_rad,
+                    lateral_acceleration_mps2: model.lateral_gain * steer_rad,
+                    yaw_rate_radps: model.yaw_gain * steer_rad,
+                    ..still
+                };
+                write(time_s, motion)?;
+                continue;
+            }
+            let now = step_of(speed_mps);
+            // The states are the vehicle's own: they go on in the model of the new speed.
+            if now != at
+                && let (Some((_, next)), Some(run)) = (self.at.get(&now), &mut linear)
+            {
+                run.continue_as(next);
+                at = now;
+            }
+            let (Some((model, _)), Some(run)) = (self.at.get(&at), &mut linear) else { break };
+            if k > 0 {
+                run.push(steer_rad);
+            }
+            let motion = Motion {
+                roll_rad: model.trailer_roll.dot(&run.state),
+                lateral_acceleration_mps2: model.lateral_acceleration.dot(&run.state)
+                    + model.lateral_feedthrough * steer_rad,
+                yaw_rate_radps: model.trailer_yaw_rate.dot(&run.state),
+                ..still
+            };
+            write(time_s, motion)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,133 @@
+//! V3 and V4: mirror symmetry, convergence with the step; rollover.
+
+use cg_vehicle::Load;
+use cg_plant::plant::{PlantOptions, Progress, YawRollPlant};
+
+use super::{KMH, plant, rounded, vehicle};
+
+/// Left and right differ by the order of no sum: rounding is the same but for signs.
+#[test]
+fn a_right_turn_mirrors_a_left_turn() {
+    for name in ["baseline-tables", "kraz"] {
+        let vehicle = vehicle(name);
+        let speed_mps = 50.0 * KMH;
+        let turn = |side: f64| {
+            let options = PlantOptions { payload_left_m: side * 0.05, ..Default::default() };
+            let plant = YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap();
+            let mut run = plant.start(speed_mps).unwrap();
+            rounded(&mut run, side * 0.05, speed_mps, 5.0)
+        };
+        let mut worst = 0.0_f64;
+        for (left, right) in turn(1.0).iter().zip(&turn(-1.0)) {
+            for (l, r) in [
+                (left.trailer.roll_rad, right.trailer.roll_rad),
+                (left.tractor.roll_rad, right.tractor.roll_rad),
+                (left.trailer.yaw_rate_radps, right.trailer.yaw_rate_radps),
+                (left.articulation_rad, right.articulation_rad),
+            ] {
+                worst = worst.max((l + r).abs());
+            }
+            worst = worst.max((left.trailer.pitch_rad - right.trailer.pitch_rad).abs());
+        }
+        println!("{name}: {worst:.1e}");
+        // The equilibrium with an offset is found by Newton, whose differences of 1e-7 do not
+        // mirror exactly: its residual is left, 1e-7 m/s² at most.
+        assert!(worst < 1e-7, "{name}: {worst:e}");
+    }
+}
+
+/// From a symmetric start nothing but the signs differs at all.
+#[test]
+fn without_an_offset_the_mirror_is_exact() {
+    let vehicle = vehicle("baseline-tables");
+    let plant = plant(&vehicle);
+    let turn = |side: f64| {
+        let mut run = plant.start(50.0 * KMH).unwrap();
+        rounded(&mut run, side * 0.05, 50.0 * KMH, 5.0)
+    };
+    for (left, right) in turn(1.0).iter().zip(&turn(-1.0)) {
+        // One unit in the last place of a tenth of a radian, grown by 5 s of a stable motion.
+        assert!((left.trailer.roll_rad + right.trailer.roll_rad).abs() < 1e-15);
+        assert!((left.articulation_rad + right.articulation_rad).abs() < 1e-15);
+    }
+}
+
+fn roll_deg(friction_deflection_m: f64, step_s: f64) -> Vec<f64> {
+    let mut vehicle = vehicle("baseline-tables");
+    if let Some(spring) = vehicle.spring.iter_mut().find(|s| s.name == "trailer leaf") {
+        spring.friction_deflection_m = friction_deflection_m;
+    }
+    let options = PlantOptions { step_s, ..PlantOptions::default() };
+    let plant = YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap();
+    let mut run = plant.start(50.0 * KMH).unwrap();
+    let mut roll = Vec::new();
+    for k in 1..=500 {
+        let time_s = f64::from(k) * 0.01;
+        run.push(0.0576 * cg_vehicle::reduction::quality::rounded_step(time_s, 3.0), 50.0 * KMH, 0.01);
+        roll.push(run.sample().trailer.roll_rad.to_degrees());
+    }
+    roll
+}
+
+/// A joint as hard as the truck's, 1561 rad/s, is followed with steps of 1 ms and refused beyond.
+#[test]
+fn a_step_too_long_for_the_vehicle_is_an_error() {
+    let vehicle = vehicle("kraz");
+    let with = |step_s| {
+        let options = PlantOptions { step_s, ..PlantOptions::default() };
+        YawRollPlant::new(&vehicle, vehicle.reference_load(), &options)
+    };
+    assert!(with(1e-3).is_ok());
+    let error = with(2e-3).unwrap_err().to_string();
+    assert!(error.contains("1561 rad/s: take 1.6e-3 s or less"), "{error}");
+}
+
+/// The finest friction on an empty trailer is capped at what takes energy out, and still followed.
+#[test]
+fn every_load_can_be_simulated() {
+    let vehicle = vehicle("baseline-tables");
+    for trailer_mass_kg in [6500.0, 11_000.0, 24_000.0, 25_500.0] {
+        let load = Load { trailer_mass_kg, cg_height_m: 1.9 };
+        let roll_rad = |step_s| {
+            let options = PlantOptions { step_s, ..PlantOptions::default() };
+            let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
+            let mut run = plant.start(50.0 * KMH).unwrap();
+            rounded(&mut run, 0.05, 50.0 * KMH, 3.0).last().unwrap().trailer.roll_rad
+        };
+        let (coarse, fine) = (roll_rad(1e-3), roll_rad(2.5e-4));
+        assert!(fine > 0.0 && (coarse - fine).abs().to_degrees() < 1e-4, "{trailer_mass_kg}");
+    }
+}
+
+/// Friction turns at instants inside a step, so the order is lower than four there; still 1 ms is
+/// good to a ten-thousandth of a degree even with the stiffest friction of the source (0.26 mm).
+#[test]
+fn one_millisecond_is_converged() {
+    for friction_deflection_m in [0.0045, 0.00026] {
+        let fine = roll_deg(friction_deflection_m, 0.000_25);
+        for (step_s, most_deg) in [(0.001, 1e-4), (0.002, 2e-4), (0.004, 1e-3)] {
+            // Too long for the stiffest friction (see docs/plant.md).
+            if step_s > 0.002 && friction_deflection_m < 0.001 {
+                continue;
+            }
+            let coarse = roll_deg(friction_deflection_m, step_s);
+            let worst = fine.iter().zip(&coarse).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            println!("friction {friction_deflection_m} m, step {step_s} s: {worst:.1e} degrees");
+            assert!(worst < most_deg, "{step_s}: {worst}");
+        }
+    }
+}
+
+#[test]
+fn too_much_steer_rolls_the_vehicle_over_and_says_when() {
+    let vehicle = vehicle("baseline-tables");
+    let plant = plant(&vehicle);
+    let mut run = plant.start(80.0 * KMH).unwrap();
+    let mut progress = Progress::Running;
+    for _ in 0..2000 {
+        progress = run.push(0.12, 80.0 * KMH, 0.01);
+    }
+    let Progress::RolledOver { time_s } = progress else { panic!("{progress:?}") };
+    assert!(time_s > 0.5 && time_s < 10.0, "{time_s}");
+    assert!(run.upright().unwrap_err().to_string().contains("rolled over at"));
+}

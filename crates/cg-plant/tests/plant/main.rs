@@ -1,0 +1,63 @@
+//! The nonlinear plant: statics, symmetry, convergence, the linear model as its limit, the
+//! source's and published figures, the independent truck. (Energy: with the code, `plant::energy`.)
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod convergence;
+mod linear;
+mod published;
+mod source;
+mod statics;
+mod truck;
+
+use cg_vehicle::reduction::quality::rounded_step;
+use cg_plant::plant::{Characteristics, PlantOptions, PlantSample, Simulation, YawRollPlant};
+use cg_vehicle::{Load, Vehicle};
+
+const KMH: f64 = 1.0 / 3.6;
+const G: f64 = 9.806_65;
+
+fn vehicle(name: &str) -> Vehicle {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+    Vehicle::load(format!("{folder}/{name}.toml")).unwrap()
+}
+
+fn plant(vehicle: &Vehicle) -> YawRollPlant {
+    YawRollPlant::new(vehicle, vehicle.reference_load(), &PlantOptions::default()).unwrap()
+}
+
+fn linear() -> PlantOptions {
+    PlantOptions {
+        springs: Characteristics::Linear,
+        tyres: Characteristics::Linear,
+        ..PlantOptions::default()
+    }
+}
+
+/// The reference load with its c.g. elsewhere.
+fn at_height(vehicle: &Vehicle, cg_height_m: f64) -> Load {
+    Load { cg_height_m, ..vehicle.reference_load() }
+}
+
+/// Rounded step (rate 3 1/s) of this size, sampled each 10 ms.
+fn rounded(
+    run: &mut Simulation<'_>,
+    steer_rad: f64,
+    speed_mps: f64,
+    duration_s: f64,
+) -> Vec<PlantSample> {
+    let mut samples = vec![run.sample()];
+    while run.time_s() < duration_s - 1e-9 {
+        for _ in 0..10 {
+            let time_s = run.time_s() + 1e-3;
+            run.push(steer_rad * rounded_step(time_s, 3.0), speed_mps, 1e-3);
+        }
+        samples.push(run.sample());
+    }
+    samples
+}
+
+fn peak(samples: &[PlantSample], of: impl Fn(&PlantSample) -> f64) -> f64 {
+    samples.iter().map(|s| of(s).abs()).fold(0.0, f64::max)
+}

@@ -1,0 +1,115 @@
+//! V1: loads at rest, settling, offset payload, banked road.
+
+use cg_vehicle::Load;
+use cg_vehicle::balance::static_balance;
+use cg_plant::plant::{Coordinate, PlantOptions, YawRollPlant};
+
+use super::{KMH, linear, plant, vehicle};
+
+/// Figures 2.1 and 2.2 through the balance: 1 N is a unit of the last digit.
+#[test]
+fn straight_running_carries_the_known_loads() {
+    let sample = plant(&vehicle("baseline-tables")).start(50.0 * KMH).unwrap().sample();
+    let known = [53_934.0, 83_353.0, 83_353.0, 83_358.0, 83_358.0];
+    for (axle, known) in sample.axles().iter().zip(known) {
+        let load_n = axle.left_load_n + axle.right_load_n;
+        assert!((load_n - known).abs() < 1.0, "{load_n} {known}");
+        assert!((axle.left_load_n - axle.right_load_n).abs() < 1e-9);
+    }
+    assert!((sample.hitch_load_n - 140_570.0).abs() < 10.0, "{}", sample.hitch_load_n);
+}
+
+/// The given heights are an equilibrium: what moves is rounding (forces of 1e5 N to 1e-16 on 500 kg
+/// give 2e-14 m/s²; springs of the tyres turn that into less than 1e-16 m in one second).
+#[test]
+fn straight_running_stays() {
+    for name in ["baseline", "baseline-tables", "air", "kraz"] {
+        let vehicle = vehicle(name);
+        let plant = plant(&vehicle);
+        let mut run = plant.start(50.0 * KMH).unwrap();
+        let start = run.state;
+        for _ in 0..100 {
+            run.push(0.0, 50.0 * KMH, 0.01);
+        }
+        for c in [
+            Coordinate::TractorHeight,
+            Coordinate::TractorPitch,
+            Coordinate::TractorRoll,
+            Coordinate::TrailerPitch,
+            Coordinate::TrailerRoll,
+            Coordinate::LateralVelocity,
+            Coordinate::TractorYawRate,
+            Coordinate::TrailerYawRate,
+        ] {
+            let moved = run.state.get(c) - start.get(c);
+            assert!(moved.abs() < 1e-12, "{name}, {c:?}: {moved:e}");
+        }
+        assert!(
+            (plant.trailer_cg_height_m(&start) - vehicle.trailer.reference_cg_height_m).abs()
+                < 1e-12
+        );
+    }
+}
+
+/// With a design load of its own the body settles, and the load's height is still that at rest.
+#[test]
+fn a_lighter_load_lifts_the_body_and_keeps_its_height() {
+    let vehicle = vehicle("baseline");
+    let design = vehicle.reference_load();
+    let load = Load { trailer_mass_kg: design.trailer_mass_kg - 10_000.0, cg_height_m: 1.8 };
+    let options = PlantOptions { design_load: Some(design), ..linear() };
+    let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
+    let run = plant.start(50.0 * KMH).unwrap();
+    // Newton stops at accelerations of 1e-7: nanometres on springs of 1 Hz and above.
+    assert!((plant.trailer_cg_height_m(&run.state) - 1.8).abs() < 1e-7);
+    let balance = static_balance(&vehicle, load).unwrap();
+    for (axle, known) in run.sample().axles().iter().zip(&balance.axle_load_n) {
+        let ratio = (axle.left_load_n + axle.right_load_n) / known;
+        // The frames pitch by up to 1/100 rad, which moves c.g.s by 1 cm in 5 m.
+        assert!((ratio - 1.0).abs() < 3e-3, "{ratio}");
+    }
+    let lifted = run.state.get(Coordinate::TractorHeight) - vehicle.tractor.cg_height_m;
+    assert!(lifted > 0.0 && lifted < 0.05, "{lifted}");
+}
+
+/// A payload 0.1 m to the left rolls the trailer to the left, one to the right by as much to the
+/// right.
+#[test]
+fn an_offset_payload_leans_to_its_side() {
+    let vehicle = vehicle("baseline");
+    let roll = |payload_left_m: f64| {
+        let options = PlantOptions { payload_left_m, ..linear() };
+        let plant = YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap();
+        plant.start(50.0 * KMH).unwrap().sample().trailer.roll_rad
+    };
+    let (left, right, twice) = (roll(0.1), roll(-0.1), roll(0.2));
+    println!("0.1 m to the left: {:.3} degrees", left.to_degrees());
+    assert!(left < 0.0);
+    // Newton's residual of 1e-7 m/s² on a roll mode of 5 rad/s: 4e-9 rad.
+    assert!((left + right).abs() < 1e-8, "{left} {right}");
+    // Linear springs; what is left is the square of a 2 degree roll.
+    assert!((twice / left - 2.0).abs() < 5e-3, "{}", twice / left);
+}
+
+/// On a bank, right side lower, gravity pulls to the right: the body rolls to the right, the
+/// steer angle holds to the left, and lateral acceleration is zero.
+#[test]
+fn a_bank_is_held_by_steering_up_it() {
+    let vehicle = vehicle("baseline-tables");
+    let options = PlantOptions { bank_rad: 0.035, ..PlantOptions::default() };
+    let plant = YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap();
+    let mut run = plant.start(50.0 * KMH).unwrap();
+    let start = run.sample();
+    println!(
+        "bank of 2 degrees: roll {:.3}, steer {:.3} degrees",
+        start.trailer.roll_rad.to_degrees(),
+        start.steer_rad.to_degrees()
+    );
+    assert!(start.trailer.roll_rad > 0.0);
+    for _ in 0..500 {
+        run.push(start.steer_rad, 50.0 * KMH, 0.01);
+    }
+    let end = run.sample();
+    assert!((end.trailer.roll_rad - start.trailer.roll_rad).abs() < 1e-6);
+    assert!(end.trailer.lateral_acceleration_mps2.abs() < 1e-5);
+}

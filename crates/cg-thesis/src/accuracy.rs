@@ -1,0 +1,230 @@
+//! How good the estimates are, and whether their intervals are true: a maneuver many times on
+//! simulated logs (section 5.3.2).
+
+use cg_core::{Channel, Design};
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
+use cg_vehicle::design::design;
+use cg_vehicle::error::VehicleError;
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Method, QUANTILE_95};
+use cg_logs::log::LogRow;
+use cg_plant::sensors::Instruments;
+use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::vehicle::Vehicle;
+
+/// Step of the height for the bound's differences: 1 mm of 2 m leaves 1e-7 of the second order.
+const BOUND_STEP_M: f64 = 1e-3;
+
+/// Which truck drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Truck {
+    /// The vehicle file's: nothing but noise is wrong.
+    OfTheFile,
+    /// Another one each time, drawn from what the file says of its own uncertainty.
+    Drawn,
+}
+
+/// What is repeated.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// Maneuver, load and sensors.
+    pub scenario: Scenario,
+    /// Which truck.
+    pub truck: Truck,
+    /// The channel; `None` combines both.
+    pub channel: Option<Channel>,
+    /// Identification.
+    pub method: Method,
+    /// How many times.
+    pub runs: u32,
+    /// Of the first run.
+    pub seed: u64,
+}
+
+/// How far the estimates lie from the truth; lengths relative to the true height.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Score {
+    /// Runs with a height.
+    pub answered: u32,
+    /// Mean error.
+    pub bias: f64,
+    /// Root mean square of the error.
+    pub rmse: f64,
+    /// Mean of the stated standard deviation.
+    pub stated_sd: f64,
+    /// Share of the runs whose 95 % interval holds the truth.
+    pub coverage: f64,
+    /// Cramér-Rao bound of the standard deviation: noise as it is, an unknown offset, everything
+    /// else known. With white noise only.
+    pub bound: f64,
+}
+
+/// The driver's inputs are those of the file's truck; a drawn one answers them in its own way.
+struct Drawn {
+    deviations: Deviations,
+    /// What the equations leave out, of each channel's ratio.
+    residual: [f64; 2],
+}
+
+impl Drawn {
+    fn new(belief: &Belief, truck: Truck, source: &mut StdRng) -> Self {
+        let mut normal = || -> f64 { StandardNormal.sample(source) };
+        if truck == Truck::OfTheFile {
+            return Self { deviations: Deviations::zeros(), residual: [0.0; 2] };
+        }
+        let standard = Deviations::from_fn(|_, _| normal());
+        // Uncorrelated before any calibration.
+        let sd = Deviations::from_fn(|k, _| belief.covariance[(k, k)].sqrt());
+        Self {
+            deviations: belief.mean + sd.component_mul(&standard),
+            residual: [belief.residual_sd * normal(), belief.residual_sd * normal()],
+        }
+    }
+
+    /// What the sensors of this truck make of a row before their own faults: roll over measured
+    /// input is what a gain multiplies.
+    fn shown(&self, row: &LogRow) -> LogRow {
+        let by = |channel: Channel| {
+            (log_gain(&self.deviations, channel) + self.residual[channel.index()]).exp()
+        };
+        let (steer, lateral) = (by(Channel::Steer), by(Channel::LateralAcceleration));
+        LogRow {
+            steer_rad: row.steer_rad / steer,
+            lateral_acceleration_mps2: row.lateral_acceleration_mps2 / lateral,
+            yaw_rate_radps: row.yaw_rate_radps / lateral,
+            ..*row
+        }
+    }
+}
+
+impl Experiment {
+    /// This maneuver with the truck of the file and white noise of 20 dB, both channels combined.
+    pub fn of(scenario: Scenario) -> Self {
+        Self {
+            scenario,
+            truck: Truck::OfTheFile,
+            channel: None,
+            method: Method::Filtered,
+            runs: 1000,
+            seed: 1,
+        }
+    }
+
+    /// Runs it; `take` sees each run's answer, in order.
+    ///
+    /// # Errors
+    /// If the vehicle cannot be simulated so.
+    pub fn run(
+        &self,
+        vehicle: &Vehicle,
+        design: &Design<f64>,
+        mut take: impl FnMut(&LogEstimate),
+    ) -> Result<(), VehicleError> {
+        let belief = Belief::prior(vehicle);
+        let nominal = LogSimulation::new(vehicle, self.scenario)?;
+        let scenario = Scenario { steer_rad: Some(nominal.truth.steer_rad), ..self.scenario };
+        let options = EstimateOptions {
+            channel: self.channel,
+            method: self.method,
+            variant: scenario.variant,
+            ..EstimateOptions::default()
+        };
+        let fresh = LogEstimator::from_design(design, vehicle.align_settings(), options);
+        let mut source = StdRng::seed_from_u64(self.seed);
+        let mut rows = true_rows(&nominal);
+        for run in 0..self.runs {
+            let drawn = Drawn::new(&belief, self.truck, &mut source);
+            if self.truck == Truck::Drawn {
+                let other = adjusted(vehicle, &drawn.deviations);
+                rows = true_rows(&LogSimulation::new(&other, scenario)?);
+            }
+            let mut instruments = Instruments::new(
+                &scenario.sensors,
+                nominal.truth.noise_sd_rad,
+                vehicle.gravity_mps2,
+                vehicle.steering_ratio.unwrap_or(1.0),
+                self.seed.wrapping_add(u64::from(run)),
+            );
+            let mut estimator = fresh.clone();
+            for row in &rows {
+                estimator
+                    .push(&instruments.measure(&drawn.shown(row)))
+                    .map_err(|error| VehicleError::Model(error.to_string()))?;
+            }
+            take(&estimator.finish());
+        }
+        Ok(())
+    }
+
+    /// Runs it and scores the heights. With the truck of the file the interval that is judged is
+    /// the one that noise alone explains; with drawn trucks the whole one.
+    ///
+    /// # Errors
+    /// As [`Experiment::run`].
+    pub fn score(&self, vehicle: &Vehicle) -> Result<Score, VehicleError> {
+        let design = design(vehicle, self.scenario.variant)?;
+        let truth_m = self.scenario.load.cg_height_m;
+        let (mut sum, mut square, mut stated, mut covered) = (0.0, 0.0, 0.0, 0.0);
+        let mut answered = 0;
+        self.run(vehicle, &design, |estimate| {
+            let (Some(height_m), Some(whole_sd_m)) = (estimate.height_m, estimate.height_sd_m)
+            else {
+                return;
+            };
+            let sd_m = match self.truck {
+                Truck::OfTheFile => estimate.height_random_sd_m.unwrap_or(whole_sd_m),
+                Truck::Drawn => whole_sd_m,
+            };
+            let error_m = height_m - truth_m;
+            answered += 1;
+            sum += error_m;
+            square += error_m * error_m;
+            stated += sd_m;
+            covered += f64::from(u8::from(error_m.abs() <= QUANTILE_95 * sd_m));
+        })?;
+        let n = f64::from(answered);
+        Ok(Score {
+            answered,
+            bias: sum / n / truth_m,
+            rmse: (square / n).sqrt() / truth_m,
+            stated_sd: stated / n / truth_m,
+            coverage: covered / n,
+            bound: self.bound_m(vehicle)? / truth_m,
+        })
+    }
+
+    /// The bound: `σ/|s⊥|`, where `s = ∂φ/∂h` at given steer angle and `s⊥` its part that no
+    /// constant offset explains.
+    fn bound_m(&self, vehicle: &Vehicle) -> Result<f64, VehicleError> {
+        let nominal = LogSimulation::new(vehicle, self.scenario)?;
+        let at = |shift_m: f64| -> Result<Vec<LogRow>, VehicleError> {
+            let mut scenario = self.scenario;
+            scenario.steer_rad = Some(nominal.truth.steer_rad);
+            scenario.load.cg_height_m += shift_m;
+            Ok(true_rows(&LogSimulation::new(vehicle, scenario)?))
+        };
+        let (above, below) = (at(BOUND_STEP_M)?, at(-BOUND_STEP_M)?);
+        let slopes: Vec<f64> = above
+            .iter()
+            .zip(&below)
+            .map(|(a, b)| (a.roll_rad - b.roll_rad) / (2.0 * BOUND_STEP_M))
+            .collect();
+        #[allow(clippy::cast_precision_loss)] // thousands of rows
+        let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
+        let length = slopes.iter().map(|s| (s - mean).powi(2)).sum::<f64>().sqrt();
+        Ok(nominal.truth.noise_sd_rad / length)
+    }
+}
+
+fn true_rows(simulation: &LogSimulation) -> Vec<LogRow> {
+    let mut rows = Vec::new();
+    let keep = |row: &LogRow| {
+        rows.push(*row);
+        Ok::<(), std::convert::Infallible>(())
+    };
+    let Ok(()) = simulation.run_true(keep);
+    rows
+}

@@ -1,0 +1,184 @@
+//! Transfer functions identified from eq. 5.12's own response: Tables 5.4, 5.5 and 5.8.
+//!
+//! Signs are the source's throughout (ratios negative).
+
+use cg_core::Reduced5;
+use cg_core::reduced::ORDER;
+use serde::Deserialize;
+
+use super::compensated::printed_5_12;
+use super::continuous::{UNKNOWNS, to_continuous};
+use super::heights::Heights;
+use super::monte_carlo::{Experiment, INTERVAL_S, RATE_PER_S, arx, arx_ratio, filtered};
+use super::printed::{Printed, fixed, thesis};
+use super::transfer::polynomial_rows;
+use super::{Baseline, Options, Row};
+use cg_vehicle::error::VehicleError;
+
+/// Road-wheel amplitude of the experiments on eq. 5.12, to the left in ISO 8855; the models are
+/// linear, so it only sets the noise against the sensor's floor.
+pub(super) const STEER_RAD: f64 = -0.05;
+
+/// Eq. 5.12 as printed.
+pub(super) fn plant() -> Result<Reduced5<f64>, VehicleError> {
+    let printed = printed_5_12()?;
+    Ok(Reduced5 {
+        numerator: fixed(&printed.numerator)?,
+        denominator: fixed(&printed.denominator)?,
+    })
+}
+
+fn not_identified() -> VehicleError {
+    VehicleError::Model("the response of eq. 5.12 does not determine an ARX model".to_owned())
+}
+
+/// DC ratio of an ARX model of order 5 from noise-free data.
+pub(super) fn by_rate_ratio(rate_per_s: u32) -> Result<f64, VehicleError> {
+    let experiment = Experiment::on_reduced(&plant()?, rate_per_s, STEER_RAD);
+    arx_ratio(ORDER, &experiment.steer, &experiment.roll).ok_or_else(not_identified)
+}
+
+/// The same at the usual rate.
+pub(super) fn noise_free_ratio() -> Result<f64, VehicleError> {
+    by_rate_ratio(RATE_PER_S)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Functions {
+    #[serde(default, rename = "remark")]
+    _remark: Option<String>,
+    function: Vec<Function>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Function {
+    #[serde(alias = "rate_per_s", alias = "snr_db")]
+    condition: u32,
+    numerator: Vec<Printed>,
+    denominator: Vec<Printed>,
+}
+
+pub(super) fn by_rate(
+    table: &'static str,
+    _: &Baseline,
+    _: &Options,
+) -> Result<Vec<Row>, VehicleError> {
+    let printed: Functions = thesis!("table_5_4.toml")?;
+    let note = "cannot be reproduced: noise-free data return eq. 5.12 itself, whatever the rate";
+    let plant = plant()?;
+    let mut rows = Vec::new();
+    for function in &printed.function {
+        let experiment = Experiment::on_reduced(&plant, function.condition, STEER_RAD);
+        let ours = arx::<UNKNOWNS>(&experiment.steer, &experiment.roll)
+            .and_then(|coefficients| to_continuous(&coefficients, INTERVAL_S))
+            .ok_or_else(not_identified)?;
+        let name = format!("a = {}: ", function.condition);
+        let sides = (&function.numerator[..], &function.denominator[..]);
+        rows.extend(polynomial_rows(
+            table,
+            &name,
+            sides,
+            (&ours.numerator, &ours.denominator),
+            note,
+        ));
+    }
+    Ok(rows)
+}
+
+pub(super) fn ratios(
+    table: &'static str,
+    _: &Baseline,
+    _: &Options,
+) -> Result<Vec<Row>, VehicleError> {
+    let printed: Heights = thesis!("tables_5_5_5_6.toml")?;
+    let original = &printed.original;
+    let note = "from the printed coefficients";
+    let ours = original.a0.value / original.b0.value;
+    let mut rows = vec![Row::beside(table, "eq. 5.12: A0/B0", &original.ratio, ours).noted(note)];
+    for row in &printed.row {
+        let name = format!("a = {}: A0/B0", row.condition);
+        let ours = row.a0.value / row.b0.value;
+        rows.push(Row::beside(table, name.clone(), &row.ratio, ours).noted(note));
+        let note = "identified here from noise-free data: eq. 5.12's own ratio at every rate";
+        let ours = by_rate_ratio(row.condition)?;
+        rows.push(Row::against(table, format!("{name} identified here"), &row.ratio, ours, note));
+    }
+    Ok(rows)
+}
+
+/// The printed functions are one draw each of an unknown noise. Ours are medians of many: of the
+/// product's identifier, which stays near eq. 5.12, and of the source's ARX for the sum of the
+/// poles, which the noise drives far out.
+pub(super) fn by_noise(
+    table: &'static str,
+    _: &Baseline,
+    options: &Options,
+) -> Result<Vec<Row>, VehicleError> {
+    let printed: Functions = thesis!("table_5_8.toml")?;
+    let ratios: Heights = thesis!("table_5_7.toml")?;
+    let experiment = Experiment::on_reduced(&plant()?, RATE_PER_S, STEER_RAD);
+    let unknown = "one draw of an unknown noise, cannot be reproduced";
+    let runs = options.runs;
+    let mut rows = Vec::new();
+    for (function, ratio) in printed.function.iter().zip(&ratios.row) {
+        let name = format!("{} dB: ", function.condition);
+        let from_print = function.numerator[0].value / function.denominator[0].value;
+        let row = Row::beside(table, format!("{name}A0/B0"), &ratio.ratio, from_print);
+        rows.push(row.noted("from the printed coefficients"));
+        let draws = Draws::new(&experiment, f64::from(function.condition), options)?;
+        let note = format!("{unknown}; ours is the median of {runs} draws, product's identifier");
+        let sides = (&function.numerator[..], &function.denominator[..]);
+        let ours = draws.median_model();
+        let ours = (&ours.numerator[..], &ours.denominator[..]);
+        rows.extend(polynomial_rows(table, &name, sides, ours, &note));
+        if let (Some(sum), Some(printed)) = (draws.median_pole_sum(), function.denominator.last()) {
+            let note = format!("{unknown}; ours is the median of {runs} draws, the source's ARX");
+            rows.push(Row::against(table, format!("{name}B4 by ARX"), printed, sum, note));
+        }
+    }
+    Ok(rows)
+}
+
+/// Many identifications at one noise.
+struct Draws {
+    models: Vec<Reduced5<f64>>,
+    pole_sums: Vec<f64>,
+}
+
+impl Draws {
+    fn new(experiment: &Experiment, snr_db: f64, options: &Options) -> Result<Self, VehicleError> {
+        let plant = plant()?;
+        let mut draws = Self { models: Vec::new(), pole_sums: Vec::new() };
+        for run in 0..options.runs {
+            let roll = experiment.drawn(Some(snr_db), options.seed.wrapping_add(u64::from(run)));
+            draws.models.extend(filtered(&plant, &experiment.steer, &roll).model());
+            // A draw whose poles have no real transfer function says nothing.
+            let sampled = arx::<UNKNOWNS>(&experiment.steer, &roll);
+            let continuous = sampled.and_then(|sampled| to_continuous(&sampled, INTERVAL_S));
+            draws.pole_sums.extend(continuous.map(|model| model.denominator[ORDER - 1]));
+        }
+        if draws.models.is_empty() { Err(not_identified()) } else { Ok(draws) }
+    }
+
+    fn median_pole_sum(&self) -> Option<f64> {
+        median(self.pole_sums.clone())
+    }
+
+    /// Coefficient by coefficient.
+    fn median_model(&self) -> Reduced5<f64> {
+        let middle = |at: &dyn Fn(&Reduced5<f64>) -> f64| {
+            median(self.models.iter().map(at).collect()).unwrap_or(f64::NAN)
+        };
+        Reduced5 {
+            numerator: std::array::from_fn(|k| middle(&|model| model.numerator[k])),
+            denominator: std::array::from_fn(|k| middle(&|model| model.denominator[k])),
+        }
+    }
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

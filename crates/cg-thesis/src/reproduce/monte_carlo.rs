@@ -1,0 +1,162 @@
+//! Many draws of the noise in place of one.
+//!
+//! The experiment is the source's: the rounded step of rate `a` (eq. 5.3), 10 s at 0.05 s, white
+//! noise on the roll angle, SNR on its mean square, and `[n n+1 0]` ARX models in shift form.
+//! Draw `k` of every cell has the seed `seed + k`, so cells differ by their settings alone.
+
+use cg_core::reduced::Simulation;
+use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution, StandardNormal};
+
+use super::Options;
+use cg_vehicle::reduction::quality::rounded_step;
+use cg_vehicle::response::StateSpace;
+
+/// Sampling interval.
+pub(super) const INTERVAL_S: f64 = 0.05;
+/// Samples in an experiment.
+pub(super) const SAMPLES: usize = 201;
+/// Rate of the rounded step where the source does not say it.
+pub(super) const RATE_PER_S: u32 = 3;
+/// An error beyond this is no estimate: left out of bias and RMSE, and counted.
+const OUTLIER_PERCENT: f64 = 30.0;
+
+/// Input and noise-free output.
+pub(super) struct Experiment {
+    pub(super) steer: Vec<f64>,
+    pub(super) roll: Vec<f64>,
+}
+
+/// The rounded step of unit height, sampled.
+fn steps(rate_per_s: u32) -> Vec<f64> {
+    #[allow(clippy::cast_precision_loss)] // a few samples
+    (0..SAMPLES).map(|k| rounded_step(INTERVAL_S * k as f64, f64::from(rate_per_s))).collect()
+}
+
+impl Experiment {
+    /// On a reduced model.
+    pub(super) fn on_reduced(model: &Reduced5<f64>, rate_per_s: u32, steer_rad: f64) -> Self {
+        let steer: Vec<f64> = steps(rate_per_s).iter().map(|step| steer_rad * step).collect();
+        let mut simulation = Simulation::new(model, INTERVAL_S, 0.0);
+        // At rest at the first sample, where the step is zero.
+        let roll = steer.iter().enumerate();
+        let roll = roll.map(|(k, &u)| if k == 0 { 0.0 } else { simulation.push(u) }).collect();
+        Self { steer, roll }
+    }
+
+    /// On a linear model in full.
+    pub(super) fn on_linear(model: &StateSpace, rate_per_s: u32, steer_rad: f64) -> Self {
+        let steer: Vec<f64> = steps(rate_per_s).iter().map(|step| steer_rad * step).collect();
+        let mut simulation = model.simulation(INTERVAL_S);
+        let mut roll = Vec::with_capacity(steer.len());
+        for (k, &u) in steer.iter().enumerate() {
+            if k > 0 {
+                simulation.push(u);
+            }
+            roll.push(model.trailer_roll.dot(&simulation.state));
+        }
+        Self { steer, roll }
+    }
+
+    /// Mean square of the roll angle.
+    pub(super) fn mean_square(&self) -> f64 {
+        #[allow(clippy::cast_precision_loss)]
+        let n = self.roll.len() as f64;
+        self.roll.iter().map(|y| y * y).sum::<f64>() / n
+    }
+
+    /// The roll angle with one draw of the noise; `None` for none.
+    pub(super) fn drawn(&self, snr_db: Option<f64>, seed: u64) -> Vec<f64> {
+        let Some(snr_db) = snr_db else { return self.roll.clone() };
+        let sd = (self.mean_square() * 10f64.powf(-snr_db / 10.0)).sqrt();
+        let mut rng = StdRng::seed_from_u64(seed);
+        let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
+        self.roll.iter().map(|y| y + sd * noise()).collect()
+    }
+
+    /// Bias and scatter over draws of `error_percent`, which takes a drawn roll angle.
+    pub(super) fn score(
+        &self,
+        snr_db: Option<f64>,
+        options: &Options,
+        error_percent: impl Fn(&[f64]) -> Option<f64>,
+    ) -> ScorePercent {
+        // Without noise all draws are one.
+        let runs = if snr_db.is_some() { options.runs } else { 1 };
+        let (mut sum, mut squares, mut used) = (0.0, 0.0, 0);
+        for run in 0..runs {
+            let roll = self.drawn(snr_db, options.seed.wrapping_add(u64::from(run)));
+            let error = error_percent(&roll).filter(|error| error.abs() <= OUTLIER_PERCENT);
+            if let Some(error) = error {
+                sum += error;
+                squares += error * error;
+                used += 1;
+            }
+        }
+        let n = f64::from(used);
+        ScorePercent {
+            bias: (used > 0).then(|| sum / n),
+            rmse: (used > 0).then(|| (squares / n).sqrt()),
+            outliers: 100.0 * f64::from(runs - used) / f64::from(runs),
+        }
+    }
+}
+
+/// Errors of the height over many draws, in %.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ScorePercent {
+    /// Their mean, `None` if all are outliers.
+    pub(super) bias: Option<f64>,
+    /// Root of their mean square.
+    pub(super) rmse: Option<f64>,
+    /// Share of draws beyond 30 %, left out of both.
+    pub(super) outliers: f64,
+}
+
+/// Coefficients `a1 … an, b0 … bn` of an ARX model of order n, `N = 2n + 1`.
+pub(super) fn arx<const N: usize>(steer: &[f64], roll: &[f64]) -> Option<[f64; N]> {
+    let order = (N - 1) / 2;
+    let mut arx = Arx::<f64, N>::new(order, order + 1, 0)?;
+    for (&u, &y) in steer.iter().zip(roll) {
+        arx.push(u, y, true);
+    }
+    arx.coefficients()
+}
+
+/// DC ratio of an ARX model of order 1 to 5.
+pub(super) fn arx_ratio(order: usize, steer: &[f64], roll: &[f64]) -> Option<f64> {
+    fn ratio<const N: usize>(steer: &[f64], roll: &[f64]) -> Option<f64> {
+        let coefficients = arx::<N>(steer, roll)?;
+        let (past, inputs) = coefficients.split_at((N - 1) / 2);
+        Some(inputs.iter().sum::<f64>() / (1.0 + past.iter().sum::<f64>()))
+    }
+    match order {
+        1 => ratio::<3>(steer, roll),
+        2 => ratio::<5>(steer, roll),
+        3 => ratio::<7>(steer, roll),
+        4 => ratio::<9>(steer, roll),
+        5 => ratio::<11>(steer, roll),
+        _ => None,
+    }
+}
+
+/// The product's own identifier around a nominal model, with all samples taken in.
+pub(super) fn filtered(nominal: &Reduced5<f64>, steer: &[f64], roll: &[f64]) -> FilteredArx<f64> {
+    // The experiments have no constant offset, and the source's models know none.
+    let prior = Prior { offset_sd_rad: 0.0, ..Prior::standard() };
+    let mut identifier = FilteredArx::new(nominal, prior);
+    for (&u, &y) in steer.iter().zip(roll) {
+        identifier.push(u, y, INTERVAL_S, true);
+    }
+    identifier
+}
+
+/// DC ratio by the same.
+pub(super) fn filtered_ratio(nominal: &Reduced5<f64>, steer: &[f64], roll: &[f64]) -> Option<f64> {
+    match filtered(nominal, steer, roll).fit() {
+        Answer::Ready(fit) => Some(fit.ratio.value),
+        Answer::Unexcited(_) => None,
+    }
+}

@@ -1,0 +1,96 @@
+//! Table 5.10: the springs of the drive and trailer axles softer or stiffer.
+
+use serde::Deserialize;
+
+use super::compensated::printed_compensation;
+use super::heights::{bias_percent, percent, solved};
+use super::printed::{Printed, thesis};
+use super::{Baseline, METRES_PER_INCH, Options, Row, own_springs};
+use cg_vehicle::error::VehicleError;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table510 {
+    #[serde(rename = "remark")]
+    _remark: String,
+    row: Vec<Springs>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Springs {
+    stiffness_percent: i32,
+    baseline: Estimate,
+    numerator: Vec<Printed>,
+    denominator: Vec<Printed>,
+    updated: Estimate,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Estimate {
+    height_in: Printed,
+    height_m: Printed,
+    bias_percent: Printed,
+}
+
+pub(super) fn table(
+    table: &'static str,
+    base: &Baseline,
+    _: &Options,
+) -> Result<Vec<Row>, VehicleError> {
+    let printed: Table510 = thesis!("table_5_10.toml")?;
+    let mut rows = Vec::new();
+    for springs in &printed.row {
+        rows.extend(from_print(table, base, springs)?);
+        let percent = springs.stiffness_percent;
+        let printed = [&springs.baseline.bias_percent, &springs.updated.bias_percent];
+        rows.extend(own_springs::rows(table, base, (&name(percent), percent), printed)?);
+    }
+    Ok(rows)
+}
+
+fn name(percent: i32) -> String {
+    if percent == 0 { "0 %".to_owned() } else { format!("{percent:+} %") }
+}
+
+/// Both heights are of one measured ratio `R_i`: the one with the baseline's compensation gives
+/// `R_i`, the DC gain of the updated compensation the other height.
+fn from_print(
+    table: &'static str,
+    base: &Baseline,
+    springs: &Springs,
+) -> Result<Vec<Row>, VehicleError> {
+    let line = &base.printed_line;
+    let name = name(springs.stiffness_percent);
+    let (baseline, updated) = (&springs.baseline, &springs.updated);
+    let ratio = printed_compensation()? * line.ratio_at(baseline.height_in.value);
+    let compensation = match (springs.numerator.first(), springs.denominator.first()) {
+        (Some(numerator), Some(denominator)) => numerator.value / denominator.value,
+        _ => return Err(VehicleError::Model("Table 5.10: an empty F(s)".to_owned())),
+    };
+    let height_in = solved(line, ratio, compensation)?;
+    let note = "not printed: from the height with the baseline's compensation, eqs. 5.17 to 5.20";
+    let mut rows = vec![
+        Row::ours(table, format!("{name}: R_i"), ratio, note),
+        Row::ours(
+            table,
+            format!("{name}: updated R_c"),
+            compensation,
+            "not printed: from the printed coefficients",
+        ),
+    ];
+    let note = "R_i through the updated R_c";
+    let item = format!("{name}: h, updated R_c, in");
+    rows.push(Row::beside(table, item, &updated.height_in, height_in).noted(note));
+    for (what, estimate) in [("baseline", baseline), ("updated", updated)] {
+        let note = "from the printed height in inches";
+        let height_m = estimate.height_in.value * METRES_PER_INCH;
+        let bias = bias_percent(estimate.height_in.value, base.true_height_in());
+        let item = format!("{name}: h, {what} R_c, m");
+        rows.push(Row::beside(table, item, &estimate.height_m, height_m).noted(note));
+        let item = format!("{name}: bias, {what} R_c, %");
+        rows.push(percent(Row::beside(table, item, &estimate.bias_percent, bias)));
+    }
+    Ok(rows)
+}

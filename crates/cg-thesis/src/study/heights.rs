@@ -1,0 +1,161 @@
+//! Figs. 2.26, 2.27: peak roll over the c.g. height, under one payload and under five.
+
+use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
+use super::drive::{Drive, peak_rolls};
+use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use cg_vehicle::error::VehicleError;
+use cg_plant::plant::PlantOptions;
+use cg_vehicle::vehicle::Load;
+
+pub(super) const HEIGHT: Quantity = Quantity {
+    name: "cg_height",
+    label: "C.g. height of the semitrailer's sprung mass",
+    unit: Unit::Metre,
+};
+
+/// The source's range.
+const HEIGHTS_M: [f64; 9] = [1.85, 1.90, 1.95, 2.00, 2.05, 2.10, 2.15, 2.20, 2.25];
+
+/// Payloads of Fig. 2.27, and the heights of their own c.g.: what a box on the floor can have.
+const PAYLOADS_KG: [f64; 5] = [5_000.0, 10_000.0, 15_000.0, 20_000.0, 25_000.0];
+const PAYLOAD_HEIGHTS_M: [f64; 5] = [1.7, 1.85, 2.0, 2.15, 2.3];
+
+/// Resolution of the source's tilt sensor.
+const TILT_DEG: f64 = 0.05;
+
+/// Fig. 2.26.
+pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
+    let base = Drive::turn(&setting.vehicle);
+    let mut lines = scenario(setting, &base);
+    let points = peak_rolls(
+        &HEIGHTS_M,
+        &mut lines,
+        |height_m| format!("c.g. at {height_m:.2} m"),
+        |height_m| base.clone().at_height(height_m),
+    )?;
+    let series = Series::new(setting.vehicle.name.clone(), 0, points);
+    let slope = per_metre_deg(series.slope());
+    let (low, high) = ends(&series);
+    let below = (series.at(2.15) - series.at(1.85)).to_degrees() / 0.3;
+    Ok(Study {
+        name: setting.name,
+        finding: format!(
+            "The peak roll angle of the semitrailer grows by {slope:.1}° per metre of c.g. height, \
+             the faster the higher"
+        ),
+        scenario: lines,
+        statements: vec![
+            Statement {
+                place: "Fig. 2.26",
+                thesis: "the peak roll angle grows by about 4.1° per metre from 1.85 to 2.25 m",
+                ours: format!("{slope:.2}°/m over the range, {below:.2}°/m up to 2.15 m"),
+                // What the source's figure leaves open: a tenth of a degree at either end.
+                agrees: (slope - 4.1).abs() < 0.5,
+            },
+            Statement {
+                place: "Fig. 2.26",
+                thesis: "not linearly",
+                ours: format!("{low:.2}°/m at the low end, {high:.2}°/m at the high end"),
+                agrees: high > 1.1 * low,
+            },
+        ],
+        panels: vec![Panel {
+            figure: "2.26",
+            title: "Peak roll over c.g. height",
+            x: Abscissa::Over(HEIGHT),
+            y: PEAK_ROLL,
+            series: vec![series],
+        }],
+    })
+}
+
+/// Slopes of the first and the last two points, degrees per metre.
+fn ends(series: &Series) -> (f64, f64) {
+    let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
+    let mut pairs = series.points.windows(2);
+    let first = pairs.next().map_or(f64::NAN, slope);
+    (first, pairs.next_back().map_or(f64::NAN, slope))
+}
+
+/// Fig. 2.27.
+pub(super) fn payload_height(setting: &Setting) -> Result<Study, VehicleError> {
+    let base = Drive::turn(&setting.vehicle);
+    let mut lines = scenario(setting, &base);
+    lines.push(format!(
+        "payload's own c.g. at {:.2} to {:.2} m; springs and tyres are those of the reference load",
+        PAYLOAD_HEIGHTS_M[0],
+        PAYLOAD_HEIGHTS_M[PAYLOAD_HEIGHTS_M.len() - 1]
+    ));
+    let vehicle = &setting.vehicle;
+    let tare = &vehicle.trailer.tare;
+    let mut series = Vec::new();
+    for (kind, payload_kg) in PAYLOADS_KG.into_iter().enumerate() {
+        let share = payload_kg / (payload_kg + tare.sprung_mass_kg);
+        // Eq. 2.6.
+        let heights =
+            PAYLOAD_HEIGHTS_M.map(|own_m| tare.cg_height_m + share * (own_m - tare.cg_height_m));
+        let tonnes = payload_kg / 1000.0;
+        let name = |height_m: f64| format!("{tonnes} t, c.g. at {height_m:.2} m");
+        let points = peak_rolls(&heights, &mut lines, name, |cg_height_m| {
+            let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
+            let mut drive = base.clone();
+            drive.load = Load { trailer_mass_kg, cg_height_m };
+            let design_load = Some(vehicle.reference_load());
+            drive.options = PlantOptions { design_load, ..PlantOptions::default() };
+            drive
+        })?;
+        series.push(Series::new(format!("{tonnes} t"), kind, points));
+    }
+    let slopes: Vec<f64> = series.iter().map(|s| per_metre_deg(s.slope())).collect();
+    let (least, most) = (slopes[0], slopes[slopes.len() - 1]);
+    Ok(Study {
+        name: setting.name,
+        finding: format!(
+            "A light payload tells little of its height: {least:.1}° per metre under 5 t, \
+             {most:.1}° under 25 t"
+        ),
+        scenario: lines,
+        statements: payload_statements(&series, &slopes),
+        panels: vec![Panel {
+            figure: "2.27",
+            title: "Peak roll over c.g. height under five payloads",
+            x: Abscissa::Over(HEIGHT),
+            y: PEAK_ROLL,
+            series,
+        }],
+    })
+}
+
+fn payload_statements(series: &[Series], slopes: &[f64]) -> Vec<Statement> {
+    let listed: Vec<String> = slopes.iter().map(|slope| format!("{slope:.2}")).collect();
+    let bend = series.iter().map(bent).fold(0.0, f64::max);
+    vec![
+        Statement {
+            place: "Fig. 2.27",
+            thesis: "roll is quasi-linear in the c.g. height under each payload",
+            ours: format!("farthest from its chord by {:.0} % of its rise", 100.0 * bend),
+            agrees: bend < 0.1,
+        },
+        Statement {
+            place: "Fig. 2.27",
+            thesis: "a lighter payload has a lower slope",
+            ours: format!("{} °/m under 5 to 25 t", listed.join(", ")),
+            agrees: slopes.windows(2).all(|pair| pair[0] < pair[1]),
+        },
+        Statement {
+            place: "Fig. 2.27",
+            thesis: "0.83°/m under 5 t: a tilt sensor of 0.05° resolves ±60 mm",
+            ours: format!("{:.2}°/m: ±{:.0} mm", slopes[0], 1000.0 * TILT_DEG / slopes[0]),
+            agrees: (slopes[0] / 0.83 - 1.0).abs() < 0.25,
+        },
+    ]
+}
+
+/// Greatest distance from the chord, over the rise.
+fn bent(series: &Series) -> f64 {
+    let Some(first) = series.points.first() else { return f64::NAN };
+    let slope = series.slope();
+    let chord = |p: &[f64; 2]| (p[1] - first[1] - slope * (p[0] - first[0])).abs();
+    let rise = series.points.last().map_or(f64::NAN, |last| last[1] - first[1]);
+    series.points.iter().map(chord).fold(0.0, f64::max) / rise
+}

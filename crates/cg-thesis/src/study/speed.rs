@@ -1,0 +1,144 @@
+//! Figs. 2.23, 2.24: both maneuvers at different speeds.
+
+use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
+use super::drive::{Course, Drive, LANE_CHANGE, QUARTER, trailer_lateral, trailer_roll};
+use super::{PEAK_LATERAL, PEAK_ROLL, Setting, scenario};
+use cg_vehicle::error::VehicleError;
+
+const SPEED: Quantity = Quantity { name: "speed", label: "Speed", unit: Unit::MetrePerSecond };
+const KMH: f64 = 1.0 / 3.6;
+
+/// One maneuver over speed.
+struct Sweep {
+    name: &'static str,
+    course: Course,
+    kmh: &'static [f64],
+    lateral: Vec<[f64; 2]>,
+    roll: Vec<[f64; 2]>,
+}
+
+impl Sweep {
+    fn drive(&mut self, base: &Drive, lines: &mut Vec<String>) -> Result<(), VehicleError> {
+        for &kmh in self.kmh {
+            let record = base.clone().along(self.course, kmh * KMH).run()?;
+            lines.extend(record.told(&format!("{} at {kmh} km/h", self.name)));
+            let peaks = record.peak(trailer_lateral).zip(record.peak(trailer_roll));
+            if let Some((lateral, roll)) = peaks {
+                self.lateral.push([kmh * KMH, lateral]);
+                self.roll.push([lateral, roll]);
+            }
+        }
+        // Roll over acceleration is read from the least to the greatest.
+        self.roll.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Ok(())
+    }
+}
+
+/// Figs. 2.23, 2.24.
+pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
+    let base = Drive::turn(&setting.vehicle);
+    let mut lines = scenario(setting, &base);
+    lines.pop();
+    lines.push("lane change of 20 m gate length; turn of 90°, 100 m radius".to_owned());
+    let mut sweeps = [
+        ("lane change", LANE_CHANGE, &[70.0, 80.0, 90.0, 100.0, 110.0, 120.0][..]),
+        ("turn", QUARTER, &[46.0, 48.0, 49.0, 50.0, 51.0, 52.0][..]),
+    ]
+    .map(|(name, course, kmh)| Sweep { name, course, kmh, lateral: vec![], roll: vec![] });
+    for sweep in &mut sweeps {
+        sweep.drive(&base, &mut lines)?;
+    }
+    let series = |of: fn(&Sweep) -> &Vec<[f64; 2]>| -> Vec<Series> {
+        let each = sweeps.iter().enumerate();
+        each.map(|(kind, sweep)| Series::new(sweep.name, kind, of(sweep).clone())).collect()
+    };
+    let (lateral, roll) = (series(|s| &s.lateral), series(|s| &s.roll));
+    let statements = statements(setting, &lateral, &roll);
+    let g = setting.vehicle.gravity_mps2;
+    Ok(Study {
+        name: setting.name,
+        finding: format!(
+            "0.2 g is reached at {} in the turn, at {} in the lane change",
+            crossing(&lateral[1], 0.2 * g),
+            crossing(&lateral[0], 0.2 * g)
+        ),
+        scenario: lines,
+        statements,
+        panels: vec![
+            Panel {
+                figure: "2.24",
+                title: "Peak lateral acceleration over speed",
+                x: Abscissa::Over(SPEED),
+                y: PEAK_LATERAL,
+                series: lateral,
+            },
+            Panel {
+                figure: "2.23",
+                title: "Peak roll over peak lateral acceleration",
+                x: Abscissa::Over(PEAK_LATERAL),
+                y: PEAK_ROLL,
+                series: roll,
+            },
+        ],
+    })
+}
+
+/// Where a rising series crosses a level, in km/h.
+fn crossing_kmh(series: &Series, level: f64) -> Option<f64> {
+    let pair = series.points.windows(2).find(|p| p[0][1] <= level && level < p[1][1])?;
+    let share = (level - pair[0][1]) / (pair[1][1] - pair[0][1]);
+    Some((pair[0][0] + share * (pair[1][0] - pair[0][0])) / KMH)
+}
+
+fn crossing(series: &Series, level: f64) -> String {
+    let kmh = |x: f64| format!("{:.0} km/h", x / KMH);
+    match (crossing_kmh(series, level), series.points.first(), series.points.last()) {
+        (Some(kmh), ..) => format!("{kmh:.0} km/h"),
+        (None, Some(first), _) if first[1] > level => format!("less than {}", kmh(first[0])),
+        (None, _, Some(last)) => format!("more than {}", kmh(last[0])),
+        _ => "no speed".to_owned(),
+    }
+}
+
+/// The lane change's roll less the turn's at equal lateral acceleration, where both have it.
+fn difference_deg(roll: &[Series]) -> Option<(f64, usize)> {
+    let (lane, turn) = (&roll[0], &roll[1]);
+    let mut differences: Vec<f64> =
+        lane.points.iter().map(|p| p[1] - turn.at(p[0])).filter(|d| d.is_finite()).collect();
+    differences.extend(turn.points.iter().map(|p| lane.at(p[0]) - p[1]).filter(|d| d.is_finite()));
+    #[allow(clippy::cast_precision_loss)] // a dozen
+    let count = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / count;
+    (count > 0.0).then(|| (mean.to_degrees(), differences.len()))
+}
+
+fn statements(setting: &Setting, lateral: &[Series], roll: &[Series]) -> Vec<Statement> {
+    let limit = 0.2 * setting.vehicle.gravity_mps2;
+    let (lane, turn) = (&lateral[0], &lateral[1]);
+    let reached = crossing_kmh(turn, limit);
+    let at_90 = lane.at(90.0 * KMH) / setting.vehicle.gravity_mps2;
+    let difference = difference_deg(roll);
+    vec![
+        Statement {
+            place: "Fig. 2.24",
+            thesis: "0.2 g is exceeded at a much lower speed in the turn, which must stay below 50 km/h",
+            ours: format!("0.2 g at {}", crossing(turn, limit)),
+            agrees: reached.is_some_and(|kmh| (kmh - 50.0).abs() < 1.5),
+        },
+        Statement {
+            place: "Fig. 2.24",
+            thesis: "a lane change stays below 0.2 g up to 90 km/h",
+            ours: format!("{at_90:.3} g at 90 km/h, 0.2 g at {}", crossing(lane, limit)),
+            agrees: at_90 < 0.205,
+        },
+        Statement {
+            place: "Fig. 2.23",
+            thesis: "at equal peak lateral acceleration the lane change rolls 0.28° more on average",
+            ours: difference.map_or_else(
+                || "no lateral acceleration in common".to_owned(),
+                |(mean, count)| format!("{mean:+.2}° (mean of {count} points in common)"),
+            ),
+            agrees: difference.is_some_and(|(mean, _)| (mean - 0.28).abs() < 0.1),
+        },
+    ]
+}

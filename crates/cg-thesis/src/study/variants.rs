@@ -1,0 +1,156 @@
+//! Figs. 2.30, 2.31: other suspensions, other tyres.
+
+use super::data::{Abscissa, Panel, Series, Statement, Study};
+use super::drive::{Drive, peak_rolls};
+use super::heights::HEIGHT;
+use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::vehicle::Vehicle;
+
+/// The source's range.
+const HEIGHTS_M: [f64; 5] = [1.85, 1.95, 2.05, 2.15, 2.25];
+
+/// Vertical stiffness of the tyres of Fig. 2.31 over that of Table 2.6, N/m.
+const NEW_N_PER_M: f64 = 788_070.8;
+const TREADS: [(&str, f64); 2] =
+    [("1/2 tread", 864_250.9 / NEW_N_PER_M), ("1/3 tread", 874_408.3 / NEW_N_PER_M)];
+
+/// Peak roll of several vehicles over the c.g. height.
+fn over_height(
+    vehicles: &[(String, Vehicle)],
+    lines: &mut Vec<String>,
+) -> Result<Vec<Series>, VehicleError> {
+    let each = vehicles.iter().enumerate();
+    each.map(|(kind, (name, vehicle))| {
+        let base = Drive::turn(vehicle);
+        let told = |height_m: f64| format!("{name}, c.g. at {height_m:.2} m");
+        let points =
+            peak_rolls(&HEIGHTS_M, lines, told, |height_m| base.clone().at_height(height_m))?;
+        Ok(Series::new(name.clone(), kind, points))
+    })
+    .collect()
+}
+
+fn panel(figure: &'static str, title: &'static str, series: Vec<Series>) -> Vec<Panel> {
+    vec![Panel { figure, title, x: Abscissa::Over(HEIGHT), y: PEAK_ROLL, series }]
+}
+
+/// Smallest and greatest distance of a series from another, degrees.
+fn apart_deg(series: &Series, other: &Series) -> (f64, f64) {
+    let apart: Vec<f64> =
+        series.points.iter().map(|p| (p[1] - other.at(p[0])).to_degrees()).collect();
+    let least = apart.iter().copied().fold(f64::INFINITY, f64::min);
+    (least, apart.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// Slope up to 2.15 m, where no fifth wheel has parted yet.
+fn slope_deg(series: &Series) -> f64 {
+    per_metre_deg((series.at(2.15) - series.at(1.85)) / 0.3)
+}
+
+/// Fig. 2.30.
+pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
+    let text = include_str!("../../../../fixtures/vehicles/air.toml");
+    let air = Vehicle::parse(text, "fixtures/vehicles/air.toml")?;
+    let base = &setting.vehicle;
+    let mut lines = scenario(setting, &Drive::turn(base));
+    let vehicles = [("baseline".to_owned(), base.clone()), ("air suspension".to_owned(), air)];
+    let series = over_height(&vehicles, &mut lines)?;
+    let (least, most) = apart_deg(&series[1], &series[0]);
+    let [leaf_slope, air_slope] = [slope_deg(&series[0]), slope_deg(&series[1])];
+    let bends = [&series[0], &series[1]].map(bend_deg);
+    Ok(Study {
+        name: setting.name,
+        finding: format!(
+            "Air suspensions roll {least:.1} to {most:.1}° more than leaf springs, at {air_slope:.1} \
+             against {leaf_slope:.1}° per metre of c.g. height"
+        ),
+        scenario: lines,
+        statements: vec![
+            Statement {
+                place: "Fig. 2.30",
+                thesis: "air suspensions give a larger roll angle",
+                ours: format!("{least:+.2} to {most:+.2}° over the range"),
+                agrees: least > 0.0,
+            },
+            Statement {
+                place: "Fig. 2.30",
+                thesis: "the slope over the c.g. height is about the same",
+                ours: format!(
+                    "{air_slope:.2} against {leaf_slope:.2}°/m up to 2.15 m, {:.2} against {:.2} \
+                     over the range",
+                    per_metre_deg(series[1].slope()),
+                    per_metre_deg(series[0].slope())
+                ),
+                agrees: (air_slope / leaf_slope - 1.0).abs() < 0.25,
+            },
+            Statement {
+                place: "Fig. 2.30",
+                thesis: "with air suspensions the relationship is nearly linear",
+                ours: format!(
+                    "slope changes by {:+.2}°/m over the range, the baseline's by {:+.2}",
+                    bends[1], bends[0]
+                ),
+                agrees: bends[1].abs() < bends[0].abs(),
+            },
+        ],
+        panels: panel("2.30", "Peak roll over c.g. height, two suspensions", series),
+    })
+}
+
+/// Slope of the last pair of points less that of the first, degrees per metre.
+fn bend_deg(series: &Series) -> f64 {
+    let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
+    let slopes: Vec<f64> = series.points.windows(2).map(slope).collect();
+    slopes.first().zip(slopes.last()).map_or(f64::NAN, |(first, last)| last - first)
+}
+
+/// Fig. 2.31.
+pub(super) fn tyres(setting: &Setting) -> Result<Study, VehicleError> {
+    let base = &setting.vehicle;
+    let mut lines = scenario(setting, &Drive::turn(base));
+    let mut vehicles = vec![("new".to_owned(), base.clone())];
+    for (name, stiffer) in TREADS {
+        let mut worn = base.clone();
+        for tyre in &mut worn.tyre {
+            tyre.vertical_stiffness_n_per_m *= stiffer;
+        }
+        lines.push(format!("{name}: tyres {:.1} % stiffer upright", 100.0 * (stiffer - 1.0)));
+        vehicles.push((name.to_owned(), worn));
+    }
+    let series = over_height(&vehicles, &mut lines)?;
+    let less: Vec<(f64, f64)> = series.iter().map(|s| apart_deg(s, &series[0])).collect();
+    let slopes: Vec<f64> = series.iter().map(slope_deg).collect();
+    Ok(Study {
+        name: setting.name,
+        finding: format!(
+            "Worn, {:.0} % stiffer tyres take {:.2} to {:.2}° off the peak roll and leave its slope \
+             over the c.g. height",
+            100.0 * (TREADS[1].1 - 1.0),
+            -less[2].1,
+            -less[2].0
+        ),
+        scenario: lines,
+        statements: vec![
+            Statement {
+                place: "Fig. 2.31",
+                thesis: "stiffer tyres roll less",
+                ours: format!(
+                    "1/2 tread {:+.2} to {:+.2}°, 1/3 tread {:+.2} to {:+.2}°",
+                    less[1].1, less[1].0, less[2].1, less[2].0
+                ),
+                agrees: less[1].1 < 0.0 && less[2].1 < less[1].1,
+            },
+            Statement {
+                place: "Fig. 2.31",
+                thesis: "the slope over the c.g. height does not vary",
+                ours: format!(
+                    "{:.2} (new), {:.2} (1/2), {:.2}°/m (1/3 tread) up to 2.15 m",
+                    slopes[0], slopes[1], slopes[2]
+                ),
+                agrees: slopes.iter().all(|slope| (slope / slopes[0] - 1.0).abs() < 0.1),
+            },
+        ],
+        panels: panel("2.31", "Peak roll over c.g. height, three treads", series),
+    })
+}

@@ -1,0 +1,15 @@
+//! What springs, tyres and the fifth wheel do: their curves ready for evaluation.
+//!
+//! | file | what |
+//! |---|---|
+//! | `springs` | measured springs with friction |
+//! | `tyres` | lateral force and aligning moment over slip angle and load |
+//! | `fifth_wheel` | roll moment of the fifth wheel: spring, separation, lash |
+
+mod fifth_wheel;
+mod springs;
+mod tyres;
+
+pub use fifth_wheel::FifthWheel;
+pub use springs::Envelope;
+pub use tyres::Grip;

@@ -1,0 +1,248 @@
+//! Lateral force and aligning moment of a tyre over slip angle and load.
+
+use crate::tables::{AligningMomentTable, LateralForceTable};
+use crate::vehicle::Tyre;
+
+const BUCKETS: usize = 64;
+const LAST_BUCKET: f64 = 63.0;
+/// Increasing nodes from zero, found through equal buckets.
+#[derive(Clone, Debug)]
+struct Nodes {
+    at: Vec<f64>,
+    /// The same, and infinity.
+    end: Vec<f64>,
+    bucket: [u8; BUCKETS],
+    buckets_per_unit: f64,
+}
+
+impl Nodes {
+    fn new(mut at: Vec<f64>) -> Self {
+        at.push(0.0);
+        at.retain(|x| *x >= 0.0);
+        at.sort_by(f64::total_cmp);
+        at.dedup();
+        let last = at[at.len() - 1].max(f64::MIN_POSITIVE);
+        let buckets_per_unit = LAST_BUCKET / last;
+        let mut bucket = [0; BUCKETS];
+        let mut start = 0.0;
+        for place in &mut bucket {
+            // A little below the bucket, so that rounding cannot step over a node; the first 255
+            // nodes are found at once, others by searching on.
+            let edge = start / buckets_per_unit * (1.0 - 1e-9);
+            let below = at.iter().rposition(|x| *x <= edge).unwrap_or(0);
+            *place = u8::try_from(below).unwrap_or(u8::MAX);
+            start += 1.0;
+        }
+        let end = at[1..].iter().copied().chain([f64::INFINITY]).collect();
+        Self { at, end, bucket, buckets_per_unit }
+    }
+
+    /// The last node at or below `x ≥ 0`.
+    #[inline]
+    fn below(&self, x: f64) -> usize {
+        // Within 0 and 63: a number that is none goes to the first bucket.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let bucket = (x * self.buckets_per_unit).min(LAST_BUCKET) as i32 as usize % BUCKETS;
+        self.search(x, usize::from(self.bucket[bucket]))
+    }
+
+    /// The same, upwards from a node that is not above.
+    #[inline]
+    fn search(&self, x: f64, mut i: usize) -> usize {
+        while x >= self.end[i] {
+            i += 1;
+        }
+        i
+    }
+
+    /// The same, where it is probably `guess`.
+    #[inline]
+    fn below_near(&self, x: f64, guess: usize) -> usize {
+        if x >= self.at[guess] && x < self.end[guess] { guess } else { self.below(x) }
+    }
+}
+
+/// Bilinear in slip and load from the cell's lower corner.
+#[derive(Clone, Copy, Debug, Default)]
+struct Patch([f64; 4]);
+
+impl Patch {
+    #[inline]
+    fn at(&self, slip: f64, load: f64) -> f64 {
+        self.0[0] + self.0[1] * slip + (self.0[2] + self.0[3] * slip) * load
+    }
+
+    /// Through the values at the corners of the cell; an unbounded cell stays constant that way,
+    /// or goes on along the axis.
+    fn through(f: impl Fn(f64, f64) -> f64, slip: (f64, f64), load: (f64, f64)) -> Self {
+        let (da, dl) = (slip.1 - slip.0, load.1 - load.0);
+        let corner = f(slip.0, load.0);
+        let along_slip = (f(slip.1, load.0) - corner) / da;
+        let along_load = (f(slip.0, load.1) - corner) / dl;
+        let twist = (f(slip.1, load.1) - corner - along_slip * da - along_load * dl) / (da * dl);
+        Self([corner, along_slip, along_load, twist])
+    }
+}
+
+/// Lateral force and aligning moment of one tyre type.
+#[derive(Clone, Debug)]
+pub struct Grip {
+    by_slip: Nodes,
+    by_load: Nodes,
+    /// Slip by slip; lateral force (over load where it comes from a table) and moment.
+    cells: Vec<(Patch, Patch)>,
+    /// Force is the patch times this: 1, or the load.
+    scale: (f64, f64),
+}
+
+/// Position in a table: node below and share, held at the ends.
+fn place(nodes: &[f64], x: f64) -> (usize, f64) {
+    let last = nodes.len().saturating_sub(2);
+    let i = nodes.iter().rposition(|&node| node <= x).unwrap_or(0).min(last);
+    if nodes.len() < 2 {
+        return (0, 0.0);
+    }
+    (i, ((x - nodes[i]) / (nodes[i + 1] - nodes[i])).clamp(0.0, 1.0))
+}
+
+/// Bilinear with held edges; `first_row` at zero slip is all zeros.
+fn held(slip_rad: &[f64], load_n: &[f64], rows: &[Vec<f64>], slip: f64, load: f64) -> f64 {
+    let (j, share) = place(load_n, load);
+    let row = |i: usize| {
+        let row = &rows[i];
+        row[j] + share * (row[(j + 1).min(row.len() - 1)] - row[j])
+    };
+    if slip <= slip_rad[0] {
+        return row(0) * slip / slip_rad[0];
+    }
+    let (i, share) = place(slip_rad, slip);
+    row(i) + share * (row((i + 1).min(rows.len() - 1)) - row(i))
+}
+
+fn coefficient(table: &LateralForceTable, slip: f64, load: f64) -> f64 {
+    held(&table.slip_rad, &table.load_n, &table.coefficient, slip, load)
+}
+
+fn moment_nm(table: &AligningMomentTable, slip: f64, load: f64) -> f64 {
+    let first = table.load_n[0];
+    let share = if load < first { load / first } else { 1.0 };
+    share * held(&table.slip_rad, &table.load_n, &table.moment_nm, slip, load.max(first))
+}
+
+impl Grip {
+    /// From a tyre's tables, or its stiffnesses where it has none or `linear` is asked for.
+    pub fn new(tyre: &Tyre, linear: bool) -> Self {
+        let force = tyre.lateral_force.as_ref().filter(|_| !linear);
+        let moment = tyre.aligning_moment.as_ref().filter(|_| !linear);
+        let mut slips = Vec::new();
+        let mut loads = tyre.load_n.clone();
+        if let Some(table) = force {
+            slips.extend(&table.slip_rad);
+            loads.extend(&table.load_n);
+        }
+        if let Some(table) = moment {
+            slips.extend(&table.slip_rad);
+            loads.extend(&table.load_n);
+        }
+        let (by_slip, by_load) = (Nodes::new(slips), Nodes::new(loads));
+        // At no load a stiffness extended below its first load must not pull.
+        let stiffness = |load: f64| tyre.stiffness_at(load);
+        let force_at = |a: f64, l: f64| match force {
+            Some(table) => coefficient(table, a, l),
+            None => stiffness(l).0.max(0.0) * a,
+        };
+        let moment_at = |a: f64, l: f64| match moment {
+            Some(table) => moment_nm(table, a, l),
+            None => stiffness(l).1.max(0.0) * a,
+        };
+        let reach = |nodes: &[f64], i: usize, more: f64| {
+            (nodes[i], nodes.get(i + 1).copied().unwrap_or(nodes[i] + more))
+        };
+        let mut cells = Vec::new();
+        for i in 0..by_slip.at.len() {
+            for j in 0..by_load.at.len() {
+                let (a, l) = (reach(&by_slip.at, i, 0.1), reach(&by_load.at, j, 1e3));
+                cells.push((Patch::through(force_at, a, l), Patch::through(moment_at, a, l)));
+            }
+        }
+        let scale = if force.is_some() { (0.0, 1.0) } else { (1.0, 0.0) };
+        Self { by_slip, by_load, cells, scale }
+    }
+
+    /// Lateral force (opposite to the slip) and aligning moment (along it) at a slip angle and
+    /// a load above zero.
+    #[inline]
+    pub fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
+        self.near(slip_rad, load_n, self.by_slip.below(slip_rad.abs()))
+    }
+
+    /// The row of the table for a slip angle: a guess for [`near`](Self::near).
+    #[inline]
+    pub fn row(&self, slip_rad: f64) -> usize {
+        self.by_slip.below(slip_rad.abs())
+    }
+
+    /// The same, where the slip is probably in row `guess`.
+    #[inline]
+    pub fn near(&self, slip_rad: f64, load_n: f64, guess: usize) -> (f64, f64) {
+        let size = slip_rad.abs();
+        let (i, j) = (self.by_slip.below_near(size, guess), self.by_load.below(load_n));
+        let (force, moment) = &self.cells[i * self.by_load.at.len() + j];
+        let (a, l) = (size - self.by_slip.at[i], load_n - self.by_load.at[j]);
+        let force_n = force.at(a, l) * (self.scale.0 + self.scale.1 * load_n);
+        (force_n.copysign(-slip_rad), moment.at(a, l).copysign(slip_rad))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::Vehicle;
+
+    fn tyre(file: &str) -> Tyre {
+        let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
+        Vehicle::load(path).unwrap().tyre.remove(0)
+    }
+
+    #[test]
+    fn the_nodes_of_the_tables_are_met() {
+        let tyre = tyre("baseline-tables.toml");
+        let grip = Grip::new(&tyre, false);
+        let force = tyre.lateral_force.unwrap();
+        for (i, &slip) in force.slip_rad.iter().enumerate() {
+            for (j, &load) in force.load_n.iter().enumerate() {
+                let (side, _) = grip.at(slip, load);
+                let expected = -force.coefficient[i][j] * load;
+                assert!((side - expected).abs() < 1e-9 * load, "{slip} {load}");
+                assert!((grip.at(-slip, load).0 + side).abs() < 1e-300);
+            }
+        }
+        let moment = tyre.aligning_moment.unwrap();
+        for (i, &slip) in moment.slip_rad.iter().enumerate() {
+            for (j, &load) in moment.load_n.iter().enumerate() {
+                assert!((grip.at(slip, load).1 - moment.moment_nm[i][j]).abs() < 1e-8);
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_tables_the_coefficient_stays_and_without_load_nothing_is_left() {
+        let grip = Grip::new(&tyre("baseline-tables.toml"), false);
+        assert!((grip.at(1.0, 60_000.0).0 + 0.61 * 60_000.0).abs() < 1e-6);
+        assert!((grip.at(1.0, 100.0).0 + 0.91 * 100.0).abs() < 1e-9);
+        let (side, moment) = grip.at(0.05, 1e-9);
+        assert!(side.abs() < 1e-9 && moment.abs() < 1e-9);
+    }
+
+    #[test]
+    fn without_tables_force_and_moment_are_those_of_the_stiffnesses() {
+        let tyre = tyre("baseline.toml");
+        let grip = Grip::new(&tyre, false);
+        for load in [100.0, 8_850.0, 20_000.0, 41_993.0, 60_000.0] {
+            let (cornering, aligning) = tyre.stiffness_at(load);
+            let (side, moment) = grip.at(-0.02, load);
+            assert!((side / (0.02 * cornering) - 1.0).abs() < 1e-12);
+            assert!((moment / (-0.02 * aligning) - 1.0).abs() < 1e-12);
+        }
+    }
+}

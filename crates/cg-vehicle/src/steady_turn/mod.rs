@@ -1,0 +1,31 @@
+//! The rollover threshold in a steady turn, axle by axle.
+//!
+//! | file | what | from |
+//! |---|---|---|
+//! | `roll_plane` | the threshold: balance of moments until the last inner wheel lifts | static equilibrium |
+//! | `yaw_plane` | its lateral forces and the articulation | steady yaw plane |
+//! | `support` | its springs and tyres | vehicle file |
+//! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::rollover` |
+//!
+//! # Example
+//!
+//! ```
+//! use cg_vehicle::Vehicle;
+//! use cg_vehicle::steady_turn::on_board;
+//!
+//! let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml");
+//! let vehicle = Vehicle::load(file)?;
+//! let measures = on_board(&vehicle, vehicle.reference_load(), 20.0)?;
+//! let threshold_g = measures.static_rollover_threshold_g.value;
+//! assert!(threshold_g < measures.static_stability_factor_g && threshold_g > 0.3);
+//! # Ok::<(), cg_vehicle::VehicleError>(())
+//! ```
+
+mod on_board;
+mod roll_plane;
+mod support;
+mod yaw_plane;
+
+pub(crate) use on_board::threshold_line;
+pub use on_board::{on_board, steady_turn_threshold_g};
+use roll_plane::RollPlane;

@@ -1,0 +1,390 @@
+//! The steady roll plane: how much lateral acceleration a load withstands, axle by axle.
+//!
+//! Tractor and trailer roll about the roll centres of their axles and share a moment at the fifth
+//! wheel; each axle rolls on its tyres. With `α` the lateral acceleration of the trailer in units of
+//! gravity and `γ` the articulation:
+//!
+//! ```text
+//!     trailer   A2 α + B2 φ2 = Σ Ms + M5 cos γ        A: lateral forces per α times height over
+//!     tractor   A1 α + B1 φ1 = Σ Ms − M5                 the points that carry them
+//!     axle      Ms + S α + C φu = Mt(φu)              B, C: weights in their place
+//!     springs   Ms of a load group from the mean of its axles' leans
+//! ```
+//!
+//! `Ms` knows spring curves with friction, `Mt` wheels that lift, `M5 (φ2 cos γ − φ1)` plates that
+//! part: axles give up one after the other, and with the first axle of a group the springs that it
+//! shares. The lateral forces are those of a steady turn at the given speed (`turn`). The trailer's
+//! roll angle is raised in small steps and the rest solved by Newton's method; the greatest `α` on
+//! the way is the threshold. Supports carry the weight that they carry at rest.
+//!
+//! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19, ch. 2 (the
+//! diagram of moment over roll angle, here with its corners computed).
+
+use super::support::{Springs, Tyres};
+use super::yaw_plane::{Drift, Sides, Standing, Turn};
+use crate::balance::{StaticBalance, balance_on, static_balance};
+use crate::error::VehicleError;
+use crate::characteristics::FifthWheel;
+use crate::vehicle::{Load, PlacedAxle, Vehicle};
+
+/// Step of the trailer's roll angle.
+const STEP_RAD: f64 = 1e-3;
+/// Where the search ends: any trailer has tipped by then.
+const END_RAD: f64 = 0.6;
+/// Steps of Newton's method (g, rad) below which nothing is left to gain.
+const ROUNDING: f64 = 1e-12;
+/// Share of the greatest lateral acceleration below which the vehicle is on its way over.
+const FALLEN: f64 = 0.8;
+/// The lateral acceleration from which the first distribution of forces is taken: they grow in
+/// proportion.
+const FIRST: f64 = 0.01;
+
+struct Axle {
+    on_trailer: bool,
+    steered: bool,
+    half_spread_m: f64,
+    auxiliary_nm_per_rad: f64,
+    tyres: Tyres,
+    roll_center_m: f64,
+    center_m: f64,
+    own_n: f64,
+}
+
+/// A pair of springs and the axles that share it.
+struct Group {
+    springs: Springs,
+    axles: Vec<usize>,
+}
+
+/// What the roll plane of a vehicle under a trailer mass at a speed consists of; the height is left
+/// open.
+pub(crate) struct RollPlane<'a> {
+    vehicle: &'a Vehicle,
+    load: Load,
+    balance: StaticBalance,
+    axles: Vec<Axle>,
+    groups: Vec<Group>,
+    turn: Turn,
+    hitch: FifthWheel,
+    hitch_height_m: f64,
+    /// Of the tractor's sprung mass about the road.
+    tractor_own_nm: f64,
+    /// Roll angle of the true vehicle over that of the file's.
+    compliance: f64,
+}
+
+/// Lateral acceleration, the tractor's roll and those of the axles, and the turn.
+struct Point {
+    alpha: f64,
+    tractor_rad: f64,
+    axles_rad: Vec<f64>,
+    axle_load_n: Vec<f64>,
+    hitch_load_n: f64,
+    sides: Sides,
+    drift: Drift,
+}
+
+/// Moments of a body about the points that carry it: by `α` and by its roll.
+struct Held {
+    side_nm: f64,
+    weight_nm: f64,
+}
+
+/// The equation of an axle: its stiffness, what is left over, and its moment per `α`.
+struct Follows {
+    stiffness: f64,
+    residual: f64,
+    side: f64,
+}
+
+impl<'a> RollPlane<'a> {
+    /// `compliance` scales every roll angle: the compensation `R_c` of a calibration.
+    ///
+    /// # Errors
+    /// As [`static_balance`].
+    pub(crate) fn new(
+        vehicle: &'a Vehicle,
+        load: Load,
+        speed_mps: f64,
+        compliance: f64,
+    ) -> Result<Self, VehicleError> {
+        let balance = static_balance(vehicle, load)?;
+        let placed = vehicle.axles();
+        let axles: Vec<Axle> = placed.iter().map(|placed| axle(vehicle, placed)).collect();
+        let sprung_n: Vec<f64> =
+            axles.iter().zip(&balance.axle_load_n).map(|(axle, n)| n - axle.own_n).collect();
+        let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
+        Ok(Self {
+            vehicle,
+            load,
+            balance,
+            tractor_own_nm: tractor.sprung_mass_kg * vehicle.gravity_mps2 * tractor.cg_height_m,
+            axles,
+            groups: groups(vehicle, &placed, &sprung_n),
+            turn: Turn::new(vehicle, &vehicle.trailer_sprung_mass(load)?, speed_mps),
+            hitch: FifthWheel::of(hitch),
+            hitch_height_m: hitch.height_m,
+            compliance,
+        })
+    }
+
+    /// The rollover threshold at a height of the trailer's sprung c.g., in units of gravity.
+    pub(crate) fn threshold_g(&self, cg_height_m: f64) -> f64 {
+        let Some(mut point) = self.start() else { return 0.0 };
+        let (mut roll_rad, mut greatest) = (0.0, 0.0_f64);
+        while roll_rad < END_RAD && point.alpha >= FALLEN * greatest {
+            roll_rad += STEP_RAD;
+            self.solve(cg_height_m, roll_rad, &mut point);
+            greatest = greatest.max(point.alpha);
+            let lifted = |i: usize| {
+                let (axle, angle_rad) = (&self.axles[i], point.axles_rad[i] / self.compliance);
+                axle.steered || axle.tyres.inner_lifted(point.axle_load_n[i], angle_rad)
+            };
+            if (0..self.axles.len()).all(lifted) {
+                break;
+            }
+            self.shift(&mut point);
+            self.turn_on(roll_rad, &mut point);
+        }
+        greatest
+    }
+
+    fn start(&self) -> Option<Point> {
+        let mut point = Point {
+            alpha: 0.0,
+            tractor_rad: 0.0,
+            axles_rad: vec![0.0; self.axles.len()],
+            axle_load_n: self.balance.axle_load_n.clone(),
+            hitch_load_n: self.balance.hitch_load_n,
+            sides: Sides::default(),
+            drift: Drift::default(),
+        };
+        self.turn_on(0.0, &mut point).then_some(point)
+    }
+
+    /// The turn at the lateral acceleration found; where the tyres do not hold it, the vehicle slides
+    /// before it tips, and the distribution of forces stays as it last was.
+    fn turn_on(&self, roll_rad: f64, point: &mut Point) -> bool {
+        let standing: Vec<_> = self
+            .axles
+            .iter()
+            .enumerate()
+            .map(|(i, axle)| Standing {
+                tyres: &axle.tyres,
+                load_n: point.axle_load_n[i],
+                angle_rad: point.axles_rad[i] / self.compliance,
+                lean_rad: if axle.on_trailer { roll_rad } else { point.tractor_rad }
+                    - point.axles_rad[i],
+            })
+            .collect();
+        let mut drift = point.drift;
+        let found = self.turn.sides(point.alpha.max(FIRST), &standing, &mut drift);
+        let holds = found.is_some();
+        if let Some(sides) = found {
+            (point.sides, point.drift) = (sides, drift);
+        }
+        holds
+    }
+
+    /// An axle rises as its inner wheels leave the road, and takes load from others that do not
+    /// share theirs with it. Half of the shift is taken at each step: an axle with more load also
+    /// rolls less, nearly as much, and the whole would overshoot.
+    fn shift(&self, point: &mut Point) {
+        if self.groups.len() <= 3 {
+            return; // Forces and moments alone decide.
+        }
+        let gives: Vec<_> = (0..self.axles.len())
+            .map(|i| {
+                let angle_rad = point.axles_rad[i] / self.compliance;
+                self.axles[i].tyres.give(point.axle_load_n[i], angle_rad)
+            })
+            .collect();
+        if let Ok(balance) = balance_on(self.vehicle, self.load, &gives) {
+            point.hitch_load_n = 0.5 * (point.hitch_load_n + balance.hitch_load_n);
+            for (load_n, found_n) in point.axle_load_n.iter_mut().zip(balance.axle_load_n) {
+                *load_n = 0.5 * (*load_n + found_n);
+            }
+        }
+    }
+
+    /// What the axles of a body carry of it, side forces and weights, times the heights of their roll
+    /// centres.
+    fn carried(&self, on_trailer: bool, point: &Point) -> [Held; 2] {
+        let none = || Held { side_nm: 0.0, weight_nm: 0.0 };
+        let (mut force, mut moment) = (none(), none());
+        for (i, axle) in self.axles.iter().enumerate().filter(|(_, a)| a.on_trailer == on_trailer) {
+            let (side_n, weight_n) = (point.sides.axle_n[i], point.axle_load_n[i] - axle.own_n);
+            force.side_nm += side_n;
+            force.weight_nm += weight_n;
+            moment.side_nm += side_n * axle.roll_center_m;
+            moment.weight_nm += weight_n * axle.roll_center_m;
+        }
+        [force, moment]
+    }
+
+    /// `A2` and `B2`.
+    fn trailer(&self, cg_height_m: f64, point: &Point) -> Held {
+        let [force, moment] = self.carried(true, point);
+        let above_m = cg_height_m - self.hitch_height_m;
+        Held {
+            side_nm: point.sides.hitch_n[0] * above_m + force.side_nm * cg_height_m
+                - moment.side_nm,
+            weight_nm: point.hitch_load_n * above_m + force.weight_nm * cg_height_m
+                - moment.weight_nm,
+        }
+    }
+
+    /// `A1` and `B1`.
+    fn tractor(&self, point: &Point) -> Held {
+        let [_, moment] = self.carried(false, point);
+        let (own, hitch_m) = (self.tractor_own_nm, self.hitch_height_m);
+        Held {
+            side_nm: own * point.sides.tractor + point.sides.hitch_n[1] * hitch_m - moment.side_nm,
+            weight_nm: own + point.hitch_load_n * hitch_m - moment.weight_nm,
+        }
+    }
+
+    /// Newton's method from the point before: axles and springs eliminated, two equations are left.
+    /// The curves are straight almost everywhere, so a few steps end in rounding.
+    fn solve(&self, cg_height_m: f64, roll_rad: f64, point: &mut Point) {
+        let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
+        let cos = point.sides.cos;
+        for _ in 0..12 {
+            let (fifth, fifth_slope) = self.fifth_wheel(roll_rad * cos - point.tractor_rad);
+            // Columns: by α, by φ1; residual.
+            let mut trailer = [
+                of_trailer.side_nm,
+                cos * fifth_slope,
+                of_trailer.side_nm * point.alpha + of_trailer.weight_nm * roll_rad - cos * fifth,
+            ];
+            let mut tractor = [
+                of_tractor.side_nm,
+                of_tractor.weight_nm - fifth_slope,
+                of_tractor.side_nm * point.alpha + of_tractor.weight_nm * point.tractor_rad + fifth,
+            ];
+            let mut steps = vec![[0.0; 3]; self.axles.len()];
+            for group in &self.groups {
+                let on_trailer = self.axles[group.axles[0]].on_trailer;
+                let (body_rad, moves) =
+                    if on_trailer { (roll_rad, 0.0) } else { (point.tractor_rad, 1.0) };
+                let (found, springs_nm) = self.group(group, body_rad, point, &mut steps);
+                let unit = if on_trailer { &mut trailer } else { &mut tractor };
+                unit[0] -= found[0];
+                unit[1] -= moves * found[1];
+                unit[2] -= found[2] + springs_nm;
+            }
+            let determinant = trailer[0] * tractor[1] - trailer[1] * tractor[0];
+            let alpha = (trailer[1] * tractor[2] - tractor[1] * trailer[2]) / determinant;
+            let tractor_rad = (tractor[0] * trailer[2] - trailer[0] * tractor[2]) / determinant;
+            for ((axle, by), axle_rad) in self.axles.iter().zip(steps).zip(&mut point.axles_rad) {
+                let body = if axle.on_trailer { 0.0 } else { tractor_rad };
+                *axle_rad += by[0] * alpha + by[1] * body + by[2];
+            }
+            point.alpha += alpha;
+            point.tractor_rad += tractor_rad;
+            if alpha.abs() + tractor_rad.abs() < ROUNDING {
+                break;
+            }
+        }
+    }
+
+    /// The steps of a group's axles, by `α`, by the body's roll and at once; returned are the same of
+    /// the moment on the body, and that moment.
+    fn group(
+        &self,
+        group: &Group,
+        body_rad: f64,
+        point: &Point,
+        steps: &mut [[f64; 3]],
+    ) -> ([f64; 3], f64) {
+        let c = self.compliance;
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let share = 1.0 / group.axles.len() as f64;
+        let lean = |i: usize| (body_rad - point.axles_rad[i]) / c;
+        let apart_m: f64 =
+            group.axles.iter().map(|&i| share * self.axles[i].half_spread_m * lean(i)).sum();
+        let (force_n, slope) = group.springs.at(apart_m);
+        let follow = |i: usize| {
+            let axle = &self.axles[i];
+            let angle = point.axles_rad[i];
+            let load_n = point.axle_load_n[i];
+            let (tyres, tyre_slope) = axle.tyres.moment(load_n, angle / c);
+            let weight_nm = (load_n - axle.own_n) * axle.roll_center_m + axle.own_n * axle.center_m;
+            let side =
+                point.sides.axle_n[i] * axle.roll_center_m + point.sides.own_n[i] * axle.center_m;
+            let springs = axle.half_spread_m * force_n + axle.auxiliary_nm_per_rad * lean(i);
+            Follows {
+                stiffness: axle.auxiliary_nm_per_rad / c + tyre_slope / c - weight_nm,
+                residual: springs + side * point.alpha + weight_nm * angle - tyres,
+                side,
+            }
+        };
+        // How the springs' compression goes: by α, by the body, at once; and by itself.
+        let (mut moves, mut itself) = ([0.0; 3], 1.0);
+        for &i in &group.axles {
+            let (axle, f) = (&self.axles[i], follow(i));
+            let weight = share * axle.half_spread_m / c;
+            moves[0] -= weight * f.side / f.stiffness;
+            moves[1] += weight * (1.0 - axle.auxiliary_nm_per_rad / c / f.stiffness);
+            moves[2] -= weight * f.residual / f.stiffness;
+            itself += weight * axle.half_spread_m * slope / f.stiffness;
+        }
+        let moves = moves.map(|by| by / itself);
+        let (mut on_body, mut springs_nm) = ([0.0; 3], 0.0);
+        for &i in &group.axles {
+            let (axle, f) = (&self.axles[i], follow(i));
+            let auxiliary = axle.auxiliary_nm_per_rad / c;
+            let direct = [f.side, auxiliary, f.residual];
+            for k in 0..3 {
+                let pressed = axle.half_spread_m * slope * moves[k];
+                steps[i][k] = (direct[k] + pressed) / f.stiffness;
+                on_body[k] += pressed - auxiliary * steps[i][k];
+            }
+            on_body[1] += auxiliary;
+            springs_nm += axle.half_spread_m * force_n + axle.auxiliary_nm_per_rad * lean(i);
+        }
+        (on_body, springs_nm)
+    }
+
+    fn fifth_wheel(&self, angle_rad: f64) -> (f64, f64) {
+        let at = |angle_rad: f64| self.hitch.moment_nm(angle_rad / self.compliance);
+        (at(angle_rad), (at(angle_rad + 1e-6) - at(angle_rad)) / 1e-6)
+    }
+}
+
+fn axle(vehicle: &Vehicle, placed: &PlacedAxle<'_>) -> Axle {
+    Axle {
+        on_trailer: placed.on_trailer,
+        steered: placed.steered,
+        half_spread_m: 0.5 * placed.axle.spring_spread_m,
+        auxiliary_nm_per_rad: placed.axle.auxiliary_roll_stiffness_nm_per_rad,
+        tyres: Tyres::of(placed),
+        roll_center_m: placed.axle.roll_center_height_m,
+        center_m: placed.axle.center_height_m,
+        own_n: placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
+    }
+}
+
+/// The pairs of springs: one for each load group, one for each axle without.
+fn groups(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], sprung_n: &[f64]) -> Vec<Group> {
+    let mut members: Vec<Vec<usize>> = Vec::new();
+    for (i, axle) in placed.iter().enumerate() {
+        let partner = members.iter_mut().find(|group| {
+            let first = &placed[group[0]];
+            axle.axle.load_group.is_some()
+                && first.axle.load_group == axle.axle.load_group
+                && first.on_trailer == axle.on_trailer
+        });
+        match partner {
+            Some(group) => group.push(i),
+            None => members.push(vec![i]),
+        }
+    }
+    let pair = |axles: Vec<usize>| {
+        let of: Vec<_> = axles.iter().map(|&i| &placed[i]).collect();
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let mean_n = axles.iter().map(|&i| sprung_n[i]).sum::<f64>() / axles.len() as f64;
+        Group { springs: Springs::of(vehicle, &of, mean_n), axles }
+    };
+    members.into_iter().map(pair).collect()
+}

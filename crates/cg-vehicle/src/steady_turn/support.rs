@@ -1,0 +1,144 @@
+//! What carries the bodies in the roll plane: springs that axles share, and tyres that leave the
+//! road one after the other.
+
+use crate::balance::Give;
+use crate::characteristics::Envelope;
+use crate::vehicle::{PlacedAxle, Vehicle};
+
+/// Distance of the nodes of a spring's curve, and their number: beyond 0.2 m it goes on straight.
+const NODE_M: f64 = 2.5e-4;
+const NODES: usize = 800;
+/// Steps of Newton's method (m) below which nothing is left to gain.
+const ROUNDING: f64 = 1e-12;
+
+/// The pair of springs of an axle, or of the axles of a load group, which are pressed alike: outer
+/// less inner force over half the difference of their compressions, the sum of both held.
+pub(super) enum Springs {
+    Linear(f64),
+    /// Odd, linear between its nodes.
+    Measured(Vec<f64>),
+}
+
+impl Springs {
+    /// Those of axles that carry `sprung_n` each. Friction builds up as the springs move.
+    pub(super) fn of(vehicle: &Vehicle, axles: &[&PlacedAxle<'_>], sprung_n: f64) -> Self {
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let count = axles.len() as f64;
+        let named = axles.first().and_then(|placed| placed.axle.spring.as_ref());
+        let Some(spring) = named.and_then(|name| vehicle.spring.iter().find(|s| s.name == *name))
+        else {
+            let sum: f64 = axles.iter().map(|placed| placed.axle.spring_stiffness_n_per_m).sum();
+            return Self::Linear(2.0 * sum / count);
+        };
+        let envelope = Envelope::new(spring);
+        let mut middle_m = envelope.deflection_at(0.5 * sprung_n);
+        let difference = |apart_m: f64| {
+            let friction = 1.0 - (-apart_m / spring.friction_deflection_m).exp();
+            let forces = |middle_m: f64| {
+                [friction, -friction].map(|share| {
+                    let x = middle_m + apart_m.copysign(share);
+                    let (force_n, slope) = envelope.middle(x);
+                    (force_n + share * envelope.friction_n(x).max(0.0), slope)
+                })
+            };
+            for _ in 0..20 {
+                let [outer, inner] = forces(middle_m);
+                let step_m = (sprung_n - outer.0 - inner.0) / (outer.1 + inner.1);
+                middle_m += step_m;
+                if step_m.abs() < ROUNDING {
+                    break;
+                }
+            }
+            let [outer, inner] = forces(middle_m);
+            outer.0 - inner.0
+        };
+        #[allow(clippy::cast_precision_loss)] // indices
+        Self::Measured((0..NODES).map(|k| k as f64 * NODE_M).map(difference).collect())
+    }
+
+    /// Force and slope.
+    pub(super) fn at(&self, apart_m: f64) -> (f64, f64) {
+        let nodes = match self {
+            Self::Linear(stiffness) => return (stiffness * apart_m, *stiffness),
+            Self::Measured(nodes) => nodes,
+        };
+        // In range: some tenths of a metre.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let k = ((apart_m.abs() / NODE_M) as usize).min(NODES - 2);
+        let slope = (nodes[k + 1] - nodes[k]) / NODE_M;
+        #[allow(clippy::cast_precision_loss)]
+        let value = nodes[k] + slope * (apart_m.abs() - k as f64 * NODE_M);
+        (value.copysign(apart_m), slope)
+    }
+}
+
+/// The tyres of an axle.
+pub(super) struct Tyres {
+    /// Distances from the middle to the outer side, the outermost first.
+    levers_m: Vec<f64>,
+    stiffness_n_per_m: f64,
+    overturning_nm_per_rad: f64,
+}
+
+impl Tyres {
+    pub(super) fn of(placed: &PlacedAxle<'_>) -> Self {
+        let positions_m = &placed.axle.tyre_positions_m;
+        let mut levers_m: Vec<f64> = positions_m.iter().flat_map(|&y| [y, -y]).collect();
+        levers_m.sort_by(|a, b| b.total_cmp(a));
+        Self {
+            levers_m,
+            stiffness_n_per_m: placed.tyre.vertical_stiffness_n_per_m,
+            overturning_nm_per_rad: placed.tyres() * placed.tyre.overturning_stiffness_nm_per_rad,
+        }
+    }
+
+    /// Tyres leave the road from the inside: how many carry a load at an angle of the axle, and how
+    /// far its middle is pressed down.
+    fn standing(&self, load_n: f64, angle_rad: f64) -> (usize, f64) {
+        let mut count = self.levers_m.len();
+        loop {
+            #[allow(clippy::cast_precision_loss)] // a few tyres
+            let n = count as f64;
+            let sum: f64 = self.levers_m[..count].iter().sum();
+            let pressed_m = (load_n / self.stiffness_n_per_m - angle_rad * sum) / n;
+            if count == 1 || pressed_m + angle_rad * self.levers_m[count - 1] >= 0.0 {
+                return (count, pressed_m);
+            }
+            count -= 1;
+        }
+    }
+
+    /// Whether the inner side has left the road.
+    pub(super) fn inner_lifted(&self, load_n: f64, angle_rad: f64) -> bool {
+        self.standing(load_n, angle_rad).0 <= self.levers_m.len() / 2
+    }
+
+    /// Load of each tyre that stands.
+    pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
+        let (count, pressed_m) = self.standing(load_n, angle_rad);
+        let each_n = move |lever| self.stiffness_n_per_m * (pressed_m + angle_rad * lever);
+        self.levers_m[..count].iter().map(each_n)
+    }
+
+    /// How they give at an angle of the axle.
+    pub(super) fn give(&self, load_n: f64, angle_rad: f64) -> Give {
+        let (count, _) = self.standing(load_n, angle_rad);
+        #[allow(clippy::cast_precision_loss)]
+        let n = count as f64;
+        let sum: f64 = self.levers_m[..count].iter().sum();
+        Give { compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m), rise_m: angle_rad * sum / n }
+    }
+
+    /// Righting moment and its slope over the angle of the axle.
+    pub(super) fn moment(&self, load_n: f64, angle_rad: f64) -> (f64, f64) {
+        let (count, pressed_m) = self.standing(load_n, angle_rad);
+        let levers_m = &self.levers_m[..count];
+        let (sum, square) =
+            levers_m.iter().fold((0.0, 0.0), |(sum, square), y| (sum + y, square + y * y));
+        #[allow(clippy::cast_precision_loss)]
+        let slope = self.stiffness_n_per_m * (square - sum * sum / count as f64);
+        let moment = self.stiffness_n_per_m * (pressed_m * sum + angle_rad * square);
+        let overturning = self.overturning_nm_per_rad;
+        (moment + overturning * angle_rad, slope + overturning)
+    }
+}

@@ -1,0 +1,276 @@
+//! The yaw plane of a steady turn: which lateral forces the axles and the fifth wheel carry, and how
+//! far the trailer is articulated.
+//!
+//! With the yaw rate `r`, the tractor's speed `U` and the trailer's `U2`, both along their own
+//! heading, and `v` the lateral velocity of a point:
+//!
+//! ```text
+//!     trailer about the fifth wheel   Σ F x + Σ M = a2 Σ m x        x behind the fifth wheel
+//!     tractor about its front axles   Σ F x + Σ M = a1 Σ m x + Y1 x5   x behind them
+//!     slip, tractor and trailer       α = −v/U,  −v/U2              + roll steer
+//!     fifth wheel                     v2 = U sin γ + v5 cos γ,  U2 = U cos γ − v5 sin γ
+//!     accelerations                   a1 = r U,  a2 = r U2
+//! ```
+//!
+//! `F` and `M` are those of every tyre at its own load. In a tight turn the axles of a group differ
+//! in slip by their distance over the radius: the rear one carries more and lifts first.
+
+use super::support::Tyres;
+use crate::characteristics::Grip;
+use crate::vehicle::{PlacedAxle, SprungMass, Vehicle};
+
+/// Newton's steps each time: the last solution is never further than a milliradian of roll.
+const STEPS: usize = 4;
+/// Part of a velocity below which a step is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Step of velocity for a slope.
+const PROBE_MPS: f64 = 1e-4;
+
+/// An axle as the yaw plane sees it.
+struct Rolling {
+    on_trailer: bool,
+    steered: bool,
+    /// Ahead of the tractor's c.g.; behind the fifth wheel on the trailer.
+    position_m: f64,
+    own_kg: f64,
+    roll_steer: f64,
+    kind: usize,
+}
+
+/// The yaw plane of a vehicle under a load at a speed.
+pub(super) struct Turn {
+    kinds: Vec<Grip>,
+    axles: Vec<Rolling>,
+    speed_mps: f64,
+    gravity_mps2: f64,
+    tractor_kg: f64,
+    hitch_behind_cg_m: f64,
+    trailer_kg: f64,
+    trailer_cg_m: f64,
+    /// Where the steered axles are, in the middle.
+    front_m: f64,
+}
+
+/// Lateral forces per lateral acceleration of the trailer in units of gravity.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sides {
+    /// Through the roll centre of each axle.
+    pub(super) axle_n: Vec<f64>,
+    /// Inertia of each axle.
+    pub(super) own_n: Vec<f64>,
+    /// At the fifth wheel, across the trailer and across the tractor.
+    pub(super) hitch_n: [f64; 2],
+    /// The tractor's lateral acceleration over the trailer's.
+    pub(super) tractor: f64,
+    /// Cosine of the articulation.
+    pub(super) cos: f64,
+}
+
+/// A solution: lateral velocities of the tractor's c.g. and of the fifth wheel across the trailer,
+/// and the articulation.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Drift {
+    tractor_mps: f64,
+    trailer_mps: f64,
+    articulation_rad: f64,
+}
+
+/// How fast the vehicle turns.
+struct Pace {
+    /// Of the trailer.
+    acceleration: f64,
+    radps: f64,
+    /// Along the trailer's heading.
+    trailer_mps: f64,
+}
+
+/// How an axle stands: the angle and load of its tyres, and how far the body leans over it.
+pub(super) struct Standing<'a> {
+    pub(super) tyres: &'a Tyres,
+    pub(super) load_n: f64,
+    pub(super) angle_rad: f64,
+    pub(super) lean_rad: f64,
+}
+
+impl Turn {
+    pub(super) fn new(vehicle: &Vehicle, trailer: &SprungMass, speed_mps: f64) -> Self {
+        let placed = vehicle.axles();
+        let kind = |placed: &PlacedAxle<'_>| {
+            vehicle.tyre.iter().position(|tyre| tyre.name == placed.tyre.name).unwrap_or(0)
+        };
+        let axles: Vec<Rolling> = placed
+            .iter()
+            .map(|placed| Rolling {
+                on_trailer: placed.on_trailer,
+                steered: placed.steered,
+                position_m: placed.position_m,
+                own_kg: placed.axle.unsprung_mass_kg,
+                roll_steer: placed.axle.roll_steer_rad_per_rad,
+                kind: kind(placed),
+            })
+            .collect();
+        let front: Vec<f64> = axles.iter().filter(|a| a.steered).map(|a| a.position_m).collect();
+        #[allow(clippy::cast_precision_loss)] // one or two
+        let front_m = front.iter().sum::<f64>() / front.len().max(1) as f64;
+        Self {
+            kinds: vehicle.tyre.iter().map(|tyre| Grip::new(tyre, false)).collect(),
+            axles,
+            speed_mps,
+            gravity_mps2: vehicle.gravity_mps2,
+            tractor_kg: vehicle.tractor.sprung_mass_kg,
+            hitch_behind_cg_m: vehicle.tractor.hitch_behind_cg_m,
+            trailer_kg: trailer.mass_kg,
+            trailer_cg_m: trailer.cg_behind_hitch_m,
+            front_m,
+        }
+    }
+
+    /// Force and aligning moment of an axle's tyres at a slip angle.
+    fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing<'_>) -> (f64, f64) {
+        let grip = &self.kinds[axle.kind];
+        on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold(
+            (0.0, 0.0),
+            |sum, load_n| {
+                let (force_n, moment_nm) = grip.at(slip_rad, load_n);
+                // The grip's force is against the slip.
+                (sum.0 - force_n, sum.1 + moment_nm)
+            },
+        )
+    }
+
+    /// Forces at a lateral acceleration, from axles as they stand; `None` where their tyres do not
+    /// hold the vehicle in the turn.
+    pub(super) fn sides(
+        &self,
+        alpha: f64,
+        standing: &[Standing<'_>],
+        drift: &mut Drift,
+    ) -> Option<Sides> {
+        let (sin, cos) = drift.articulation_rad.sin_cos();
+        let acceleration = alpha * self.gravity_mps2;
+        // `U2 = U cos γ − (v1 − r x5) sin γ` with the last articulation and drift.
+        let along_mps = self.speed_mps * cos - drift.tractor_mps * sin;
+        let hitch_m = self.hitch_behind_cg_m;
+        let radps = acceleration / (along_mps + acceleration / along_mps * hitch_m * sin);
+        let pace = Pace { acceleration, radps, trailer_mps: acceleration / radps };
+        let mut axle_n = vec![0.0; self.axles.len()];
+        let hitch_n = self.trailer(&pace, standing, drift, &mut axle_n)?;
+        let [across_n, push_n] = hitch_n;
+        let hitch_n = [across_n, across_n * cos + push_n * sin];
+        self.tractor(&pace, hitch_n[1], standing, drift, &mut axle_n)?;
+        let sine =
+            (drift.trailer_mps - (drift.tractor_mps - radps * hitch_m) * cos) / self.speed_mps;
+        if !(sine.abs() < 1.0) {
+            return None;
+        }
+        drift.articulation_rad = sine.asin();
+        let tractor = radps * self.speed_mps / acceleration;
+        let own_n = |axle: &Rolling| {
+            axle.own_kg * self.gravity_mps2 * if axle.on_trailer { 1.0 } else { tractor }
+        };
+        Some(Sides {
+            own_n: self.axles.iter().map(own_n).collect(),
+            axle_n: axle_n.into_iter().map(|n| n / alpha).collect(),
+            hitch_n: hitch_n.map(|n| n / alpha),
+            tractor,
+            cos: drift.articulation_rad.cos(),
+        })
+    }
+
+    /// Force and aligning moment of an axle at the slip angle of its middle.
+    fn held(&self, i: usize, slip_rad: f64, standing: &[Standing<'_>]) -> (f64, f64) {
+        let (axle, on) = (&self.axles[i], &standing[i]);
+        self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
+    }
+
+    /// The trailer's axles; forces on the trailer at the fifth wheel, across it and from ahead.
+    fn trailer(
+        &self,
+        pace: &Pace,
+        standing: &[Standing<'_>],
+        drift: &mut Drift,
+        axle_n: &mut [f64],
+    ) -> Option<[f64; 2]> {
+        let axles = || (0..self.axles.len()).filter(|&i| self.axles[i].on_trailer);
+        let mass_kg = self.trailer_kg + axles().map(|i| self.axles[i].own_kg).sum::<f64>();
+        let inertia_kgm = self.trailer_kg * self.trailer_cg_m
+            + axles().map(|i| self.axles[i].own_kg * self.axles[i].position_m).sum::<f64>();
+        let held = |i: usize, v: f64| {
+            let x = self.axles[i].position_m;
+            self.held(i, ((pace.radps * x - v) / pace.trailer_mps).atan(), standing)
+        };
+        drift.trailer_mps = newton(drift.trailer_mps, |v| {
+            let moment = |i: usize| {
+                let (force_n, moment_nm) = held(i, v);
+                force_n * self.axles[i].position_m + moment_nm
+            };
+            axles().map(moment).sum::<f64>() - pace.acceleration * inertia_kgm
+        })?;
+        let mut across_n = self.trailer_kg * pace.acceleration;
+        for i in axles() {
+            axle_n[i] = held(i, drift.trailer_mps).0 - self.axles[i].own_kg * pace.acceleration;
+            across_n -= axle_n[i];
+        }
+        // A c.g. ahead of the foot of the turn's centre is held back by the tractor.
+        let ahead_m = drift.trailer_mps / pace.radps - inertia_kgm / mass_kg;
+        Some([across_n, mass_kg * pace.radps * pace.radps * ahead_m])
+    }
+
+    /// The tractor's axles under a force of the trailer across it; the steered ones carry the rest.
+    fn tractor(
+        &self,
+        pace: &Pace,
+        hitch_n: f64,
+        standing: &[Standing<'_>],
+        drift: &mut Drift,
+        axle_n: &mut [f64],
+    ) -> Option<()> {
+        let on = |steered: bool| {
+            let of = move |axle: &Rolling| !axle.on_trailer && axle.steered == steered;
+            (0..self.axles.len()).filter(move |&i| of(&self.axles[i]))
+        };
+        let behind_m = |i: usize| self.front_m - self.axles[i].position_m;
+        let acceleration = pace.radps * self.speed_mps;
+        let inertia_kgm = self.tractor_kg * self.front_m
+            + on(false).map(|i| self.axles[i].own_kg * behind_m(i)).sum::<f64>();
+        let needed_nm =
+            acceleration * inertia_kgm + hitch_n * (self.front_m + self.hitch_behind_cg_m);
+        let held = |i: usize, v: f64| {
+            let across_mps = v + pace.radps * self.axles[i].position_m;
+            self.held(i, (-across_mps / self.speed_mps).atan(), standing)
+        };
+        drift.tractor_mps = newton(drift.tractor_mps, |v| {
+            let moment = |i: usize| {
+                let (force_n, moment_nm) = held(i, v);
+                force_n * behind_m(i) + moment_nm
+            };
+            on(false).map(moment).sum::<f64>() - needed_nm
+        })?;
+        let mut rest_n = self.tractor_kg * acceleration + hitch_n;
+        for i in on(false) {
+            axle_n[i] = held(i, drift.tractor_mps).0 - self.axles[i].own_kg * acceleration;
+            rest_n -= axle_n[i];
+        }
+        #[allow(clippy::cast_precision_loss)] // one or two
+        let steered = on(true).count().max(1) as f64;
+        on(true).for_each(|i| axle_n[i] = rest_n / steered);
+        Some(())
+    }
+}
+
+/// A root near a velocity, if the slope leads to one.
+fn newton(mut v: f64, residual: impl Fn(f64) -> f64) -> Option<f64> {
+    for _ in 0..STEPS {
+        let here = residual(v);
+        let slope = (residual(v - PROBE_MPS) - here) / -PROBE_MPS;
+        let step = here / slope;
+        if !(slope < 0.0 && step.abs() < 5.0) {
+            return None;
+        }
+        v -= step;
+        if step.abs() < ROUNDING {
+            break;
+        }
+    }
+    Some(v)
+}
