@@ -2,6 +2,7 @@
 //! estimator is calibrated at 1.973 m on one run, and estimates the others from their logs.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+#[path = "../../cg-logs/tests/common/mod.rs"]
 mod common;
 
 use cg_core::{AlignSettings, Channel};

@@ -2,6 +2,7 @@
 //! nonlinear plant: no interval misses the truth without a message that names what is wrong.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[path = "../../cg-logs/tests/common/mod.rs"]
 mod common;
 
 use cg_core::Design;

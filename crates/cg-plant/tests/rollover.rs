@@ -1,6 +1,7 @@
 //! Rollover measures beside published ones and beside limits that can be derived.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[path = "../../cg-logs/tests/common/mod.rs"]
 mod common;
 
 use cg_vehicle::linear::Equations;

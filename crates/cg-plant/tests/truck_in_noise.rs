@@ -2,6 +2,7 @@
 //! precision.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[path = "../../cg-logs/tests/common/mod.rs"]
 mod common;
 
 use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Real, Sample, Settings};

@@ -2,6 +2,7 @@
 //! at a time, a map over load, noise, maneuver and rate, changes of the load on the road.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+#[path = "../../cg-vehicle/tests/common/mod.rs"]
 mod common;
 
 use std::fmt::Write;

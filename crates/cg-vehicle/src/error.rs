@@ -80,6 +80,7 @@ pub enum VehicleError {
 }
 
 impl VehicleError {
+    /// A TOML file that is none, with line and column.
     pub fn syntax(file: &str, source: &toml::de::Error) -> Self {
         Self::Syntax { file: file.to_owned(), message: source.to_string().trim_end().to_owned() }
     }

@@ -1,15 +1,14 @@
 //! The nonlinear plant: statics, symmetry, convergence, the linear model as its limit, the
-//! source's and published figures, the independent truck. (Energy: with the code, `plant::energy`.)
+//! source's and published figures. (Energy: with the code, `plant::energy`.)
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../common/mod.rs"]
+#[path = "../../../cg-logs/tests/common/mod.rs"]
 mod common;
 mod convergence;
 mod linear;
 mod published;
 mod source;
 mod statics;
-mod truck;
 
 use cg_vehicle::reduction::quality::rounded_step;
 use cg_plant::plant::{Characteristics, PlantOptions, PlantSample, Simulation, YawRollPlant};

@@ -1,4 +1,5 @@
 //! The independent truck: its measured steer angle and speed drive the plant of `kraz.toml`.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::PathBuf;
 
@@ -8,7 +9,8 @@ use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_thesis::study::{Recorded, Replayed, drive_again};
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
-use super::vehicle;
+#[path = "../../cg-vehicle/tests/common/mod.rs"]
+mod common;
 
 struct Truth {
     log: String,
@@ -98,7 +100,7 @@ fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
 /// at equal steer is too great by what that channel has without calibration.
 #[test]
 fn steady_roll_of_the_independent_truck() {
-    let vehicle = vehicle("kraz");
+    let vehicle = common::vehicle("kraz.toml");
     let errors: Vec<_> = truths().iter().map(|truth| replay(&vehicle, truth)).collect();
     println!(
         "rms: roll at equal steer {:.3}, lateral {:.3}, roll/lateral {:.3}",
@@ -114,7 +116,7 @@ fn steady_roll_of_the_independent_truck() {
 /// uncertainty), the plant's steady roll angle is within 5 % of every log's.
 #[test]
 fn calibrated_the_plant_rolls_as_the_independent_truck_does() {
-    let vehicle = vehicle("kraz");
+    let vehicle = common::vehicle("kraz.toml");
     let truths = truths();
     let known: Vec<KnownLog> = ["A_p00", "A_p20_h190"]
         .iter()
@@ -158,7 +160,7 @@ fn straight_on_a_bank_the_independent_truck_rolls_as_much() {
     #[allow(clippy::cast_precision_loss)] // 150
     let theirs = rows.iter().map(|row| row.roll_rad).sum::<f64>() / rows.len() as f64;
     let options = PlantOptions { bank_rad: truth.bank_rad, ..PlantOptions::default() };
-    let plant = YawRollPlant::new(&vehicle("kraz"), truth.load, &options).unwrap();
+    let plant = YawRollPlant::new(&common::vehicle("kraz.toml"), truth.load, &options).unwrap();
     let ours = plant.start(rows[0].speed_mps).unwrap().sample().trailer.roll_rad;
     // The drive torque rolls the truck by -0.0003 rad on any straight road (fixtures/logs).
     println!("{ours:.5} rad, {:.5} rad without the drive torque", theirs + 0.0003);

@@ -1,0 +1,88 @@
+//! The independent truck's logs and what is known of them.
+#![allow(dead_code, unused_imports, clippy::unwrap_used)] // each test file uses its part
+
+use cg_core::{AlignSettings, Channel, Design};
+use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
+use cg_logs::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+
+#[path = "../../../cg-vehicle/tests/common/mod.rs"]
+mod trucks;
+pub(crate) use trucks::*;
+
+pub(crate) struct Known {
+    pub(crate) log: String,
+    pub(crate) load: Load,
+    pub(crate) axle_load_n: Vec<f64>,
+}
+
+impl Known {
+    pub(crate) fn rows(&self) -> Vec<LogRow> {
+        let path = fixtures().join("logs").join(&self.log);
+        let reader = LogReader::open(&path, &LogOptions::default()).unwrap();
+        reader.map(Result::unwrap).collect()
+    }
+
+    pub(crate) fn feed(&self, estimator: &mut LogEstimator) {
+        for row in self.rows() {
+            estimator.push(&row).unwrap();
+        }
+    }
+
+    pub(crate) fn estimate(
+        &self,
+        design: &Design<f64>,
+        channel: Option<Channel>,
+        options: EstimateOptions,
+    ) -> LogEstimate {
+        let options = EstimateOptions { channel, ..options };
+        let mut estimator = LogEstimator::from_design(design, AlignSettings::NONE, options);
+        self.feed(&mut estimator);
+        estimator.finish()
+    }
+}
+
+pub(crate) fn known() -> Vec<Known> {
+    let text = std::fs::read_to_string(fixtures().join("logs/truth.json")).unwrap();
+    let entries: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap();
+    let number = |entry: &serde_json::Value, key: &str| entry[key].as_f64().unwrap();
+    entries
+        .iter()
+        .map(|entry| {
+            let loads = &entry["static_axle_load_n"];
+            let unit = |name: &str| loads[name].as_array().unwrap().clone();
+            Known {
+                log: entry["log"].as_str().unwrap().to_owned(),
+                load: Load {
+                    trailer_mass_kg: number(entry, "trailer_mass_kg"),
+                    cg_height_m: number(entry, "height_m"),
+                },
+                axle_load_n: unit("tractor")
+                    .iter()
+                    .chain(&unit("trailer"))
+                    .map(|load| load.as_f64().unwrap())
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+/// The truck calibrated on these runs.
+pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
+    let logs: Vec<KnownLog> = runs
+        .iter()
+        .map(|known| KnownLog {
+            log: known.log.clone(),
+            height_m: known.load.cg_height_m,
+            trailer_mass_kg: None,
+        })
+        .collect();
+    calibrate::<VehicleError>(vehicle, Variant::Complete, &logs, |log, estimator| {
+        let known = runs.iter().find(|known| known.log == log.log).unwrap();
+        known.feed(estimator);
+        Ok(())
+    })
+    .unwrap()
+}
