@@ -18,7 +18,7 @@
 //!
 //! let fixtures = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures");
 //! let vehicle = Vehicle::load(format!("{fixtures}/vehicles/kraz.toml"))?;
-//! let log = format!("{fixtures}/logs/A_p20_h190.csv");
+//! let log = format!("{fixtures}/logs/A_p20_h190_v50_L.csv");
 //! let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default())?;
 //! for row in LogReader::open(log.as_ref(), &LogOptions::default())? {
 //!     estimator.push(&row?)?;

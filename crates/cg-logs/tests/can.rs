@@ -118,3 +118,11 @@ proptest! {
         }
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn an_endless_dbc_file_is_refused_at_once() {
+    let error = MappedSignal::load("/dev/zero".as_ref(), &[]).unwrap_err().to_string();
+    assert!(error.starts_with("/dev/zero: cannot be read"), "{error}");
+    assert!(error.contains("MiB that such a file may have"), "{error}");
+}

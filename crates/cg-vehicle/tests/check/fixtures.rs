@@ -2,7 +2,6 @@
 
 use cg_vehicle::Vehicle;
 use cg_vehicle::calibration::Calibration;
-use cg_logs::can::MappedSignal;
 
 #[test]
 fn the_fixtures_are_usual() {
@@ -35,7 +34,6 @@ fn an_endless_file_is_refused_at_once() {
     for error in [
         Vehicle::load(endless).unwrap_err().to_string(),
         Calibration::load(endless, &kraz).unwrap_err().to_string(),
-        MappedSignal::load(endless, &[]).unwrap_err().to_string(),
     ] {
         assert!(error.starts_with("/dev/zero: cannot be read"), "{error}");
         assert!(error.contains("MiB that such a file may have"), "{error}");
