@@ -2,8 +2,8 @@
 //! the ratio to real time of one core. No peer: the linear model's exact step beside it.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use cg_vehicle::linear::Equations;
 use cg_plant::plant::{PlantOptions, YawRollPlant};
+use cg_vehicle::linear::Equations;
 use cg_vehicle::{Variant, Vehicle};
 use divan::Bencher;
 

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use cg_vehicle::Vehicle;
 use cg_logs::log::{LogOptions, LogReader, LogRow};
+use cg_vehicle::Vehicle;
 
 /// A file under `fixtures/`.
 pub fn fixture(name: &str) -> PathBuf {

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::str::FromStr;
 
 use anyhow::{Context, anyhow};
-use cg_vehicle::VehicleError;
-use cg_vehicle::calibration::file::{ParameterEntry, Unit};
-use cg_vehicle::calibration::Calibration;
 use cg_logs::calibrate::{KnownLog, calibrate};
 use cg_logs::output::{Draft, Files, Kind};
+use cg_vehicle::VehicleError;
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::calibration::file::{ParameterEntry, Unit};
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use cg_core::j1939::Compensation;
-use cg_vehicle::Vehicle;
 use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap};
 use cg_logs::log::{CanOptions, LogOptions};
+use cg_vehicle::Vehicle;
 use clap::{Args, ValueEnum};
 
 use crate::cli::ColumnArgs;

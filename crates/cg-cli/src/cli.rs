@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use cg_core::Channel;
 use cg_core::arx::SampledArx;
-use cg_vehicle::emit::Language;
 use cg_logs::estimate::Method;
 use cg_logs::log::{ColumnMap, LogOptions, Signal};
 use cg_plant::maneuver::{Histories, Maneuver};
-use cg_thesis::reproduce::Options;
 use cg_plant::simulate::Plant;
+use cg_thesis::reproduce::Options;
+use cg_vehicle::emit::Language;
 use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::Context;
+use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::Vehicle;
 use cg_vehicle::emit::{Language, emit};
-use cg_logs::output::{Draft, Files, Kind};
 
 use crate::Outcome;
 use crate::cli::DesignArgs;

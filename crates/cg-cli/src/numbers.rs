@@ -1,7 +1,7 @@
 //! Arguments that are numbers, and their limits.
 
-use cg_vehicle::{limits};
-use cg_plant::{sensors};
+use cg_plant::sensors;
+use cg_vehicle::limits;
 
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>()

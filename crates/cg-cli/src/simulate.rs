@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use cg_vehicle::Vehicle;
 use cg_logs::log::{CandumpWriter, LogWriter, Signal};
-use cg_plant::maneuver::Course;
 use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_plant::maneuver::Course;
 use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::Vehicle;
 
 use crate::Outcome;
 use crate::cli::{ManeuverArg, SimulateArgs};

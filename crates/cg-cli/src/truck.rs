@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use cg_core::Design;
+use cg_logs::output::Files;
 use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
-use cg_logs::output::Files;
 use clap::Args;
 
 use crate::cli::ModelArg;

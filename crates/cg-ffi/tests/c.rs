@@ -7,8 +7,8 @@ use std::process::Command;
 
 use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, Step};
 use cg_ffi::{CgHeight, CgRollover, CgSample, CgStep};
-use cg_vehicle::emit::{Language, emit};
 use cg_logs::log::{LogOptions, LogReader};
+use cg_vehicle::emit::{Language, emit};
 use cg_vehicle::{Variant, Vehicle};
 use tempfile::TempDir;
 

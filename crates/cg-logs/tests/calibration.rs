@@ -5,10 +5,10 @@
 mod common;
 
 use cg_core::Channel;
+use cg_logs::estimate::EstimateOptions;
 use cg_vehicle::belief::{Belief, Deviations, PARAMETERS, Parameter};
 use cg_vehicle::calibration::{Calibration, Run, fit};
 use cg_vehicle::design::design_with;
-use cg_logs::estimate::EstimateOptions;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle};
 use common::{calibrated, known, largest, rms, vehicle};

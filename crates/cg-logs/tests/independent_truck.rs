@@ -5,10 +5,10 @@
 mod common;
 
 use cg_core::Channel;
+use cg_logs::estimate::{EstimateOptions, Method};
 use cg_vehicle::Variant;
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::design::design;
-use cg_logs::estimate::{EstimateOptions, Method};
 use common::{known, rms, vehicle};
 
 /// Axle loads of six independently sprung axles: springs, tyres and frame pitch decide.

@@ -4,10 +4,10 @@
 mod common;
 
 use cg_core::{AlignSettings, Estimator, FilteredArx, Prior, Sample, Settings};
-use cg_vehicle::design::design;
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{CandumpWriter, LogOptions, LogReader, LogRow, LogWriter, Signal};
 use cg_logs::output::{Files, Kind};
+use cg_vehicle::design::design;
 use cg_vehicle::{Variant, Vehicle};
 
 const STEERING_RATIO: f64 = 20.0;

@@ -14,8 +14,8 @@ use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
-use cg_vehicle::error::VehicleError;
 use cg_logs::log::{LogRow, Signal};
+use cg_vehicle::error::VehicleError;
 
 /// The greatest offset of roll and steer.
 pub const GREATEST_OFFSET_RAD: f64 = 0.2;

@@ -7,10 +7,10 @@ mod common;
 
 use cg_core::{AlignSettings, Channel};
 use cg_logs::calibrate::{KnownLog, calibrate};
-use cg_vehicle::design::design_with;
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_plant::maneuver::Maneuver;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
+use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 const HEIGHTS_M: [f64; 8] = [1.854, 1.905, 1.973, 2.007, 2.057, 2.108, 2.159, 2.210];

@@ -7,12 +7,12 @@ mod common;
 
 use cg_core::Design;
 use cg_logs::calibrate::{KnownLog, calibrate};
-use cg_vehicle::design::{design, design_with};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
+use cg_vehicle::design::{design, design_with};
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 /// What a fault does to a row; the first number is its place in the log.

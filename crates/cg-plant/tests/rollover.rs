@@ -4,11 +4,13 @@
 #[path = "../../cg-logs/tests/common/mod.rs"]
 mod common;
 
-use cg_vehicle::linear::Equations;
 use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_plant::rollover::offtracking::low_speed_m;
 use cg_plant::rollover::small::{modes, rearward_amplification};
-use cg_plant::rollover::{Ramp, RampEnd, RolloverMeasures, RolloverOptions, TimeToRollover, measures};
+use cg_plant::rollover::{
+    Ramp, RampEnd, RolloverMeasures, RolloverOptions, TimeToRollover, measures,
+};
+use cg_vehicle::linear::Equations;
 use cg_vehicle::steady_turn::{on_board, steady_turn_threshold_g};
 use cg_vehicle::{Load, Variant, Vehicle};
 

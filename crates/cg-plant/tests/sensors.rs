@@ -5,13 +5,13 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use cg_vehicle::balance::static_balance;
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow, LogWriter};
-use cg_plant::maneuver::{Course, Maneuver};
 use cg_logs::output::{Files, Kind};
+use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
+use cg_vehicle::balance::static_balance;
 use cg_vehicle::vehicle::SuspensionPressure;
 use cg_vehicle::{Load, Vehicle};
 

@@ -6,11 +6,11 @@
 mod common;
 
 use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Real, Sample, Settings};
-use cg_vehicle::Variant;
-use cg_vehicle::design::design_with;
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_logs::log::LogRow;
 use cg_plant::sensors::{Instruments, Sensors};
+use cg_vehicle::Variant;
+use cg_vehicle::design::design_with;
 use common::{Known, calibrated, known, largest, rms, vehicle};
 
 const CALIBRATED_ON: [&str; 2] = ["A_p00", "A_p20_h190"];

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use cg_vehicle::VehicleError;
 use cg_logs::calibrate::{KnownLog, calibrate};
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind};
+use cg_vehicle::VehicleError;
 use pyo3::prelude::*;
 
 use crate::error::{log_error, output_error, vehicle_error};

@@ -4,9 +4,9 @@
 use std::ffi::CString;
 use std::io::{self, ErrorKind};
 
-use cg_vehicle::VehicleError;
 use cg_logs::log::{LogError, OptionError};
 use cg_logs::output::OutputError;
+use cg_vehicle::VehicleError;
 use pyo3::exceptions::{
     PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning,
     PyValueError,

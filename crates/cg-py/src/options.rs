@@ -2,8 +2,8 @@
 
 use cg_core::Channel;
 use cg_core::arx::SampledArx;
-use cg_vehicle::Variant;
 use cg_logs::estimate::{EstimateOptions, Method};
+use cg_vehicle::Variant;
 use pyo3::prelude::*;
 
 use crate::error::value_error;

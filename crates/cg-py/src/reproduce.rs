@@ -1,7 +1,7 @@
 //! `reproduce_tables`: the source's tables beside ours.
 
-use cg_vehicle::VehicleError;
 use cg_thesis::reproduce::{Options, Row, table, tables};
+use cg_vehicle::VehicleError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -1,9 +1,9 @@
 //! `simulate_log`: logs with known truth; `score_accuracy`: many of them, estimated and scored.
 
-use cg_vehicle::VehicleError;
-use cg_thesis::accuracy::{Experiment, Truck};
 use cg_logs::log::LogRow;
 use cg_plant::simulate::LogSimulation;
+use cg_thesis::accuracy::{Experiment, Truck};
+use cg_vehicle::VehicleError;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

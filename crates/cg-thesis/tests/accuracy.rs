@@ -7,12 +7,12 @@ mod common;
 
 use std::fmt::Write;
 
-use cg_thesis::accuracy::{Experiment, Score, Truck};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Method};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
+use cg_thesis::accuracy::{Experiment, Score, Truck};
 use cg_vehicle::{Load, Vehicle};
 
 /// Noise of this strength and nothing else.

@@ -1,8 +1,8 @@
 //! Every number of the source that can be reproduced is, and what cannot says why.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-use cg_vehicle::VehicleError;
 use cg_thesis::reproduce::{Options, Row, table, tables, title};
+use cg_vehicle::VehicleError;
 
 /// Enough draws for the statements below, few enough for the debug profile.
 const OPTIONS: Options = Options { runs: 400, seed: 7 };

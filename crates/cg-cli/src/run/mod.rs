@@ -34,10 +34,10 @@ use std::io::{self, LineWriter, Stdout};
 use std::path::PathBuf;
 
 use anyhow::bail;
-use cg_vehicle::Vehicle;
 use cg_logs::can::{Decoder, named};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
+use cg_vehicle::Vehicle;
 
 use crate::Outcome;
 use events::Event;

@@ -16,11 +16,11 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use cg_vehicle::Vehicle;
-use cg_vehicle::calibration::Calibration;
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_thesis::study::{Recorded, Study, replay, studies, study};
+use cg_vehicle::Vehicle;
+use cg_vehicle::calibration::Calibration;
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 

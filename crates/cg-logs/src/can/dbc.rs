@@ -14,8 +14,8 @@ use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::j1939::pgn_of;
 
-use cg_vehicle::files;
 use crate::log::Signal;
+use cg_vehicle::files;
 
 use super::frame::Frame;
 

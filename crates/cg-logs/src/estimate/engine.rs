@@ -7,8 +7,8 @@ use cg_core::{
     Settings, Step,
 };
 
-use cg_vehicle::Variant;
 use crate::estimate::{EstimateOptions, Method};
+use cg_vehicle::Variant;
 
 /// Interval of the classical ARX (the source's 0.05 s): faster logs are thinned out.
 const ARX_INTERVAL_S: f64 = 0.05;

@@ -17,10 +17,10 @@ use engine::Engine;
 pub use prediction::Prediction;
 use signals::SignalCheck;
 
+use crate::log::LogRow;
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::linear::Variant;
-use crate::log::LogRow;
 use cg_vehicle::vehicle::Vehicle;
 
 /// Two-sided 95 % quantile of the normal distribution.

@@ -15,8 +15,8 @@
 use super::body::{Equations, Motion};
 use super::suspension::Group;
 use super::tyre::{Contact, Hub, Tyres};
-use cg_vehicle::characteristics::Grip;
 use super::vector::Vector;
+use cg_vehicle::characteristics::Grip;
 
 /// Parameters of an axle.
 #[derive(Clone, Debug)]

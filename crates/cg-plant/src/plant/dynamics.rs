@@ -14,12 +14,12 @@
 use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
 use super::body::{Attitude, Equations, Motion};
 use super::hitch::couple;
-use cg_vehicle::characteristics::FifthWheel;
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::suspension::Group;
 use super::tyre::Contact;
-use cg_vehicle::characteristics::Grip;
 use super::vector::{Vector, add, inverse_symmetric, sin_cos, solve_spd, turned};
+use cg_vehicle::characteristics::FifthWheel;
+use cg_vehicle::characteristics::Grip;
 
 /// What the driver does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

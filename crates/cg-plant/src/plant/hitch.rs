@@ -25,43 +25,43 @@ pub(super) struct Coupling {
 #[inline]
 pub(super) fn couple(
     wheel: &FifthWheel,
-        tractor_roll_rad: f64,
-        tractor_rates: [f64; 3],
-        trailer: &Attitude,
-        trailer_rates: [f64; 3],
-        (sin, cos): (f64, f64),
-    ) -> Coupling {
-        let k = vertical(trailer);
-        // The tractor's axes in the trailer's yaw frame: e_x1 = (cos, −sin, 0), e_y1 = (sin, cos, 0).
-        let across = |v: Vector| sin * v[0] + cos * v[1];
-        let (n, c) = (-across(k), k[2]);
-        let scale = 1.0 / (n * n + c * c);
-        let angle_rad = (n / c).atan() - tractor_roll_rad;
-        // Derivatives of the angle by each rate: of k by turning about e_z, e_y, b.
-        let turned = [
-            [-k[1], k[0], 0.0],
-            [k[2], 0.0, -k[0]],
-            [
-                -trailer.sin_pitch * trailer.sin_roll,
-                -trailer.cos_roll,
-                -trailer.cos_pitch * trailer.sin_roll,
-            ],
-        ];
-        let by_trailer = turned.map(|dk| (c * -across(dk) - n * dk[2]) * scale);
-        let by_tractor = [c * (cos * k[0] - sin * k[1]) * scale, 0.0, -1.0];
-        let mut moment_nm = wheel.moment_nm(angle_rad);
-        if wheel.damping_nms_per_rad > 0.0 {
-            let rate: f64 = (0..3)
-                .map(|j| by_tractor[j] * tractor_rates[j] + by_trailer[j] * trailer_rates[j])
-                .sum();
-            moment_nm += wheel.damping_nms_per_rad * rate;
-        }
-        Coupling {
-            moment_nm,
-            tractor: by_tractor.map(|by| -moment_nm * by),
-            trailer: by_trailer.map(|by| -moment_nm * by),
-        }
+    tractor_roll_rad: f64,
+    tractor_rates: [f64; 3],
+    trailer: &Attitude,
+    trailer_rates: [f64; 3],
+    (sin, cos): (f64, f64),
+) -> Coupling {
+    let k = vertical(trailer);
+    // The tractor's axes in the trailer's yaw frame: e_x1 = (cos, −sin, 0), e_y1 = (sin, cos, 0).
+    let across = |v: Vector| sin * v[0] + cos * v[1];
+    let (n, c) = (-across(k), k[2]);
+    let scale = 1.0 / (n * n + c * c);
+    let angle_rad = (n / c).atan() - tractor_roll_rad;
+    // Derivatives of the angle by each rate: of k by turning about e_z, e_y, b.
+    let turned = [
+        [-k[1], k[0], 0.0],
+        [k[2], 0.0, -k[0]],
+        [
+            -trailer.sin_pitch * trailer.sin_roll,
+            -trailer.cos_roll,
+            -trailer.cos_pitch * trailer.sin_roll,
+        ],
+    ];
+    let by_trailer = turned.map(|dk| (c * -across(dk) - n * dk[2]) * scale);
+    let by_tractor = [c * (cos * k[0] - sin * k[1]) * scale, 0.0, -1.0];
+    let mut moment_nm = wheel.moment_nm(angle_rad);
+    if wheel.damping_nms_per_rad > 0.0 {
+        let rate: f64 = (0..3)
+            .map(|j| by_tractor[j] * tractor_rates[j] + by_trailer[j] * trailer_rates[j])
+            .sum();
+        moment_nm += wheel.damping_nms_per_rad * rate;
     }
+    Coupling {
+        moment_nm,
+        tractor: by_tractor.map(|by| -moment_nm * by),
+        trailer: by_trailer.map(|by| -moment_nm * by),
+    }
+}
 
 /// The trailer's own vertical in its yaw frame.
 #[inline]

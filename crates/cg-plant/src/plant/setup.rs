@@ -7,13 +7,13 @@
 
 use super::axle::Axle;
 use super::dynamics::{Parameters, Sprung};
-use cg_vehicle::characteristics::FifthWheel;
 use super::options::{Characteristics, PlantOptions};
 use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 use super::suspension::{Group, Law};
 use super::tyre::{PER_SIDE, Tyres};
-use cg_vehicle::characteristics::Grip;
 use cg_vehicle::balance::static_balance;
+use cg_vehicle::characteristics::FifthWheel;
+use cg_vehicle::characteristics::Grip;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::{Load, PlacedAxle, Vehicle};
 

@@ -6,8 +6,8 @@
 
 use std::f64::consts::PI;
 
-use cg_vehicle::error::VehicleError;
 use crate::plant::{Progress, YawRollPlant};
+use cg_vehicle::error::VehicleError;
 
 /// Length of the pulse.
 pub const PULSE_S: f64 = 0.1;

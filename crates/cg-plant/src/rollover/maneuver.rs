@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::transfer::Transfer;
-use cg_vehicle::error::VehicleError;
 use crate::plant::{Driver, DriverSettings, Path, PlantSample, Progress, YawRollPlant};
+use cg_vehicle::error::VehicleError;
 
 /// Width of a lane (eq. 2.5).
 pub const LANE_WIDTH_M: f64 = 3.65;

@@ -5,8 +5,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use cg_vehicle::error::VehicleError;
 use crate::plant::{Coordinate, YawRollPlant};
+use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::Vehicle;
 
 /// Radius of the high-speed turn.

@@ -3,8 +3,8 @@
 //! **Reference.** Static rollover threshold: Ervin and others, UMTRI-86; the source, 1.2.2.
 
 use super::transfer::Transfer;
-use cg_vehicle::error::VehicleError;
 use crate::plant::{Progress, YawRollPlant};
+use cg_vehicle::error::VehicleError;
 
 /// Interval of the samples.
 const INTERVAL_S: f64 = 0.01;

@@ -10,12 +10,12 @@ mod nonlinear;
 
 use serde::Serialize;
 
+use crate::maneuver::{Course, Histories, Maneuver};
+use crate::sensors::{Instruments, Sensors};
+use cg_logs::log::LogRow;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::limits;
 use cg_vehicle::linear::{Equations, Variant};
-use cg_logs::log::LogRow;
-use crate::maneuver::{Course, Histories, Maneuver};
-use crate::sensors::{Instruments, Sensors};
 use cg_vehicle::vehicle::{Load, Vehicle};
 use models::Models;
 use nonlinear::{Recorded, record};

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use cg_core::reduced::Simulation as ReducedSimulation;
 
 use super::{Motion, Scenario};
+use crate::maneuver::Histories;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::linear::Equations;
-use crate::maneuver::Histories;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::vehicle::Vehicle;

@@ -1,10 +1,10 @@
 //! The nonlinear plant through a scenario, steered by a history or by the driver.
 
 use super::{Motion, Scenario};
-use cg_vehicle::error::VehicleError;
 use crate::maneuver::{Course, Histories};
 use crate::plant::{Driver, DriverSettings, Path, PlantOptions, YawRollPlant};
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};
+use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::Vehicle;
 
 /// What the plant did, sample by sample, and when it rolled over, if it did and may.

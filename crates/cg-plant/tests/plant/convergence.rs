@@ -1,7 +1,7 @@
 //! V3 and V4: mirror symmetry, convergence with the step; rollover.
 
-use cg_vehicle::Load;
 use cg_plant::plant::{PlantOptions, Progress, YawRollPlant};
+use cg_vehicle::Load;
 
 use super::{KMH, plant, rounded, vehicle};
 
@@ -63,7 +63,11 @@ fn roll_deg(friction_deflection_m: f64, step_s: f64) -> Vec<f64> {
     let mut roll = Vec::new();
     for k in 1..=500 {
         let time_s = f64::from(k) * 0.01;
-        run.push(0.0576 * cg_vehicle::reduction::quality::rounded_step(time_s, 3.0), 50.0 * KMH, 0.01);
+        run.push(
+            0.0576 * cg_vehicle::reduction::quality::rounded_step(time_s, 3.0),
+            50.0 * KMH,
+            0.01,
+        );
         roll.push(run.sample().trailer.roll_rad.to_degrees());
     }
     roll

@@ -10,8 +10,8 @@ mod published;
 mod source;
 mod statics;
 
-use cg_vehicle::reduction::quality::rounded_step;
 use cg_plant::plant::{Characteristics, PlantOptions, PlantSample, Simulation, YawRollPlant};
+use cg_vehicle::reduction::quality::rounded_step;
 use cg_vehicle::{Load, Vehicle};
 
 const KMH: f64 = 1.0 / 3.6;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use cg_vehicle::Vehicle;
 use cg_plant::plant::{PlantOptions, Progress, YawRollPlant};
+use cg_vehicle::Vehicle;
 
 use super::{G, KMH, at_height, peak, plant, rounded, vehicle};
 

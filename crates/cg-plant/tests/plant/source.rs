@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use cg_vehicle::Vehicle;
 use cg_plant::plant::{Driver, DriverSettings, Path, PlantOptions, PlantSample, YawRollPlant};
+use cg_vehicle::Vehicle;
 
 use super::{G, KMH, at_height, peak, plant, rounded, vehicle};
 

@@ -1,8 +1,8 @@
 //! V1: loads at rest, settling, offset payload, banked road.
 
+use cg_plant::plant::{Coordinate, PlantOptions, YawRollPlant};
 use cg_vehicle::Load;
 use cg_vehicle::balance::static_balance;
-use cg_plant::plant::{Coordinate, PlantOptions, YawRollPlant};
 
 use super::{KMH, linear, plant, vehicle};
 

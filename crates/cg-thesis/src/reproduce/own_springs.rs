@@ -9,14 +9,14 @@ use cg_core::{AlignSettings, Channel};
 use super::heights::bias_percent;
 use super::printed::Printed;
 use super::{Baseline, Row};
-use cg_vehicle::belief::Belief;
 use cg_logs::calibrate::{KnownLog, calibrate};
-use cg_vehicle::design::design_with;
-use cg_vehicle::error::VehicleError;
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
-use cg_vehicle::linear::Variant;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::belief::Belief;
+use cg_vehicle::design::design_with;
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::linear::Variant;
 use cg_vehicle::vehicle::Vehicle;
 
 const RATE_HZ: f64 = 100.0;

@@ -3,10 +3,10 @@
 use super::Setting;
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
 use crate::accuracy::{Experiment, Score};
-use cg_vehicle::error::VehicleError;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::{Load, Vehicle};
 
 /// Repetitions of each point: an RMSE scatters by 4 %.
@@ -103,7 +103,8 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
 /// The sensor of one load under another: a lighter load has the same noise, not the same ratio.
 fn noise_as_under(vehicle: &Vehicle, scenario: Scenario, reference: Load) -> Scenario {
     let roll = |load: Load| {
-        let lines = cg_vehicle::linear::ratio_line(vehicle, scenario.variant, scenario.speed_mps, load);
+        let lines =
+            cg_vehicle::linear::ratio_line(vehicle, scenario.variant, scenario.speed_mps, load);
         lines.map_or(1.0, |lines| lines[1].ratio_at(load.cg_height_m))
     };
     let louder_db = 20.0 * (roll(scenario.load) / roll(reference)).log10();

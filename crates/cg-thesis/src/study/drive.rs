@@ -1,9 +1,9 @@
 //! One run of the nonlinear plant along a path with the preview driver, and its peaks.
 
-use cg_vehicle::error::VehicleError;
 use cg_plant::plant::{
     Driver, DriverSettings, Path, PlantOptions, PlantSample, Progress, YawRollPlant,
 };
+use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::{Load, Vehicle};
 
 /// Speed of the source's turns, m/s.

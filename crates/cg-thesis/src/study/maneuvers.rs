@@ -5,8 +5,8 @@ use super::drive::{
     Course, Drive, LANE_SPEED_MPS, RUN_IN_M, Record, TURN_SPEED_MPS, trailer_lateral, trailer_roll,
 };
 use super::{PEAK_LATERAL, Setting, scenario};
-use cg_vehicle::error::VehicleError;
 use cg_plant::plant::PlantSample;
+use cg_vehicle::error::VehicleError;
 
 const TIME: Quantity = Quantity { name: "time", label: "Time", unit: Unit::Second };
 const ROLL: Quantity = Quantity { name: "roll", label: "Roll angle", unit: Unit::Radian };

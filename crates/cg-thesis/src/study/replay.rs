@@ -2,11 +2,11 @@
 //! lateral acceleration beside the recorded ones.
 
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
-use cg_vehicle::calibration::Calibration;
 use cg_logs::calibrate::KnownLog;
-use cg_vehicle::error::VehicleError;
 use cg_logs::log::LogRow;
 use cg_plant::plant::{PlantOptions, YawRollPlant};
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::{Load, Vehicle};
 
 /// A recorded log whose load is known.

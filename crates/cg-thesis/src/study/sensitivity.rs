@@ -3,8 +3,8 @@
 use super::data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
 use super::drive::{Course, Drive, LANE_SPEED_MPS, QUARTER, Record, TURN_SPEED_MPS};
 use super::{Setting, scenario};
-use cg_vehicle::error::VehicleError;
 use cg_plant::plant::PlantSample;
+use cg_vehicle::error::VehicleError;
 
 /// How far the payload's c.g. is raised.
 const RAISED_M: f64 = 0.2;

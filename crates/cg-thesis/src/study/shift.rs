@@ -3,8 +3,8 @@
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Drive, peak_rolls, trailer_roll};
 use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
-use cg_vehicle::error::VehicleError;
 use cg_plant::plant::YawRollPlant;
+use cg_vehicle::error::VehicleError;
 
 const OUTWARD: Quantity = Quantity {
     name: "payload_to_right",

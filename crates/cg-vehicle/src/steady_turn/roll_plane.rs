@@ -23,8 +23,8 @@
 use super::support::{Springs, Tyres};
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
 use crate::balance::{StaticBalance, balance_on, static_balance};
-use crate::error::VehicleError;
 use crate::characteristics::FifthWheel;
+use crate::error::VehicleError;
 use crate::vehicle::{Load, PlacedAxle, Vehicle};
 
 /// Step of the trailer's roll angle.
