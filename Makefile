@@ -79,9 +79,9 @@ python: venv cg
 
 # Parsers and decoders on a million damaged inputs each; `make test` has some hundreds.
 fuzz:
-	PROPTEST_CASES=1000000 cargo test --release --package cg-vehicle --test can
+	PROPTEST_CASES=1000000 cargo test --release --package cg-logs --test can
 	PROPTEST_CASES=100000 cargo test --release --package cg-core --test properties
-	PROPTEST_CASES=1000000 cargo test --release --package cg-vehicle --lib can::
+	PROPTEST_CASES=1000000 cargo test --release --package cg-logs --lib can::
 
 # cg-core changed in every small way (2200; some hours): how many its own tests notice, 90 % at least.
 # A sample of 170: make mutants MUTANTS='--sharding round-robin --shard 3/13'
