@@ -1,6 +1,6 @@
 //! CAN text and frames that nobody made with care, and two decoders against each other.
 //!
-//! `make fuzz` runs the same with a million cases each.
+//! `PROPTEST_CASES=1000000` runs more of the same.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 

@@ -1,5 +1,5 @@
 //! What is learnt, kept over restarts: one file, whole or not at all, checked when it is read
-//! (its text: [`cg_vehicle::state`]).
+//! (its text: [`cg_logs::state`]).
 //!
 //! A file that is damaged, of another version or of another vehicle is put aside under a name of
 //! its own and never overwritten: somebody may want to know.
