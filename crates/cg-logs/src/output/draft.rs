@@ -147,6 +147,64 @@ fn create(path: &Path, before: Option<&Metadata>) -> io::Result<File> {
     options.open(path)
 }
 
+/// Gives a draft the mode of the file that it will replace, and its owner as far as one may.
+fn keep_mode(draft: &File, target: &Path) -> io::Result<()> {
+    let Ok(about) = fs::metadata(target) else { return Ok(()) };
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, fchown};
+        let now = draft.metadata()?;
+        if (now.uid(), now.gid()) != (about.uid(), about.gid()) {
+            // Only the administrator may give files away.
+            let _ = fchown(draft, Some(about.uid()), Some(about.gid()));
+        }
+    }
+    draft.set_permissions(about.permissions())
+}
+
+/// Removes the drafts of `target` that processes which are no more have left.
+pub(super) fn sweep(target: &Path) {
+    let beginning = beginning(target);
+    // What cannot be listed or removed hinders nobody.
+    let Ok(entries) = fs::read_dir(folder(target)) else { return };
+    for entry in entries.flatten() {
+        let (name, path) = (entry.file_name(), entry.path());
+        let process = name.to_str().and_then(|name| process(name.strip_prefix(&beginning)?));
+        let is_left = process.is_some_and(|process| {
+            // In a container each program may have the same number.
+            if process == std::process::id() { !drafts().contains(&path) } else { !lives(process) }
+        });
+        if is_left {
+            remove_if_left(&path);
+        }
+    }
+}
+
+/// The number of the process in `PROCESS-RANDOM.part`.
+fn process(rest: &str) -> Option<u32> {
+    let (process, random) = rest.strip_suffix(END)?.split_once('-')?;
+    random.chars().all(char::is_alphanumeric).then_some(process)?.parse().ok()
+}
+
+/// Whether there is such a process, be it another one that has the number now.
+fn lives(process: u32) -> bool {
+    let Ok(about) = fs::read_to_string(format!("/proc/{process}/stat")) else {
+        // Without a list of processes the lock alone decides.
+        return false;
+    };
+    // The state comes behind the name in parentheses; Z has ended and waits to be asked how.
+    about.rsplit_once(") ").is_none_or(|(_, state)| !state.starts_with('Z'))
+}
+
+/// A draft whose writer lives is locked, wherever that runs.
+fn remove_if_left(draft: &Path) {
+    let is_file = fs::symlink_metadata(draft).is_ok_and(|about| about.is_file());
+    let Some(file) = is_file.then(|| File::open(draft).ok()).flatten() else { return };
+    if !matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
+        let _ = fs::remove_file(draft);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
