@@ -191,7 +191,7 @@ mod tests {
             }
         }
         let turned = ThresholdLine { threshold_g: [[0.5; HEIGHTS], [0.4; HEIGHTS]] };
-        assert_eq!(turned.at_speed(f64::NAN), [0.4; HEIGHTS]);
+        assert!(turned.at_speed(f64::NAN).iter().all(|g| (g - 0.4).abs() < 1e-15));
     }
 
     /// 27 t at 2 m and 3 t of axles at 0.5 m: 30 t at 1.85 m.

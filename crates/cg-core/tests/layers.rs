@@ -1,4 +1,5 @@
 //! Arrows point one way: a crate uses only those before it, a module only those above it in `lib.rs`.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
 use std::path::{Path, PathBuf};
 
