@@ -7,7 +7,7 @@ VENV := .venv
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets cg guest fuzz fuzz-tools mutants mutants-short mutants-tool soak venv python bench bench-short demo clean
+.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets cg guest fuzz fuzz-tools mutants mutants-short mutants-tool soak rollover-table venv python bench bench-short demo clean
 
 test: tools fmt lint rust docs firmware guest python bench-short
 	@echo "all checks passed"
@@ -113,6 +113,10 @@ mutants-tool:
 # A month of an hour's driving a day through `cg run`: its memory stays (`make test` has some minutes a day).
 soak:
 	CG_SOAK_DRIVES=30 cargo test --release --package cg-cli --test cli a_month -- --nocapture
+
+# The table of docs/plant.md: thresholds beside the nonlinear plant's, 96 cases of each vehicle (`make test`: its corners).
+rollover-table:
+	CG_ROLLOVER_TABLE=1 cargo test --workspace --test rollover the_table -- --nocapture
 
 # Every bench once on little data: shows that they run, measures nothing.
 bench-short: venv cg

@@ -108,34 +108,48 @@ fn ramp_threshold_g(vehicle: &Vehicle, load: Load, speed_mps: f64) -> Option<f64
     (ramp.end == RampEnd::RolledOver).then(|| ramp.greatest_mps2() / G)
 }
 
+/// Errors of the steady turn and of the threshold on board beside the plant's ramp, relative, at these
+/// speeds (km/h) and heights. Where the plant slides there is nothing to compare.
+fn errors(
+    vehicle: &Vehicle,
+    trailer_mass_kg: f64,
+    cases: impl IntoIterator<Item = (f64, f64)>,
+) -> Vec<[f64; 2]> {
+    // Units of gravity are the vehicle file's.
+    let unit = vehicle.gravity_mps2 / G;
+    let error = |(kmh, cg_height_m): (f64, f64)| {
+        let load = Load { trailer_mass_kg, cg_height_m };
+        let ramp_g = ramp_threshold_g(vehicle, load, kmh * KMH)?;
+        let steady_g = steady_turn_threshold_g(vehicle, load, kmh * KMH).unwrap();
+        let on_board = on_board(vehicle, load, kmh * KMH).unwrap();
+        let on_board_g = on_board.static_rollover_threshold_g.value;
+        let errors = [steady_g, on_board_g].map(|g| unit * g / ramp_g - 1.0);
+        println!(
+            "{} {trailer_mass_kg:.0} kg {kmh} km/h {cg_height_m} m: ramp {ramp_g:.4} g, steady turn \
+             and on board {errors:+.4?}",
+            vehicle.name
+        );
+        Some(errors)
+    };
+    cases.into_iter().filter_map(error).collect()
+}
+
+/// Mean of the steady turn's errors and of those on board.
+fn means(errors: &[[f64; 2]]) -> [f64; 2] {
+    #[allow(clippy::cast_precision_loss)] // a hundred
+    let count = errors.len() as f64;
+    [0, 1].map(|k| errors.iter().map(|error| error[k]).sum::<f64>() / count)
+}
+
 /// 2 % is what the roll plane claims (docs/plant.md): it leaves out what is second order in roll
-/// angles of up to 0.2 rad. It must not be on the unsafe side by more, at any speed; in the mean over
-/// speeds and heights it must not be below by more either. Both hold on board too. Where the plant slides there is nothing to compare.
+/// angles of up to 0.2 rad. Neither may be on the unsafe side by more, at any speed; in the mean over
+/// speeds and heights neither may be below by more.
 fn steady_turn_is_the_ramp(name: &str, share: f64) {
     let vehicle = vehicle(name);
-    let (mut sums, mut count) = ([0.0; 2], 0.0);
-    for (kmh, height_m) in [(40.0, 2.6), (50.0, 1.7), (50.0, 2.1), (90.0, 1.9)] {
-        let trailer_mass_kg = share * vehicle.trailer.reference_mass_kg;
-        let load = Load { trailer_mass_kg, cg_height_m: height_m };
-        let Some(ramp_g) = ramp_threshold_g(&vehicle, load, kmh * KMH) else { continue };
-        // Units of gravity are the vehicle file's.
-        let unit = vehicle.gravity_mps2 / G;
-        let steady_g = unit * steady_turn_threshold_g(&vehicle, load, kmh * KMH).unwrap();
-        let on_board = on_board(&vehicle, load, kmh * KMH).unwrap();
-        let on_board_g = unit * on_board.static_rollover_threshold_g.value;
-        println!(
-            "{name} {trailer_mass_kg:.0} kg {kmh} km/h {height_m} m: ramp {ramp_g:.4} g, steady turn \
-             {steady_g:.4} g, on board {on_board_g:.4} g"
-        );
-        assert!(steady_g < 1.02 * ramp_g, "{steady_g} {ramp_g}");
-        assert!(on_board_g < 1.02 * ramp_g, "{on_board_g} {ramp_g}");
-        sums[0] += steady_g / ramp_g - 1.0;
-        sums[1] += on_board_g / ramp_g - 1.0;
-        count += 1.0;
-    }
-    let means = sums.map(|sum| sum / count);
-    println!("{name}: mean of steady turn and on board {means:.4?}");
-    assert!(count >= 3.0 && means.iter().all(|&mean| mean > -0.02), "{name}: means {means:?}");
+    let cases = [(40.0, 2.6), (50.0, 1.7), (50.0, 2.1), (90.0, 1.9)];
+    let errors = errors(&vehicle, share * vehicle.trailer.reference_mass_kg, cases);
+    assert!(errors.len() >= 3 && errors.iter().flatten().all(|&e| e < 0.02), "{name}: {errors:?}");
+    assert!(means(&errors).iter().all(|&mean| mean > -0.02), "{name}: {errors:?}");
 }
 
 #[test]
@@ -305,52 +319,39 @@ fn thresholds_on_the_grid_are_those_of_the_roll_plane() {
     }
 }
 
-/// The table of docs/plant.md: 96 cases of each vehicle; some minutes.
+/// The table of docs/plant.md: its corners at the reference load, or all of its 96 cases of each vehicle
+/// (`make rollover-table`, some minutes). 2 % as above; with less payload it is not claimed.
 #[test]
-#[ignore = "some minutes: cargo test --release --test rollover -- --ignored --nocapture"]
 fn the_table_of_errors() {
+    let whole = std::env::var_os("CG_ROLLOVER_TABLE").is_some();
+    let shares: &[f64] = if whole { &[0.6, 0.75, 1.0, 1.15] } else { &[1.0] };
+    let heights_m: &[f64] = if whole { &[1.5, 1.7, 1.9, 2.1, 2.35, 2.6] } else { &[1.5, 2.6] };
     for name in ["baseline", "baseline-tables", "kraz", "air"] {
         let vehicle = vehicle(name);
         let empty_kg = vehicle.empty_trailer_mass_kg();
         let payload_kg = vehicle.reference_load().trailer_mass_kg - empty_kg;
-        let unit = vehicle.gravity_mps2 / G;
-        let (mut steady, mut board) = (Vec::new(), Vec::new());
-        for share in [0.6, 0.75, 1.0, 1.15] {
-            for height_m in [1.5, 1.7, 1.9, 2.1, 2.35, 2.6] {
-                for kmh in [40.0, 50.0, 70.0, 90.0] {
-                    let trailer_mass_kg = empty_kg + share * payload_kg;
-                    let load = Load { trailer_mass_kg, cg_height_m: height_m };
-                    let Some(ramp_g) = ramp_threshold_g(&vehicle, load, kmh * KMH) else {
-                        continue;
-                    };
-                    let turn_g = steady_turn_threshold_g(&vehicle, load, kmh * KMH).unwrap();
-                    let on_board = on_board(&vehicle, load, kmh * KMH).unwrap();
-                    let board_g = on_board.static_rollover_threshold_g.value;
-                    let errors = [turn_g, board_g].map(|g| unit * g / ramp_g - 1.0);
-                    if errors.iter().any(|&error| error > 0.02) {
-                        println!(
-                            "{name}, {share} of the payload, {height_m} m, {kmh} km/h: {errors:.4?}"
-                        );
-                        // The claim is for the reference load.
-                        assert!((share - 1.0_f64).abs() > 1e-9, "{errors:?}");
-                    }
-                    steady.push(errors[0]);
-                    board.push(errors[1]);
-                }
+        let mut all = Vec::new();
+        for &share in shares {
+            let at = |&height_m: &f64| [40.0, 50.0, 70.0, 90.0].map(|kmh| (kmh, height_m));
+            let cases = heights_m.iter().flat_map(at);
+            let found = errors(&vehicle, empty_kg + share * payload_kg, cases);
+            if share >= 1.0 {
+                assert!(found.iter().flatten().all(|&e| e < 0.02), "{name}: {found:?}");
             }
+            all.extend(found);
         }
-        for (what, errors) in [("steady turn", steady), ("on board", board)] {
-            #[allow(clippy::cast_precision_loss)] // 96
-            let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-            let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        assert!(all.len() >= 5, "{name}: the plant nearly always slides");
+        for (k, what) in ["steady turn", "on board"].into_iter().enumerate() {
+            let least = all.iter().map(|error| error[k]).fold(f64::INFINITY, f64::min);
+            let most = all.iter().map(|error| error[k]).fold(f64::NEG_INFINITY, f64::max);
             println!(
                 "{name} {what}: {} cases, mean {:+.1} %, {:+.1} to {:+.1} %",
-                errors.len(),
-                100.0 * mean,
+                all.len(),
+                100.0 * means(&all)[k],
                 100.0 * least,
                 100.0 * most
             );
         }
+        assert!(means(&all).iter().all(|&mean| mean > -0.02), "{name}: {:?}", means(&all));
     }
 }
