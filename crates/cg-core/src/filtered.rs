@@ -2,34 +2,23 @@
 
 use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::input_noise::InputNoise;
-use crate::linalg::{Packed, Triangle};
+use crate::linalg::Triangle;
 use crate::long_run::LongRun;
+use crate::pending::{BLOCK, Pending};
+use crate::prior::Prior;
 use crate::ratio::Measured;
 use crate::real::Real;
 use crate::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
-
-/// Unknowns of [`FilteredArx`]: five denominator coefficients, the gain, five
-/// numerator coefficients, the offset of the roll sensor and its drift.
-pub const UNKNOWNS: usize = 2 * ORDER + 3;
-
-/// Regressors: the unknowns, and last the bend, which is tested but not fitted.
-const REGRESSORS: usize = UNKNOWNS + 1;
+pub use crate::unknowns::UNKNOWNS;
+use crate::unknowns::{BEND, DRIFT, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution};
 
 /// [`UNKNOWNS`] as a number.
 const UNKNOWNS_F64: f64 = 13.0;
-
-/// Rows taken into the triangle at once.
-const BLOCK: usize = 5;
 
 /// Doubt in the correction for a noisy input, as a share of it: the noise is measured to 15 % in
 /// 20 s, and what is of second order is a third of the first where the noise is as strong as an
 /// accelerometer's on a rough engine (0.3 m/s² at 100 Hz).
 const INPUT_DOUBT: f64 = 0.35;
-
-const GAIN: usize = ORDER;
-const OFFSET: usize = 2 * ORDER + 1;
-const DRIFT: usize = 2 * ORDER + 2;
-const BEND: usize = 2 * ORDER + 3;
 
 /// Unit of time of the drift, so that its regressor is of the size of the others.
 const DRIFT_S: f64 = 10.0;
@@ -42,98 +31,6 @@ const BEND_RAD: f64 = 0.05;
 /// Weight of rows that hold the dynamics at the model's. The rows' own weight is the roll angle times
 /// the root of their number, 3 or so.
 const HELD: f64 = 1e3;
-
-/// The equations of the rows, in half the memory of a square.
-type Equations<T> = Triangle<T, REGRESSORS, HalfSquare<T>>;
-type HalfSquare<T> = Packed<T, REGRESSORS, { REGRESSORS * (REGRESSORS + 1) / 2 }>;
-
-/// Prior knowledge that [`FilteredArx`] starts from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior<T> {
-    /// Relative standard deviation of each coefficient of the dynamics about the reduced
-    /// model: 0 = nominal dynamics, only the gain is free; infinity = no prior.
-    pub dynamics_sd: T,
-    /// Least standard deviation of the residual, radians: the sensor's resolution. Without
-    /// it a clean log would switch the prior off.
-    pub noise_floor_rad: T,
-    /// Standard deviation of a constant roll offset, radians; 0 = no offset regressor,
-    /// infinity = a free one.
-    pub offset_sd_rad: T,
-    /// Standard deviation of a steady drift of that offset, radians per second; 0 = none.
-    pub drift_sd_radps: T,
-}
-
-impl<T: Real> Prior<T> {
-    /// Dynamics within 20 %, a sensor of 0.01 degrees (2e-4 rad), a free offset that drifts by a
-    /// degree a minute (3e-4 rad/s): much for a sensor that is warm, usual while one warms up.
-    pub fn standard() -> Self {
-        Self {
-            dynamics_sd: T::of(0.2),
-            noise_floor_rad: T::of(2e-4),
-            offset_sd_rad: T::one() / T::zero(),
-            drift_sd_radps: T::of(3e-4),
-        }
-    }
-}
-
-/// Rows that wait for their block to fill; the rest of it is zero and says nothing.
-#[derive(Clone, Copy, Debug)]
-struct Pending<T> {
-    rows: usize,
-    columns: [[T; BLOCK]; REGRESSORS],
-    observations: [T; BLOCK],
-}
-
-impl<T: Real> Pending<T> {
-    const fn new() -> Self {
-        let zero = T::ZERO;
-        Self { rows: 0, columns: [[zero; BLOCK]; REGRESSORS], observations: [zero; BLOCK] }
-    }
-
-    fn push(&mut self, row: [T; REGRESSORS], observation: T) {
-        if let Some(place) = self.observations.get_mut(self.rows) {
-            *place = observation;
-            for (column, value) in self.columns.iter_mut().zip(row) {
-                if let Some(place) = column.get_mut(self.rows) {
-                    *place = value;
-                }
-            }
-            self.rows += 1;
-        }
-    }
-
-    /// Takes the rows into a triangle; then none wait.
-    fn fold_into(&mut self, triangle: &mut Equations<T>) {
-        triangle.push_block(&mut self.columns, &mut self.observations);
-        *self = Self::new();
-    }
-}
-
-/// What the rows and the prior give.
-#[derive(Clone, Copy, Debug)]
-struct Solution<T: Real> {
-    /// Deviations from the model.
-    theta: [T; REGRESSORS],
-    /// Standard deviation of the residual, row by row; the floor at least.
-    noise_sd: T,
-    /// The same of slow noise, which is what the answer's uncertainty follows.
-    slow_sd: T,
-    /// What noise of the input had taken from `δb_0` and from `γ`.
-    input_shift: [T; 2],
-    /// The equations that gave the deviations, prior included.
-    triangle: Equations<T>,
-}
-
-impl<T: Real> Solution<T> {
-    /// Before the rows have been asked.
-    const NONE: Self = Self {
-        theta: [T::ZERO; REGRESSORS],
-        noise_sd: T::ZERO,
-        slow_sd: T::ZERO,
-        input_shift: [T::ZERO; 2],
-        triangle: Triangle::new(),
-    };
-}
 
 /// ARX on filtered signals, with prior knowledge of the dynamics.
 ///
@@ -163,7 +60,7 @@ pub struct FilteredArx<T: Real> {
     roll: StateVariableFilter<T>,
     started: bool,
     triangle: Equations<T>,
-    pending: Pending<T>,
+    pending: Pending<T, REGRESSORS>,
     long_run: LongRun<T, REGRESSORS, HalfSquare<T>>,
     moments: Moments<T>,
     reference_rad: T,

@@ -15,6 +15,7 @@
 //! | [`identify`], [`arx`], [`filtered`] | input, roll | [`Fit`]: DC ratio and its standard deviation | eqs. 5.1, 5.2 |
 //! | `long_run` | residuals | how slow their noise is | – |
 //! | `input_noise` | input | how noisy it is | – |
+//! | `prior`, `unknowns`, `pending` | – | parts of [`filtered`] | – |
 //! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
 //! | [`consistency`] | rows of a maneuver | whether they can be believed | – |
 //! | [`height`] | heights of maneuvers | one height, fused | – |
@@ -56,6 +57,9 @@ pub mod identify;
 pub mod arx;
 mod long_run;
 mod input_noise;
+mod prior;
+mod unknowns;
+mod pending;
 pub mod filtered;
 pub mod height;
 mod load;
@@ -72,10 +76,11 @@ pub use condition::{Conditioner, SampleError};
 pub use consistency::Inconsistency;
 pub use design::{Channel, ChannelDesign, Design, DesignError, Spread};
 pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
-pub use filtered::{FilteredArx, Prior};
+pub use filtered::FilteredArx;
 pub use height::{Combined, Height};
 pub use identify::{Answer, Fit, Identify, Unexcited};
 pub use memory::Memory;
+pub use prior::Prior;
 pub use ratio::{HeightError, Measured, RatioLine};
 pub use real::Real;
 pub use reduced::Reduced5;

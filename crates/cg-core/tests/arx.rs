@@ -5,7 +5,7 @@
 mod common;
 
 use cg_core::arx::{ArxOptions, SampledArx};
-use cg_core::{Answer, Arx, Fit, Identify, Unexcited};
+use cg_core::{Answer, Arx, FilteredArx, Fit, Identify, Prior, Unexcited};
 
 /// Input and output of `y⁺ = 0.8 y + 0.5 u`, DC ratio 2.5, about an input of `origin`.
 fn lag(rows: u32, origin: f64) -> impl Iterator<Item = (f64, f64)> {
@@ -133,5 +133,32 @@ fn an_order_beyond_the_room_is_the_greatest_that_fits() {
             }
         }
         assert_eq!(rows, unknowns, "{order}");
+    }
+}
+
+/// What the reduced model makes of the input, at the identification's pace and from a log that is four
+/// times as slow: its answer to a step, which a log of 1 kHz through the other identifier gives too.
+#[test]
+fn the_expected_roll_is_the_models_whatever_the_logs_pace() {
+    let model = common::EQ_5_12;
+    let gain = model.dc_gain();
+    let mut fine = FilteredArx::for_model(&model, Prior::standard());
+    fine.push(0.0, 0.0, 0.0, false);
+    for _ in 0..800 {
+        fine.push(1.0, 0.0, 1e-3, false);
+    }
+    let known = fine.expected_roll_rad();
+    // On its way, past no turning point: late or early by a step would show.
+    assert!((known - 1.0).abs() > 0.1 && gain.abs() > 0.0, "{known}");
+    for (pace_s, steps) in [(0.01, 80), (0.04, 20)] {
+        let options = ArxOptions { order: 5, interval_s: 0.01 };
+        let mut arx = SampledArx::for_model(&model, options);
+        arx.push(0.0, 0.0, 0.0, false);
+        for _ in 0..steps {
+            arx.push(1.0, 0.0, pace_s, false);
+        }
+        // Half a step of 10 ms of a rate of about 1/s at most, and the ramp to the first sample.
+        let found = arx.expected_roll_rad();
+        assert!((found - known).abs() < 0.02, "{pace_s}: {found} {known}");
     }
 }

@@ -1,0 +1,40 @@
+//! Rows of a regression on their way into a triangle.
+
+use crate::linalg::{Rows, Triangle};
+use crate::real::Real;
+
+/// Rows taken into the triangle at once.
+pub(crate) const BLOCK: usize = 5;
+
+/// Rows that wait for their block to fill; the rest of it is zero and says nothing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pending<T, const N: usize> {
+    pub(crate) rows: usize,
+    columns: [[T; BLOCK]; N],
+    observations: [T; BLOCK],
+}
+
+impl<T: Real, const N: usize> Pending<T, N> {
+    pub(crate) const fn new() -> Self {
+        let zero = T::ZERO;
+        Self { rows: 0, columns: [[zero; BLOCK]; N], observations: [zero; BLOCK] }
+    }
+
+    pub(crate) fn push(&mut self, row: [T; N], observation: T) {
+        if let Some(place) = self.observations.get_mut(self.rows) {
+            *place = observation;
+            for (column, value) in self.columns.iter_mut().zip(row) {
+                if let Some(place) = column.get_mut(self.rows) {
+                    *place = value;
+                }
+            }
+            self.rows += 1;
+        }
+    }
+
+    /// Takes the rows into a triangle; then none wait.
+    pub(crate) fn fold_into<R: Rows<T>>(&mut self, triangle: &mut Triangle<T, N, R>) {
+        triangle.push_block(&mut self.columns, &mut self.observations);
+        *self = Self::new();
+    }
+}
