@@ -223,7 +223,7 @@ document.getElementById("title").textContent = page.title;
 document.getElementById("about").textContent =
   `${page.calibration ? `Calibrated with ${page.calibration}` : "Not calibrated: the intervals are those of the vehicle file's [uncertainty]"}. Written ${page.written}.${folder ? ` Logs in ${folder}` : ""}`;
 document.getElementById("foot").textContent =
-  `cg ${page.version}. Heights are of the trailer's sprung mass above ground at rest; rollover: lateral acceleration of wheel lift in a steady turn.`;
+  `cg ${page.version}. Heights are of the trailer's sprung mass above ground at rest; rollover: lateral acceleration beyond which the vehicle tips in a steady turn.`;
 function median(values) {
   const sorted = values.filter(present).sort((a, b) => a - b), n = sorted.length;
   return n ? (sorted[(n - 1) >> 1] + sorted[n >> 1]) / 2 : null;

@@ -101,7 +101,7 @@ class Estimate:
     snr_db, fit_percent : float or None
         Signal to noise (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
-        Lateral acceleration beyond which the vehicle tips in a steady turn, in g.
+        Lateral acceleration beyond which the vehicle tips in a steady turn at `speed_mps`, in g.
     channels : tuple of ChannelEstimate
         What each channel says alone.
     maneuvers : tuple of Maneuver
