@@ -1,7 +1,7 @@
 //! The same replays on the host: the answers that the chip must give, bit for bit.
 
 use cg_core::Height;
-use cg_core::estimator::Maneuver;
+use cg_core::Maneuver;
 use cg_firmware::{can, replay};
 
 fn tell(maneuver: &Maneuver<f32>, height: Option<Height<f32>>) {

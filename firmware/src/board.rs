@@ -1,7 +1,7 @@
 //! The machine: a counter of instructions or cycles, the memory in use, lines of text.
 
 use cg_core::Height;
-use cg_core::estimator::Maneuver;
+use cg_core::Maneuver;
 use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DWT, SYST};

@@ -1,8 +1,8 @@
 //! J1939 frames in, heights out: what an ECU on the bus does, with any driver that speaks
 //! `embedded-can`.
 
-use cg_core::estimator::Maneuver;
-use cg_core::j1939::{self, Compensation, NOT_AVAILABLE, Signal};
+use cg_core::Maneuver;
+use cg_core::signal::j1939::{self, Compensation, NOT_AVAILABLE, Signal};
 use cg_core::{AlignSettings, Aligner, Prior, Sample, Settings};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 

@@ -12,6 +12,7 @@
 
 pub mod log;
 #[allow(missing_docs)] // emitted
+#[path = "../../crates/cg-core/examples/kraz/design.rs"]
 pub mod truck;
 pub mod trace;
 pub mod replay;

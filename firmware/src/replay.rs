@@ -1,6 +1,6 @@
 //! Samples in, costs and heights out.
 
-use cg_core::estimator::Maneuver;
+use cg_core::Maneuver;
 use cg_core::{
     Channel, Design, Estimator, FilteredArx, Height, Identify, Prior, Settings, Status, Step,
 };

@@ -1,6 +1,6 @@
 //! A hash of every bit of every answer.
 
-use cg_core::estimator::{Maneuver, Outcome, Reject};
+use cg_core::{Maneuver, Outcome, Reject};
 use cg_core::{Height, HeightError, Inconsistency, Measured, SampleError, Status, Step, Unexcited};
 
 /// FNV-1a, 64 bits, over 32-bit words.

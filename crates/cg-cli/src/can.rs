@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use cg_core::j1939::Compensation;
+use cg_core::signal::j1939::Compensation;
 use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap};
 use cg_logs::log::{CanOptions, LogOptions};
 use cg_vehicle::Vehicle;

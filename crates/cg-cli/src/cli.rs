@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use cg_core::Channel;
-use cg_core::arx::SampledArx;
+use cg_core::identify::arx::SampledArx;
 use cg_logs::estimate::Method;
 use cg_logs::log::{ColumnMap, LogOptions, Signal};
 use cg_plant::maneuver::{Histories, Maneuver};

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::Context;
 use cg_core::RatioLine;
-use cg_core::reduced::ORDER;
+use cg_core::truck::reduced::ORDER;
 use cg_vehicle::reduction::{Method, reduce};
 use cg_vehicle::response::TransferFunction;
 use cg_vehicle::{LinearModel, Vehicle};

@@ -8,19 +8,19 @@
 
 use core::borrow::Borrow;
 
-use crate::condition::{Conditioner, Row, SampleError};
-use crate::consistency::{Inconsistency, Watch};
-use crate::design::{Channel, Design};
-use crate::height::{Combined, Height};
-use crate::identify::{Answer, Fit, Identify};
-use crate::lane::Lane;
-use crate::load::{LoadWatch, Said, Verdict};
-pub use crate::maneuver::{Maneuver, Outcome, Reject, Status, Step};
-use crate::memory::Memory;
-use crate::ratio::{HeightError, Measured, RatioLine, solve_height};
-use crate::real::Real;
-use crate::sample::Sample;
-pub use crate::settings::Settings;
+use crate::decide::condition::{Conditioner, Row, SampleError};
+use crate::decide::consistency::{Inconsistency, Watch};
+use crate::decide::height::{Combined, Height};
+use crate::decide::lane::Lane;
+use crate::decide::load::{LoadWatch, Said, Verdict};
+use crate::decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
+use crate::decide::memory::Memory;
+use crate::decide::settings::Settings;
+use crate::identify::identifier::{Answer, Fit, Identify};
+use crate::math::real::Real;
+use crate::signal::sample::Sample;
+use crate::truck::design::{Channel, Design};
+use crate::truck::ratio::{HeightError, Measured, RatioLine, solve_height};
 
 /// Rows that a maneuver has at least, with the straight driving before it: fewer than the unknowns
 /// of any identifier tell nothing.

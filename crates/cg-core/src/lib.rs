@@ -1,88 +1,80 @@
-//! The centre-of-gravity (c.g.) height of a semitrailer, from steer (or lateral
-//! acceleration) and trailer roll angle, sample by sample.
+//! Estimates how high the load of a semitrailer sits, sample by sample, on board: the height of the trailer's
+//! center of gravity (c.g.), its standard deviation, and the lateral acceleration at which the trailer rolls over.
 //!
-//! `no_std`, no heap, no panic, no `unsafe`; generic over [`Real`] (`f32` on the
-//! truck, `f64` as its witness).
-//!
-//! | stage, in flow order | takes | gives | source |
-//! |---|---|---|---|
-//! | [`sample`] | sensor values, SI, ISO 8855 | a checked [`Sample`] | – |
-//! | [`j1939`] | CAN frames | signals in SI units | SAE J1939-71 |
-//! | [`align`] | signals at rates of their own | a [`Sample`] at each roll angle | – |
-//! | [`design`] | – | [`Design`]: the constants of one truck | thesis ch. 4, 5.4, 5.5 |
-//! | [`condition`] | [`Sample`] | roll free of tilt, gaps found, straight or turning | – |
-//! | [`reduced`] | input signal | [`Reduced5`]: the reduced 5th-order compensated model | eq. 5.12 |
-//! | [`identify`], [`arx`], [`filtered`] | input, roll | [`Fit`]: DC ratio and its standard deviation | eqs. 5.1, 5.2 |
-//! | `long_run` | residuals | how slow their noise is | – |
-//! | `input_noise` | input | how noisy it is | – |
-//! | `prior`, `unknowns`, `pending` | – | parts of [`filtered`] | – |
-//! | [`ratio`] | DC ratio | the height that explains it | eqs. 5.17–5.20 |
-//! | [`consistency`] | rows of a maneuver | whether they can be believed | – |
-//! | [`height`] | heights of maneuvers | one height, fused | – |
-//! | `load` | heights of maneuvers | whether it is still the same load | – |
-//! | [`memory`] | – | what is kept over a restart | – |
-//! | [`rollover`] | height | rollover threshold and margin | – |
-//! | [`maneuver`] | – | what is said of a sample and of a maneuver | – |
-//! | [`settings`] | – | when maneuvers open and close, what is good enough | – |
-//! | `lane` | rows | one channel's identifier and its heights | – |
-//! | [`estimator`] | [`Sample`] | [`Step`] | all of the above, joined |
-//!
-//! A module uses only modules above it; `tests/layers.rs` fails otherwise.
-//!
-//! The heart of it in four lines, with the numbers printed in the source (inches
-//! there, any consistent unit here):
+//! `no_std`, no heap, no panic, no `unsafe`; generic over [`Real`] (`f32` on the truck, `f64` to check it).
 //!
 //! ```
-//! use cg_core::ratio::{solve_height, Measured, RatioLine};
+//! use cg_core::truck::reduced::Simulation;
+//! use cg_core::{Estimator, FilteredArx, Prior, Sample, Settings};
+//! # mod truck { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/kraz/design.rs")); }
+//! // The constants of one truck. `cg design --emit rust` writes them from a vehicle file.
+//! let design = &truck::DESIGN;
+//! let mut estimator: Estimator<f32, FilteredArx<f32>, _> =
+//!     Estimator::new(design, Settings::truck(), Prior::standard());
 //!
-//! let line: RatioLine<f64> = RatioLine { a0: -1.9772e270, a1: -1.0268e270, b0: 1.6703e272, b1: -2.9656e269 };
-//! let (ratio, compensation) = (Measured::exact(-0.8456), Measured::exact(1.4894));
-//! let height = solve_height(&line, ratio, compensation, 0.0).unwrap();
-//! assert!((height.value - 77.69_f64).abs() < 0.005); // inches, Table 5.7
+//! // On a truck the roll angle comes from a sensor. Here the truck's own reduced model computes it, at
+//! // 50 km/h and the reference height.
+//! let mut roll = Simulation::new(&design.channels[0].models[3], 0.02, 0.0);
+//! for k in 0..1000u32 {
+//!     // Straight for 4 s, then a left turn that tightens for 2 s: front wheels at 0.02 rad.
+//!     let steer_rad = 0.02 * ((k as f32 - 200.0) / 100.0).clamp(0.0, 1.0);
+//!     let sample = Sample {
+//!         steer_rad,
+//!         roll_rad: roll.push(steer_rad),
+//!         speed_mps: design.speed_mps[4],
+//!         trailer_mass_kg: design.trailer_mass_kg[3],
+//!         ..Sample::absent(u64::from(k) * 20_000)
+//!     };
+//!     estimator.push(&sample)?;
+//! }
+//! estimator.finish();
+//!
+//! let height_m = estimator.combined_height().expect("one turn gives a height").height_m;
+//! assert!((height_m.value - design.reference_height_m).abs() < 0.01);
+//! # Ok::<(), cg_core::SampleError>(())
 //! ```
+//!
+//! # The way of a sample
+//!
+//! | folder | takes | gives |
+//! |---|---|---|
+//! | [`signal`] | CAN frames, sensor values at rates of their own | a checked [`Sample`]: SI units, ISO 8855 axes |
+//! | [`truck`] | – | the [`Design`]: reduced models, ratio lines, rollover thresholds of one truck |
+//! | [`identify`] | an input and the roll angle of a maneuver | a [`Fit`]: the DC ratio and its standard deviation |
+//! | [`decide`] | samples, fits, heights | maneuvers, doubts about signals, one height for the load, a warning level |
+//! | [`estimator`] | a [`Sample`] | a [`Step`]; joins all of the above |
+//! | [`math`] | – | numbers and small matrices for all of them |
+//!
+//! The modules are declared in the order in which they use each other: each uses only those above it, in this file
+//! and within each folder. `tests/layers.rs` fails otherwise.
+//!
+//! The method is that of F. Yang's thesis (Concordia University, 2005); equation numbers are the thesis's.
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod real;
-pub mod linalg;
-pub mod sample;
-pub mod j1939;
-pub mod align;
-pub mod reduced;
-pub mod ratio;
-pub mod rollover;
-pub mod design;
-pub mod condition;
+pub mod math;
+pub mod signal;
+pub mod truck;
 pub mod identify;
-pub mod arx;
-mod long_run;
-mod input_noise;
-mod prior;
-mod unknowns;
-mod pending;
-pub mod filtered;
-pub mod height;
-mod load;
-pub mod memory;
-pub mod consistency;
-pub mod maneuver;
-pub mod settings;
-mod lane;
+pub mod decide;
 pub mod estimator;
 
-pub use align::{AlignSettings, Aligner};
-pub use arx::Arx;
-pub use condition::{Conditioner, SampleError};
-pub use consistency::Inconsistency;
-pub use design::{Channel, ChannelDesign, Design, DesignError, Spread};
-pub use estimator::{Estimator, Maneuver, Settings, Status, Step};
-pub use filtered::FilteredArx;
-pub use height::{Combined, Height};
-pub use identify::{Answer, Fit, Identify, Unexcited};
-pub use memory::Memory;
-pub use prior::Prior;
-pub use ratio::{HeightError, Measured, RatioLine};
-pub use real::Real;
-pub use reduced::Reduced5;
-pub use rollover::{Rollover, RolloverDesign, ThresholdLine};
-pub use sample::{Quantity, Sample};
+pub use decide::condition::{Conditioner, SampleError};
+pub use decide::consistency::Inconsistency;
+pub use decide::height::{Combined, Height};
+pub use decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
+pub use decide::memory::Memory;
+pub use decide::settings::Settings;
+pub use decide::warning::Warner;
+pub use estimator::Estimator;
+pub use identify::arx::Arx;
+pub use identify::filtered::FilteredArx;
+pub use identify::identifier::{Answer, Fit, Identify, Unexcited};
+pub use identify::prior::Prior;
+pub use math::real::Real;
+pub use signal::align::{AlignSettings, Aligner};
+pub use signal::sample::{Quantity, Sample};
+pub use truck::design::{Channel, ChannelDesign, Design, DesignError, Spread};
+pub use truck::ratio::{HeightError, Measured, RatioLine};
+pub use truck::reduced::Reduced5;
+pub use truck::rollover::{Rollover, RolloverDesign, ThresholdLine};

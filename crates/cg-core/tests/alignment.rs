@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
 
-use cg_core::align::Taken;
+use cg_core::signal::align::Taken;
 use cg_core::{AlignSettings, Aligner, Quantity};
 
 const ROLL_SENSOR: (u32, u8) = (0xE4, 0);

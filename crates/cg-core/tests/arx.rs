@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::arx::{ArxOptions, SampledArx};
+use cg_core::identify::arx::{ArxOptions, SampledArx};
 use cg_core::{Answer, Arx, FilteredArx, Fit, Identify, Prior, Unexcited};
 
 /// Input and output of `y⁺ = 0.8 y + 0.5 u`, DC ratio 2.5, about an input of `origin`.

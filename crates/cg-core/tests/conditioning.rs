@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::condition::Row;
+use cg_core::decide::condition::Row;
 use cg_core::{Channel, Conditioner, Design, Sample, SampleError};
 use common::design;
 

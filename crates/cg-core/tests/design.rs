@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::design::{MASSES, SPEEDS};
+use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::{Channel, Design, DesignError, Measured, Reduced5};
 use common::design;
 

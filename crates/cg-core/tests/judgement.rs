@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::estimator::Reject;
+use cg_core::Reject;
 use cg_core::{
     Channel, Combined, Estimator, HeightError, Inconsistency, Measured, Settings, Unexcited,
 };

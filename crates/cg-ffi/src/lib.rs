@@ -8,7 +8,7 @@
 
 mod types;
 
-use cg_core::estimator::Maneuver;
+use cg_core::Maneuver;
 use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, Step};
 
 pub use types::{CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};

@@ -1,8 +1,8 @@
 //! The structures of the header, field by field; it says what they mean.
 #![allow(missing_docs)]
 
-use cg_core::estimator::{Outcome, Reject};
 use cg_core::{Height, Measured, Rollover, Sample, Status, Step};
+use cg_core::{Outcome, Reject};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]

@@ -1,6 +1,6 @@
-//! `decode_j1939`: the signals of a CAN frame, by the table of `cg_core::j1939`.
+//! `decode_j1939`: the signals of a CAN frame, by the table of `cg_core::signal::j1939`.
 
-use cg_core::j1939::{self, Compensation};
+use cg_core::signal::j1939::{self, Compensation};
 use cg_logs::log::Signal;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

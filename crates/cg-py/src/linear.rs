@@ -1,7 +1,7 @@
 //! The linear model of a vehicle.
 
 use cg_core::RatioLine;
-use cg_core::reduced::ORDER;
+use cg_core::truck::reduced::ORDER;
 use cg_vehicle::reduction::{Method, ReducedModels, reduce};
 use cg_vehicle::response::TransferFunction;
 use cg_vehicle::{Load, VehicleError};

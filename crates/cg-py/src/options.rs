@@ -1,7 +1,7 @@
 //! The options that every estimate shares.
 
 use cg_core::Channel;
-use cg_core::arx::SampledArx;
+use cg_core::identify::arx::SampledArx;
 use cg_logs::estimate::{EstimateOptions, Method};
 use cg_vehicle::Variant;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! From a vehicle to the constants that the estimator runs on.
 
-use cg_core::design::{MASSES, SPEEDS};
-use cg_core::rollover::HEIGHTS;
+use cg_core::truck::design::{MASSES, SPEEDS};
+use cg_core::truck::rollover::HEIGHTS;
 use cg_core::{Channel, ChannelDesign, Design, RatioLine, RolloverDesign, Spread, ThresholdLine};
 
 use crate::balance::static_balance;

@@ -18,7 +18,7 @@
 //! | [`emit`] | the same as JSON, Rust or C, for firmware | – |
 //! | [`limits`] | what no vehicle on a road exceeds | – |
 //!
-//! Axes and signs are those of [`cg_core::sample`] (ISO 8855).
+//! Axes and signs are those of [`cg_core::signal::sample`] (ISO 8855).
 //!
 //! # Example
 //!

@@ -3,7 +3,7 @@
 
 mod common;
 
-use cg_core::ratio::solve_height;
+use cg_core::truck::ratio::solve_height;
 use cg_core::{Channel, Design, Measured};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::linear::ratio_line;

@@ -8,7 +8,6 @@
 //! | `frames` | frames to samples |
 //! | `presence`, `pace` | which signals are there, and often enough |
 //! | `session` | samples to events |
-//! | `warning` | rollover warning levels |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | what else goes out |
 //! | `signals` | the wish to stop |
@@ -28,12 +27,13 @@ mod signals;
 mod socket;
 mod state;
 mod transmit;
-mod warning;
 
 use std::io::{self, LineWriter, Stdout};
 use std::path::PathBuf;
 
+use anyhow::Context as _;
 use anyhow::bail;
+use cg_core::Warner;
 use cg_logs::can::{Decoder, named};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
@@ -47,7 +47,6 @@ use presence::Presence;
 use session::Session;
 use signals::Stop;
 use state::StateFile;
-use warning::Warner;
 
 pub(crate) use args::RunArgs;
 
@@ -63,7 +62,8 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let state = state.map(|target| StateFile::new(target, &design));
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let outputs = Outputs::new(lines, state, metrics, None);
-    let warner = Warner::new(arguments.warn.clone(), arguments.warn_hysteresis);
+    let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
+        .context("--warn, --warn-hysteresis")?;
     let mass_kg = arguments.trailer_mass_kg;
     let mut session = Session::new(&design, warner, mass_kg, arguments.status_s, outputs);
     if arguments.can.is_some() {

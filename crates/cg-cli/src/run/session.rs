@@ -2,9 +2,10 @@
 
 use std::io::{self, Write};
 
-use cg_core::condition::SampleError;
+use cg_core::SampleError;
 use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
+    Warner,
 };
 use cg_logs::can::Instant;
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
@@ -13,7 +14,6 @@ use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as K
 use super::outputs::Outputs;
 use super::pace::{Pace, too_slow};
 use super::state::Found;
-use super::warning::Warner;
 
 /// Between two writes of the state while nothing happens, stream time.
 const SAVE_US: u64 = 60_000_000;
@@ -34,7 +34,7 @@ pub(crate) struct Session<W: Write> {
     unweighed_us: Option<u64>,
     told_nominal: bool,
     pace: Pace,
-    warner: Warner,
+    warner: Warner<f64>,
     known: Known,
     /// The last speed; NaN before there is one.
     speed_mps: f64,
@@ -65,7 +65,7 @@ struct Due {
 impl<W: Write> Session<W> {
     pub(crate) fn new(
         design: &Design<f64>,
-        warner: Warner,
+        warner: Warner<f64>,
         trailer_mass_kg: Option<f64>,
         status_s: f64,
         outputs: Outputs<W>,

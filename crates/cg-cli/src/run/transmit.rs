@@ -1,6 +1,6 @@
 //! Results on the bus: one frame of Proprietary B (`fixtures/can/cg_height.dbc`).
 
-use cg_core::j1939::{
+use cg_core::signal::j1939::{
     CG_HEIGHT, CG_HEIGHT_SD, CG_MANEUVERS, CG_MARGIN, CG_STATUS, CG_THRESHOLD, CG_WARNING_LEVEL,
     NOT_AVAILABLE,
 };

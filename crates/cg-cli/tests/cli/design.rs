@@ -60,7 +60,7 @@ fn a_calibration_goes_in_and_is_named() {
 fn the_firmware_runs_on_the_design_of_today() {
     let scratch = Scratch::new();
     let text = emitted(&["--vehicle", &kraz(), "--emit", "rust"], &scratch.path("truck.rs"));
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/src/truck.rs");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../cg-core/examples/kraz/design.rs");
     let kept = std::fs::read_to_string(path).unwrap();
     let numbers = |text: &str| -> Vec<f32> {
         let body = &text[text.find("speed_mps").unwrap()..];
@@ -75,7 +75,7 @@ fn the_firmware_runs_on_the_design_of_today() {
         // single precision (6e-8 to 1.2e-7) then. Small differences of large terms: ten of them.
         assert!(
             (now - kept).abs() <= 1.2e-6 * now.abs(),
-            "{now} {kept}: see firmware/src/truck.rs"
+            "{now} {kept}: see crates/cg-core/examples/kraz/design.rs"
         );
     }
 }

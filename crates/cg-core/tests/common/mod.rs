@@ -3,9 +3,9 @@
 
 pub(crate) mod told;
 
-use cg_core::design::{MASSES, SPEEDS};
-use cg_core::ratio::{Measured, RatioLine, solve_height};
-use cg_core::reduced::Simulation;
+use cg_core::truck::design::{MASSES, SPEEDS};
+use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
+use cg_core::truck::reduced::Simulation;
 use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign, Spread, ThresholdLine};
 use rand::SeedableRng;
 use rand::rngs::StdRng;

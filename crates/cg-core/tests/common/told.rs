@@ -1,6 +1,6 @@
 //! An estimator whose identifiers say what they are told, on a road at 100 Hz.
 
-use cg_core::estimator::Outcome;
+use cg_core::Outcome;
 use cg_core::{
     Answer, Channel, Design, Estimator, Fit, Identify, Maneuver, Measured, Reduced5, Sample,
     Settings, Status, Unexcited,

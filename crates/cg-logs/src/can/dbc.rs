@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
-use cg_core::j1939::pgn_of;
+use cg_core::signal::j1939::pgn_of;
 
 use crate::log::Signal;
 use cg_vehicle::files;

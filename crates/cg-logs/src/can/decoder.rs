@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use cg_core::Quantity;
-use cg_core::j1939::{self, Compensation, Slope};
+use cg_core::signal::j1939::{self, Compensation, Slope};
 
 use crate::log::Signal;
 

@@ -10,8 +10,8 @@
 //! | `sampler` | frames to samples, by all of these |
 //! | `tally` | values that are not as they should be, counted and told once |
 //!
-//! The J1939 table itself and the alignment of values to samples are [`cg_core::j1939`] and
-//! [`cg_core::align`], which firmware uses too.
+//! The J1939 table itself and the alignment of values to samples are [`cg_core::signal::j1939`] and
+//! [`cg_core::signal::align`], which firmware uses too.
 
 mod candump;
 mod clock;

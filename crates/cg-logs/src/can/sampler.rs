@@ -1,6 +1,6 @@
 //! Frames to samples: decoded, aligned, with a time that never jumps.
 
-use cg_core::align::Taken;
+use cg_core::signal::align::Taken;
 use cg_core::{AlignSettings, Aligner, Quantity, Sample};
 
 use super::clock::{Clock, Instant};

@@ -1,6 +1,6 @@
 //! What is wrong with values that came in, counted, and told once.
 
-use cg_core::j1939::{Compensation, Slope};
+use cg_core::signal::j1939::{Compensation, Slope};
 use cg_core::{AlignSettings, Quantity};
 
 use crate::log::{Position, Signal};

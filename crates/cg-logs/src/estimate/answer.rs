@@ -1,6 +1,6 @@
 //! The answer for one log, as it is printed.
 
-use cg_core::estimator::{Maneuver, Outcome};
+use cg_core::{Maneuver, Outcome};
 use serde::Serialize;
 
 use crate::estimate::Method;

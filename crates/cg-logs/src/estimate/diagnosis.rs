@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use cg_core::ratio::solve_height;
+use cg_core::truck::ratio::solve_height;
 use cg_core::{Channel, Design, Measured};
 
 /// Steering-wheel angle over road-wheel angle of most trucks, where the vehicle file has none.

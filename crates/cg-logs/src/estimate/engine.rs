@@ -1,7 +1,7 @@
 //! The estimator of the chosen method.
 
-use cg_core::arx::{ArxOptions, SampledArx};
-use cg_core::estimator::Maneuver;
+use cg_core::Maneuver;
+use cg_core::identify::arx::{ArxOptions, SampledArx};
 use cg_core::{
     Channel, Combined, Design, Estimator, FilteredArx, Height, Prior, Sample, SampleError,
     Settings, Step,

@@ -1,7 +1,7 @@
 //! The end of a log: what all its maneuvers say together.
 
-use cg_core::estimator::{Maneuver, Reject};
 use cg_core::{Channel, Combined, Height, Measured};
+use cg_core::{Maneuver, Reject};
 
 use super::{
     ChannelEstimate, Identified, LogEstimate, LogEstimator, ManeuverEstimate, QUANTILE_95, Verdict,

@@ -1,6 +1,6 @@
 //! What is said beside a height, or in place of one.
 
-use cg_core::estimator::Reject;
+use cg_core::Reject;
 use cg_core::{Channel, Measured};
 
 use super::LogEstimator;

@@ -8,7 +8,7 @@ mod messages;
 mod prediction;
 mod signals;
 
-use cg_core::estimator::Maneuver;
+use cg_core::Maneuver;
 use cg_core::{AlignSettings, Channel, Design, Measured, Sample, SampleError, Status};
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! The roll angle that the model expects of a log, row by row: what a picture sets beside the
 //! measured one.
 
-use cg_core::reduced::{StateVariableFilter, StepMatrices};
+use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
 use cg_core::{AlignSettings, Channel, Conditioner, Design, Reduced5, SampleError};
 
 use super::{EstimateOptions, LogEstimator};

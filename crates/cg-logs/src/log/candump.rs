@@ -17,7 +17,7 @@
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
 
-use cg_core::j1939::{
+use cg_core::signal::j1939::{
     LATERAL_ACCELERATION, NOT_AVAILABLE, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
     TRAILER_AXLE_LOAD, TRAILER_MASS, YAW_RATE,
 };

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use cg_core::AlignSettings;
-use cg_core::j1939::Compensation;
+use cg_core::signal::j1939::Compensation;
 
 use crate::can::{DeviceFilter, MappedSignal};
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cg_core::reduced::Simulation as ReducedSimulation;
+use cg_core::truck::reduced::Simulation as ReducedSimulation;
 
 use super::{Motion, Scenario};
 use crate::maneuver::Histories;

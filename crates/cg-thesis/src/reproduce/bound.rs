@@ -15,7 +15,7 @@
 //! Identification*, §B.4.
 
 use cg_core::Reduced5;
-use cg_core::reduced::ORDER;
+use cg_core::truck::reduced::ORDER;
 use nalgebra::{DMatrix, DVector};
 
 use super::monte_carlo::{Experiment, SAMPLES};

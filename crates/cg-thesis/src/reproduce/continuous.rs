@@ -5,7 +5,7 @@
 //! gives its share of the sampled numerator, and the six shares are solved for the weights.
 
 use cg_core::Reduced5;
-use cg_core::reduced::{ORDER, Simulation};
+use cg_core::truck::reduced::{ORDER, Simulation};
 use faer::c64;
 use nalgebra::{SMatrix, SVector};
 

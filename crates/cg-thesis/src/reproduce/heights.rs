@@ -1,6 +1,6 @@
 //! Heights from DC ratios: eq. 5.17, Tables 5.6, 5.7 and 5.11.
 
-use cg_core::ratio::solve_height;
+use cg_core::truck::ratio::solve_height;
 use cg_core::{Measured, RatioLine};
 use serde::Deserialize;
 

@@ -3,7 +3,7 @@
 //! Signs are the source's throughout (ratios negative).
 
 use cg_core::Reduced5;
-use cg_core::reduced::ORDER;
+use cg_core::truck::reduced::ORDER;
 use serde::Deserialize;
 
 use super::compensated::printed_5_12;

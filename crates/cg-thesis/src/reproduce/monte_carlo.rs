@@ -4,7 +4,7 @@
 //! noise on the roll angle, SNR on its mean square, and `[n n+1 0]` ARX models in shift form.
 //! Draw `k` of every cell has the seed `seed + k`, so cells differ by their settings alone.
 
-use cg_core::reduced::Simulation;
+use cg_core::truck::reduced::Simulation;
 use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
 use rand::SeedableRng;
 use rand::rngs::StdRng;

@@ -4,7 +4,7 @@
 //! The height error of each draw is that of its DC ratio through the ratio line (eq. 5.20)
 //! against the height that the plant's own DC ratio means.
 
-use cg_core::reduced::ORDER;
+use cg_core::truck::reduced::ORDER;
 use cg_core::{RatioLine, Reduced5};
 use serde::Deserialize;
 

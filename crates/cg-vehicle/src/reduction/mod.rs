@@ -19,7 +19,7 @@
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
 
 use cg_core::Reduced5;
-use cg_core::reduced::ORDER;
+use cg_core::truck::reduced::ORDER;
 
 pub mod balanced;
 pub mod fitted;

@@ -5,7 +5,7 @@
 //! | `roll_plane` | the threshold: balance of moments until the last inner wheel lifts | static equilibrium |
 //! | `yaw_plane` | its lateral forces and the articulation | steady yaw plane |
 //! | `support` | its springs and tyres | vehicle file |
-//! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::rollover` |
+//! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::truck::rollover` |
 //!
 //! # Example
 //!

@@ -1,6 +1,6 @@
 //! The rollover threshold in a steady turn, at one speed and as the estimator on board has it.
 
-use cg_core::rollover::{HEIGHTS, TURN_MPS};
+use cg_core::truck::rollover::{HEIGHTS, TURN_MPS};
 use cg_core::{Measured, Rollover, ThresholdLine};
 
 use super::RollPlane;

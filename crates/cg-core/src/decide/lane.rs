@@ -1,10 +1,10 @@
 //! One channel on its way: its identifier, the state of rest that it starts from, its heights.
 
-use crate::condition::{Row, seconds};
-use crate::height::Fusion;
-use crate::identify::Identify;
-use crate::real::Real;
-use crate::settings::Settings;
+use crate::decide::condition::{Row, seconds};
+use crate::decide::height::Fusion;
+use crate::decide::settings::Settings;
+use crate::identify::identifier::Identify;
+use crate::math::real::Real;
 
 /// One channel's identifier, the time of its last sample, and the heights that it gave.
 #[derive(Clone, Copy, Debug)]
@@ -96,9 +96,9 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::{Answer, Unexcited};
-    use crate::ratio::Measured;
-    use crate::reduced::Reduced5;
+    use crate::identify::identifier::{Answer, Unexcited};
+    use crate::truck::ratio::Measured;
+    use crate::truck::reduced::Reduced5;
 
     /// Remembers what it was handed last, and how often it began anew.
     #[derive(Clone, Copy)]

@@ -1,10 +1,10 @@
 //! Classical shift-form ARX least squares (eqs. 5.1, 5.2).
 
-use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
-use crate::linalg::Triangle;
-use crate::ratio::Measured;
-use crate::real::Real;
-use crate::reduced::{Reduced5, Simulation};
+use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
+use crate::math::linalg::Triangle;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
+use crate::truck::reduced::{Reduced5, Simulation};
 
 /// Classical shift-form ARX `[na nb nk]` (eq. 5.1):
 ///

@@ -1,7 +1,7 @@
 //! Rows of a regression on their way into a triangle.
 
-use crate::linalg::{Rows, Triangle};
-use crate::real::Real;
+use crate::math::linalg::{Rows, Triangle};
+use crate::math::real::Real;
 
 /// Rows taken into the triangle at once.
 pub(crate) const BLOCK: usize = 5;

@@ -2,10 +2,10 @@
 
 use core::fmt;
 
-use crate::consistency::Inconsistency;
-use crate::identify::{Fit, Unexcited};
-use crate::ratio::{HeightError, Measured};
-use crate::real::Real;
+use crate::decide::consistency::Inconsistency;
+use crate::identify::identifier::{Fit, Unexcited};
+use crate::math::real::Real;
+use crate::truck::ratio::{HeightError, Measured};
 
 /// What the estimator is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

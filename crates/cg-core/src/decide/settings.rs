@@ -1,6 +1,6 @@
 //! When maneuvers open and close, and what is good enough.
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// When maneuvers open and close, and what is good enough. Times in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,9 +7,9 @@
 //! * on the road (cargo that shifts), when two maneuvers in a row contradict it and not each other.
 //!   The first of the two waits for the second.
 
-use crate::height::Height;
-use crate::ratio::Measured;
-use crate::real::Real;
+use crate::decide::height::Height;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
 
 /// Below this speed the truck stands.
 const STANDING_MPS: f64 = 0.5;

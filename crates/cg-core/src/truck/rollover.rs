@@ -16,8 +16,8 @@
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
 
-use crate::ratio::Measured;
-use crate::real::Real;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
 
 /// Heights at which a design holds thresholds, evenly from its least to its greatest height.
 pub const HEIGHTS: usize = 8;

@@ -12,7 +12,7 @@
 
 use core::fmt;
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// A value and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]

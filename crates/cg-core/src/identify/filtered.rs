@@ -1,16 +1,18 @@
 //! ARX least squares on filtered signals: the production identifier.
 
-use crate::identify::{Answer, Fit, Identify, Moments, Unexcited};
-use crate::input_noise::InputNoise;
-use crate::linalg::Triangle;
-use crate::long_run::LongRun;
-use crate::pending::{BLOCK, Pending};
-use crate::prior::Prior;
-use crate::ratio::Measured;
-use crate::real::Real;
-use crate::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
-pub use crate::unknowns::UNKNOWNS;
-use crate::unknowns::{BEND, DRIFT, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution};
+use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
+use crate::identify::input_noise::InputNoise;
+use crate::identify::long_run::LongRun;
+use crate::identify::pending::{BLOCK, Pending};
+use crate::identify::prior::Prior;
+pub use crate::identify::unknowns::UNKNOWNS;
+use crate::identify::unknowns::{
+    BEND, DRIFT, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution,
+};
+use crate::math::linalg::Triangle;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
+use crate::truck::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
 
 /// [`UNKNOWNS`] as a number.
 const UNKNOWNS_F64: f64 = 13.0;

@@ -2,10 +2,10 @@
 
 use core::fmt;
 
-use crate::ratio::{Measured, RatioLine};
-use crate::real::Real;
-use crate::reduced::Reduced5;
-use crate::rollover::{Rollover, RolloverDesign, ThresholdLine};
+use crate::math::real::Real;
+use crate::truck::ratio::{Measured, RatioLine};
+use crate::truck::reduced::Reduced5;
+use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
 
 /// Speeds at which a design holds ratio lines.
 pub const SPEEDS: usize = 8;

@@ -1,9 +1,9 @@
 //! What an estimator has learnt, as plain numbers: to be kept while the power is off.
 
-use crate::height::Fusion;
-use crate::load::Said;
-use crate::ratio::Measured;
-use crate::real::Real;
+use crate::decide::height::Fusion;
+use crate::decide::load::Said;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
 
 /// Heights fused so far and what is known of the load. The maneuver under way is not part of it:
 /// a restart costs that maneuver.

@@ -15,9 +15,9 @@
 
 use core::fmt;
 
-use crate::design::Design;
-use crate::real::Real;
-use crate::sample::Sample;
+use crate::math::real::Real;
+use crate::signal::sample::Sample;
+use crate::truck::design::Design;
 
 /// Lateral acceleration above which the truck turns.
 const TURNING_MPS2: f64 = 0.5;

@@ -1,8 +1,8 @@
 //! The unknowns of the filtered regression: their places, their equations, and what is found of them.
 
-use crate::linalg::{Packed, Triangle};
-use crate::real::Real;
-use crate::reduced::ORDER;
+use crate::math::linalg::{Packed, Triangle};
+use crate::math::real::Real;
+use crate::truck::reduced::ORDER;
 
 /// Unknowns of [`FilteredArx`](crate::FilteredArx): five denominator coefficients, the gain, five
 /// numerator coefficients, the offset of the roll sensor and its drift.

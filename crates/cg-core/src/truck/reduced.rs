@@ -17,7 +17,7 @@
 
 use nalgebra::{ArrayStorage, SMatrix, SVector};
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// The order of the reduced model.
 pub const ORDER: usize = 5;

@@ -1,6 +1,6 @@
 //! Identification of the input-to-roll transfer function by ARX least squares.
 //!
-//! Two regressors on one kernel ([`Triangle`](crate::linalg::Triangle)):
+//! Two regressors on one kernel ([`Triangle`](crate::math::linalg::Triangle)):
 //!
 //! * [`Arx`](crate::Arx): the classical shift form (eq. 5.1), for parity with the source, MATLAB
 //!   and Octave. Use it in `f64`: its regressors are nearly collinear.
@@ -13,9 +13,9 @@
 
 use core::fmt;
 
-use crate::ratio::Measured;
-use crate::real::Real;
-use crate::reduced::Reduced5;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
+use crate::truck::reduced::Reduced5;
 
 /// What cannot be told from the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

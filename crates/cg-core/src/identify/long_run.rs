@@ -15,8 +15,8 @@
 //! **Reference.** Newey and West, *Econometrica* 55 (1987) 703; batch means: Law, *Simulation
 //! Modeling and Analysis*, §9.5.
 
-use crate::linalg::{Rows, Triangle};
-use crate::real::Real;
+use crate::math::linalg::{Rows, Triangle};
+use crate::math::real::Real;
 
 /// Length of a block: several times what a rolling trailer takes to settle. A little less than
 /// a round number, so that rounding does not decide which row is its last.

@@ -1,7 +1,7 @@
 //! Heights of maneuvers, fused into one.
 
-use crate::ratio::Measured;
-use crate::real::Real;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
 
 /// The trailer's c.g. height (sprung mass, above ground at rest).
 #[derive(Clone, Copy, Debug, PartialEq)]

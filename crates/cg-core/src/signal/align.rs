@@ -8,8 +8,8 @@
 //! Several devices may send the same quantity: the first one seen is kept for as long as it lives,
 //! unless a preferred signal appears.
 
-use crate::real::Real;
-use crate::sample::{Quantity, Sample};
+use crate::math::real::Real;
+use crate::signal::sample::{Quantity, Sample};
 
 /// Roll angles that may wait for the other signals.
 const ROOM: usize = 32;

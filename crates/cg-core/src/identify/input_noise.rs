@@ -1,6 +1,6 @@
 //! How noisy the input is, at the frequencies that count.
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// Rows are averaged over this time: what is faster (vibration, quantisation) does not count. A
 /// little less than a round number, so that rounding does not decide which row is the last.

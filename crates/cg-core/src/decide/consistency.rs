@@ -4,8 +4,8 @@
 //! the same number, but for a little noise, while the truck rolls on. A coarse one does so too, but
 //! only from one of its steps to the next.
 
-use crate::condition::seconds;
-use crate::real::Real;
+use crate::decide::condition::seconds;
+use crate::math::real::Real;
 
 /// Share of the expected motion within which the roll angle counts as standing: a seventh of what it
 /// may stand for, where a roll angle that follows late still moves by a third.

@@ -1,6 +1,6 @@
 //! What is known of a channel before its rows say anything.
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// Prior knowledge that [`FilteredArx`](crate::FilteredArx) starts from.
 #[derive(Clone, Copy, Debug, PartialEq)]

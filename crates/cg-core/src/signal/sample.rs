@@ -4,7 +4,7 @@
 //! y left, z up. Steer angle, yaw rate and lateral acceleration are positive to
 //! the left; roll is positive right side down. A left turn gives all positive.
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// What a sensor measures. SI units and signs are those of [`Sample`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

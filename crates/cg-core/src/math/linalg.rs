@@ -15,7 +15,7 @@
 //! **Reference.** Golub and Van Loan, *Matrix Computations*, 4th ed., §5.1.8 (rotation), §5.1.3
 //! (reflection) and §6.5.3 (appending a row).
 
-use crate::real::Real;
+use crate::math::real::Real;
 
 /// Where the upper triangle `R` is kept: row `i` from its diagonal on.
 pub trait Rows<T>: Copy {
@@ -81,7 +81,7 @@ impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
 /// [`Packed`] where memory counts.
 ///
 /// ```
-/// use cg_core::linalg::Triangle;
+/// use cg_core::math::linalg::Triangle;
 ///
 /// let mut line = Triangle::<f64, 2>::new();
 /// for x in [0.0, 1.0, 2.0] {

@@ -1,6 +1,6 @@
 // Design of the vehicle "kraz", not calibrated.
 // Make it again, do not edit it:
-// cg design --vehicle fixtures/vehicles/kraz.toml --model complete --emit rust --output firmware/src/truck.rs
+// cg design --vehicle fixtures/vehicles/kraz.toml --model complete --emit rust --output crates/cg-core/examples/kraz/design.rs
 
 /// The constants of this truck.
 #[allow(clippy::unreadable_literal)]

@@ -8,8 +8,8 @@
 //!
 //! **Reference.** SAE J1939-71 (signals), J1939-21 (identifiers), J1939-71 §5.1.4 (absent values).
 
-use crate::real::Real;
-use crate::sample::Quantity;
+use crate::math::real::Real;
+use crate::signal::sample::Quantity;
 
 /// Radians in a degree.
 const DEGREE: f64 = core::f64::consts::PI / 180.0;

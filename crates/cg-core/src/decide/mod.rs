@@ -1,0 +1,12 @@
+//! What counts, and what follows: which samples form a maneuver, whether their signals can be believed, whether the
+//! load is still the same, which height follows from all maneuvers, and when to warn.
+
+pub mod condition;
+pub mod consistency;
+pub mod height;
+pub(crate) mod load;
+pub mod memory;
+pub mod maneuver;
+pub mod settings;
+pub(crate) mod lane;
+pub mod warning;

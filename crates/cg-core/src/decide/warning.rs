@@ -1,0 +1,219 @@
+//! Rollover warning: how much of the rollover threshold the present turn uses, in levels with hysteresis.
+
+use crate::decide::condition::seconds;
+use crate::math::real::Real;
+use crate::truck::ratio::Measured;
+
+/// The greatest number of warning levels.
+pub const LEVELS: usize = 8;
+
+/// Time constant of the filter of the lateral acceleration: a bump is not a turn.
+const FILTER_S: f64 = 0.2;
+/// Without a lateral acceleration for this long, the filter starts again.
+const SILENT_US: u64 = 1_000_000;
+/// One-sided 95 % bound of the threshold, in standard deviations.
+const BOUND: f64 = 1.645;
+/// The bound is never below this share of the threshold, so that a height with a wide interval does not
+/// warn in every turn.
+const LEAST_SHARE: f64 = 0.5;
+
+/// The warning levels cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LevelError {
+    /// There are more than [`LEVELS`].
+    TooMany,
+    /// A level, or the hysteresis, is not a finite number of at least zero.
+    NotAShare,
+}
+
+impl core::fmt::Display for LevelError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::TooMany => write!(f, "there can be at most {LEVELS} warning levels"),
+            Self::NotAShare => {
+                f.write_str("warning levels and their hysteresis are shares of the threshold: finite and not negative")
+            }
+        }
+    }
+}
+
+impl core::error::Error for LevelError {}
+
+/// Turns the lateral acceleration into a warning level, sample by sample.
+#[derive(Clone, Debug)]
+pub struct Warner<T> {
+    /// Increasing; those that are not used are infinite.
+    levels: [T; LEVELS],
+    hysteresis: T,
+    level: usize,
+    /// NaN before the first lateral acceleration.
+    smooth_mps2: T,
+    last_us: u64,
+}
+
+impl<T: Real> Warner<T> {
+    /// `levels` are shares of the threshold's lower bound, in any order. A level ends where the share falls
+    /// `hysteresis` below it.
+    ///
+    /// # Errors
+    ///
+    /// [`LevelError`] for more than [`LEVELS`] levels, or for one that is negative or not finite.
+    pub fn new(levels: &[T], hysteresis: T) -> Result<Self, LevelError> {
+        let infinity = T::one() / T::ZERO;
+        let mut sorted = [infinity; LEVELS];
+        let used = sorted.get_mut(..levels.len()).ok_or(LevelError::TooMany)?;
+        used.copy_from_slice(levels);
+        let is_share = |share: &T| share.present() && *share >= T::ZERO;
+        if !levels.iter().chain([&hysteresis]).all(is_share) {
+            return Err(LevelError::NotAShare);
+        }
+        sorted.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
+        Ok(Self { levels: sorted, hysteresis, level: 0, smooth_mps2: T::absent(), last_us: 0 })
+    }
+
+    /// The present level: 0 is no warning, 1 the lowest level.
+    pub fn level(&self) -> usize {
+        self.level
+    }
+
+    /// The filtered lateral acceleration; `None` without a signal.
+    pub fn lateral_mps2(&self) -> Option<T> {
+        self.smooth_mps2.present().then_some(self.smooth_mps2)
+    }
+
+    /// The lateral acceleration, in g, that counts as the threshold: its one-sided 95 % lower bound, but
+    /// never less than half of it.
+    pub fn bound_g(threshold_g: Measured<T>) -> T {
+        let bound = threshold_g.value - T::of(BOUND) * threshold_g.sd;
+        bound.max(T::of(LEAST_SHARE) * threshold_g.value)
+    }
+
+    /// Takes in a lateral acceleration (NaN: no signal) and returns the new level if it has changed.
+    /// Without a threshold (`None`), or without a signal for more than a second, there is no warning.
+    pub fn push(
+        &mut self,
+        time_us: u64,
+        lateral_mps2: T,
+        threshold_g: Option<Measured<T>>,
+        gravity_mps2: T,
+    ) -> Option<usize> {
+        let interval_us = time_us.saturating_sub(self.last_us);
+        if !lateral_mps2.present() {
+            return if interval_us > SILENT_US { self.silence() } else { None };
+        }
+        self.last_us = time_us;
+        if self.smooth_mps2.present() {
+            let interval_s = seconds(interval_us);
+            let weight = interval_s / (T::of(FILTER_S) + interval_s);
+            self.smooth_mps2 += (lateral_mps2 - self.smooth_mps2) * weight;
+        } else {
+            self.smooth_mps2 = lateral_mps2;
+        }
+        let share = match threshold_g {
+            Some(threshold_g) => self.smooth_mps2.abs() / gravity_mps2 / Self::bound_g(threshold_g),
+            None => T::ZERO,
+        };
+        let reached = |share: T| self.levels.iter().filter(|level| share >= **level).count();
+        let level = if reached(share) > self.level {
+            reached(share)
+        } else {
+            self.level.min(reached(share + self.hysteresis))
+        };
+        self.change(level)
+    }
+
+    /// Nothing is known of the present turn: the filter starts again, and a warning ends.
+    fn silence(&mut self) -> Option<usize> {
+        self.smooth_mps2 = T::absent();
+        self.change(0)
+    }
+
+    fn change(&mut self, level: usize) -> Option<usize> {
+        (level != core::mem::replace(&mut self.level, level)).then_some(level)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// Settled at a share of a threshold of 0.4 g.
+    fn settle(warner: &mut Warner<f64>, share: f64) -> usize {
+        let threshold = Some(Measured { value: 0.4, sd: 0.0 });
+        for _ in 0..200 {
+            let time_us = warner.last_us + 50_000;
+            warner.push(time_us, -share * 0.4 * 9.81, threshold, 9.81);
+        }
+        warner.level()
+    }
+
+    #[test]
+    fn levels_end_a_little_below_where_they_begin() {
+        let mut warner = Warner::new(&[0.9, 0.6], 0.05).unwrap();
+        for (share, level) in
+            [(0.58, 0), (0.61, 1), (0.58, 1), (0.54, 0), (0.95, 2), (0.86, 2), (0.84, 1), (0.0, 0)]
+        {
+            assert_eq!(settle(&mut warner, share), level, "{share}");
+        }
+    }
+
+    /// A bump of a whole threshold, 20 ms long: 0.02/(0.2 + 0.02) = 0.09 of it comes through. The same for
+    /// 0.5 s: 1 − (0.2/0.22)^25 = 0.91 do.
+    #[test]
+    fn a_bump_is_no_turn() {
+        let threshold = Some(Measured { value: 0.4, sd: 0.0 });
+        for (samples, expected) in [(1, 0), (25, 2)] {
+            let mut warner = Warner::new(&[0.2, 0.8], 0.05).unwrap();
+            settle(&mut warner, 0.0);
+            for _ in 0..samples {
+                let time_us = warner.last_us + 20_000;
+                warner.push(time_us, 0.4 * 9.81, threshold, 9.81);
+            }
+            assert_eq!(warner.level(), expected, "{samples}");
+        }
+    }
+
+    #[test]
+    fn an_uncertain_threshold_warns_earlier_but_not_always() {
+        assert!((Warner::bound_g(Measured { value: 0.4, sd: 0.02 }) - 0.3671_f64).abs() < 1e-9);
+        assert!((Warner::bound_g(Measured { value: 0.4, sd: 0.3 }) - 0.2_f64).abs() < 1e-9);
+    }
+
+    #[test]
+    fn without_a_height_or_a_signal_there_is_no_warning() {
+        let mut warner = Warner::new(&[0.5], 0.05).unwrap();
+        for k in 1..100 {
+            assert_eq!(warner.push(k * 10_000, 5.0, None, 9.81), None);
+            assert_eq!(warner.push(k * 10_000 + 5, f64::NAN, None, 9.81), None);
+        }
+    }
+
+    #[test]
+    fn levels_that_mean_nothing_are_refused() {
+        for levels in [[0.5, f64::NAN], [0.5, -0.1], [f64::INFINITY, 0.2]] {
+            assert_eq!(Warner::new(&levels, 0.05).unwrap_err(), LevelError::NotAShare);
+        }
+        assert_eq!(Warner::new(&[0.5], -0.05).unwrap_err(), LevelError::NotAShare);
+        assert_eq!(Warner::new(&[0.5; LEVELS + 1], 0.0).unwrap_err(), LevelError::TooMany);
+        assert!(Warner::new(&[0.5; LEVELS], 0.0).is_ok());
+    }
+
+    /// A hole of up to a second keeps filter and warning, a longer one ends both, however many samples without
+    /// a lateral acceleration arrive in it.
+    #[test]
+    fn a_long_hole_ends_the_warning() {
+        let threshold = Some(Measured { value: 0.4, sd: 0.0 });
+        let mut warner = Warner::new(&[0.5], 0.05).unwrap();
+        settle(&mut warner, 0.8);
+        let last_us = warner.last_us;
+        let mut push =
+            |after_us, lateral| warner.push(last_us + after_us, lateral, threshold, 9.81);
+        let changes: [_; 4] =
+            [20_000, SILENT_US, SILENT_US + 1, SILENT_US + 20_000].map(|us| push(us, f64::NAN));
+        assert_eq!(changes, [None, None, Some(0), None]);
+        assert_eq!(push(SILENT_US + 40_000, 1.5), None);
+        assert_eq!(warner.lateral_mps2(), Some(1.5));
+    }
+}

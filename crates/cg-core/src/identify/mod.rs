@@ -1,0 +1,10 @@
+//! Identification of the transfer function from an input to the roll angle by ARX least squares.
+
+pub mod identifier;
+mod long_run;
+mod input_noise;
+pub mod prior;
+mod unknowns;
+mod pending;
+pub mod arx;
+pub mod filtered;
