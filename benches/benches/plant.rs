@@ -3,7 +3,7 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use cg_plant::plant::{PlantOptions, YawRollPlant};
-use cg_vehicle::linear::Equations;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::{Variant, Vehicle};
 use divan::Bencher;
 

@@ -10,7 +10,7 @@ use cg_plant::rollover::small::{modes, rearward_amplification};
 use cg_plant::rollover::{
     Ramp, RampEnd, RolloverMeasures, RolloverOptions, TimeToRollover, measures,
 };
-use cg_vehicle::linear::Equations;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::steady_turn::{on_board, steady_turn_threshold_g};
 use cg_vehicle::{Load, Variant, Vehicle};
 

@@ -20,8 +20,7 @@ use signals::SignalCheck;
 use crate::log::LogRow;
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::Variant;
-use cg_vehicle::vehicle::Vehicle;
+use cg_vehicle::{Variant, Vehicle};
 
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE_95: f64 = 1.959_964;

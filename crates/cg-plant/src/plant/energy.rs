@@ -7,7 +7,7 @@ use super::state::{AxleCoordinate as A, Coordinate as C, State, at};
 use super::suspension::Law;
 use super::vector::{Vector, cross, sin_cos, turned};
 use super::{PlantOptions, YawRollPlant};
-use cg_vehicle::vehicle::Vehicle;
+use cg_vehicle::Vehicle;
 
 fn square(v: Vector) -> f64 {
     v.iter().map(|x| x * x).sum()

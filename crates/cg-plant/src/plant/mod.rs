@@ -71,7 +71,7 @@ pub use sample::{AxleSample, PlantSample, UnitSample};
 pub use state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Vehicle};
 use dynamics::{Parameters, Probe};
 use equilibrium::settle;
 use integrate::Method;

@@ -1,6 +1,6 @@
 //! What can be chosen about a plant beside its vehicle and load.
 
-use cg_vehicle::vehicle::Load;
+use cg_vehicle::Load;
 
 /// Which characteristics of springs or tyres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

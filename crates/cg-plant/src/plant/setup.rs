@@ -15,7 +15,8 @@ use cg_vehicle::balance::static_balance;
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, PlacedAxle, Vehicle};
+use cg_vehicle::vehicle::PlacedAxle;
+use cg_vehicle::{Load, Vehicle};
 
 fn model(message: String) -> VehicleError {
     VehicleError::Model(message)

@@ -10,11 +10,11 @@ use super::offtracking::{
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
 use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover};
 use crate::plant::{PlantOptions, YawRollPlant};
+use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::{Equations, Variant};
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::steady_turn::{on_board, steady_turn_threshold_g};
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Variant, Vehicle};
 
 /// Rate of the slow ramp: a roll angle that lags by a second costs 0.01 g.
 const SLOW_GPS: f64 = 0.01;

@@ -6,8 +6,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::plant::{Coordinate, YawRollPlant};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 /// Radius of the high-speed turn.
 pub const HIGH_SPEED_RADIUS_M: f64 = 393.0;

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use faer::c64;
 use nalgebra::{Complex, DMatrix};
 
+use cg_vehicle::equations::w;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::w;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::system::System;
 
@@ -48,7 +48,7 @@ impl Mode {
     }
 }
 
-/// The modes of a linear model of [`Equations`](cg_vehicle::linear::Equations), slowest decay first.
+/// The modes of a linear model of [`Equations`](cg_vehicle::equations::Equations), slowest decay first.
 ///
 /// The participation of state `k` in mode `i` is `V_ki (V⁻¹)_ik` (Pérez-Arriaga, Verghese and
 /// Schweppe, IEEE Trans. PAS 101, 1982); lateral velocity, yaw rates and articulation are yaw.

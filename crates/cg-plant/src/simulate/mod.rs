@@ -13,10 +13,10 @@ use serde::Serialize;
 use crate::maneuver::{Course, Histories, Maneuver};
 use crate::sensors::{Instruments, Sensors};
 use cg_logs::log::LogRow;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::limits;
-use cg_vehicle::linear::{Equations, Variant};
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Variant, Vehicle};
 use models::Models;
 use nonlinear::{Recorded, record};
 
@@ -114,7 +114,7 @@ impl Scenario {
 
     fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
-        limits::load(self.load)?;
+        self.load.check()?;
         limits::positive("--speed-mps", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("--rate-hz", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("--duration-s", self.duration_s, limits::GREATEST_DURATION_S)?;

@@ -6,11 +6,11 @@ use cg_core::truck::reduced::Simulation as ReducedSimulation;
 
 use super::{Motion, Scenario};
 use crate::maneuver::Histories;
+use cg_vehicle::Vehicle;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::Equations;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
-use cg_vehicle::vehicle::Vehicle;
 
 /// Models of a changing speed are made anew for each 0.1 m/s: 1 % of the gain at 20 m/s at most.
 const SPEED_STEP_MPS: f64 = 0.1;

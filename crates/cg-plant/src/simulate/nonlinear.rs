@@ -4,8 +4,8 @@ use super::{Motion, Scenario};
 use crate::maneuver::{Course, Histories};
 use crate::plant::{Driver, DriverSettings, Path, PlantOptions, YawRollPlant};
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 /// What the plant did, sample by sample, and when it rolled over, if it did and may.
 pub(super) struct Recorded {

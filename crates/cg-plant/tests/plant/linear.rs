@@ -1,7 +1,7 @@
 //! V5, V6: the complete linear model is the plant's limit for small motion.
 
 use cg_plant::plant::YawRollPlant;
-use cg_vehicle::linear::Equations;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::{Variant, Vehicle};
 

@@ -35,8 +35,7 @@ use cg_core::RatioLine;
 use serde::Deserialize;
 
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::{LinearModel, Variant};
-use cg_vehicle::vehicle::Vehicle;
+use cg_vehicle::{LinearModel, Variant, Vehicle};
 use printed::{Printed, thesis};
 
 pub use row::Row;

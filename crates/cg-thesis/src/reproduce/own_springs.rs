@@ -16,8 +16,7 @@ use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::design::design_with;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::Variant;
-use cg_vehicle::vehicle::Vehicle;
+use cg_vehicle::{Variant, Vehicle};
 
 const RATE_HZ: f64 = 100.0;
 const START_S: f64 = 2.0;

@@ -6,7 +6,8 @@ use serde::Deserialize;
 use super::printed::{Printed, thesis};
 use super::{Baseline, Options, Row};
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::response::{StateSpace, TransferFunction};
+use cg_vehicle::response::StateSpace;
+use cg_vehicle::system::TransferFunction;
 
 /// Steer to trailer roll of the as-printed model.
 pub(super) fn as_printed(base: &Baseline) -> Result<TransferFunction, VehicleError> {

@@ -4,7 +4,7 @@ use cg_plant::plant::{
     Driver, DriverSettings, Path, PlantOptions, PlantSample, Progress, YawRollPlant,
 };
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Vehicle};
 
 /// Speed of the source's turns, m/s.
 pub(super) const TURN_SPEED_MPS: f64 = 50.0 / 3.6;

@@ -5,8 +5,8 @@ use super::drive::{
     Course, Drive, LANE_CHANGE, LANE_SPEED_MPS, QUARTER, TURN_SPEED_MPS, trailer_roll,
 };
 use super::{PEAK_ROLL, Setting, scenario};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 const INERTIA: Quantity = Quantity {
     name: "payload_roll_inertia",

@@ -40,8 +40,8 @@ mod variants;
 pub use data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
 pub use replay::{Recorded, Replayed, drive_again, replay};
 
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 use drive::Drive;
 
 /// A study as it is listed.

@@ -4,8 +4,8 @@ use super::data::{Abscissa, Panel, Series, Statement, Study};
 use super::drive::{Drive, peak_rolls};
 use super::heights::HEIGHT;
 use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 /// The source's range.
 const HEIGHTS_M: [f64; 5] = [1.85, 1.95, 2.05, 2.15, 2.25];

@@ -2,11 +2,12 @@
 
 use std::collections::HashSet;
 
-use super::finding::{Finding, Severity};
-use super::keys::{plain, span};
 use super::tables;
 use crate::balance;
-use crate::vehicle::{Axle, Load, Vehicle};
+use crate::finding::{Finding, Severity};
+use crate::finding::{plain, span};
+use crate::load::Load;
+use crate::vehicle::{Axle, Vehicle};
 
 /// A quantity that several numbers make.
 pub(super) struct Relation {
