@@ -13,10 +13,10 @@
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-use super::YawRollPlant;
 use super::integrate::{Progress, Simulation};
 use super::path::Path;
 use super::state::Coordinate;
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
 /// Points of the preview.

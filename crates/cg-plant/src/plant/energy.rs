@@ -3,10 +3,11 @@
 use super::axle::Pose;
 use super::body::{Attitude, Motion};
 use super::dynamics::{Control, Parameters, Probe};
+use super::options::PlantOptions;
 use super::state::{AxleCoordinate as A, Coordinate as C, State, at};
 use super::suspension::Law;
 use super::vector::{Vector, cross, sin_cos, turned};
-use super::{PlantOptions, YawRollPlant};
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::Vehicle;
 
 fn square(v: Vector) -> f64 {

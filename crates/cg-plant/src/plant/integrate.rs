@@ -2,10 +2,12 @@
 //! and Kutta's four. The latter starts the former, and stays where something moves too fast for
 //! it: a joint that is a hard spring.
 
-use super::YawRollPlant;
 use super::dynamics::{Control, Probe};
+use super::equilibrium::settle;
+use super::method::Method;
 use super::sample::PlantSample;
 use super::state::{Coordinate, ROOM, State};
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
 /// Roll angle at which the run stops: nothing comes back from there.
@@ -21,34 +23,6 @@ pub enum Progress {
         /// When.
         time_s: f64,
     },
-}
-
-/// What the plant is integrated with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Method {
-    Adams,
-    RungeKutta,
-}
-
-impl Method {
-    /// Pole times step up to which each is stable with something to spare. The limits: 1.2 along
-    /// both axes for Adams, Bashforth and Moulton (evaluated again after the correction), 2.8 for
-    /// Runge and Kutta.
-    const ADAMS: f64 = 0.6;
-    const RUNGE_KUTTA: f64 = 2.5;
-
-    pub(super) fn for_mode(fastest_radps: f64, step_s: f64) -> Result<Self, VehicleError> {
-        match fastest_radps * step_s {
-            reach if reach <= Self::ADAMS => Ok(Self::Adams),
-            reach if reach <= Self::RUNGE_KUTTA => Ok(Self::RungeKutta),
-            _ => Err(VehicleError::Model(format!(
-                "a step of {step_s} s is too long for the vehicle's fastest motion of \
-                 {fastest_radps:.0} rad/s: take {:.1e} s or less, or look for a stiffness or \
-                 damping that is too high",
-                Self::RUNGE_KUTTA / fastest_radps
-            ))),
-        }
-    }
 }
 
 /// A run in time, from straight running. Once rolled over, it stays where it is.
@@ -80,8 +54,24 @@ impl Past {
     }
 }
 
+impl YawRollPlant {
+    /// A run from straight running at a speed; on a bank the steer angle that holds it is the
+    /// first one.
+    ///
+    /// # Errors
+    /// If the vehicle cannot run straight there.
+    pub fn start(&self, speed_mps: f64) -> Result<Simulation<'_>, VehicleError> {
+        if !(speed_mps.is_finite() && speed_mps > 0.0) {
+            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
+        }
+        let rest = settle(&self.parameters, &self.design, speed_mps)?;
+        let control = Control { steer_rad: rest.steer_rad, speed_mps, acceleration_mps2: 0.0 };
+        Ok(Simulation::new(self, &rest.state, control))
+    }
+}
+
 impl<'a> Simulation<'a> {
-    pub(super) fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
+    fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
         Self {
             plant,
             state: *state,

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::YawRollPlant;
 use super::dynamics::{Control, Probe};
 use super::equilibrium::settle;
 use super::state::{AxleCoordinate, Coordinate, ROOM, at};
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
 

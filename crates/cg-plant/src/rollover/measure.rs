@@ -7,8 +7,10 @@ use super::maneuver::{Peaks, lane_change, one_sine};
 use super::offtracking::{
     HIGH_SPEED_MPS, HIGH_SPEED_RADIUS_M, LOW_SPEED_RADIUS_M, high_speed_m, low_speed_m,
 };
+use super::ramp::{Ramp, RampEnd};
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
-use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover};
+use super::time::TimeToRollover;
+use super::transfer::GRAVITY_MPS2;
 use crate::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;

@@ -24,6 +24,3 @@ pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
 pub use ramp::{Ramp, RampEnd, RampPoint};
 pub use time::{TimeToRollover, time_to_rollover_s};
 pub use transfer::Transfer;
-
-/// Standard gravity: what "g" means in measures, whatever the vehicle file's own is.
-pub(crate) const GRAVITY_MPS2: f64 = 9.806_65;

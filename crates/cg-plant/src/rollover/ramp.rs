@@ -2,7 +2,7 @@
 //!
 //! **Reference.** Static rollover threshold: Ervin and others, UMTRI-86; the source, 1.2.2.
 
-use super::transfer::Transfer;
+use super::transfer::{GRAVITY_MPS2, Transfer};
 use crate::plant::{Progress, YawRollPlant};
 use cg_vehicle::error::VehicleError;
 
@@ -19,7 +19,7 @@ const FALLEN: f64 = 0.9;
 const FALLING_G: f64 = 0.1;
 
 fn has_fallen(lateral_mps2: f64, greatest_mps2: f64) -> bool {
-    greatest_mps2 > FALLING_G * super::GRAVITY_MPS2 && lateral_mps2 < FALLEN * greatest_mps2
+    greatest_mps2 > FALLING_G * GRAVITY_MPS2 && lateral_mps2 < FALLEN * greatest_mps2
 }
 
 /// An instant of a ramp.
@@ -74,7 +74,7 @@ impl Ramp {
         }
         let mut run = plant.start(speed_mps)?;
         let mut ramp = Self { points: Vec::new(), end: RampEnd::Slid, lift_mps2: Vec::new() };
-        let end_s = END_G * super::GRAVITY_MPS2 / rate_mps3;
+        let end_s = END_G * GRAVITY_MPS2 / rate_mps3;
         let (mut greatest_mps2, mut greatest_roll_rad) = (0.0_f64, 0.0_f64);
         let mut ticks = 0.0;
         while run.time_s() < end_s {

@@ -10,6 +10,9 @@
 
 use crate::plant::PlantSample;
 
+/// Standard gravity: what "g" means in measures, whatever the vehicle file's own is.
+pub(crate) const GRAVITY_MPS2: f64 = 9.806_65;
+
 /// Both measures at an instant; positive when the right side carries more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transfer {

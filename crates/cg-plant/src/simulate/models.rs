@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use cg_core::truck::reduced::Simulation as ReducedSimulation;
 
-use super::{Motion, Scenario};
+use super::scenario::{Motion, Scenario};
 use crate::maneuver::Histories;
 use cg_vehicle::Vehicle;
 use cg_vehicle::equations::Equations;
@@ -64,7 +64,7 @@ impl Models {
             insert(scenario.speed_mps)?;
         }
         let reduced = match scenario.plant {
-            super::Plant::Reduced => {
+            super::scenario::Plant::Reduced => {
                 let model = model(scenario.speed_mps)?;
                 Some(Reduced {
                     simulation: ReducedSimulation::new(&reduce(&model)?.steer, interval_s, 0.0),

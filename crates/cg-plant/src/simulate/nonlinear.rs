@@ -1,6 +1,6 @@
 //! The nonlinear plant through a scenario, steered by a history or by the driver.
 
-use super::{Motion, Scenario};
+use super::scenario::{Motion, Scenario};
 use crate::maneuver::{Course, Histories};
 use crate::plant::{Driver, DriverSettings, Path, PlantOptions, YawRollPlant};
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};

@@ -12,9 +12,11 @@
 
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis, values};
+use super::row::Row;
+use super::step_error;
 use super::transfer::{as_printed, ascending, polynomial_rows};
-use super::{Baseline, Options, Row, step_error};
 use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::compensation::{Compensation, validity_table};
 use cg_vehicle::error::VehicleError;

@@ -6,13 +6,14 @@ use cg_core::Reduced5;
 use cg_core::truck::reduced::ORDER;
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::compensated::printed_5_12;
 use super::continuous::{UNKNOWNS, to_continuous};
-use super::heights::Heights;
 use super::monte_carlo::{Experiment, INTERVAL_S, RATE_PER_S, arx, arx_ratio, filtered};
 use super::printed::{Printed, fixed, thesis};
+use super::row::Row;
+use super::solved::Heights;
 use super::transfer::polynomial_rows;
-use super::{Baseline, Options, Row};
 use cg_vehicle::error::VehicleError;
 
 /// Road-wheel amplitude of the experiments on eq. 5.12, to the left in ISO 8855; the models are

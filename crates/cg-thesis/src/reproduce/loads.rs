@@ -6,8 +6,9 @@
 
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis, values};
-use super::{Baseline, Options, Row};
+use super::row::Row;
 use cg_vehicle::balance::{StaticBalance, static_balance};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Vehicle};

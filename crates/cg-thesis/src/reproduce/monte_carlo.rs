@@ -10,7 +10,7 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::Options;
+use super::baseline::Options;
 use cg_vehicle::reduction::quality::rounded_step;
 use cg_vehicle::response::StateSpace;
 

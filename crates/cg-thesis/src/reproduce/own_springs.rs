@@ -6,9 +6,10 @@
 
 use cg_core::{AlignSettings, Channel};
 
-use super::heights::bias_percent;
+use super::baseline::Baseline;
 use super::printed::Printed;
-use super::{Baseline, Row};
+use super::row::Row;
+use super::solved::bias_percent;
 use cg_logs::calibrate::{KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_plant::maneuver::Maneuver;

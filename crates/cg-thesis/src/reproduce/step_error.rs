@@ -4,8 +4,9 @@
 //! step of rate 1 gives the printed pattern, and no other rate does; the steer amplitude is the
 //! one that gives the error printed for order 0, and with it the other five follow.
 
+use super::baseline::Baseline;
 use super::printed::Printed;
-use super::{Baseline, Row};
+use super::row::Row;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::reduction::quality::{StepInput, h_infinity, step_error_degree2};
 use cg_vehicle::reduction::{Keep, balanced, fitted, pade};

@@ -8,13 +8,14 @@ use cg_core::truck::reduced::ORDER;
 use cg_core::{RatioLine, Reduced5};
 use serde::Deserialize;
 
+use super::baseline::{Baseline, METRES_PER_INCH, Options};
 use super::bound::{gain_sd_at_0_db, ratio_sd_at_0_db};
 use super::compensated::printed_compensation;
-use super::heights::{bias_percent, solved};
 use super::identified::{STEER_RAD, plant};
 use super::monte_carlo::{Experiment, RATE_PER_S, ScorePercent, arx_ratio, filtered_ratio};
 use super::printed::{Printed, thesis};
-use super::{Baseline, Options, Row};
+use super::row::Row;
+use super::solved::{bias_percent, solved};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::reduction::{pade, reduce};
 use cg_vehicle::system::Rational;
@@ -267,7 +268,7 @@ fn printed_biases(table: &'static str, base: &Baseline, printed: &Table59) -> Ve
         {
             let ours = bias_percent(height_in.value, base.true_height_in());
             biases = biases.max((ours - bias.value).abs());
-            let ours_m = height_in.value * super::METRES_PER_INCH;
+            let ours_m = height_in.value * METRES_PER_INCH;
             metres = metres.max((ours_m - height_m.value).abs());
         }
     }

@@ -3,8 +3,9 @@
 use nalgebra::DVector;
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis};
-use super::{Baseline, Options, Row};
+use super::row::Row;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::system::TransferFunction;

@@ -1,7 +1,7 @@
 //! Errors and intervals over noise, payload, height and time, as a study with its figure.
 
-use super::Setting;
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
+use super::setting::Setting;
 use crate::accuracy::{Experiment, Score};
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;

@@ -4,7 +4,7 @@ use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{
     Course, Drive, LANE_CHANGE, LANE_SPEED_MPS, QUARTER, TURN_SPEED_MPS, trailer_roll,
 };
-use super::{PEAK_ROLL, Setting, scenario};
+use super::setting::{PEAK_ROLL, Setting, scenario};
 use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
 

@@ -3,7 +3,7 @@
 use super::data::{Abscissa, Panel, Series, Statement, Study};
 use super::drive::{Drive, peak_rolls};
 use super::heights::HEIGHT;
-use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
 use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
 

@@ -7,7 +7,7 @@
 //! | `keys` | what such an entry is |
 //! | `ranges` | numbers beyond their ranges; the numbers farthest from usual |
 //! | `shapes` | names, lengths of lists, orders |
-//! | `relations`, `tables` | numbers that contradict each other |
+//! | `relation`, `relations`, `tables` | numbers that contradict each other |
 //! | `place` | where in the file a finding is |
 //! | `read` | reads a vehicle file and runs all checks |
 
@@ -15,6 +15,7 @@ mod keys;
 mod place;
 mod ranges;
 mod read;
+mod relation;
 mod relations;
 mod shapes;
 mod table;
