@@ -43,26 +43,26 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
-mod axle;
-mod body;
-mod driver;
-mod dynamics;
-#[cfg(test)]
-mod energy;
-mod equilibrium;
-mod hitch;
-mod integrate;
-mod linearise;
 mod options;
 mod path;
-mod sample;
-mod setup;
 mod state;
 mod suspension;
-mod tyre;
+#[cfg(test)]
+mod energy;
 mod vector;
+mod body;
+mod hitch;
+mod tyre;
+mod axle;
+mod dynamics;
+mod equilibrium;
+mod sample;
+mod setup;
 mod method;
 mod yaw_roll;
+mod integrate;
+mod driver;
+mod linearise;
 
 pub use driver::{Driver, DriverSettings};
 pub use dynamics::Control;

@@ -12,13 +12,13 @@
 //! | `measure` | all of it with units and a sentence each | – |
 
 pub mod decay;
-pub mod maneuver;
-mod measure;
 pub mod offtracking;
-mod ramp;
 pub mod small;
-mod time;
 mod transfer;
+pub mod maneuver;
+mod ramp;
+mod time;
+mod measure;
 
 pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
 pub use ramp::{Ramp, RampEnd, RampPoint};

@@ -7,9 +7,9 @@
 //! | `nonlinear` | the nonlinear plant, steered by a history or by the driver |
 //! | `simulation` | a scenario ready to run, and its log |
 
+mod scenario;
 mod models;
 mod nonlinear;
-mod scenario;
 mod simulation;
 
 pub use scenario::{Plant, Scenario, Truth};

@@ -16,23 +16,23 @@
 //! | `monte_carlo`, `study`, `bound` | many draws in place of one: 5.9, sections 5.6.1–5.6.3 |
 //! | `row`, `printed`, `continuous` | what a row is, printed digits, ARX to `s` |
 
-mod baseline;
-mod bound;
-mod compensated;
 mod continuous;
-mod heights;
-mod identified;
-mod list;
-mod loads;
-mod monte_carlo;
-mod own_springs;
 mod printed;
+mod baseline;
+mod monte_carlo;
+mod bound;
 mod row;
+mod loads;
 mod solved;
-mod springs;
+mod own_springs;
 mod step_error;
-mod study;
 mod transfer;
+mod compensated;
+mod identified;
+mod springs;
+mod study;
+mod heights;
+mod list;
 
 pub use baseline::Options;
 pub use list::{table, tables, title};

@@ -25,19 +25,19 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
-mod accuracy;
 mod data;
 mod drive;
+mod replay;
+mod setting;
+mod accuracy;
 mod heights;
 mod inertia;
-mod list;
 mod maneuvers;
-mod replay;
 mod sensitivity;
-mod setting;
 mod shift;
 mod speed;
 mod variants;
+mod list;
 
 pub use data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
 pub use list::{Listed, studies, study};

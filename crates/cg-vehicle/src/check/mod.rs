@@ -13,13 +13,13 @@
 
 mod keys;
 mod place;
-mod ranges;
-mod read;
 mod relation;
-mod relations;
-mod shapes;
 mod table;
+mod ranges;
+mod shapes;
 mod tables;
+mod relations;
+mod read;
 
 /// A table of the vehicle file.
 pub use keys::Table as KeyTable;

@@ -9,8 +9,8 @@
 //! | [`quality`] | error of a reduced model: step response, H∞ |
 
 pub mod balanced;
-pub mod fitted;
 pub mod pade;
+pub mod fitted;
 pub mod quality;
 pub mod reduce;
 

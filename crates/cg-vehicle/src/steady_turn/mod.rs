@@ -23,10 +23,10 @@
 //! ```
 
 mod half_track;
-mod on_board;
-mod roll_plane;
 mod support;
 mod yaw_plane;
+mod roll_plane;
+mod on_board;
 
 pub(crate) use half_track::rollover;
 pub(crate) use on_board::threshold_line;
