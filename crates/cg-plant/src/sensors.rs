@@ -1,4 +1,4 @@
-//! What sensors make of the truth: offsets, noise, quantisation, delay, jitter, drop-outs.
+//! What sensors make of the truth: offsets, noise, quantization, delay, jitter, dropouts.
 //!
 //! ```text
 //!     roll ─ delayed ─ + a_y/g if inclinometer ─ + offset ─ + noise ─ limited ─ rounded ─ lost ─► roll or tilt
@@ -19,7 +19,7 @@ use cg_vehicle::error::VehicleError;
 
 /// The greatest offset of roll and steer.
 pub const GREATEST_OFFSET_RAD: f64 = 0.2;
-/// The greatest step of quantisation.
+/// The greatest step of quantization.
 pub const GREATEST_QUANTISATION_RAD: f64 = 0.1;
 /// The greatest delay.
 pub const GREATEST_DELAY_S: f64 = 2.0;
@@ -122,7 +122,7 @@ pub struct Instruments {
     gravity_mps2: f64,
     steering_ratio: f64,
     noise_source: StdRng,
-    /// Of jitter, drop-outs and the inputs' noise: noise of the roll is the same with and without.
+    /// Of jitter, dropouts and the inputs' noise: noise of the roll is the same with and without.
     chance: StdRng,
     /// The roll's noise at the row before, and that row's time.
     noise_before: Option<(f64, f64)>,

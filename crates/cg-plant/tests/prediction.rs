@@ -33,7 +33,7 @@ fn the_reduced_plant_rolls_as_predicted() {
             Ok::<(), SampleError>(())
         })
         .unwrap();
-    // The design's grid leaves 1e-3 of the ratio between its points; the shapes of neighbouring
-    // masses differ by a few per cent, of which the blend keeps less than one.
+    // The design's grid leaves 1e-3 of the ratio between its points; the shapes of neighboring
+    // masses differ by a few percent, of which the blend keeps less than one.
     assert!(worst_rad < 0.01 * greatest_rad, "{worst_rad} of {greatest_rad}");
 }

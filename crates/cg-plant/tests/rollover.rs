@@ -36,7 +36,7 @@ fn all(name: &str) -> RolloverMeasures {
     all
 }
 
-/// UMTRI (Ervin 1986): payload c.g. 83.5, 88.6, 105 in. Springs, tyres and fifth wheel move the
+/// UMTRI (Ervin 1986): payload c.g. 83.5, 88.6, 105 in. Springs, tires and fifth wheel move the
 /// threshold by 0.03 g either way, digits by 0.01 g (see `plant::published`). The steady turn: what of the
 /// plant the roll plane leaves out is second order in a roll angle of up to 0.2 rad, 2 %, and a load
 /// shift by pitch, 1 %.
@@ -79,10 +79,10 @@ fn model(vehicle: &Vehicle, load: Load, speed_mps: f64) -> cg_vehicle::response:
 }
 
 /// Figures of five-axle semitrailers: load transfer .32 at .15 g (the published measure leaves the
-/// steered axle out, which the source calls roll safety factor; 0.03 for springs and tyres of
+/// steered axle out, which the thesis calls roll safety factor; 0.03 for springs and tires of
 /// another make), rearward amplification .98 at 0.4 Hz and 88 km/h (published values spread over a
 /// tenth), off-tracking at 100 km/h on 393 m .17 to .27 m by roll steer of the axles (the baseline
-/// has none, and its tyres are 5 % of the slip stiffer or softer than others: 0.02 m).
+/// has none, and its tires are 5 % of the slip stiffer or softer than others: 0.02 m).
 #[test]
 fn measures_of_the_baseline_are_the_published_ones() {
     let all = all("baseline-tables");
@@ -188,8 +188,8 @@ fn the_independent_truck_has_all_measures() {
     assert!((steady / ramp - 1.0).abs() < 0.03, "{steady} {ramp}");
 }
 
-/// The limit of stiff springs and tyres: the roll plane tends to `T/2 Σ m / Σ m h` of the whole
-/// vehicle from below (roll of 0.003 rad at lift, see `plant::published`, costs 6 mm of a metre),
+/// The limit of stiff springs and tires: the roll plane tends to `T/2 Σ m / Σ m h` of the whole
+/// vehicle from below (roll of 0.003 rad at lift, see `plant::published`, costs 6 mm of a meter),
 /// the plant lifts its last inner wheel there, and before that load moves in proportion.
 #[test]
 fn a_rigid_truck_does_what_its_geometry_says() {

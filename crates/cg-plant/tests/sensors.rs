@@ -235,7 +235,7 @@ fn nonsense_is_refused_with_its_limits() {
 }
 
 /// A left turn of 90 degrees on 100 m gives `U²/R`, a right one the same to the other side; the
-/// driver keeps to the circle within half a metre (`plant::source`), which is half a per cent.
+/// driver keeps to the circle within half a meter (`plant::source`), which is half a percent.
 #[test]
 fn the_driver_turns_to_both_sides() {
     let vehicle = vehicle("baseline-tables");
@@ -364,7 +364,7 @@ fn heights_of_drives_stay_inside_their_intervals() {
     }
 }
 
-/// Short maneuvers by the driver, the source's own (section 2.6).
+/// Short maneuvers by the driver, the thesis's own (section 2.6).
 #[test]
 fn heights_of_drivers_maneuvers_stay_inside_their_intervals() {
     let turn = Course::Turn { angle_rad: PI / 2.0, radius_m: 100.0 };

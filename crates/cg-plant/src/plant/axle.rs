@@ -1,8 +1,8 @@
-//! An axle: hangs on its roll centre, which is fixed in the sprung mass and slides along the
+//! An axle: hangs on its roll center, which is fixed in the sprung mass and slides along the
 //! axle's own vertical. Two coordinates of its own, rise `s` and roll `φu`.
 //!
 //! With `k` the axle's vertical, `j` its direction to the left and `s` the distance of the roll
-//! centre above its c.g., its own inertias are uncoupled, `m` for the rise and `m s² + I` for
+//! center above its c.g., its own inertias are uncoupled, `m` for the rise and `m s² + I` for
 //! the roll. Both accelerations are eliminated at once; what is left for the sprung mass is
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //!     force   at the c.g., without its part along k, with the springs in its place
 //! ```
 //!
-//! so lateral forces reach the body through the roll centre and nobody has to compute them.
+//! so lateral forces reach the body through the roll center and nobody has to compute them.
 
 use super::body::{Equations, Motion};
 use super::suspension::Group;
@@ -27,7 +27,7 @@ pub(super) struct Axle {
     pub(super) mass_kg: f64,
     /// Roll and yaw.
     pub(super) inertia_kgm2: f64,
-    /// Static distance of the roll centre above the axle's centre.
+    /// Static distance of the roll center above the axle's center.
     pub(super) rise_m: f64,
     pub(super) half_spread_m: f64,
     pub(super) auxiliary_nm_per_rad: f64,
@@ -145,7 +145,7 @@ impl Axle {
         let center = [rho[0], rho[1] + s * sin, rho[2] - s * cos];
         let arms = motion.attitude.arms(rho);
         let yaw_arm = [-center[1], center[0]];
-        // Rows of the centre's velocity along e_x, j = (0, cos, sin) and k = (0, −sin, cos).
+        // Rows of the center's velocity along e_x, j = (0, cos, sin) and k = (0, −sin, cos).
         let (pitch, roll) = (arms[1], arms[2]);
         let x = [1.0, 0.0, 0.0, yaw_arm[0], pitch[0], roll[0]];
         let along_j =
@@ -210,7 +210,7 @@ impl Axle {
     }
 }
 
-/// Velocity of the centre, and its acceleration where no rate changes.
+/// Velocity of the center, and its acceleration where no rate changes.
 #[inline]
 fn center_motion(motion: &Motion, pose: &Pose, rho: Vector) -> (Vector, Vector) {
     let (s, ds, sin, cos) = (pose.rise_m, pose.rise_rate, pose.sin, pose.cos);

@@ -5,10 +5,10 @@
 //!     2  tractor about its sprung c.g., its axles eliminated
 //!     3  trailer about the fifth wheel, its axles eliminated; its rotation eliminated leaves
 //!        an apparent 3 × 3 mass at the fifth wheel
-//!     4  five equations for v1, z1, ψ1, θ1, φ1; then back outwards
+//!     4  five equations for v1, z1, ψ1, θ1, φ1; then back outward
 //! ```
 //!
-//! Nothing larger than 5 × 5 is ever factorised (Kane's equations with the constraint of the
+//! Nothing larger than 5 × 5 is ever factorized (Kane's equations with the constraint of the
 //! fifth wheel embedded; the speed is prescribed, so its reaction does no virtual work).
 
 use super::axle::{Axle, Eliminated, Pose, Road, group_forces};

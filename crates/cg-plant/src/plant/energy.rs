@@ -32,7 +32,7 @@ fn sprung(p: &Parameters, motion: &Motion, height_m: f64, on_trailer: bool) -> f
         + body.mass_kg * p.gravity_mps2 * (height_m + rho[2])
 }
 
-/// Kinetic and potential energy of an axle, its tyres and its springs.
+/// Kinetic and potential energy of an axle, its tires and its springs.
 fn axle(p: &Parameters, state: &State, i: usize, motion: &Motion, height_m: f64) -> f64 {
     let axle = &p.axles[i];
     let own = [A::Rise, A::Roll, A::RiseRate, A::RollRate].map(|c| state.x[at(i, c)]);
@@ -98,7 +98,7 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
     energy + 0.5 * p.hitch.stiffness_nm_per_rad * angle * angle
 }
 
-/// The file without lateral tyre forces, dampers and load groups.
+/// The file without lateral tire forces, dampers and load groups.
 fn conservative(file: &str) -> YawRollPlant {
     let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
     let mut vehicle = Vehicle::load(path).unwrap();
@@ -154,7 +154,7 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
 /// Any wrong sign or missing term changes the energy by joules. What the method leaves is a loss of
 /// `(ω h)⁶/72` of each mode's energy per step: 2⁵ times less over the same time for half the step.
 /// The fastest mode has ω = 95 rad/s, 2e-5 of its energy in 2000 steps of 1 ms; it and the few like
-/// it hold some per cent of the whole.
+/// it hold some percent of the whole.
 #[test]
 fn energy_stays_without_dampers_and_lateral_tyre_forces() {
     for file in ["baseline.toml", "kraz.toml"] {

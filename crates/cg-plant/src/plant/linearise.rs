@@ -100,7 +100,7 @@ impl YawRollPlant {
         Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
     }
 
-    /// Places of the states that matter; lagged slip only where tyres lag.
+    /// Places of the states that matter; lagged slip only where tires lag.
     fn places(&self) -> Vec<usize> {
         let axles = &self.parameters.axles;
         let lags = axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);

@@ -8,7 +8,7 @@
 //! | `setup` | parameters from the vehicle file and a load |
 //! | `state` | the state vector |
 //! | `body` | sprung masses: attitude, motion, equations of a unit |
-//! | `axle` | two degrees of freedom on a sliding roll centre, eliminated at once |
+//! | `axle` | two degrees of freedom on a sliding roll center, eliminated at once |
 //! | `suspension` | springs: linear, or measured with friction; load equalisation |
 //! | `tyre` | radial spring, lateral force and aligning moment over slip and load |
 //! | `hitch` | the fifth wheel: roll spring, separation, lash |
@@ -91,7 +91,7 @@ impl YawRollPlant {
     /// Prepares a vehicle under a load.
     ///
     /// # Errors
-    /// [`VehicleError`] if the load is impossible, if there are more axles or tyres than room, or
+    /// [`VehicleError`] if the load is impossible, if there are more axles or tires than room, or
     /// if the vehicle moves faster than the step can follow.
     pub fn new(
         vehicle: &Vehicle,
@@ -128,7 +128,7 @@ impl YawRollPlant {
             + trailer.outward(self.parameters.trailer.cg)[2]
     }
 
-    /// Position of an axle's centre, seen from above, along and to the left of the first heading.
+    /// Position of an axle's center, seen from above, along and to the left of the first heading.
     pub fn axle_position_m(&self, state: &State, axle: usize) -> [f64; 2] {
         let position = [state.get(Coordinate::PositionX), state.get(Coordinate::PositionY)];
         let Some(seen) = self.parameters.axles.get(axle) else { return position };
@@ -138,7 +138,7 @@ impl YawRollPlant {
             [from[0] + cos * by[0] - sin * by[1], from[1] + sin * by[0] + cos * by[1]]
         };
         let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
-        // From the roll centre down the axle's own vertical.
+        // From the roll center down the axle's own vertical.
         let down_m = state.axle(axle, AxleCoordinate::Rise);
         let aside_m = down_m * state.axle(axle, AxleCoordinate::Roll).sin();
         let center = |attitude: &body::Attitude| {

@@ -2,7 +2,7 @@
 
 use cg_vehicle::vehicle::Load;
 
-/// Which characteristics of springs or tyres.
+/// Which characteristics of springs or tires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Characteristics {
     /// Those measured, where the vehicle file has them.
@@ -17,13 +17,13 @@ pub enum Characteristics {
 pub struct PlantOptions {
     /// Springs.
     pub springs: Characteristics,
-    /// Lateral force and aligning moment of the tyres.
+    /// Lateral force and aligning moment of the tires.
     pub tyres: Characteristics,
     /// Bank of the road, right side lower positive.
     pub bank_rad: f64,
     /// How far the payload's c.g. lies to the left of the middle.
     pub payload_left_m: f64,
-    /// How far it lies behind the place that the vehicle file gives it. Springs and tyres stay
+    /// How far it lies behind the place that the vehicle file gives it. Springs and tires stay
     /// those of that place: the body settles.
     pub payload_behind_m: f64,
     /// The load under which the heights of the vehicle file hold; without it every load rests at

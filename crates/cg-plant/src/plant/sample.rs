@@ -25,11 +25,11 @@ pub struct UnitSample {
 /// An axle at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxleSample {
-    /// Vertical load of the left tyres.
+    /// Vertical load of the left tires.
     pub left_load_n: f64,
-    /// Vertical load of the right tyres.
+    /// Vertical load of the right tires.
     pub right_load_n: f64,
-    /// Lateral force of all tyres, to the left of the wheels.
+    /// Lateral force of all tires, to the left of the wheels.
     pub lateral_force_n: f64,
     /// Slip angle at the middle of the axle.
     pub slip_rad: f64,

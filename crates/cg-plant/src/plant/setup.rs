@@ -1,6 +1,6 @@
 //! From the vehicle file and a load to parameters whose static position is known.
 //!
-//! Heights in the file, and that of the load, are heights at rest: unloaded tyre radii and spring
+//! Heights in the file, and that of the load, are heights at rest: unloaded tire radii and spring
 //! preloads follow from the static loads, so the given position is an equilibrium with nothing
 //! left to solve. With a design load of its own, the file's heights hold under that one and the
 //! body settles when the load differs.

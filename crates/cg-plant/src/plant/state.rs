@@ -59,7 +59,7 @@ pub enum Coordinate {
 /// A state of an axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleCoordinate {
-    /// Distance from the axle's centre up to the roll centre, along the axle's own vertical, m.
+    /// Distance from the axle's center up to the roll center, along the axle's own vertical, m.
     Rise,
     /// Roll angle of the axle, absolute, rad.
     Roll,

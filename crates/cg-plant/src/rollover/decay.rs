@@ -1,6 +1,6 @@
 //! Yaw damping from what is left of a pulse of steer.
 //!
-//! **Reference.** El-Gindy, quoted in the source, 1.2.3: at 100 km/h the steering wheel is turned
+//! **Reference.** El-Gindy, quoted in the thesis, 1.2.3: at 100 km/h the steering wheel is turned
 //! by 80 degrees and back, half a sine of 0.1 s; logarithmic decrement of the peaks of the lateral
 //! acceleration of the rearmost trailer.
 

@@ -1,4 +1,4 @@
-//! Rollover measures of a vehicle under a load (the source, section 1.2).
+//! Rollover measures of a vehicle under a load (the thesis, section 1.2).
 //!
 //! | file | what | from |
 //! |---|---|---|

@@ -1,7 +1,7 @@
 //! Off-tracking: how far the trailer's last axle runs beside the path of the steered one.
 //!
 //! **Reference.** El-Gindy, Int. J. of Vehicle Design 1995: high speed, steady turn of 393 m at
-//! 100 km/h, outwards; low speed, turn of 90 degrees, inwards.
+//! 100 km/h, outward; low speed, turn of 90 degrees, inward.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -17,7 +17,7 @@ pub const HIGH_SPEED_MPS: f64 = 100.0 / 3.6;
 pub const LOW_SPEED_RADIUS_M: f64 = 11.0;
 
 /// Radius of the last axle's path less that of the first one's in a steady turn of the nonlinear
-/// plant: positive outwards.
+/// plant: positive outward.
 ///
 /// # Errors
 /// If the vehicle cannot run so.
@@ -43,7 +43,7 @@ pub fn high_speed_m(
         steer_rad *= wanted_radps / run.state.get(Coordinate::TractorYawRate);
     }
     let value = |c| run.state.get(c);
-    // The centre of the turn, from the velocity (U, v) of the tractor's c.g.
+    // The center of the turn, from the velocity (U, v) of the tractor's c.g.
     let yaw_radps = value(Coordinate::TractorYawRate);
     let (sin, cos) = value(Coordinate::TractorYaw).sin_cos();
     let (along_m, left_m) =
@@ -60,7 +60,7 @@ pub fn high_speed_m(
     Ok(radius(last) - radius(0))
 }
 
-/// Greatest distance inwards of the trailer's axles (their middle) from the path of the steered
+/// Greatest distance inward of the trailer's axles (their middle) from the path of the steered
 /// axle in a turn of 90 degrees without slip; axles of a unit that are not steered stand for one
 /// in their middle.
 ///

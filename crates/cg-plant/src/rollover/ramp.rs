@@ -1,6 +1,6 @@
 //! The steer angle grows slowly until the vehicle rolls over or slides.
 //!
-//! **Reference.** Static rollover threshold: Ervin and others, UMTRI-86; the source, 1.2.2.
+//! **Reference.** Static rollover threshold: Ervin and others, UMTRI-86; the thesis, 1.2.2.
 
 use super::transfer::Transfer;
 use crate::plant::{Progress, YawRollPlant};
@@ -38,7 +38,7 @@ pub struct RampPoint {
 pub enum RampEnd {
     /// The vehicle rolled over.
     RolledOver,
-    /// It slid out of the turn: its tyres hold less than it takes to roll it over.
+    /// It slid out of the turn: its tires hold less than it takes to roll it over.
     Slid,
 }
 
@@ -100,7 +100,7 @@ impl Ramp {
             });
             greatest_mps2 = greatest_mps2.max(lateral_mps2);
             greatest_roll_rad = greatest_roll_rad.max(sample.trailer.roll_rad);
-            // On its way over the c.g. is thrown inwards too, but the roll angle grows.
+            // On its way over the c.g. is thrown inward too, but the roll angle grows.
             if has_fallen(lateral_mps2, greatest_mps2)
                 && sample.trailer.roll_rad < FALLEN * greatest_roll_rad
             {

@@ -1,6 +1,6 @@
 //! Time to rollover: how long until a limit is reached if what happens now goes on.
 //!
-//! **Reference.** Chen and Peng, quoted in the source, 1.2.4. Their model carries the present
+//! **Reference.** Chen and Peng, quoted in the thesis, 1.2.4. Their model carries the present
 //! steer angle on; on board the present rate of a measured quantity is what there is.
 
 use super::ramp::Ramp;

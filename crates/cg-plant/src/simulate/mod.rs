@@ -20,7 +20,7 @@ use cg_vehicle::vehicle::{Load, Vehicle};
 use models::Models;
 use nonlinear::{Recorded, record};
 
-/// Lateral acceleration that the default steer amplitude gives, in g (the source stays below 0.2).
+/// Lateral acceleration that the default steer amplitude gives, in g (the thesis stays below 0.2).
 const DEFAULT_LATERAL_G: f64 = 0.17;
 /// The same of a maneuver to rollover: more than trucks hold.
 const ROLLOVER_LATERAL_G: f64 = 1.2;

@@ -104,7 +104,7 @@ fn every_load_can_be_simulated() {
 }
 
 /// Friction turns at instants inside a step, so the order is lower than four there; still 1 ms is
-/// good to a ten-thousandth of a degree even with the stiffest friction of the source (0.26 mm).
+/// good to a ten-thousandth of a degree even with the stiffest friction of the thesis (0.26 mm).
 #[test]
 fn one_millisecond_is_converged() {
     for friction_deflection_m in [0.0045, 0.00026] {

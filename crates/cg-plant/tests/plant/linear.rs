@@ -30,7 +30,7 @@ fn ungrouped() -> Vehicle {
     vehicle
 }
 
-/// Without the tyres' vertical dampers, which the linear model does not know.
+/// Without the tires' vertical dampers, which the linear model does not know.
 fn kraz() -> Vehicle {
     let mut vehicle = vehicle("kraz");
     for tyre in &mut vehicle.tyre {
@@ -71,7 +71,7 @@ fn steady_gains_are_those_of_the_linear_model() {
 }
 
 /// Equalised axles of one kind share the same roll moment, so their own roll angles move apart by
-/// as much as tyre forces differ, and the bodies do not notice.
+/// as much as tire forces differ, and the bodies do not notice.
 #[test]
 fn load_equalisation_leaves_the_steady_body_alone() {
     let (ours, theirs) = both(&vehicle("baseline"));
@@ -105,7 +105,7 @@ fn poles_are_those_of_the_linear_model() {
     }
 }
 
-/// Normalised rms difference of trailer roll between plant and linear model in a rounded step.
+/// Normalized rms difference of trailer roll between plant and linear model in a rounded step.
 fn difference(vehicle: &Vehicle, steer_rad: f64) -> f64 {
     let (load, speed_mps) = (vehicle.reference_load(), 50.0 * KMH);
     let plant = YawRollPlant::new(vehicle, load, &linear()).unwrap();

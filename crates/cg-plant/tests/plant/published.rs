@@ -24,7 +24,7 @@ fn static_rollover_threshold(vehicle: &Vehicle, height_m: f64) -> f64 {
 }
 
 /// Ervin and others, UMTRI 1986: payload c.g. 83.5, 88.6 and 105 in of an 80 000 lb five-axle
-/// combination. Make of springs, tyres and fifth wheel move the threshold by 0.03 g either way
+/// combination. Make of springs, tires and fifth wheel move the threshold by 0.03 g either way
 /// (fifth wheel alone, 2.5e5 to 6.5e6 N m/rad: 0.31 to 0.41 g), digits by 0.01 g.
 #[test]
 fn static_rollover_thresholds_are_the_published_ones() {
@@ -84,12 +84,12 @@ fn load_transfer_is_what_moments_say() {
     let ratio = resisting / (overturning * end.trailer.lateral_acceleration_mps2);
     println!("moment of the tyres over that of the masses: {ratio:.3}");
     // Above one by the roll's own part (m g h φ: φ/a_y = 2.2 degrees per 0.15 g is 0.25 of it at
-    // most) and the difference of outer and inner tyres (up to 0.05).
+    // most) and the difference of outer and inner tires (up to 0.05).
     assert!(ratio > 1.0 && ratio < 1.3, "{ratio}");
     assert!((end.load_transfer_ratio - 0.32).abs() < 0.03, "{}", end.load_transfer_ratio);
 }
 
-/// A rigid truck on single tyres all at 1 m lifts its last inner wheel at `T/2 Σ m / Σ m h`.
+/// A rigid truck on single tires all at 1 m lifts its last inner wheel at `T/2 Σ m / Σ m h`.
 #[test]
 fn a_rigid_truck_lifts_at_half_its_track_over_its_height() {
     let vehicle = crate::common::rigid_truck();
@@ -112,8 +112,8 @@ fn a_rigid_truck_lifts_at_half_its_track_over_its_height() {
     }
     let found = run.sample().trailer.lateral_acceleration_mps2 / vehicle.gravity_mps2;
     println!("{found:.4} g, rigid {expected:.4} g");
-    // A side of 80 kN presses a tyre of 4e7 N/m and a spring like it in by 2 mm each: at 2 m of
-    // track 0.003 rad of roll, which take 6 mm of the metre at the c.g.'s 1.8 m; the axles do not
+    // A side of 80 kN presses a tire of 4e7 N/m and a spring like it in by 2 mm each: at 2 m of
+    // track 0.003 rad of roll, which take 6 mm of the meter at the c.g.'s 1.8 m; the axles do not
     // lift at once, and the first ones have tipped further by then.
     assert!((found / expected - 1.0).abs() < 0.015, "{found} {expected}");
 }

@@ -1,4 +1,4 @@
-//! V7, V8, V9: the source's figures from its own nonlinear programs.
+//! V7, V8, V9: the thesis's figures from its own nonlinear programs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -25,7 +25,7 @@ fn ratios(vehicle: &Vehicle) -> Vec<f64> {
         .collect()
 }
 
-/// Table 5.11 through eq. 5.17. Measured springs: the source's friction, fifth wheel and spring
+/// Table 5.11 through eq. 5.17. Measured springs: the thesis's friction, fifth wheel and spring
 /// tables leave 10 % open (a fifth wheel of 3e5 in place of 4e5 N m/rad alone is 3 %).
 #[test]
 fn steady_roll_over_height_with_measured_springs() {
@@ -35,7 +35,7 @@ fn steady_roll_over_height_with_measured_springs() {
     }
 }
 
-/// The same with the linear springs that were recovered from the source's linear model: its own
+/// The same with the linear springs that were recovered from the thesis's linear model: its own
 /// gains within 1 % (see `tests/thesis.rs`), plus 1 % of 3.3 degrees' nonlinearity.
 #[test]
 fn steady_roll_over_height_with_recovered_springs() {
@@ -72,9 +72,9 @@ fn peak_roll_deg(vehicle: &Vehicle, height_m: f64) -> f64 {
     peak(&samples, |s| s.trailer.roll_rad).to_degrees()
 }
 
-/// Figure 2.26: 4.1 degrees per metre from 1.85 to 2.25 m in a turn of 100 m at 50 km/h. Its curve
-/// bends upwards, as ours does; the figure itself is not in the text, so a tenth of a degree at
-/// either end (0.35 degrees per metre) stays open.
+/// Figure 2.26: 4.1 degrees per meter from 1.85 to 2.25 m in a turn of 100 m at 50 km/h. Its curve
+/// bends upward, as ours does; the figure itself is not in the text, so a tenth of a degree at
+/// either end (0.35 degrees per meter) stays open.
 #[test]
 fn peak_roll_in_a_turn_grows_by_four_degrees_per_metre() {
     let vehicle = vehicle("baseline-tables");
@@ -88,7 +88,7 @@ fn peak_roll_in_a_turn_grows_by_four_degrees_per_metre() {
     assert!(peaks.windows(3).all(|p| p[2] - p[1] > p[1] - p[0]), "{peaks:?}");
 }
 
-/// Sections 2.7.4, 2.7.5: air suspensions roll more, worn (stiffer) tyres less, at about the same
+/// Sections 2.7.4, 2.7.5: air suspensions roll more, worn (stiffer) tires less, at about the same
 /// slope.
 #[test]
 fn air_suspensions_roll_more_and_worn_tyres_less() {
@@ -109,7 +109,7 @@ fn air_suspensions_roll_more_and_worn_tyres_less() {
     }
 }
 
-/// The worn tyres' files are the measured baseline but for one number.
+/// The worn tires' files are the measured baseline but for one number.
 #[test]
 fn worn_tyres_differ_in_vertical_stiffness_only() {
     let base = vehicle("baseline-tables");

@@ -20,7 +20,7 @@ fn straight_running_carries_the_known_loads() {
 }
 
 /// The given heights are an equilibrium: what moves is rounding (forces of 1e5 N to 1e-16 on 500 kg
-/// give 2e-14 m/s²; springs of the tyres turn that into less than 1e-16 m in one second).
+/// give 2e-14 m/s²; springs of the tires turn that into less than 1e-16 m in one second).
 #[test]
 fn straight_running_stays() {
     for name in ["baseline", "baseline-tables", "air", "kraz"] {

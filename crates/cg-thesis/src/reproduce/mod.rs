@@ -1,7 +1,7 @@
-//! The source's tables beside ours.
+//! The thesis's tables beside ours.
 //!
 //! [`table`] computes every number of one table anew, with the code that serves the product, and
-//! sets it beside the printed one. Inputs are the baseline vehicle file, or, where the source
+//! sets it beside the printed one. Inputs are the baseline vehicle file, or, where the thesis
 //! itself starts from printed numbers (most of chapter 5), those; the row's note says which.
 //! Nothing of ours is stored: the files of `fixtures/thesis` hold the printed side only.
 //!
@@ -41,7 +41,7 @@ use printed::{Printed, thesis};
 
 pub use row::Row;
 
-/// Metres in an inch, the source's unit of height.
+/// Metres in an inch, the thesis's unit of height.
 const METRES_PER_INCH: f64 = 0.0254;
 
 /// How [`table`] computes.
@@ -68,7 +68,7 @@ struct Entry {
     compute: Compute,
 }
 
-/// In the order of the source's pages.
+/// In the order of the thesis's pages.
 const ENTRIES: [Entry; 22] = [
     Entry {
         name: "2.1",
@@ -168,7 +168,7 @@ const NAMES: [&str; ENTRIES.len()] = {
     names
 };
 
-/// The names of all tables, in the order of the source's pages.
+/// The names of all tables, in the order of the thesis's pages.
 pub fn tables() -> &'static [&'static str] {
     &NAMES
 }
@@ -187,7 +187,7 @@ fn entry(name: &str) -> Result<&'static Entry, VehicleError> {
     })
 }
 
-/// What a table is called in the source and what it is about.
+/// What a table is called in the thesis and what it is about.
 ///
 /// # Errors
 /// [`VehicleError::UnknownTable`].

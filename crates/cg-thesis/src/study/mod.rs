@@ -1,5 +1,5 @@
 //! The studies of chapter 2: how the nonlinear plant's responses depend on maneuver, load and
-//! vehicle, the source's statements beside what is found here.
+//! vehicle, the thesis's statements beside what is found here.
 //!
 //! | file | studies |
 //! |---|---|
@@ -9,9 +9,9 @@
 //! | `inertia` | Fig. 2.25: shape of the payload |
 //! | `heights` | Figs. 2.26, 2.27: c.g. height, payload |
 //! | `shift` | Figs. 2.28, 2.29: payload beside or behind its place |
-//! | `variants` | Figs. 2.30, 2.31: suspensions, tyres |
-//! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the source) |
-//! | `replay` | recorded logs driven again (no figure of the source) |
+//! | `variants` | Figs. 2.30, 2.31: suspensions, tires |
+//! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the thesis) |
+//! | `replay` | recorded logs driven again (no figure of the thesis) |
 //! | `drive` | one run along a path with the preview driver |
 //! | `data` | what a study returns |
 //!
@@ -49,7 +49,7 @@ use drive::Drive;
 pub struct Listed {
     /// Its name on the command line.
     pub name: &'static str,
-    /// The source's figures.
+    /// The thesis's figures.
     pub figures: &'static str,
     /// What it varies and watches.
     pub about: &'static str,
@@ -57,7 +57,7 @@ pub struct Listed {
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// In the order of the source's pages; the last one is ours.
+/// In the order of the thesis's pages; the last one is ours.
 const STUDIES: [(Listed, Run); 13] = [
     (
         Listed {
@@ -165,7 +165,7 @@ const STUDIES: [(Listed, Run); 13] = [
     ),
 ];
 
-/// All studies, in the order of the source's pages.
+/// All studies, in the order of the thesis's pages.
 pub fn studies() -> Vec<Listed> {
     STUDIES.iter().map(|(listed, _)| *listed).collect()
 }
@@ -216,7 +216,7 @@ fn scenario(setting: &Setting, drive: &Drive) -> Vec<String> {
     ]
 }
 
-/// Slope of an angle over metres, in degrees.
+/// Slope of an angle over meters, in degrees.
 fn per_metre_deg(slope_rad_per_m: f64) -> f64 {
     slope_rad_per_m.to_degrees()
 }
