@@ -1,27 +1,28 @@
 //! A nonlinear yaw/roll/pitch/bounce simulator of a tractor-semitrailer.
 //!
-//! The class of the constant-velocity yaw/roll programs (Gillespie and MacAdam, UMTRI-82-39;
-//! Winkler, Fancher and MacAdam, UMTRI-83-17), for any number of axles, without small angles.
+//! It belongs to the class of the constant-velocity yaw/roll programs (Gillespie and MacAdam,
+//! UMTRI-82-39; Winkler, Fancher and MacAdam, UMTRI-83-17), for any number of axles and large
+//! angles.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `setup` | parameters from the vehicle file and a load |
 //! | `state` | the state vector |
 //! | `body` | sprung masses: attitude, motion, equations of a unit |
-//! | `axle` | two degrees of freedom on a sliding roll center, eliminated at once |
-//! | `suspension` | springs: linear, or measured with friction; load equalisation |
+//! | `axle` | two degrees of freedom on a sliding roll center, eliminated directly |
+//! | `suspension` | springs: linear, or measured with friction; load equalization |
 //! | `tyre` | radial spring, lateral force and aligning moment over slip and load |
 //! | `hitch` | the fifth wheel: roll spring, separation, lash |
 //! | `dynamics` | the equations of motion |
-//! | `equilibrium` | straight running by Newton's method |
-//! | `integrate` | Adams, Bashforth and Moulton, or Runge and Kutta; rollover |
-//! | `linearise` | small motion about straight running |
+//! | `equilibrium` | straight driving by Newton's method |
+//! | `integrate` | Adams-Bashforth-Moulton or Runge-Kutta; rollover |
+//! | `linearise` | small motion about straight driving |
 //! | `path`, `driver` | a path and MacAdam's preview driver along it |
-//! | `sample` | what can be seen |
+//! | `sample` | outputs at an instant |
 //!
-//! Each sprung mass moves laterally, vertically, in yaw, roll and pitch, at prescribed forward
-//! speed; each axle in roll and bounce. The fifth wheel joins the units in every direction and
-//! leaves yaw and pitch free. The road is flat, level or banked.
+//! Each sprung mass moves laterally, vertically, and in yaw, roll and pitch, at a prescribed forward
+//! speed. Each axle moves in roll and bounce. The fifth wheel connects the units in every direction
+//! and leaves yaw and pitch free. The road is flat, level or banked.
 //!
 //! # Example
 //!
@@ -91,8 +92,8 @@ impl YawRollPlant {
     /// Prepares a vehicle under a load.
     ///
     /// # Errors
-    /// [`VehicleError`] if the load is impossible, if there are more axles or tires than room, or
-    /// if the vehicle moves faster than the step can follow.
+    /// [`VehicleError`] if the load is impossible, if there are too many axles or tires, or if the
+    /// fastest mode of the vehicle is too fast for the step.
     pub fn new(
         vehicle: &Vehicle,
         load: Load,
@@ -154,11 +155,11 @@ impl YawRollPlant {
         turned(hitch, center(&trailer), Coordinate::TrailerYaw)
     }
 
-    /// A run from straight running at a speed; on a bank the steer angle that holds it is the
-    /// first one.
+    /// A run that starts from straight driving at a speed. On a banked road its first steer angle is
+    /// the one that keeps the vehicle straight.
     ///
     /// # Errors
-    /// If the vehicle cannot run straight there.
+    /// If the vehicle cannot drive straight there.
     pub fn start(&self, speed_mps: f64) -> Result<Simulation<'_>, VehicleError> {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
@@ -168,7 +169,7 @@ impl YawRollPlant {
         Ok(Simulation::new(self, &rest.state, control))
     }
 
-    /// What can be seen of a state under given inputs.
+    /// The outputs at a state under given inputs.
     pub fn sample(&self, state: &State, control: &Control) -> PlantSample {
         let mut probe = Probe::default();
         self.parameters.rates(&state.x, control, &mut [0.0; ROOM], &mut probe);

@@ -6,14 +6,14 @@
 //!     F_y = −F(α, F_z),  M_z = +M(α, F_z)
 //! ```
 //!
-//! The cosine makes the vertical force exactly conservative. All tires of an axle have one
-//! lateral velocity on the road; their slip angles differ by the yaw rate only, and only that
-//! difference is computed for each.
+//! The cosine makes the vertical force exactly conservative. All tires of an axle have the same
+//! lateral velocity on the road. Their slip angles differ only because of the yaw rate, so only that
+//! difference is computed for each tire.
 
 use super::vector::{sin_cos, small_atan};
 use cg_vehicle::characteristics::Grip;
 
-/// Slip is computed as if the wheel rolled at least this fast.
+/// The slip is computed with at least this speed.
 const LEAST_SPEED_MPS: f64 = 0.3;
 /// Tires of one side.
 pub(super) const PER_SIDE: usize = 2;
@@ -21,20 +21,20 @@ pub(super) const PER_SIDE: usize = 2;
 /// The tires of one axle.
 #[derive(Clone, Debug)]
 pub(super) struct Tyres {
-    /// Which [`Grip`].
+    /// Index of the [`Grip`].
     pub(super) kind: usize,
     /// Distances from the middle, one side.
     pub(super) positions_m: [f64; PER_SIDE],
     pub(super) per_side: usize,
     pub(super) stiffness_n_per_m: f64,
     pub(super) damping_ns_per_m: f64,
-    /// All tires of the axle together.
+    /// Sum over all tires of the axle.
     pub(super) overturning_nm_per_rad: f64,
     pub(super) unloaded_radius_m: f64,
     pub(super) relaxation_length_m: f64,
 }
 
-/// How an axle's center moves over the road.
+/// Motion of an axle's center over the road.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hub {
     pub(super) sin: f64,
@@ -49,7 +49,7 @@ pub(super) struct Hub {
     pub(super) lagged_slip_rad: f64,
 }
 
-/// What the road does to an axle: force at its center, roll and yaw moment about it.
+/// Action of the road on an axle: force at its center, roll and yaw moment about it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contact {
     pub(super) force: [f64; 3],
@@ -64,7 +64,7 @@ pub(super) struct Contact {
     pub(super) lateral_n: f64,
 }
 
-/// What one side's tires add up to: load, lateral force, roll and yaw moment.
+/// Sums over the tires of one side: load, lateral force, roll and yaw moment.
 type Side = [f64; 4];
 
 /// What all tires of an axle have in common.
@@ -132,8 +132,8 @@ impl Tyres {
     ) -> [Side; N] {
         let Rolling { tan, inverse_cos, forward, lateral, .. } = *rolling;
         let middle = hub.height_m * tan;
-        // Deflection and arm are straight lines over the position, and so is the speed that each
-        // tire loses or gains by the yaw rate.
+        // Deflection and lever arm are linear in the position, and so is the speed that the yaw rate
+        // adds to each tire.
         let (squeezed, tilt) =
             (self.unloaded_radius_m - hub.height_m * inverse_cos, hub.sin * inverse_cos);
         let (drift, turning) = (hub.yaw_rate * inverse_cos, lateral * hub.yaw_rate * inverse_cos);

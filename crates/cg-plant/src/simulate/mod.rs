@@ -1,9 +1,9 @@
 //! Logs with known truth from the linear, the reduced or the nonlinear model.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `models` | the linear and the reduced model in time |
-//! | `nonlinear` | the nonlinear plant, steered by a history or by the driver |
+//! | `nonlinear` | the nonlinear plant, steered by a steer history or by the driver |
 
 mod models;
 mod nonlinear;
@@ -22,15 +22,15 @@ use nonlinear::{Recorded, record};
 
 /// Lateral acceleration that the default steer amplitude gives, in g (the thesis stays below 0.2).
 const DEFAULT_LATERAL_G: f64 = 0.17;
-/// The same of a maneuver to rollover: more than trucks hold.
+/// The same for a maneuver to rollover: more than trucks sustain.
 const ROLLOVER_LATERAL_G: f64 = 1.2;
 
-/// Seconds after a driver's path in which the trailer comes to rest.
+/// Time after a driver's path in which the trailer settles.
 const AFTER_S: f64 = 5.0;
-/// Greatest share by which the speed of a drive of the nonlinear plant usually changes.
+/// Default of the greatest share by which the speed of a drive of the nonlinear plant changes.
 const USUAL_SPEED_CHANGE: f64 = 0.3;
 
-/// What moves.
+/// The simulated model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plant {
     /// The linear model in full.
@@ -54,7 +54,7 @@ pub struct Scenario {
     pub speed_change: f64,
     /// Whether the log may end where the vehicle rolls over; nonlinear plant only.
     pub to_rollover: bool,
-    /// What moves.
+    /// The simulated model.
     pub plant: Plant,
     /// Equations of the model.
     pub variant: Variant,
@@ -70,14 +70,14 @@ pub struct Scenario {
     pub start_s: f64,
     /// Length of the log.
     pub duration_s: f64,
-    /// What the sensors add.
+    /// The sensors and their errors.
     pub sensors: Sensors,
     /// Seed of sensors and drive.
     pub seed: u64,
 }
 
 impl Scenario {
-    /// A maneuver of the linear model under the vehicle file's own load and speed: 20 s (a drive
+    /// A maneuver of the linear model with the load and speed of the vehicle file: 20 s (a drive
     /// 300 s) at 100 Hz, 2 s straight, perfect sensors.
     pub fn of(vehicle: &Vehicle, maneuver: Maneuver) -> Self {
         Self {
@@ -99,14 +99,14 @@ impl Scenario {
         }
     }
 
-    /// The length that suits it: a driver's path as long as it takes, else the present one.
+    /// The default length: as long as a driver's path takes, otherwise the present one.
     pub fn usual_duration_s(&self) -> f64 {
         self.course.map_or(self.duration_s, |course| {
             self.start_s + course.length_m() / self.speed_mps + AFTER_S
         })
     }
 
-    /// The speed change that suits it: some in a drive of the nonlinear plant, else none.
+    /// The default speed change: some in a drive of the nonlinear plant, otherwise none.
     pub fn usual_speed_change(&self) -> f64 {
         let changes = self.maneuver == Maneuver::Drive && self.plant == Plant::Nonlinear;
         if changes { USUAL_SPEED_CHANGE } else { 0.0 }
@@ -121,7 +121,7 @@ impl Scenario {
         limits::positive("--step-rate", self.step_rate_per_s, limits::GREATEST_STEP_RATE_PER_S)?;
         if self.duration_s * self.rate_hz > limits::GREATEST_ROWS {
             return refuse(format!(
-                "--duration-s {} at --rate-hz {} makes more than {:e} rows: give less of one",
+                "--duration-s {} at --rate-hz {} makes more than {:e} rows: reduce one of them",
                 self.duration_s,
                 self.rate_hz,
                 limits::GREATEST_ROWS
@@ -161,7 +161,7 @@ impl Scenario {
     }
 }
 
-/// What is true of a simulated log.
+/// The truth of a simulated log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Truth {
     /// Name of the vehicle.
@@ -170,7 +170,7 @@ pub struct Truth {
     pub height_m: f64,
     /// Mass of the whole semitrailer.
     pub trailer_mass_kg: f64,
-    /// Forward speed (of a drive: the one it varies around).
+    /// Forward speed (of a drive: the speed about which it varies).
     pub speed_mps: f64,
     /// Steer amplitude (of a driver: the greatest).
     pub steer_rad: f64,
@@ -181,7 +181,7 @@ pub struct Truth {
     /// Everything else that the sensors added.
     #[serde(flatten)]
     pub sensors: Sensors,
-    /// When the vehicle rolled over, if it did.
+    /// Time of the rollover, if there was one.
     pub rolled_over_s: Option<f64>,
     /// Seed.
     pub seed: u64,
@@ -197,11 +197,11 @@ struct Motion {
     yaw_rate_radps: f64,
 }
 
-/// What makes the motions.
+/// The source of the motions.
 enum Source {
-    /// What the nonlinear plant did: nothing of it is computed twice.
+    /// Stored motions of the nonlinear plant, to avoid computing them twice.
     Recorded(Vec<Motion>),
-    /// Cheap enough to run each time.
+    /// Models that are fast enough to run each time.
     Models(Box<Models>),
 }
 
@@ -213,19 +213,19 @@ pub struct LogSimulation {
     gravity_mps2: f64,
     steering_ratio: f64,
     samples: u64,
-    /// What is true of the log.
+    /// The truth of the log.
     pub truth: Truth,
 }
 
 impl LogSimulation {
-    /// Prepares a scenario; runs it once to measure the noise if there is to be any.
+    /// Prepares a scenario. If noise is requested, it is run once to determine the noise level.
     ///
     /// # Errors
-    /// [`VehicleError`] if the vehicle has no such load or model, or a number makes no sense.
+    /// [`VehicleError`] if the vehicle has no such load or model, or a number is invalid.
     pub fn new(vehicle: &Vehicle, scenario: Scenario) -> Result<Self, VehicleError> {
         scenario.check(vehicle)?;
         let (histories, ratio) = histories(vehicle, &scenario)?;
-        // Rounded to the nearest sample; the cast of a positive, checked number.
+        // Rounded to the nearest sample; the cast number is positive and checked.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let samples = (scenario.duration_s * scenario.rate_hz).round() as u64 + 1;
         let mut truth = Truth {
@@ -271,7 +271,7 @@ impl LogSimulation {
         Ok(simulation)
     }
 
-    /// Runs the scenario, a row at a time, as its sensors show it.
+    /// Runs the scenario row by row, as measured by its sensors.
     ///
     /// # Errors
     /// The first error of `write`.
@@ -286,7 +286,7 @@ impl LogSimulation {
         self.run_true(|row| write(&instruments.measure(row)))
     }
 
-    /// Runs the scenario, a row at a time, as it truly is.
+    /// Runs the scenario row by row, with the true values.
     ///
     /// # Errors
     /// The first error of `write`.
