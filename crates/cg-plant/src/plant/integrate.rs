@@ -1,6 +1,6 @@
-//! Two methods of order four: Adams, Bashforth and Moulton's takes two evaluations a step, Runge
-//! and Kutta's four. The latter starts the former, and stays where something moves too fast for
-//! it: a joint that is a hard spring.
+//! Two methods of order four: Adams-Bashforth-Moulton needs two evaluations per step, Runge-Kutta
+//! four. Runge-Kutta starts the other method, and replaces it where something moves too fast for it
+//! (a joint that is a hard spring).
 
 use super::dynamics::{Control, Probe};
 use super::equilibrium::settle;
@@ -10,13 +10,13 @@ use super::state::{Coordinate, ROOM, State};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
-/// Roll angle at which the run stops: nothing comes back from there.
+/// Roll angle at which the run stops, because no vehicle recovers from it.
 const ROLLED_OVER_RAD: f64 = 0.6;
 
-/// How a run goes.
+/// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// On its wheels.
+    /// The vehicle is on its wheels.
     Running,
     /// A sprung mass rolled beyond 0.6 rad (or the motion diverged) at this time.
     RolledOver {
@@ -25,11 +25,11 @@ pub enum Progress {
     },
 }
 
-/// A run in time, from straight running. Once rolled over, it stays where it is.
+/// A simulation run that starts from straight driving. After a rollover it does not move any more.
 #[derive(Clone, Debug)]
 pub struct Simulation<'a> {
     plant: &'a YawRollPlant,
-    /// The state now.
+    /// The present state.
     pub state: State,
     control: Control,
     time_s: f64,
@@ -38,11 +38,11 @@ pub struct Simulation<'a> {
     past: Past,
 }
 
-/// Rates at the present and the three steps before it, equally spaced.
+/// Rates at the present step and the three steps before it, equally spaced.
 #[derive(Clone, Debug)]
 struct Past {
     step_s: f64,
-    /// How many of them are known.
+    /// How many of them are valid.
     known: usize,
     /// The newest first.
     rates: [[f64; ROOM]; 4],
@@ -55,11 +55,11 @@ impl Past {
 }
 
 impl YawRollPlant {
-    /// A run from straight running at a speed; on a bank the steer angle that holds it is the
-    /// first one.
+    /// A run that starts from straight driving at a speed. On a banked road its first steer angle is
+    /// the one that keeps the vehicle straight.
     ///
     /// # Errors
-    /// If the vehicle cannot run straight there.
+    /// If the vehicle cannot drive straight there.
     pub fn start(&self, speed_mps: f64) -> Result<Simulation<'_>, VehicleError> {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
@@ -83,17 +83,16 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Advances by an interval, to a steer angle and speed at its end; both are straight lines
-    /// in between.
+    /// Advances by an interval, to a steer angle and speed at its end; both are interpolated linearly.
     pub fn push(&mut self, steer_rad: f64, speed_mps: f64, interval_s: f64) -> Progress {
         let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
         let from = Control { acceleration_mps2, ..self.control };
         let to = Control { steer_rad, speed_mps, acceleration_mps2 };
-        // At least one step, of at most the plant's; rounding must not add one.
+        // At least one step, and no step longer than the plant's; rounding must not add a step.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let steps = (interval_s / self.plant.step_s() - 1e-9).ceil().max(1.0) as u32;
         let h = interval_s / f64::from(steps);
-        // The difference that rounding of a log's times makes is none.
+        // Differences due to rounding of a log's times are ignored.
         if (h - self.past.step_s).abs() > 1e-6 * h {
             self.past = Past { step_s: h, ..Past::new() };
         }
@@ -132,17 +131,17 @@ impl<'a> Simulation<'a> {
         self.time_s
     }
 
-    /// How the run goes.
+    /// The state of the run.
     pub fn progress(&self) -> Progress {
         self.progress
     }
 
-    /// The vehicle now.
+    /// The present values of the vehicle.
     pub fn sample(&self) -> PlantSample {
         self.plant.sample(&self.state, &self.control)
     }
 
-    /// Fails once the vehicle has rolled over.
+    /// Returns an error after the vehicle has rolled over.
     ///
     /// # Errors
     /// [`VehicleError::Model`] with the time.
@@ -150,7 +149,7 @@ impl<'a> Simulation<'a> {
         match self.progress {
             Progress::Running => Ok(()),
             Progress::RolledOver { time_s } => Err(VehicleError::Model(format!(
-                "the vehicle rolled over at {time_s:.2} s; steer less, drive slower or load lower"
+                "the vehicle rolled over at {time_s:.2} s; use less steer, a lower speed or a lower load"
             ))),
         }
     }
@@ -166,7 +165,7 @@ fn between(from: &Control, to: &Control, share: f64) -> Control {
 }
 
 impl YawRollPlant {
-    /// The next step: predicted from the rates so far, corrected with the rates found there.
+    /// One step: predicted from the past rates, corrected with the rates at the predicted state.
     fn adams(
         &self,
         state: &State,
@@ -202,7 +201,7 @@ impl YawRollPlant {
         next
     }
 
-    /// One step of Runge and Kutta's, of length `h`, with the inputs at its start, middle and end.
+    /// One Runge-Kutta step of length `h`, with the inputs at its start, middle and end.
     pub(super) fn runge_kutta(
         &self,
         state: &State,

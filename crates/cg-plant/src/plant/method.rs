@@ -2,7 +2,7 @@
 
 use cg_vehicle::error::VehicleError;
 
-/// What the plant is integrated with.
+/// The integration method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Method {
     Adams,
@@ -10,9 +10,9 @@ pub(super) enum Method {
 }
 
 impl Method {
-    /// Pole times step up to which each is stable with something to spare. The limits: 1.2 along
-    /// both axes for Adams, Bashforth and Moulton (evaluated again after the correction), 2.8 for
-    /// Runge and Kutta.
+    /// Product of pole and step up to which each method is stable, with a margin. The stability limits
+    /// are 1.2 along both axes for Adams-Bashforth-Moulton (evaluated again after the correction) and
+    /// 2.8 for Runge-Kutta.
     const ADAMS: f64 = 0.6;
     const RUNGE_KUTTA: f64 = 2.5;
 

@@ -1,27 +1,28 @@
 //! A nonlinear yaw/roll/pitch/bounce simulator of a tractor-semitrailer.
 //!
-//! The class of the constant-velocity yaw/roll programs (Gillespie and MacAdam, UMTRI-82-39;
-//! Winkler, Fancher and MacAdam, UMTRI-83-17), for any number of axles, without small angles.
+//! It belongs to the class of the constant-velocity yaw/roll programs (Gillespie and MacAdam,
+//! UMTRI-82-39; Winkler, Fancher and MacAdam, UMTRI-83-17), for any number of axles and large
+//! angles.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `setup` | parameters from the vehicle file and a load |
 //! | `state` | the state vector |
 //! | `body` | sprung masses: attitude, motion, equations of a unit |
-//! | `axle` | two degrees of freedom on a sliding roll centre, eliminated at once |
-//! | `suspension` | springs: linear, or measured with friction; load equalisation |
+//! | `axle` | two degrees of freedom on a sliding roll center, eliminated directly |
+//! | `suspension` | springs: linear, or measured with friction; load equalization |
 //! | `tyre` | radial spring, lateral force and aligning moment over slip and load |
 //! | `hitch` | the fifth wheel: roll spring, separation, lash |
 //! | `dynamics` | the equations of motion |
-//! | `equilibrium` | straight running by Newton's method |
-//! | `integrate` | Adams, Bashforth and Moulton, or Runge and Kutta; rollover |
-//! | `linearise` | small motion about straight running |
+//! | `equilibrium` | straight driving by Newton's method |
+//! | `integrate` | Adams-Bashforth-Moulton or Runge-Kutta; rollover |
+//! | `linearise` | small motion about straight driving |
 //! | `path`, `driver` | a path and MacAdam's preview driver along it |
-//! | `sample` | what can be seen |
+//! | `sample` | outputs at an instant |
 //!
-//! Each sprung mass moves laterally, vertically, in yaw, roll and pitch, at prescribed forward
-//! speed; each axle in roll and bounce. The fifth wheel joins the units in every direction and
-//! leaves yaw and pitch free. The road is flat, level or banked.
+//! Each sprung mass moves laterally, vertically, and in yaw, roll and pitch, at a prescribed forward
+//! speed. Each axle moves in roll and bounce. The fifth wheel connects the units in every direction
+//! and leaves yaw and pitch free. The road is flat, level or banked.
 //!
 //! # Example
 //!

@@ -26,8 +26,8 @@ impl YawRollPlant {
     /// Prepares a vehicle under a load.
     ///
     /// # Errors
-    /// [`VehicleError`] if the load is impossible, if there are more axles or tyres than room, or
-    /// if the vehicle moves faster than the step can follow.
+    /// [`VehicleError`] if the load is impossible, if there are too many axles or tires, or if the
+    /// fastest mode of the vehicle is too fast for the step.
     pub fn new(
         vehicle: &Vehicle,
         load: Load,
@@ -63,7 +63,7 @@ impl YawRollPlant {
             + trailer.outward(self.parameters.trailer.cg)[2]
     }
 
-    /// Position of an axle's centre, seen from above, along and to the left of the first heading.
+    /// Position of an axle's center, seen from above, along and to the left of the first heading.
     pub fn axle_position_m(&self, state: &State, axle: usize) -> [f64; 2] {
         let position = [state.get(Coordinate::PositionX), state.get(Coordinate::PositionY)];
         let Some(seen) = self.parameters.axles.get(axle) else { return position };
@@ -73,7 +73,7 @@ impl YawRollPlant {
             [from[0] + cos * by[0] - sin * by[1], from[1] + sin * by[0] + cos * by[1]]
         };
         let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
-        // From the roll centre down the axle's own vertical.
+        // From the roll center down the axle's own vertical.
         let down_m = state.axle(axle, AxleCoordinate::Rise);
         let aside_m = down_m * state.axle(axle, AxleCoordinate::Roll).sin();
         let center = |attitude: &Attitude| {
@@ -89,7 +89,7 @@ impl YawRollPlant {
         turned(hitch, center(&trailer), Coordinate::TrailerYaw)
     }
 
-    /// What can be seen of a state under given inputs.
+    /// The outputs at a state under given inputs.
     pub fn sample(&self, state: &State, control: &Control) -> PlantSample {
         let mut probe = Probe::default();
         self.parameters.rates(&state.x, control, &mut [0.0; ROOM], &mut probe);

@@ -1,10 +1,10 @@
 //! Logs with known truth from the linear, the reduced or the nonlinear model.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `scenario` | what to simulate, and what is true of it |
 //! | `models` | the linear and the reduced model in time |
-//! | `nonlinear` | the nonlinear plant, steered by a history or by the driver |
+//! | `nonlinear` | the nonlinear plant, steered by a steer history or by the driver |
 //! | `simulation` | a scenario ready to run, and its log |
 
 mod scenario;

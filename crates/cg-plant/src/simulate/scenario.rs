@@ -8,12 +8,12 @@ use cg_vehicle::error::VehicleError;
 use cg_vehicle::limits;
 use cg_vehicle::{Load, Variant, Vehicle};
 
-/// Seconds after a driver's path in which the trailer comes to rest.
+/// Time after a driver's path in which the trailer settles.
 const AFTER_S: f64 = 5.0;
-/// Greatest share by which the speed of a drive of the nonlinear plant usually changes.
+/// Default of the greatest share by which the speed of a drive of the nonlinear plant changes.
 const USUAL_SPEED_CHANGE: f64 = 0.3;
 
-/// What moves.
+/// The simulated model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plant {
     /// The linear model in full.
@@ -37,7 +37,7 @@ pub struct Scenario {
     pub speed_change: f64,
     /// Whether the log may end where the vehicle rolls over; nonlinear plant only.
     pub to_rollover: bool,
-    /// What moves.
+    /// The simulated model.
     pub plant: Plant,
     /// Equations of the model.
     pub variant: Variant,
@@ -53,14 +53,14 @@ pub struct Scenario {
     pub start_s: f64,
     /// Length of the log.
     pub duration_s: f64,
-    /// What the sensors add.
+    /// The sensors and their errors.
     pub sensors: Sensors,
     /// Seed of sensors and drive.
     pub seed: u64,
 }
 
 impl Scenario {
-    /// A maneuver of the linear model under the vehicle file's own load and speed: 20 s (a drive
+    /// A maneuver of the linear model with the load and speed of the vehicle file: 20 s (a drive
     /// 300 s) at 100 Hz, 2 s straight, perfect sensors.
     pub fn of(vehicle: &Vehicle, maneuver: Maneuver) -> Self {
         Self {
@@ -82,14 +82,14 @@ impl Scenario {
         }
     }
 
-    /// The length that suits it: a driver's path as long as it takes, else the present one.
+    /// The default length: as long as a driver's path takes, otherwise the present one.
     pub fn usual_duration_s(&self) -> f64 {
         self.course.map_or(self.duration_s, |course| {
             self.start_s + course.length_m() / self.speed_mps + AFTER_S
         })
     }
 
-    /// The speed change that suits it: some in a drive of the nonlinear plant, else none.
+    /// The default speed change: some in a drive of the nonlinear plant, otherwise none.
     pub fn usual_speed_change(&self) -> f64 {
         let changes = self.maneuver == Maneuver::Drive && self.plant == Plant::Nonlinear;
         if changes { USUAL_SPEED_CHANGE } else { 0.0 }
@@ -104,7 +104,7 @@ impl Scenario {
         limits::positive("--step-rate", self.step_rate_per_s, limits::GREATEST_STEP_RATE_PER_S)?;
         if self.duration_s * self.rate_hz > limits::GREATEST_ROWS {
             return refuse(format!(
-                "--duration-s {} at --rate-hz {} makes more than {:e} rows: give less of one",
+                "--duration-s {} at --rate-hz {} makes more than {:e} rows: reduce one of them",
                 self.duration_s,
                 self.rate_hz,
                 limits::GREATEST_ROWS
@@ -144,7 +144,7 @@ impl Scenario {
     }
 }
 
-/// What is true of a simulated log.
+/// The truth of a simulated log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Truth {
     /// Name of the vehicle.
@@ -153,7 +153,7 @@ pub struct Truth {
     pub height_m: f64,
     /// Mass of the whole semitrailer.
     pub trailer_mass_kg: f64,
-    /// Forward speed (of a drive: the one it varies around).
+    /// Forward speed (of a drive: the speed about which it varies).
     pub speed_mps: f64,
     /// Steer amplitude (of a driver: the greatest).
     pub steer_rad: f64,
@@ -164,7 +164,7 @@ pub struct Truth {
     /// Everything else that the sensors added.
     #[serde(flatten)]
     pub sensors: Sensors,
-    /// When the vehicle rolled over, if it did.
+    /// Time of the rollover, if there was one.
     pub rolled_over_s: Option<f64>,
     /// Seed.
     pub seed: u64,

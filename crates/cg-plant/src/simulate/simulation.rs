@@ -10,16 +10,16 @@ use cg_vehicle::Vehicle;
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
 
-/// Lateral acceleration that the default steer amplitude gives, in g (the source stays below 0.2).
+/// Lateral acceleration that the default steer amplitude gives, in g (the thesis stays below 0.2).
 const DEFAULT_LATERAL_G: f64 = 0.17;
-/// The same of a maneuver to rollover: more than trucks hold.
+/// The same for a maneuver to rollover: more than trucks sustain.
 const ROLLOVER_LATERAL_G: f64 = 1.2;
 
-/// What makes the motions.
+/// The source of the motions.
 enum Source {
-    /// What the nonlinear plant did: nothing of it is computed twice.
+    /// Stored motions of the nonlinear plant, to avoid computing them twice.
     Recorded(Vec<Motion>),
-    /// Cheap enough to run each time.
+    /// Models that are fast enough to run each time.
     Models(Box<Models>),
 }
 
@@ -31,19 +31,19 @@ pub struct LogSimulation {
     gravity_mps2: f64,
     steering_ratio: f64,
     samples: u64,
-    /// What is true of the log.
+    /// The truth of the log.
     pub truth: Truth,
 }
 
 impl LogSimulation {
-    /// Prepares a scenario; runs it once to measure the noise if there is to be any.
+    /// Prepares a scenario. If noise is requested, it is run once to determine the noise level.
     ///
     /// # Errors
-    /// [`VehicleError`] if the vehicle has no such load or model, or a number makes no sense.
+    /// [`VehicleError`] if the vehicle has no such load or model, or a number is invalid.
     pub fn new(vehicle: &Vehicle, scenario: Scenario) -> Result<Self, VehicleError> {
         scenario.check(vehicle)?;
         let (histories, ratio) = histories(vehicle, &scenario)?;
-        // Rounded to the nearest sample; the cast of a positive, checked number.
+        // Rounded to the nearest sample; the cast number is positive and checked.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let samples = (scenario.duration_s * scenario.rate_hz).round() as u64 + 1;
         let mut truth = Truth {
@@ -89,7 +89,7 @@ impl LogSimulation {
         Ok(simulation)
     }
 
-    /// Runs the scenario, a row at a time, as its sensors show it.
+    /// Runs the scenario row by row, as measured by its sensors.
     ///
     /// # Errors
     /// The first error of `write`.
@@ -104,7 +104,7 @@ impl LogSimulation {
         self.run_true(|row| write(&instruments.measure(row)))
     }
 
-    /// Runs the scenario, a row at a time, as it truly is.
+    /// Runs the scenario row by row, with the true values.
     ///
     /// # Errors
     /// The first error of `write`.

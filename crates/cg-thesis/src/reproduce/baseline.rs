@@ -7,7 +7,7 @@ use super::printed::{Printed, thesis};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{LinearModel, Variant, Vehicle};
 
-/// Metres in an inch, the source's unit of height.
+/// Metres in an inch, the thesis's unit of height.
 pub(super) const METRES_PER_INCH: f64 = 0.0254;
 
 /// How [`table`] computes.

@@ -70,7 +70,7 @@ fn at_height(constant: &Printed, slope: &Printed, height: f64) -> Printed {
 const FROM_RATIO: &str = "from the printed four-digit ratio through eqs. 5.17 to 5.20";
 const FROM_HEIGHT: &str = "from the printed height in inches";
 
-/// Height, metres and bias that a printed ratio means.
+/// Height, meters and bias that a printed ratio means.
 fn height_rows(
     table: &'static str,
     base: &Baseline,
@@ -78,7 +78,7 @@ fn height_rows(
     ratio: &Printed,
     [height_in, height_m, bias]: [&Printed; 3],
 ) -> Result<Vec<Row>, VehicleError> {
-    // The source divides by eq. 5.19 as printed: 1.4894.
+    // The thesis divides by eq. 5.19 as printed: 1.4894.
     let compensation = (printed_compensation()? * 1e4).round() / 1e4;
     let ours_in = solved(&base.printed_line, ratio.value, compensation)?;
     let in_m = height_in.value * METRES_PER_INCH;

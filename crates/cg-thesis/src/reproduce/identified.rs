@@ -1,6 +1,6 @@
 //! Transfer functions identified from eq. 5.12's own response: Tables 5.4, 5.5 and 5.8.
 //!
-//! Signs are the source's throughout (ratios negative).
+//! Signs are the thesis's throughout (ratios negative).
 
 use cg_core::Reduced5;
 use cg_core::truck::reduced::ORDER;
@@ -110,7 +110,7 @@ pub(super) fn ratios(
 }
 
 /// The printed functions are one draw each of an unknown noise. Ours are medians of many: of the
-/// product's identifier, which stays near eq. 5.12, and of the source's ARX for the sum of the
+/// product's identifier, which stays near eq. 5.12, and of the thesis's ARX for the sum of the
 /// poles, which the noise drives far out.
 pub(super) fn by_noise(
     table: &'static str,

@@ -15,7 +15,7 @@ struct Entry {
     compute: Compute,
 }
 
-/// In the order of the source's pages.
+/// In the order of the thesis's pages.
 const ENTRIES: [Entry; 22] = [
     Entry {
         name: "2.1",
@@ -115,7 +115,7 @@ const NAMES: [&str; ENTRIES.len()] = {
     names
 };
 
-/// The names of all tables, in the order of the source's pages.
+/// The names of all tables, in the order of the thesis's pages.
 pub fn tables() -> &'static [&'static str] {
     &NAMES
 }
@@ -134,7 +134,7 @@ fn entry(name: &str) -> Result<&'static Entry, VehicleError> {
     })
 }
 
-/// What a table is called in the source and what it is about.
+/// What a table is called in the thesis and what it is about.
 ///
 /// # Errors
 /// [`VehicleError::UnknownTable`].

@@ -1,7 +1,7 @@
-//! The source's tables beside ours.
+//! The thesis's tables beside ours.
 //!
 //! [`table`] computes every number of one table anew, with the code that serves the product, and
-//! sets it beside the printed one. Inputs are the baseline vehicle file, or, where the source
+//! sets it beside the printed one. Inputs are the baseline vehicle file, or, where the thesis
 //! itself starts from printed numbers (most of chapter 5), those; the row's note says which.
 //! Nothing of ours is stored: the files of `fixtures/thesis` hold the printed side only.
 //!

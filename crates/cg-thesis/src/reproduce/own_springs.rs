@@ -2,7 +2,7 @@
 //!
 //! The plant is the complete linear model with the springs of drive and trailer axles scaled; its
 //! log of a rounded step goes through the whole estimator, first with the vehicle file as it is,
-//! then with a calibration (`R_c`, one run) on that very truck, as the source does.
+//! then with a calibration (`R_c`, one run) on that very truck, as the thesis does.
 
 use cg_core::{AlignSettings, Channel};
 

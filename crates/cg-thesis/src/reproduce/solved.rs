@@ -24,7 +24,7 @@ pub(super) fn bias_percent(height: f64, true_height: f64) -> f64 {
     100.0 * (height / true_height - 1.0)
 }
 
-/// A row whose unit is the per cent: its difference in percentage points, not in per cent of them.
+/// A row whose unit is the percent: its difference in percentage points, not in percent of them.
 pub(super) fn percent(row: Row) -> Row {
     row.relative_to(100.0).noted("difference in percentage points")
 }

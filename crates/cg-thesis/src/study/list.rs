@@ -12,7 +12,7 @@ use super::{accuracy, heights, inertia, maneuvers, sensitivity, shift, speed, va
 pub struct Listed {
     /// Its name on the command line.
     pub name: &'static str,
-    /// The source's figures.
+    /// The thesis's figures.
     pub figures: &'static str,
     /// What it varies and watches.
     pub about: &'static str,
@@ -20,7 +20,7 @@ pub struct Listed {
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// In the order of the source's pages; the last one is ours.
+/// In the order of the thesis's pages; the last one is ours.
 const STUDIES: [(Listed, Run); 13] = [
     (
         Listed {
@@ -128,7 +128,7 @@ const STUDIES: [(Listed, Run); 13] = [
     ),
 ];
 
-/// All studies, in the order of the source's pages.
+/// All studies, in the order of the thesis's pages.
 pub fn studies() -> Vec<Listed> {
     STUDIES.iter().map(|(listed, _)| *listed).collect()
 }

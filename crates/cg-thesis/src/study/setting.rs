@@ -31,7 +31,7 @@ pub(super) fn scenario(setting: &Setting, drive: &Drive) -> Vec<String> {
     ]
 }
 
-/// Slope of an angle over metres, in degrees.
+/// Slope of an angle over meters, in degrees.
 pub(super) fn per_metre_deg(slope_rad_per_m: f64) -> f64 {
     slope_rad_per_m.to_degrees()
 }
