@@ -46,6 +46,7 @@ pub struct Experiment {
 
 /// How far the estimates lie from the truth; lengths relative to the true height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Score {
     /// Runs with a height.
     pub answered: u32,

@@ -5,6 +5,7 @@ use super::state::{AxleCoordinate, Coordinate as C, MAX_AXLES, State};
 
 /// A sprung mass at an instant; ISO 8855 signs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct UnitSample {
     /// Roll angle, right side down.
     pub roll_rad: f64,
@@ -24,6 +25,7 @@ pub struct UnitSample {
 
 /// An axle at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct AxleSample {
     /// Vertical load of the left tires.
     pub left_load_n: f64,
@@ -51,6 +53,7 @@ impl AxleSample {
 
 /// The vehicle at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlantSample {
     /// Road-wheel steer angle.
     pub steer_rad: f64,

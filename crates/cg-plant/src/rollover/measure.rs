@@ -50,6 +50,7 @@ impl RolloverOptions {
 
 /// A measure.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Measure {
     /// Name, with the unit at its end.
     pub name: &'static str,
@@ -63,6 +64,7 @@ pub struct Measure {
 
 /// All measures of a vehicle under a load.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RolloverMeasures {
     /// The measures.
     pub measures: Vec<Measure>,

@@ -9,6 +9,7 @@ use super::printed::Printed;
 /// Units and signs are the thesis's (y to the right, z down: ratios of roll to steer are
 /// negative there, positive in ISO 8855 and everywhere else in this crate).
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Row {
     /// The table, as [`tables`](super::tables) names it.
     pub table: &'static str,

@@ -38,6 +38,7 @@ pub struct Quantity {
 
 /// A response before and after a change (Figs. 2.5, 2.6).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Response {
     /// What responds.
     pub name: &'static str,
@@ -60,6 +61,7 @@ pub enum Abscissa {
 
 /// Points that belong together.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Series {
     /// What it is called.
     pub name: String,
@@ -105,6 +107,7 @@ impl Series {
 
 /// One set of axes with its series.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Panel {
     /// The thesis's figure: `2.26`; empty where it has none.
     pub figure: &'static str,
@@ -120,6 +123,7 @@ pub struct Panel {
 
 /// A sentence of the thesis and what is found here.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Statement {
     /// Figure or section of the thesis.
     pub place: &'static str,
@@ -133,6 +137,7 @@ pub struct Statement {
 
 /// One study.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Study {
     /// Its name on the command line.
     pub name: &'static str,

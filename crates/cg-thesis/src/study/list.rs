@@ -9,6 +9,7 @@ use super::{accuracy, heights, inertia, maneuvers, sensitivity, shift, speed, va
 
 /// A study as it is listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Listed {
     /// Its name on the command line.
     pub name: &'static str,

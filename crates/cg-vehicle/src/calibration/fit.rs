@@ -46,6 +46,7 @@ pub struct Run {
 /// How the parameters were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Procedure {
     /// One run: `R_c` of each channel.
     Compensation,
@@ -55,6 +56,7 @@ pub enum Procedure {
 
 /// One identified ratio beside the model's.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Residual {
     /// Index of the run.
     pub run: usize,
@@ -68,6 +70,7 @@ pub struct Residual {
 
 /// A fitted belief.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fitted {
     /// How it was found.
     pub procedure: Procedure,
