@@ -1,20 +1,20 @@
-//! The thesis's tables beside ours.
+//! The tables of the thesis recomputed.
 //!
-//! [`table`] computes every number of one table anew, with the code that serves the product, and
-//! sets it beside the printed one. Inputs are the baseline vehicle file, or, where the thesis
-//! itself starts from printed numbers (most of chapter 5), those; the row's note says which.
-//! Nothing of ours is stored: the files of `fixtures/thesis` hold the printed side only.
+//! [`table`] recomputes every number of one table with the production code and returns it with the
+//! printed number. The input is the baseline vehicle file or, where the thesis itself starts from
+//! printed numbers (most of chapter 5), those numbers; the note of the row states which. Recomputed
+//! numbers are not stored: the files of `fixtures/thesis` contain only the printed ones.
 //!
 //! | file | tables |
 //! |---|---|
 //! | `loads` | static balance: 2.1–2.3, 2.9 |
 //! | `transfer` | the linear model: 4.1, 4.2, appendix C |
 //! | `compensated`, `step_error` | its compensation and reduction: 5.1–5.3, eqs. 5.12, 5.19 |
-//! | `identified` | identification without noise and with one draw of it: 5.4, 5.5, 5.8 |
+//! | `identified` | identification without noise and with one draw of noise: 5.4, 5.5, 5.8 |
 //! | `heights` | heights from ratios: 5.6, 5.7, 5.11, eq. 5.17 |
-//! | `springs`, `own_springs` | other springs: 5.10, printed and in a plant of our own |
+//! | `springs`, `own_springs` | other springs: 5.10, as printed and with this project's plant |
 //! | `monte_carlo`, `study`, `bound` | many draws in place of one: 5.9, sections 5.6.1–5.6.3 |
-//! | `row`, `printed`, `continuous` | what a row is, printed digits, ARX to `s` |
+//! | `row`, `printed`, `continuous` | rows, printed digits, conversion of ARX models to `s` |
 
 mod bound;
 mod compensated;
@@ -41,10 +41,10 @@ use printed::{Printed, thesis};
 
 pub use row::Row;
 
-/// Metres in an inch, the thesis's unit of height.
+/// Meters per inch, the thesis's unit of height.
 const METRES_PER_INCH: f64 = 0.0254;
 
-/// How [`table`] computes.
+/// Options of [`table`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Draws of the noise in each cell of a Monte-Carlo table.
@@ -68,7 +68,7 @@ struct Entry {
     compute: Compute,
 }
 
-/// In the order of the thesis's pages.
+/// All entries, in the order of the thesis's pages.
 const ENTRIES: [Entry; 22] = [
     Entry {
         name: "2.1",
@@ -133,12 +133,12 @@ const ENTRIES: [Entry; 22] = [
     },
     Entry {
         name: "5.6.3",
-        title: "Sections 5.6.1 to 5.6.3: input rate and noise, as Monte-Carlo",
+        title: "Sections 5.6.1 to 5.6.3: input rate and noise, as Monte Carlo",
         compute: study::by_rate,
     },
     Entry {
         name: "5.9",
-        title: "Table 5.9: heights by order and noise, as Monte-Carlo",
+        title: "Table 5.9: heights by order and noise, as Monte Carlo",
         compute: study::by_order,
     },
     Entry {
@@ -153,7 +153,7 @@ const ENTRIES: [Entry; 22] = [
     },
     Entry {
         name: "C",
-        title: "Appendix C: steady values of all responses",
+        title: "Appendix C: steady-state values of all responses",
         compute: transfer::steady_values,
     },
 ];
@@ -187,7 +187,7 @@ fn entry(name: &str) -> Result<&'static Entry, VehicleError> {
     })
 }
 
-/// What a table is called in the thesis and what it is about.
+/// Name of a table in the thesis and its subject.
 ///
 /// # Errors
 /// [`VehicleError::UnknownTable`].
@@ -195,7 +195,7 @@ pub fn title(name: &str) -> Result<&'static str, VehicleError> {
     Ok(entry(name)?.title)
 }
 
-/// Computes one table; `5.11`, `Table 5.11`, `eq. 5.12`, `Fig. 2.1` and `c` are all names.
+/// Computes one table. Valid names are for example `5.11`, `Table 5.11`, `eq. 5.12`, `Fig. 2.1` and `c`.
 ///
 /// ```
 /// use cg_thesis::reproduce::{Options, table};
@@ -210,15 +210,15 @@ pub fn title(name: &str) -> Result<&'static str, VehicleError> {
 pub fn table(name: &str, options: &Options) -> Result<Vec<Row>, VehicleError> {
     let entry = entry(name)?;
     if options.runs == 0 {
-        return Err(VehicleError::Model("a Monte-Carlo table needs one run at least".to_owned()));
+        return Err(VehicleError::Model("a Monte-Carlo table needs at least one run".to_owned()));
     }
     (entry.compute)(entry.name, &Baseline::new()?, options)
 }
 
-/// What the tables start from.
+/// The data from which the tables are computed.
 struct Baseline {
     vehicle: Vehicle,
-    /// Appendix B at the reference load and speed.
+    /// The model of appendix B at the reference load and speed.
     as_printed: LinearModel,
     /// The same vehicle with all terms.
     complete: LinearModel,

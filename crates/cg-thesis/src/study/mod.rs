@@ -1,5 +1,5 @@
-//! The studies of chapter 2: how the nonlinear plant's responses depend on maneuver, load and
-//! vehicle, the thesis's statements beside what is found here.
+//! The studies of chapter 2: how the nonlinear plant's responses depend on maneuver, load and vehicle,
+//! and whether the statements of the thesis agree with the results.
 //!
 //! | file | studies |
 //! |---|---|
@@ -8,12 +8,12 @@
 //! | `speed` | Figs. 2.23, 2.24 |
 //! | `inertia` | Fig. 2.25: shape of the payload |
 //! | `heights` | Figs. 2.26, 2.27: c.g. height, payload |
-//! | `shift` | Figs. 2.28, 2.29: payload beside or behind its place |
+//! | `shift` | Figs. 2.28, 2.29: lateral and longitudinal shift of the payload |
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tires |
 //! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the thesis) |
 //! | `replay` | recorded logs driven again (no figure of the thesis) |
 //! | `drive` | one run along a path with the preview driver |
-//! | `data` | what a study returns |
+//! | `data` | the result of a study |
 //!
 //! ```
 //! use cg_thesis::study::{studies, study};
@@ -44,20 +44,20 @@ use cg_vehicle::error::VehicleError;
 use cg_vehicle::vehicle::Vehicle;
 use drive::Drive;
 
-/// A study as it is listed.
+/// An entry in the list of studies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
     /// Its name on the command line.
     pub name: &'static str,
-    /// The thesis's figures.
+    /// Figures of the thesis.
     pub figures: &'static str,
-    /// What it varies and watches.
+    /// What is varied and what is examined.
     pub about: &'static str,
 }
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// In the order of the thesis's pages; the last one is ours.
+/// All studies in the order of the thesis's pages; the last one is not in the thesis.
 const STUDIES: [(Listed, Run); 13] = [
     (
         Listed {
@@ -119,7 +119,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "payload-height",
             figures: "Fig. 2.27",
-            about: "The same under payloads of 5 to 25 t.",
+            about: "The same with payloads of 5 to 25 t.",
         },
         heights::payload_height,
     ),
@@ -127,7 +127,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "lateral-shift",
             figures: "Fig. 2.28",
-            about: "Roll on a straight road and in a turn when the payload lies beside the middle.",
+            about: "Roll on a straight road and in a turn over the lateral shift of the payload.",
         },
         shift::lateral,
     ),
@@ -135,7 +135,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "longitudinal-shift",
             figures: "Fig. 2.29",
-            about: "Peak roll in a turn when the payload lies before or behind its place.",
+            about: "Peak roll in a turn over the longitudinal shift of the payload.",
         },
         shift::longitudinal,
     ),
@@ -151,7 +151,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "tyres",
             figures: "Fig. 2.31",
-            about: "Peak roll over the c.g. height with new and worn tyres.",
+            about: "Peak roll over the c.g. height with new and worn tires.",
         },
         variants::tyres,
     ),
@@ -190,7 +190,7 @@ pub fn study(name: &str, vehicle: Option<&Vehicle>) -> Result<Study, VehicleErro
     run(&Setting { name: listed.name, vehicle })
 }
 
-/// What a study starts from.
+/// Input of a study.
 struct Setting {
     name: &'static str,
     vehicle: Vehicle,
@@ -204,12 +204,12 @@ const PEAK_LATERAL: Quantity = Quantity {
     unit: Unit::MetrePerSecondSquared,
 };
 
-/// Vehicle, load, maneuver.
+/// Lines with vehicle, load and maneuver.
 fn scenario(setting: &Setting, drive: &Drive) -> Vec<String> {
     vec![
         format!("vehicle: {}", setting.vehicle.name),
         format!(
-            "semitrailer of {:.0} kg, sprung c.g. at {:.3} m unless said otherwise",
+            "semitrailer of {:.0} kg, sprung c.g. at {:.3} m unless stated otherwise",
             drive.load.trailer_mass_kg, drive.load.cg_height_m
         ),
         drive.told(),
