@@ -62,6 +62,39 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         scenario
     })?;
     let soon = time.iter().find(|(_, score)| score.rmse < 0.03).map(|(since_s, _)| *since_s);
+    Ok(Study {
+        name: setting.name,
+        finding: match soon {
+            Some(since_s) => format!(
+                "With noise of 20 dB the error is 3 % of the height {since_s:.1} s after the start of a \
+                 turn of 0.15 g"
+            ),
+            None => {
+                "With noise of 20 dB the error is more than 3 % of the height after 10 s".to_owned()
+            }
+        },
+        scenario: conditions(vehicle),
+        panels: panels([&snr, &payload, &height, &time]),
+        statements: Vec::new(),
+    })
+}
+
+fn conditions(vehicle: &Vehicle) -> Vec<String> {
+    vec![
+        format!("vehicle: {}, linear model", vehicle.name),
+        format!("{RUNS} rounded steps of 0.17 g for each point, 100 Hz, 20 s"),
+        "where the noise is not varied: 20 dB with the reference load, and the same noise with \
+         other loads"
+            .to_owned(),
+        "bound: Cramér-Rao, everything known except the height and the sensor's offset".to_owned(),
+        "only the part of the interval that noise causes; the uncertainty of model and \
+         calibration is added to it"
+            .to_owned(),
+    ]
+}
+
+/// Scores over noise, payload, height and time.
+fn panels([snr, payload, height, time]: [&[(f64, Score)]; 4]) -> Vec<Panel> {
     let panel = |title, quantity, points: &[(f64, Score)]| Panel {
         figure: "",
         title,
@@ -70,34 +103,12 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         series: series(points),
     };
     let x = |name, label, unit| Quantity { name, label, unit };
-    Ok(Study {
-        name: setting.name,
-        finding: match soon {
-            Some(since_s) => format!(
-                "With noise of 20 dB the error is 3 % of the height {since_s:.1} s after the start of a \
-                 turn of 0.15 g"
-            ),
-            None => "With noise of 20 dB the error is more than 3 % of the height after 10 s".to_owned(),
-        },
-        scenario: vec![
-            format!("vehicle: {}, linear model", vehicle.name),
-            format!("{RUNS} rounded steps of 0.17 g for each point, 100 Hz, 20 s"),
-            "where the noise is not varied: 20 dB with the reference load, and the same noise with \
-             other loads"
-                .to_owned(),
-            "bound: Cramér-Rao, everything known except the height and the sensor's offset".to_owned(),
-            "only the part of the interval that noise causes; the uncertainty of model and \
-             calibration is added to it"
-                .to_owned(),
-        ],
-        panels: vec![
-            panel("Over the noise", x("snr", "Signal to noise", Unit::Decibel), &snr),
-            panel("Over the payload", x("payload", "Payload", Unit::Kilogram), &payload),
-            panel("Over the height", x("cg_height", "C.g. height", Unit::Metre), &height),
-            panel("Over time", x("since", "Since the start of the turn", Unit::Second), &time),
-        ],
-        statements: Vec::new(),
-    })
+    vec![
+        panel("Over the noise", x("snr", "Signal to noise", Unit::Decibel), snr),
+        panel("Over the payload", x("payload", "Payload", Unit::Kilogram), payload),
+        panel("Over the height", x("cg_height", "C.g. height", Unit::Metre), height),
+        panel("Over time", x("since", "Since the start of the turn", Unit::Second), time),
+    ]
 }
 
 /// The same sensor under another load: the noise is the same, not its ratio to the signal.

@@ -75,20 +75,7 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
              {lane:+.1} % in the lane change"
         ),
         scenario: lines,
-        statements: vec![
-            Statement {
-                place: "Fig. 2.25",
-                thesis: "the peak in the turn is rather insensitive to roll inertia",
-                ours: format!("{turn:+.2} % over the range"),
-                agrees: turn.abs() < 2.0,
-            },
-            Statement {
-                place: "Fig. 2.25",
-                thesis: "the peak in the lane change is considerably sensitive",
-                ours: format!("{lane:+.2} % over the range"),
-                agrees: lane.abs() > 3.0 * turn.abs(),
-            },
-        ],
+        statements: statements(turn, lane).to_vec(),
         panels: vec![Panel {
             figure: "2.25",
             title: "Peak roll over roll inertia",
@@ -97,6 +84,24 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
             series,
         }],
     })
+}
+
+/// What the thesis says of the change of the peak roll, in %, in the turn and in the lane change.
+fn statements(turn: f64, lane: f64) -> [Statement; 2] {
+    [
+        Statement {
+            place: "Fig. 2.25",
+            thesis: "the peak in the turn is rather insensitive to roll inertia",
+            ours: format!("{turn:+.2} % over the range"),
+            agrees: turn.abs() < 2.0,
+        },
+        Statement {
+            place: "Fig. 2.25",
+            thesis: "the peak in the lane change is considerably sensitive",
+            ours: format!("{lane:+.2} % over the range"),
+            agrees: lane.abs() > 3.0 * turn.abs(),
+        },
+    ]
 }
 
 #[cfg(test)]

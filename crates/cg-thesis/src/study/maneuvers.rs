@@ -104,29 +104,20 @@ pub(super) fn cornering_angle(setting: &Setting) -> Result<Study, VehicleError> 
             ),
         ],
         panels: vec![
-            Panel {
-                figure: "2.11-2.13",
-                title: "Roll angles over time",
-                x: Abscissa::Over(TIME),
-                y: ROLL,
-                series: histories,
-            },
-            Panel {
-                figure: "2.14",
-                title: "Peak lateral acceleration",
-                x: Abscissa::Over(ANGLE),
-                y: PEAK_LATERAL,
-                series: lateral,
-            },
-            Panel {
-                figure: "2.15",
-                title: "Peak roll angle",
-                x: Abscissa::Over(ANGLE),
-                y: PEAK_ROLL,
-                series: roll,
-            },
+            panel("2.11-2.13", "Roll angles over time", (TIME, ROLL), histories),
+            panel("2.14", "Peak lateral acceleration", (ANGLE, PEAK_LATERAL), lateral),
+            panel("2.15", "Peak roll angle", (ANGLE, PEAK_ROLL), roll),
         ],
     })
+}
+
+fn panel(
+    figure: &'static str,
+    title: &'static str,
+    (x, y): (Quantity, Quantity),
+    series: Vec<Series>,
+) -> Panel {
+    Panel { figure, title, x: Abscissa::Over(x), y, series }
 }
 
 /// Figs. 2.17–2.22.
