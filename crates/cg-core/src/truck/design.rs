@@ -6,6 +6,7 @@ use crate::math::real::Real;
 use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
+use crate::words;
 
 /// Speeds at which a design holds ratio lines.
 pub const SPEEDS: usize = 8;
@@ -43,14 +44,10 @@ impl Channel {
     }
 }
 
-impl fmt::Display for Channel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Steer => "steer",
-            Self::LateralAcceleration => "lateral-acceleration",
-        })
-    }
-}
+words!(Channel {
+    Steer => "steer", "Steer angle";
+    LateralAcceleration => "lateral-acceleration", "Lateral acceleration, or yaw rate times speed";
+});
 
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
