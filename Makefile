@@ -1,5 +1,5 @@
-# What CI does, a person can run: `make test` is everything but the long benches.
-# Needs: Rust by rustup, Python 3.11 or later with venv, gcc, make. Installs the rest.
+# `make test` is what CI runs: everything except the long benches.
+# It needs Rust from rustup, Python 3.11 or later with venv, gcc and make, and installs the rest.
 
 SHELL := /bin/bash
 PYTHON ?= python3
@@ -36,13 +36,13 @@ rust: firmware-tools
 docs:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
-# The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, every answer as on the host, bit
-# for bit. (The C library there: `make rust`.)
+# The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, answers bit-identical to the
+# host's. (`make rust` tests the C library there.)
 firmware: firmware-tools
 	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
 	$(PYTHON) firmware/check.py
 
-# What it costs now becomes what it may cost (firmware/budgets.toml); the limits stay.
+# Measures the costs again and writes them into firmware/budgets.toml; the limits remain.
 firmware-budgets: firmware-tools
 	$(PYTHON) firmware/check.py --update
 
@@ -51,11 +51,11 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The program as users have it.
+# The program in the build that users have.
 cg:
 	cargo build --release --package cg-cli
 
-# `cg run` on real SocketCAN: a kernel with vcan in QEMU, a drive played, the bus loaded for a minute.
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU plays a drive and loads the bus for a minute.
 guest: venv cg
 	guest/run.sh target/release/cg $(VENV)
 
@@ -65,8 +65,8 @@ venv:
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
 	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release --extras all -m crates/cg-py/Cargo.toml
 
-# The Python package: tests (the page of a report in
-# Chromium, Spark, the notebook), stubs against the binary, lint. Then its wheel with numpy alone.
+# The Python package: tests (the HTML report in Chromium, Spark, the notebook), stubs against the
+# binary, lint. Then its wheel with numpy alone.
 python: venv cg
 	CG=$(CURDIR)/target/release/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
@@ -77,8 +77,8 @@ python: venv cg
 	$(VENV)/clean/bin/python -m pip install --quiet ./crates/cg-py
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
-# All that reads foreign bytes, guided by coverage: a minute each. A finding lies in fuzz/artifacts: mend the
-# code, then keep the input in fuzz/seeds. `make test` runs the kept seeds and hundreds of changes of each.
+# Coverage-guided fuzzing of all code that reads foreign input, one minute each. Findings are in fuzz/artifacts:
+# fix the code, then keep the input in fuzz/seeds. `make test` runs the kept seeds and hundreds of mutations of each.
 FUZZ_SECONDS := 60
 FUZZ_TARGETS := log_reader candump dbc vehicle_file calibration_file state_file estimator_push
 fuzz: fuzz-tools
@@ -90,41 +90,41 @@ fuzz-tools:
 	@rustup run nightly rustc --version >/dev/null 2>&1 || rustup toolchain install nightly --profile minimal
 	@cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked
 
-# cg-core changed in every small way (2200; some hours): how many its own tests notice, 90 % at least.
+# Mutation test of cg-core (2200 mutants; some hours): its own tests must notice at least 90 %.
 # A sample of 170: make mutants MUTANTS='--sharding round-robin --shard 3/13'
 MUTANTS :=
 LEAST_PERCENT := 90
 mutants: mutants-tool
 	rm -rf target/mutants.out
 	CARGO_TARGET_DIR=$(CURDIR)/target/mutants cargo mutants --package cg-core --test-package cg-core --output target $(MUTANTS) \
-	  || [ $$? -le 3 ] # 2: some were missed, 3: some ran for ever; counted here
+	  || [ $$? -le 3 ] # 2: some were missed, 3: some timed out; both are counted below
 	@$(PYTHON) -c 'import json, sys; o = json.load(open("target/mutants.out/outcomes.json")); \
 	  killed = o["caught"] + o["timeout"]; viable = killed + o["missed"]; \
 	  print(killed, "of", viable, f"mutants killed ({100 * killed / viable:.1f} %);", o["unviable"], "do not compile"); \
 	  sys.exit(100 * killed < $(LEAST_PERCENT) * viable)'
 
-# A dozen of them: shows that it runs. So few scatter: a quarter may be missed.
+# A dozen mutants, to show that the test works. Such a small sample scatters, so a quarter may be missed.
 mutants-short:
 	$(MAKE) mutants MUTANTS='--sharding round-robin --shard 0/180' LEAST_PERCENT=75
 
 mutants-tool:
 	@cargo mutants --version >/dev/null 2>&1 || cargo install cargo-mutants --locked
 
-# A month of an hour's driving a day through `cg run`: its memory stays (`make test` has some minutes a day).
+# A month with one hour of driving a day through `cg run`: its memory must not grow (`make test`: some minutes a day).
 soak:
 	CG_SOAK_DRIVES=30 cargo test --release --package cg-cli --test cli a_month -- --nocapture
 
-# The table of docs/plant.md: thresholds beside the nonlinear plant's, 96 cases of each vehicle (`make test`: its corners).
+# The table of docs/plant.md: thresholds compared with the nonlinear plant, 96 cases per vehicle (`make test`: its corners).
 rollover-table:
 	CG_ROLLOVER_TABLE=1 cargo test --workspace --test rollover the_table -- --nocapture
 
-# Every bench once on little data: shows that they run, measures nothing.
+# Runs every bench once on little data, to show that it works. Measures nothing.
 bench-short: venv cg
 	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/release/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 
-# All benches, ten million rows, a thousand logs; writes benches/RESULTS.md. After `make python`.
+# All benches with ten million rows and a thousand logs; writes benches/RESULTS.md. Run `make python` first.
 bench: firmware-tools
 	benches/run.sh
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every bench and writes benches/RESULTS.md: where, when, what, raw output.
+# Runs every bench and writes benches/RESULTS.md with date, commit, machine, summary and raw output.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 raw=$(mktemp)
@@ -12,7 +12,7 @@ OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
 {
   echo "# Bench results"
   echo
-  echo "Written by \`make bench\`. Times are of one run on a shared machine; compare only within it."
+  echo "Written by \`make bench\`. The times are from one run on a shared machine; compare them only with each other."
   echo
   echo "| | |"
   echo "|---|---|"
@@ -25,13 +25,13 @@ OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
   python3 benches/summary.py "$raw"
   echo "## On a Cortex-M4F"
   echo
-  echo "Instructions counted by QEMU, the same on every machine; see firmware/budgets.toml."
+  echo "QEMU counts instructions, so the result is the same on every machine; see firmware/budgets.toml."
   echo
   python3 firmware/check.py --markdown
   echo
   echo "## Live CAN"
   echo
-  echo "\`cg run\` in a guest on vcan, the CPU emulated by QEMU; latency from the kernel's time stamp to the last effect."
+  echo "\`cg run\` runs in a guest with vcan, on a CPU emulated by QEMU. The latency is measured from the kernel's time stamp to the last effect."
   echo
   sed 's/^guest: /- /' "$raw.guest"
   echo

@@ -29,7 +29,7 @@ def medians(path: str) -> dict[str, float]:
 def main() -> None:
     m = medians(sys.argv[1])
     row = 1e9 / ROWS_PER_ITERATION
-    print("## In short\n\n| what | median | against |\n|---|---|---|")
+    print("## Summary\n\n| what | median | against |\n|---|---|---|")
     peer = m["nalgebra_qr_5_5_row"] * row
     print(f"| `FilteredArx`, f32, one row (12 unknowns) | {m['filtered_arx_row f32'] * row:.0f} ns | |")
     print(f"| `FilteredArx`, f64, one row | {m['filtered_arx_row f64'] * row:.0f} ns | |")
@@ -38,7 +38,7 @@ def main() -> None:
     print(f"| `Estimator::push`, f32, both channels | {m['estimator_push f32'] * row:.0f} ns | |")
     parse, read, whole = (m[k] for k in ("csv_crate_parse_only", "log_reader", "cg_estimate"))
     print(f"| only parsing the log with the csv crate | {parse:.2f} s | |")
-    print(f"| our log reader | {read:.2f} s | {parse / read:.2f} × its speed |")
+    print(f"| the log reader | {read:.2f} s | {parse / read:.2f} × its speed |")
     second = m["simulated_second baseline-tables"]
     print(f"| nonlinear plant, five axles, 1 ms steps | {1 / second:.0f} × real time | target 500 |")
     print(f"| `cg estimate` on it, one thread | {whole:.2f} s | {parse / whole:.2f} × its speed (target 0.4) |\n")

@@ -1,5 +1,5 @@
-//! The logs as bytes: a row is its time (µs) and six signals in single precision, little-endian.
-//! Also hands the linker its scripts.
+//! Converts the logs to bytes: each row is its time (µs) and six signals in single precision,
+//! little-endian. Also copies the linker scripts.
 
 use std::env;
 use std::error::Error;
@@ -9,7 +9,7 @@ use std::path::Path;
 
 use flate2::read::GzDecoder;
 
-/// One after the other, with a stop between them in which the trailer is loaded anew.
+/// Played one after the other, with a stop between them in which the load changes.
 const LOGS: [&str; 2] = ["A_p20_h190_v50_L.csv", "F_drive1_p15_h155.csv.gz"];
 const STOP_US: u32 = 100_000_000;
 const COLUMNS: &str =

@@ -1,9 +1,9 @@
-"""The estimator on an emulated Cortex-M4F: what it costs, whether it keeps its budgets, whether it
-answers as the host does.
+"""Checks the estimator on an emulated Cortex-M4F: its cost, its budgets, and that its answers are
+bit-identical to the host's.
 
     python3 firmware/check.py                 checks; exit status 1 if anything is broken
-    python3 firmware/check.py --update        writes what was measured into budgets.toml
-    python3 firmware/check.py --markdown      checks, and prints the table of README and RESULTS.md
+    python3 firmware/check.py --update        writes the measured values into budgets.toml
+    python3 firmware/check.py --markdown      checks; prints the table of docs/microcontroller.md and RESULTS.md
 """
 
 import re
@@ -17,21 +17,21 @@ BUDGETS = HERE / "budgets.toml"
 TARGET = "thumbv7em-none-eabihf"
 IMAGES = HERE / "target" / TARGET / "release"
 
-# Nothing of this may be linked: panics, unwinding, and any allocator.
+# None of these symbols may be linked: panics, unwinding, and any allocator.
 FORBIDDEN = re.compile(r"panic|unwind|unwrap_failed|expect_failed|__rust_alloc|__rg_alloc|\bmalloc\b|_sbrk")
 
 CLOCK_HZ = 168e6  # an STM32F4, the common M4F
-CYCLES_PER_INSTRUCTION = 2.0  # assumed, on the safe side: loads and flash wait states included
+CYCLES_PER_INSTRUCTION = 2.0  # a conservative assumption: loads and flash wait states included
 
 WORDS = {
-    "identify_mean": "identify, a row of one channel (13 unknowns)",
-    "identify_worst": "identify, dearest row (folds a block of five)",
-    "push_mean": "whole push, both channels, mean",
-    "push_running_worst": "dearest push inside a drive (filters made anew)",
-    "push_closing_worst": "dearest push of all (maneuver ends: solve, judge, fuse)",
-    "identify_jitter_mean": "identify, a row whose interval differs from the last",
+    "identify_mean": "identify, one row of one channel (13 unknowns), mean",
+    "identify_worst": "identify, worst-case row (reduces a block of five rows)",
+    "push_mean": "`push`, both channels, mean",
+    "push_running_worst": "worst-case `push` while driving (filters rediscretized)",
+    "push_closing_worst": "worst-case `push` (a maneuver ends: solve, check, fuse)",
+    "identify_jitter_mean": "identify, one row whose sampling interval differs from the last",
     "image": "image without the log",
-    "ram": "RAM: state and deepest stack",
+    "ram": "RAM: state and maximum stack depth",
 }
 
 
@@ -44,27 +44,27 @@ def run(*command: str, check: bool = True) -> str:
 
 
 def numbers(text: str) -> dict[str, str]:
-    """`name = value unit` lines."""
+    """The values in lines of the form `name = value unit`."""
     return dict(re.findall(r"^(\w+) = (\S+)", text, re.MULTILINE))
 
 
 def maneuvers(text: str) -> list[str]:
-    """What was said of each maneuver."""
+    """The lines about maneuvers."""
     return [line for line in text.splitlines() if line.startswith("maneuver ")]
 
 
 def symbols(image: str, *features: str) -> list[str]:
-    """What is linked into an image."""
+    """The symbols in an image."""
     run("cargo", "build", "--release", "--bin", image, *features)
     return run("arm-none-eabi-nm", "--demangle", str(IMAGES / image)).splitlines()
 
 
 def same_as_host(chip: str) -> list[str]:
-    """Where the answers of chip and host part."""
+    """Differences between the answers of chip and host."""
     host_triple = re.search(r"^host: (\S+)", run("rustc", "-vV"), re.MULTILINE).group(1)
     host = run("cargo", "run", "--release", "--example", "host", "--target", host_triple)
     faults = [
-        f"maneuver {k + 1}: host says {ours!r}, chip says {theirs!r}"
+        f"maneuver {k + 1}: host {ours!r}, chip {theirs!r}"
         for k, (ours, theirs) in enumerate(zip(maneuvers(host), maneuvers(chip), strict=True))
         if ours != theirs
     ]
@@ -77,10 +77,10 @@ def same_as_host(chip: str) -> list[str]:
 
 
 def linked() -> list[str]:
-    """Panics and allocators in the image; and whether the search would find one."""
+    """Panics and allocators in the images; also checks that the search can find one."""
     faults = []
     if not any(FORBIDDEN.search(line) for line in symbols("firmware", "--features", "control")):
-        faults.append("the search for panics finds none where there is one")
+        faults.append("the search for panics misses the one in the control image")
     for image in ("firmware", "identify", "can"):
         lines = symbols(image)
         faults += [f"{image} links {line}" for line in lines if FORBIDDEN.search(line)]
@@ -90,7 +90,7 @@ def linked() -> list[str]:
 
 
 def kept(measured: dict[str, int], budgets: dict) -> list[str]:
-    """Limits broken, and growth beyond the tolerance."""
+    """Exceeded limits, and growth beyond the tolerance."""
     faults = [
         f"{WORDS[name]}: {measured[name]} is over the limit of {limit}"
         for name, limit in budgets["limit"].items()
@@ -100,20 +100,20 @@ def kept(measured: dict[str, int], budgets: dict) -> list[str]:
     for name, before in budgets.get("measured", {}).items():
         if measured[name] > before * slack:
             faults.append(
-                f"{WORDS[name]}: {measured[name]}, was {before}; if it must be, make firmware-budgets"
+                f"{WORDS[name]}: {measured[name]}, was {before}; to accept it, run make firmware-budgets"
             )
     return faults
 
 
 def write(measured: dict[str, int]) -> None:
-    """Replaces what was measured in budgets.toml, keeps the rest."""
+    """Replaces the measured values in budgets.toml and keeps the rest."""
     head = BUDGETS.read_text(encoding="utf-8").split("[measured]")[0]
     lines = [f"{name} = {measured[name]}" for name in WORDS]
     BUDGETS.write_text(f"{head}[measured]\n" + "\n".join(lines) + "\n", encoding="utf-8")
 
 
 def table(measured: dict[str, int], budgets: dict, said: dict[str, str]) -> str:
-    """Markdown."""
+    """The Markdown table."""
     rows = ["| on a Cortex-M4F | measured | limit |", "|---|---|---|"]
     spaced = lambda value: f"{value:,.0f}".replace(",", " ")
     for name, words in WORDS.items():
@@ -123,14 +123,14 @@ def table(measured: dict[str, int], budgets: dict, said: dict[str, str]) -> str:
         rows.append(f"| {words} | {spaced(measured[name])} {unit} | {ceiling} |")
     rate = lambda instructions: CLOCK_HZ / (CYCLES_PER_INSTRUCTION * instructions)
     mean, worst = rate(measured["push_mean"]), rate(measured["push_closing_worst"])
-    rows.append(f"| samples/s at 168 MHz, two cycles an instruction: on average | {spaced(mean)} | |")
-    rows.append(f"| the same if even the dearest push must end before the next sample | {spaced(worst)} | |")
-    rows.append(f"| every bit of every answer, over {spaced(int(said['samples']))} samples | as on the host | |")
+    rows.append(f"| samples/s at 168 MHz and two cycles per instruction, mean | {spaced(mean)} | |")
+    rows.append(f"| the same, if the worst-case `push` must end before the next sample | {spaced(worst)} | |")
+    rows.append(f"| all answers, over {spaced(int(said['samples']))} samples | bit-identical to the host | |")
     return "\n".join(rows)
 
 
 def main() -> None:
-    """Measures, compares, says."""
+    """Measures, compares with the budgets and with the host, and prints the result."""
     budgets = tomllib.loads(BUDGETS.read_text(encoding="utf-8"))
     faults = linked()
     chip = run("cargo", "run", "--release")

@@ -1,4 +1,4 @@
-"""Verdicts of the guest test: one line each, exit status 1 if any is bad."""
+"""Prints the verdicts of the guest test, one per line; exit status 1 if a check fails."""
 
 import json
 import sys
@@ -22,12 +22,12 @@ def lines(path: Path, event: str | None = None) -> list[dict]:
 
 live = results / "live.jsonl"
 expected = lines(work / "csv.jsonl", "maneuver")
-# The last maneuver of the CSV ends with the file, the live one when the next straight does.
+# The last maneuver of the CSV ends with the file, that of the live run with the next straight section.
 heights = [line["height_m"] for line in lines(live, "maneuver") if line["height_m"]]
 reference = expected[-1]["height_m"]
 error = abs(heights[-1] / reference - 1) if heights else float("inf")
-# Time stamps are those of the reception: 2 ms of jitter on a roll rate of some 0.02 rad/s are 4e-5 rad
-# of 0.1, in thousands of samples; half a per cent is ten times the noise that this adds.
+# Time stamps are those of reception: 2 ms of jitter at a roll rate of about 0.02 rad/s give 4e-5 rad
+# of 0.1, in thousands of samples. Half a percent is ten times the noise that this adds.
 verdict(
     "a drive through vcan gives the height of its CSV",
     error < 5e-3,
@@ -40,8 +40,8 @@ sent = int(settings["rate"]) * int(settings["seconds"])
 status = lines(live, "status")
 end_of_load = [line for line in status if line["frames"] >= sent]
 rate = (after - before) / (ended - began)
-# The senders are emulated too: a busy machine slows them down. Below half of what was asked the test
-# would say nothing.
+# The senders are emulated too, and a busy machine slows them down. Below half of the requested rate
+# the test would prove nothing.
 verdict(
     "bus load",
     after - before >= sent and rate >= 0.5 * int(settings["rate"]),
@@ -59,8 +59,8 @@ metrics = dict(
     line.split() for line in (results / "metrics.prom").read_text().splitlines() if line[0] != "#"
 )
 p50, p99 = (1e3 * float(metrics[f"cg_latency_{p}_seconds"]) for p in ("p50", "p99"))
-# The target is a p99 of 10 ms on a machine of its own; here the processor is emulated and whatever
-# else the host does stops it for a while, which the median does not see.
+# The target is a p99 of 10 ms on a dedicated machine. Here the processor is emulated, and other work
+# of the host stops it for a while; the median is not affected by that.
 verdict("latency of a frame (emulated CPU)", p50 < 10, f"p50 {p50:.2f} ms, p99 {p99:.2f} ms")
 
 frames = [line.split()[2].split("#")[1] for line in (results / "sent.log").read_text().splitlines()]
@@ -72,14 +72,14 @@ verdict(
     f"{len(data)} frames, {len(known)} with a height, the last {known[-1] if known else None} m",
 )
 
-# Each time told once, whether the reading or the writing side heard of it first.
+# Each change is reported once, whether the reading or the writing side noticed it first.
 downs = int(settings["downs"])
 notices = [line["message"] for line in lines(live, "notice") if "vcan0: " in line["message"]]
 should = ["vcan0: Network is down (os error 100); waiting for it", "vcan0: up again"] * downs
 verdict(
     f"interface down and up, {downs} times",
     notices == should,
-    f"told {sum('waiting' in text for text in notices)} and {sum('up' in text for text in notices)} times",
+    f"reported {sum('waiting' in text for text in notices)} and {sum('up' in text for text in notices)} times",
 )
 
 notices = [line["message"] for line in lines(live, "notice") if line["subject"] == "metrics"]
@@ -105,7 +105,7 @@ verdict(
 notices = [line["message"] for line in lines(resumed, "notice")]
 stop = lines(resumed, "stop")
 verdict(
-    "interface gone and made anew; SIGTERM",
+    "interface removed and created again; SIGTERM",
     any("waiting for it" in text for text in notices)
     and bool(stop)
     and stop[0]["reason"] == "signal"
@@ -114,7 +114,7 @@ verdict(
 )
 told = (results / "listener.txt").read_text().split() or ["nothing", "nan", "0"]
 frames = len((work / "drive.log").read_text().splitlines())
-# As through `cg run`; python-can's time stamps are the kernel's as well.
+# The same tolerance as for `cg run`: python-can also uses the kernel's time stamps.
 verdict(
     "python-can's SocketCAN bus with HeightListener",
     told[0] == "ok" and abs(float(told[1]) / reference - 1) < 5e-3 and int(told[2]) == frames,

@@ -1,4 +1,4 @@
-"""python-can's SocketCAN bus with our listener: prints the height after the drive."""
+"""python-can's SocketCAN bus with `HeightListener`: prints the height after the drive."""
 
 import signal
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# `cg run` on real SocketCAN: boots a kernel with vcan in QEMU, plays a drive, loads the bus, takes the
-# interface down, kills the program; then looks at what came out. Needs no AF_CAN on this machine.
-# Usage: guest/run.sh CG_BINARY VENV   (the environment that `make venv` makes: python-can listens too)
+# Tests `cg run` on real SocketCAN: boots a kernel with vcan in QEMU, plays a drive, loads the bus, takes
+# the interface down, kills the program, and checks the results. This machine needs no AF_CAN.
+# Usage: guest/run.sh CG_BINARY VENV   (VENV: the environment of `make venv`, for the test with python-can)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cg=$(realpath "$1")
@@ -25,7 +25,7 @@ if [ ${#missing[@]} -gt 0 ]; then
   as_root apt-get install -y -q --no-install-recommends "${missing[@]}"
 fi
 
-# Kernel and can-utils are unpacked, not installed.
+# The kernel and can-utils are unpacked, not installed.
 (
   cd "$work"
   image=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/.*Depends: \(linux-image-[^ ]*\)/\1/p' | head -n 1)
@@ -39,7 +39,7 @@ fi
 kernel=$(find "$work/packages/boot" -name 'vmlinuz-*')
 modules=$(find "$work/packages" -path '*/modules/*/kernel' -prune)
 
-# A truck with a steering ratio, since J1939 has the angle of the steering wheel; its drive.
+# A truck with a steering ratio, because J1939 carries the angle of the steering wheel; and its drive.
 sed 's/^nominal_speed_mps/steering_ratio = 20.0\n&/' fixtures/vehicles/kraz.toml > "$work/truck.toml"
 for log in csv log; do
   "$cg" simulate --vehicle "$work/truck.toml" --maneuver drive --duration-s 45 --seed 5 --snr-db 25 -o "$work/drive.$log"
@@ -69,7 +69,7 @@ for module in can can-raw can-dev vcan; do
     *) cp "$file" "$root/lib/$module.ko" ;;
   esac
 done
-# Python with what the listener needs, from the environment.
+# Python and the packages that the listener needs, from the environment.
 python=$("$venv/bin/python" -c 'import sys; print(sys.base_prefix)')
 "$venv/bin/python" - "$root" <<'PYTHON'
 import shutil, sys, sysconfig
@@ -111,13 +111,13 @@ cp "$work/truck.toml" "$work/drive.log" "$root/"
 printf 'seconds=%s\nrate=%s\ndowns=20\n' "$seconds" "$rate" > "$root/settings"
 (cd "$root" && find . | cpio --quiet -o -H newc) | gzip -1 > "$work/initramfs.gz"
 
-# Output on the first serial port, the files of the test as a tar on the second one.
-# All that the emulator can do: numpy wants a processor of this century.
+# The console is on the first serial port, the files of the test come as a tar on the second one.
+# `-cpu max`, because numpy needs a recent processor.
 timeout 600 qemu-system-x86_64 -cpu max -kernel "$kernel" -initrd "$work/initramfs.gz" \
   -append "console=ttyS0 panic=-1 quiet" -display none -monitor none -m 1536 -smp 2 -no-reboot \
   -serial "file:$work/console.txt" -serial "file:$work/results.tar" ||
-  { tail -n 40 "$work/console.txt"; echo "guest: QEMU ended badly"; exit 1; }
+  { tail -n 40 "$work/console.txt"; echo "guest: QEMU failed"; exit 1; }
 mkdir -p "$work/results"
 tar -xf "$work/results.tar" -C "$work/results" 2>/dev/null ||
-  { tail -n 40 "$work/console.txt"; echo "guest: no results came out"; exit 1; }
+  { tail -n 40 "$work/console.txt"; echo "guest: no results"; exit 1; }
 python3 guest/check.py "$work"

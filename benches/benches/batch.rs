@@ -1,5 +1,5 @@
-//! `cg estimate`'s work on a long CSV beside its named peer: only parsing the same file with
-//! the csv crate. Rows: `CG_BENCH_ROWS`, 10 million unless said.
+//! The work of `cg estimate` on a long CSV file, compared with its named peer: only parsing the
+//! same file with the csv crate. `CG_BENCH_ROWS` sets the rows, 10 million by default.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::fs::File;
@@ -25,7 +25,7 @@ fn log() -> &'static Path {
     LOG.get_or_init(|| cg_bench::long_log(rows()).unwrap())
 }
 
-/// Peer: split every row into fields, look at none.
+/// Peer: splits every row into fields and uses none of them.
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn csv_crate_parse_only(bencher: Bencher) {
     let log = log();
@@ -40,7 +40,7 @@ fn csv_crate_parse_only(bencher: Bencher) {
     });
 }
 
-/// Our reader alone: fields, numbers, units, checks.
+/// The log reader alone: fields, numbers, units, checks.
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn log_reader(bencher: Bencher) {
     let log = log();

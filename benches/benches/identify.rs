@@ -1,5 +1,5 @@
-//! Time per row of the identifiers and of the whole pipeline, beside nalgebra's batch QR of the
-//! same regression (order 5, 5) as the named peer.
+//! Time per row of the identifiers and of the whole pipeline. The named peer is nalgebra's batch QR
+//! of the same regression (order 5, 5).
 #![allow(
     missing_docs,
     clippy::cast_possible_truncation,
@@ -21,7 +21,7 @@ fn main() {
     divan::main();
 }
 
-/// Steer and roll of the middle of the drive.
+/// Steer and roll from the middle of the drive.
 fn signals() -> Vec<(f64, f64)> {
     let rows = cg_bench::drive();
     rows.iter().skip(2000).take(ROWS).map(|row| (row.steer_rad, row.roll_rad)).collect()
@@ -57,7 +57,7 @@ fn shift_form_arx_5_5_row<T: Real>(bencher: Bencher) {
     });
 }
 
-/// Peer: build the regressor matrix, QR, solve.
+/// Peer: builds the regressor matrix, QR, solves.
 #[divan::bench]
 fn nalgebra_qr_5_5_row(bencher: Bencher) {
     let data = signals();
@@ -72,7 +72,7 @@ fn nalgebra_qr_5_5_row(bencher: Bencher) {
     });
 }
 
-/// Both channels: condition, identify, close and judge maneuvers, fuse.
+/// Both channels: condition, identify, close and check maneuvers, fuse.
 #[divan::bench(types = [f32, f64])]
 fn estimator_push<T: Real>(bencher: Bencher) {
     let design = design(&cg_bench::kraz(), Variant::Complete).unwrap().cast::<T>();
@@ -100,7 +100,7 @@ fn estimator_push<T: Real>(bencher: Bencher) {
     });
 }
 
-/// The reduced model's step matrices: paid once per new sampling interval.
+/// The reduced model's step matrices, computed once per new sampling interval.
 #[divan::bench(types = [f32, f64])]
 fn discretise<T: Real>(bencher: Bencher) {
     let model: Reduced5<T> = model();

@@ -1,9 +1,10 @@
-//! The nonlinear plant: one second of simulated time at 1 ms, so that 1 s over the time shown is
-//! the ratio to real time of one core. No peer: the linear model's exact step beside it.
+//! The nonlinear plant: one second of simulated time at 1 ms, so that 1 s divided by the time shown
+//! is the ratio to real time on one core. There is no peer; the exact step of the linear model is
+//! measured for comparison.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use cg_plant::plant::{PlantOptions, YawRollPlant};
-use cg_vehicle::linear::Equations;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::{Variant, Vehicle};
 use divan::Bencher;
 
@@ -18,7 +19,7 @@ fn vehicle(name: &str) -> Vehicle {
     Vehicle::load(format!("{folder}/{name}.toml")).unwrap()
 }
 
-/// Five axles with linear or measured springs and tyres; six axles.
+/// Five axles with linear or measured springs and tires; six axles.
 #[divan::bench(args = ["baseline", "baseline-tables", "kraz"])]
 fn simulated_second(bencher: Bencher, name: &str) {
     let vehicle = vehicle(name);

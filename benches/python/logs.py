@@ -1,10 +1,10 @@
-"""Many logs to ARX models and to heights, beside pandas and numpy doing the same ARX.
+"""Many logs to ARX models and to heights, compared with pandas and numpy for the same ARX.
 
     OPENBLAS_NUM_THREADS=1 python benches/python/logs.py    # CG_BENCH_LOGS=20 for a short one
 
 Prints a section for benches/RESULTS.md. Everything runs in one process, one after the other, on
-files that are in the system's cache; where no number of threads is named, on one thread, which
-the variable says to numpy.
+files that are in the system's cache, and on one thread unless a number of threads is given. The
+variable limits numpy to one thread.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def by_pandas(path: Path) -> np.ndarray:
 
 
 def by_cgheight(path: Path) -> np.ndarray:
-    """Do the same with this package: its reader, its ARX."""
+    """Do the same with this package's reader and ARX."""
     frame = cgheight.read_log(path)
     model = cgheight.arx(frame["steer_rad"], frame["roll_rad"], ORDER, ORDER, DELAY, 1 / RATE_HZ)
     return np.concatenate([model.a[1:], model.b])
@@ -55,9 +55,9 @@ def timed(work: Callable[[], object]) -> float:
 
 
 def main() -> None:
-    """Make the logs, run everybody, print the table."""
+    """Make the logs, run all benches, print the table."""
     if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
-        raise SystemExit("give OPENBLAS_NUM_THREADS=1: one thread for numpy as for the others")
+        raise SystemExit("set OPENBLAS_NUM_THREADS=1: one thread for numpy as for the others")
     truck = cgheight.Vehicle.load(VEHICLE)
     with tempfile.TemporaryDirectory() as folder:
         paths = []
@@ -85,7 +85,7 @@ def main() -> None:
         ]  # fmt: skip
     print(f"## {LOGS} logs in Python\n")
     print(f"{LOGS} simulated drives, {rows} rows of 7 columns each, {size:.0f} MiB of CSV; "
-          f"median of {ROUNDS} rounds, everybody in one run.\n")  # fmt: skip
+          f"median of {ROUNDS} rounds, all in one run.\n")  # fmt: skip
     print("| what | time | against pandas and numpy |\n|---|---|---|")
     for name, seconds in table:
         ratio = "" if seconds is peer else f"{peer / seconds:.1f} × as fast"

@@ -1,8 +1,8 @@
-"""Trips on Spark with two workers beside `cg estimate --jobs 2` on the same Parquet files.
+"""Trips on Spark with two workers, compared with `cg estimate --jobs 2` on the same Parquet files.
 
     python benches/python/spark_trips.py     # 400 trips; CG_BENCH_TRIPS=20 for a short one
 
-Prints a section for benches/RESULTS.md. CG names the program; else target/release/cg.
+Prints a section for benches/RESULTS.md. CG names the program, target/release/cg by default.
 """
 
 from __future__ import annotations
@@ -54,10 +54,10 @@ def main() -> None:
     assert [heights[k] for k in range(TRIPS)] == expected
     print(f"## {TRIPS} trips on Spark\n")
     what = f"{TRIPS} simulated drives of {DURATION_S:.0f} s at {RATE_HZ:.0f} Hz in Parquet"
-    print(f"{what}, the same heights to the last bit. Spark: one machine, two workers.\n")
+    print(f"{what}; both give the same heights to the last bit. Spark runs on one machine with two workers.\n")
     print("| what | time | trips a second |\n|---|---|---|")
     for name, seconds in (
-        ("`cg estimate --jobs 2`, start included", alone),
+        ("`cg estimate --jobs 2`, including its start", alone),
         ("`cgheight.spark`, first query (starts the workers)", times[0]),
         ("`cgheight.spark`, second query", times[1]),
     ):

@@ -1,4 +1,4 @@
-"""Simulated trips for benches: one file each, loads drawn at random, known seeds."""
+"""Simulated trips for benches: one file each, random loads, fixed seeds."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ pub fn fixture(name: &str) -> PathBuf {
 /// The independent truck.
 ///
 /// # Panics
-/// If the fixture is gone.
-#[allow(clippy::expect_used)] // a bench without its fixture has nothing to say
+/// If the fixture is missing.
+#[allow(clippy::expect_used)] // a bench needs its fixture
 pub fn kraz() -> Vehicle {
     Vehicle::load(fixture("vehicles/kraz.toml")).expect("a good vehicle file")
 }
@@ -24,7 +24,7 @@ pub fn kraz() -> Vehicle {
 /// The rows of the independent truck's drive (330 s at 50 Hz).
 ///
 /// # Panics
-/// If the fixture is gone.
+/// If the fixture is missing.
 #[allow(clippy::expect_used)]
 pub fn drive() -> Vec<LogRow> {
     let path = fixture("logs/F_drive1_p15_h155.csv.gz");
@@ -32,8 +32,8 @@ pub fn drive() -> Vec<LogRow> {
     std::iter::from_fn(|| reader.next_row().expect("a good row")).collect()
 }
 
-/// Writes the drive over and over, time going on, until the file has `rows` rows; seven
-/// columns as a logger writes them. Returns its path in the system's temporary folder.
+/// Repeats the drive with increasing time until the file has `rows` rows, in seven columns as a
+/// logger writes them. Returns its path in the system's temporary folder.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -5,7 +5,7 @@ use cg_core::Maneuver;
 use cg_firmware::{can, replay};
 
 fn tell(maneuver: &Maneuver<f32>, height: Option<Height<f32>>) {
-    // As the chip writes numbers: a dash where there is none.
+    // The chip's format: a dash if there is no number.
     let number = |x: Option<f32>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
     let value = number(height.map(|h| h.height_m.value));
     let sd = number(height.map(|h| h.height_m.sd));

@@ -1,4 +1,4 @@
-//! The machine: a counter of instructions or cycles, the memory in use, lines of text.
+//! The board: a counter of instructions or cycles, the memory in use, lines of text.
 
 use cg_core::Height;
 use cg_core::Maneuver;
@@ -7,26 +7,26 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DWT, SYST};
 use cortex_m_semihosting::hio::{self, HostStream};
 
-/// Instructions in a tick of the timer: QEMU runs one a nanosecond (`-icount shift=0`), and the
-/// timer of this board has 25 MHz.
+/// Instructions per tick of the timer: QEMU runs one instruction per nanosecond
+/// (`-icount shift=0`), and the timer of this board runs at 25 MHz.
 const INSTRUCTIONS_PER_TICK: u32 = 40;
 const RELOAD: u32 = 0x00ff_ffff;
 
-/// Counts cycles where the chip can, else QEMU's instructions.
+/// Counts cycles if the chip can, otherwise QEMU's instructions.
 #[derive(Clone, Copy)]
 pub(crate) struct Counter {
     cycles: bool,
 }
 
 impl Counter {
-    /// Starts to count; `None` the second time.
+    /// Starts the counter; `None` if it was started before.
     pub(crate) fn start() -> Option<Self> {
         let mut core = Peripherals::take()?;
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
         let before = DWT::cycle_count();
         cortex_m::asm::nop();
-        let cycles = DWT::cycle_count() != before; // QEMU's stands still
+        let cycles = DWT::cycle_count() != before; // QEMU does not count cycles
         core.SYST.set_clock_source(SystClkSource::Core);
         core.SYST.set_reload(RELOAD);
         core.SYST.clear_current();
@@ -34,17 +34,17 @@ impl Counter {
         Some(Self { cycles })
     }
 
-    /// What is counted.
+    /// The unit of the count.
     pub(crate) fn unit(self) -> &'static str {
         if self.cycles { "cycles" } else { "instructions" }
     }
 
-    /// The count; differences hold for less than half a second.
+    /// The count; differences are valid for less than half a second.
     pub(crate) fn now(self) -> u32 {
         if self.cycles {
             DWT::cycle_count()
         } else {
-            // Counts down, 24 bits: the upper ones make differences wrap as 32 bits do.
+            // The timer counts down with 24 bits; the multiplication makes differences wrap like 32 bits.
             RELOAD.wrapping_sub(SYST::get_current()).wrapping_mul(INSTRUCTIONS_PER_TICK)
         }
     }
@@ -63,22 +63,22 @@ unsafe extern "C" {
 pub(crate) struct Memory {
     /// Flash: code, constants, the design, initial values; without the log.
     pub(crate) image: u32,
-    /// RAM of fixed place.
+    /// Statically allocated RAM.
     pub(crate) fixed: u32,
-    /// The stack at its deepest so far.
+    /// Maximum stack depth so far.
     pub(crate) stack: u32,
 }
 
 impl Memory {
-    /// What the linker says, and how much of the stack has lost its paint.
+    /// Reads the linker's symbols and how much of the painted stack was overwritten.
     #[allow(clippy::cast_possible_truncation)] // 32-bit addresses
     pub(crate) fn measure() -> Self {
         let address = |symbol: *const u32| symbol as usize as u32;
         let data = address(&raw const __edata) - address(&raw const __sdata);
         let (low, high) = (address(&raw const _stack_end), address(&raw const _stack_start));
         let mut place = &raw const _stack_end;
-        // SAFETY: aligned words of RAM from the end of the statics to the start of the stack; the
-        // stack that is in use lies above the paint and is not read as anything but numbers.
+        // SAFETY: these are aligned words of RAM between the end of the statics and the start of the
+        // stack. The stack in use is above the paint, and its words are read as plain numbers only.
         let word = |place: *const u32| unsafe { place.read_volatile() };
         while address(place) < high && word(place) == cortex_m_rt::STACK_PAINT_VALUE {
             place = place.wrapping_add(1);
@@ -91,22 +91,22 @@ impl Memory {
     }
 }
 
-/// Lines of text to the debugger (or to QEMU's standard output); no heap and no `core::fmt`,
-/// whose checks would bring panics into the image.
+/// A line of text to the debugger (or to QEMU's standard output). It uses no heap and no `core::fmt`,
+/// whose checks would link panics into the image.
 pub(crate) struct Line {
     bytes: [u8; 100],
     length: usize,
 }
 
 impl Line {
-    /// An empty one.
+    /// An empty line.
     pub(crate) fn new() -> Self {
         Self { bytes: [0; 100], length: 0 }
     }
 
     /// Adds text, as far as it fits.
     #[must_use]
-    #[inline(never)] // the image is the estimator's
+    #[inline(never)] // keeps the image small: its size is a budget of the estimator
     pub(crate) fn text(mut self, text: &str) -> Self {
         for byte in text.bytes() {
             if let Some(place) = self.bytes.get_mut(self.length) {
@@ -164,14 +164,14 @@ impl Line {
         self.whole(scaled / 10_000).text(".").digits(u64::from(scaled % 10_000), 10, 4)
     }
 
-    /// Writes it; what a debugger that is not there misses is lost.
+    /// Writes the line; without a debugger it is lost.
     pub(crate) fn end(self, out: &mut HostStream) {
         let line = self.text("\n");
         let _ = out.write_all(line.bytes.get(..line.length).unwrap_or(&[]));
     }
 }
 
-/// What was learnt of a maneuver, and the height after it.
+/// Prints a maneuver and the height after it.
 pub(crate) fn maneuver(
     out: &mut HostStream,
     maneuver: &Maneuver<f32>,
@@ -191,7 +191,7 @@ pub(crate) fn maneuver(
         .end(out);
 }
 
-/// Where lines go.
+/// The stream to which lines are written.
 pub(crate) fn output() -> Option<HostStream> {
     hio::hstdout().ok()
 }

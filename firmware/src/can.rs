@@ -1,5 +1,4 @@
-//! J1939 frames in, heights out: what an ECU on the bus does, with any driver that speaks
-//! `embedded-can`.
+//! J1939 frames in, heights out: the work of an ECU on the bus, with any `embedded-can` driver.
 
 use cg_core::Maneuver;
 use cg_core::signal::j1939::{self, Compensation, NOT_AVAILABLE, Signal};
@@ -11,8 +10,8 @@ use crate::replay::Onboard;
 use crate::trace::Trace;
 use crate::truck::DESIGN;
 
-/// Takes in a frame that came at `time_us`: frames to samples to heights, in memory of fixed size.
-/// Tells of each maneuver that it ends.
+/// Takes a frame received at `time_us` and turns frames into samples and samples into heights, in
+/// memory of fixed size. Calls `told` for each maneuver that ends.
 pub fn listen(
     aligner: &mut Aligner<f32>,
     estimator: &mut Onboard,
@@ -20,7 +19,7 @@ pub fn listen(
     time_us: u64,
     mut told: impl FnMut(&Maneuver<f32>, &Onboard),
 ) {
-    // J1939 knows extended identifiers only.
+    // J1939 uses extended identifiers only.
     let Id::Extended(identifier) = frame.id() else { return };
     let identifier = identifier.as_raw();
     let source = identifier & 0xFF;
@@ -28,7 +27,7 @@ pub fn listen(
         aligner.push(quantity, (source, rank), time_us, value);
     });
     while let Some(sample) = aligner.next(time_us) {
-        // A sample whose time does not increase is refused and changes nothing.
+        // A sample whose time does not increase is refused and has no effect.
         if let Ok(step) = estimator.push(&sample)
             && let Some(maneuver) = &step.closed
         {
@@ -37,7 +36,7 @@ pub fn listen(
     }
 }
 
-/// A frame as a driver gives it.
+/// A frame as a driver returns it.
 pub struct Received {
     identifier: u32,
     data: [u8; 8],
@@ -76,7 +75,8 @@ impl Frame for Received {
     }
 }
 
-/// What the truck's devices send of one row of the log: brakes, roll sensor, engine, scale.
+/// The frames that the truck's devices send for one row of the log: brakes, roll sensor, engine,
+/// scale.
 fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
     let frame = |source: u8, signals: &[(Signal, f32)]| {
         let (mut data, mut identifier) = (NOT_AVAILABLE, 0);
@@ -102,8 +102,8 @@ fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
     ]
 }
 
-/// Sends the log over the bus that the truck would have, and listens to it. What was learnt, and
-/// a hash of every maneuver.
+/// Sends the log as the frames of a truck's bus and listens to them. Returns a hash of every
+/// maneuver.
 pub fn replay(mut told: impl FnMut(&Maneuver<f32>, &Onboard)) -> Trace {
     const STEERING_RATIO: f32 = 20.0;
     let mut aligner =

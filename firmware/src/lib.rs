@@ -1,4 +1,5 @@
-//! What host and target do alike: replay the log through the estimator, hash every answer.
+//! The code that runs on both host and target: replays the log through the estimator and hashes
+//! every answer.
 //!
 //! | module | what |
 //! |---|---|

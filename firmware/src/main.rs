@@ -1,6 +1,6 @@
-//! Boots on a Cortex-M4F, replays the log, and says what came out and what it cost.
+//! Boots on a Cortex-M4F, replays the log, and prints the results and their cost.
 //!
-//! `cargo run --release` runs it in QEMU and counts instructions; on a board with a debugger the
+//! `cargo run --release` runs it in QEMU and counts instructions. On a board with a debugger the
 //! same image counts cycles.
 #![no_std]
 #![no_main]
@@ -55,7 +55,7 @@ fn show(counter: Counter, out: &mut HostStream) {
     Line::new().text("hash = ").hexadecimal(report.trace.0).end(out);
 }
 
-/// A bounds check that stays: the search for panics must find this one.
+/// A bounds check that is not optimized away: the search for panics must find it.
 #[cfg(feature = "control")]
 fn control(index: u32) {
     let table = core::hint::black_box([1_u32, 2, 3]);

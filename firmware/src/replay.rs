@@ -12,14 +12,14 @@ use crate::truck::DESIGN;
 /// The estimator on a microcontroller: the design stays in flash.
 pub type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32>>;
 
-/// What a kind of call costs, in the clock's unit.
+/// The cost of one kind of call, in the clock's unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cost {
-    /// Calls.
+    /// Number of calls.
     pub calls: u32,
-    /// All of them together.
+    /// Sum over all calls.
     pub total: u64,
-    /// The dearest.
+    /// The worst case.
     pub worst: u32,
 }
 
@@ -37,26 +37,26 @@ impl Cost {
     }
 }
 
-/// What a replay has shown.
+/// The results of a replay.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Report {
     /// All samples.
     pub all: Cost,
-    /// Samples that end no maneuver. Every eighth row folds a block; a new interval, or a new
-    /// beginning after a stop, makes the filters anew.
+    /// Samples that end no maneuver. Every fifth row reduces a block. A new interval, or a new start
+    /// after a stop, rediscretizes the filters.
     pub running: Cost,
-    /// Samples that end a maneuver: solve, judge, fuse.
+    /// Samples that end a maneuver: solve, check, fuse.
     pub closing: Cost,
-    /// Every bit of every answer.
+    /// Hash of every answer.
     pub trace: Trace,
-    /// Height of both channels together.
+    /// Height from both channels combined.
     pub height: Option<Height<f32>>,
     /// Rollover threshold at that height, in g.
     pub threshold_g: f32,
 }
 
-/// Runs the log through the estimator. `clock` counts up in any unit; `told` hears of each
-/// maneuver, and of the height after it.
+/// Runs the log through the estimator. `clock` counts up in any unit; `told` is called with each
+/// maneuver and the height after it.
 pub fn replay(
     clock: impl Fn() -> u32,
     mut told: impl FnMut(&Maneuver<f32>, Option<Height<f32>>),
@@ -99,20 +99,20 @@ pub fn replay(
     report
 }
 
-/// Costs of the identifier alone, a row of one channel.
+/// Costs of the identifier alone, for one row of one channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IdentifyCosts {
-    /// At an even interval; every eighth row folds a block.
+    /// At a constant interval; every fifth row reduces a block.
     pub even: Cost,
-    /// At an interval that changes with every row, as that of time stamps of arrival does: the
-    /// filters are discretised anew each time.
+    /// At an interval that changes with every row, as with time stamps of arrival: the filters are
+    /// discretized again each time.
     pub jitter: Cost,
 }
 
-/// Rows with jitter.
+/// Number of rows with jitter.
 const JITTER_ROWS: usize = 400;
 
-/// Counts what the identifier alone costs on the log's lateral acceleration and roll.
+/// Measures the cost of the identifier alone on the log's lateral acceleration and roll.
 pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
     let model = DESIGN.model(Channel::LateralAcceleration, DESIGN.nominal_trailer_mass_kg);
     let mut costs = IdentifyCosts::default();

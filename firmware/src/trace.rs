@@ -25,9 +25,9 @@ impl Trace {
         }
     }
 
-    /// Takes in a number.
+    /// Adds a number.
     pub fn number(&mut self, value: f32) {
-        // Any NaN is as good as another: their bits are the hardware's choice.
+        // All NaNs count as equal, because their bits depend on the hardware.
         self.word(if value.is_nan() { f32::NAN.to_bits() } else { value.to_bits() });
     }
 
@@ -36,7 +36,7 @@ impl Trace {
         self.number(measured.sd);
     }
 
-    /// Takes in an answer.
+    /// Adds the answer to a sample.
     pub fn step(&mut self, step: &Result<Step<f32>, SampleError>) {
         let Ok(step) = step else { return self.word(9) };
         self.word(match step.status {
@@ -49,7 +49,7 @@ impl Trace {
         }
     }
 
-    /// Takes in a maneuver.
+    /// Adds a maneuver.
     pub fn maneuver(&mut self, closed: &Maneuver<f32>) {
         self.long(closed.start_us);
         self.long(closed.end_us);
@@ -100,7 +100,7 @@ impl Trace {
         }
     }
 
-    /// Takes in a fused height.
+    /// Adds a fused height.
     pub fn height(&mut self, height: Option<Height<f32>>) {
         match height {
             None => self.word(0),

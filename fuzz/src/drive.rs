@@ -1,11 +1,11 @@
-//! Bytes to samples, samples to an estimator, and what must hold of it whatever they are.
+//! Turns bytes into samples for an estimator, and checks what must always hold.
 //!
-//! | first byte modulo 8 | then | what |
+//! | first byte modulo 8 | then | meaning |
 //! |---|---|---|
-//! | 0 to 2 | 8 bytes | a stretch of driving: samples that move towards an input and its roll angle |
+//! | 0 to 2 | 8 bytes | some driving: samples that move toward an input and its roll angle |
 //! | 3 | 7 bytes | one sample of plausible values |
-//! | 4 | 56 bytes | one sample of any bits |
-//! | 5 | 8 bytes | any time |
+//! | 4 | 56 bytes | one sample of arbitrary bits |
+//! | 5 | 8 bytes | an arbitrary time |
 //! | 6 | 1 byte | a pause of tenths of a second |
 //! | 7 | – | the end of a log, and a restart |
 
@@ -16,7 +16,7 @@ use cg_core::{
     Settings, Step,
 };
 
-/// Samples after which an input is long enough.
+/// The greatest number of samples.
 const MOST_SAMPLES: usize = 4000;
 
 type Subject<T> = Estimator<T, FilteredArx<T>>;
@@ -83,7 +83,7 @@ impl<T: Real + Debug> Truck<T> {
         }
     }
 
-    /// Does what one code says; `None` where the bytes end.
+    /// Executes one code; `None` at the end of the bytes.
     fn obey(&mut self, what: u8, code: &mut impl Iterator<Item = u8>) -> Option<()> {
         match what % 8 {
             0..=2 => self.stretch(take(code)?),
@@ -163,7 +163,7 @@ impl<T: Real + Debug> Truck<T> {
             trailer_mass_kg: mass,
         };
         self.samples += 1;
-        // A refusal, of a time that goes back, is an answer too.
+        // A refusal (a time that goes back) is also a valid answer.
         if let Ok(step) = self.estimator.push(&sample) {
             check_step(&step);
             if step.closed.is_some() {
@@ -219,7 +219,7 @@ fn check_step<T: Real + Debug>(step: &Step<T>) {
     }
 }
 
-/// What holds of every estimator; whether it knows a height.
+/// Checks what must hold for every estimator; returns whether it has a height.
 fn check<T: Real + Debug>(estimator: &Subject<T>) -> bool {
     for channel in Channel::ALL {
         if let Some(height) = estimator.height(channel) {

@@ -1,8 +1,8 @@
-//! What is done with bytes that nobody made with care: one function for each reader of foreign
-//! bytes, called by libFuzzer (`fuzz_targets/`) and by `crates/cg-logs/tests/fuzz_seeds.rs`.
+//! One function for each reader of foreign input, called by libFuzzer (`fuzz_targets/`) and by
+//! `crates/cg-logs/tests/fuzz_seeds.rs`.
 //!
-//! Each says whether the bytes were taken for what the reader reads, so that kept seeds cannot
-//! rot unnoticed. A panic, a failed assertion, a hang or much memory is a finding.
+//! Each function returns whether the reader accepted the bytes, so that a kept seed that is no longer
+//! accepted is noticed. A panic, a failed assertion, a hang or high memory use is a finding.
 
 use std::io::Cursor;
 use std::sync::LazyLock;
@@ -17,7 +17,7 @@ use cg_vehicle::{Variant, Vehicle};
 
 mod drive;
 
-/// The truck that calibrations and states are of.
+/// The truck of the calibrations and states.
 static TRUCK: LazyLock<Vehicle> = LazyLock::new(|| {
     Vehicle::parse(include_str!("../../fixtures/vehicles/kraz.toml"), "kraz.toml")
         .expect("a fixture")
@@ -25,12 +25,12 @@ static TRUCK: LazyLock<Vehicle> = LazyLock::new(|| {
 static DESIGN: LazyLock<Design<f64>> =
     LazyLock::new(|| design(&TRUCK, Variant::Complete).expect("a fixture"));
 
-/// The choices that the first byte makes, and the bytes after it.
+/// The choices in the first byte, and the bytes after it.
 fn choices(data: &[u8]) -> (u8, &[u8]) {
     data.split_first().map_or((0, data), |(&first, rest)| (first, rest))
 }
 
-/// What stands before and after the first zero byte.
+/// The bytes before and after the first zero byte.
 fn two_parts(data: &[u8]) -> (&[u8], &[u8]) {
     match data.iter().position(|&byte| byte == 0) {
         Some(at) => (&data[..at], &data[at + 1..]),
@@ -38,7 +38,7 @@ fn two_parts(data: &[u8]) -> (&[u8], &[u8]) {
     }
 }
 
-/// One in 32 of all inputs, always the same: for what takes long.
+/// True for one in 32 inputs, always the same ones: for slow checks.
 fn is_chosen(data: &[u8]) -> bool {
     crc32fast::hash(data).is_multiple_of(32)
 }
@@ -47,7 +47,7 @@ fn finite_or_absent(value: f64) -> bool {
     value.is_nan() || value.is_finite()
 }
 
-/// A log: a byte of options, then CSV or what candump writes, plain or gzip.
+/// A log: one byte of options, then CSV or candump text, plain or gzip.
 pub fn log_reader(data: &[u8]) -> bool {
     let (choice, log) = choices(data);
     let on = |bit: u8| choice >> bit & 1 == 1;
@@ -110,7 +110,7 @@ fn read_all(mut reader: LogReader, most_bytes: usize) -> bool {
     rows > 0
 }
 
-/// What is mapped where a DBC file has it.
+/// Mappings that are used if the DBC file has the signal.
 const MAPS: [&str; 4] = [
     "roll=M.S[deg]*-1+0.3",
     "tilt=SSI2.RollAngle",
@@ -118,7 +118,7 @@ const MAPS: [&str; 4] = [
     "speed=CCVS1.WheelBasedVehicleSpeed*0.5-1e3",
 ];
 
-/// Those of the signals that a DBC file has.
+/// The mappings whose signals the DBC file has.
 fn mapped(dbc: &[u8]) -> Vec<MappedSignal> {
     let text = String::from_utf8_lossy(dbc);
     let mut mapped = Vec::new();
@@ -147,7 +147,7 @@ pub fn candump(data: &[u8]) -> bool {
     samples > 0
 }
 
-/// How many samples the frames of a log make, as if they came live or not.
+/// The number of samples from the frames of a log, in live operation or not.
 fn sampled(mut sampler: Sampler, log: &str, live: bool) -> u32 {
     let mut samples = 0;
     let mut last_us = 0;
@@ -213,7 +213,7 @@ pub fn dbc(data: &[u8]) -> bool {
     found
 }
 
-/// A vehicle file: one that is accepted makes a design, or an error that says why not.
+/// A vehicle file: an accepted file gives a design, or an error with the reason.
 pub fn vehicle_file(data: &[u8]) -> bool {
     let text = String::from_utf8_lossy(data);
     let vehicle = match Vehicle::check(&text, "v.toml") {
@@ -246,7 +246,7 @@ pub fn vehicle_file(data: &[u8]) -> bool {
     true
 }
 
-/// A calibration of the fixture's truck; the first byte says whether its checksum is put right.
+/// A calibration of the fixture's truck; the first byte selects whether its checksum is corrected.
 pub fn calibration_file(data: &[u8]) -> bool {
     let (choice, rest) = choices(data);
     let mut text = String::from_utf8_lossy(rest).into_owned();
@@ -273,7 +273,7 @@ pub fn calibration_file(data: &[u8]) -> bool {
     }
 }
 
-/// A state of the fixture's truck; the first byte says whether its checksums are put right.
+/// A state of the fixture's truck; the first byte selects whether its checksums are corrected.
 pub fn state_file(data: &[u8]) -> bool {
     let (choice, rest) = choices(data);
     let crc32 = design_crc32(&DESIGN);
@@ -298,7 +298,7 @@ pub fn state_file(data: &[u8]) -> bool {
     }
 }
 
-/// A state's JSON with the number behind `"design_crc32":` replaced.
+/// A state's JSON with the number after `"design_crc32":` replaced.
 fn with_design(json: &str, crc32: u32) -> String {
     const KEY: &str = "\"design_crc32\":";
     match json.split_once(KEY) {
@@ -310,7 +310,7 @@ fn with_design(json: &str, crc32: u32) -> String {
     }
 }
 
-/// Samples by [`drive`]'s byte code into an estimator of double and one of single precision.
+/// Samples from the byte code of [`drive`], for an estimator in double and one in single precision.
 pub fn estimator_push(data: &[u8]) -> bool {
     let double = drive::drive::<f64>(data, &DESIGN);
     let single = drive::drive::<f32>(data, &DESIGN.cast());

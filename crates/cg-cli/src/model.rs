@@ -6,7 +6,7 @@ use anyhow::Context;
 use cg_core::RatioLine;
 use cg_core::truck::reduced::ORDER;
 use cg_vehicle::reduction::{Method, reduce};
-use cg_vehicle::response::TransferFunction;
+use cg_vehicle::system::TransferFunction;
 use cg_vehicle::{LinearModel, Vehicle};
 use serde::Serialize;
 

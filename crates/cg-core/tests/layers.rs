@@ -1,12 +1,15 @@
-//! Arrows point one way: a crate uses only those before it, a module only those above it in `lib.rs`.
+//! Arrows point one way: between crates, between modules, between files.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The libraries in the order of ARCHITECTURE.md.
+use syn::visit::{self, Visit};
+
+/// The libraries in the order of ARCHITECTURE.md: a crate uses only those before it.
 const CRATES: [&str; 5] = ["cg-core", "cg-vehicle", "cg-logs", "cg-plant", "cg-thesis"];
-/// Those whose modules are in flow order too.
-const IN_ORDER: [&str; 3] = ["cg-core", "cg-plant", "cg-thesis"];
+/// What connects them.
+const DOORS: [&str; 3] = ["cg-cli", "cg-ffi", "cg-py"];
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join(name)
@@ -16,27 +19,190 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// All source files below a path.
-fn sources(path: &Path) -> Vec<PathBuf> {
-    let Ok(entries) = std::fs::read_dir(path) else { return vec![path.to_owned()] };
-    let mut found: Vec<PathBuf> =
-        entries.flat_map(|entry| sources(&entry.unwrap().path())).collect();
-    found.retain(|path| path.extension().is_some_and(|end| end == "rs"));
-    found
+fn parsed(path: &Path) -> syn::File {
+    syn::parse_file(&read(path)).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names that follow `prefix` in the code of a file, its comments and tests left out.
-fn named(path: &Path, prefix: &str) -> Vec<String> {
-    let text = read(path);
-    let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
-    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
-    let code: Vec<&str> = lines.collect();
-    let code = code.join("\n");
-    let name = |rest: &str| {
-        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-        rest[..end].to_owned()
-    };
-    code.split(prefix).skip(1).map(name).collect()
+/// A path to a module: `["decide", "height"]`; the crate's root is empty.
+type Module = Vec<String>;
+
+/// The modules of a crate that have a file of their own, in the order of their declaration.
+struct Modules {
+    files: BTreeMap<Module, PathBuf>,
+    order: Vec<Module>,
+}
+
+impl Modules {
+    fn of(name: &str) -> Self {
+        let src = folder(name).join("src");
+        let root = ["lib.rs", "main.rs"].map(|file| src.join(file));
+        let root = root.into_iter().find(|path| path.exists()).unwrap();
+        let mut modules = Self { files: BTreeMap::new(), order: Vec::new() };
+        modules.add(Module::new(), root, &src);
+        modules
+    }
+
+    fn add(&mut self, module: Module, file: PathBuf, children: &Path) {
+        for item in parsed(&file).items {
+            let syn::Item::Mod(child) = item else { continue };
+            let name = child.ident.to_string();
+            if child.content.is_some() || is_test(&child.attrs) {
+                continue;
+            }
+            let mut path = module.clone();
+            path.push(name.clone());
+            let one = children.join(format!("{name}.rs"));
+            let folder = children.join(&name);
+            let at = if one.exists() { one } else { folder.join("mod.rs") };
+            self.add(path, at, &folder);
+        }
+        self.order.push(module.clone());
+        self.files.insert(module, file);
+    }
+
+    /// The deepest module on a path that has a file.
+    fn deepest(&self, start: Module, rest: &[String]) -> Module {
+        let mut at = start;
+        for name in rest {
+            let mut below = at.clone();
+            below.push(name.clone());
+            if !self.files.contains_key(&below) {
+                break;
+            }
+            at = below;
+        }
+        at
+    }
+
+    /// Whose names each module uses.
+    fn arrows(&self) -> BTreeMap<Module, BTreeSet<Module>> {
+        let mut arrows = BTreeMap::new();
+        for (module, file) in &self.files {
+            let mut seen = Seen { modules: self, module, inline: 0, used: BTreeSet::new() };
+            seen.visit_file(&parsed(file));
+            seen.used.remove(module);
+            arrows.insert(module.clone(), seen.used);
+        }
+        arrows
+    }
+}
+
+fn is_test(attributes: &[syn::Attribute]) -> bool {
+    attributes.iter().any(|attribute| {
+        let list = attribute.meta.require_list();
+        attribute.path().is_ident("cfg") && list.is_ok_and(|list| list.tokens.to_string() == "test")
+    })
+}
+
+/// Collects the modules that a file names, in `use` and elsewhere; tests are left out.
+struct Seen<'a> {
+    modules: &'a Modules,
+    module: &'a Module,
+    /// Depth of the modules in the file itself.
+    inline: usize,
+    used: BTreeSet<Module>,
+}
+
+impl Seen<'_> {
+    fn names(&mut self, path: &[String]) {
+        let mut rest = path;
+        let mut at = self.module.clone();
+        let mut inline = self.inline;
+        match path.first().map(String::as_str) {
+            Some("crate") => (at, rest) = (Module::new(), &path[1..]),
+            Some("self") => rest = &path[1..],
+            Some("super") => {}
+            // `use child::Name` in the file that declares the child.
+            Some(child) => {
+                let mut below = at.clone();
+                below.push(child.to_owned());
+                if inline > 0 || !self.modules.files.contains_key(&below) {
+                    return;
+                }
+            }
+            None => return,
+        }
+        while rest.first().is_some_and(|name| name == "super") {
+            rest = &rest[1..];
+            if inline > 0 {
+                inline -= 1;
+            } else {
+                at.pop();
+            }
+        }
+        let found = self.modules.deepest(at, rest);
+        self.used.insert(found);
+    }
+
+    fn tree(&mut self, before: &[String], tree: &syn::UseTree) {
+        let with = |name: String| [before, &[name]].concat();
+        match tree {
+            syn::UseTree::Path(path) => self.tree(&with(path.ident.to_string()), &path.tree),
+            syn::UseTree::Name(name) => self.names(&with(name.ident.to_string())),
+            syn::UseTree::Rename(rename) => self.names(&with(rename.ident.to_string())),
+            syn::UseTree::Glob(_) => self.names(before),
+            syn::UseTree::Group(group) => {
+                group.items.iter().for_each(|tree| self.tree(before, tree));
+            }
+        }
+    }
+}
+
+impl<'ast> Visit<'ast> for Seen<'_> {
+    fn visit_item_mod(&mut self, item: &'ast syn::ItemMod) {
+        if is_test(&item.attrs) || item.content.is_none() {
+            return;
+        }
+        self.inline += 1;
+        visit::visit_item_mod(self, item);
+        self.inline -= 1;
+    }
+
+    fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
+        if !is_test(&item.attrs) {
+            self.tree(&[], &item.tree);
+        }
+    }
+
+    fn visit_item_fn(&mut self, item: &'ast syn::ItemFn) {
+        if !is_test(&item.attrs) {
+            visit::visit_item_fn(self, item);
+        }
+    }
+
+    // `pub(crate)` and `pub(in path)` name no module that is used.
+    fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
+
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        let names: Vec<String> = path.segments.iter().map(|s| s.ident.to_string()).collect();
+        if names.len() > 1 {
+            self.names(&names);
+        }
+        visit::visit_path(self, path);
+    }
+}
+
+/// A way along arrows that ends where it begins.
+fn circle(arrows: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
+    fn follow(
+        at: &Module,
+        arrows: &BTreeMap<Module, BTreeSet<Module>>,
+        way: &mut Vec<Module>,
+        done: &mut BTreeSet<Module>,
+    ) -> Option<Vec<Module>> {
+        if let Some(start) = way.iter().position(|module| module == at) {
+            return Some(way[start..].to_vec());
+        }
+        if !done.insert(at.clone()) {
+            return None;
+        }
+        way.push(at.clone());
+        let found = arrows[at].iter().find_map(|next| follow(next, arrows, way, done));
+        way.pop();
+        found
+    }
+    let mut done = BTreeSet::new();
+    arrows.keys().find_map(|module| follow(module, arrows, &mut Vec::new(), &mut done))
 }
 
 #[test]
@@ -56,28 +222,35 @@ fn a_crate_uses_those_before_it() {
     assert!(arrows >= 8, "only {arrows} arrows between crates were seen");
 }
 
+/// No file uses a file that uses it, directly or through others.
+#[test]
+fn files_form_no_circle() {
+    let mut circles = Vec::new();
+    for name in CRATES.iter().chain(&DOORS) {
+        let arrows = Modules::of(name).arrows();
+        let seen: usize = arrows.values().map(BTreeSet::len).sum();
+        assert!(seen >= arrows.len(), "{name}: only {seen} arrows between {} files", arrows.len());
+        if let Some(way) = circle(&arrows) {
+            let way: Vec<String> = way.iter().map(|module| module.join("::")).collect();
+            circles.push(format!("{name}: {}", way.join(" -> ")));
+        }
+    }
+    assert!(circles.is_empty(), "{circles:#?}");
+}
+
+/// In a library a module uses only modules that are declared above it, in `lib.rs` and in each folder.
 #[test]
 fn a_module_uses_those_above_it() {
-    for name in IN_ORDER {
-        let src = folder(name).join("src");
-        let lib = read(&src.join("lib.rs"));
-        let module = |line: &str| {
-            let line = line.strip_prefix("pub ").unwrap_or(line);
-            Some(line.strip_prefix("mod ")?.strip_suffix(';')?.to_owned())
-        };
-        let modules: Vec<String> = lib.lines().filter_map(module).collect();
-        assert!(modules.len() >= 3, "lib.rs of {name} lists {modules:?}");
-        let mut arrows = 0;
-        for (place, module) in modules.iter().enumerate() {
-            let one = src.join(format!("{module}.rs"));
-            let files = if one.exists() { vec![one] } else { sources(&src.join(module)) };
-            assert!(!files.is_empty(), "{name}: no file of {module}");
-            for used in files.iter().flat_map(|file| named(file, "crate::")) {
-                let Some(above) = modules.iter().position(|other| *other == used) else { continue };
-                assert!(above <= place, "{name}: {module} uses {used}");
-                arrows += 1;
-            }
+    let mut below = Vec::new();
+    for name in CRATES {
+        let modules = Modules::of(name);
+        let place = |module: &Module| modules.order.iter().position(|other| other == module);
+        for (module, used) in modules.arrows() {
+            let wrong = used.iter().filter(|used| place(used) > place(&module));
+            below.extend(wrong.map(|used| {
+                format!("{name}: {} uses {} below it", module.join("::"), used.join("::"))
+            }));
         }
-        assert!(arrows > 0, "{name}: no arrow was seen");
     }
+    assert!(below.is_empty(), "{below:#?}");
 }

@@ -1,9 +1,8 @@
-/* Replays a log through the estimator and prints what it says. Runs on a host and, with
- * mps2.ld and startup.c, on an emulated Cortex-M4F.
+/* Replays a log through the estimator and prints the results. Runs on a host and, with mps2.ld and
+ * startup.c, on an emulated Cortex-M4F.
  *
- * The log is an array of cg_sample in the file that LOG names, compiled in; the design comes from
- * `cg design --emit c`, in the file that DESIGN names. Numbers are printed as their bits, so that
- * two machines can be compared. */
+ * The log is an array of cg_sample, compiled in from the file LOG. The design is the file DESIGN from
+ * `cg design --emit c`. Numbers are printed as their bits, so that two machines can be compared. */
 #include <stdio.h>
 #include <string.h>
 
@@ -51,7 +50,7 @@ static void print_step(const cg_step *step)
 
 static int refused(void)
 {
-    static cg_estimator estimator; /* all zero: never initialised */
+    static cg_estimator estimator; /* all zero: not initialized */
     cg_design broken = CG_DESIGN;
     cg_height height;
     int faults = 0;

@@ -1,4 +1,4 @@
-/* Cortex-M4F: vector table, floating-point unit on, then newlib's start (semihosting). */
+/* Cortex-M4F: vector table, enables the floating-point unit, then newlib's start (semihosting). */
 #include <stdint.h>
 
 extern uint32_t stack_top[];

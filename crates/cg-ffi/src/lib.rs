@@ -1,8 +1,9 @@
-//! The estimator for C: `include/cg_height.h`, and a static library behind it.
+//! The estimator for C: `include/cg_height.h` and its static library.
 //!
-//! No heap, no globals: the caller brings the memory, and the design stays where it is, in flash.
-//! This is the only crate with `unsafe` in it: pointers come from C. Each is checked for null and
-//! alignment; that it leads to memory of its type is the caller's side of the contract.
+//! There is no heap and there are no globals: the caller provides the memory, and the design is read
+//! in place, in flash. This is the only library crate with `unsafe`, because pointers come from C.
+//! Each pointer is checked for null and alignment. The caller guarantees that it points to memory of
+//! its type.
 #![cfg_attr(target_os = "none", no_std)]
 #![allow(unsafe_code)] // pointers from C
 
@@ -13,13 +14,13 @@ use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, 
 
 pub use types::{CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
 
-/// As in the header: bytes of an estimator.
+/// Size of an estimator in bytes, as in the header.
 pub const CG_ESTIMATOR_SIZE: usize = 4064;
 
-/// Why nothing was done; the numbers are those of the header.
+/// The errors of the header, with the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
-#[allow(missing_docs)] // the header says
+#[allow(missing_docs)] // documented in the header
 pub enum CgError {
     Ok = 0,
     NullPointer = 1,
@@ -40,23 +41,23 @@ pub struct CgEstimator {
 }
 
 impl CgEstimator {
-    /// Memory with nothing in it.
+    /// Empty memory.
     pub const EMPTY: Self = Self { opaque: [0; CG_ESTIMATOR_SIZE / 8] };
 }
 
 type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32>>;
 
-/// What is in that memory.
+/// The contents of that memory.
 #[repr(C)]
 struct State {
-    /// [`INITIALISED`], or whatever was there before.
+    /// [`INITIALISED`] after the initialization, otherwise arbitrary.
     mark: u64,
     estimator: Onboard,
 }
 
 const INITIALISED: u64 = 0x6367_6865_6967_6874;
 
-// It fits, on this target too, and hardly anything is wasted.
+// The state fits on this target, with little waste.
 const _: () = assert!(size_of::<State>() <= CG_ESTIMATOR_SIZE);
 const _: () = assert!(size_of::<State>() + 128 >= CG_ESTIMATOR_SIZE);
 const _: () = assert!(align_of::<State>() <= align_of::<CgEstimator>());
@@ -64,23 +65,23 @@ const _: () = assert!(align_of::<State>() <= align_of::<CgEstimator>());
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn never(_: &core::panic::PanicInfo) -> ! {
-    // Nothing in the library panics; the compiler wants to know what would happen.
+    // Nothing in the library panics, but the compiler requires a handler.
     loop {}
 }
 
 /// # Safety
-/// If not null and aligned, the pointer leads to a value of `T` that lives for `'a`.
+/// If not null and aligned, the pointer points to a value of `T` that lives for `'a`.
 unsafe fn shared<'a, T>(pointer: *const T) -> Result<&'a T, CgError> {
     check(pointer)?;
-    // SAFETY: not null and aligned; the rest is the caller's.
+    // SAFETY: not null and aligned; the caller guarantees the rest.
     Ok(unsafe { &*pointer })
 }
 
 /// # Safety
-/// As [`shared`], and nobody else uses the value.
+/// As [`shared`], and there is no other reference to the value.
 unsafe fn exclusive<'a, T>(pointer: *mut T) -> Result<&'a mut T, CgError> {
     check(pointer)?;
-    // SAFETY: not null and aligned; the rest is the caller's.
+    // SAFETY: not null and aligned; the caller guarantees the rest.
     Ok(unsafe { &mut *pointer })
 }
 
@@ -94,14 +95,14 @@ fn check<T>(pointer: *const T) -> Result<(), CgError> {
     }
 }
 
-/// Where the estimator lies in its memory.
+/// The address of the estimator in its memory.
 ///
 /// # Safety
-/// If not null and aligned, the pointer leads to memory of a `CgEstimator`.
+/// If not null and aligned, the pointer points to the memory of a `CgEstimator`.
 unsafe fn initialised(estimator: *const CgEstimator) -> Result<*const Onboard, CgError> {
     check(estimator)?;
     let state = estimator.cast::<State>();
-    // SAFETY: the mark lies within that memory, and any bits are a number.
+    // SAFETY: the mark is within that memory, and any bits are a valid number.
     if unsafe { (&raw const (*state).mark).read() } != INITIALISED {
         return Err(CgError::NotInitialised);
     }
@@ -109,19 +110,19 @@ unsafe fn initialised(estimator: *const CgEstimator) -> Result<*const Onboard, C
     Ok(unsafe { &raw const (*state).estimator })
 }
 
-/// The estimator to change.
+/// The estimator, for changes.
 ///
 /// # Safety
-/// As [`initialised`], and nobody else uses the estimator.
+/// As [`initialised`], and there is no other reference to the estimator.
 unsafe fn running<'a>(estimator: *mut CgEstimator) -> Result<&'a mut Onboard, CgError> {
-    // SAFETY: the caller's; the mark says that `cg_estimator_init` has put an estimator there.
+    // SAFETY: the caller's guarantee; the mark shows that `cg_estimator_init` constructed an estimator.
     unsafe { Ok(&mut *initialised(estimator)?.cast_mut()) }
 }
 
-/// The estimator to ask.
+/// The estimator, for reading.
 ///
 /// # Safety
-/// As [`initialised`], and nobody changes the estimator meanwhile.
+/// As [`initialised`], and nothing changes the estimator meanwhile.
 unsafe fn asked<'a>(estimator: *const CgEstimator) -> Result<&'a Onboard, CgError> {
     // SAFETY: as in `running`.
     unsafe { Ok(&*initialised(estimator)?) }
@@ -131,11 +132,11 @@ fn code(result: Result<(), CgError>) -> i32 {
     result.err().unwrap_or(CgError::Ok) as i32
 }
 
-/// Makes an estimator; see the header.
+/// Constructs an estimator; see the header.
 ///
 /// # Safety
-/// Pointers that are not null lead to memory of their types; the design lives and stays as it is
-/// for as long as the estimator is used.
+/// Pointers that are not null point to memory of their types. The design lives and does not change
+/// as long as the estimator is used.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cg_estimator_init(
     estimator: *mut CgEstimator,
@@ -149,11 +150,11 @@ pub unsafe extern "C" fn cg_estimator_init(
             check(design)?;
             return Err(CgError::WrongSize);
         }
-        // SAFETY: the caller's, and of the size that it must have.
+        // SAFETY: the caller's guarantee, and the size was checked.
         let design: &'static Design<f32> = unsafe { shared(design) }?;
         design.validate().map_err(|_| CgError::BadDesign)?;
         let state = estimator.cast::<State>();
-        // SAFETY: not null, aligned, large enough (asserted above), and nobody else's.
+        // SAFETY: not null, aligned, large enough (asserted above), and not used elsewhere.
         unsafe {
             (&raw mut (*state).estimator).write(Onboard::new(
                 design,
@@ -167,10 +168,10 @@ pub unsafe extern "C" fn cg_estimator_init(
     code(make())
 }
 
-/// Takes in a sample; see the header.
+/// Processes a sample; see the header.
 ///
 /// # Safety
-/// Pointers that are not null lead to values of their types; nobody else uses the estimator.
+/// Pointers that are not null point to values of their types; nothing else uses the estimator.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cg_estimator_push(
     estimator: *mut CgEstimator,
@@ -178,9 +179,9 @@ pub unsafe extern "C" fn cg_estimator_push(
     step: *mut CgStep,
 ) -> i32 {
     let push = || {
-        // SAFETY: the caller's.
+        // SAFETY: the caller guarantees it.
         let (estimator, sample) = unsafe { (running(estimator)?, shared(sample)?) };
-        // SAFETY: the caller's; may be null.
+        // SAFETY: the caller guarantees it; may be null.
         let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
         let answer = estimator.push(&sample.sample()).map_err(|_| CgError::TimeOrder)?;
         if let Some(told) = told {
@@ -201,9 +202,9 @@ pub unsafe extern "C" fn cg_estimator_finish(
     step: *mut CgStep,
 ) -> i32 {
     let finish = || {
-        // SAFETY: the caller's.
+        // SAFETY: the caller guarantees it.
         let estimator = unsafe { running(estimator) }?;
-        // SAFETY: the caller's; may be null.
+        // SAFETY: the caller guarantees it; may be null.
         let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
         let closed: Option<Maneuver<f32>> = estimator.finish();
         if let Some(told) = told {
@@ -225,7 +226,7 @@ pub unsafe extern "C" fn cg_estimator_height(
     height: *mut CgHeight,
 ) -> i32 {
     let ask = || {
-        // SAFETY: the caller's; only read.
+        // SAFETY: the caller guarantees it; only read.
         let (estimator, told) = unsafe { (asked(estimator)?, exclusive(height)?) };
         let height = match channel {
             0 => estimator.height(Channel::Steer),
@@ -251,7 +252,7 @@ pub unsafe extern "C" fn cg_estimator_threshold(
     rollover: *mut CgRollover,
 ) -> i32 {
     let ask = || {
-        // SAFETY: the caller's; only read.
+        // SAFETY: the caller guarantees it; only read.
         let (estimator, told) = unsafe { (asked(estimator)?, exclusive(rollover)?) };
         let height = estimator.combined_height().ok_or(CgError::NoAnswer)?.height_m;
         let found = estimator.design().rollover(height, trailer_mass_kg, speed_mps);

@@ -1,4 +1,4 @@
-//! The structures of the header, field by field; it says what they mean.
+//! The structures of the header, field by field. The header documents them.
 #![allow(missing_docs)]
 
 use cg_core::{Height, Measured, Rollover, Sample, Status, Step};
@@ -18,7 +18,7 @@ pub struct CgSample {
 }
 
 impl CgSample {
-    /// As the estimator takes it.
+    /// Converts to the estimator's sample.
     pub fn sample(&self) -> Sample<f32> {
         Sample {
             time_us: self.time_us,
@@ -101,7 +101,7 @@ pub struct CgStep {
 }
 
 impl CgStep {
-    /// As C reads it.
+    /// Converts to the structure of the header.
     pub fn new(step: &Step<f32>) -> Self {
         let mut told = Self {
             status: match step.status {
@@ -135,7 +135,7 @@ pub struct CgHeight {
 }
 
 impl CgHeight {
-    /// As C reads it.
+    /// Converts to the structure of the header.
     pub fn new(height: &Height<f32>) -> Self {
         Self {
             height_m: CgMeasured::new(height.height_m),
@@ -153,7 +153,7 @@ pub struct CgRollover {
 }
 
 impl CgRollover {
-    /// As C reads it.
+    /// Converts to the structure of the header.
     pub fn new(rollover: &Rollover<f32>) -> Self {
         Self {
             static_stability_factor_g: rollover.static_stability_factor_g,

@@ -1,4 +1,4 @@
-//! The C example, compiled and run: it must say what the estimator says here, bit for bit.
+//! Compiles and runs the C example: its output must be bit-identical to the estimator's here.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use std::fmt::Write as _;
@@ -90,7 +90,7 @@ fn maneuver(step: &Step<f32>, out: &mut String) {
     out.push('\n');
 }
 
-/// What the example must print.
+/// The output that the example must print.
 fn expected(design: &Design<f32>, samples: &[CgSample]) -> String {
     // The numbers of a design in the order of C: all fields are single precision.
     let text = emit(design, Language::Rust, &[]);
@@ -135,7 +135,7 @@ fn expected(design: &Design<f32>, samples: &[CgSample]) -> String {
     out
 }
 
-/// Runs a command to its end and gives its standard output.
+/// Runs a command and returns its standard output.
 fn run(command: &mut Command) -> String {
     let done = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -144,7 +144,7 @@ fn run(command: &mut Command) -> String {
     text(&done.stdout)
 }
 
-/// Builds the static library in its own folder, so that it is the one of now.
+/// Builds the static library in its own folder, so that it is up to date.
 fn library(target: Option<&str>) -> PathBuf {
     let folder = repository("target/ffi");
     let mut cargo = Command::new(env!("CARGO"));
@@ -175,7 +175,7 @@ impl Scene {
         Self { folder, expected }
     }
 
-    /// A compiler with what every build of the example needs.
+    /// A compiler command with the arguments that every build of the example needs.
     fn compiler(&self, name: &str, output: &str) -> Command {
         let mut compiler = Command::new(name);
         compiler.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-O2"]);

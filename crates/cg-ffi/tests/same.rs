@@ -1,4 +1,4 @@
-//! Any samples: the functions for C answer as the estimator does, bit for bit.
+//! For any samples, the functions for C give the same answers as the estimator, bit for bit.
 #![allow(unsafe_code)] // calls of functions for C
 
 use std::ptr::{from_ref, null_mut};
@@ -48,7 +48,7 @@ const fn channel(gain: f32) -> ChannelDesign<f32> {
 
 fn new() -> CgEstimator {
     let mut estimator = CgEstimator::EMPTY;
-    // SAFETY: good pointers; the design is static.
+    // SAFETY: valid pointers; the design is static.
     let code = unsafe {
         cg_estimator_init(
             &raw mut estimator,
@@ -68,11 +68,11 @@ fn words<T>(value: &T) -> Vec<u32> {
 }
 
 const EMPTY_STEP: CgStep = {
-    // SAFETY: all zero is a step.
+    // SAFETY: all zero is a valid step.
     unsafe { std::mem::zeroed() }
 };
 
-/// Mostly a drive with turns, now and then any bits at all.
+/// Mostly a drive with turns, sometimes arbitrary bits.
 fn sample() -> impl Strategy<Value = (u64, [f32; 6], bool)> {
     let wild = prop::array::uniform6(any::<f32>());
     let tame = (-1.0_f32..1.0).prop_map(|x| [0.0, 1e-3 * x, 14.0 + x, 0.05 * x, 0.0, 25e3]);
@@ -106,7 +106,7 @@ proptest! {
                 trailer_mass_kg: mass,
             };
             let mut step = EMPTY_STEP;
-            // SAFETY: good pointers.
+            // SAFETY: valid pointers.
             let code = unsafe { cg_estimator_push(&raw mut for_c, &raw const sample, &raw mut step) };
             if let Ok(answer) = ours.push(&sample.sample()) {
                 prop_assert_eq!(code, CgError::Ok as i32);
@@ -118,12 +118,12 @@ proptest! {
                 prop_assert_eq!(words(&step), words(&EMPTY_STEP));
             }
         }
-        // SAFETY: good pointers; a step may be null.
+        // SAFETY: valid pointers; a step may be null.
         unsafe { cg_estimator_finish(&raw mut for_c, null_mut()) };
         let _ = ours.finish();
         let zero = CgMeasured { value: 0.0, sd: 0.0 };
         let mut height = CgHeight { height_m: zero, random_sd_m: 0.0, maneuvers: 0 };
-        // SAFETY: good pointers.
+        // SAFETY: valid pointers.
         let code = unsafe { cg_estimator_height(&raw const for_c, 2, &raw mut height) };
         let combined = ours.combined_height();
         prop_assert_eq!(code == CgError::Ok as i32, combined.is_some());
@@ -131,7 +131,7 @@ proptest! {
             prop_assert_eq!(words(&height), words(&CgHeight::new(&combined)));
             let mut rollover =
                 CgRollover { static_stability_factor_g: 0.0, static_rollover_threshold_g: zero };
-            // SAFETY: good pointers.
+            // SAFETY: valid pointers.
             let code =
                 unsafe { cg_estimator_threshold(&raw const for_c, 25e3, 15.0, &raw mut rollover) };
             prop_assert_eq!(code, CgError::Ok as i32);

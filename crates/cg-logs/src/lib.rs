@@ -29,8 +29,8 @@
 //! ```
 
 pub mod output;
+pub mod state;
 pub mod can;
 pub mod log;
-pub mod state;
 pub mod estimate;
 pub mod calibrate;

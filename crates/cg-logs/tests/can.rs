@@ -4,8 +4,9 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use cg_core::Quantity;
+use cg_core::signal::j1939;
 use cg_core::signal::j1939::{Compensation, Slope};
-use cg_core::{Quantity, j1939};
 use cg_logs::can::{Content, Decoder, Frame, MappedSignal, SignalMap, parse};
 use cg_logs::log::Signal;
 use proptest::prelude::*;

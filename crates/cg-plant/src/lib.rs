@@ -1,11 +1,11 @@
-//! A truck to try things on: a nonlinear simulator with driver, maneuvers and sensors, simulated logs
-//! with known truth, and rollover measures.
+//! A simulated truck for tests: a nonlinear simulator with driver, maneuvers and sensors, simulated
+//! logs with known truth, and rollover measures.
 //!
-//! | module | what | source |
+//! | module | contents | reference |
 //! |---|---|---|
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator and driver | ch. 2, UMTRI |
 //! | [`maneuver`] | steer and speed histories | section 5.3 |
-//! | [`sensors`] | what sensors make of the truth | section 5.3 |
+//! | [`sensors`] | sensor errors added to the truth | section 5.3 |
 //! | [`simulate`] | logs with known truth | section 5.3 |
 //! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
 //!

@@ -12,22 +12,22 @@ use cg_vehicle::reduction::quality::rounded_step;
 pub enum Maneuver {
     /// Rounded step `2 δ_m (2^(−e^(−a t)) − 1/2)` (eq. 5.3), held to the end.
     RoundedStep,
-    /// Into a turn, held, and out again: a steady turn with both transitions.
+    /// A steady turn with both transitions: into the turn, held, and out of it.
     SteadyTurn,
-    /// One full sine of three seconds: out to the next lane.
+    /// A change to the next lane: one full sine of three seconds.
     LaneChange,
     /// A sine of 0.2 Hz to the end.
     Sine,
-    /// Steer angle growing linearly to the end (or to rollover).
+    /// A steer angle that grows linearly to the end (or to rollover).
     Ramp,
-    /// Ordinary driving: random turns to both sides and straights, smoothed.
+    /// Ordinary driving: smoothed random turns to both sides, and straight sections.
     Drive,
 }
 
 /// A path for the preview driver (section 2.6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
-    /// Turn of constant radius through an angle, to the left if positive; then straight on.
+    /// Turn of constant radius through an angle, to the left if positive; then straight ahead.
     Turn {
         /// Angle.
         angle_rad: f64,
@@ -42,7 +42,7 @@ pub enum Course {
 }
 
 impl Course {
-    /// Its length from where the vehicle starts.
+    /// Its length from the start of the vehicle.
     pub fn length_m(&self) -> f64 {
         match self {
             Self::Turn { angle_rad, radius_m } => angle_rad.abs() * radius_m,
@@ -53,14 +53,15 @@ impl Course {
 
 const LANE_CHANGE_S: f64 = 3.0;
 const SINE_HZ: f64 = 0.2;
-/// Time constant of the driver's hands in [`Maneuver::Drive`].
+/// Time constant of the driver's steering in [`Maneuver::Drive`].
 const DRIVER_LAG_S: f64 = 0.5;
-/// Time constant of his foot: half the speed changes at 0.4 m/s² at most.
+/// Time constant of the driver's speed changes: half the speed changes at 0.4 m/s² at most.
 const SPEED_LAG_S: f64 = 8.0;
-/// Speeds at which the steer angle of the same lateral acceleration is known; straight lines between.
+/// Number of speeds at which the steer angle of the same lateral acceleration is computed;
+/// interpolated linearly between them.
 const SPEEDS: usize = 17;
 
-/// A target from a time on.
+/// A target value from a time on.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     start_s: f64,
@@ -96,11 +97,11 @@ pub struct Histories {
 }
 
 impl Histories {
-    /// Usual rate `a` of the rounded step, 1/s.
+    /// Default rate `a` of the rounded step, 1/s.
     pub const STEP_RATE_PER_S: f64 = 3.0;
 
-    /// A maneuver of the given amplitude (road-wheel angle) at constant speed, from a time on and
-    /// until another; `seed` decides the turns of a [`Maneuver::Drive`].
+    /// A maneuver of the given amplitude (road-wheel angle) at constant speed between two times;
+    /// `seed` determines the turns of a [`Maneuver::Drive`].
     pub fn new(
         maneuver: Maneuver,
         amplitude_rad: f64,
@@ -133,14 +134,15 @@ impl Histories {
         }
     }
 
-    /// The same with another rate of rounded steps.
+    /// The same with another rate of the rounded step.
     #[must_use]
     pub fn with_step_rate(self, step_rate_per_s: f64) -> Self {
         Self { step_rate_per_s, ..self }
     }
 
-    /// The same at speeds that change by up to this share either way, every 15 to 45 s; `scale`
-    /// says how many times the steer angle gives the same lateral acceleration at a speed.
+    /// The same at speeds that change by up to this share in both directions, every 15 to 45 s.
+    /// `scale` returns the factor of the steer angle that gives the same lateral acceleration at a
+    /// speed.
     ///
     /// # Errors
     /// The first error of `scale`.
@@ -228,7 +230,7 @@ mod tests {
         let history = Histories::new(Maneuver::Drive, 0.05, 14.0, (2.0, 200.0), 1);
         let steer: Vec<f64> = (0..20_000).map(|k| history.steer_rad(f64::from(k) * 0.01)).collect();
         assert!(steer.iter().any(|s| *s > 0.02) && steer.iter().any(|s| *s < -0.02));
-        // The lag's greatest slope is Δ/(e T): 0.1 rad in 0.01 s of T = 0.5 s.
+        // The greatest slope of the lag is Δ/(e T): 0.1 rad in 0.01 s of T = 0.5 s.
         let jump = steer.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         assert!(jump <= 0.1 * 0.01 / (std::f64::consts::E * DRIVER_LAG_S) * 1.01);
     }
@@ -243,7 +245,7 @@ mod tests {
         let greatest = speed.iter().copied().fold(0.0, f64::max);
         assert!(least > 14.0 * 0.7 && greatest < 14.0 * 1.3, "{least} {greatest}");
         assert!(greatest - least > 3.0, "{least} {greatest}");
-        // Of one change 8.4/(e 8) = 0.39 m/s²; one may begin before the last has ended.
+        // One change gives 8.4/(e 8) = 0.39 m/s²; a change may begin before the last one has ended.
         let jump = speed.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         assert!(jump < 0.06, "{jump}");
     }

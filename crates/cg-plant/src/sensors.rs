@@ -1,4 +1,4 @@
-//! What sensors make of the truth: offsets, noise, quantisation, delay, jitter, drop-outs.
+//! Sensor errors added to the truth: offsets, noise, quantization, delay, jitter, dropouts.
 //!
 //! ```text
 //!     roll ─ delayed ─ + a_y/g if inclinometer ─ + offset ─ + noise ─ limited ─ rounded ─ lost ─► roll or tilt
@@ -19,57 +19,57 @@ use cg_vehicle::error::VehicleError;
 
 /// The greatest offset of roll and steer.
 pub const GREATEST_OFFSET_RAD: f64 = 0.2;
-/// The greatest step of quantisation.
+/// The greatest step of quantization.
 pub const GREATEST_QUANTISATION_RAD: f64 = 0.1;
 /// The greatest delay.
 pub const GREATEST_DELAY_S: f64 = 2.0;
-/// The greatest standard deviation of the steer angle.
+/// The greatest standard deviation of the steer noise.
 pub const GREATEST_STEER_NOISE_RAD: f64 = 0.1;
-/// The same of the lateral acceleration.
+/// The greatest standard deviation of the noise of the lateral acceleration.
 pub const GREATEST_LATERAL_NOISE_MPS2: f64 = 10.0;
 /// The greatest time constant of noise.
 pub const GREATEST_NOISE_LAG_S: f64 = 10.0;
 /// The greatest share of lost rows.
 pub const GREATEST_DROP_OUT: f64 = 0.95;
 
-/// The sensors of a simulated log; the default is perfect ones.
+/// The sensors of a simulated log; perfect by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sensors {
     /// Noise on the roll angle, decibels below its mean square.
     pub snr_db: Option<f64>,
-    /// Time constant of that noise (rough road); white if zero.
+    /// Time constant of that noise (rough road); zero means white noise.
     pub noise_lag_s: f64,
     /// Standard deviation of white noise on the steer angle, at the road wheels.
     pub steer_noise_rad: f64,
     /// Standard deviation of white noise on the lateral acceleration.
     pub lateral_noise_mps2: f64,
-    /// Play between what is measured and the road wheels, from end to end.
+    /// Play between the steer sensor and the road wheels, from end to end.
     pub steer_play_rad: f64,
-    /// Greatest angle that the roll sensor can show, either way; `None` for any.
+    /// Greatest angle that the roll sensor can show to either side; `None` for no limit.
     pub roll_limit_rad: Option<f64>,
     /// Constant offset of the roll sensor.
     pub roll_offset_rad: f64,
     /// Constant offset of the steer angle, at the road wheels.
     pub steer_offset_rad: f64,
-    /// Step of the roll sensor; zero for none.
+    /// Quantization step of the roll sensor; zero for none.
     pub quantisation_rad: f64,
-    /// By how much the roll sensor is late.
+    /// Delay of the roll sensor.
     pub delay_s: f64,
-    /// An accelerometer inclinometer, which feels lateral acceleration: roll + `a_y/g`.
+    /// An inclinometer in place of the roll sensor. It also feels lateral acceleration: roll + `a_y/g`.
     pub inclinometer: bool,
-    /// Time stamps lie up to this much beside the instant of the sample, uniformly.
+    /// Time stamps differ from the instant of the sample by up to this much, uniformly distributed.
     pub jitter_s: f64,
-    /// Share of the rows whose roll angle is lost, at random.
+    /// Share of the rows whose roll angle is randomly lost.
     pub drop_out: f64,
-    /// The steering-wheel angle in place of that of the road wheels.
+    /// The angle of the steering wheel in place of the road wheels.
     pub steering_wheel: bool,
 }
 
 impl Sensors {
-    /// Whether the numbers make sense at a sampling rate.
+    /// Checks the values at a sampling rate.
     ///
     /// # Errors
-    /// [`VehicleError::Model`] with the number and its limits.
+    /// [`VehicleError::Model`] with the value and its limits.
     pub fn check(&self, rate_hz: f64) -> Result<(), VehicleError> {
         let half_s = 0.5 / rate_hz;
         for (name, value, least, greatest) in [
@@ -114,7 +114,7 @@ impl Sensors {
     }
 }
 
-/// Sensors at work: true rows in, measured rows out.
+/// Turns true rows into measured rows.
 #[derive(Clone, Debug)]
 pub struct Instruments {
     sensors: Sensors,
@@ -122,19 +122,20 @@ pub struct Instruments {
     gravity_mps2: f64,
     steering_ratio: f64,
     noise_source: StdRng,
-    /// Of jitter, drop-outs and the inputs' noise: noise of the roll is the same with and without.
+    /// Random numbers of jitter, dropouts and input noise. They are separate, so that the noise of the
+    /// roll angle does not depend on them.
     chance: StdRng,
-    /// The roll's noise at the row before, and that row's time.
+    /// Noise of the roll angle at the previous row, and the time of that row.
     noise_before: Option<(f64, f64)>,
-    /// The steer angle on this side of the play.
+    /// The steer angle on the sensor's side of the play.
     steer_shown_rad: Option<f64>,
-    /// True time and roll angle, as far back as the delay reaches.
+    /// True times and roll angles, as far back as the delay.
     past: VecDeque<(f64, f64)>,
     is_first: bool,
 }
 
 impl Instruments {
-    /// Before the first row. The steering ratio counts with [`Sensors::steering_wheel`] only.
+    /// The state before the first row. The steering ratio is used with [`Sensors::steering_wheel`] only.
     pub fn new(
         sensors: &Sensors,
         noise_sd_rad: f64,
@@ -144,7 +145,7 @@ impl Instruments {
     ) -> Self {
         Self {
             sensors: *sensors,
-            // A standard deviation that is finite and not negative always makes a distribution.
+            // A finite standard deviation that is not negative is always valid.
             noise: Normal::new(0.0, noise_sd_rad).ok(),
             gravity_mps2,
             steering_ratio,
@@ -157,7 +158,7 @@ impl Instruments {
         }
     }
 
-    /// What the sensors show of a true row.
+    /// The measured row for a true row.
     pub fn measure(&mut self, truth: &LogRow) -> LogRow {
         let sensors = self.sensors;
         let mut row = *truth;
@@ -194,7 +195,7 @@ impl Instruments {
         row
     }
 
-    /// White, or through a first-order lag at the same standard deviation.
+    /// White noise, or noise through a first-order lag with the same standard deviation.
     fn roll_noise_rad(&mut self, time_s: f64) -> f64 {
         let Some(noise) = self.noise else { return 0.0 };
         let fresh = noise.sample(&mut self.noise_source);
@@ -218,7 +219,7 @@ impl Instruments {
         }
     }
 
-    /// What is measured moves only once the road wheels have taken up the play.
+    /// The measured angle moves only after the road wheels have taken up the play.
     fn steer_through_play_rad(&mut self, steer_rad: f64) -> f64 {
         let half_rad = 0.5 * self.sensors.steer_play_rad;
         let before_rad = self.steer_shown_rad.unwrap_or(steer_rad);
@@ -227,7 +228,7 @@ impl Instruments {
         shown_rad
     }
 
-    /// The roll angle of `delay_s` ago, between rows along a straight line; the first one before.
+    /// The roll angle `delay_s` ago, interpolated linearly between rows; before the first row, its value.
     fn delayed_roll_rad(&mut self, truth: &LogRow) -> f64 {
         if self.sensors.delay_s <= 0.0 {
             return truth.roll_rad;

@@ -64,15 +64,15 @@ fn errors(plant: &Vehicle, known: &Vehicle, variant: Variant) -> Vec<f64> {
         .collect()
 }
 
-/// One per cent at worst with the complete model (the target), and the source's error pattern
-/// (−3.1 to +5.4 %, growing away from 1.973 m) with the printed one.
+/// At most one percent with the complete model (the target), and the thesis's error pattern
+/// (−3.1 to +5.4 %, growing with the distance from 1.973 m) with the printed model.
 #[test]
 fn one_calibration_holds_over_all_heights_of_table_5_11() {
     let vehicle = common::vehicle("baseline.toml");
     let complete = errors(&vehicle, &vehicle, Variant::Complete);
     assert!(common::largest(&complete) <= 0.01, "{complete:?}");
     let printed = errors(&vehicle, &vehicle, Variant::AsPrinted);
-    // The source's plant was another program: a point of its figures.
+    // The plant of the thesis was another program, so one percentage point is allowed.
     for (ours, theirs) in printed.iter().zip([-3.1, -1.7, 0.0, 0.8, 1.9, 3.2, 4.3, 5.4]) {
         assert!((100.0 * ours - theirs).abs() < 1.0, "{printed:?}");
     }

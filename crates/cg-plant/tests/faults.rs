@@ -1,5 +1,5 @@
-//! One fault at a time, of a sensor, a sign, a unit, the clock or the file, on drives of the
-//! nonlinear plant: no interval misses the truth without a message that names what is wrong.
+//! Drives of the nonlinear plant with one fault at a time, of a sensor, a sign, a unit, the clock or
+//! the file: no interval misses the truth without a message that names what is wrong.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "../../cg-logs/tests/common/mod.rs"]
@@ -15,10 +15,10 @@ use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::design::{design, design_with};
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
-/// What a fault does to a row; the first number is its place in the log.
+/// The effect of a fault on a row; the first argument is the index of the row in the log.
 type Damage = fn(usize, &mut LogRow);
 
-/// A fault, and words of which a message must have one if the interval misses the truth.
+/// A fault, and words of which one must be in a message if the interval misses the truth.
 struct Fault {
     name: &'static str,
     damage: Damage,
@@ -29,7 +29,7 @@ const fn fault(name: &'static str, named: &'static [&'static str], damage: Damag
     Fault { name, damage, named }
 }
 
-/// White, uniform over ±1: a multiplicative hash of the place.
+/// White noise, uniform over ±1: a multiplicative hash of the index.
 fn white(k: usize) -> f64 {
     let mixed = (k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

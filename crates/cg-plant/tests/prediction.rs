@@ -1,4 +1,4 @@
-//! What the model predicts of a drive beside the reduced plant.
+//! The model's prediction of a drive, compared with the reduced plant.
 
 use cg_core::{Channel, SampleError};
 use cg_logs::estimate::{EstimateOptions, Prediction};
@@ -7,8 +7,8 @@ use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::design::design;
 use cg_vehicle::{Variant, Vehicle};
 
-/// The reduced plant is the prediction's own model: the two agree but for the interpolation of
-/// the ratio over speed and mass.
+/// The reduced plant is the model of the prediction: they agree except for the interpolation of the
+/// ratio over speed and mass.
 #[test]
 fn the_reduced_plant_rolls_as_predicted() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml");
@@ -33,7 +33,7 @@ fn the_reduced_plant_rolls_as_predicted() {
             Ok::<(), SampleError>(())
         })
         .unwrap();
-    // The design's grid leaves 1e-3 of the ratio between its points; the shapes of neighbouring
-    // masses differ by a few per cent, of which the blend keeps less than one.
+    // The error between the points of the design's grid is 1e-3 of the ratio. The shapes of
+    // neighboring masses differ by a few percent, and interpolation leaves less than one percent.
     assert!(worst_rad < 0.01 * greatest_rad, "{worst_rad} of {greatest_rad}");
 }

@@ -1,4 +1,4 @@
-//! Rollover measures beside published ones and beside limits that can be derived.
+//! Rollover measures compared with published values and with limits that can be derived.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "../../cg-logs/tests/common/mod.rs"]
@@ -10,7 +10,7 @@ use cg_plant::rollover::small::{modes, rearward_amplification};
 use cg_plant::rollover::{
     Ramp, RampEnd, RolloverMeasures, RolloverOptions, TimeToRollover, measures,
 };
-use cg_vehicle::linear::Equations;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::steady_turn::{on_board, steady_turn_threshold_g};
 use cg_vehicle::{Load, Variant, Vehicle};
 
@@ -36,10 +36,10 @@ fn all(name: &str) -> RolloverMeasures {
     all
 }
 
-/// UMTRI (Ervin 1986): payload c.g. 83.5, 88.6, 105 in. Springs, tyres and fifth wheel move the
-/// threshold by 0.03 g either way, digits by 0.01 g (see `plant::published`). The steady turn: what of the
-/// plant the roll plane leaves out is second order in a roll angle of up to 0.2 rad, 2 %, and a load
-/// shift by pitch, 1 %.
+/// UMTRI (Ervin 1986): payload c.g. 83.5, 88.6, 105 in. Springs, tires and fifth wheel move the
+/// threshold by ±0.03 g, rounding of the printed digits by 0.01 g (see `plant::published`). For the
+/// steady turn: the roll plane leaves out terms of second order in a roll angle of up to 0.2 rad (2 %)
+/// and a load shift by pitch (1 %).
 #[test]
 fn static_rollover_thresholds_are_the_published_ones() {
     let vehicle = vehicle("baseline-tables");
@@ -64,8 +64,8 @@ fn static_rollover_thresholds_are_the_published_ones() {
     }
 }
 
-/// Its lifted axles swing, and throw the c.g. about by a tenth of a g: not the threshold. Tolerance as
-/// above.
+/// Its lifted axles oscillate and accelerate the c.g. by a tenth of a g, which must not count as the
+/// threshold. The tolerance is as above.
 #[test]
 fn a_soft_suspension_tips_where_its_roll_plane_says() {
     let measures = all("air");
@@ -78,11 +78,11 @@ fn model(vehicle: &Vehicle, load: Load, speed_mps: f64) -> cg_vehicle::response:
     Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap().state_space().unwrap()
 }
 
-/// Figures of five-axle semitrailers: load transfer .32 at .15 g (the published measure leaves the
-/// steered axle out, which the source calls roll safety factor; 0.03 for springs and tyres of
-/// another make), rearward amplification .98 at 0.4 Hz and 88 km/h (published values spread over a
-/// tenth), off-tracking at 100 km/h on 393 m .17 to .27 m by roll steer of the axles (the baseline
-/// has none, and its tyres are 5 % of the slip stiffer or softer than others: 0.02 m).
+/// Published values of five-axle semitrailers: load transfer 0.32 at 0.15 g (without the steered axle,
+/// which the thesis calls roll safety factor; 0.03 for springs and tires of another make), rearward
+/// amplification 0.98 at 0.4 Hz and 88 km/h (published values differ by a tenth), off-tracking of 0.17
+/// to 0.27 m at 100 km/h on 393 m, depending on the roll steer of the axles (the baseline has none, and
+/// its tires are stiffer or softer than others by 5 % of the slip: 0.02 m).
 #[test]
 fn measures_of_the_baseline_are_the_published_ones() {
     let all = all("baseline-tables");
@@ -94,7 +94,7 @@ fn measures_of_the_baseline_are_the_published_ones() {
     near("rearward_amplification", 0.98, 0.1);
     near("rearward_amplification_linear", 0.98, 0.1);
     near("high_speed_offtracking_m", 0.22, 0.07);
-    // The steered axle has a wider track, softer springs: it moves less across.
+    // The steered axle has a wider track and softer springs, so less of its load is transferred.
     assert!(all.get("load_transfer_ratio") < all.get("roll_safety_factor"));
     assert!(all.get("yaw_damping_ratio").unwrap() > 0.0);
 }
@@ -108,14 +108,14 @@ fn ramp_threshold_g(vehicle: &Vehicle, load: Load, speed_mps: f64) -> Option<f64
     (ramp.end == RampEnd::RolledOver).then(|| ramp.greatest_mps2() / G)
 }
 
-/// Errors of the steady turn and of the threshold on board beside the plant's ramp, relative, at these
-/// speeds (km/h) and heights. Where the plant slides there is nothing to compare.
+/// Relative errors of the steady turn and of the on-board threshold, compared with the plant's ramp, at
+/// these speeds (km/h) and heights. Cases in which the plant slides are left out.
 fn errors(
     vehicle: &Vehicle,
     trailer_mass_kg: f64,
     cases: impl IntoIterator<Item = (f64, f64)>,
 ) -> Vec<[f64; 2]> {
-    // Units of gravity are the vehicle file's.
+    // Converts to the gravity of the vehicle file.
     let unit = vehicle.gravity_mps2 / G;
     let error = |(kmh, cg_height_m): (f64, f64)| {
         let load = Load { trailer_mass_kg, cg_height_m };
@@ -141,9 +141,9 @@ fn means(errors: &[[f64; 2]]) -> [f64; 2] {
     [0, 1].map(|k| errors.iter().map(|error| error[k]).sum::<f64>() / count)
 }
 
-/// 2 % is what the roll plane claims (docs/plant.md): it leaves out what is second order in roll
-/// angles of up to 0.2 rad. Neither may be on the unsafe side by more, at any speed; in the mean over
-/// speeds and heights neither may be below by more.
+/// 2 % is the claim for the roll plane (docs/plant.md), which leaves out terms of second order in roll
+/// angles of up to 0.2 rad. Neither threshold may be too high by more at any speed, and neither may be
+/// too low by more in the mean over speeds and heights.
 fn steady_turn_is_the_ramp(name: &str, share: f64) {
     let vehicle = vehicle(name);
     let cases = [(40.0, 2.6), (50.0, 1.7), (50.0, 2.1), (90.0, 1.9)];
@@ -184,13 +184,13 @@ fn the_independent_truck_has_all_measures() {
     assert!(of("static_rollover_threshold_g") < of("static_stability_factor_g"));
     let (steady, ramp) =
         (of("static_rollover_threshold_steady_turn_g"), of("static_rollover_threshold_g"));
-    // As in the published cases.
+    // The tolerance is that of the published cases.
     assert!((steady / ramp - 1.0).abs() < 0.03, "{steady} {ramp}");
 }
 
-/// The limit of stiff springs and tyres: the roll plane tends to `T/2 Σ m / Σ m h` of the whole
-/// vehicle from below (roll of 0.003 rad at lift, see `plant::published`, costs 6 mm of a metre),
-/// the plant lifts its last inner wheel there, and before that load moves in proportion.
+/// The limit of stiff springs and tires: the roll plane tends to `T/2 Σ m / Σ m h` of the whole
+/// vehicle from below (a roll of 0.003 rad at lift, see `plant::published`, takes 6 mm of one meter).
+/// The plant lifts its last inner wheel there, and before that the load transfer is proportional.
 #[test]
 fn a_rigid_truck_does_what_its_geometry_says() {
     let vehicle = common::rigid_truck();
@@ -215,17 +215,17 @@ fn a_rigid_truck_does_what_its_geometry_says() {
     let ramp = Ramp::drive(&plant, speed_mps, gain, 0.03 * G).unwrap();
     let last = ramp.lift_mps2.iter().map(|lift| lift.unwrap()).fold(0.0, f64::max);
     println!("last lift at {:.4} g, rigid {:.4} g", last / G, mass / moment);
-    // As in `plant::published`, and 0.03 g/s of ramp through 0.1 s of stiff roll: 0.003 g.
+    // As in `plant::published`, plus a ramp of 0.03 g/s with a roll lag of 0.1 s: 0.003 g.
     assert!((last / G / (mass / moment) - 1.0).abs() < 0.025);
     let at_g = 0.15;
     let transfer = ramp.transfer_at(at_g * G).unwrap();
     let expected = at_g * moment / mass;
     println!("load transfer {:.4}, rigid {expected:.4}", transfer.load_transfer_ratio);
-    // The roll of 0.001 rad adds 1 %; the ramp's inertia as above.
+    // The roll of 0.001 rad adds 1 %; the lag of the ramp is as above.
     assert!((transfer.load_transfer_ratio / expected - 1.0).abs() < 0.03);
 }
 
-/// At no frequency both units turn at one yaw rate: `a_y = U r` for both.
+/// At zero frequency both units have the same yaw rate: `a_y = U r` for both.
 #[test]
 fn slow_sines_are_not_amplified() {
     for name in ["baseline", "kraz"] {
@@ -237,8 +237,8 @@ fn slow_sines_are_not_amplified() {
     }
 }
 
-/// Participation factors of a mode sum to one; without roll (a c.g. on the ground and stiff
-/// springs) nothing is left in yaw modes but yaw.
+/// The participation factors of a mode sum to one. Without roll (a c.g. on the ground and stiff
+/// springs) the yaw modes contain only yaw.
 #[test]
 fn yaw_modes_are_yaw() {
     let vehicle = vehicle("baseline");
@@ -255,8 +255,8 @@ fn yaw_modes_are_yaw() {
     }
 }
 
-/// Steady circle of towed points: `R² − L1² + e² − L2²`; after 157 m of arc a trailer of 12 m has
-/// forgotten its start to e^-13, steps of 1 cm leave 1e-3 of the wheelbase's square over R.
+/// Steady circle of towed points: `R² − L1² + e² − L2²`. After 157 m of arc the effect of the start of a
+/// 12 m trailer has decayed to e^-13; steps of 1 cm leave 1e-3 of the squared wheelbase divided by R.
 #[test]
 fn low_speed_off_tracking_tends_to_the_steady_circle() {
     for name in ["baseline", "kraz"] {
@@ -278,8 +278,8 @@ fn low_speed_off_tracking_tends_to_the_steady_circle() {
     }
 }
 
-/// The prediction is right where the rate stays: half the threshold in 0.1 g/s is some 1.5 s away;
-/// the vehicle's lag (half a second to a second) comes on top.
+/// The prediction is correct if the rate is constant: at 0.1 g/s, from half the threshold it takes about
+/// 1.5 s. The lag of the vehicle (half a second to a second) is added.
 #[test]
 fn time_to_rollover_is_seen_ahead() {
     let vehicle = vehicle("baseline-tables");
@@ -295,8 +295,8 @@ fn time_to_rollover_is_seen_ahead() {
     assert!((0.0..1.2).contains(&late), "{time:?}");
 }
 
-/// The design's grid against the roll plane itself, between its nodes: the threshold bends with
-/// the mass where another axle lifts first, which a straight line over 6 t misses by some 1 %.
+/// The design's grid compared with the roll plane between its nodes: the threshold has a kink over the
+/// mass where another axle lifts first, and linear interpolation over 6 t misses it by about 1 %.
 #[test]
 fn thresholds_on_the_grid_are_those_of_the_roll_plane() {
     for name in ["baseline-tables", "kraz"] {
@@ -320,7 +320,8 @@ fn thresholds_on_the_grid_are_those_of_the_roll_plane() {
 }
 
 /// The table of docs/plant.md: its corners at the reference load, or all of its 96 cases of each vehicle
-/// (`make rollover-table`, some minutes). 2 % as above; with less payload it is not claimed.
+/// (`make rollover-table`, some minutes). The limit of 2 % is as above; it is not claimed for less
+/// payload.
 #[test]
 fn the_table_of_errors() {
     let whole = std::env::var_os("CG_ROLLOVER_TABLE").is_some();

@@ -1,5 +1,5 @@
-//! Simulated logs: what sensors added is measured back from the written file, and the estimator
-//! on logs of the nonlinear plant with one fault at a time.
+//! Simulated logs: the sensor errors are measured in the written file, and the estimator runs on logs
+//! of the nonlinear plant with one fault at a time.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ fn read(path: &Path) -> Vec<LogRow> {
     rows
 }
 
-/// The rows of a written log beside the true ones.
+/// The rows of a written log and the true rows.
 fn written(vehicle: &Vehicle, scenario: Scenario) -> (Vec<LogRow>, Vec<LogRow>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
@@ -76,8 +76,8 @@ fn perfect_sensors_show_the_truth() {
     assert!(rows.iter().all(|row| row.tilt_rad.is_nan() && row.steering_wheel_rad.is_nan()));
 }
 
-/// A scale under the trailer's axles tells what a scale under the whole trailer tells: the balance is
-/// linear, so that only rounding is between them. At a payload that the vehicle file does not have.
+/// A scale under the trailer's axles gives the same mass as a scale under the whole trailer: the balance
+/// is linear, so they differ by rounding only. The payload is not that of the vehicle file.
 #[test]
 fn axle_load_or_suspension_pressure_stand_in_for_the_mass() {
     let vehicle = vehicle("kraz");
@@ -104,7 +104,7 @@ fn axle_load_or_suspension_pressure_stand_in_for_the_mass() {
     assert!((by_axles.trailer_mass_kg / trailer_mass_kg - 1.0).abs() < 1e-9);
     let (expected, height_m) = (weighed.height_m.unwrap(), by_axles.height_m.unwrap());
     assert!((height_m / expected - 1.0).abs() < 1e-6, "{height_m} {expected}");
-    // A gauge that shows 1.3 bar at 5 t and 5.3 bar at 25 t; the same without its scale.
+    // A gauge that shows 1.3 bar at 5 t and 5.3 bar at 25 t, with and without its calibration.
     let gauged = |row: &mut LogRow| {
         row.trailer_suspension_pressure_pa = 3e4 + 20.0 * (row.trailer_mass_kg - hitch_kg);
         row.trailer_mass_kg = f64::NAN;
@@ -130,7 +130,7 @@ fn noise_has_its_signal_to_noise_ratio() {
     let (_, signal) = (0.0, mean_and_sd(&truth.iter().map(roll).collect::<Vec<_>>()));
     let square = signal.0.powi(2) + signal.1.powi(2);
     let snr_db = 10.0 * (square / (sd * sd)).log10();
-    // 2001 rows: the sd is known to 1/√4000, 0.14 dB at one sigma; the mean to sd/√2001.
+    // From 2001 rows the sd is known to 1/√4000 (0.14 dB at one sigma), the mean to sd/√2001.
     assert!((snr_db - 20.0).abs() < 0.5, "{snr_db}");
     assert!(mean.abs() < 4.0 * sd / 44.0, "{mean}");
 }
@@ -181,7 +181,7 @@ fn an_inclinometer_feels_lateral_acceleration() {
 fn time_stamps_lie_beside_the_sample_and_increase() {
     let (rows, truth) = sine(&vehicle("kraz"), Sensors { jitter_s: 0.004, ..Sensors::default() });
     let (mean, sd) = mean_and_sd(&differences(&rows, &truth, |row| row.time_s));
-    // Uniform: 0.004/√3; its estimate from 2001 rows to 2 %.
+    // Uniform distribution: 0.004/√3, estimated from 2001 rows to 2 %.
     assert!((sd / (0.004 / 3f64.sqrt()) - 1.0).abs() < 0.06, "{sd}");
     assert!(mean.abs() < 4.0 * sd / 44.0, "{mean}");
     assert!(rows.windows(2).all(|pair| pair[1].time_s > pair[0].time_s));
@@ -192,7 +192,7 @@ fn lost_rows_are_empty_and_as_many_as_asked() {
     let (rows, truth) = sine(&vehicle("kraz"), Sensors { drop_out: 0.2, ..Sensors::default() });
     #[allow(clippy::cast_precision_loss)]
     let lost = rows.iter().filter(|r| r.roll_rad.is_nan()).count() as f64 / rows.len() as f64;
-    // Binomial: √(0.2 0.8/2001) = 0.009.
+    // Binomial distribution: √(0.2 · 0.8/2001) = 0.009.
     assert!((lost - 0.2).abs() < 0.036, "{lost}");
     let kept = rows.iter().zip(&truth).filter(|(row, _)| !row.roll_rad.is_nan());
     assert!(kept.clone().all(|(row, truth)| row.roll_rad.to_bits() == truth.roll_rad.to_bits()));
@@ -234,8 +234,8 @@ fn nonsense_is_refused_with_its_limits() {
     }
 }
 
-/// A left turn of 90 degrees on 100 m gives `U²/R`, a right one the same to the other side; the
-/// driver keeps to the circle within half a metre (`plant::source`), which is half a per cent.
+/// A left turn of 90 degrees on 100 m gives `U²/R`, a right turn the same to the other side. The
+/// driver follows the circle within half a meter (`plant::source`), which is half a percent.
 #[test]
 fn the_driver_turns_to_both_sides() {
     let vehicle = vehicle("baseline-tables");
@@ -270,11 +270,12 @@ fn a_ramp_goes_to_rollover_and_says_when() {
         .unwrap();
     println!("over at {over_s:.2} s, greatest {greatest_mps2:.2} m/s²");
     assert!(last_s < over_s && over_s - last_s < 0.011);
-    // Faster than the quasi-static ramp (0.37 g, `rollover`), so a little beyond it.
+    // This is faster than the quasi-static ramp (0.37 g, `rollover`), so the value is a little higher.
     assert!((0.34..0.45).contains(&(greatest_mps2 / 9.806_65)), "{greatest_mps2}");
 }
 
-/// Speed, sides and smoothness of a drive, in both plants; in the linear one, its models follow.
+/// Speed, sides and smoothness of a drive, in both plants; in the linear plant the models change with
+/// the speed.
 #[test]
 fn a_drive_varies_its_speed_and_turns_to_both_sides() {
     let vehicle = vehicle("kraz");
@@ -293,12 +294,12 @@ fn a_drive_varies_its_speed_and_turns_to_both_sides() {
         assert!(fast - slow > 2.0 && slow > 0.69 * 13.8 && fast < 1.31 * 13.9);
         assert!(right < -0.6 && left > 0.6 && left < 2.5 && right > -2.5);
         let jumps = rows.windows(2).map(|pair| (pair[1].roll_rad - pair[0].roll_rad).abs());
-        // 0.17 g roll by 0.04 rad within half a second: 0.002 rad in 0.02 s, times two.
+        // At 0.17 g the roll angle changes by 0.04 rad within half a second: 0.002 rad in 0.02 s, times two.
         assert!(jumps.fold(0.0, f64::max) < 4e-3);
     }
 }
 
-/// Each fault by itself on logs of the nonlinear plant.
+/// Single faults on logs of the nonlinear plant.
 fn faults() -> Vec<(&'static str, Sensors)> {
     let perfect = Sensors::default();
     vec![
@@ -364,7 +365,7 @@ fn heights_of_drives_stay_inside_their_intervals() {
     }
 }
 
-/// Short maneuvers by the driver, the source's own (section 2.6).
+/// Short maneuvers of the driver, as in the thesis (section 2.6).
 #[test]
 fn heights_of_drivers_maneuvers_stay_inside_their_intervals() {
     let turn = Course::Turn { angle_rad: PI / 2.0, radius_m: 100.0 };

@@ -3,7 +3,7 @@
 use cg_core::RatioLine;
 use cg_core::truck::reduced::ORDER;
 use cg_vehicle::reduction::{Method, ReducedModels, reduce};
-use cg_vehicle::response::TransferFunction;
+use cg_vehicle::system::TransferFunction;
 use cg_vehicle::{Load, VehicleError};
 use numpy::{Complex64, PyArray1, PyArray2};
 use pyo3::prelude::*;

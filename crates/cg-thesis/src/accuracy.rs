@@ -10,10 +10,10 @@ use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Method, QUAN
 use cg_logs::log::LogRow;
 use cg_plant::sensors::Instruments;
 use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::Vehicle;
 use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 /// Step of the height for the bound's differences: 1 mm of 2 m leaves 1e-7 of the second order.
 const BOUND_STEP_M: f64 = 1e-3;

@@ -1,4 +1,4 @@
-//! Every number of the source that can be reproduced is, and what cannot says why.
+//! Every number of the thesis that can be reproduced is, and what cannot says why.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use cg_thesis::reproduce::{Options, Row, table, tables, title};
@@ -59,7 +59,7 @@ const LIMITS: &[(&str, &str, Limit)] = &[
     ("5.6", "", Digits(1.0)),
     ("5.7", "", Digits(1.0)),
     ("5.8", "A0/B0", Digits(1.0)),
-    // Heights to 0.01 in, which are 0.013 points of bias; metres follow from the printed inches.
+    // Heights to 0.01 in, which are 0.013 points of bias; meters follow from the printed inches.
     ("5.10", "updated R_c, in", Digits(2.0)),
     ("5.10", ", m", Digits(1.0)),
     ("5.10", "bias", Relative(1.3e-4)),
@@ -129,7 +129,7 @@ fn ours(rows: &[Row], item: &str) -> f64 {
     row.unwrap_or_else(|| panic!("no row {item}")).ours.unwrap()
 }
 
-/// A misprint is corrected by what the source's own numbers give.
+/// A misprint is corrected by what the thesis's own numbers give.
 #[test]
 fn misprints_are_marked_and_ours_is_what_was_meant() {
     let mut found = 0;
@@ -254,7 +254,7 @@ fn the_product_s_identifier_is_nearly_unbiased_and_between_the_bounds() {
 }
 
 /// Table 5.9's single draws hide that the bias of shift-form ARX stays at every order and noise:
-/// it is more than three of its standard errors, and always downwards.
+/// it is more than three of its standard errors, and always downward.
 #[test]
 fn no_order_removes_the_bias() {
     let runs = f64::from(OPTIONS.runs);

@@ -1,4 +1,4 @@
-//! What chapter 2 of the source says, study by study, and where the plant says otherwise.
+//! What chapter 2 of the thesis says, study by study, and where the plant says otherwise.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use cg_thesis::study::{Abscissa, Response, Series, Study, studies, study};
@@ -109,7 +109,7 @@ fn a_shorter_gate_gives_more_roll_and_a_fifth_of_g() {
 }
 
 /// Figs. 2.23, 2.24. In the lane change the semitrailer rolls more than in the turn, but by half of
-/// the source's 0.28 degrees.
+/// the thesis's 0.28 degrees.
 #[test]
 fn the_turn_is_limited_to_50_kmh_and_the_lane_change_rolls_more_at_equal_acceleration() {
     let study = run("lane-change-speed");
@@ -119,7 +119,7 @@ fn the_turn_is_limited_to_50_kmh_and_the_lane_change_rolls_more_at_equal_acceler
     // v²/R is 0.2 g at 50.4 km/h; the semitrailer overshoots by 3 %, half of it in speed.
     let at = |kmh: f64| turn.at(kmh / 3.6) / G;
     assert!(at(49.0) < 0.2 && at(51.0) > 0.2);
-    // The source's 0.2 g at 90 km/h, a tenth left to driver and tyres.
+    // The thesis's 0.2 g at 90 km/h, a tenth left to driver and tires.
     let at_90 = lane.at(25.0) / G;
     assert!((at_90 / 0.2 - 1.0).abs() < 0.11 && at_90 < 0.2, "{at_90}");
     let (lane, turn) = (series(&study, "2.23", "lane change"), series(&study, "2.23", "turn"));
@@ -129,7 +129,7 @@ fn the_turn_is_limited_to_50_kmh_and_the_lane_change_rolls_more_at_equal_acceler
         .map(|p| (p[1] - turn.at(p[0])).to_degrees())
         .filter(|more| more.is_finite())
         .collect();
-    // More than nothing everywhere, nowhere more than the source's mean.
+    // More than nothing everywhere, nowhere more than the thesis's mean.
     assert!(!more.is_empty() && more.iter().all(|more| (0.02..0.28).contains(more)), "{more:?}");
 }
 
@@ -142,12 +142,12 @@ fn only_the_lane_change_feels_the_payloads_shape() {
         let values = series(&study, "2.25", name).values();
         values[values.len() - 1] / values[0] - 1.0
     };
-    // The turn's overshoot is some per cent of its peak; a fifth of that may change.
+    // The turn's overshoot is some percent of its peak; a fifth of that may change.
     assert!(f64::abs(spread("turn")) < 0.01 && spread("lane change") > 0.05);
     assert!(rising(series(&study, "2.25", "lane change")));
 }
 
-/// Fig. 2.26: 4.1 degrees per metre and not linear.
+/// Fig. 2.26: 4.1 degrees per meter and not linear.
 #[test]
 fn peak_roll_grows_by_four_degrees_per_metre_of_height() {
     let study = run("height");
@@ -161,7 +161,7 @@ fn peak_roll_grows_by_four_degrees_per_metre_of_height() {
     assert!(bends, "{peaks:?}");
 }
 
-/// Fig. 2.27: quasi-linear, flatter the lighter; 0.83 degrees per metre under 5 t.
+/// Fig. 2.27: quasi-linear, flatter the lighter; 0.83 degrees per meter under 5 t.
 #[test]
 fn a_lighter_payload_tells_less_of_its_height() {
     let study = run("payload-height");
@@ -172,7 +172,7 @@ fn a_lighter_payload_tells_less_of_its_height() {
     assert!((0.77..0.91).contains(&slopes[0]), "{slopes:?}");
 }
 
-/// Fig. 2.28: both courses alike as long as every spring bears; the source's figure shows that
+/// Fig. 2.28: both courses alike as long as every spring bears; the thesis's figure shows that
 /// to 400 mm on either side, the measured springs of the plant to the inside only.
 #[test]
 fn lateral_shift_rolls_the_semitrailer_on_both_courses() {
@@ -186,7 +186,7 @@ fn lateral_shift_rolls_the_semitrailer_on_both_courses() {
         // Left and right of a vehicle are alike; Newton stops at 1e-10.
         assert!((point[1] + straight.at(-point[0])).abs() < 1e-6, "{point:?}");
     }
-    // 100 mm at 84 % payload share on 1.4 m of arm above the roll centre equal 0.06 g: 0.8 to 1
+    // 100 mm at 84 % payload share on 1.4 m of arm above the roll center equal 0.06 g: 0.8 to 1
     // degrees at the turn's 13 degrees per g (0.2 g: 2.6 degrees).
     let per_100_mm = slope_deg(straight, -0.2, 0.2) / 10.0;
     assert!((0.7..1.1).contains(&per_100_mm), "{per_100_mm}");
@@ -220,7 +220,7 @@ fn air_suspensions_roll_more_at_about_the_same_slope() {
     assert!((air.slope() / leaf.slope() - 1.0).abs() < 0.25);
 }
 
-/// Fig. 2.31: stiffer tyres less roll, the slope stays.
+/// Fig. 2.31: stiffer tires less roll, the slope stays.
 #[test]
 fn stiffer_tyres_roll_less_at_the_same_slope() {
     let study = run("tyres");
@@ -230,7 +230,7 @@ fn stiffer_tyres_roll_less_at_the_same_slope() {
     for p in &new.points {
         assert!(third.at(p[0]) < half.at(p[0]) && half.at(p[0]) < p[1]);
     }
-    // A tenth stiffer tyres, a third of the compliance: 3 % of the slope.
+    // A tenth stiffer tires, a third of the compliance: 3 % of the slope.
     let slopes = [new, half, third].map(|series| slope_deg(series, 1.85, 2.15));
     assert!((slopes[2] / slopes[0] - 1.0).abs() < 0.05, "{slopes:?}");
 }

@@ -95,7 +95,7 @@ fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
 }
 
 /// Uncalibrated, roll over lateral acceleration comes within the 3.5 % that steady gains of the
-/// linear model have, and half of that again. The truck understeers more than tyres of the tabulated kind
+/// linear model have, and half of that again. The truck understeers more than tires of the tabulated kind
 /// do (8 to 15 % less lateral acceleration for a steer angle, growing with the load), so that roll
 /// at equal steer is too great by what that channel has without calibration.
 #[test]
@@ -112,7 +112,7 @@ fn steady_roll_of_the_independent_truck() {
     assert!(rms(&errors, 0) < 0.18, "{}", rms(&errors, 0));
 }
 
-/// Calibrated on the empty and one laden log (tyres and springs moved within their documented
+/// Calibrated on the empty and one loaded log (tires and springs moved within their documented
 /// uncertainty), the plant's steady roll angle is within 5 % of every log's.
 #[test]
 fn calibrated_the_plant_rolls_as_the_independent_truck_does() {

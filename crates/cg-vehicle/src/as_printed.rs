@@ -5,9 +5,10 @@
 
 use nalgebra::DMatrix;
 
+use crate::equations::{Equations, q, w};
 use crate::error::VehicleError;
-use crate::linear::{Equations, q, w};
-use crate::vehicle::{AsPrinted, Load, PlacedAxle, Vehicle};
+use crate::load::Load;
+use crate::vehicle::{AsPrinted, PlacedAxle, Vehicle};
 
 /// A linear form in the source's unknowns `(V, Ψ1, Φ1, Ψ2, Φ2, Φu…)` whose coefficients are
 /// polynomials `d0 + d1 s + d2 s²`.

@@ -10,7 +10,8 @@ use cg_core::AlignSettings;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
-use crate::vehicle::{Load, PlacedAxle, SprungMass, SuspensionPressure, Vehicle};
+use crate::load::{Load, SprungMass};
+use crate::vehicle::{PlacedAxle, SuspensionPressure, Vehicle};
 
 /// Static loads of a vehicle.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,49 @@ pub struct StaticBalance {
 }
 
 impl Vehicle {
+    /// Tare and payload as one body: the payload is the box that gives the load's mass and
+    /// height; its own height follows from its c.g. (0.6–2.4 m).
+    ///
+    /// # Errors
+    /// [`VehicleError::Load`] if the mass is below that of the empty trailer.
+    pub fn trailer_sprung_mass(&self, load: Load) -> Result<SprungMass, VehicleError> {
+        let (tare, bed) = (&self.trailer.tare, &self.trailer.payload);
+        let mass_kg = load.trailer_mass_kg - self.trailer_unsprung_mass_kg();
+        // Weighbridges and rounding: half a per cent below empty still counts as empty.
+        if mass_kg < tare.sprung_mass_kg - 0.005 * load.trailer_mass_kg {
+            return Err(VehicleError::Load {
+                trailer_mass_kg: load.trailer_mass_kg,
+                empty_mass_kg: self.empty_trailer_mass_kg(),
+            });
+        }
+        let payload_kg = (mass_kg - tare.sprung_mass_kg).max(0.0);
+        let share = payload_kg / (tare.sprung_mass_kg + payload_kg);
+        let cg_behind_hitch_m =
+            tare.cg_behind_hitch_m + share * (bed.behind_hitch_m - tare.cg_behind_hitch_m);
+        // The payload's c.g. that gives the height; a small payload cannot be arbitrarily high.
+        let above_tare_m = (load.cg_height_m - tare.cg_height_m) / share.max(0.2);
+        let above_floor_m = tare.cg_height_m + above_tare_m - bed.floor_height_m;
+        let box_height_m = (2.0 * above_floor_m).clamp(0.6, 2.4);
+        let square = |x: f64| x * x;
+        let reduced_mass_kg = tare.sprung_mass_kg * share;
+        let along_m = bed.behind_hitch_m - tare.cg_behind_hitch_m;
+        Ok(SprungMass {
+            mass_kg,
+            payload_kg,
+            cg_behind_hitch_m,
+            cg_height_m: load.cg_height_m,
+            roll_inertia_kgm2: tare.roll_inertia_kgm2
+                + payload_kg * (square(bed.width_m) + square(box_height_m)) / 12.0
+                + reduced_mass_kg * square(above_tare_m),
+            yaw_inertia_kgm2: tare.yaw_inertia_kgm2
+                + payload_kg * (square(bed.width_m) + square(bed.length_m)) / 12.0
+                + reduced_mass_kg * square(along_m),
+            pitch_inertia_kgm2: tare.pitch_inertia_kgm2.unwrap_or(tare.yaw_inertia_kgm2)
+                + payload_kg * (square(bed.length_m) + square(box_height_m)) / 12.0
+                + reduced_mass_kg * (square(along_m) + square(above_tare_m)),
+        })
+    }
+
     /// What turns the values of sensors into those of a sample.
     pub fn align_settings(&self) -> AlignSettings<f64> {
         let mass_of_axle_load = self.mass_of_axle_load().ok();
@@ -45,7 +89,7 @@ impl Vehicle {
     /// The masses that a scale of this trailer can show: from a tenth below empty, as far as axle
     /// weighing is off, to a quarter above the greatest mass of the [design](crate::design).
     fn trailer_mass_range_kg(&self) -> [f64; 2] {
-        [0.9 * self.empty_trailer_mass_kg(), 1.25 * crate::design::greatest_mass_kg(self)]
+        [0.9 * self.empty_trailer_mass_kg(), 1.25 * greatest_mass_kg(self)]
     }
 
     /// Trailer mass (sprung and axles) from the load of the trailer's axles on the road, both in kg:
@@ -68,6 +112,15 @@ impl Vehicle {
         let slope = (laden_kg - empty_kg) / (heavy - light);
         Ok([empty_kg - slope * light, slope])
     }
+}
+
+/// The greatest payload of the grid.
+const GREATEST_PAYLOAD_KG: f64 = 34_000.0;
+
+/// The greatest trailer mass that a design knows.
+pub(crate) fn greatest_mass_kg(vehicle: &Vehicle) -> f64 {
+    let empty_kg = vehicle.empty_trailer_mass_kg();
+    (empty_kg + GREATEST_PAYLOAD_KG).max(vehicle.trailer.reference_mass_kg * 1.1)
 }
 
 /// How the tyres of an axle give under its load: its centre is at the height of the unloaded tyre,

@@ -12,9 +12,11 @@ use cg_core::Channel;
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
+use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::linear::{Variant, ratio_line};
-use crate::vehicle::{Axle, Load, Tyre, Vehicle};
+use crate::linear::ratio_line;
+use crate::load::Load;
+use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// How many parameters there are.
 pub const PARAMETERS: usize = 12;

@@ -2,21 +2,20 @@
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::rollover::HEIGHTS;
-use cg_core::{Channel, ChannelDesign, Design, RatioLine, RolloverDesign, Spread, ThresholdLine};
+use cg_core::{Channel, ChannelDesign, Design, RatioLine, Spread, ThresholdLine};
 
-use crate::balance::static_balance;
+use crate::balance::greatest_mass_kg;
 use crate::belief::Belief;
+use crate::equations::{Equations, Variant};
 use crate::error::VehicleError;
-use crate::linear::{Equations, Variant, ratio_line};
+use crate::linear::ratio_line;
+use crate::load::Load;
 use crate::reduction::{ReducedModels, reduce};
-use crate::steady_turn::threshold_line;
-use crate::vehicle::{Load, Vehicle};
+use crate::steady_turn::{rollover, threshold_line};
+use crate::vehicle::Vehicle;
 
 /// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
 const GRID_MPS: [f64; SPEEDS] = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0, 23.0, 30.0];
-
-/// The greatest payload of the grid.
-const GREATEST_PAYLOAD_KG: f64 = 34_000.0;
 
 /// Computes the design of a vehicle as its file says.
 ///
@@ -131,12 +130,6 @@ fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {
     speeds
 }
 
-/// The greatest trailer mass that a design knows.
-pub(crate) fn greatest_mass_kg(vehicle: &Vehicle) -> f64 {
-    let empty_kg = vehicle.empty_trailer_mass_kg();
-    (empty_kg + GREATEST_PAYLOAD_KG).max(vehicle.trailer.reference_mass_kg * 1.1)
-}
-
 #[allow(clippy::cast_precision_loss)] // indices
 fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     let reference_kg = vehicle.trailer.reference_mass_kg;
@@ -185,40 +178,4 @@ fn thresholds(
         *line = threshold_line(vehicle, load, compliance, height_m)?;
     }
     Ok(lines)
-}
-
-/// The trailer rests on its own axles and, over the fifth wheel, on the tractor's rear axles:
-/// the effective half track is their mean, weighted with what each carries of the trailer.
-pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
-    let balance = static_balance(vehicle, load)?;
-    let axles = vehicle.axles();
-    let hitch_behind_m = vehicle.tractor.hitch_behind_cg_m;
-    let middle_m = |positions_m: &[f64]| {
-        #[allow(clippy::cast_precision_loss)] // one or two tyres
-        let n = positions_m.len() as f64;
-        positions_m.iter().sum::<f64>() / n
-    };
-    let nearest_hitch = axles
-        .iter()
-        .filter(|placed| !placed.on_trailer)
-        .min_by(|a, b| {
-            let far = |placed: f64| (placed + hitch_behind_m).abs();
-            far(a.position_m).total_cmp(&far(b.position_m))
-        })
-        .map_or(0.0, |placed| middle_m(&placed.axle.tyre_positions_m));
-    let (mut moment, mut force_n) = (balance.hitch_load_n * nearest_hitch, balance.hitch_load_n);
-    let (mut unsprung, mut center) = (0.0, 0.0);
-    for (placed, load_n) in axles.iter().zip(&balance.axle_load_n) {
-        if placed.on_trailer {
-            moment += load_n * middle_m(&placed.axle.tyre_positions_m);
-            force_n += load_n;
-            unsprung += placed.axle.unsprung_mass_kg;
-            center += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
-        }
-    }
-    Ok(RolloverDesign {
-        half_track_m: moment / force_n,
-        unsprung_mass_kg: unsprung,
-        unsprung_height_m: center / unsprung,
-    })
 }

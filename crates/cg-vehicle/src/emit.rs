@@ -154,7 +154,7 @@ pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> Str
 mod tests {
     use super::*;
     use crate::design::design;
-    use crate::linear::Variant;
+    use crate::equations::Variant;
     use crate::vehicle::Vehicle;
 
     fn baseline() -> Design<f32> {

@@ -2,11 +2,7 @@
 
 use thiserror::Error;
 
-use crate::check::{self, Finding, Unusual};
-use crate::vehicle::Vehicle;
-
-/// How many of the keys farthest from usual are named.
-const NAMED: usize = 3;
+use crate::finding::{Finding, Unusual, plain};
 
 /// A vehicle file or a model that cannot be used.
 #[derive(Debug, Error)]
@@ -84,17 +80,6 @@ impl VehicleError {
     pub fn syntax(file: &str, source: &toml::de::Error) -> Self {
         Self::Syntax { file: file.to_owned(), message: source.to_string().trim_end().to_owned() }
     }
-
-    /// A model that fails says which numbers of the vehicle are farthest from usual.
-    #[must_use]
-    pub fn of_vehicle(self, vehicle: &Vehicle) -> Self {
-        match self {
-            Self::Model(message) => {
-                Self::Unusable { message, farthest: check::farthest(vehicle, NAMED) }
-            }
-            other => other,
-        }
-    }
 }
 
 fn told(file: &str, findings: &[Finding]) -> String {
@@ -105,7 +90,7 @@ fn told(file: &str, findings: &[Finding]) -> String {
 fn farthest_words(farthest: &[Unusual]) -> String {
     let one = |unusual: &Unusual| {
         let Unusual { key, value, usual, .. } = unusual;
-        format!("{key} = {} (usual: {usual})", check::plain(*value))
+        format!("{key} = {} (usual: {usual})", plain(*value))
     };
     let words: Vec<String> = farthest.iter().map(one).collect();
     format!("farthest from usual in the vehicle file: {}", words.join(", "))

@@ -3,20 +3,19 @@
 //!
 //! | module | what | source |
 //! |---|---|---|
-//! | [`vehicle`], [`load`] | the vehicle file, loads of the trailer | ch. 2 |
-//! | [`check`] | whether its numbers are plausible | – |
-//! | [`files`] | small files, read with a limit | – |
-//! | [`tables`], [`characteristics`] | measured springs and tyres in it, and their evaluation | Tables 2.3–2.9 |
+//! | [`finding`], [`error`] | what can be wrong with a vehicle file or a model | – |
+//! | [`files`], [`limits`] | small files, read with a limit; what no vehicle on a road exceeds | – |
+//! | [`load`], [`vehicle`] | loads of the trailer, the vehicle file | ch. 2 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
-//! | [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
-//! | [`response`] | transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
-//! | [`system`], [`reduction`] | linear systems; the reduced 5th-order model and its error | section 5.5 |
-//! | [`compensation`] | F(s) between two responses | section 5.4 |
+//! | [`check`] | reads a vehicle file; whether its numbers are plausible | – |
+//! | [`tables`], [`characteristics`] | measured springs and tyres in it, and their evaluation | Tables 2.3–2.9 |
+//! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
+//! | [`equations`], [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`belief`], [`calibration`] | what is not known of a truck, and what runs say of it | eq. 5.19 |
+//! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
+//! | [`compensation`] | F(s) between two responses | section 5.4 |
 //! | [`steady_turn`] | the rollover threshold, axle by axle | section 1.2 |
-//! | [`design`] | the constants for `cg_core` | – |
-//! | [`emit`] | the same as JSON, Rust or C, for firmware | – |
-//! | [`limits`] | what no vehicle on a road exceeds | – |
+//! | [`design`], [`emit`] | the constants for `cg_core`; the same as JSON, Rust or C, for firmware | – |
 //!
 //! Axes and signs are those of [`cg_core::signal::sample`] (ISO 8855).
 //!
@@ -37,17 +36,20 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
+pub mod finding;
 pub mod error;
-pub mod check;
 pub mod files;
+pub mod limits;
 pub mod tables;
-pub mod characteristics;
 pub mod load;
 pub mod vehicle;
 pub mod balance;
+pub mod check;
+pub mod characteristics;
 pub mod system;
 mod output_error;
 pub mod response;
+pub mod equations;
 mod as_printed;
 pub mod linear;
 pub mod belief;
@@ -57,8 +59,9 @@ pub mod compensation;
 pub mod steady_turn;
 pub mod design;
 pub mod emit;
-pub mod limits;
 
+pub use equations::Variant;
 pub use error::VehicleError;
-pub use linear::{LinearModel, Variant};
-pub use vehicle::{Load, Vehicle};
+pub use linear::LinearModel;
+pub use load::Load;
+pub use vehicle::Vehicle;

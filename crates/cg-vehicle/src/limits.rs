@@ -1,7 +1,6 @@
 //! What no vehicle on a road exceeds: numbers beyond are slips of the unit or of the keyboard.
 
 use crate::error::VehicleError;
-use crate::vehicle::Load;
 
 /// C.g. height of a trailer's sprung mass.
 pub const GREATEST_HEIGHT_M: f64 = 6.0;
@@ -29,13 +28,4 @@ pub fn positive(name: &str, value: f64, greatest: f64) -> Result<(), VehicleErro
         return Ok(());
     }
     Err(VehicleError::Model(format!("{name} {value} must be positive and at most {greatest}")))
-}
-
-/// Whether a load is one that a road can see.
-///
-/// # Errors
-/// [`VehicleError::Model`] with the number and its limit.
-pub fn load(load: Load) -> Result<(), VehicleError> {
-    positive("c.g. height (m)", load.cg_height_m, GREATEST_HEIGHT_M)?;
-    positive("trailer mass (kg)", load.trailer_mass_kg, GREATEST_TRAILER_MASS_KG)
 }

@@ -32,23 +32,6 @@ pub struct StateSpace {
     pub lateral_feedthrough: f64,
 }
 
-/// A transfer function in factored and polynomial form.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TransferFunction {
-    /// Coefficients in descending powers of s.
-    pub numerator: Vec<f64>,
-    /// Coefficients in descending powers of s, the first is one.
-    pub denominator: Vec<f64>,
-    /// Roots of the denominator, rad/s, `(re, im)`.
-    pub poles: Vec<(f64, f64)>,
-    /// Roots of the numerator, rad/s, `(re, im)`.
-    pub zeros: Vec<(f64, f64)>,
-    /// Leading coefficient of the numerator.
-    pub gain: f64,
-    /// Value at s = 0.
-    pub dc_gain: f64,
-}
-
 impl StateSpace {
     /// The system from steer to one response, given as a row on `x` and its feedthrough.
     pub fn to(&self, row: &DVector<f64>, feedthrough: f64) -> System {

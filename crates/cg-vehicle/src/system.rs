@@ -4,7 +4,23 @@ use faer::c64;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
-use crate::response::TransferFunction;
+
+/// A transfer function in factored and polynomial form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferFunction {
+    /// Coefficients in descending powers of s.
+    pub numerator: Vec<f64>,
+    /// Coefficients in descending powers of s, the first is one.
+    pub denominator: Vec<f64>,
+    /// Roots of the denominator, rad/s, `(re, im)`.
+    pub poles: Vec<(f64, f64)>,
+    /// Roots of the numerator, rad/s, `(re, im)`.
+    pub zeros: Vec<(f64, f64)>,
+    /// Leading coefficient of the numerator.
+    pub gain: f64,
+    /// Value at s = 0.
+    pub dc_gain: f64,
+}
 
 /// `ẋ = A x + b u`, `y = c x + d u`.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,15 +4,10 @@
 //! other positions are distances whose name says from where. Inertias are about each sprung
 //! mass's own c.g. Any number of axles per unit; tyres and springs per axle.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
-use crate::check::Finding;
-use crate::error::VehicleError;
-pub use crate::load::{Load, SprungMass};
+use crate::load::Load;
 use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
-use crate::{check, files};
 
 /// A tractor-semitrailer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -381,42 +376,6 @@ impl PlacedAxle<'_> {
 }
 
 impl Vehicle {
-    /// Reads and checks a vehicle file.
-    ///
-    /// # Errors
-    /// [`VehicleError`] naming file, line, column, key and value of all that is wrong.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, VehicleError> {
-        Ok(Self::load_checked(path)?.0)
-    }
-
-    /// The same, with what is unusual in the file beside the vehicle.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn load_checked(path: impl AsRef<Path>) -> Result<(Self, Vec<Finding>), VehicleError> {
-        let path = path.as_ref();
-        let file = path.display().to_string();
-        let text = files::read_text(path, files::VEHICLE_BYTES)
-            .map_err(|source| VehicleError::Read { file: file.clone(), source })?;
-        Self::check(&text, &file)
-    }
-
-    /// Checks the text of a vehicle file; `file` is its name in messages.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn parse(text: &str, file: &str) -> Result<Self, VehicleError> {
-        Ok(Self::check(text, file)?.0)
-    }
-
-    /// The same, with what is unusual in the file beside the vehicle.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn check(text: &str, file: &str) -> Result<(Self, Vec<Finding>), VehicleError> {
-        check::checked(text, file)
-    }
-
     /// All axles, tractor first, front to rear.
     pub fn axles(&self) -> Vec<PlacedAxle<'_>> {
         let tyre = |axle: &Axle| self.tyre.iter().find(|tyre| tyre.name == axle.tyre);

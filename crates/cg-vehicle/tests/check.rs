@@ -29,7 +29,7 @@ fn table(name: &str) -> Table {
 }
 
 /// Parses a changed file.
-fn parsed(root: &Table) -> Result<(Vehicle, Vec<cg_vehicle::check::Finding>), VehicleError> {
+fn parsed(root: &Table) -> Result<(Vehicle, Vec<cg_vehicle::finding::Finding>), VehicleError> {
     Vehicle::check(&toml::to_string(root).unwrap(), "truck.toml")
 }
 

@@ -1,7 +1,8 @@
 //! What the linear model promises, whatever the vehicle. The source's numbers: `reproduce.rs`.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-use cg_vehicle::linear::{Equations, ratio_line};
+use cg_vehicle::equations::Equations;
+use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle};
 
 fn baseline() -> Vehicle {

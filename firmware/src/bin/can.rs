@@ -1,9 +1,9 @@
-//! J1939 frames in, heights out, still without a heap.
+//! J1939 frames in, heights out, without a heap.
 #![no_std]
 #![no_main]
 
 #[path = "../board.rs"]
-#[allow(dead_code)] // the counter is the other images'
+#[allow(dead_code)] // only the other images use the counter
 mod board;
 
 use board::{Line, Memory, output};

@@ -1,9 +1,9 @@
-//! Counts what the identifier alone costs, a row of one channel.
+//! Counts the cost of the identifier alone, for one row of one channel.
 #![no_std]
 #![no_main]
 
 #[path = "../board.rs"]
-#[allow(dead_code)] // memory and decimals are the other image's
+#[allow(dead_code)] // only the other images use memory and decimals
 mod board;
 
 use board::{Counter, Line, output};

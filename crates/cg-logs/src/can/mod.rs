@@ -13,14 +13,14 @@
 //! The J1939 table itself and the alignment of values to samples are [`cg_core::signal::j1939`] and
 //! [`cg_core::signal::align`], which firmware uses too.
 
-mod candump;
 mod clock;
+mod frame;
+mod candump;
 mod dbc;
 mod decoder;
-mod frame;
 mod reader;
-mod sampler;
 mod tally;
+mod sampler;
 
 pub use candump::{CandumpError, Content, Line, parse};
 pub use clock::{Clock, Instant};

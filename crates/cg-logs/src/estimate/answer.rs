@@ -3,7 +3,7 @@
 use cg_core::{Maneuver, Outcome};
 use serde::Serialize;
 
-use crate::estimate::Method;
+use super::options::Method;
 
 /// Whether a log (or a maneuver) gave a height.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

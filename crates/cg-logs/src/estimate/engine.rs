@@ -7,7 +7,7 @@ use cg_core::{
     Settings, Step,
 };
 
-use crate::estimate::{EstimateOptions, Method};
+use super::options::{EstimateOptions, Method};
 use cg_vehicle::Variant;
 
 /// Interval of the classical ARX (the source's 0.05 s): faster logs are thinned out.

@@ -3,9 +3,9 @@
 use cg_core::{Channel, Combined, Height, Measured};
 use cg_core::{Maneuver, Reject};
 
-use super::{
-    ChannelEstimate, Identified, LogEstimate, LogEstimator, ManeuverEstimate, QUANTILE_95, Verdict,
-};
+use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
+use super::intake::{Identified, LogEstimator};
+use super::options::QUANTILE_95;
 
 /// What [`LogEstimate::channel`] says when both went in.
 const COMBINED: &str = "combined";

@@ -3,8 +3,8 @@
 use cg_core::Reject;
 use cg_core::{Channel, Measured};
 
-use super::LogEstimator;
 use super::diagnosis::Evidence;
+use super::intake::LogEstimator;
 
 /// The greatest usual height: a box that is full to a roof at 4 m over a floor at 1.2 m has its middle
 /// at 2.6 m, and the trailer's own weight lies below.

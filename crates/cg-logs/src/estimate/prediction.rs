@@ -4,7 +4,8 @@
 use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
 use cg_core::{AlignSettings, Channel, Conditioner, Design, Reduced5, SampleError};
 
-use super::{EstimateOptions, LogEstimator};
+use super::intake::LogEstimator;
+use super::options::EstimateOptions;
 use crate::log::LogRow;
 
 /// The trailer mass changes by this share before the dynamics are taken anew.

@@ -35,19 +35,19 @@
 //! it is, a number that the truck [cannot have](cg_core::AlignSettings::believes). Time must be
 //! there and increase.
 
-mod batches;
-mod candump;
-mod cell;
-mod columns;
 mod error;
-mod frames;
 mod lines;
-mod options;
 mod quoted;
-mod reader;
-mod rows;
 mod signal;
+mod candump;
+mod options;
+mod columns;
+mod cell;
+mod batches;
+mod frames;
+mod rows;
 mod source;
+mod reader;
 mod writer;
 
 pub use candump::CandumpWriter;

@@ -11,8 +11,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
 
-use super::Target;
+use super::error::OutputError;
 use super::place::folder;
+use super::target::Target;
 
 /// How a draft's name ends.
 const END: &str = ".part";
@@ -202,6 +203,37 @@ fn remove_if_left(draft: &Path) {
     let Some(file) = is_file.then(|| File::open(draft).ok()).flatten() else { return };
     if !matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
         let _ = fs::remove_file(draft);
+    }
+}
+
+impl Target {
+    /// A draft, and the file to write to. No draft where the path leads to something that is no
+    /// regular file and must not be replaced, such as `/dev/stdout` or a pipe.
+    ///
+    /// # Errors
+    /// Those of the system; [`OutputError`] if something else is there now.
+    pub fn open(&self) -> io::Result<(Option<Draft>, File)> {
+        match self.replaces().map_err(io::Error::other)? {
+            Some(resolved) => {
+                let (draft, file) = Draft::create(self.clone(), resolved)?;
+                Ok((Some(draft), file))
+            }
+            None => Ok((None, fs::OpenOptions::new().write(true).open(&self.path)?)),
+        }
+    }
+
+    /// Writes `text` beside the file's place, with one line feed at its end; with
+    /// [`Draft::publish`] it appears there.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn write(&self, text: &str) -> Result<Option<Draft>, OutputError> {
+        let write = || -> io::Result<Option<Draft>> {
+            let (draft, mut file) = self.open()?;
+            io::Write::write_all(&mut file, format!("{}\n", text.trim_end()).as_bytes())?;
+            Ok(draft)
+        };
+        write().map_err(|source| self.failed(source))
     }
 }
 

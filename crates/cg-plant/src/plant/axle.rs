@@ -1,16 +1,17 @@
-//! An axle: hangs on its roll centre, which is fixed in the sprung mass and slides along the
-//! axle's own vertical. Two coordinates of its own, rise `s` and roll `φu`.
+//! An axle. It is guided at its roll center, which is fixed in the sprung mass and slides along the
+//! axle's own vertical. It has two coordinates, rise `s` and roll `φu`.
 //!
-//! With `k` the axle's vertical, `j` its direction to the left and `s` the distance of the roll
-//! centre above its c.g., its own inertias are uncoupled, `m` for the rise and `m s² + I` for
-//! the roll. Both accelerations are eliminated at once; what is left for the sprung mass is
+//! Let `k` be the axle's vertical, `j` its direction to the left and `s` the distance of the roll
+//! center above its c.g. The inertias of the axle are then uncoupled: `m` for the rise and
+//! `m s² + I` for the roll. Both accelerations are eliminated directly, which leaves for the sprung
+//! mass
 //!
 //! ```text
 //!     mass    m X Xᵀ + m I/(m s² + I) Y Yᵀ      X, Y: rows of the c.g.'s velocity along e_x and j
 //!     force   at the c.g., without its part along k, with the springs in its place
 //! ```
 //!
-//! so lateral forces reach the body through the roll centre and nobody has to compute them.
+//! Lateral forces thus reach the body through the roll center without being computed.
 
 use super::body::{Equations, Motion};
 use super::suspension::Group;
@@ -27,23 +28,23 @@ pub(super) struct Axle {
     pub(super) mass_kg: f64,
     /// Roll and yaw.
     pub(super) inertia_kgm2: f64,
-    /// Static distance of the roll centre above the axle's centre.
+    /// Static distance of the roll center above the axle's center.
     pub(super) rise_m: f64,
     pub(super) half_spread_m: f64,
     pub(super) auxiliary_nm_per_rad: f64,
-    /// Both dampers together.
+    /// Sum of both dampers.
     pub(super) bounce_damping_ns_per_m: f64,
     pub(super) roll_damping_nms_per_rad: f64,
     pub(super) roll_steer: f64,
-    /// One where the steer angle acts, else zero.
+    /// One if the axle is steered, otherwise zero.
     pub(super) steered: f64,
-    /// Which springs, and one over the number of axles that share them.
+    /// Index of the springs, and one divided by the number of axles that share them.
     pub(super) group: usize,
     pub(super) share: f64,
     pub(super) tyres: Tyres,
 }
 
-/// Where an axle is to its body.
+/// Position of an axle relative to its body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pose {
     pub(super) rise_m: f64,
@@ -52,7 +53,7 @@ pub(super) struct Pose {
     pub(super) roll_rate: f64,
     pub(super) sin: f64,
     pub(super) cos: f64,
-    /// Roll of the body less that of the axle.
+    /// Roll of the body minus that of the axle.
     lean_rad: f64,
     lean_rate: f64,
     cos_lean: f64,
@@ -81,7 +82,7 @@ impl Pose {
     }
 }
 
-/// What is needed to recover an axle's accelerations.
+/// The values from which an axle's accelerations are recovered.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Eliminated {
     along_j: [f64; 6],
@@ -116,8 +117,8 @@ impl Axle {
         [[bounce - roll, rate - roll_rate], [bounce + roll, rate + roll_rate]]
     }
 
-    /// Force on the rise and roll moment on the body, from the forces of the group's springs,
-    /// which every axle of it feels alike.
+    /// Force on the rise and roll moment on the body, from the forces of the group's springs, which
+    /// act equally on every axle of the group.
     #[inline]
     fn suspension(&self, pose: &Pose, springs_n: [f64; 2]) -> (f64, f64) {
         let [left, right] = springs_n;
@@ -145,7 +146,7 @@ impl Axle {
         let center = [rho[0], rho[1] + s * sin, rho[2] - s * cos];
         let arms = motion.attitude.arms(rho);
         let yaw_arm = [-center[1], center[0]];
-        // Rows of the centre's velocity along e_x, j = (0, cos, sin) and k = (0, −sin, cos).
+        // Rows of the center's velocity along e_x, j = (0, cos, sin) and k = (0, −sin, cos).
         let (pitch, roll) = (arms[1], arms[2]);
         let x = [1.0, 0.0, 0.0, yaw_arm[0], pitch[0], roll[0]];
         let along_j =
@@ -210,7 +211,7 @@ impl Axle {
     }
 }
 
-/// Velocity of the centre, and its acceleration where no rate changes.
+/// Velocity of the center, and its acceleration at constant rates.
 #[inline]
 fn center_motion(motion: &Motion, pose: &Pose, rho: Vector) -> (Vector, Vector) {
     let (s, ds, sin, cos) = (pose.rise_m, pose.rise_rate, pose.sin, pose.cos);
@@ -231,7 +232,7 @@ fn center_motion(motion: &Motion, pose: &Pose, rho: Vector) -> (Vector, Vector) 
     (velocity, bias)
 }
 
-/// What acts on an axle from outside its unit.
+/// What acts on an axle from outside its unit: road, inputs and springs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Road<'a> {
     pub(super) kinds: &'a [Grip],

@@ -1,9 +1,9 @@
 //! A sprung mass: attitude, motion of its points, and the equations of its unit.
 //!
-//! All vectors are components in the unit's own yaw frame: forward along its heading, left, up.
-//! The frame turns, the accelerations are those of inertial space. With yaw `ψ`, pitch `θ` and
-//! roll `φ` in this order, `R = Ry(θ) Rx(φ)` takes body axes to the yaw frame and the axes of the
-//! three rates are `e_z`, `e_y` and `b = R x̂`.
+//! All vectors have their components in the unit's own yaw frame: forward along its heading, left,
+//! up. The frame rotates; the accelerations are inertial. With yaw `ψ`, pitch `θ` and roll `φ` in this
+//! order, `R = Ry(θ) Rx(φ)` transforms body axes to the yaw frame, and the axes of the three rates
+//! are `e_z`, `e_y` and `b = R x̂`.
 
 use super::vector::{Vector, add, cross, scaled, sin_cos};
 
@@ -43,14 +43,14 @@ impl Attitude {
         ]
     }
 
-    /// Components of a moment on the three rates.
+    /// Generalized components of a moment for the three rates.
     #[inline]
     fn along_rates(&self, moment: Vector) -> [f64; 3] {
         [moment[2], moment[1], self.cos_pitch * moment[0] - self.sin_pitch * moment[2]]
     }
 }
 
-/// How a unit moves: its reference point and its rotation.
+/// Motion of a unit: its reference point and its rotation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
     pub(super) attitude: Attitude,
@@ -58,7 +58,7 @@ pub(super) struct Motion {
     pub(super) rates: [f64; 3],
     /// Velocity of the reference point.
     pub(super) velocity: Vector,
-    /// Its acceleration where no rate changes.
+    /// Its acceleration at constant rates.
     pub(super) bias: Vector,
     omega: Vector,
     alpha: Vector,
@@ -70,12 +70,12 @@ impl Motion {
         let [yaw, pitch, roll] = rates;
         let (s, c) = (attitude.sin_pitch, attitude.cos_pitch);
         let omega = [roll * c, pitch, yaw - roll * s];
-        // Turning of the rates' own axes: −θ̇ψ̇ e_x + φ̇ (ψ̇ e_z + θ̇ e_y) × b.
+        // Rotation of the axes of the rates: −θ̇ψ̇ e_x + φ̇ (ψ̇ e_z + θ̇ e_y) × b.
         let alpha = [-pitch * yaw - roll * pitch * s, roll * yaw * c, -roll * pitch * c];
         Self { attitude, rates, velocity, bias, omega, alpha }
     }
 
-    /// Velocity of the point at `rho` and its acceleration where no rate changes.
+    /// Velocity of the point at `rho` and its acceleration at constant rates.
     #[inline]
     pub(super) fn point(&self, rho: Vector) -> (Vector, Vector) {
         let turning = cross(self.omega, rho);
@@ -84,8 +84,8 @@ impl Motion {
     }
 }
 
-/// The equations of one unit, `mass · (a, ψ̈, θ̈, φ̈) = force`, with `a` the acceleration of its
-/// reference point that comes from changing rates.
+/// The equations of one unit, `mass · (a, ψ̈, θ̈, φ̈) = force`, where `a` is the part of the
+/// acceleration of its reference point that is due to changing rates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
     /// Symmetric: its lower triangle.
@@ -98,7 +98,7 @@ impl Equations {
         Self { mass: [[0.0; 6]; 6], force: [0.0; 6] }
     }
 
-    /// A force at `rho`, on the unit's own rates.
+    /// Adds a force at `rho`.
     #[inline]
     pub(super) fn add_force(&mut self, attitude: &Attitude, rho: Vector, force: Vector) {
         let moment = attitude.along_rates(cross(rho, force));
@@ -108,7 +108,7 @@ impl Equations {
         }
     }
 
-    /// An axle: `along · Xᵀ X + across · Yᵀ Y`, where `X` has nothing at 1 and 2 and `Y` nothing
+    /// Adds an axle: `along · Xᵀ X + across · Yᵀ Y`, where `X` is zero at 1 and 2 and `Y` is zero
     /// at 0.
     #[inline]
     pub(super) fn add_axle(&mut self, x: &[f64; 6], along: f64, y: &[f64; 6], across: f64) {
@@ -127,7 +127,7 @@ impl Equations {
         }
     }
 
-    /// The sprung mass itself: c.g. at `rho`, principal inertias roll, pitch, yaw about it.
+    /// Adds the sprung mass itself: c.g. at `rho`, principal inertias roll, pitch, yaw about it.
     #[inline]
     pub(super) fn add_sprung(
         &mut self,
@@ -155,7 +155,7 @@ impl Equations {
         self.add_rotation(motion, inertia_kgm2);
     }
 
-    /// Rotational inertia, in body axes: `Jᵀ I J` and `−Jᵀ (I α + ω × I ω)`.
+    /// Adds the rotational inertia, in body axes: `Jᵀ I J` and `−Jᵀ (I α + ω × I ω)`.
     #[inline]
     fn add_rotation(&mut self, motion: &Motion, i: Vector) {
         let a = &motion.attitude;

@@ -1,35 +1,35 @@
-//! A driver who looks ahead: MacAdam's optimal preview control (1980, 1981).
+//! A preview driver: MacAdam's optimal preview control (1980, 1981).
 //!
-//! He knows the tractor as a bicycle, `ẋ = F x + g δ` with `x = (y, v, ψ, r)`, and holds the steer
-//! angle that, kept over the preview time `T`, brings the tractor closest to the path:
+//! The driver models the tractor as a bicycle, `ẋ = F x + g δ` with `x = (y, v, ψ, r)`, and chooses
+//! the steer angle that, held over the preview time `T`, brings the tractor closest to the path:
 //!
 //! ```text
 //!     y(t + η) = mᵀ Φ(η) x + A(η) δ          A(η) = mᵀ ∫ Φ g
 //!     δ        = ∫ (f(η) − mᵀ Φ(η) x) A(η) dη / ∫ A² dη
 //! ```
 //!
-//! with `f(η)` the path in the tractor's own axes. **Reference.** MacAdam, ASME J. Dyn. Syst. Meas.
+//! where `f(η)` is the path in the tractor's own axes. **Reference.** MacAdam, ASME J. Dyn. Syst. Meas.
 //! Control 102 (1980) and IEEE Trans. SMC 11 (1981).
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
-use super::YawRollPlant;
 use super::integrate::{Progress, Simulation};
 use super::path::Path;
 use super::state::Coordinate;
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
-/// Points of the preview.
+/// Number of preview points.
 const POINTS: usize = 15;
 
-/// How the driver steers.
+/// Settings of the driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriverSettings {
-    /// How far ahead he looks.
+    /// Preview time.
     pub preview_s: f64,
-    /// Delay of his answer.
+    /// Delay of the driver's response.
     pub delay_s: f64,
-    /// Lag of his hands; zero for none.
+    /// Lag of the driver's steering; zero for none.
     pub lag_s: f64,
 }
 
@@ -57,17 +57,17 @@ pub struct Driver {
     arc_m: f64,
     lag_s: f64,
     steer_rad: f64,
-    /// Answers not yet given, a ring.
+    /// Ring buffer of responses that are delayed.
     delayed: Vec<f64>,
     next: usize,
     interval_s: f64,
 }
 
 impl Driver {
-    /// A driver of this plant, who answers every step of it.
+    /// A driver of this plant, who responds at every step of it.
     ///
     /// # Errors
-    /// If the tractor has no bicycle model, or a setting makes no sense.
+    /// If the tractor has no bicycle model, or a setting is invalid.
     pub fn new(
         plant: &YawRollPlant,
         path: Path,
@@ -82,7 +82,7 @@ impl Driver {
         }
         let (rates, steer) = plant.bicycle(speed_mps)?;
         let interval_s = plant.step_s();
-        // A delay of at most seconds in steps.
+        // The delay in steps; it is at most seconds.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let waiting = (delay_s / interval_s).round().min(1e6) as usize;
         Ok(Self {
@@ -138,7 +138,7 @@ impl Driver {
     }
 }
 
-/// Responses over the preview time, from `(v̇, ṙ)` by `(v, r)` and by steer.
+/// Responses over the preview time, from the dependence of `(v̇, ṙ)` on `(v, r)` and on steer.
 fn preview(
     rates: Matrix2<f64>,
     steer: Vector2<f64>,
@@ -171,8 +171,9 @@ fn preview(
 }
 
 impl YawRollPlant {
-    /// The tractor as a bicycle with the static load of the fifth wheel as a mass at its place:
-    /// rates of lateral velocity and yaw rate by these two, and by the steer angle.
+    /// The tractor as a bicycle, with the static load of the fifth wheel as a mass at its position:
+    /// the derivatives of the rates of lateral velocity and yaw rate with respect to these two, and
+    /// to the steer angle.
     fn bicycle(&self, speed_mps: f64) -> Result<(Matrix2<f64>, Vector2<f64>), VehicleError> {
         let run = self.start(speed_mps)?;
         let sample = run.sample();
@@ -182,7 +183,7 @@ impl YawRollPlant {
         let mut mass_kg = p.tractor.mass_kg + hitch_kg;
         let mut moment = hitch_kg * hitch_m;
         let mut inertia = p.tractor.inertia_kgm2[2] + hitch_kg * hitch_m * hitch_m;
-        // Force and yaw moment by slip at the c.g., by yaw rate, by steer.
+        // Force and yaw moment per slip at the c.g., per yaw rate, per steer angle.
         let mut force = [Vector2::zeros(); 3];
         for (axle, seen) in p.axles.iter().zip(sample.axles()).filter(|(a, _)| !a.on_trailer) {
             let x = axle.roll_center[0];

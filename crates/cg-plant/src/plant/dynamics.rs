@@ -1,15 +1,15 @@
-//! The equations of motion, once: rates of the state from the state and the driver's inputs.
+//! The equations of motion: rates of the state from the state and the driver's inputs.
 //!
 //! ```text
 //!     1  poses of all axles, forces of all springs
 //!     2  tractor about its sprung c.g., its axles eliminated
 //!     3  trailer about the fifth wheel, its axles eliminated; its rotation eliminated leaves
 //!        an apparent 3 × 3 mass at the fifth wheel
-//!     4  five equations for v1, z1, ψ1, θ1, φ1; then back outwards
+//!     4  five equations for v1, z1, ψ1, θ1, φ1; then back-substitution to trailer and axles
 //! ```
 //!
-//! Nothing larger than 5 × 5 is ever factorised (Kane's equations with the constraint of the
-//! fifth wheel embedded; the speed is prescribed, so its reaction does no virtual work).
+//! No matrix larger than 5 × 5 is factorized. The equations are Kane's, with the constraint of the
+//! fifth wheel embedded. The speed is prescribed, so its reaction does no virtual work.
 
 use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
 use super::body::{Attitude, Equations, Motion};
@@ -21,14 +21,14 @@ use super::vector::{Vector, add, inverse_symmetric, sin_cos, solve_spd, turned};
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 
-/// What the driver does.
+/// The driver's inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Control {
     /// Mean road-wheel steer angle, left positive.
     pub steer_rad: f64,
     /// Forward speed of the tractor's sprung c.g.
     pub speed_mps: f64,
-    /// Its rate.
+    /// Rate of the speed.
     pub acceleration_mps2: f64,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct Sprung {
     pub(super) cg: Vector,
 }
 
-/// Everything that does not move.
+/// The constant parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// Reference point: its c.g.
@@ -52,17 +52,16 @@ pub(super) struct Parameters {
     /// From the tractor's c.g., body axes.
     pub(super) hitch_arm: Vector,
     pub(super) hitch: FifthWheel,
-    /// Tractor's first.
+    /// The tractor's axles first.
     pub(super) axles: Vec<Axle>,
     pub(super) groups: Vec<Group>,
     pub(super) kinds: Vec<Grip>,
     pub(super) gravity_mps2: f64,
-    /// Of the road, right side lower positive.
+    /// Bank of the road, right side lower positive.
     pub(super) bank_rad: f64,
 }
 
-/// What is found on the way to the rates; kept from one evaluation to the next, so that nothing is
-/// cleared.
+/// Intermediate results of the rates, reused from one evaluation to the next to avoid clearing them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Probe {
     units: Option<[Motion; 2]>,
@@ -77,11 +76,11 @@ pub(super) struct Probe {
     springs_n: [[f64; 2]; MAX_AXLES],
 }
 
-/// The instant: positions, inputs.
+/// Positions and inputs at one instant.
 struct Instant<'a> {
     x: &'a [f64; ROOM],
     control: &'a Control,
-    /// Sine and cosine of the trailer's yaw less the tractor's.
+    /// Sine and cosine of the trailer's yaw minus the tractor's.
     turn: (f64, f64),
     gravity: [Vector; 2],
 }
@@ -110,7 +109,7 @@ impl Parameters {
         }
     }
 
-    /// Gravity in both yaw frames; on a bank it leans about the mean heading.
+    /// Gravity in both yaw frames; on a banked road it is tilted about the mean heading.
     #[inline]
     fn gravity(&self, turn_rad: f64) -> [Vector; 2] {
         if self.bank_rad == 0.0 {
@@ -122,7 +121,7 @@ impl Parameters {
         [[side * sin, -side * cos, down], [-side * sin, -side * cos, down]]
     }
 
-    /// Rates of the state, and what can be seen meanwhile.
+    /// Rates of the state, and the intermediate results in `Probe`.
     #[inline]
     pub(super) fn rates(
         &self,
@@ -298,7 +297,7 @@ struct Solution {
     hitch_force_n: Vector,
 }
 
-/// Joins the units at the fifth wheel, whose arms of the tractor's rates are given.
+/// Couples the units at the fifth wheel, given its lever arms for the tractor's rates.
 #[inline]
 fn join(
     tractor: &Equations,

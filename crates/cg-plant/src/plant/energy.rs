@@ -1,13 +1,15 @@
-//! Energy of the plant, and the test that it stays: any wrong sign in the equations shows here.
+//! Energy of the plant, and the test of its conservation, which reveals any wrong sign in the
+//! equations.
 
 use super::axle::Pose;
 use super::body::{Attitude, Motion};
 use super::dynamics::{Control, Parameters, Probe};
+use super::options::PlantOptions;
 use super::state::{AxleCoordinate as A, Coordinate as C, State, at};
 use super::suspension::Law;
 use super::vector::{Vector, cross, sin_cos, turned};
-use super::{PlantOptions, YawRollPlant};
-use cg_vehicle::vehicle::Vehicle;
+use super::yaw_roll::YawRollPlant;
+use cg_vehicle::Vehicle;
 
 fn square(v: Vector) -> f64 {
     v.iter().map(|x| x * x).sum()
@@ -32,7 +34,7 @@ fn sprung(p: &Parameters, motion: &Motion, height_m: f64, on_trailer: bool) -> f
         + body.mass_kg * p.gravity_mps2 * (height_m + rho[2])
 }
 
-/// Kinetic and potential energy of an axle, its tyres and its springs.
+/// Kinetic and potential energy of an axle, its tires and its springs.
 fn axle(p: &Parameters, state: &State, i: usize, motion: &Motion, height_m: f64) -> f64 {
     let axle = &p.axles[i];
     let own = [A::Rise, A::Roll, A::RiseRate, A::RollRate].map(|c| state.x[at(i, c)]);
@@ -68,7 +70,7 @@ fn axle(p: &Parameters, state: &State, i: usize, motion: &Motion, height_m: f64)
         + 0.5 * tyres.overturning_nm_per_rad * own[1] * own[1]
 }
 
-/// Energy of everything; springs linear and each axle on its own.
+/// Total energy, for linear springs and axles without load groups.
 fn energy_j(p: &Parameters, state: &State) -> f64 {
     let value = |c| state.get(c);
     let turn_rad = value(C::TrailerYaw) - value(C::TractorYaw);
@@ -98,7 +100,7 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
     energy + 0.5 * p.hitch.stiffness_nm_per_rad * angle * angle
 }
 
-/// The file without lateral tyre forces, dampers and load groups.
+/// The vehicle of the file without lateral tire forces, dampers and load groups.
 fn conservative(file: &str) -> YawRollPlant {
     let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
     let mut vehicle = Vehicle::load(path).unwrap();
@@ -134,7 +136,7 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
         (C::TrailerPitchRate, 0.03),
         (C::TrailerRollRate, 0.2),
     ] {
-        // Half of what lifts the lightest wheel: a lifting wheel is a kink that RK4 steps over.
+        // Half of what lifts the lightest wheel, because RK4 is not accurate over the kink of a lift.
         state.set(c, 0.5 * rate);
     }
     let start = energy_j(&plant.parameters, &state);
@@ -151,10 +153,10 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
     (worst, start - begin)
 }
 
-/// Any wrong sign or missing term changes the energy by joules. What the method leaves is a loss of
+/// Any wrong sign or missing term changes the energy by joules. The integration method itself loses
 /// `(ω h)⁶/72` of each mode's energy per step: 2⁵ times less over the same time for half the step.
-/// The fastest mode has ω = 95 rad/s, 2e-5 of its energy in 2000 steps of 1 ms; it and the few like
-/// it hold some per cent of the whole.
+/// The fastest mode has ω = 95 rad/s and loses 2e-5 of its energy in 2000 steps of 1 ms. It and the
+/// few modes like it contain some percent of the total energy.
 #[test]
 fn energy_stays_without_dampers_and_lateral_tyre_forces() {
     for file in ["baseline.toml", "kraz.toml"] {

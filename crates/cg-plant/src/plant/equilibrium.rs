@@ -1,8 +1,8 @@
-//! Straight running at constant speed: the position in which nothing accelerates.
+//! Straight driving at constant speed: the position in which nothing accelerates.
 //!
-//! Newton's method on height, pitch and roll of the bodies, rise and roll of the axles, and on
-//! lateral velocity, articulation and steer angle, which on a bank hold the vehicle up. Measured
-//! springs rest midway between their curves.
+//! Newton's method on height, pitch and roll of the bodies, on rise and roll of the axles, and on
+//! lateral velocity, articulation and steer angle, which balance the vehicle on a banked road.
+//! Measured springs rest midway between their curves.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,14 +10,14 @@ use super::dynamics::{Control, Parameters, Probe};
 use super::state::{AxleCoordinate, Coordinate, ROOM, State};
 use cg_vehicle::error::VehicleError;
 
-/// A state of rest and the steer angle that keeps it.
+/// A state of rest and the steer angle that maintains it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rest {
     pub(super) state: State,
     pub(super) steer_rad: f64,
 }
 
-/// Accelerations (m/s², rad/s²) that rounding leaves: forces of 1e5 N to 1e-16 on 500 kg, with room.
+/// Accelerations (m/s², rad/s²) due to rounding: forces of 1e5 N to 1e-16 on 500 kg, with a margin.
 const ROUNDING: f64 = 1e-10;
 const BODIES: [Coordinate; 7] = [
     Coordinate::TractorHeight,
@@ -52,7 +52,7 @@ impl Rest {
         rest
     }
 
-    /// Puts the states that have no equation of their own to rest: springs and lagged slip.
+    /// Sets the states without an equation of their own (springs and lagged slip) to rest.
     fn relaxed(mut self, parameters: &Parameters, control: &Control) -> Self {
         let compressions = parameters.compressions(&self.state);
         for (group, x) in parameters.groups.iter().zip(compressions) {
@@ -85,10 +85,10 @@ fn accelerations(parameters: &Parameters, rest: &Rest, control: &Control) -> DVe
     DVector::from_vec(bodies.chain(own).collect())
 }
 
-/// Finds straight running at a speed, from a position near it.
+/// Finds straight driving at a speed, starting from a position near it.
 ///
 /// # Errors
-/// If there is none: the vehicle tips over, or slides off the bank.
+/// If there is none: the vehicle tips over, or slides off the banked road.
 pub(super) fn settle(
     parameters: &Parameters,
     start: &State,
@@ -128,7 +128,7 @@ pub(super) fn settle(
         }
         (rest, residual) = better;
     }
-    // Rounding may stop the descent a little above its estimate.
+    // Rounding may stop the descent slightly above its estimate.
     if residual.amax() < 1e3 * ROUNDING {
         return Ok(rest);
     }

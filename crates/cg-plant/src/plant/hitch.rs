@@ -1,27 +1,27 @@
-//! The fifth wheel: carries every force, free in yaw and pitch, a spring in roll.
+//! The fifth wheel transmits every force, is free in yaw and pitch, and is a spring in roll.
 //!
 //! The angle of the plates is that of the trailer's vertical seen along the tractor,
-//! `φ5 = atan2(−e_y1·k_2, e_z·k_2)` (eq. 3.22), less the tractor's roll. Beyond the separation
-//! moment one side lifts: the moment stays until the lash is used up and the kingpin locks.
+//! `φ5 = atan2(−e_y1·k_2, e_z·k_2)` (eq. 3.22), minus the tractor's roll. Beyond the separation
+//! moment one side lifts: the moment is constant until the lash is used up and the kingpin locks.
 
 use cg_vehicle::characteristics::FifthWheel;
 
 use super::body::Attitude;
 use super::vector::Vector;
 
-/// What the fifth wheel's roll moment does to the rates.
+/// The fifth wheel's roll moment in the equations of the rates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Coupling {
-    /// On the trailer, restoring.
+    /// Restoring moment on the trailer.
     pub(super) moment_nm: f64,
-    /// Generalised moments on the tractor's yaw, pitch, roll.
+    /// Generalized moments on the tractor's yaw, pitch, roll.
     pub(super) tractor: [f64; 3],
     /// The same of the trailer.
     pub(super) trailer: [f64; 3],
 }
 
-/// What the fifth wheel does to the rates; `turn` is sine and cosine of the trailer's yaw less the
-/// tractor's.
+/// The generalized moments of the fifth wheel; `turn` is the sine and cosine of the trailer's yaw minus
+/// the tractor's.
 #[inline]
 pub(super) fn couple(
     wheel: &FifthWheel,
@@ -37,7 +37,7 @@ pub(super) fn couple(
     let (n, c) = (-across(k), k[2]);
     let scale = 1.0 / (n * n + c * c);
     let angle_rad = (n / c).atan() - tractor_roll_rad;
-    // Derivatives of the angle by each rate: of k by turning about e_z, e_y, b.
+    // Derivatives of the angle with respect to each rate: k rotates about e_z, e_y, b.
     let turned = [
         [-k[1], k[0], 0.0],
         [k[2], 0.0, -k[0]],

@@ -1,20 +1,22 @@
-//! Two methods of order four: Adams, Bashforth and Moulton's takes two evaluations a step, Runge
-//! and Kutta's four. The latter starts the former, and stays where something moves too fast for
-//! it: a joint that is a hard spring.
+//! Two methods of order four: Adams-Bashforth-Moulton needs two evaluations per step, Runge-Kutta
+//! four. Runge-Kutta starts the other method, and replaces it where something moves too fast for it
+//! (a joint that is a hard spring).
 
-use super::YawRollPlant;
 use super::dynamics::{Control, Probe};
+use super::equilibrium::settle;
+use super::method::Method;
 use super::sample::PlantSample;
 use super::state::{Coordinate, ROOM, State};
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
-/// Roll angle at which the run stops: nothing comes back from there.
+/// Roll angle at which the run stops, because no vehicle recovers from it.
 const ROLLED_OVER_RAD: f64 = 0.6;
 
-/// How a run goes.
+/// State of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// On its wheels.
+    /// The vehicle is on its wheels.
     Running,
     /// A sprung mass rolled beyond 0.6 rad (or the motion diverged) at this time.
     RolledOver {
@@ -23,39 +25,11 @@ pub enum Progress {
     },
 }
 
-/// What the plant is integrated with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Method {
-    Adams,
-    RungeKutta,
-}
-
-impl Method {
-    /// Pole times step up to which each is stable with something to spare. The limits: 1.2 along
-    /// both axes for Adams, Bashforth and Moulton (evaluated again after the correction), 2.8 for
-    /// Runge and Kutta.
-    const ADAMS: f64 = 0.6;
-    const RUNGE_KUTTA: f64 = 2.5;
-
-    pub(super) fn for_mode(fastest_radps: f64, step_s: f64) -> Result<Self, VehicleError> {
-        match fastest_radps * step_s {
-            reach if reach <= Self::ADAMS => Ok(Self::Adams),
-            reach if reach <= Self::RUNGE_KUTTA => Ok(Self::RungeKutta),
-            _ => Err(VehicleError::Model(format!(
-                "a step of {step_s} s is too long for the vehicle's fastest motion of \
-                 {fastest_radps:.0} rad/s: take {:.1e} s or less, or look for a stiffness or \
-                 damping that is too high",
-                Self::RUNGE_KUTTA / fastest_radps
-            ))),
-        }
-    }
-}
-
-/// A run in time, from straight running. Once rolled over, it stays where it is.
+/// A simulation run that starts from straight driving. After a rollover it does not move any more.
 #[derive(Clone, Debug)]
 pub struct Simulation<'a> {
     plant: &'a YawRollPlant,
-    /// The state now.
+    /// The present state.
     pub state: State,
     control: Control,
     time_s: f64,
@@ -64,11 +38,11 @@ pub struct Simulation<'a> {
     past: Past,
 }
 
-/// Rates at the present and the three steps before it, equally spaced.
+/// Rates at the present step and the three steps before it, equally spaced.
 #[derive(Clone, Debug)]
 struct Past {
     step_s: f64,
-    /// How many of them are known.
+    /// How many of them are valid.
     known: usize,
     /// The newest first.
     rates: [[f64; ROOM]; 4],
@@ -80,8 +54,24 @@ impl Past {
     }
 }
 
+impl YawRollPlant {
+    /// A run that starts from straight driving at a speed. On a banked road its first steer angle is
+    /// the one that keeps the vehicle straight.
+    ///
+    /// # Errors
+    /// If the vehicle cannot drive straight there.
+    pub fn start(&self, speed_mps: f64) -> Result<Simulation<'_>, VehicleError> {
+        if !(speed_mps.is_finite() && speed_mps > 0.0) {
+            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
+        }
+        let rest = settle(&self.parameters, &self.design, speed_mps)?;
+        let control = Control { steer_rad: rest.steer_rad, speed_mps, acceleration_mps2: 0.0 };
+        Ok(Simulation::new(self, &rest.state, control))
+    }
+}
+
 impl<'a> Simulation<'a> {
-    pub(super) fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
+    fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
         Self {
             plant,
             state: *state,
@@ -93,17 +83,16 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Advances by an interval, to a steer angle and speed at its end; both are straight lines
-    /// in between.
+    /// Advances by an interval, to a steer angle and speed at its end; both are interpolated linearly.
     pub fn push(&mut self, steer_rad: f64, speed_mps: f64, interval_s: f64) -> Progress {
         let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
         let from = Control { acceleration_mps2, ..self.control };
         let to = Control { steer_rad, speed_mps, acceleration_mps2 };
-        // At least one step, of at most the plant's; rounding must not add one.
+        // At least one step, and no step longer than the plant's; rounding must not add a step.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let steps = (interval_s / self.plant.step_s() - 1e-9).ceil().max(1.0) as u32;
         let h = interval_s / f64::from(steps);
-        // The difference that rounding of a log's times makes is none.
+        // Differences due to rounding of a log's times are ignored.
         if (h - self.past.step_s).abs() > 1e-6 * h {
             self.past = Past { step_s: h, ..Past::new() };
         }
@@ -142,17 +131,17 @@ impl<'a> Simulation<'a> {
         self.time_s
     }
 
-    /// How the run goes.
+    /// The state of the run.
     pub fn progress(&self) -> Progress {
         self.progress
     }
 
-    /// The vehicle now.
+    /// The present values of the vehicle.
     pub fn sample(&self) -> PlantSample {
         self.plant.sample(&self.state, &self.control)
     }
 
-    /// Fails once the vehicle has rolled over.
+    /// Returns an error after the vehicle has rolled over.
     ///
     /// # Errors
     /// [`VehicleError::Model`] with the time.
@@ -160,7 +149,7 @@ impl<'a> Simulation<'a> {
         match self.progress {
             Progress::Running => Ok(()),
             Progress::RolledOver { time_s } => Err(VehicleError::Model(format!(
-                "the vehicle rolled over at {time_s:.2} s; steer less, drive slower or load lower"
+                "the vehicle rolled over at {time_s:.2} s; use less steer, a lower speed or a lower load"
             ))),
         }
     }
@@ -176,7 +165,7 @@ fn between(from: &Control, to: &Control, share: f64) -> Control {
 }
 
 impl YawRollPlant {
-    /// The next step: predicted from the rates so far, corrected with the rates found there.
+    /// One step: predicted from the past rates, corrected with the rates at the predicted state.
     fn adams(
         &self,
         state: &State,
@@ -212,7 +201,7 @@ impl YawRollPlant {
         next
     }
 
-    /// One step of Runge and Kutta's, of length `h`, with the inputs at its start, middle and end.
+    /// One Runge-Kutta step of length `h`, with the inputs at its start, middle and end.
     pub(super) fn runge_kutta(
         &self,
         state: &State,

@@ -1,16 +1,16 @@
-//! Small motion about straight running, by central differences: the plant's own linear model.
+//! The plant's own linear model: small motion about straight driving, by central differences.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::YawRollPlant;
 use super::dynamics::{Control, Probe};
 use super::equilibrium::settle;
 use super::state::{AxleCoordinate, Coordinate, ROOM, at};
+use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
 
-/// The states that matter for small motion. The tractor's own yaw angle and position do not; the
-/// trailer's yaw angle stands for minus the articulation.
+/// The states that matter for small motion. The tractor's own yaw angle and position do not matter;
+/// the trailer's yaw angle represents the negative articulation.
 const BODIES: [Coordinate; 14] = [
     Coordinate::TractorHeight,
     Coordinate::TractorPitch,
@@ -34,17 +34,18 @@ const OWN: [AxleCoordinate; 4] = [
     AxleCoordinate::RollRate,
 ];
 
-/// Small enough for the error of differences (square of it), large enough for rounding.
+/// Small enough for the error of the differences (proportional to its square), large enough for
+/// rounding.
 const SHIFT: f64 = 1e-6;
 
 impl YawRollPlant {
-    /// The state-space model of small motion about straight running at a speed.
+    /// The state-space model of small motion about straight driving at a speed.
     ///
-    /// For linear springs: the force of a measured one has no derivative at rest, so its friction
-    /// holds it there.
+    /// It is meant for linear springs: the force of a measured spring has no derivative at rest, and
+    /// its friction holds it there.
     ///
     /// # Errors
-    /// If the vehicle cannot run straight.
+    /// If the vehicle cannot drive straight.
     pub fn linearised(&self, speed_mps: f64) -> Result<StateSpace, VehicleError> {
         let rest = settle(&self.parameters, &self.design, speed_mps)?;
         let places = self.places();
@@ -94,13 +95,13 @@ impl YawRollPlant {
         })
     }
 
-    /// Magnitude of the fastest pole. That of a measured spring's friction is not among them.
+    /// Magnitude of the fastest pole, without the friction of measured springs.
     pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
         let poles = self.linearised(speed_mps)?.a.complex_eigenvalues();
         Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
     }
 
-    /// Places of the states that matter; lagged slip only where tyres lag.
+    /// Indices of the states that matter; the lagged slip only for tires with a lag.
     fn places(&self) -> Vec<usize> {
         let axles = &self.parameters.axles;
         let lags = axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);

@@ -1,34 +1,34 @@
-//! What can be chosen about a plant beside its vehicle and load.
+//! Options of a plant in addition to its vehicle and load.
 
-use cg_vehicle::vehicle::Load;
+use cg_vehicle::Load;
 
-/// Which characteristics of springs or tyres.
+/// The kind of characteristics of springs or tires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Characteristics {
-    /// Those measured, where the vehicle file has them.
+    /// Measured ones, if the vehicle file has them.
     #[default]
     Measured,
-    /// The linear ones always.
+    /// Always linear ones.
     Linear,
 }
 
-/// What can be chosen about a plant.
+/// Options of a plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlantOptions {
-    /// Springs.
+    /// Characteristics of the springs.
     pub springs: Characteristics,
-    /// Lateral force and aligning moment of the tyres.
+    /// Lateral force and aligning moment of the tires.
     pub tyres: Characteristics,
     /// Bank of the road, right side lower positive.
     pub bank_rad: f64,
-    /// How far the payload's c.g. lies to the left of the middle.
+    /// Distance of the payload's c.g. to the left of the middle.
     pub payload_left_m: f64,
-    /// How far it lies behind the place that the vehicle file gives it. Springs and tyres stay
-    /// those of that place: the body settles.
+    /// Distance of the payload's c.g. behind its position in the vehicle file. Springs and tires remain
+    /// those of that position, and the body settles.
     pub payload_behind_m: f64,
-    /// The load under which the heights of the vehicle file hold; without it every load rests at
-    /// those heights (as the linear model has it). The height of the load itself is always the
-    /// one at rest.
+    /// The load under which the heights of the vehicle file hold. Without it every load rests at
+    /// those heights, as in the linear model. The height of the load itself is always its height at
+    /// rest.
     pub design_load: Option<Load>,
     /// Step of the integration.
     pub step_s: f64,

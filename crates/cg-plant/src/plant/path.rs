@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-/// Distance of the points.
+/// Distance between the points.
 const SPACING_M: f64 = 0.1;
 
-/// A path on the road, straight on beyond its end.
+/// A path on the road that continues straight beyond its end.
 #[derive(Clone, Debug)]
 pub struct Path {
     /// Points at equal arc length.
@@ -16,7 +16,7 @@ impl Path {
     /// Through these points (at least two), by straight lines.
     pub fn through(points_m: &[[f64; 2]]) -> Self {
         let mut point_m: Vec<[f64; 2]> = points_m.iter().take(1).copied().collect();
-        // What the last piece had left over.
+        // The rest of the last piece.
         let mut ahead_m = SPACING_M;
         for pair in points_m.windows(2) {
             let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
@@ -58,7 +58,7 @@ impl Path {
     pub fn point(&self, arc_m: f64) -> [f64; 2] {
         let Some(last) = self.point_m.len().checked_sub(2) else { return [arc_m, 0.0] };
         let at = arc_m / SPACING_M;
-        // Saturating, then held within the path.
+        // The cast saturates; the index is then limited to the path.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let i = (at.max(0.0) as usize).min(last);
         #[allow(clippy::cast_precision_loss)]
@@ -67,8 +67,8 @@ impl Path {
         [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
     }
 
-    /// The arc length nearest to a position, searched from where it was last: the projection on
-    /// the tangent there, twice.
+    /// The arc length nearest to a position. It is found from the last one by projection on the
+    /// tangent there, twice.
     pub fn nearest(&self, position_m: [f64; 2], last_m: f64) -> f64 {
         let mut arc_m = last_m;
         for _ in 0..2 {
@@ -90,7 +90,7 @@ mod tests {
         let turn = Path::turn(20.0, 100.0, PI / 2.0);
         let [x, y] = turn.point(20.0 + 100.0 * PI / 4.0);
         let expected = 100.0 * (PI / 4.0).sin();
-        // Chords of 0.1 m on 100 m: 1e-9 short each; points between them 1e-5 inside.
+        // Chords of 0.1 m on a radius of 100 m are 1e-9 too short; points between them are 1e-5 inside.
         assert!((x - 20.0 - expected).abs() < 1e-3 && (y - 100.0 + expected).abs() < 1e-3);
         let end = turn.point(20.0 + 50.0 * PI + 30.0);
         assert!((end[0] - 120.0).abs() < 2e-2 && (end[1] - 130.0).abs() < 2e-2, "{end:?}");

@@ -1,4 +1,4 @@
-//! What the plant tells about an instant.
+//! Outputs of the plant at an instant.
 
 use super::dynamics::{Control, Probe};
 use super::state::{AxleCoordinate, Coordinate as C, MAX_AXLES, State};
@@ -25,11 +25,11 @@ pub struct UnitSample {
 /// An axle at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxleSample {
-    /// Vertical load of the left tyres.
+    /// Vertical load of the left tires.
     pub left_load_n: f64,
-    /// Vertical load of the right tyres.
+    /// Vertical load of the right tires.
     pub right_load_n: f64,
-    /// Lateral force of all tyres, to the left of the wheels.
+    /// Lateral force of all tires, to the left of the wheels.
     pub lateral_force_n: f64,
     /// Slip angle at the middle of the axle.
     pub slip_rad: f64,
@@ -58,9 +58,9 @@ pub struct PlantSample {
     pub speed_mps: f64,
     /// The tractor's sprung mass.
     pub tractor: UnitSample,
-    /// The trailer's.
+    /// The trailer's sprung mass.
     pub trailer: UnitSample,
-    /// Yaw of the tractor less that of the trailer.
+    /// Yaw of the tractor minus that of the trailer.
     pub articulation_rad: f64,
     /// `(right − left)/(right + left)` of the loads of all axles that are not steered.
     pub load_transfer_ratio: f64,
@@ -68,7 +68,7 @@ pub struct PlantSample {
     pub hitch_load_n: f64,
     /// Roll moment in the fifth wheel.
     pub hitch_roll_moment_nm: f64,
-    /// Position of the tractor's sprung c.g., along and to the left of the first heading.
+    /// Position of the tractor's sprung c.g., along and to the left of the initial heading.
     pub position_m: [f64; 2],
     axle: [AxleSample; MAX_AXLES],
     axles: usize,

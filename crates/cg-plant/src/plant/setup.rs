@@ -1,9 +1,9 @@
 //! From the vehicle file and a load to parameters whose static position is known.
 //!
-//! Heights in the file, and that of the load, are heights at rest: unloaded tyre radii and spring
-//! preloads follow from the static loads, so the given position is an equilibrium with nothing
-//! left to solve. With a design load of its own, the file's heights hold under that one and the
-//! body settles when the load differs.
+//! Heights in the file, and the height of the load, are heights at rest: unloaded tire radii and
+//! spring preloads follow from the static loads, so the given position is an equilibrium. With a
+//! separate design load, the file's heights hold under that load, and the body settles under any
+//! other load.
 
 use super::axle::Axle;
 use super::dynamics::{Parameters, Sprung};
@@ -15,7 +15,8 @@ use cg_vehicle::balance::static_balance;
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, PlacedAxle, Vehicle};
+use cg_vehicle::vehicle::PlacedAxle;
+use cg_vehicle::{Load, Vehicle};
 
 fn model(message: String) -> VehicleError {
     VehicleError::Model(message)
@@ -91,7 +92,7 @@ fn check(
     }
     if let Some(i) = placed.iter().position(|p| p.axle.tyre_positions_m.len() > PER_SIDE) {
         return Err(model(format!(
-            "axle {} has {} tyres a side; the nonlinear plant knows single and dual tyres",
+            "axle {} has {} tires per side; the nonlinear plant supports single and dual tires",
             i + 1,
             placed[i].axle.tyre_positions_m.len()
         )));
@@ -100,10 +101,10 @@ fn check(
         return Err(model(format!("step {} s must be positive", options.step_s)));
     }
     if !(options.bank_rad.abs() < 0.5) {
-        return Err(model(format!("a bank of {} rad is no road", options.bank_rad)));
+        return Err(model(format!("a road bank of {} rad is not possible", options.bank_rad)));
     }
     if ![options.payload_left_m, options.payload_behind_m].iter().all(|m| m.is_finite()) {
-        return Err(model("the payload's place must be finite".to_owned()));
+        return Err(model("the position of the payload must be finite".to_owned()));
     }
     Ok(())
 }
@@ -210,7 +211,7 @@ fn trailer(vehicle: &Vehicle, load: Load, options: &PlantOptions) -> Result<Spru
     let share = sprung.payload_kg / sprung.mass_kg;
     let left_m = share * options.payload_left_m;
     let behind_m = share * options.payload_behind_m;
-    // Steiner's part of a payload beside the tare; products of inertia are left out.
+    // Parallel-axis term of a payload that is not at the tare's c.g.; products of inertia are left out.
     let apart_kg = share * (sprung.mass_kg - sprung.payload_kg);
     let beside = apart_kg * options.payload_left_m.powi(2);
     let place = &vehicle.trailer;

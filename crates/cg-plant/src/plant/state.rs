@@ -5,15 +5,15 @@
 //!     axle i   s φu | ṡ φ̇u | lagged slip | spring force left, right (first axle of a group)
 //! ```
 //!
-//! The trailer's position is not in it: it follows from the fifth wheel.
+//! The trailer's position is not a state: it follows from the fifth wheel.
 
 /// The greatest number of axles.
 pub const MAX_AXLES: usize = 8;
 
-/// Numbers per axle.
+/// States per axle.
 const PER_AXLE: usize = 7;
 const BODIES: usize = 17;
-/// Room for every state.
+/// Size of the state vector.
 pub(super) const ROOM: usize = BODIES + PER_AXLE * MAX_AXLES;
 
 /// A state of the two sprung masses. ISO 8855 signs: yaw to the left, pitch nose down, roll
@@ -50,7 +50,7 @@ pub enum Coordinate {
     TrailerPitchRate,
     /// Roll rate of the trailer, rad/s.
     TrailerRollRate,
-    /// Position of the tractor's sprung c.g. along the first heading, m.
+    /// Position of the tractor's sprung c.g. along the initial heading, m.
     PositionX,
     /// The same to the left of it, m.
     PositionY,
@@ -59,7 +59,7 @@ pub enum Coordinate {
 /// A state of an axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleCoordinate {
-    /// Distance from the axle's centre up to the roll centre, along the axle's own vertical, m.
+    /// Distance from the axle's center up to the roll center, along the axle's own vertical, m.
     Rise,
     /// Roll angle of the axle, absolute, rad.
     Roll,
@@ -75,7 +75,7 @@ pub enum AxleCoordinate {
     RightSpring,
 }
 
-/// Where the vehicle is and how it moves.
+/// The state of the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     pub(super) x: [f64; ROOM],
@@ -102,7 +102,7 @@ impl State {
         self.x[coordinate as usize] = value;
     }
 
-    /// A state of axle `axle` (tractor first; zero where there is no such axle).
+    /// A state of axle `axle` (tractor first; zero if there is no such axle).
     pub fn axle(&self, axle: usize, coordinate: AxleCoordinate) -> f64 {
         if axle < self.axles { self.x[at(axle, coordinate)] } else { 0.0 }
     }

@@ -7,16 +7,15 @@
 //!     dF/dt = |ẋ| (F_env(x0 + x) − F)/β      F_env: compression curve while ẋ > 0, else extension
 //! ```
 //!
-//! (Fancher, Ervin, MacAdam and Winkler, SAE 800905, as an ordinary differential equation). It
-//! takes energy out only as long as `β ≤ C/k`, half the distance of the curves over
-//! the greater slope; where the static load lies so low on the curves that the file's β is more,
-//! C/k is taken.
+//! (Fancher, Ervin, MacAdam and Winkler, SAE 800905, as an ordinary differential equation). This
+//! dissipates energy only if `β ≤ C/k`, half the distance between the curves divided by the greater
+//! slope. If the static load is so low on the curves that the file's β is greater, C/k is used.
 
 use cg_vehicle::characteristics::Envelope;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::tables::Spring;
 
-/// What a pair of springs does.
+/// Force law of a pair of springs.
 #[derive(Clone, Debug)]
 pub(super) enum Law {
     Linear { preload_n: f64, stiffness_n_per_m: f64 },
@@ -27,7 +26,7 @@ impl Law {
     /// A measured spring that carries `load_n` in its static position.
     ///
     /// # Errors
-    /// If its curves do not rise there with friction between them.
+    /// If its curves do not rise there, or have no friction between them.
     pub(super) fn measured(spring: &Spring, load_n: f64) -> Result<Self, VehicleError> {
         let envelope = Envelope::new(spring);
         let start_m = envelope.deflection_at(load_n);
@@ -75,7 +74,7 @@ impl Law {
     }
 }
 
-/// Axles that share one pair of springs ideally (walking beam, four-spring tandem).
+/// Axles that ideally share one pair of springs (walking beam, four-spring tandem).
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     pub(super) law: Law,
@@ -124,7 +123,7 @@ mod tests {
         let law = Law::measured(&spring(1e-5), 8000.0).unwrap();
         let Law::Measured { start_m, .. } = law else { panic!("measured") };
         let (_, up, down) = cycle(&law, 0.002 - start_m, 0.05 - start_m);
-        // Lag behind the curve: slope times β = 1e6 N/m · 1e-5 m.
+        // The lag behind the curve is slope times β = 1e6 N/m · 1e-5 m.
         assert!((up - 35_000.0).abs() < 10.1, "{up}");
         assert!((down - 600.0).abs() < 10.1, "{down}");
     }
@@ -139,7 +138,7 @@ mod tests {
 
     #[test]
     fn friction_never_feeds_energy_in() {
-        // Half the distance of the curves at 8000 N is 1500 N and the slope 5e5 N/m: 3 mm at most.
+        // Half the distance between the curves at 8000 N is 1500 N and the slope is 5e5 N/m: at most 3 mm.
         let law = Law::measured(&spring(0.02), 8000.0).unwrap();
         let Law::Measured { friction_deflection_m, .. } = law else { panic!("measured") };
         assert!((friction_deflection_m - 0.003).abs() < 2e-4, "{friction_deflection_m}");

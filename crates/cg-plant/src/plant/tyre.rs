@@ -1,40 +1,40 @@
-//! Tyres: radial spring in the wheel's plane, lateral force and aligning moment over slip and load.
+//! Tires: radial spring in the wheel's plane, lateral force and aligning moment over slip and load.
 //!
 //! ```text
-//!     F_z = max(0, K (R0 − l))/cos φu        l = height of the tyre's centre over cos φu
+//!     F_z = max(0, K (R0 − l))/cos φu        l = height of the tire's center over cos φu
 //!     α   = atan(v_y / v_x) − steer          at the point of contact
 //!     F_y = −F(α, F_z),  M_z = +M(α, F_z)
 //! ```
 //!
-//! The cosine makes the vertical force exactly conservative. All tyres of an axle have one
-//! lateral velocity on the road; their slip angles differ by the yaw rate only, and only that
-//! difference is computed for each.
+//! The cosine makes the vertical force exactly conservative. All tires of an axle have the same
+//! lateral velocity on the road. Their slip angles differ only because of the yaw rate, so only that
+//! difference is computed for each tire.
 
 use super::vector::{sin_cos, small_atan};
 use cg_vehicle::characteristics::Grip;
 
-/// Slip is computed as if the wheel rolled at least this fast.
+/// The slip is computed with at least this speed.
 const LEAST_SPEED_MPS: f64 = 0.3;
-/// Tyres of one side.
+/// Tires of one side.
 pub(super) const PER_SIDE: usize = 2;
 
-/// The tyres of one axle.
+/// The tires of one axle.
 #[derive(Clone, Debug)]
 pub(super) struct Tyres {
-    /// Which [`Grip`].
+    /// Index of the [`Grip`].
     pub(super) kind: usize,
     /// Distances from the middle, one side.
     pub(super) positions_m: [f64; PER_SIDE],
     pub(super) per_side: usize,
     pub(super) stiffness_n_per_m: f64,
     pub(super) damping_ns_per_m: f64,
-    /// All tyres of the axle together.
+    /// Sum over all tires of the axle.
     pub(super) overturning_nm_per_rad: f64,
     pub(super) unloaded_radius_m: f64,
     pub(super) relaxation_length_m: f64,
 }
 
-/// How an axle's centre moves over the road.
+/// Motion of an axle's center over the road.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hub {
     pub(super) sin: f64,
@@ -49,7 +49,7 @@ pub(super) struct Hub {
     pub(super) lagged_slip_rad: f64,
 }
 
-/// What the road does to an axle: force at its centre, roll and yaw moment about it.
+/// Action of the road on an axle: force at its center, roll and yaw moment about it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contact {
     pub(super) force: [f64; 3],
@@ -64,10 +64,10 @@ pub(super) struct Contact {
     pub(super) lateral_n: f64,
 }
 
-/// What one side's tyres add up to: load, lateral force, roll and yaw moment.
+/// Sums over the tires of one side: load, lateral force, roll and yaw moment.
 type Side = [f64; 4];
 
-/// What all tyres of an axle have in common.
+/// What all tires of an axle have in common.
 struct Rolling {
     tan: f64,
     inverse_cos: f64,
@@ -109,7 +109,7 @@ impl Tyres {
         };
         Contact {
             force: [-sin_steer * lateral_n, side_n, left[0] + right[0]],
-            // The point of contact is straight below the centre by its height.
+            // The point of contact is straight below the center by its height.
             roll_nm: left[2] + right[2] + hub.height_m * side_n
                 - self.overturning_nm_per_rad * hub.roll_rad,
             yaw_nm: left[3] + right[3],
@@ -121,7 +121,7 @@ impl Tyres {
         }
     }
 
-    /// Load, lateral force, roll and yaw moment of the tyres at these positions.
+    /// Load, lateral force, roll and yaw moment of the tires at these positions.
     #[inline]
     fn tyres<const N: usize>(
         &self,
@@ -132,8 +132,8 @@ impl Tyres {
     ) -> [Side; N] {
         let Rolling { tan, inverse_cos, forward, lateral, .. } = *rolling;
         let middle = hub.height_m * tan;
-        // Deflection and arm are straight lines over the position, and so is the speed that each
-        // tyre loses or gains by the yaw rate.
+        // Deflection and lever arm are linear in the position, and so is the speed that the yaw rate
+        // adds to each tire.
         let (squeezed, tilt) =
             (self.unloaded_radius_m - hub.height_m * inverse_cos, hub.sin * inverse_cos);
         let (drift, turning) = (hub.yaw_rate * inverse_cos, lateral * hub.yaw_rate * inverse_cos);

@@ -24,11 +24,11 @@ pub(super) fn turned(a: Vector, (sin, cos): (f64, f64)) -> Vector {
     [cos * a[0] + sin * a[1], cos * a[1] - sin * a[0], a[2]]
 }
 
-/// Largest angles of the short and of the long series below.
+/// Greatest angles for the short and the long series below.
 const SHORT_RAD: f64 = 0.1;
 const LONG_RAD: f64 = 0.65;
 
-/// Sine and cosine; series for the angles that vehicles have (remainders below 5e-17).
+/// Sine and cosine, with series for the angles that vehicles have (remainders below 5e-17).
 #[inline]
 pub(super) fn sin_cos(x: f64) -> (f64, f64) {
     let size = x.abs();
@@ -114,7 +114,7 @@ mod tests {
         for k in -100..=100 {
             let x = f64::from(k) * 0.0065;
             let (sin, cos) = sin_cos(x);
-            // Rounding of the last operations.
+            // The tolerance is the rounding of the last operations.
             assert!((sin - x.sin()).abs() < 3e-16 && (cos - x.cos()).abs() < 3e-16, "{x}");
             assert!((small_atan(x) - x.atan()).abs() < 3e-16, "{x}");
         }

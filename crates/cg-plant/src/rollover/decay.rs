@@ -1,8 +1,8 @@
-//! Yaw damping from what is left of a pulse of steer.
+//! Yaw damping from the decay after a steer pulse.
 //!
-//! **Reference.** El-Gindy, quoted in the source, 1.2.3: at 100 km/h the steering wheel is turned
-//! by 80 degrees and back, half a sine of 0.1 s; logarithmic decrement of the peaks of the lateral
-//! acceleration of the rearmost trailer.
+//! **Reference.** El-Gindy, quoted in the thesis, 1.2.3: at 100 km/h the steering wheel is turned
+//! by 80 degrees and back in half a sine of 0.1 s. The result is the logarithmic decrement of the
+//! peaks of the lateral acceleration of the rearmost trailer.
 
 use std::f64::consts::PI;
 
@@ -11,17 +11,17 @@ use cg_vehicle::error::VehicleError;
 
 /// Length of the pulse.
 pub const PULSE_S: f64 = 0.1;
-/// Turn of the steering wheel.
+/// Angle of the steering wheel.
 pub const PULSE_WHEEL_RAD: f64 = 80.0 * PI / 180.0;
-/// How long the decay is watched.
+/// Duration of the observed decay.
 const WATCHED_S: f64 = 8.0;
-/// Peaks below this share of the first are friction and rounding.
+/// Peaks below this share of the first one are due to friction and rounding.
 const LEAST: f64 = 0.02;
 
-/// The trailer's answer to a pulse, sampled each step after the pulse has ended.
+/// The trailer's response to a pulse, sampled at each step after the end of the pulse.
 ///
 /// # Errors
-/// If the vehicle cannot run straight, or rolls over.
+/// If the vehicle cannot drive straight, or rolls over.
 pub fn after_pulse(
     plant: &YawRollPlant,
     speed_mps: f64,
@@ -43,14 +43,14 @@ pub fn after_pulse(
 }
 
 /// Damping ratio from successive peaks of alternating sign, by their logarithmic decrement; `None`
-/// where fewer than two are there. The first is the pulse's own and does not count.
+/// if there are fewer than two. The first peak is that of the pulse itself and does not count.
 pub fn damping_ratio(samples: &[f64]) -> Option<f64> {
     let mut peaks: Vec<f64> = Vec::new();
     for three in samples.windows(3) {
         let [before, here, after] = [three[0], three[1], three[2]];
         if (here - before) * (after - here) < 0.0 && here * (here - before) > 0.0 {
             match peaks.last_mut() {
-                // Of one swing the greatest only.
+                // Only the greatest value of a swing.
                 Some(last) if *last * here > 0.0 => {
                     *last = if here.abs() > last.abs() { here } else { *last };
                 }
@@ -85,7 +85,7 @@ mod tests {
                 })
                 .collect();
             let found = damping_ratio(&samples).unwrap();
-            // Peaks on a grid of 1 ms: (ω dt)²/2 of their height each.
+            // On a grid of 1 ms each peak is wrong by (ω dt)²/2 of its height.
             assert!((found - zeta).abs() < 1e-4, "{found} {zeta}");
         }
         assert_eq!(damping_ratio(&[3.0, 2.0, 1.0, 0.5]), None);

@@ -1,4 +1,4 @@
-//! What two maneuvers do to the vehicle: a lane change by the driver, and one sine of steer.
+//! Peak values in two maneuvers: a lane change by the driver, and one sine of steer.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use cg_vehicle::error::VehicleError;
 
 /// Width of a lane (eq. 2.5).
 pub const LANE_WIDTH_M: f64 = 3.65;
-/// Where the gate begins (eq. 2.5).
+/// Start of the gate (eq. 2.5).
 pub const GATE_START_M: f64 = 15.0;
 
 /// The greatest values of a maneuver.
@@ -18,9 +18,9 @@ pub struct Peaks {
     pub tractor_mps2: f64,
     /// The same of the trailer.
     pub trailer_mps2: f64,
-    /// Load transfer, with its sign.
+    /// Load transfer, signed.
     pub transfer: Transfer,
-    /// When it rolled over, if it did: the rest then ends there.
+    /// Time of the rollover, if there was one; the other values then end there.
     pub rolled_over_s: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ impl Peaks {
         self.transfer = self.transfer.worse(Transfer::of(sample));
     }
 
-    /// Rearward amplification: the trailer's greatest lateral acceleration over the tractor's.
+    /// Rearward amplification: the trailer's greatest lateral acceleration divided by the tractor's.
     pub fn rearward_amplification(&self) -> Option<f64> {
         (self.tractor_mps2 > 0.0).then(|| self.trailer_mps2 / self.tractor_mps2)
     }
@@ -41,7 +41,7 @@ impl Peaks {
 /// A lane change to the left over a gate length, by the preview driver.
 ///
 /// # Errors
-/// If the vehicle cannot run straight at this speed.
+/// If the vehicle cannot drive straight at this speed.
 pub fn lane_change(
     plant: &YawRollPlant,
     speed_mps: f64,
@@ -66,7 +66,7 @@ pub fn lane_change(
 /// One full sine of steer.
 ///
 /// # Errors
-/// If the vehicle cannot run straight at this speed.
+/// If the vehicle cannot drive straight at this speed.
 pub fn one_sine(
     plant: &YawRollPlant,
     speed_mps: f64,

@@ -1,4 +1,4 @@
-//! All measures of a vehicle under a load, each with its unit and a sentence.
+//! All measures of a vehicle under a load, each with its unit and one sentence of explanation.
 
 use std::f64::consts::TAU;
 
@@ -7,40 +7,42 @@ use super::maneuver::{Peaks, lane_change, one_sine};
 use super::offtracking::{
     HIGH_SPEED_MPS, HIGH_SPEED_RADIUS_M, LOW_SPEED_RADIUS_M, high_speed_m, low_speed_m,
 };
+use super::ramp::{Ramp, RampEnd};
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
-use super::{GRAVITY_MPS2, Ramp, RampEnd, TimeToRollover};
+use super::time::TimeToRollover;
+use super::transfer::GRAVITY_MPS2;
 use crate::plant::{PlantOptions, YawRollPlant};
+use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::{Equations, Variant};
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::steady_turn::{on_board, steady_turn_threshold_g};
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Variant, Vehicle};
 
-/// Rate of the slow ramp: a roll angle that lags by a second costs 0.01 g.
+/// Rate of the slow ramp: a lag of the roll angle of one second costs 0.01 g.
 const SLOW_GPS: f64 = 0.01;
-/// Rate of the ramp of the time to rollover: into a bend within a few seconds.
+/// Rate of the ramp for the time to rollover: into a bend within a few seconds.
 const FAST_GPS: f64 = 0.1;
 /// Speed and frequency of the rearward amplification: 88 km/h, 0.4 Hz.
 const AMPLIFICATION_MPS: f64 = 88.0 / 3.6;
 const AMPLIFICATION_HZ: f64 = 0.4;
 /// The tractor's lateral acceleration in that sine, as in the published tests.
 const AMPLIFICATION_G: f64 = 0.15;
-/// Taken where the vehicle file has no steering ratio.
+/// Used if the vehicle file has no steering ratio.
 const USUAL_STEERING_RATIO: f64 = 20.0;
 
-/// What is chosen about the measures.
+/// Options of the measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RolloverOptions {
     /// Speed of the ramps and of the lane change; measures that are defined at a speed keep it.
     pub speed_mps: f64,
-    /// Lateral acceleration of the load transfer, in g.
+    /// Lateral acceleration at which the load transfer is computed, in g.
     pub lateral_acceleration_g: f64,
     /// Gate length of the lane change (eq. 2.5).
     pub gate_m: f64,
 }
 
 impl RolloverOptions {
-    /// At the vehicle's nominal speed, 0.15 g, a gate of 20 m.
+    /// The defaults: the vehicle's nominal speed, 0.15 g, a gate of 20 m.
     pub fn of(vehicle: &Vehicle) -> Self {
         Self { speed_mps: vehicle.nominal_speed_mps, lateral_acceleration_g: 0.15, gate_m: 20.0 }
     }
@@ -49,13 +51,13 @@ impl RolloverOptions {
 /// A measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
-    /// Its name, the unit at its end.
+    /// Name, with the unit at its end.
     pub name: &'static str,
-    /// Its value, if it has one.
+    /// Value, if there is one.
     pub value: Option<f64>,
     /// Unit; `-` for a ratio.
     pub unit: &'static str,
-    /// What it says, in a sentence.
+    /// Meaning, in one sentence.
     pub meaning: String,
 }
 
@@ -69,7 +71,7 @@ pub struct RolloverMeasures {
 }
 
 impl RolloverMeasures {
-    /// The value of the measure of this name, if it has one.
+    /// The value of the measure of this name, if there is one.
     pub fn get(&self, name: &str) -> Option<f64> {
         self.measures.iter().find(|measure| measure.name == name)?.value
     }
@@ -79,7 +81,7 @@ impl RolloverMeasures {
     }
 }
 
-/// Vehicle, load and plant, and models at other speeds.
+/// Vehicle, load and plant, with models at other speeds.
 struct Subject<'a> {
     vehicle: &'a Vehicle,
     load: Load,
@@ -92,7 +94,7 @@ impl Subject<'_> {
         Equations::new(self.vehicle, Variant::Complete, speed_mps, self.load)?.state_space()
     }
 
-    /// Steady lateral acceleration of the linear model, m/s² per radian of steer.
+    /// Steady-state lateral acceleration of the linear model, m/s² per radian of steer.
     fn gain(&self, speed_mps: f64) -> Result<f64, VehicleError> {
         let model = self.model(speed_mps)?;
         model.steady(&model.lateral_acceleration, model.lateral_feedthrough)
@@ -104,10 +106,10 @@ impl Subject<'_> {
     }
 }
 
-/// Computes every measure: some minutes of simulated driving, in about a second.
+/// Computes every measure. This simulates some minutes of driving in about a second.
 ///
 /// # Errors
-/// [`VehicleError`] if the load is impossible or the vehicle cannot run straight.
+/// [`VehicleError`] if the load is impossible or the vehicle cannot drive straight.
 pub fn measures(
     vehicle: &Vehicle,
     load: Load,
@@ -131,8 +133,8 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "static_stability_factor_g",
         "g",
         Some(on_board.static_stability_factor_g),
-        "Half the trailer's effective track over the height of its whole c.g.: where it would tip \
-         if nothing gave way."
+        "Half the trailer's effective track divided by the height of its whole c.g.: the threshold \
+         of a rigid vehicle."
             .into(),
     );
     let ramp = subject.ramp(SLOW_GPS)?;
@@ -145,7 +147,7 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         if rolled {
             format!(
                 "Greatest lateral acceleration of the trailer that the nonlinear plant sustains in a \
-                 slow ramp of steer at {:.0} km/h: beyond it, it tips.",
+                 slow steer ramp at {:.0} km/h: beyond it the vehicle tips.",
                 3.6 * options.speed_mps
             )
         } else {
@@ -159,8 +161,8 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "g",
         Some(steady * gravity_mps2 / GRAVITY_MPS2),
         format!(
-            "The same from the balance of a steady turn at {:.0} km/h, axle by axle; tyres that would \
-             slide before are taken to hold.",
+            "The same from the balance of a steady turn at {:.0} km/h, axle by axle; tires that would \
+             slide before are assumed to hold.",
             3.6 * speed_mps
         ),
     );
@@ -169,8 +171,8 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "g",
         Some(on_board.static_rollover_threshold_g.value),
         format!(
-            "As the estimator on board has it from the height and {:.0} km/h: between the steady turns \
-             at 40 and 90 km/h.",
+            "The same as the on-board estimator computes it from the height and {:.0} km/h: interpolated \
+             between steady turns at 40 and 90 km/h.",
             3.6 * speed_mps
         ),
     );
@@ -180,7 +182,9 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "load_transfer_ratio",
         "-",
         transfer.map(|transfer| transfer.load_transfer_ratio),
-        format!("Share of all wheel loads that has moved across at {at_g} g, every axle counted."),
+        format!(
+            "Share of the wheel loads of all axles that has moved to the outer side at {at_g} g."
+        ),
     );
     all.add(
         "roll_safety_factor",
@@ -206,8 +210,8 @@ fn times(
         "s",
         time.map(|time| time.predicted_s),
         format!(
-            "In a ramp of {FAST_GPS} g/s, at half the threshold: time until the threshold at the \
-             present rate of lateral acceleration."
+            "In a ramp of {FAST_GPS} g/s, at half the threshold: time to the threshold at the \
+             present rate of the lateral acceleration."
         ),
     );
     all.add(
@@ -253,7 +257,7 @@ fn lane(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehicle
         "-",
         peaks.rearward_amplification().filter(|_| whole),
         format!(
-            "Greatest lateral acceleration of the trailer over that of the tractor, {maneuver}."
+            "Greatest lateral acceleration of the trailer divided by that of the tractor, {maneuver}."
         ),
     );
     Ok(())
@@ -276,7 +280,7 @@ fn amplification(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<()
         "rearward_amplification_linear",
         "-",
         Some(rearward_amplification(&model, speed_mps, hz)?),
-        format!("The linear model's steady answer to sines of {hz} Hz at 88 km/h."),
+        format!("The linear model's steady-state response to sines of {hz} Hz at 88 km/h."),
     );
     for step in 1..=20 {
         let frequency_hz = 0.05 * f64::from(step);
@@ -289,7 +293,7 @@ fn amplification(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<()
         "-",
         worst.map(|(_, ratio)| ratio),
         format!(
-            "The greatest of them up to 1 Hz, at {:.2} Hz.",
+            "The greatest value of it up to 1 Hz, at {:.2} Hz.",
             worst.map_or(f64::NAN, |(frequency_hz, _)| frequency_hz)
         ),
     );
@@ -303,7 +307,7 @@ fn damping(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "-",
         yaw_damping_ratio(&model)?,
         "Least damping ratio of the linear model's modes that are mostly lateral and yaw motion, \
-         at 100 km/h; one where none oscillates."
+         at 100 km/h; one if none oscillates."
             .into(),
     );
     let ratio = subject.vehicle.steering_ratio;
@@ -316,7 +320,7 @@ fn damping(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         damping_ratio(&samples),
         format!(
             "Logarithmic decrement of the trailer's lateral acceleration after a pulse of 80 \
-             degrees at the steering wheel at 100 km/h{assumed}; none where it dies out in one swing."
+             degrees at the steering wheel at 100 km/h{assumed}; none if it decays in one swing."
         ),
     );
     Ok(())
@@ -331,7 +335,7 @@ fn offtracking(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), 
         "m",
         high.as_ref().ok().copied(),
         match &high {
-            Ok(_) => "How far the last axle runs outside the path of the first one in a steady \
+            Ok(_) => "Distance of the last axle outside the path of the first one in a steady \
                       turn of 393 m at 100 km/h."
                 .into(),
             Err(error) => format!("None in a turn of 393 m at 100 km/h: {error}."),
@@ -342,7 +346,7 @@ fn offtracking(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), 
         "m",
         Some(low_speed_m(subject.vehicle, LOW_SPEED_RADIUS_M)?),
         format!(
-            "How far the trailer's axles cut inside the path of the steered one in a turn of 90 \
+            "Distance of the trailer's axles inside the path of the steered axle in a turn of 90 \
              degrees on {LOW_SPEED_RADIUS_M} m without slip."
         ),
     );

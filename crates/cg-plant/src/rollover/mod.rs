@@ -1,29 +1,26 @@
-//! Rollover measures of a vehicle under a load (the source, section 1.2).
+//! Rollover measures of a vehicle under a load (the thesis, section 1.2).
 //!
-//! | file | what | from |
+//! | file | contents | computed from |
 //! |---|---|---|
 //! | `ramp` | static rollover threshold, wheel lift, load transfer | nonlinear plant |
-//! | `transfer` | load transfer ratio, roll safety factor | an instant of it |
+//! | `transfer` | load transfer ratio, roll safety factor | an instant of the plant |
 //! | `time` | time to rollover, predicted and simulated | ramp |
 //! | `maneuver` | peaks in a lane change and in a sine: rearward amplification | nonlinear plant |
 //! | `small` | rearward amplification over frequency, yaw modes | linear model |
-//! | `decay` | yaw damping from a pulse of steer | nonlinear plant |
-//! | `offtracking` | high speed, low speed | nonlinear plant, geometry |
-//! | `measure` | all of it with units and a sentence each | – |
+//! | `decay` | yaw damping from a steer pulse | nonlinear plant |
+//! | `offtracking` | off-tracking at high and low speed | nonlinear plant, geometry |
+//! | `measure` | all measures with units and one sentence each | – |
 
 pub mod decay;
-pub mod maneuver;
-mod measure;
 pub mod offtracking;
-mod ramp;
 pub mod small;
-mod time;
 mod transfer;
+pub mod maneuver;
+mod ramp;
+mod time;
+mod measure;
 
 pub use measure::{Measure, RolloverMeasures, RolloverOptions, measures};
 pub use ramp::{Ramp, RampEnd, RampPoint};
 pub use time::{TimeToRollover, time_to_rollover_s};
 pub use transfer::Transfer;
-
-/// Standard gravity: what "g" means in measures, whatever the vehicle file's own is.
-pub(crate) const GRAVITY_MPS2: f64 = 9.806_65;

@@ -1,13 +1,13 @@
-//! Off-tracking: how far the trailer's last axle runs beside the path of the steered one.
+//! Off-tracking: the distance of the trailer's last axle from the path of the steered axle.
 //!
 //! **Reference.** El-Gindy, Int. J. of Vehicle Design 1995: high speed, steady turn of 393 m at
-//! 100 km/h, outwards; low speed, turn of 90 degrees, inwards.
+//! 100 km/h, outward; low speed, turn of 90 degrees, inward.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::plant::{Coordinate, YawRollPlant};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 /// Radius of the high-speed turn.
 pub const HIGH_SPEED_RADIUS_M: f64 = 393.0;
@@ -16,11 +16,11 @@ pub const HIGH_SPEED_MPS: f64 = 100.0 / 3.6;
 /// Radius of the steered axle's path in the low-speed turn of 90 degrees.
 pub const LOW_SPEED_RADIUS_M: f64 = 11.0;
 
-/// Radius of the last axle's path less that of the first one's in a steady turn of the nonlinear
-/// plant: positive outwards.
+/// Radius of the last axle's path minus that of the first axle in a steady turn of the nonlinear
+/// plant: positive outward.
 ///
 /// # Errors
-/// If the vehicle cannot run so.
+/// If the vehicle cannot drive this turn.
 pub fn high_speed_m(
     plant: &YawRollPlant,
     speed_mps: f64,
@@ -30,8 +30,8 @@ pub fn high_speed_m(
     let mut run = plant.start(speed_mps)?;
     let wanted_radps = speed_mps / radius_m;
     let mut steer_rad = wanted_radps / yaw_rate_gain_per_s;
-    // Into the turn in 4 s; then the steer angle is corrected in proportion, five times, 4 s each:
-    // yaw decays faster than 1/s, so what is left is e^-4 of the last correction.
+    // The vehicle enters the turn in 4 s. Then the steer angle is corrected in proportion five times,
+    // 4 s each. Yaw decays faster than 1/s, so the remaining error is e^-4 of the last correction.
     let mut from_rad = 0.0;
     for _ in 0..6 {
         for k in 1..=400 {
@@ -43,7 +43,7 @@ pub fn high_speed_m(
         steer_rad *= wanted_radps / run.state.get(Coordinate::TractorYawRate);
     }
     let value = |c| run.state.get(c);
-    // The centre of the turn, from the velocity (U, v) of the tractor's c.g.
+    // The center of the turn, from the velocity (U, v) of the tractor's c.g.
     let yaw_radps = value(Coordinate::TractorYawRate);
     let (sin, cos) = value(Coordinate::TractorYaw).sin_cos();
     let (along_m, left_m) =
@@ -60,12 +60,12 @@ pub fn high_speed_m(
     Ok(radius(last) - radius(0))
 }
 
-/// Greatest distance inwards of the trailer's axles (their middle) from the path of the steered
-/// axle in a turn of 90 degrees without slip; axles of a unit that are not steered stand for one
-/// in their middle.
+/// Greatest distance inward of the trailer's axles (their middle) from the path of the steered
+/// axle in a turn of 90 degrees without slip. The axles of a unit that are not steered are replaced
+/// by one in their middle.
 ///
 /// ```text
-///     every towed point follows its tractrix: it moves along the line to what pulls it
+///     every towed point follows its tractrix: it moves along the line to the point that pulls it
 /// ```
 ///
 /// # Errors
@@ -111,7 +111,7 @@ pub fn low_speed_m(vehicle: &Vehicle, radius_m: f64) -> Result<f64, VehicleError
     Ok(inwards_m)
 }
 
-/// Pulls a point along to `length_m` behind another; the direction between them.
+/// Pulls a point to `length_m` behind another; returns the direction between them.
 fn pull(point: &mut [f64; 2], by: [f64; 2], length_m: f64) -> [f64; 2] {
     let (dx, dy) = (by[0] - point[0], by[1] - point[1]);
     let distance_m = dx.hypot(dy).max(f64::MIN_POSITIVE);

@@ -1,25 +1,25 @@
 //! The steer angle grows slowly until the vehicle rolls over or slides.
 //!
-//! **Reference.** Static rollover threshold: Ervin and others, UMTRI-86; the source, 1.2.2.
+//! **Reference.** Static rollover threshold: Ervin and others, UMTRI-86; the thesis, 1.2.2.
 
-use super::transfer::Transfer;
+use super::transfer::{GRAVITY_MPS2, Transfer};
 use crate::plant::{Progress, YawRollPlant};
 use cg_vehicle::error::VehicleError;
 
 /// Interval of the samples.
 const INTERVAL_S: f64 = 0.01;
-/// Samples of half a second.
+/// Number of samples in half a second.
 const MEAN_POINTS: usize = 50;
-/// Lateral acceleration that the linear model would have at the end: no truck gets there.
+/// Lateral acceleration that the linear model would have at the end; no truck reaches it.
 const END_G: f64 = 2.0;
-/// Below this share of their greatest values lateral acceleration and roll have fallen for good.
+/// Below this share of their greatest values, lateral acceleration and roll have finally decreased.
 const FALLEN: f64 = 0.9;
 
-/// Their fall is looked for beyond this only: at first the trailer may swing out.
+/// A decrease counts only beyond this lateral acceleration: at first the trailer may swing out.
 const FALLING_G: f64 = 0.1;
 
 fn has_fallen(lateral_mps2: f64, greatest_mps2: f64) -> bool {
-    greatest_mps2 > FALLING_G * super::GRAVITY_MPS2 && lateral_mps2 < FALLEN * greatest_mps2
+    greatest_mps2 > FALLING_G * GRAVITY_MPS2 && lateral_mps2 < FALLEN * greatest_mps2
 }
 
 /// An instant of a ramp.
@@ -38,7 +38,7 @@ pub struct RampPoint {
 pub enum RampEnd {
     /// The vehicle rolled over.
     RolledOver,
-    /// It slid out of the turn: its tyres hold less than it takes to roll it over.
+    /// It slid out of the turn: its tires cannot carry the force that would roll it over.
     Slid,
 }
 
@@ -54,11 +54,11 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Drives a ramp to the left at constant speed, `rate_mps3` of the lateral acceleration that
-    /// a linear vehicle of this gain (m/s² per radian) would have.
+    /// Drives a ramp to the left at constant speed. `rate_mps3` is the rate of the lateral
+    /// acceleration that a linear vehicle with this gain (m/s² per radian) would have.
     ///
     /// # Errors
-    /// If the vehicle cannot run straight, or a number makes no sense.
+    /// If the vehicle cannot drive straight, or a number is invalid.
     pub fn drive(
         plant: &YawRollPlant,
         speed_mps: f64,
@@ -74,7 +74,7 @@ impl Ramp {
         }
         let mut run = plant.start(speed_mps)?;
         let mut ramp = Self { points: Vec::new(), end: RampEnd::Slid, lift_mps2: Vec::new() };
-        let end_s = END_G * super::GRAVITY_MPS2 / rate_mps3;
+        let end_s = END_G * GRAVITY_MPS2 / rate_mps3;
         let (mut greatest_mps2, mut greatest_roll_rad) = (0.0_f64, 0.0_f64);
         let mut ticks = 0.0;
         while run.time_s() < end_s {
@@ -100,7 +100,7 @@ impl Ramp {
             });
             greatest_mps2 = greatest_mps2.max(lateral_mps2);
             greatest_roll_rad = greatest_roll_rad.max(sample.trailer.roll_rad);
-            // On its way over the c.g. is thrown inwards too, but the roll angle grows.
+            // During a rollover the c.g. also accelerates inward, but the roll angle grows.
             if has_fallen(lateral_mps2, greatest_mps2)
                 && sample.trailer.roll_rad < FALLEN * greatest_roll_rad
             {
@@ -110,10 +110,10 @@ impl Ramp {
         Ok(ramp)
     }
 
-    /// Greatest lateral acceleration of the trailer, a mean over half a second: the rollover
-    /// threshold, if it rolled over. Axles that have left the road swing at 4 Hz and more, of which
-    /// the mean keeps less than a sixth; what comes after the mean has fallen is the c.g. thrown
-    /// about as the trailer tips, and not counted.
+    /// Greatest lateral acceleration of the trailer, as a mean over half a second: the rollover
+    /// threshold, if it rolled over. Axles that have left the road oscillate at 4 Hz and more, and the
+    /// mean keeps less than a sixth of that. Values after the mean has decreased are not counted: they
+    /// come from the motion of the c.g. while the trailer tips.
     pub fn greatest_mps2(&self) -> f64 {
         let mut greatest_mps2 = 0.0_f64;
         for points in self.points.windows(MEAN_POINTS) {
@@ -137,7 +137,7 @@ impl Ramp {
         Some(self.points[i].transfer)
     }
 
-    /// When the load of the inner wheels, steered ones left out, was gone.
+    /// Time at which the load of the inner wheels, without the steered ones, became zero.
     pub fn lifted_s(&self) -> Option<f64> {
         let gone = |point: &&RampPoint| point.transfer.roll_safety_factor >= 1.0 - 1e-9;
         self.points.iter().find(gone).map(|point| point.time_s)

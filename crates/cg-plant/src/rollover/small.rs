@@ -1,12 +1,12 @@
-//! What the linear model says: rearward amplification over frequency, damping of the yaw modes.
+//! Measures from the linear model: rearward amplification over frequency, damping of the yaw modes.
 
 use std::f64::consts::TAU;
 
 use faer::c64;
 use nalgebra::{Complex, DMatrix};
 
+use cg_vehicle::equations::w;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::w;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::system::System;
 
@@ -21,7 +21,7 @@ pub fn to_tractor_lateral_acceleration(model: &StateSpace, speed_mps: f64) -> Sy
 /// `|a_y2/a_y1|` at a frequency.
 ///
 /// # Errors
-/// If a pole lies there.
+/// If there is a pole at this frequency.
 pub fn rearward_amplification(
     model: &StateSpace,
     speed_mps: f64,
@@ -37,18 +37,18 @@ pub fn rearward_amplification(
 pub struct Mode {
     /// Pole, rad/s: real and imaginary part, the latter not negative.
     pub pole_radps: (f64, f64),
-    /// Share of lateral and yaw motion in it (participation factors; the rest is roll).
+    /// Share of lateral and yaw motion in the mode (participation factors; the rest is roll).
     pub yaw_share: f64,
 }
 
 impl Mode {
-    /// `−Re/|pole|`: one where it does not oscillate, negative where it grows.
+    /// `−Re/|pole|`: one if the mode does not oscillate, negative if it grows.
     pub fn damping_ratio(&self) -> f64 {
         -self.pole_radps.0 / self.pole_radps.0.hypot(self.pole_radps.1)
     }
 }
 
-/// The modes of a linear model of [`Equations`](cg_vehicle::linear::Equations), slowest decay first.
+/// The modes of a linear model of [`Equations`](cg_vehicle::equations::Equations), slowest decay first.
 ///
 /// The participation of state `k` in mode `i` is `V_ki (V⁻¹)_ik` (Pérez-Arriaga, Verghese and
 /// Schweppe, IEEE Trans. PAS 101, 1982); lateral velocity, yaw rates and articulation are yaw.

@@ -1,12 +1,12 @@
-//! Time to rollover: how long until a limit is reached if what happens now goes on.
+//! Time to rollover: the time until a limit is reached if the present motion continues.
 //!
-//! **Reference.** Chen and Peng, quoted in the source, 1.2.4. Their model carries the present
-//! steer angle on; on board the present rate of a measured quantity is what there is.
+//! **Reference.** Chen and Peng, quoted in the thesis, 1.2.4. Their model continues the present
+//! steer angle. On board, only the present rate of a measured quantity is available.
 
 use super::ramp::Ramp;
 
-/// Time until `|value|` reaches `limit` at the present rate; zero beyond the limit, `None` where
-/// it moves away from it or stands still.
+/// Time until `|value|` reaches `limit` at the present rate; zero beyond the limit, `None` if it
+/// moves away from the limit or does not change.
 ///
 /// ```
 /// use cg_plant::rollover::time_to_rollover_s;
@@ -39,7 +39,7 @@ pub struct TimeToRollover {
 }
 
 impl TimeToRollover {
-    /// Over which the rate is taken.
+    /// Window over which the rate is computed.
     const WINDOW_S: f64 = 0.5;
 
     /// From the instant when the lateral acceleration is half of the threshold.

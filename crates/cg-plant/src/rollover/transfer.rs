@@ -1,16 +1,19 @@
-//! Load transfer of an instant of the plant.
+//! Load transfer at an instant of the plant.
 //!
 //! ```text
 //!     (Σ F_right − Σ F_left) / (Σ F_right + Σ F_left)
 //! ```
 //!
-//! over all axles it is the load transfer ratio (Preston-Thomas and Woodrooffe); without the
-//! steered ones, whose wheels leave the road last or never, it is Liu's roll safety factor, which
-//! reaches one exactly when every other inner wheel is off the road.
+//! Over all axles this is the load transfer ratio (Preston-Thomas and Woodrooffe). Without the
+//! steered axles, whose wheels leave the road last or never, it is Liu's roll safety factor, which
+//! reaches one exactly when every other inner wheel has left the road.
 
 use crate::plant::PlantSample;
 
-/// Both measures at an instant; positive when the right side carries more.
+/// Standard gravity, the meaning of "g" in measures, whatever gravity the vehicle file has.
+pub(crate) const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// Both measures at an instant; positive if the right side carries more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transfer {
     /// Over all axles.
@@ -20,7 +23,7 @@ pub struct Transfer {
 }
 
 impl Transfer {
-    /// Of a sample of the plant.
+    /// Load transfer of a sample of the plant.
     pub fn of(sample: &PlantSample) -> Self {
         let (mut difference, mut sum) = (0.0, 0.0);
         for axle in sample.axles() {
@@ -33,7 +36,7 @@ impl Transfer {
         }
     }
 
-    /// The greater of both in each measure, by size.
+    /// For each measure, the one of both that is greater in magnitude.
     #[must_use]
     pub fn worse(self, other: Self) -> Self {
         let worse = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };

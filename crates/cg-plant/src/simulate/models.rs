@@ -1,28 +1,28 @@
-//! The linear and the reduced model through a scenario.
+//! Runs the linear and the reduced model through a scenario.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use cg_core::truck::reduced::Simulation as ReducedSimulation;
 
-use super::{Motion, Scenario};
+use super::scenario::{Motion, Scenario};
 use crate::maneuver::Histories;
+use cg_vehicle::Vehicle;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::Equations;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
-use cg_vehicle::vehicle::Vehicle;
 
-/// Models of a changing speed are made anew for each 0.1 m/s: 1 % of the gain at 20 m/s at most.
+/// For a changing speed there is one model for each 0.1 m/s, which is at most 1 % of the gain at 20 m/s.
 const SPEED_STEP_MPS: f64 = 0.1;
 
-/// What moves, ready to start.
+/// The models of a scenario, ready to start.
 pub(super) struct Models {
     at: BTreeMap<i64, (StateSpace, cg_vehicle::system::Simulation)>,
     reduced: Option<Reduced>,
     interval_s: f64,
 }
 
-/// The reduced model of roll; the rest is steady.
+/// The reduced model of roll; the other quantities are steady-state values.
 struct Reduced {
     simulation: ReducedSimulation<f64>,
     lateral_gain: f64,
@@ -36,7 +36,7 @@ fn step_of(speed_mps: f64) -> i64 {
 }
 
 impl Models {
-    /// Every model that the speeds of a scenario ask for.
+    /// Every model that the speeds of a scenario need.
     pub(super) fn new(
         vehicle: &Vehicle,
         scenario: &Scenario,
@@ -64,7 +64,7 @@ impl Models {
             insert(scenario.speed_mps)?;
         }
         let reduced = match scenario.plant {
-            super::Plant::Reduced => {
+            super::scenario::Plant::Reduced => {
                 let model = model(scenario.speed_mps)?;
                 Some(Reduced {
                     simulation: ReducedSimulation::new(&reduce(&model)?.steer, interval_s, 0.0),
@@ -106,7 +106,7 @@ impl Models {
                 continue;
             }
             let now = step_of(speed_mps);
-            // The states are the vehicle's own: they go on in the model of the new speed.
+            // The states are physical: they continue in the model of the new speed.
             if now != at
                 && let (Some((_, next)), Some(run)) = (self.at.get(&now), &mut linear)
             {

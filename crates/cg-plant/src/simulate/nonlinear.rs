@@ -1,13 +1,14 @@
-//! The nonlinear plant through a scenario, steered by a history or by the driver.
+//! Runs the nonlinear plant through a scenario, steered by a steer history or by the driver.
 
-use super::{Motion, Scenario};
+use super::scenario::{Motion, Scenario};
 use crate::maneuver::{Course, Histories};
 use crate::plant::{Driver, DriverSettings, Path, PlantOptions, YawRollPlant};
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
-/// What the plant did, sample by sample, and when it rolled over, if it did and may.
+/// The motions of the plant, sample by sample, and the time of a rollover, if one happened and is
+/// allowed.
 pub(super) struct Recorded {
     pub(super) motions: Vec<Motion>,
     pub(super) rolled_over_s: Option<f64>,
@@ -39,7 +40,7 @@ pub(super) fn record(
     let mut recorded = Recorded { motions: Vec::new(), rolled_over_s: None };
     for k in 0..samples {
         if k > 0 {
-            // Steps of the plant, not straight lines between samples, follow the history.
+            // The steer history is evaluated at each step of the plant, not interpolated between samples.
             #[allow(clippy::cast_precision_loss)]
             let time_s = k as f64 / scenario.rate_hz;
             let interval_s = time_s - run.time_s();

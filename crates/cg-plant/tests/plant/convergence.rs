@@ -1,11 +1,11 @@
-//! V3 and V4: mirror symmetry, convergence with the step; rollover.
+//! V3 and V4: mirror symmetry, convergence with the step size; rollover.
 
 use cg_plant::plant::{PlantOptions, Progress, YawRollPlant};
 use cg_vehicle::Load;
 
 use super::{KMH, plant, rounded, vehicle};
 
-/// Left and right differ by the order of no sum: rounding is the same but for signs.
+/// Left and right use the same order of summation: rounding is the same except for signs.
 #[test]
 fn a_right_turn_mirrors_a_left_turn() {
     for name in ["baseline-tables", "kraz"] {
@@ -30,13 +30,13 @@ fn a_right_turn_mirrors_a_left_turn() {
             worst = worst.max((left.trailer.pitch_rad - right.trailer.pitch_rad).abs());
         }
         println!("{name}: {worst:.1e}");
-        // The equilibrium with an offset is found by Newton, whose differences of 1e-7 do not
-        // mirror exactly: its residual is left, 1e-7 m/s² at most.
+        // The equilibrium with an offset is found by Newton's method, whose differences of 1e-7 are
+        // not exactly symmetric: its residual remains, at most 1e-7 m/s².
         assert!(worst < 1e-7, "{name}: {worst:e}");
     }
 }
 
-/// From a symmetric start nothing but the signs differs at all.
+/// From a symmetric start only the signs differ.
 #[test]
 fn without_an_offset_the_mirror_is_exact() {
     let vehicle = vehicle("baseline-tables");
@@ -46,7 +46,7 @@ fn without_an_offset_the_mirror_is_exact() {
         rounded(&mut run, side * 0.05, 50.0 * KMH, 5.0)
     };
     for (left, right) in turn(1.0).iter().zip(&turn(-1.0)) {
-        // One unit in the last place of a tenth of a radian, grown by 5 s of a stable motion.
+        // One unit in the last place of a tenth of a radian, after 5 s of a stable motion.
         assert!((left.trailer.roll_rad + right.trailer.roll_rad).abs() < 1e-15);
         assert!((left.articulation_rad + right.articulation_rad).abs() < 1e-15);
     }
@@ -73,7 +73,8 @@ fn roll_deg(friction_deflection_m: f64, step_s: f64) -> Vec<f64> {
     roll
 }
 
-/// A joint as hard as the truck's, 1561 rad/s, is followed with steps of 1 ms and refused beyond.
+/// A joint as hard as the truck's (1561 rad/s) can be integrated with steps of 1 ms; longer steps are
+/// refused.
 #[test]
 fn a_step_too_long_for_the_vehicle_is_an_error() {
     let vehicle = vehicle("kraz");
@@ -86,7 +87,8 @@ fn a_step_too_long_for_the_vehicle_is_an_error() {
     assert!(error.contains("1561 rad/s: take 1.6e-3 s or less"), "{error}");
 }
 
-/// The finest friction on an empty trailer is capped at what takes energy out, and still followed.
+/// The smallest friction deflection on an empty trailer is limited to the value that dissipates energy,
+/// and can still be integrated.
 #[test]
 fn every_load_can_be_simulated() {
     let vehicle = vehicle("baseline-tables");
@@ -103,8 +105,8 @@ fn every_load_can_be_simulated() {
     }
 }
 
-/// Friction turns at instants inside a step, so the order is lower than four there; still 1 ms is
-/// good to a ten-thousandth of a degree even with the stiffest friction of the source (0.26 mm).
+/// Friction reverses inside a step, so the order is lower than four there. A step of 1 ms is still
+/// accurate to a ten-thousandth of a degree, even with the stiffest friction of the thesis (0.26 mm).
 #[test]
 fn one_millisecond_is_converged() {
     for friction_deflection_m in [0.0045, 0.00026] {

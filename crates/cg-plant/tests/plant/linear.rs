@@ -1,7 +1,7 @@
 //! V5, V6: the complete linear model is the plant's limit for small motion.
 
 use cg_plant::plant::YawRollPlant;
-use cg_vehicle::linear::Equations;
+use cg_vehicle::equations::Equations;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::{Variant, Vehicle};
 
@@ -15,7 +15,7 @@ fn both(vehicle: &Vehicle) -> (StateSpace, StateSpace) {
     (plant.linearised(speed_mps).unwrap(), equations.state_space().unwrap())
 }
 
-/// The baseline with every axle on its own springs, as the linear model has it.
+/// The baseline with separate springs for every axle, as in the linear model.
 fn ungrouped() -> Vehicle {
     let mut vehicle = vehicle("baseline");
     for axle in &mut vehicle.tractor.axle {
@@ -30,7 +30,7 @@ fn ungrouped() -> Vehicle {
     vehicle
 }
 
-/// Without the tyres' vertical dampers, which the linear model does not know.
+/// The truck without the tires' vertical dampers, which are not in the linear model.
 fn kraz() -> Vehicle {
     let mut vehicle = vehicle("kraz");
     for tyre in &mut vehicle.tyre {
@@ -51,8 +51,8 @@ fn steady(model: &StateSpace) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// Differences of 1e-6 rad, central: 1e-12 of curvature and 1e-10 of rounding, times the condition
-/// of the static system (1e4).
+/// Central differences of 1e-6 rad have errors of 1e-12 by curvature and 1e-10 by rounding, times the
+/// condition number of the static system (1e4).
 const SAME: f64 = 1e-6;
 
 #[test]
@@ -70,8 +70,8 @@ fn steady_gains_are_those_of_the_linear_model() {
     }
 }
 
-/// Equalised axles of one kind share the same roll moment, so their own roll angles move apart by
-/// as much as tyre forces differ, and the bodies do not notice.
+/// Identical axles of a load group share the same roll moment. Their own roll angles then differ as the
+/// tire forces differ, which does not affect the bodies.
 #[test]
 fn load_equalisation_leaves_the_steady_body_alone() {
     let (ours, theirs) = both(&vehicle("baseline"));
@@ -85,8 +85,7 @@ fn load_equalisation_leaves_the_steady_body_alone() {
     }
 }
 
-/// Every pole of the linear model is a pole of the plant; the plant has those of bounce and pitch
-/// besides.
+/// Every pole of the linear model is a pole of the plant, which also has the poles of bounce and pitch.
 #[test]
 fn poles_are_those_of_the_linear_model() {
     for vehicle in [ungrouped(), kraz()] {
@@ -97,15 +96,15 @@ fn poles_are_those_of_the_linear_model() {
                 .iter()
                 .map(|pole| (pole.0 - re).hypot(pole.1 - im))
                 .fold(f64::INFINITY, f64::min);
-            // Differences as above, on entries of up to 1e6 1/s² (the fifth wheel that does not
-            // turn); poles near one another are moved by the root of the error.
+            // Differences as above, on entries of up to 1e6 1/s² (the roll-rigid fifth wheel); poles
+            // close to each other are moved by the square root of the error.
             assert!(nearest / re.hypot(im) < 1e-5, "{}: {re} {im}: {nearest:e}", vehicle.name);
         }
         assert!(poles.iter().all(|pole| pole.0 < 1e-6), "{poles:?}");
     }
 }
 
-/// Normalised rms difference of trailer roll between plant and linear model in a rounded step.
+/// Normalized rms difference of trailer roll between plant and linear model in a rounded step.
 fn difference(vehicle: &Vehicle, steer_rad: f64) -> f64 {
     let (load, speed_mps) = (vehicle.reference_load(), 50.0 * KMH);
     let plant = YawRollPlant::new(vehicle, load, &linear()).unwrap();
@@ -127,11 +126,11 @@ fn difference(vehicle: &Vehicle, steer_rad: f64) -> f64 {
     (error / size).sqrt()
 }
 
-/// The roll equations 3.61–3.82 with the fifth wheel's moment (that is the complete model) in time.
-/// A symmetric vehicle has no even terms, so what the linear model leaves out (bends of the
-/// cornering stiffness over load, products of angles) grows with the square of the steer angle or,
-/// where loads reach the next node of a table, faster: at half of it the difference is a quarter
-/// at most, within a tenth. At 0.01 rad loads shift by 10 % and angles are 0.01: 1e-4 to 1e-3.
+/// The roll equations 3.61–3.82 with the fifth wheel's moment (the complete model) in time. A symmetric
+/// vehicle has no even terms. What the linear model leaves out (nonlinear cornering stiffness over
+/// load, products of angles) therefore grows with the square of the steer angle, or faster if loads
+/// reach the next node of a table: at half the angle the difference is at most a quarter, within a
+/// tenth. At 0.01 rad loads change by 10 % and angles are 0.01: 1e-4 to 1e-3.
 #[test]
 fn small_motion_in_time_is_that_of_the_linear_model() {
     for vehicle in [ungrouped(), kraz()] {

@@ -1,5 +1,5 @@
-//! The nonlinear plant: statics, symmetry, convergence, the linear model as its limit, the
-//! source's and published figures. (Energy: with the code, `plant::energy`.)
+//! The nonlinear plant: statics, symmetry, convergence, the linear model as its limit, figures of the
+//! thesis and of other publications. (The test of the energy is in `plant::energy`.)
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "../../../cg-logs/tests/common/mod.rs"]
@@ -34,12 +34,12 @@ fn linear() -> PlantOptions {
     }
 }
 
-/// The reference load with its c.g. elsewhere.
+/// The reference load with its c.g. at another height.
 fn at_height(vehicle: &Vehicle, cg_height_m: f64) -> Load {
     Load { cg_height_m, ..vehicle.reference_load() }
 }
 
-/// Rounded step (rate 3 1/s) of this size, sampled each 10 ms.
+/// Rounded step (rate 3 1/s) of this amplitude, sampled every 10 ms.
 fn rounded(
     run: &mut Simulation<'_>,
     steer_rad: f64,

@@ -1,4 +1,4 @@
-//! V10 and the rigid limit of V11.
+//! V10 and the limit of a rigid truck, V11.
 
 use std::f64::consts::TAU;
 
@@ -24,8 +24,8 @@ fn static_rollover_threshold(vehicle: &Vehicle, height_m: f64) -> f64 {
 }
 
 /// Ervin and others, UMTRI 1986: payload c.g. 83.5, 88.6 and 105 in of an 80 000 lb five-axle
-/// combination. Make of springs, tyres and fifth wheel move the threshold by 0.03 g either way
-/// (fifth wheel alone, 2.5e5 to 6.5e6 N m/rad: 0.31 to 0.41 g), digits by 0.01 g.
+/// combination. The make of springs, tires and fifth wheel moves the threshold by ±0.03 g (the fifth
+/// wheel alone, 2.5e5 to 6.5e6 N m/rad: 0.31 to 0.41 g), rounding of the printed digits by 0.01 g.
 #[test]
 fn static_rollover_thresholds_are_the_published_ones() {
     let vehicle = vehicle("baseline-tables");
@@ -36,7 +36,7 @@ fn static_rollover_thresholds_are_the_published_ones() {
     }
 }
 
-/// Five-axle semitrailers amplify rearwards by about one (0.4 Hz, 88 km/h).
+/// Five-axle semitrailers have a rearward amplification of about one (0.4 Hz, 88 km/h).
 #[test]
 fn rearward_amplification_is_about_one() {
     let vehicle = vehicle("baseline-tables");
@@ -52,12 +52,12 @@ fn rearward_amplification_is_about_one() {
     let tractor = peak(&samples, |s| s.tractor.lateral_acceleration_mps2);
     let trailer = peak(&samples, |s| s.trailer.lateral_acceleration_mps2);
     println!("{:.3} g and {:.3} g: {:.2}", tractor / G, trailer / G, trailer / tractor);
-    // "About": published values of such combinations spread over a tenth.
+    // "About": published values of such combinations differ by a tenth.
     assert!((trailer / tractor - 1.0).abs() < 0.1);
 }
 
-/// Load transfer at 0.15 g, from moments alone: `a_y Σ m h` over half the load-weighted track,
-/// plus what the roll itself shifts (a tenth at 2 degrees).
+/// Load transfer at 0.15 g, from moments alone: `a_y Σ m h` divided by half the load-weighted track,
+/// plus the effect of the roll angle itself (a tenth at 2 degrees).
 #[test]
 fn load_transfer_is_what_moments_say() {
     let vehicle = vehicle("baseline-tables");
@@ -69,7 +69,7 @@ fn load_transfer_is_what_moments_say() {
     let lateral_g = end.trailer.lateral_acceleration_mps2 / G;
     println!("{lateral_g:.3} g: {:.3}", end.load_transfer_ratio);
     assert!((lateral_g - 0.15).abs() < 0.005);
-    // All sides: Σ (right − left) y_mean against a_y Σ m h, road level.
+    // For all axles: Σ (right − left) y_mean compared with a_y Σ m h at road level.
     let mut resisting = 0.0;
     let mut overturning = vehicle.tractor.sprung_mass_kg * vehicle.tractor.cg_height_m;
     let sprung = vehicle.trailer_sprung_mass(vehicle.reference_load()).unwrap();
@@ -83,13 +83,13 @@ fn load_transfer_is_what_moments_say() {
     }
     let ratio = resisting / (overturning * end.trailer.lateral_acceleration_mps2);
     println!("moment of the tyres over that of the masses: {ratio:.3}");
-    // Above one by the roll's own part (m g h φ: φ/a_y = 2.2 degrees per 0.15 g is 0.25 of it at
-    // most) and the difference of outer and inner tyres (up to 0.05).
+    // The ratio is above one because of the roll angle (m g h φ: φ/a_y = 2.2 degrees per 0.15 g is at
+    // most 0.25 of it) and the difference between outer and inner tires (up to 0.05).
     assert!(ratio > 1.0 && ratio < 1.3, "{ratio}");
     assert!((end.load_transfer_ratio - 0.32).abs() < 0.03, "{}", end.load_transfer_ratio);
 }
 
-/// A rigid truck on single tyres all at 1 m lifts its last inner wheel at `T/2 Σ m / Σ m h`.
+/// A rigid truck on single tires, all at 1 m, lifts its last inner wheel at `T/2 Σ m / Σ m h`.
 #[test]
 fn a_rigid_truck_lifts_at_half_its_track_over_its_height() {
     let vehicle = crate::common::rigid_truck();
@@ -112,8 +112,8 @@ fn a_rigid_truck_lifts_at_half_its_track_over_its_height() {
     }
     let found = run.sample().trailer.lateral_acceleration_mps2 / vehicle.gravity_mps2;
     println!("{found:.4} g, rigid {expected:.4} g");
-    // A side of 80 kN presses a tyre of 4e7 N/m and a spring like it in by 2 mm each: at 2 m of
-    // track 0.003 rad of roll, which take 6 mm of the metre at the c.g.'s 1.8 m; the axles do not
-    // lift at once, and the first ones have tipped further by then.
+    // 80 kN on one side deflect a tire and a spring of 4e7 N/m by 2 mm each. On a track of 2 m this is
+    // 0.003 rad of roll, which takes 6 mm of one meter at the c.g. height of 1.8 m. The axles do not
+    // lift at the same time, and the first ones have rolled further by then.
     assert!((found / expected - 1.0).abs() < 0.015, "{found} {expected}");
 }

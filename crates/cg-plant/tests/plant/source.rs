@@ -1,4 +1,4 @@
-//! V7, V8, V9: the source's figures from its own nonlinear programs.
+//! V7, V8, V9: figures of the thesis from its own nonlinear programs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,7 @@ use cg_vehicle::Vehicle;
 
 use super::{G, KMH, at_height, peak, plant, rounded, vehicle};
 
-/// Trailer c.g. heights of Table 5.11 and the steady ratios of roll to steer measured there.
+/// Trailer c.g. heights of Table 5.11 and the steady-state ratios of roll to steer measured there.
 const HEIGHTS_M: [f64; 8] = [1.854, 1.905, 1.973, 2.007, 2.057, 2.108, 2.159, 2.210];
 const RATIOS: [f64; 8] = [0.7610, 0.7972, 0.8454, 0.8699, 0.9064, 0.9454, 0.9849, 1.0245];
 
@@ -25,8 +25,8 @@ fn ratios(vehicle: &Vehicle) -> Vec<f64> {
         .collect()
 }
 
-/// Table 5.11 through eq. 5.17. Measured springs: the source's friction, fifth wheel and spring
-/// tables leave 10 % open (a fifth wheel of 3e5 in place of 4e5 N m/rad alone is 3 %).
+/// Table 5.11 through eq. 5.17, with measured springs. The thesis's data of friction, fifth wheel and
+/// springs leave an uncertainty of 10 % (a fifth wheel of 3e5 instead of 4e5 N m/rad alone is 3 %).
 #[test]
 fn steady_roll_over_height_with_measured_springs() {
     for (k, ratio) in ratios(&vehicle("baseline-tables")).iter().enumerate() {
@@ -35,8 +35,8 @@ fn steady_roll_over_height_with_measured_springs() {
     }
 }
 
-/// The same with the linear springs that were recovered from the source's linear model: its own
-/// gains within 1 % (see `tests/thesis.rs`), plus 1 % of 3.3 degrees' nonlinearity.
+/// The same with the linear springs that were recovered from the thesis's linear model: its gains agree
+/// within 1 %, plus 1 % for the nonlinearity at 3.3 degrees.
 #[test]
 fn steady_roll_over_height_with_recovered_springs() {
     for (k, ratio) in ratios(&vehicle("baseline")).iter().enumerate() {
@@ -72,9 +72,9 @@ fn peak_roll_deg(vehicle: &Vehicle, height_m: f64) -> f64 {
     peak(&samples, |s| s.trailer.roll_rad).to_degrees()
 }
 
-/// Figure 2.26: 4.1 degrees per metre from 1.85 to 2.25 m in a turn of 100 m at 50 km/h. Its curve
-/// bends upwards, as ours does; the figure itself is not in the text, so a tenth of a degree at
-/// either end (0.35 degrees per metre) stays open.
+/// Figure 2.26: 4.1 degrees per meter from 1.85 to 2.25 m in a turn of 100 m at 50 km/h. Its curve
+/// bends upward, as here. The numbers of the figure are not printed, so a tenth of a degree at either
+/// end (0.35 degrees per meter) is allowed.
 #[test]
 fn peak_roll_in_a_turn_grows_by_four_degrees_per_metre() {
     let vehicle = vehicle("baseline-tables");
@@ -88,7 +88,7 @@ fn peak_roll_in_a_turn_grows_by_four_degrees_per_metre() {
     assert!(peaks.windows(3).all(|p| p[2] - p[1] > p[1] - p[0]), "{peaks:?}");
 }
 
-/// Sections 2.7.4, 2.7.5: air suspensions roll more, worn (stiffer) tyres less, at about the same
+/// Sections 2.7.4, 2.7.5: air suspensions roll more, worn (stiffer) tires less, at about the same
 /// slope.
 #[test]
 fn air_suspensions_roll_more_and_worn_tyres_less() {
@@ -102,14 +102,14 @@ fn air_suspensions_roll_more_and_worn_tyres_less() {
         assert!(air[k] > base[k] && third[k] < half[k] && half[k] < base[k]);
     }
     let slope = |peaks: [f64; 2]| (peaks[1] - peaks[0]) / 0.2;
-    // "About the same", "does not vary": a quarter, and a tenth.
+    // "About the same" allows a quarter, "does not vary" a tenth.
     assert!((slope(air) / slope(base) - 1.0).abs() < 0.25, "{}", slope(air) / slope(base));
     for worn in [third, half] {
         assert!((slope(worn) / slope(base) - 1.0).abs() < 0.10);
     }
 }
 
-/// The worn tyres' files are the measured baseline but for one number.
+/// The files with worn tires differ from the measured baseline in one number only.
 #[test]
 fn worn_tyres_differ_in_vertical_stiffness_only() {
     let base = vehicle("baseline-tables");
@@ -122,8 +122,8 @@ fn worn_tyres_differ_in_vertical_stiffness_only() {
     }
 }
 
-/// Figure 2.24: a lane change of 20 m gate length gives "about 0.2 g" (a tenth of it is left to
-/// "about") and more at higher speed.
+/// Figure 2.24: a lane change of 20 m gate length gives "about 0.2 g" (a tenth of it is allowed) and
+/// more at a higher speed.
 #[test]
 fn a_lane_change_gives_about_two_tenths_of_g() {
     let vehicle = vehicle("baseline-tables");
@@ -131,7 +131,7 @@ fn a_lane_change_gives_about_two_tenths_of_g() {
         let path = Path::lane_change(15.0, 20.0, 3.65);
         let samples = drive(&vehicle, 1.973, path, kmh * KMH, 8.0);
         let offset_m = samples[samples.len() - 1].position_m[1];
-        // Settled on the new lane to a hand's breadth.
+        // Settled on the new lane within 0.1 m.
         assert!((offset_m - 3.65).abs() < 0.1, "{offset_m}");
         peak(&samples, |s| s.trailer.lateral_acceleration_mps2) / G
     });
@@ -140,7 +140,7 @@ fn a_lane_change_gives_about_two_tenths_of_g() {
     assert!(peaks.windows(2).all(|pair| pair[0] < pair[1]));
 }
 
-/// `MacAdam`'s driver knows the tractor at small slip only; on a circle that costs him decimetres.
+/// The model of `MacAdam`'s driver is valid at small slip only, which costs decimeters on a circle.
 #[test]
 fn the_driver_keeps_to_a_circle() {
     let vehicle = vehicle("baseline-tables");

@@ -6,7 +6,7 @@ use cg_vehicle::balance::static_balance;
 
 use super::{KMH, linear, plant, vehicle};
 
-/// Figures 2.1 and 2.2 through the balance: 1 N is a unit of the last digit.
+/// Figures 2.1 and 2.2 from the static balance: 1 N is one unit of the last digit.
 #[test]
 fn straight_running_carries_the_known_loads() {
     let sample = plant(&vehicle("baseline-tables")).start(50.0 * KMH).unwrap().sample();
@@ -19,8 +19,8 @@ fn straight_running_carries_the_known_loads() {
     assert!((sample.hitch_load_n - 140_570.0).abs() < 10.0, "{}", sample.hitch_load_n);
 }
 
-/// The given heights are an equilibrium: what moves is rounding (forces of 1e5 N to 1e-16 on 500 kg
-/// give 2e-14 m/s²; springs of the tyres turn that into less than 1e-16 m in one second).
+/// The given heights are an equilibrium: only rounding moves the vehicle (forces of 1e5 N to 1e-16 on
+/// 500 kg give 2e-14 m/s²; with the springs of the tires this is less than 1e-16 m in one second).
 #[test]
 fn straight_running_stays() {
     for name in ["baseline", "baseline-tables", "air", "kraz"] {
@@ -51,7 +51,7 @@ fn straight_running_stays() {
     }
 }
 
-/// With a design load of its own the body settles, and the load's height is still that at rest.
+/// With a separate design load the body settles, and the load's height is still its height at rest.
 #[test]
 fn a_lighter_load_lifts_the_body_and_keeps_its_height() {
     let vehicle = vehicle("baseline");
@@ -60,20 +60,20 @@ fn a_lighter_load_lifts_the_body_and_keeps_its_height() {
     let options = PlantOptions { design_load: Some(design), ..linear() };
     let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
     let run = plant.start(50.0 * KMH).unwrap();
-    // Newton stops at accelerations of 1e-7: nanometres on springs of 1 Hz and above.
+    // Newton's method stops at accelerations of 1e-7: nanometers on springs of 1 Hz and above.
     assert!((plant.trailer_cg_height_m(&run.state) - 1.8).abs() < 1e-7);
     let balance = static_balance(&vehicle, load).unwrap();
     for (axle, known) in run.sample().axles().iter().zip(&balance.axle_load_n) {
         let ratio = (axle.left_load_n + axle.right_load_n) / known;
-        // The frames pitch by up to 1/100 rad, which moves c.g.s by 1 cm in 5 m.
+        // The frames pitch by up to 1/100 rad, which moves the c.g.s by 1 cm in 5 m.
         assert!((ratio - 1.0).abs() < 3e-3, "{ratio}");
     }
     let lifted = run.state.get(Coordinate::TractorHeight) - vehicle.tractor.cg_height_m;
     assert!(lifted > 0.0 && lifted < 0.05, "{lifted}");
 }
 
-/// A payload 0.1 m to the left rolls the trailer to the left, one to the right by as much to the
-/// right.
+/// A payload 0.1 m to the left rolls the trailer to the left; a payload to the right rolls it as much
+/// to the right.
 #[test]
 fn an_offset_payload_leans_to_its_side() {
     let vehicle = vehicle("baseline");
@@ -87,12 +87,12 @@ fn an_offset_payload_leans_to_its_side() {
     assert!(left < 0.0);
     // Newton's residual of 1e-7 m/s² on a roll mode of 5 rad/s: 4e-9 rad.
     assert!((left + right).abs() < 1e-8, "{left} {right}");
-    // Linear springs; what is left is the square of a 2 degree roll.
+    // Linear springs: the remaining difference is the square of a roll angle of 2 degrees.
     assert!((twice / left - 2.0).abs() < 5e-3, "{}", twice / left);
 }
 
-/// On a bank, right side lower, gravity pulls to the right: the body rolls to the right, the
-/// steer angle holds to the left, and lateral acceleration is zero.
+/// On a banked road with the right side lower, gravity pulls to the right: the body rolls to the right,
+/// the steer angle is to the left, and the lateral acceleration is zero.
 #[test]
 fn a_bank_is_held_by_steering_up_it() {
     let vehicle = vehicle("baseline-tables");

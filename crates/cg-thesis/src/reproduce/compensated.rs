@@ -12,9 +12,11 @@
 
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis, values};
+use super::row::Row;
+use super::step_error;
 use super::transfer::{as_printed, ascending, polynomial_rows};
-use super::{Baseline, Options, Row, step_error};
 use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::compensation::{Compensation, validity_table};
 use cg_vehicle::error::VehicleError;
@@ -22,7 +24,7 @@ use cg_vehicle::reduction::pade;
 use cg_vehicle::reduction::quality::StepInput;
 use cg_vehicle::system::{Rational, multiplied};
 
-/// Order of the compensation function that the source goes on with.
+/// Order of the compensation function that the thesis goes on with.
 const ORDER: usize = 3;
 
 #[derive(Deserialize)]
@@ -158,7 +160,7 @@ pub(super) fn product(
     Ok(polynomial_rows(table, "", sides, (&numerator, &denominator), note))
 }
 
-/// The first terms of the compensated transfer function as a series in s, the source's sign.
+/// The first terms of the compensated transfer function as a series in s, the thesis's sign.
 fn compensated_series(base: &Baseline, terms: usize) -> Result<Vec<f64>, VehicleError> {
     let model = &base.as_printed.state_space;
     let roll = model.to_trailer_roll().moments(terms)?;
@@ -196,7 +198,7 @@ fn quotients(rational: &Rational) -> Vec<f64> {
     quotients
 }
 
-/// The reduction of order `order` as the source scales it: both polynomials divided by
+/// The reduction of order `order` as the thesis scales it: both polynomials divided by
 /// `±H(2n+1)`, so that the numerator at s = 0 is `±H2 H3 … H(2n)`.
 fn reduction(base: &Baseline, order: usize) -> Result<Rational, VehicleError> {
     let series = compensated_series(base, 2 * order + 1)?;

@@ -1,35 +1,16 @@
 //! Heights from DC ratios: eq. 5.17, Tables 5.6, 5.7 and 5.11.
 
-use cg_core::truck::ratio::solve_height;
-use cg_core::{Measured, RatioLine};
+use cg_core::RatioLine;
 use serde::Deserialize;
 
+use super::baseline::{Baseline, METRES_PER_INCH, Options};
 use super::compensated::printed_compensation;
 use super::identified::{by_rate_ratio, noise_free_ratio};
 use super::printed::{Printed, thesis};
-use super::{Baseline, METRES_PER_INCH, Options, Row};
+use super::row::Row;
+use super::solved::{Heights, bias_percent, percent, solved};
+use super::study::beside_draws;
 use cg_vehicle::error::VehicleError;
-
-/// The height that a ratio means (eq. 5.20), in the unit of the line.
-pub(super) fn solved(
-    line: &RatioLine<f64>,
-    ratio: f64,
-    compensation: f64,
-) -> Result<f64, VehicleError> {
-    let exact = Measured::exact;
-    let found = solve_height(line, exact(ratio), exact(compensation), 0.0);
-    Ok(found.map_err(|error| VehicleError::Model(error.to_string()))?.value)
-}
-
-/// How far a height is off, in %.
-pub(super) fn bias_percent(height: f64, true_height: f64) -> f64 {
-    100.0 * (height / true_height - 1.0)
-}
-
-/// A row whose unit is the per cent: its difference in percentage points, not in per cent of them.
-pub(super) fn percent(row: Row) -> Row {
-    row.relative_to(100.0).noted("difference in percentage points")
-}
 
 #[allow(clippy::unnecessary_wraps)] // one signature for all tables
 pub(super) fn ratio_line(
@@ -86,41 +67,10 @@ fn at_height(constant: &Printed, slope: &Printed, height: f64) -> Printed {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Original {
-    pub(super) a0: Printed,
-    pub(super) b0: Printed,
-    pub(super) ratio: Printed,
-    height_in: Option<Printed>,
-    height_m: Option<Printed>,
-    bias_percent: Option<Printed>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Identified {
-    #[serde(alias = "rate_per_s", alias = "snr_db")]
-    pub(super) condition: u32,
-    pub(super) a0: Printed,
-    pub(super) b0: Printed,
-    pub(super) ratio: Printed,
-    height_in: Printed,
-    height_m: Printed,
-    bias_percent: Printed,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Heights {
-    pub(super) original: Original,
-    pub(super) row: Vec<Identified>,
-}
-
 const FROM_RATIO: &str = "from the printed four-digit ratio through eqs. 5.17 to 5.20";
 const FROM_HEIGHT: &str = "from the printed height in inches";
 
-/// Height, metres and bias that a printed ratio means.
+/// Height, meters and bias that a printed ratio means.
 fn height_rows(
     table: &'static str,
     base: &Baseline,
@@ -128,7 +78,7 @@ fn height_rows(
     ratio: &Printed,
     [height_in, height_m, bias]: [&Printed; 3],
 ) -> Result<Vec<Row>, VehicleError> {
-    // The source divides by eq. 5.19 as printed: 1.4894.
+    // The thesis divides by eq. 5.19 as printed: 1.4894.
     let compensation = (printed_compensation()? * 1e4).round() / 1e4;
     let ours_in = solved(&base.printed_line, ratio.value, compensation)?;
     let in_m = height_in.value * METRES_PER_INCH;
@@ -184,7 +134,7 @@ pub(super) fn by_noise(
         rows.extend(height_rows(table, base, &name, &row.ratio, heights)?);
     }
     let draws: Vec<_> = printed.row.iter().map(|row| (row.condition, &row.bias_percent)).collect();
-    rows.extend(super::study::beside_draws(table, base, options, &draws)?);
+    rows.extend(beside_draws(table, base, options, &draws)?);
     Ok(rows)
 }
 

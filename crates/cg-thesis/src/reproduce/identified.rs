@@ -1,18 +1,19 @@
 //! Transfer functions identified from eq. 5.12's own response: Tables 5.4, 5.5 and 5.8.
 //!
-//! Signs are the source's throughout (ratios negative).
+//! Signs are the thesis's throughout (ratios negative).
 
 use cg_core::Reduced5;
 use cg_core::truck::reduced::ORDER;
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::compensated::printed_5_12;
 use super::continuous::{UNKNOWNS, to_continuous};
-use super::heights::Heights;
 use super::monte_carlo::{Experiment, INTERVAL_S, RATE_PER_S, arx, arx_ratio, filtered};
 use super::printed::{Printed, fixed, thesis};
+use super::row::Row;
+use super::solved::Heights;
 use super::transfer::polynomial_rows;
-use super::{Baseline, Options, Row};
 use cg_vehicle::error::VehicleError;
 
 /// Road-wheel amplitude of the experiments on eq. 5.12, to the left in ISO 8855; the models are
@@ -109,7 +110,7 @@ pub(super) fn ratios(
 }
 
 /// The printed functions are one draw each of an unknown noise. Ours are medians of many: of the
-/// product's identifier, which stays near eq. 5.12, and of the source's ARX for the sum of the
+/// product's identifier, which stays near eq. 5.12, and of the thesis's ARX for the sum of the
 /// poles, which the noise drives far out.
 pub(super) fn by_noise(
     table: &'static str,

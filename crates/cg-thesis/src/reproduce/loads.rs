@@ -6,11 +6,12 @@
 
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis, values};
-use super::{Baseline, Options, Row};
+use super::row::Row;
 use cg_vehicle::balance::{StaticBalance, static_balance};
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Vehicle};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

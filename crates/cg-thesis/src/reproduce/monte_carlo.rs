@@ -1,6 +1,6 @@
 //! Many draws of the noise in place of one.
 //!
-//! The experiment is the source's: the rounded step of rate `a` (eq. 5.3), 10 s at 0.05 s, white
+//! The experiment is the thesis's: the rounded step of rate `a` (eq. 5.3), 10 s at 0.05 s, white
 //! noise on the roll angle, SNR on its mean square, and `[n n+1 0]` ARX models in shift form.
 //! Draw `k` of every cell has the seed `seed + k`, so cells differ by their settings alone.
 
@@ -10,7 +10,7 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::Options;
+use super::baseline::Options;
 use cg_vehicle::reduction::quality::rounded_step;
 use cg_vehicle::response::StateSpace;
 
@@ -18,7 +18,7 @@ use cg_vehicle::response::StateSpace;
 pub(super) const INTERVAL_S: f64 = 0.05;
 /// Samples in an experiment.
 pub(super) const SAMPLES: usize = 201;
-/// Rate of the rounded step where the source does not say it.
+/// Rate of the rounded step where the thesis does not say it.
 pub(super) const RATE_PER_S: u32 = 3;
 /// An error beyond this is no estimate: left out of bias and RMSE, and counted.
 const OUTLIER_PERCENT: f64 = 30.0;
@@ -144,7 +144,7 @@ pub(super) fn arx_ratio(order: usize, steer: &[f64], roll: &[f64]) -> Option<f64
 
 /// The product's own identifier around a nominal model, with all samples taken in.
 pub(super) fn filtered(nominal: &Reduced5<f64>, steer: &[f64], roll: &[f64]) -> FilteredArx<f64> {
-    // The experiments have no constant offset, and the source's models know none.
+    // The experiments have no constant offset, and the thesis's models know none.
     let prior = Prior { offset_sd_rad: 0.0, ..Prior::standard() };
     let mut identifier = FilteredArx::new(nominal, prior);
     for (&u, &y) in steer.iter().zip(roll) {

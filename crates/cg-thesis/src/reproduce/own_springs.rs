@@ -2,13 +2,14 @@
 //!
 //! The plant is the complete linear model with the springs of drive and trailer axles scaled; its
 //! log of a rounded step goes through the whole estimator, first with the vehicle file as it is,
-//! then with a calibration (`R_c`, one run) on that very truck, as the source does.
+//! then with a calibration (`R_c`, one run) on that very truck, as the thesis does.
 
 use cg_core::{AlignSettings, Channel};
 
-use super::heights::bias_percent;
+use super::baseline::Baseline;
 use super::printed::Printed;
-use super::{Baseline, Row};
+use super::row::Row;
+use super::solved::bias_percent;
 use cg_logs::calibrate::{KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_plant::maneuver::Maneuver;
@@ -16,8 +17,7 @@ use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::design::design_with;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::linear::Variant;
-use cg_vehicle::vehicle::Vehicle;
+use cg_vehicle::{Variant, Vehicle};
 
 const RATE_HZ: f64 = 100.0;
 const START_S: f64 = 2.0;

@@ -1,4 +1,4 @@
-//! Numbers as the source prints them.
+//! Numbers as the thesis prints them.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -82,7 +82,7 @@ pub(super) fn fixed<const N: usize>(list: &[Printed]) -> Result<[f64; N], Vehicl
     })
 }
 
-/// Reads one of the source's tables.
+/// Reads one of the thesis's tables.
 pub(super) fn read<T: DeserializeOwned>(text: &str, name: &str) -> Result<T, VehicleError> {
     toml::from_str(text)
         .map_err(|source| VehicleError::syntax(&format!("fixtures/thesis/{name}"), &source))

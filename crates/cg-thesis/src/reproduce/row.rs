@@ -1,12 +1,12 @@
-//! One number of the source beside ours.
+//! One number of the thesis beside ours.
 
 use serde::Serialize;
 
 use super::printed::Printed;
 
-/// One number of the source beside ours. Field names are the keys of the JSON output.
+/// One number of the thesis beside ours. Field names are the keys of the JSON output.
 ///
-/// Units and signs are the source's (y to the right, z down: ratios of roll to steer are
+/// Units and signs are the thesis's (y to the right, z down: ratios of roll to steer are
 /// negative there, positive in ISO 8855 and everywhere else in this crate).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
@@ -14,7 +14,7 @@ pub struct Row {
     pub table: &'static str,
     /// What the number is, with its unit.
     pub item: String,
-    /// As printed; `None` if the source has no such number.
+    /// As printed; `None` if the thesis has no such number.
     pub thesis: Option<f64>,
     /// As computed here; `None` if that cannot be.
     pub ours: Option<f64>,
@@ -58,7 +58,7 @@ impl Row {
         Self::beside(table, item, printed, ours).noted(note)
     }
 
-    /// Ours where the source has no such number; the note says what it is for.
+    /// Ours where the thesis has no such number; the note says what it is for.
     pub(super) fn ours(
         table: &'static str,
         item: impl Into<String>,

@@ -2,10 +2,12 @@
 
 use serde::Deserialize;
 
+use super::baseline::{Baseline, METRES_PER_INCH, Options};
 use super::compensated::printed_compensation;
-use super::heights::{bias_percent, percent, solved};
+use super::own_springs;
 use super::printed::{Printed, thesis};
-use super::{Baseline, METRES_PER_INCH, Options, Row, own_springs};
+use super::row::Row;
+use super::solved::{bias_percent, percent, solved};
 use cg_vehicle::error::VehicleError;
 
 #[derive(Deserialize)]

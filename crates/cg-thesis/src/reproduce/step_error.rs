@@ -1,17 +1,18 @@
-//! Errors of the reductions (Table 5.3): theirs in the source's measure, and other methods beside.
+//! Errors of the reductions (Table 5.3): theirs in the thesis's measure, and other methods beside.
 //!
-//! The source prints neither input nor measure. A mean square over ten seconds of the rounded
+//! The thesis prints neither input nor measure. A mean square over ten seconds of the rounded
 //! step of rate 1 gives the printed pattern, and no other rate does; the steer amplitude is the
 //! one that gives the error printed for order 0, and with it the other five follow.
 
+use super::baseline::Baseline;
 use super::printed::Printed;
-use super::{Baseline, Row};
+use super::row::Row;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::reduction::quality::{StepInput, h_infinity, step_error_degree2};
 use cg_vehicle::reduction::{Keep, balanced, fitted, pade};
 use cg_vehicle::system::{Rational, System};
 
-/// One order more than the source goes, to see what it would bring.
+/// One order more than the thesis goes, to see what it would bring.
 const GREATEST_ORDER: usize = 6;
 
 /// Rows for reductions of the as-printed model through `compensation`, beside the printed errors

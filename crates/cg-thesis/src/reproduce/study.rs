@@ -8,18 +8,19 @@ use cg_core::truck::reduced::ORDER;
 use cg_core::{RatioLine, Reduced5};
 use serde::Deserialize;
 
+use super::baseline::{Baseline, METRES_PER_INCH, Options};
 use super::bound::{gain_sd_at_0_db, ratio_sd_at_0_db};
 use super::compensated::printed_compensation;
-use super::heights::{bias_percent, solved};
 use super::identified::{STEER_RAD, plant};
 use super::monte_carlo::{Experiment, RATE_PER_S, ScorePercent, arx_ratio, filtered_ratio};
 use super::printed::{Printed, thesis};
-use super::{Baseline, Options, Row};
+use super::row::Row;
+use super::solved::{bias_percent, solved};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::reduction::{pade, reduce};
 use cg_vehicle::system::Rational;
 
-/// Signal-to-noise ratios of the source, dB.
+/// Signal-to-noise ratios of the thesis, dB.
 const SNR_DB: [u32; 6] = [30, 25, 20, 15, 10, 5];
 
 /// A plant under one input, and how a DC ratio of it becomes a height.
@@ -32,7 +33,7 @@ struct Setting {
     line: RatioLine<f64>,
     compensation: f64,
     true_height: f64,
-    /// Per cent of height for one per cent of ratio.
+    /// Per cent of height for one percent of ratio.
     height_per_ratio: f64,
 }
 
@@ -141,7 +142,7 @@ fn noise_free_row(
 const BOUND: &str = "least standard deviation of an unbiased estimator (Cramér-Rao)";
 const BOUND_GAIN: &str = "the same if all but the gain is known";
 
-/// Table 5.7: each printed draw beside many, at the rate that the source does not print.
+/// Table 5.7: each printed draw beside many, at the rate that the thesis does not print.
 pub(super) fn beside_draws(
     table: &'static str,
     base: &Baseline,
@@ -258,7 +259,7 @@ pub(super) fn by_order(
     Ok(rows)
 }
 
-/// Whether the printed biases and metres are those of the printed heights.
+/// Whether the printed biases and meters are those of the printed heights.
 fn printed_biases(table: &'static str, base: &Baseline, printed: &Table59) -> Vec<Row> {
     let (mut biases, mut metres) = (0.0_f64, 0.0_f64);
     for order in &printed.order {
@@ -267,7 +268,7 @@ fn printed_biases(table: &'static str, base: &Baseline, printed: &Table59) -> Ve
         {
             let ours = bias_percent(height_in.value, base.true_height_in());
             biases = biases.max((ours - bias.value).abs());
-            let ours_m = height_in.value * super::METRES_PER_INCH;
+            let ours_m = height_in.value * METRES_PER_INCH;
             metres = metres.max((ours_m - height_m.value).abs());
         }
     }

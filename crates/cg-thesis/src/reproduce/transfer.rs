@@ -3,10 +3,12 @@
 use nalgebra::DVector;
 use serde::Deserialize;
 
+use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis};
-use super::{Baseline, Options, Row};
+use super::row::Row;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::response::{StateSpace, TransferFunction};
+use cg_vehicle::response::StateSpace;
+use cg_vehicle::system::TransferFunction;
 
 /// Steer to trailer roll of the as-printed model.
 pub(super) fn as_printed(base: &Baseline) -> Result<TransferFunction, VehicleError> {
@@ -14,7 +16,7 @@ pub(super) fn as_printed(base: &Baseline) -> Result<TransferFunction, VehicleErr
     model.to_trailer_roll().transfer_function()
 }
 
-/// Numerator and denominator in ascending powers and the source's sign of steer.
+/// Numerator and denominator in ascending powers and the thesis's sign of steer.
 pub(super) fn ascending(function: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
     let numerator = function.numerator.iter().rev().map(|a| -a).collect();
     (numerator, function.denominator.iter().rev().copied().collect())
@@ -77,7 +79,7 @@ pub(super) fn roots(
             rows.extend(root_rows(table, &format!("{name} {}", k + 1), root, ours));
         }
     }
-    // The source's steer is positive to the right.
+    // The thesis's steer is positive to the right.
     rows.push(Row::beside(table, "gain", &printed.gain, -ours.gain));
     Ok(rows)
 }

@@ -1,13 +1,13 @@
 //! Errors and intervals over noise, payload, height and time, as a study with its figure.
 
-use super::Setting;
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
+use super::setting::Setting;
 use crate::accuracy::{Experiment, Score};
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Vehicle};
 
 /// Repetitions of each point: an RMSE scatters by 4 %.
 const RUNS: u32 = 300;

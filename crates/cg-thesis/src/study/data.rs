@@ -1,4 +1,4 @@
-//! What a study returns: panels of series in SI units, and the source's statements beside ours.
+//! What a study returns: panels of series in SI units, and the thesis's statements beside ours.
 
 /// Unit of a quantity. Values are in SI; what is shown is the reader's choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +106,7 @@ impl Series {
 /// One set of axes with its series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// The source's figure: `2.26`; empty where it has none.
+    /// The thesis's figure: `2.26`; empty where it has none.
     pub figure: &'static str,
     /// What it shows.
     pub title: &'static str,
@@ -118,12 +118,12 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
-/// A sentence of the source and what is found here.
+/// A sentence of the thesis and what is found here.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statement {
-    /// Figure or section of the source.
+    /// Figure or section of the thesis.
     pub place: &'static str,
-    /// What the source says.
+    /// What the thesis says.
     pub thesis: &'static str,
     /// What is found here, with its numbers.
     pub ours: String,
@@ -142,7 +142,7 @@ pub struct Study {
     pub scenario: Vec<String>,
     /// The figures.
     pub panels: Vec<Panel>,
-    /// The source's statements beside ours.
+    /// The thesis's statements beside ours.
     pub statements: Vec<Statement>,
 }
 

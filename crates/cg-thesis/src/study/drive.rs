@@ -4,9 +4,9 @@ use cg_plant::plant::{
     Driver, DriverSettings, Path, PlantOptions, PlantSample, Progress, YawRollPlant,
 };
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Vehicle};
 
-/// Speed of the source's turns, m/s.
+/// Speed of the thesis's turns, m/s.
 pub(super) const TURN_SPEED_MPS: f64 = 50.0 / 3.6;
 /// Speed of its lane changes where nothing else is said, m/s.
 pub(super) const LANE_SPEED_MPS: f64 = 100.0 / 3.6;

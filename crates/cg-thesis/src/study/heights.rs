@@ -2,10 +2,10 @@
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Drive, peak_rolls};
-use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
 use cg_plant::plant::PlantOptions;
+use cg_vehicle::Load;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Load;
 
 pub(super) const HEIGHT: Quantity = Quantity {
     name: "cg_height",
@@ -13,14 +13,14 @@ pub(super) const HEIGHT: Quantity = Quantity {
     unit: Unit::Metre,
 };
 
-/// The source's range.
+/// The thesis's range.
 const HEIGHTS_M: [f64; 9] = [1.85, 1.90, 1.95, 2.00, 2.05, 2.10, 2.15, 2.20, 2.25];
 
 /// Payloads of Fig. 2.27, and the heights of their own c.g.: what a box on the floor can have.
 const PAYLOADS_KG: [f64; 5] = [5_000.0, 10_000.0, 15_000.0, 20_000.0, 25_000.0];
 const PAYLOAD_HEIGHTS_M: [f64; 5] = [1.7, 1.85, 2.0, 2.15, 2.3];
 
-/// Resolution of the source's tilt sensor.
+/// Resolution of the thesis's tilt sensor.
 const TILT_DEG: f64 = 0.05;
 
 /// Fig. 2.26.
@@ -49,7 +49,7 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
                 place: "Fig. 2.26",
                 thesis: "the peak roll angle grows by about 4.1° per metre from 1.85 to 2.25 m",
                 ours: format!("{slope:.2}°/m over the range, {below:.2}°/m up to 2.15 m"),
-                // What the source's figure leaves open: a tenth of a degree at either end.
+                // What the thesis's figure leaves open: a tenth of a degree at either end.
                 agrees: (slope - 4.1).abs() < 0.5,
             },
             Statement {
@@ -69,7 +69,7 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
     })
 }
 
-/// Slopes of the first and the last two points, degrees per metre.
+/// Slopes of the first and the last two points, degrees per meter.
 fn ends(series: &Series) -> (f64, f64) {
     let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
     let mut pairs = series.points.windows(2);

@@ -4,9 +4,9 @@ use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{
     Course, Drive, LANE_CHANGE, LANE_SPEED_MPS, QUARTER, TURN_SPEED_MPS, trailer_roll,
 };
-use super::{PEAK_ROLL, Setting, scenario};
+use super::setting::{PEAK_ROLL, Setting, scenario};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
 const INERTIA: Quantity = Quantity {
     name: "payload_roll_inertia",
@@ -14,7 +14,7 @@ const INERTIA: Quantity = Quantity {
     unit: Unit::KilogramSquareMetre,
 };
 
-/// The source's range of the payload's own roll inertia, in steps.
+/// The thesis's range of the payload's own roll inertia, in steps.
 const PAYLOAD_KGM2: [f64; 6] = [10_000.0, 12_300.0, 14_600.0, 16_900.0, 19_200.0, 21_500.0];
 
 /// A vehicle whose payload is as high and as heavy, but so wide that its own roll inertia is the

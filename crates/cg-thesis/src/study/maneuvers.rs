@@ -4,7 +4,7 @@ use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{
     Course, Drive, LANE_SPEED_MPS, RUN_IN_M, Record, TURN_SPEED_MPS, trailer_lateral, trailer_roll,
 };
-use super::{PEAK_LATERAL, Setting, scenario};
+use super::setting::{PEAK_LATERAL, Setting, scenario};
 use cg_plant::plant::PlantSample;
 use cg_vehicle::error::VehicleError;
 

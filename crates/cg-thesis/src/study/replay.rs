@@ -7,7 +7,7 @@ use cg_logs::log::LogRow;
 use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::{Load, Vehicle};
+use cg_vehicle::{Load, Vehicle};
 
 /// A recorded log whose load is known.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
 use super::drive::{Course, Drive, LANE_SPEED_MPS, QUARTER, Record, TURN_SPEED_MPS};
-use super::{Setting, scenario};
+use super::setting::{Setting, scenario};
 use cg_plant::plant::PlantSample;
 use cg_vehicle::error::VehicleError;
 

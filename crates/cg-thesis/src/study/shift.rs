@@ -2,7 +2,7 @@
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Drive, peak_rolls, trailer_roll};
-use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
 use cg_plant::plant::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 

@@ -2,7 +2,7 @@
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Course, Drive, LANE_CHANGE, QUARTER, trailer_lateral, trailer_roll};
-use super::{PEAK_LATERAL, PEAK_ROLL, Setting, scenario};
+use super::setting::{PEAK_LATERAL, PEAK_ROLL, Setting, scenario};
 use cg_vehicle::error::VehicleError;
 
 const SPEED: Quantity = Quantity { name: "speed", label: "Speed", unit: Unit::MetrePerSecond };

@@ -1,16 +1,16 @@
-//! Figs. 2.30, 2.31: other suspensions, other tyres.
+//! Figs. 2.30, 2.31: other suspensions, other tires.
 
 use super::data::{Abscissa, Panel, Series, Statement, Study};
 use super::drive::{Drive, peak_rolls};
 use super::heights::HEIGHT;
-use super::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::vehicle::Vehicle;
 
-/// The source's range.
+/// The thesis's range.
 const HEIGHTS_M: [f64; 5] = [1.85, 1.95, 2.05, 2.15, 2.25];
 
-/// Vertical stiffness of the tyres of Fig. 2.31 over that of Table 2.6, N/m.
+/// Vertical stiffness of the tires of Fig. 2.31 over that of Table 2.6, N/m.
 const NEW_N_PER_M: f64 = 788_070.8;
 const TREADS: [(&str, f64); 2] =
     [("1/2 tread", 864_250.9 / NEW_N_PER_M), ("1/3 tread", 874_408.3 / NEW_N_PER_M)];
@@ -98,7 +98,7 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
     })
 }
 
-/// Slope of the last pair of points less that of the first, degrees per metre.
+/// Slope of the last pair of points less that of the first, degrees per meter.
 fn bend_deg(series: &Series) -> f64 {
     let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
     let slopes: Vec<f64> = series.points.windows(2).map(slope).collect();

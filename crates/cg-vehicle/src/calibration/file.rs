@@ -8,10 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
 use crate::calibration::fit::{Fitted, Procedure, Run};
+use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files;
-use crate::linear::Variant;
-use crate::vehicle::{Load, Vehicle};
+use crate::load::Load;
+use crate::vehicle::Vehicle;
 
 /// Share of the prior variance that the runs must remove for a parameter to count as determined.
 const DETERMINED: f64 = 0.5;

@@ -19,9 +19,10 @@ use cg_core::{Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
+use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::linear::Variant;
-use crate::vehicle::{Load, Vehicle};
+use crate::load::Load;
+use crate::vehicle::Vehicle;
 
 /// Gauss-Newton steps; the ratios are nearly linear in the parameters, so that three settle it.
 const STEPS: usize = 12;

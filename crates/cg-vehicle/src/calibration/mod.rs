@@ -7,8 +7,8 @@
 //!
 //! From logs to ratios: `cg_logs::calibrate`.
 
-pub mod file;
 pub mod fit;
+pub mod file;
 
 pub use file::Calibration;
 pub use fit::{Fitted, Run, fit};

@@ -1,5 +1,7 @@
 //! What a key of the vehicle file is: its meaning, unit, and the values that it can have.
 
+use crate::finding::{plain, span};
+
 /// A table of the vehicle file, and the same table wherever it stands.
 #[derive(Clone, Copy, Debug)]
 pub struct Table {
@@ -96,20 +98,6 @@ impl Range {
             Some((value, meaning)) => format!("{text}, or {} ({meaning})", plain(value)),
             None => text,
         }
-    }
-}
-
-/// `low to high unit`.
-pub(crate) fn span([low, high]: [f64; 2], unit: &str) -> String {
-    format!("{} to {} {unit}", plain(low), plain(high)).trim_end().to_owned()
-}
-
-/// A number as one would write it.
-pub(crate) fn plain(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
     }
 }
 

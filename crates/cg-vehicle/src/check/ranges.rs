@@ -2,9 +2,10 @@
 
 use toml::{Table, Value};
 
-use super::finding::{Finding, Severity};
-use super::keys::{Key, Range, plain, span};
+use super::keys::{Key, Range};
 use super::table;
+use crate::finding::{Finding, Severity};
+use crate::finding::{Unusual, plain, span};
 
 /// A number of the file.
 #[derive(Clone, Debug)]
@@ -139,19 +140,6 @@ fn remedy(value: f64, unit: &str, range: Range) -> String {
         }
         None => "check the number and its unit".to_owned(),
     }
-}
-
-/// A number of a vehicle and how far it is from usual.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Unusual {
-    /// The key, such as `trailer.axle[1].spring_spread_m`.
-    pub key: String,
-    /// Its value.
-    pub value: f64,
-    /// What is usual.
-    pub usual: String,
-    /// [`Range::distance`]: above 1 it is beyond the usual range.
-    pub distance: f64,
 }
 
 /// The numbers farthest from usual, farthest first, one of each key.

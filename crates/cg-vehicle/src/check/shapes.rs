@@ -2,9 +2,9 @@
 
 use toml::{Table, Value};
 
-use super::finding::{Finding, Severity};
 use super::keys::{Key, Kind};
 use super::table::TABLES;
+use crate::finding::{Finding, Severity};
 use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 

@@ -1,6 +1,6 @@
 //! Tables of tyres and springs beside each other and beside the loads that they carry.
 
-use super::relations::{Relation, Relations};
+use super::relation::{Relation, Relations};
 use crate::tables::Spring;
 use crate::vehicle::{AsPrinted, Tyre, Vehicle};
 

@@ -2,7 +2,8 @@
 
 use crate::error::VehicleError;
 use crate::output_error::{raised, refine};
-use crate::reduction::{Keep, balanced, pade};
+use crate::reduction::balanced::{Keep, balanced};
+use crate::reduction::pade::pade;
 use crate::system::{Rational, System};
 
 /// For each order from 1 to `greatest_order`: the stable model whose response to `samples` is nearest in mean square to that

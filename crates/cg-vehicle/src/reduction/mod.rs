@@ -5,136 +5,16 @@
 //! | [`pade`](mod@pade) | the source's reduction, of any order |
 //! | [`balanced`](mod@balanced) | balanced truncation and residualisation, of any order |
 //! | [`fitted`](mod@fitted) | the best of any order, for one input |
+//! | [`reduce`](mod@reduce) | the models of order 5 that the estimator runs on |
 //! | [`quality`] | error of a reduced model: step response, H∞ |
-//!
-//! [`reduce`] makes the models of order 5 that the estimator runs on. The source expands the transfer function into a continued fraction about s = 0 (Cauer's
-//! second form, eqs. 5.9–5.11) and keeps `2n + 1` quotients. That truncation is the `[n/n]` Padé
-//! approximant at s = 0, which is computed here directly from the Taylor coefficients.
-//!
-//! A Padé approximant of a stable model can be unstable. It is then not used: the five slowest
-//! poles of the model take its place as denominator, and the numerator matches the first six
-//! Taylor coefficients.
-//!
-//! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
-//! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
-
-use cg_core::Reduced5;
-use cg_core::truck::reduced::ORDER;
 
 pub mod balanced;
-pub mod fitted;
 pub mod pade;
+pub mod fitted;
 pub mod quality;
+pub mod reduce;
 
 pub use balanced::{Keep, balanced};
 pub use fitted::fitted;
 pub use pade::pade;
-
-use crate::error::VehicleError;
-use crate::response::StateSpace;
-use crate::system::{Rational, matched_numerator, multiplied};
-
-/// How a reduced model came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Padé approximant at s = 0.
-    Pade,
-    /// The model's own slowest poles, numerator matched at s = 0.
-    SlowestPoles,
-}
-
-/// The first terms of `numerator / denominator`, both series in s.
-fn divided(numerator: &[f64], denominator: &[f64]) -> Vec<f64> {
-    let mut quotient: Vec<f64> = Vec::with_capacity(numerator.len());
-    for k in 0..numerator.len() {
-        let known: f64 = (0..k).map(|j| quotient[j] * denominator[k - j]).sum();
-        quotient.push((numerator[k] - known) / denominator[0]);
-    }
-    quotient
-}
-
-fn fixed(rational: &Rational) -> Reduced5<f64> {
-    let mut reduced = Reduced5 { numerator: [0.0; ORDER + 1], denominator: [0.0; ORDER] };
-    reduced.numerator.copy_from_slice(&rational.numerator);
-    reduced.denominator.copy_from_slice(&rational.denominator[..ORDER]);
-    reduced
-}
-
-/// Denominator with the five slowest poles: pairs stay together, so where a sixth pole would
-/// have to come along, its pair is replaced by one real pole of the same magnitude.
-fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
-    let mut upper: Vec<(f64, f64)> = poles.iter().copied().filter(|pole| pole.1 >= 0.0).collect();
-    upper.sort_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)));
-    let mut denominator = vec![1.0];
-    for (re, im) in upper {
-        let degree = denominator.len() - 1;
-        match ORDER - degree {
-            0 => break,
-            1 => denominator = multiplied(&denominator, &[re.hypot(im), 1.0]),
-            _ if im == 0.0 => denominator = multiplied(&denominator, &[-re, 1.0]),
-            _ => denominator = multiplied(&denominator, &[re * re + im * im, -2.0 * re, 1.0]),
-        }
-    }
-    denominator
-}
-
-/// Reduced models of order 5 of a vehicle model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReducedModels {
-    /// Steer angle to trailer roll angle.
-    pub steer: Reduced5<f64>,
-    /// Lateral acceleration to trailer roll angle. The exact transfer function can be unstable
-    /// (the lateral acceleration may have zeros in the right half plane), so this one has the
-    /// denominator of the other and matches the first six Taylor coefficients.
-    pub lateral_acceleration: Reduced5<f64>,
-    /// How the first came about.
-    pub method: Method,
-}
-
-/// Reduces a model.
-///
-/// # Errors
-/// [`VehicleError::Model`] if the model itself is unstable.
-pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
-    let system = model.to_trailer_roll();
-    let poles = system.poles()?;
-    if let Some((re, im)) = poles.iter().find(|pole| pole.0 >= 0.0) {
-        return Err(VehicleError::Model(format!(
-            "the vehicle is unstable at this speed and load (pole {re:.3} {im:+.3}i rad/s)"
-        )));
-    }
-    let terms = 2 * ORDER + 1;
-    let roll = system.moments(terms)?;
-    let lateral = model.to_lateral_acceleration().moments(terms)?;
-    let approximant = pade(&roll, ORDER).map(|r| fixed(&r)).filter(Reduced5::is_stable);
-    let (steer, method) = if let Some(steer) = approximant {
-        (steer, Method::Pade)
-    } else {
-        let denominator = slowest_poles(&poles);
-        let numerator = matched_numerator(&denominator, &roll);
-        (fixed(&Rational { numerator, denominator }), Method::SlowestPoles)
-    };
-    let mut denominator = steer.denominator.to_vec();
-    denominator.push(1.0);
-    let numerator = matched_numerator(&denominator, &divided(&roll, &lateral));
-    let lateral_acceleration = fixed(&Rational { numerator, denominator });
-    Ok(ReducedModels { steer, lateral_acceleration, method })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_slowest_poles_make_a_stable_denominator_of_degree_five() {
-        for poles in [
-            vec![(-1.0, 2.0), (-1.0, -2.0), (-3.0, 0.0), (-2.0, 4.0), (-2.0, -4.0), (-9.0, 0.0)],
-            vec![(-1.0, 2.0), (-1.0, -2.0), (-2.0, 4.0), (-2.0, -4.0), (-5.0, 6.0), (-5.0, -6.0)],
-        ] {
-            let denominator = slowest_poles(&poles);
-            assert_eq!(denominator.len(), ORDER + 1);
-            let numerator = vec![1.0; ORDER + 1];
-            assert!(fixed(&Rational { numerator, denominator }).is_stable());
-        }
-    }
-}
+pub use reduce::{Method, ReducedModels, reduce};

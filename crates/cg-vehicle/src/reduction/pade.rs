@@ -60,7 +60,7 @@ fn time_scale(series: &[f64], order: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reduction::divided;
+    use crate::reduction::reduce::divided;
 
     #[test]
     fn a_rational_function_is_its_own_approximant() {

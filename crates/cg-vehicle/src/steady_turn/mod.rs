@@ -5,6 +5,7 @@
 //! | `roll_plane` | the threshold: balance of moments until the last inner wheel lifts | static equilibrium |
 //! | `yaw_plane` | its lateral forces and the articulation | steady yaw plane |
 //! | `support` | its springs and tyres | vehicle file |
+//! | `half_track` | half track and unsprung mass for the static stability factor | vehicle file |
 //! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::truck::rollover` |
 //!
 //! # Example
@@ -21,11 +22,12 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
-mod on_board;
-mod roll_plane;
+mod half_track;
 mod support;
 mod yaw_plane;
+mod roll_plane;
+mod on_board;
 
+pub(crate) use half_track::rollover;
 pub(crate) use on_board::threshold_line;
 pub use on_board::{on_board, steady_turn_threshold_g};
-use roll_plane::RollPlane;

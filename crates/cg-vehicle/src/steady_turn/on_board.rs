@@ -3,10 +3,11 @@
 use cg_core::truck::rollover::{HEIGHTS, TURN_MPS};
 use cg_core::{Measured, Rollover, ThresholdLine};
 
-use super::RollPlane;
-use crate::design::rollover;
+use super::half_track::rollover;
+use super::roll_plane::RollPlane;
 use crate::error::VehicleError;
-use crate::vehicle::{Load, Vehicle};
+use crate::load::Load;
+use crate::vehicle::Vehicle;
 
 /// The thresholds of a load in turns of [`TURN_MPS`] at several heights, in units of gravity.
 /// `compliance` scales every roll angle: the compensation `R_c` of a calibration.

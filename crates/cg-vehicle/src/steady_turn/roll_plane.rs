@@ -25,7 +25,8 @@ use super::yaw_plane::{Drift, Sides, Standing, Turn};
 use crate::balance::{StaticBalance, balance_on, static_balance};
 use crate::characteristics::FifthWheel;
 use crate::error::VehicleError;
-use crate::vehicle::{Load, PlacedAxle, Vehicle};
+use crate::load::Load;
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Step of the trailer's roll angle.
 const STEP_RAD: f64 = 1e-3;

@@ -17,7 +17,8 @@
 
 use super::support::Tyres;
 use crate::characteristics::Grip;
-use crate::vehicle::{PlacedAxle, SprungMass, Vehicle};
+use crate::load::SprungMass;
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Newton's steps each time: the last solution is never further than a milliradian of roll.
 const STEPS: usize = 4;

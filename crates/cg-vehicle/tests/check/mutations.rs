@@ -2,8 +2,9 @@
 //! zero, huge and no number.
 
 use cg_core::RatioLine;
-use cg_vehicle::check::{self, Severity};
+use cg_vehicle::check;
 use cg_vehicle::design::design;
+use cg_vehicle::finding::Severity;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 use toml::Value;

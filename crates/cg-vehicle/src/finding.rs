@@ -1,9 +1,6 @@
-//! What a check of a vehicle file says, and where in the file.
+//! What the check of a vehicle file finds: the words and numbers of an error or a warning.
 
 use std::fmt;
-
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,7 +34,7 @@ pub struct Finding {
 
 impl Finding {
     /// A finding that has no place yet.
-    pub(super) fn new(
+    pub(crate) fn new(
         severity: Severity,
         key: impl Into<String>,
         value: impl fmt::Display,
@@ -55,7 +52,7 @@ impl Finding {
         }
     }
 
-    pub(super) fn error(
+    pub(crate) fn error(
         key: impl Into<String>,
         value: impl fmt::Display,
         problem: impl Into<String>,
@@ -83,40 +80,29 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Gives findings their places and sorts them: errors first, then in the order of the file.
-pub(super) fn located(mut findings: Vec<Finding>, text: &str) -> Vec<Finding> {
-    if let Ok(root) = DeTable::parse(text) {
-        for finding in &mut findings {
-            (finding.line, finding.column) = place(text, &root, &finding.key);
-        }
-    }
-    findings.sort_by_key(|finding| (finding.severity, finding.line, finding.column));
-    findings
+/// A number of a vehicle and how far it is from usual.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unusual {
+    /// The key, such as `trailer.axle[1].spring_spread_m`.
+    pub key: String,
+    /// Its value.
+    pub value: f64,
+    /// What is usual.
+    pub usual: String,
+    /// [`Range::distance`](crate::check::Range::distance): above 1 it is beyond the usual range.
+    pub distance: f64,
 }
 
-/// Line and column (from 1) of the value at `path` (`trailer.axle[1].tyre`), or of its nearest
-/// ancestor in the file.
-fn place(text: &str, root: &Spanned<DeTable<'_>>, path: &str) -> (usize, usize) {
-    let mut offset = 0;
-    let mut table = Some(root.get_ref());
-    for step in path.split('.') {
-        let mut parts = step.split('[');
-        let name = parts.next().unwrap_or_default();
-        let Some(mut entry) = table.and_then(|table| table.get(name)) else { break };
-        offset = entry.span().start;
-        for index in parts.map_while(|part| part.trim_end_matches(']').parse::<usize>().ok()) {
-            let DeValue::Array(items) = entry.get_ref() else { break };
-            let Some(item) = items.get(index) else { break };
-            offset = item.span().start;
-            entry = item;
-        }
-        table = match entry.get_ref() {
-            DeValue::Table(table) => Some(table),
-            _ => None,
-        };
+/// `low to high unit`.
+pub(crate) fn span([low, high]: [f64; 2], unit: &str) -> String {
+    format!("{} to {} {unit}", plain(low), plain(high)).trim_end().to_owned()
+}
+
+/// A number as one would write it.
+pub(crate) fn plain(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
-    let before = &text[..offset.min(text.len())];
-    let line = before.matches('\n').count() + 1;
-    let column = before.len() - before.rfind('\n').map_or(0, |i| i + 1) + 1;
-    (line, column)
 }

@@ -1,0 +1,62 @@
+//! A file that may be written.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use super::error::OutputError;
+use super::kind::Kind;
+use super::place;
+
+/// A file that may be written.
+#[derive(Clone, Debug)]
+pub struct Target {
+    pub(super) path: PathBuf,
+    pub(super) flag: String,
+    pub(super) kind: Kind,
+    pub(super) force: bool,
+}
+
+impl Target {
+    /// Its path as it was given.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// An error of the system with the file's name and a remedy.
+    pub fn failed(&self, source: io::Error) -> OutputError {
+        match source.downcast::<OutputError>() {
+            Ok(refusal) => refusal,
+            Err(source) => OutputError::Write { path: self.path.display().to_string(), source },
+        }
+    }
+
+    /// Where the file is or will be, links followed; none if it is a device or a pipe, which is
+    /// written as it is.
+    pub(super) fn replaces(&self) -> Result<Option<PathBuf>, OutputError> {
+        let path = || self.path.display().to_string();
+        let output = || self.flag.clone();
+        let no_file = |what| Err(OutputError::NoFile { path: path(), what, output: output() });
+        let resolved = place::resolved(&self.path);
+        let Ok(about) = fs::metadata(&self.path) else {
+            // Whoever mistypes a device's name does not want a file among the devices.
+            let in_dev = resolved.parent() == Some(Path::new("/dev"));
+            return if in_dev { no_file("no device that there is") } else { Ok(Some(resolved)) };
+        };
+        if about.is_dir() {
+            return no_file("a folder");
+        }
+        if place::is_disk(&about) {
+            return no_file("a disk");
+        }
+        if !about.is_file() {
+            return Ok(None);
+        }
+        if !self.force && about.len() > 0 && !self.kind.is_ours(&self.path) {
+            return Err(OutputError::Foreign { path: path(), kind: self.kind, output: output() });
+        }
+        if !self.force && about.permissions().readonly() {
+            return Err(OutputError::Protected { path: path(), output: output() });
+        }
+        Ok(Some(resolved))
+    }
+}

@@ -1,0 +1,104 @@
+//! The simulator: what it holds, and what can be seen of a state.
+
+use super::body::Attitude;
+use super::dynamics::{Control, Parameters, Probe};
+use super::equilibrium::settle;
+use super::method::Method;
+use super::options::PlantOptions;
+use super::sample::PlantSample;
+use super::setup;
+use super::state::{AxleCoordinate, Coordinate, ROOM, State};
+use super::vector::Vector;
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::{Load, Vehicle};
+
+/// The simulator: one vehicle under one load on one road.
+#[derive(Clone, Debug)]
+pub struct YawRollPlant {
+    pub(super) parameters: Parameters,
+    pub(super) design: State,
+    pub(super) steered: Vec<bool>,
+    pub(super) step_s: f64,
+    pub(super) method: Method,
+}
+
+impl YawRollPlant {
+    /// Prepares a vehicle under a load.
+    ///
+    /// # Errors
+    /// [`VehicleError`] if the load is impossible, if there are too many axles or tires, or if the
+    /// fastest mode of the vehicle is too fast for the step.
+    pub fn new(
+        vehicle: &Vehicle,
+        load: Load,
+        options: &PlantOptions,
+    ) -> Result<Self, VehicleError> {
+        let (parameters, design) = setup::parameters(vehicle, load, options)?;
+        let steered = vehicle.axles().iter().map(|axle| axle.steered).collect();
+        let (step_s, method) = (options.step_s, Method::RungeKutta);
+        let mut plant = Self { parameters, design, steered, step_s, method };
+        if options.design_load.is_some() {
+            plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
+        }
+        plant.method = Method::for_mode(plant.fastest_radps(vehicle.nominal_speed_mps)?, step_s)?;
+        Ok(plant)
+    }
+
+    /// Moves the trailer's c.g. in its body so that it rests at this height.
+    fn lift_to(&mut self, height_m: f64, speed_mps: f64) -> Result<(), VehicleError> {
+        for _ in 0..5 {
+            let state = settle(&self.parameters, &self.design, speed_mps)?.state;
+            self.parameters.trailer.cg[2] += height_m - self.trailer_cg_height_m(&state);
+        }
+        Ok(())
+    }
+
+    /// Height of the trailer's sprung c.g. above the road in a state.
+    pub fn trailer_cg_height_m(&self, state: &State) -> f64 {
+        let attitude = |pitch, roll| Attitude::new(state.get(pitch), state.get(roll));
+        let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
+        let trailer = attitude(Coordinate::TrailerPitch, Coordinate::TrailerRoll);
+        state.get(Coordinate::TractorHeight)
+            + tractor.outward(self.parameters.hitch_arm)[2]
+            + trailer.outward(self.parameters.trailer.cg)[2]
+    }
+
+    /// Position of an axle's center, seen from above, along and to the left of the first heading.
+    pub fn axle_position_m(&self, state: &State, axle: usize) -> [f64; 2] {
+        let position = [state.get(Coordinate::PositionX), state.get(Coordinate::PositionY)];
+        let Some(seen) = self.parameters.axles.get(axle) else { return position };
+        let attitude = |pitch, roll| Attitude::new(state.get(pitch), state.get(roll));
+        let turned = |from: [f64; 2], by: Vector, yaw: Coordinate| {
+            let (sin, cos) = state.get(yaw).sin_cos();
+            [from[0] + cos * by[0] - sin * by[1], from[1] + sin * by[0] + cos * by[1]]
+        };
+        let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
+        // From the roll center down the axle's own vertical.
+        let down_m = state.axle(axle, AxleCoordinate::Rise);
+        let aside_m = down_m * state.axle(axle, AxleCoordinate::Roll).sin();
+        let center = |attitude: &Attitude| {
+            let [x, y, z] = attitude.outward(seen.roll_center);
+            [x, y + aside_m, z]
+        };
+        if !seen.on_trailer {
+            return turned(position, center(&tractor), Coordinate::TractorYaw);
+        }
+        let trailer = attitude(Coordinate::TrailerPitch, Coordinate::TrailerRoll);
+        let arm = tractor.outward(self.parameters.hitch_arm);
+        let hitch = turned(position, arm, Coordinate::TractorYaw);
+        turned(hitch, center(&trailer), Coordinate::TrailerYaw)
+    }
+
+    /// The outputs at a state under given inputs.
+    pub fn sample(&self, state: &State, control: &Control) -> PlantSample {
+        let mut probe = Probe::default();
+        self.parameters.rates(&state.x, control, &mut [0.0; ROOM], &mut probe);
+        let lateral_mps2 = self.parameters.lateral_mps2(&probe);
+        PlantSample::new(state, control, (&probe, lateral_mps2), &self.steered)
+    }
+
+    /// Step of the integration.
+    pub fn step_s(&self) -> f64 {
+        self.step_s
+    }
+}

@@ -1,0 +1,181 @@
+//! What to simulate, and what is true of it.
+
+use serde::Serialize;
+
+use crate::maneuver::{Course, Histories, Maneuver};
+use crate::sensors::Sensors;
+use cg_vehicle::error::VehicleError;
+use cg_vehicle::limits;
+use cg_vehicle::{Load, Variant, Vehicle};
+
+/// Time after a driver's path in which the trailer settles.
+const AFTER_S: f64 = 5.0;
+/// Default of the greatest share by which the speed of a drive of the nonlinear plant changes.
+const USUAL_SPEED_CHANGE: f64 = 0.3;
+
+/// The simulated model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plant {
+    /// The linear model in full.
+    Linear,
+    /// The reduced 5th-order models of roll; lateral acceleration and yaw rate stay steady-state.
+    Reduced,
+    /// The nonlinear yaw/roll plant.
+    Nonlinear,
+}
+
+/// What to simulate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scenario {
+    /// The steer history.
+    pub maneuver: Maneuver,
+    /// The path that the preview driver follows instead of the steer history; nonlinear plant only.
+    pub course: Option<Course>,
+    /// Rate `a` of rounded steps (eq. 5.3), 1/s.
+    pub step_rate_per_s: f64,
+    /// Greatest share by which the speed of a [`Maneuver::Drive`] changes; not in the reduced plant.
+    pub speed_change: f64,
+    /// Whether the log may end where the vehicle rolls over; nonlinear plant only.
+    pub to_rollover: bool,
+    /// The simulated model.
+    pub plant: Plant,
+    /// Equations of the model.
+    pub variant: Variant,
+    /// The trailer's load.
+    pub load: Load,
+    /// Forward speed.
+    pub speed_mps: f64,
+    /// Road-wheel amplitude; `None` for 0.17 g.
+    pub steer_rad: Option<f64>,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Straight driving before the maneuver.
+    pub start_s: f64,
+    /// Length of the log.
+    pub duration_s: f64,
+    /// The sensors and their errors.
+    pub sensors: Sensors,
+    /// Seed of sensors and drive.
+    pub seed: u64,
+}
+
+impl Scenario {
+    /// A maneuver of the linear model with the load and speed of the vehicle file: 20 s (a drive
+    /// 300 s) at 100 Hz, 2 s straight, perfect sensors.
+    pub fn of(vehicle: &Vehicle, maneuver: Maneuver) -> Self {
+        Self {
+            maneuver,
+            course: None,
+            step_rate_per_s: Histories::STEP_RATE_PER_S,
+            speed_change: 0.0,
+            to_rollover: false,
+            plant: Plant::Linear,
+            variant: Variant::Complete,
+            load: vehicle.reference_load(),
+            speed_mps: vehicle.nominal_speed_mps,
+            steer_rad: None,
+            rate_hz: 100.0,
+            start_s: 2.0,
+            duration_s: if maneuver == Maneuver::Drive { 300.0 } else { 20.0 },
+            sensors: Sensors::default(),
+            seed: 1,
+        }
+    }
+
+    /// The default length: as long as a driver's path takes, otherwise the present one.
+    pub fn usual_duration_s(&self) -> f64 {
+        self.course.map_or(self.duration_s, |course| {
+            self.start_s + course.length_m() / self.speed_mps + AFTER_S
+        })
+    }
+
+    /// The default speed change: some in a drive of the nonlinear plant, otherwise none.
+    pub fn usual_speed_change(&self) -> f64 {
+        let changes = self.maneuver == Maneuver::Drive && self.plant == Plant::Nonlinear;
+        if changes { USUAL_SPEED_CHANGE } else { 0.0 }
+    }
+
+    pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
+        let refuse = |text: String| Err(VehicleError::Model(text));
+        self.load.check()?;
+        limits::positive("--speed-mps", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
+        limits::positive("--rate-hz", self.rate_hz, limits::GREATEST_RATE_HZ)?;
+        limits::positive("--duration-s", self.duration_s, limits::GREATEST_DURATION_S)?;
+        limits::positive("--step-rate", self.step_rate_per_s, limits::GREATEST_STEP_RATE_PER_S)?;
+        if self.duration_s * self.rate_hz > limits::GREATEST_ROWS {
+            return refuse(format!(
+                "--duration-s {} at --rate-hz {} makes more than {:e} rows: reduce one of them",
+                self.duration_s,
+                self.rate_hz,
+                limits::GREATEST_ROWS
+            ));
+        }
+        if !(self.start_s >= 0.0 && self.start_s < self.duration_s) {
+            return refuse(format!(
+                "--start-s {} must lie between 0 and --duration-s {}",
+                self.start_s, self.duration_s
+            ));
+        }
+        if self.plant != Plant::Nonlinear && (self.course.is_some() || self.to_rollover) {
+            return refuse(
+                "a path to follow (--turn-deg, --radius-m, --gate-m) and --to-rollover need \
+                 --plant nonlinear"
+                    .into(),
+            );
+        }
+        if !(0.0..=0.5).contains(&self.speed_change) {
+            return refuse(format!(
+                "--speed-change {} must lie between 0 and 0.5",
+                self.speed_change
+            ));
+        }
+        let changes = self.speed_change > 0.0;
+        if changes && (self.maneuver != Maneuver::Drive || self.plant == Plant::Reduced) {
+            return refuse(
+                "--speed-change is for --maneuver drive, with --plant linear or nonlinear".into(),
+            );
+        }
+        if self.sensors.steering_wheel && vehicle.steering_ratio.is_none() {
+            return refuse(
+                "--steering-wheel: the vehicle file has no steering_ratio; add one".into(),
+            );
+        }
+        self.sensors.check(self.rate_hz)
+    }
+}
+
+/// The truth of a simulated log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Truth {
+    /// Name of the vehicle.
+    pub vehicle: String,
+    /// C.g. height of the trailer's sprung mass.
+    pub height_m: f64,
+    /// Mass of the whole semitrailer.
+    pub trailer_mass_kg: f64,
+    /// Forward speed (of a drive: the speed about which it varies).
+    pub speed_mps: f64,
+    /// Steer amplitude (of a driver: the greatest).
+    pub steer_rad: f64,
+    /// DC ratio of roll to steer of the linear model.
+    pub ratio: f64,
+    /// Standard deviation of the noise on the roll angle.
+    pub noise_sd_rad: f64,
+    /// Everything else that the sensors added.
+    #[serde(flatten)]
+    pub sensors: Sensors,
+    /// Time of the rollover, if there was one.
+    pub rolled_over_s: Option<f64>,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// The vehicle at a sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Motion {
+    pub(super) steer_rad: f64,
+    pub(super) speed_mps: f64,
+    pub(super) roll_rad: f64,
+    pub(super) lateral_acceleration_mps2: f64,
+    pub(super) yaw_rate_radps: f64,
+}

@@ -1,0 +1,126 @@
+//! The equations of motion as matrices, and the responses that follow from them.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::error::VehicleError;
+use crate::response::StateSpace;
+
+/// Which equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Variant {
+    /// All terms.
+    #[default]
+    Complete,
+    /// Appendix B with its misprints corrected.
+    AsPrinted,
+}
+
+/// Index of each velocity in `w` (axle `i` follows at `AXLE + i`).
+pub mod w {
+    /// Lateral velocity of the tractor.
+    pub const LATERAL: usize = 0;
+    /// Yaw rate of the tractor.
+    pub const YAW_1: usize = 1;
+    /// Yaw rate of the trailer.
+    pub const YAW_2: usize = 2;
+    /// Roll rate of the tractor's body.
+    pub const ROLL_1: usize = 3;
+    /// Roll rate of the trailer's body.
+    pub const ROLL_2: usize = 4;
+    /// Roll rate of the first axle.
+    pub const AXLE: usize = 5;
+}
+
+/// Index of each angle in `q` (axle `i` follows at `AXLE + i`).
+pub(crate) mod q {
+    pub(crate) const ARTICULATION: usize = 0;
+    pub(crate) const ROLL_1: usize = 1;
+    pub(crate) const ROLL_2: usize = 2;
+    pub(crate) const AXLE: usize = 3;
+}
+
+/// The equations of motion at one speed and load.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// Forward speed.
+    pub speed_mps: f64,
+    pub(crate) mass: DMatrix<f64>,
+    pub(crate) damping: DMatrix<f64>,
+    pub(crate) stiffness: DMatrix<f64>,
+    pub(crate) steer: DVector<f64>,
+    /// Lateral acceleration of the trailer's sprung c.g. as `j ẇ + U r2-part`: row on ẇ.
+    pub(crate) lateral_rate: DVector<f64>,
+    /// The same: row on w.
+    pub(crate) lateral_bias: DVector<f64>,
+}
+
+impl Equations {
+    pub(crate) fn zeros(axles: usize, speed_mps: f64) -> Self {
+        let (nw, nq) = (w::AXLE + axles, q::AXLE + axles);
+        Self {
+            speed_mps,
+            mass: DMatrix::zeros(nw, nw),
+            damping: DMatrix::zeros(nw, nw),
+            stiffness: DMatrix::zeros(nw, nq),
+            steer: DVector::zeros(nw),
+            lateral_rate: DVector::zeros(nw),
+            lateral_bias: DVector::zeros(nw),
+        }
+    }
+
+    /// First-order form with every response as an output.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] if the mass matrix is singular.
+    pub fn state_space(&self) -> Result<StateSpace, VehicleError> {
+        let (nw, nq) = self.stiffness.shape();
+        let lu = self.mass.clone().lu();
+        let singular = || VehicleError::Model("the mass matrix is singular".to_owned());
+        let rates = |rhs: DMatrix<f64>| lu.solve(&rhs).ok_or_else(singular);
+        let mut a = DMatrix::zeros(nw + nq, nw + nq);
+        a.view_mut((0, 0), (nw, nw)).copy_from(&rates(-&self.damping)?);
+        a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-&self.stiffness)?);
+        a[(nw + q::ARTICULATION, w::YAW_1)] = 1.0;
+        a[(nw + q::ARTICULATION, w::YAW_2)] = -1.0;
+        for i in q::ROLL_1..nq {
+            a[(nw + i, w::ROLL_1 + i - q::ROLL_1)] = 1.0;
+        }
+        let mut b = DVector::zeros(nw + nq);
+        let kick = lu.solve(&self.steer).ok_or_else(singular)?;
+        b.rows_mut(0, nw).copy_from(&kick);
+        let state = |i: usize| {
+            let mut row = DVector::zeros(nw + nq);
+            row[i] = 1.0;
+            row
+        };
+        let mut lateral = (self.lateral_rate.transpose() * a.rows(0, nw)).transpose();
+        for i in 0..nw {
+            lateral[i] += self.lateral_bias[i];
+        }
+        Ok(StateSpace {
+            trailer_roll: state(nw + q::ROLL_2),
+            tractor_roll: state(nw + q::ROLL_1),
+            trailer_yaw_rate: state(w::YAW_2),
+            tractor_yaw_rate: state(w::YAW_1),
+            articulation: state(nw + q::ARTICULATION),
+            tractor_lateral_velocity: state(w::LATERAL),
+            axle_roll: (q::AXLE..nq).map(|i| state(nw + i)).collect(),
+            lateral_feedthrough: self.lateral_rate.dot(&kick),
+            lateral_acceleration: lateral,
+            a,
+            b,
+        })
+    }
+
+    /// The static system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…)`: no accelerations,
+    /// both units at one yaw rate.
+    pub(crate) fn steady(&self) -> DMatrix<f64> {
+        let (nw, nq) = self.stiffness.shape();
+        let mut s = DMatrix::zeros(nw, nw);
+        s.set_column(0, &self.damping.column(w::LATERAL));
+        s.set_column(1, &(self.damping.column(w::YAW_1) + self.damping.column(w::YAW_2)));
+        s.view_mut((0, 2), (nw, nq)).copy_from(&self.stiffness);
+        s
+    }
+}

@@ -1,0 +1,44 @@
+//! What a rigid trailer's static stability needs: half track and unsprung mass.
+
+use cg_core::RolloverDesign;
+
+use crate::balance::static_balance;
+use crate::error::VehicleError;
+use crate::load::Load;
+use crate::vehicle::Vehicle;
+
+/// The trailer rests on its own axles and, over the fifth wheel, on the tractor's rear axles:
+/// the effective half track is their mean, weighted with what each carries of the trailer.
+pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
+    let balance = static_balance(vehicle, load)?;
+    let axles = vehicle.axles();
+    let hitch_behind_m = vehicle.tractor.hitch_behind_cg_m;
+    let middle_m = |positions_m: &[f64]| {
+        #[allow(clippy::cast_precision_loss)] // one or two tyres
+        let n = positions_m.len() as f64;
+        positions_m.iter().sum::<f64>() / n
+    };
+    let nearest_hitch = axles
+        .iter()
+        .filter(|placed| !placed.on_trailer)
+        .min_by(|a, b| {
+            let far = |placed: f64| (placed + hitch_behind_m).abs();
+            far(a.position_m).total_cmp(&far(b.position_m))
+        })
+        .map_or(0.0, |placed| middle_m(&placed.axle.tyre_positions_m));
+    let (mut moment, mut force_n) = (balance.hitch_load_n * nearest_hitch, balance.hitch_load_n);
+    let (mut unsprung, mut center) = (0.0, 0.0);
+    for (placed, load_n) in axles.iter().zip(&balance.axle_load_n) {
+        if placed.on_trailer {
+            moment += load_n * middle_m(&placed.axle.tyre_positions_m);
+            force_n += load_n;
+            unsprung += placed.axle.unsprung_mass_kg;
+            center += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
+        }
+    }
+    Ok(RolloverDesign {
+        half_track_m: moment / force_n,
+        unsprung_mass_kg: unsprung,
+        unsprung_height_m: center / unsprung,
+    })
+}
