@@ -53,6 +53,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[macro_use]
 pub mod word;
 pub mod math;
 pub mod signal;

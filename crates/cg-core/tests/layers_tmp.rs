@@ -260,7 +260,9 @@ fn dump() {
     for name in CRATES.iter().chain(&DOORS) {
         for (m, used) in Modules::of(name).arrows() {
             out += &format!("{name} {} :\n", m.join("::"));
-            for u in used { out += &format!("{name} {} {}\n", m.join("::"), u.join("::")); }
+            for u in used {
+                out += &format!("{name} {} {}\n", m.join("::"), u.join("::"));
+            }
         }
     }
     std::fs::write("/tmp/arrows.txt", out).unwrap();

@@ -252,6 +252,16 @@ impl<T: Real> Aligner<T> {
         self.age_us(quantity, now_us).is_some_and(|age_us| age_us > quantity.serves_us())
     }
 
+    /// What a quantity was at the time of a sample just taken: between its last two values, or the
+    /// last one as long as it [serves](Quantity::serves_us).
+    pub fn value(&self, quantity: Quantity, time_us: u64) -> T {
+        let track = self.track(quantity);
+        match quantity.serves_us() {
+            u64::MAX => track.last.map_or(T::absent(), |(_, value)| value),
+            serves_us => track.at(time_us, serves_us),
+        }
+    }
+
     fn track(&self, quantity: Quantity) -> &Track<T> {
         // The index is that of the quantity itself: in range.
         self.tracks.get(quantity.index()).unwrap_or(&Track::EMPTY)
@@ -284,16 +294,14 @@ impl<T: Real> Aligner<T> {
     }
 
     fn sample(&self, time_us: u64, value: T, tilt: bool) -> Sample<T> {
-        let at = |quantity: Quantity| self.track(quantity).at(time_us, quantity.serves_us());
-        let held =
-            |quantity: Quantity| self.track(quantity).last.map_or(T::absent(), |(_, value)| value);
+        let at = |quantity: Quantity| self.value(quantity, time_us);
         let speed_mps = at(Quantity::Speed);
         let settings = &self.settings;
         let steer_rad = settings.steer_rad(at(Quantity::Steer), at(Quantity::SteeringWheel));
         let trailer_mass_kg = settings.trailer_mass_kg(
-            held(Quantity::TrailerMass),
-            held(Quantity::TrailerAxleLoad),
-            held(Quantity::TrailerSuspensionPressure),
+            at(Quantity::TrailerMass),
+            at(Quantity::TrailerAxleLoad),
+            at(Quantity::TrailerSuspensionPressure),
         );
         let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
         // Without a speed neither steer angle nor yaw rate say how fast the truck turns.

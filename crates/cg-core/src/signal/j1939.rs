@@ -11,7 +11,6 @@
 use crate::math::real::Real;
 use crate::signal::sample::Quantity;
 use crate::signal::unit;
-use crate::words;
 
 const DEGREE: f64 = unit::DEG.times / unit::DEG.per;
 const KMH: f64 = unit::KMH.times / unit::KMH.per;

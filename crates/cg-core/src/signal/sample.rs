@@ -6,7 +6,6 @@
 
 use crate::math::real::Real;
 use crate::signal::unit::Dimension;
-use crate::{quantities, words};
 
 /// The table of quantities: a line for each, in the order of [`Quantity::ALL`]. Its columns are the
 /// meaning (also the documentation), the variant of [`Quantity`], the field of a row and column of a

@@ -6,7 +6,6 @@ use crate::math::real::Real;
 use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
-use crate::words;
 
 /// Speeds at which a design holds ratio lines.
 pub const SPEEDS: usize = 8;
