@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::str::FromStr;
 
 use anyhow::{Context, anyhow};
 use cg_logs::calibrate::{KnownLog, calibrate};
@@ -20,48 +19,6 @@ use crate::cli::CalibrateArgs;
 use crate::estimate::feed;
 use crate::truck;
 
-/// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
-#[derive(Clone, Debug)]
-pub(crate) struct RunArg(KnownLog);
-
-impl RunArg {
-    /// The log; standard input has no name to be read by twice.
-    pub(crate) fn known(&self) -> anyhow::Result<KnownLog> {
-        if self.0.log == "-" {
-            return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
-        }
-        Ok(self.0.clone())
-    }
-}
-
-impl FromStr for RunArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let form = "expected LOG=HEIGHT_M or LOG=HEIGHT_M,TRAILER_MASS_KG";
-        let (log, load) = text.rsplit_once('=').ok_or_else(|| form.to_owned())?;
-        let (height, mass) = match load.split_once(',') {
-            Some((height, mass)) => (height, Some(mass)),
-            None => (load, None),
-        };
-        let positive = |name: &str, text: &str| {
-            text.trim()
-                .parse::<f64>()
-                .ok()
-                .filter(|value| value.is_finite() && *value > 0.0)
-                .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
-        };
-        if log.is_empty() {
-            return Err(form.to_owned());
-        }
-        Ok(Self(KnownLog {
-            log: log.to_owned(),
-            height_m: positive("height", height)?,
-            trailer_mass_kg: mass.map(|mass| positive("trailer mass", mass)).transpose()?,
-        }))
-    }
-}
-
 /// Errors of logs beside those of the model.
 struct Failure(anyhow::Error);
 
@@ -74,18 +31,19 @@ impl From<VehicleError> for Failure {
 pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Outcome> {
     let vehicle = truck::load(&arguments.vehicle)?;
     check_output(&arguments.output)?;
-    let logs = arguments.run.iter().map(RunArg::known).collect::<Result<Vec<_>, _>>()?;
+    refuse_standard_input(&arguments.run)?;
+    let logs = &arguments.run;
     let mut files = files
         .reads("--vehicle", &arguments.vehicle)
         .reads_some("--dbc", arguments.frames.dbc.as_deref());
-    for known in &logs {
+    for known in logs {
         files = files.reads("--run", Path::new(&known.log));
     }
     let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
-    let variant = arguments.model.into();
-    let mut calibration = calibrate(&vehicle, variant, &logs, |known, estimator| {
+    let variant = arguments.model;
+    let mut calibration = calibrate(&vehicle, variant, logs, |known, estimator| {
         let take = |row: &_| estimator.push(row).map(|_| ());
         let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
         for remark in remarks {
@@ -98,6 +56,14 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     target.write(&calibration.to_toml()?)?.map_or(Ok(()), Draft::publish)?;
     report(&calibration, &arguments.output).context("standard output: cannot be written")?;
     Ok(Outcome::Done)
+}
+
+/// Standard input has no name to be read by twice.
+pub(crate) fn refuse_standard_input(logs: &[KnownLog]) -> anyhow::Result<()> {
+    if logs.iter().any(|known| known.log == "-") {
+        return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
+    }
+    Ok(())
 }
 
 fn check_output(output: &Path) -> anyhow::Result<()> {

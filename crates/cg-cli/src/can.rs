@@ -7,33 +7,10 @@ use cg_core::signal::j1939::Compensation;
 use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap};
 use cg_logs::log::{CanOptions, LogOptions};
 use cg_vehicle::Vehicle;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use crate::cli::ColumnArgs;
-
-/// Whether a slope sensor's angle is a roll angle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum RollCompensated {
-    /// As its compensation bits say (SPN 3326, 4980: 0 on, 1 off); if they say nothing, it is not
-    Bit,
-    /// The same for a sensor with 0 off and 1 on
-    InvertedBit,
-    /// It is, whatever the bits say
-    Yes,
-    /// It is not, whatever the bits say
-    No,
-}
-
-impl From<RollCompensated> for Compensation {
-    fn from(argument: RollCompensated) -> Self {
-        match argument {
-            RollCompensated::Bit => Self::Bits,
-            RollCompensated::InvertedBit => Self::InvertedBits,
-            RollCompensated::Yes => Self::On,
-            RollCompensated::No => Self::Off,
-        }
-    }
-}
+use crate::words::word;
 
 /// How frames become signals.
 #[derive(Debug, Args)]
@@ -51,8 +28,8 @@ pub(crate) struct CanArgs {
     source_of: Vec<DeviceFilter>,
     /// Whether a J1939 slope sensor (SSI, SSI2) takes the vehicle's accelerations off its angle,
     /// which is a roll angle then, and a tilt otherwise
-    #[arg(long, value_enum, value_name = "WORD", default_value_t = RollCompensated::Bit)]
-    roll_compensated: RollCompensated,
+    #[arg(long, value_name = "WORD", value_parser = word::<Compensation>(), default_value_t = Compensation::Bits)]
+    roll_compensated: Compensation,
     /// Listen to one bus only of a log with several [default: each signal from the bus that has it
     /// first]
     #[arg(long, value_name = "NAME")]
@@ -68,7 +45,7 @@ impl CanArgs {
         Ok(CanOptions {
             mapped,
             filters: self.source_of.clone(),
-            compensation: self.roll_compensated.into(),
+            compensation: self.roll_compensated,
             bus: self.bus.clone(),
         })
     }
@@ -88,7 +65,7 @@ impl CanArgs {
         let given = [
             ("--dbc", self.dbc.is_some()),
             ("--source-of", !self.source_of.is_empty()),
-            ("--roll-compensated", self.roll_compensated != RollCompensated::Bit),
+            ("--roll-compensated", self.roll_compensated != Compensation::Bits),
             ("--bus", self.bus.is_some()),
         ];
         match given.into_iter().find(|(_, given)| *given) {

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use cg_core::Channel;
 use cg_core::identify::arx::SampledArx;
-use cg_logs::estimate::Method;
+use cg_logs::calibrate::KnownLog;
+use cg_logs::estimate::{ChannelChoice, Method};
 use cg_logs::log::{ColumnMap, LogOptions, Signal};
 use cg_plant::maneuver::{Histories, Maneuver};
 use cg_plant::simulate::Plant;
@@ -13,7 +13,6 @@ use cg_vehicle::emit::Language;
 use cg_vehicle::{Load, Variant, Vehicle};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::calibrate::RunArg;
 use crate::can::CanArgs;
 use crate::numbers::{
     duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz,
@@ -22,6 +21,7 @@ use crate::numbers::{
 use crate::run::RunArgs;
 use crate::sensors::SensorArgs;
 use crate::truck::TruckArgs;
+use crate::words::word;
 
 /// The most logs read at the same time.
 const GREATEST_JOBS: usize = 256;
@@ -76,11 +76,11 @@ pub(crate) struct EstimateArgs {
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
     /// How the DC ratio is identified
-    #[arg(long, value_enum, default_value_t = MethodArg::Filtered)]
-    pub(crate) method: MethodArg,
+    #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
+    pub(crate) method: Method,
     /// What drives the roll angle; `auto` combines both by what each knows
-    #[arg(long, value_enum, default_value_t = ChannelArg::Auto)]
-    pub(crate) channel: ChannelArg,
+    #[arg(long, value_parser = word::<ChannelChoice>(), default_value_t = ChannelChoice::Auto)]
+    pub(crate) channel: ChannelChoice,
     /// Order of the classical ARX (with --method arx)
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
     pub(crate) order: usize,
@@ -136,13 +136,13 @@ pub(crate) struct CalibrateArgs {
         allow_hyphen_values = true,
         value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]"
     )]
-    pub(crate) run: Vec<RunArg>,
+    pub(crate) run: Vec<KnownLog>,
     /// The calibration file to write
     #[arg(short, long, value_name = "C.toml")]
     pub(crate) output: PathBuf,
     /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
+    #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
+    pub(crate) model: Variant,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
     #[command(flatten)]
@@ -154,8 +154,8 @@ pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) truck: TruckArgs,
     /// The language
-    #[arg(long, value_enum)]
-    pub(crate) emit: LanguageArg,
+    #[arg(long, value_parser = word::<Language>())]
+    pub(crate) emit: Language,
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
@@ -167,8 +167,8 @@ pub(crate) struct ModelArgs {
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
     /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
+    #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
+    pub(crate) model: Variant,
     /// Forward speed [default: the vehicle file's]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
@@ -209,14 +209,14 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
     /// What the driver does
-    #[arg(long, value_enum)]
-    pub(crate) maneuver: ManeuverArg,
+    #[arg(long, value_parser = word::<Maneuver>())]
+    pub(crate) maneuver: Maneuver,
     /// What moves
-    #[arg(long, value_enum, default_value_t = PlantArg::Linear)]
-    pub(crate) plant: PlantArg,
+    #[arg(long, value_parser = word::<Plant>(), default_value_t = Plant::Linear)]
+    pub(crate) plant: Plant,
     /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
+    #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
+    pub(crate) model: Variant,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     /// Forward speed [default: the vehicle file's]
@@ -323,7 +323,7 @@ pub(crate) struct StudyArgs {
     pub(crate) vehicle: Option<PathBuf>,
     /// With `replay`: a recorded log and its known load; may be repeated
     #[arg(long, allow_hyphen_values = true, value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]")]
-    pub(crate) run: Vec<RunArg>,
+    pub(crate) run: Vec<KnownLog>,
     /// With `replay`: a calibration of this vehicle (from `cg calibrate`)
     #[arg(long, value_name = "C.toml")]
     pub(crate) calibration: Option<PathBuf>,
@@ -369,80 +369,3 @@ pub(crate) enum ModelFormat {
     Table,
     Json,
 }
-
-/// An argument with the values of a library's enumeration.
-macro_rules! mirrored {
-    ($name:ident => $target:ty { $($(#[$doc:meta])* $variant:ident => $value:expr),+ $(,)? }) => {
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-        pub(crate) enum $name { $($(#[$doc])* $variant),+ }
-
-        impl From<$name> for $target {
-            fn from(argument: $name) -> Self {
-                match argument { $($name::$variant => $value),+ }
-            }
-        }
-    };
-}
-
-mirrored!(MethodArg => Method {
-    /// Filtered signals and prior dynamics
-    Filtered => Self::Filtered,
-    /// Classical shift form, as in the source
-    Arx => Self::Arx,
-    /// Nominal dynamics, only the gain is free
-    Gain => Self::Gain,
-});
-
-mirrored!(ChannelArg => Option<Channel> {
-    /// Both, by what each knows
-    Auto => None,
-    /// Steer angle
-    Steer => Some(Channel::Steer),
-    /// Lateral acceleration, or yaw rate times speed
-    LateralAcceleration => Some(Channel::LateralAcceleration),
-});
-
-mirrored!(ModelArg => Variant {
-    /// All terms
-    Complete => Self::Complete,
-    /// The source's appendix B, misprints corrected
-    AsPrinted => Self::AsPrinted,
-});
-
-mirrored!(LanguageArg => Language {
-    /// One object
-    Json => Self::Json,
-    /// A constant of cg-core's `Design<f32>`
-    Rust => Self::Rust,
-    /// A constant for `cg_height.h`
-    C => Self::C,
-});
-
-/// The word that stands for a value on the command line.
-pub(crate) fn word(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
-mirrored!(PlantArg => Plant {
-    /// The linear model in full
-    Linear => Self::Linear,
-    /// The reduced 5th-order model
-    Reduced => Self::Reduced,
-    /// The nonlinear yaw/roll plant, springs and tyres as the vehicle file has them
-    Nonlinear => Self::Nonlinear,
-});
-
-mirrored!(ManeuverArg => Maneuver {
-    /// Rounded step, held
-    RoundedStep => Self::RoundedStep,
-    /// Into a turn and out again, or a driver on a circle (--turn-deg, --radius-m)
-    SteadyTurn => Self::SteadyTurn,
-    /// One sine of three seconds, or a driver through a gate (--gate-m)
-    LaneChange => Self::LaneChange,
-    /// Sine of 0.2 Hz
-    Sine => Self::Sine,
-    /// Linearly growing (with --to-rollover until it rolls over)
-    Ramp => Self::Ramp,
-    /// Minutes of ordinary driving: random turns to both sides and straights
-    Drive => Self::Drive,
-});

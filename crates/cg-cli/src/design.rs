@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::Vehicle;
-use cg_vehicle::emit::{Language, emit};
+use cg_vehicle::emit::emit;
 
 use crate::Outcome;
 use crate::cli::DesignArgs;
@@ -16,8 +16,7 @@ pub(crate) fn run(arguments: &DesignArgs, files: Files) -> anyhow::Result<Outcom
     let design = arguments.truck.design(&vehicle)?.cast();
     // Single precision narrows ranges and joins neighbours: checked as the firmware would.
     design.validate().context("in single precision")?;
-    let language: Language = arguments.emit.into();
-    let text = emit(&design, language, &comment(arguments, &vehicle));
+    let text = emit(&design, arguments.emit, &comment(arguments, &vehicle));
     target.write(&text)?.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
 }
@@ -40,8 +39,8 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
             "cg design{}{} --model {} --emit {}{}",
             option("--vehicle", Some(&truck.vehicle)),
             option("--calibration", calibration),
-            crate::cli::word(&truck.model),
-            crate::cli::word(&arguments.emit),
+            truck.model,
+            arguments.emit,
             option("--output", Some(&arguments.output))
         ),
     ]

@@ -17,6 +17,7 @@ use serde::Deserialize;
 
 use crate::Outcome;
 use crate::cli::EstimateArgs;
+use crate::flags;
 use crate::report::{self, About, Trace};
 use crate::sink;
 
@@ -39,8 +40,8 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     let target = report_target(arguments, files)?;
     let vehicle = arguments.truck.load()?;
     let options = EstimateOptions {
-        variant: arguments.truck.model.into(),
-        method: arguments.method.into(),
+        variant: arguments.truck.model,
+        method: arguments.method,
         order: arguments.order,
         channel: arguments.channel.into(),
         speed_mps: arguments.speed_mps,
@@ -161,6 +162,9 @@ fn estimate_log(
     })?;
     let mut estimate = estimator.finish();
     estimate.messages.extend(remarks);
+    for message in &mut estimate.messages {
+        *message = flags::told(message);
+    }
     Ok((estimate, trace))
 }
 

@@ -16,6 +16,7 @@
 //! | `truck` | the arguments that say which truck |
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: chapter 2 as CSV files and figures |
+//! | `words`, `flags` | arguments that are words of a library; flags in the libraries' messages |
 //! | `units` | SI to the units of its columns and axes |
 //! | `interrupt` | SIGINT and SIGTERM: nothing half-written stays |
 //!
@@ -27,6 +28,7 @@ mod can;
 mod cli;
 mod design;
 mod estimate;
+mod flags;
 #[cfg(unix)]
 mod interrupt;
 mod model;
@@ -41,6 +43,7 @@ mod sink;
 mod study;
 mod truck;
 mod units;
+mod words;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -103,7 +106,7 @@ fn told(error: &anyhow::Error) -> String {
             text += &cause;
         }
     }
-    text
+    flags::told(&text)
 }
 
 /// Tells an error on standard error.

@@ -5,23 +5,23 @@ use std::path::Path;
 use anyhow::anyhow;
 use cg_logs::log::{CandumpWriter, LogWriter, Signal};
 use cg_logs::output::{Draft, Files, Kind, Target};
-use cg_plant::maneuver::Course;
+use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
 use crate::Outcome;
-use crate::cli::{ManeuverArg, SimulateArgs};
+use crate::cli::SimulateArgs;
 use crate::truck;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
     let turn = arguments.turn_deg.is_some() || arguments.radius_m.is_some();
     match (arguments.maneuver, turn, arguments.gate_m) {
         (_, false, None) => Ok(None),
-        (ManeuverArg::SteadyTurn, true, None) => Ok(Some(Course::Turn {
+        (Maneuver::SteadyTurn, true, None) => Ok(Some(Course::Turn {
             angle_rad: arguments.turn_deg.unwrap_or(90.0).to_radians(),
             radius_m: arguments.radius_m.unwrap_or(100.0),
         })),
-        (ManeuverArg::LaneChange, false, Some(gate_m)) => Ok(Some(Course::Gate { gate_m })),
+        (Maneuver::LaneChange, false, Some(gate_m)) => Ok(Some(Course::Gate { gate_m })),
         _ => Err(anyhow!(
             "--turn-deg and --radius-m are for --maneuver steady-turn, --gate-m for lane-change"
         )),
@@ -29,13 +29,13 @@ fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
 }
 
 fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
-    let usual = Scenario::of(vehicle, arguments.maneuver.into());
+    let usual = Scenario::of(vehicle, arguments.maneuver);
     let scenario = Scenario {
         course: course(arguments)?,
         step_rate_per_s: arguments.step_rate,
         to_rollover: arguments.to_rollover,
-        plant: arguments.plant.into(),
-        variant: arguments.model.into(),
+        plant: arguments.plant,
+        variant: arguments.model,
         load: arguments.load.load(vehicle),
         speed_mps: arguments.speed_mps.unwrap_or(usual.speed_mps),
         steer_rad: arguments.steer_rad,

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use cg_core::Design;
 use cg_logs::output::Files;
-use cg_vehicle::Vehicle;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
+use cg_vehicle::{Variant, Vehicle};
 use clap::Args;
 
-use crate::cli::ModelArg;
+use crate::words::word;
 
 /// The truck, and what is believed of it.
 #[derive(Debug, Args)]
@@ -24,8 +24,8 @@ pub(crate) struct TruckArgs {
     #[arg(long, value_name = "C.toml")]
     pub(crate) calibration: Option<PathBuf>,
     /// Equations of the vehicle model
-    #[arg(long, value_enum, default_value_t = ModelArg::Complete)]
-    pub(crate) model: ModelArg,
+    #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
+    pub(crate) model: Variant,
 }
 
 /// Reads a vehicle file; what is unusual in it goes to standard error.
@@ -53,7 +53,7 @@ impl TruckArgs {
 
     /// The design of the loaded vehicle, as its file says or as the calibration does.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
-        let variant = self.model.into();
+        let variant = self.model;
         let belief = match &self.calibration {
             Some(path) => {
                 let calibration = Calibration::load(path, vehicle)?;

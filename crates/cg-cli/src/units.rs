@@ -1,5 +1,7 @@
 //! SI to the units of the source's figures: for columns and axes only.
 
+use cg_core::Dimension;
+use cg_core::signal::unit::{DEG, DEGPS, G, KMH, TONNE};
 use cg_thesis::study::{Quantity, Unit};
 
 /// How a quantity is shown.
@@ -13,25 +15,22 @@ pub(crate) struct Shown {
     pub(crate) factor: f64,
 }
 
-/// Standard gravity.
-const GRAVITY_MPS2: f64 = 9.806_65;
-
-/// How a unit is shown.
+/// How a unit is shown: as one of the table of units, or one that only figures have.
 pub(crate) fn shown(unit: Unit) -> Shown {
-    let degrees = 180.0 / std::f64::consts::PI;
-    let (suffix, symbol, factor) = match unit {
-        Unit::One => ("percent", "%", 100.0),
-        Unit::Radian => ("deg", "°", degrees),
-        Unit::RadianPerSecond => ("degps", "°/s", degrees),
-        Unit::Metre => ("m", "m", 1.0),
-        Unit::MetrePerSecond => ("kmh", "km/h", 3.6),
-        Unit::MetrePerSecondSquared => ("g", "g", 1.0 / GRAVITY_MPS2),
-        Unit::Second => ("s", "s", 1.0),
-        Unit::Decibel => ("db", "dB", 1.0),
-        Unit::Kilogram => ("t", "t", 1e-3),
-        Unit::KilogramSquareMetre => ("kgm2", "kg m²", 1.0),
-    };
-    Shown { suffix, symbol, factor }
+    let own = |suffix, symbol, factor| Shown { suffix, symbol, factor };
+    let listed = |unit: cg_core::Unit| own(unit.suffix, unit.spellings[0], unit.per / unit.times);
+    match unit {
+        Unit::One => own("percent", "%", 100.0),
+        Unit::Radian => listed(DEG),
+        Unit::RadianPerSecond => listed(DEGPS),
+        Unit::Metre => own("m", "m", 1.0),
+        Unit::MetrePerSecond => listed(KMH),
+        Unit::MetrePerSecondSquared => listed(G),
+        Unit::Second => listed(Dimension::Time.si()),
+        Unit::Decibel => own("db", "dB", 1.0),
+        Unit::Kilogram => listed(TONNE),
+        Unit::KilogramSquareMetre => own("kgm2", "kg m²", 1.0),
+    }
 }
 
 /// A column's name.

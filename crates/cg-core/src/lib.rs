@@ -44,6 +44,7 @@
 //! | [`decide`] | samples, fits, heights | maneuvers, doubts about signals, one height for the load, a warning level |
 //! | [`estimator`] | a [`Sample`] | a [`Step`]; joins all of the above |
 //! | [`math`] | – | numbers and small matrices for all of them |
+//! | [`word`] | – | options whose values are words |
 //!
 //! The modules are declared in the order in which they use each other: each uses only those above it, in this file
 //! and within each folder. `tests/layers.rs` fails otherwise.
@@ -52,6 +53,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[macro_use]
+pub mod word;
 pub mod math;
 pub mod signal;
 pub mod truck;
@@ -74,7 +77,9 @@ pub use identify::prior::Prior;
 pub use math::real::Real;
 pub use signal::align::{AlignSettings, Aligner};
 pub use signal::sample::{Quantity, Sample};
+pub use signal::unit::{Dimension, Unit};
 pub use truck::design::{Channel, ChannelDesign, Design, DesignError, Spread};
 pub use truck::ratio::{HeightError, Measured, RatioLine};
 pub use truck::reduced::Reduced5;
 pub use truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
+pub use word::{UnknownWord, Word};

@@ -3,6 +3,8 @@
 //! The runs are identified with the design that estimation will use, which the calibration itself
 //! changes a little, so that it is done twice.
 
+use std::str::FromStr;
+
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Calibration, Run, fit};
 use cg_vehicle::design::design_with;
@@ -23,6 +25,35 @@ pub struct KnownLog {
     pub height_m: f64,
     /// Mass of the whole semitrailer; `None` takes the log's.
     pub trailer_mass_kg: Option<f64>,
+}
+
+/// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
+impl FromStr for KnownLog {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "expected LOG=HEIGHT_M or LOG=HEIGHT_M,TRAILER_MASS_KG";
+        let (log, load) = text.rsplit_once('=').ok_or(form)?;
+        let (height, mass) = match load.split_once(',') {
+            Some((height, mass)) => (height, Some(mass)),
+            None => (load, None),
+        };
+        let positive = |name: &str, text: &str| {
+            text.trim()
+                .parse::<f64>()
+                .ok()
+                .filter(|value| value.is_finite() && *value > 0.0)
+                .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
+        };
+        if log.is_empty() {
+            return Err(form.to_owned());
+        }
+        Ok(Self {
+            log: log.to_owned(),
+            height_m: positive("height", height)?,
+            trailer_mass_kg: mass.map(|mass| positive("trailer mass", mass)).transpose()?,
+        })
+    }
 }
 
 /// Calibrates a vehicle with logs. `feed` hands the rows of a log to the estimator that it is

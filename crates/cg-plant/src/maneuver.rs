@@ -25,6 +25,15 @@ pub enum Maneuver {
     Drive,
 }
 
+cg_core::words!(Maneuver {
+    RoundedStep => "rounded-step", "Rounded step, held";
+    SteadyTurn => "steady-turn", "Into a turn and out again, or a driver on a circle";
+    LaneChange => "lane-change", "One sine of three seconds, or a driver through a gate";
+    Sine => "sine", "Sine of 0.2 Hz";
+    Ramp => "ramp", "Linearly growing, to the end or until it rolls over";
+    Drive => "drive", "Minutes of ordinary driving: random turns to both sides and straights";
+});
+
 /// A path for the preview driver (section 2.6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

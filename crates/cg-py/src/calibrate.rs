@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::error::{log_error, output_error, vehicle_error};
 use crate::log::{log_options, push_some};
-use crate::options::variant;
+use crate::options::word;
 use crate::vehicle::Vehicle;
 
 /// An error of the library on its way through `calibrate`.
@@ -38,7 +38,7 @@ pub(crate) fn calibrate_files(
     force: bool,
 ) -> PyResult<()> {
     let options = log_options(&columns, &flip)?;
-    let variant = variant(model)?;
+    let variant = word("model", model)?;
     let mut files = Files::new(force).reads("vehicle", vehicle.get().path());
     for (log, ..) in &runs {
         files = files.reads("runs", log);

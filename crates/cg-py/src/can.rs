@@ -1,45 +1,282 @@
-//! `decode_j1939`: the signals of a CAN frame, by the table of `cg_core::signal::j1939`.
+//! Frames from Python to rows and answers, through the decoder and the aligner that `cg run` uses.
 
-use cg_core::signal::j1939::{self, Compensation};
-use cg_logs::log::Signal;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use cg_core::Quantity;
+use cg_core::signal::j1939::Compensation;
+use cg_logs::can::{Frame, MappedSignal, SignalMap};
+use cg_logs::estimate::LogEstimator;
+use cg_logs::log::{CanOptions, FrameRows, LogOptions, LogRow};
+use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
-use crate::error::value_error;
+use crate::error::{dbc_error, in_python, value_error, vehicle_error};
+use crate::log::{log_options, table};
+use crate::options::{Options, word};
+use crate::results;
+use crate::signals::slice;
+use crate::vehicle::Vehicle;
 
-/// The words of `cg run --roll-compensated`.
-fn compensation(word: &str) -> PyResult<Compensation> {
-    match word {
-        "bit" => Ok(Compensation::Bits),
-        "inverted-bit" => Ok(Compensation::InvertedBits),
-        "yes" => Ok(Compensation::On),
-        "no" => Ok(Compensation::Off),
-        _ => Err(value_error(format!(
-            "roll_compensated is \"{}\": it must be \"bit\", \"inverted-bit\", \"yes\" or \"no\"",
-            word.escape_debug()
-        ))),
+/// How frames are understood, as Python hands it over: a dict with these keys.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Reading {
+    dbc: Option<PathBuf>,
+    signals: Vec<String>,
+    flip: Vec<String>,
+    roll_compensated: String,
+}
+
+impl Reading {
+    pub(crate) fn options(&self) -> PyResult<LogOptions> {
+        let compensation: Compensation = word("roll_compensated", &self.roll_compensated)?;
+        let maps: Vec<SignalMap> = self
+            .signals
+            .iter()
+            .map(|text| text.parse().map_err(|error| value_error(format!("signals: {error}"))))
+            .collect::<PyResult<_>>()?;
+        let mapped = match &self.dbc {
+            Some(path) => MappedSignal::load(path, &maps).map_err(dbc_error)?,
+            None => Vec::new(),
+        };
+        let can = CanOptions { mapped, compensation, ..CanOptions::default() };
+        Ok(LogOptions { can, ..log_options(&[], &self.flip)? })
     }
 }
 
-/// The signals in a frame with a 29-bit identifier: a dict from SI column names to (value, rank),
-/// the least rank being the preferred source of a signal; empty where the group is not one of ours
-/// or nothing in it is available. `roll_compensated` says whether the angle of a slope sensor is
-/// roll or tilt.
-#[pyfunction]
-#[pyo3(signature = (identifier, data, roll_compensated = "bit", /))]
-pub(crate) fn decode_j1939<'py>(
-    py: Python<'py>,
-    identifier: u32,
-    data: &[u8],
-    roll_compensated: &str,
-) -> PyResult<Bound<'py, PyDict>> {
-    let values = PyDict::new(py);
-    let mut result = Ok(());
-    let rule = compensation(roll_compensated)?;
-    j1939::decode(identifier, data, rule, |quantity, rank, value: f64| {
-        if result.is_ok() {
-            result = values.set_item(Signal::from(quantity).column(), (value, rank));
+/// Time stamps in seconds as the frames' microseconds.
+fn microseconds(time_s: f64) -> PyResult<u64> {
+    if !time_s.is_finite() {
+        return Err(value_error(format!(
+            "the time stamp of a frame is {time_s}: it must be finite"
+        )));
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // not negative, days at most
+    Ok((time_s.max(0.0) * 1e6).round() as u64)
+}
+
+fn frame(place: (f64, u8), identifier: u32, extended: bool, data: &[u8]) -> PyResult<Frame> {
+    let (time_s, bus) = place;
+    let mut frame = Frame::new(microseconds(time_s)?, identifier, extended, data)
+        .ok_or_else(|| value_error(format!("a frame of {} bytes: 64 are possible", data.len())))?;
+    frame.bus = bus;
+    Ok(frame)
+}
+
+/// Frames put together to rows: what a log file's are, whatever its format.
+#[pyclass(frozen, module = "cgheight._native")]
+pub(crate) struct FrameTable {
+    state: Mutex<TableState>,
+}
+
+struct TableState {
+    options: LogOptions,
+    frames: FrameRows,
+    /// Values of measured channels: time, µs, quantity, SI value.
+    values: Vec<(u64, Quantity, f64)>,
+    rows: Vec<LogRow>,
+    counts: (u64, u64),
+}
+
+#[pymethods]
+impl FrameTable {
+    #[new]
+    #[pyo3(signature = (reading, /))]
+    fn new(reading: Reading) -> PyResult<Self> {
+        let options = reading.options()?;
+        let frames = FrameRows::new(&options);
+        let (values, rows) = (Vec::new(), Vec::new());
+        let state = TableState { options, frames, values, rows, counts: (0, 0) };
+        Ok(Self { state: Mutex::new(state) })
+    }
+
+    /// Take in a frame of a bus (any number that tells it from others, below 32).
+    #[pyo3(signature = (place, identifier, extended, data, /))]
+    fn push(
+        &self,
+        py: Python<'_>,
+        place: (f64, u8),
+        identifier: u32,
+        extended: bool,
+        data: &[u8],
+    ) -> PyResult<()> {
+        let frame = frame(place, identifier, extended, data)?;
+        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        let TableState { frames, rows, counts, .. } = &mut *state;
+        counts.0 += 1;
+        counts.1 += u64::from(frames.push(&frame));
+        rows.extend(std::iter::from_fn(|| frames.next_row()));
+        Ok(())
+    }
+
+    /// Take in a measured channel of a file: what it measures, its name, its unit, times and values.
+    #[pyo3(signature = (signal, name, unit, time_s, values, /))]
+    fn push_channel(
+        &self,
+        py: Python<'_>,
+        signal: &str,
+        name: &str,
+        unit: &str,
+        time_s: PyReadonlyArrayDyn<'_, f64>,
+        values: PyReadonlyArrayDyn<'_, f64>,
+    ) -> PyResult<()> {
+        let quantity: Quantity = word("signals", signal)?;
+        let dimension = quantity.dimension();
+        let unit = dimension.spelled(unit).ok_or_else(|| {
+            let known: Vec<&str> = dimension.units().iter().map(|unit| unit.suffix).collect();
+            value_error(format!(
+                "{name} has the unit {unit:?}: name one of {}, as \"{name}[{}]\"",
+                known.join(", "),
+                known[1]
+            ))
+        })?;
+        let (time_s, values) = (slice("time_s", &time_s)?, slice(name, &values)?);
+        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        let flipped = state.options.flip.iter().any(|flip| flip.quantity() == Some(quantity));
+        let times = if flipped { -unit.times } else { unit.times };
+        for (&time_s, &value) in time_s.iter().zip(values) {
+            let time_us = microseconds(time_s)?;
+            state.values.push((time_us, quantity, value * times / unit.per));
         }
-    });
-    result.map(|()| values)
+        Ok(())
+    }
+
+    /// End the log: a dict from SI column names to arrays; signals that are nowhere are left out.
+    fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        let TableState { frames, values, rows, .. } = &mut *state;
+        values.sort_by_key(|(time_us, ..)| *time_us);
+        for (time_us, quantity, value) in values.drain(..) {
+            frames.push_value(quantity, time_us, value);
+            rows.extend(std::iter::from_fn(|| frames.next_row()));
+        }
+        rows.extend(std::iter::from_fn(|| frames.rest()));
+        table(py, rows)
+    }
+
+    /// Frames taken in, and those of them with a value that counts.
+    #[getter]
+    fn frames(&self, py: Python<'_>) -> (u64, u64) {
+        self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner).counts
+    }
+
+    /// What was doubted so far, for people.
+    fn remarks(&self, py: Python<'_>) -> Vec<String> {
+        let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        state.frames.remarks().iter().map(|remark| in_python(remark)).collect()
+    }
+}
+
+/// Frames to an estimate, with its answer at any time.
+#[pyclass(frozen, module = "cgheight._native")]
+pub(crate) struct FrameStream {
+    state: Mutex<StreamState>,
+}
+
+#[derive(Clone)]
+struct StreamState {
+    frames: FrameRows,
+    estimator: LogEstimator,
+    turning: bool,
+    counts: (u64, u64, u64),
+}
+
+impl StreamState {
+    /// Takes in a row; whether it ends a turn.
+    fn row(&mut self, row: &LogRow) -> bool {
+        // The clock lets no time go back; should it stand, the row says nothing new.
+        let Ok(status) = self.estimator.push(row) else { return false };
+        self.counts.2 += 1;
+        let turning = status == cg_core::Status::Turning;
+        std::mem::replace(&mut self.turning, turning) && !turning
+    }
+
+    fn finish(&mut self) {
+        while let Some(row) = self.frames.rest() {
+            self.row(&row);
+        }
+    }
+}
+
+#[pymethods]
+impl FrameStream {
+    #[new]
+    #[pyo3(signature = (vehicle, reading, options, /))]
+    fn new(
+        py: Python<'_>,
+        vehicle: &Bound<'_, Vehicle>,
+        reading: Reading,
+        options: Options,
+    ) -> PyResult<Self> {
+        let options = options.checked()?;
+        let vehicle = vehicle.get();
+        let settings = vehicle.inner.align_settings();
+        let reading = LogOptions { settings: Some(settings), ..reading.options()? };
+        let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+        let state = StreamState {
+            frames: FrameRows::new(&reading),
+            estimator: LogEstimator::from_design(design, settings, options),
+            turning: false,
+            counts: (0, 0, 0),
+        };
+        Ok(Self { state: Mutex::new(state) })
+    }
+
+    /// Take in a frame of a bus (any number that tells it from others, below 32); whether a turn
+    /// has ended.
+    #[pyo3(signature = (place, identifier, extended, data, /))]
+    fn push(
+        &self,
+        py: Python<'_>,
+        place: (f64, u8),
+        identifier: u32,
+        extended: bool,
+        data: &[u8],
+    ) -> PyResult<bool> {
+        let frame = frame(place, identifier, extended, data)?;
+        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        state.counts.0 += 1;
+        let used = state.frames.push(&frame);
+        state.counts.1 += u64::from(used);
+        let mut ended = false;
+        while let Some(row) = state.frames.next_row() {
+            ended |= state.row(&row);
+        }
+        Ok(ended)
+    }
+
+    /// End the log: rows that still wait for other signals are taken in. How many rows there were.
+    fn finish(&self, py: Python<'_>) -> u64 {
+        let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        state.finish();
+        state.counts.2
+    }
+
+    /// What was doubted so far, for people.
+    fn remarks(&self, py: Python<'_>) -> Vec<String> {
+        let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        state.frames.remarks().iter().map(|remark| in_python(remark)).collect()
+    }
+
+    /// The answer so far, as if the log ended here; more frames may follow.
+    fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut so_far =
+            self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner).clone();
+        let answer = py.detach(|| {
+            so_far.finish();
+            let mut answer = so_far.estimator.finish();
+            answer.messages.extend(so_far.frames.remarks());
+            answer
+        });
+        results::estimate(py, &answer)
+    }
+
+    /// Frames taken in, those of them with a value that counts, and rows made of them.
+    #[getter]
+    fn counts(&self, py: Python<'_>) -> (u64, u64, u64) {
+        self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner).counts
+    }
 }

@@ -1,12 +1,13 @@
 //! Exceptions: a missing file is `FileNotFoundError`, other trouble of the system `OSError`,
-//! a file that is not ours `FileExistsError`, everything else `ValueError`. Messages are those of the library.
+//! a file that is not ours `FileExistsError`, everything else `ValueError`. Messages are those of the library, with its options as keywords.
 
 use std::ffi::CString;
 use std::io::{self, ErrorKind};
 
+use cg_logs::can::DbcError;
 use cg_logs::log::{LogError, OptionError};
 use cg_logs::output::OutputError;
-use cg_vehicle::VehicleError;
+use cg_vehicle::{VehicleError, hint};
 use pyo3::exceptions::{
     PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyUserWarning,
     PyValueError,
@@ -62,46 +63,25 @@ pub(crate) fn output_error(error: OutputError) -> PyErr {
 }
 
 pub(crate) fn option_error(error: OptionError) -> PyErr {
-    value_error(error.to_string())
+    value_error(format!("columns: {error}"))
 }
 
-/// Options with a value that messages of the library name as the command line does.
-const WITH_VALUE: [(&str, &str); 4] = [
-    ("--force", "force=True"),
-    ("--model complete", "model=\"complete\""),
-    ("--maneuver drive", "maneuver=\"drive\""),
-    ("--plant nonlinear", "plant=\"nonlinear\""),
-];
+pub(crate) fn dbc_error(error: DbcError) -> PyErr {
+    let message = in_python(&error.to_string());
+    match &error {
+        DbcError::Read { source, .. } => os_error(source, message),
+        _ => value_error(message),
+    }
+}
 
-/// A message of the library whose remedy is a Python keyword, not a command-line option.
+/// A message of the library with its options as keywords.
 pub(crate) fn in_python(message: &str) -> String {
-    let mut text =
-        message.replace("--turn-deg", "--turn-rad").replace("--step-rate", "--step-rate-per-s");
-    for (option, keyword) in WITH_VALUE {
-        text = text.replace(option, keyword);
-    }
-    let mut parts = text.split("--column ");
-    let mut out = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        // 'roll=Roll rate[deg]' with quotes, roll=Roll[deg] without
-        let (map, rest) = match part.strip_prefix('\'') {
-            Some(quoted) => quoted.split_once('\'').unwrap_or((quoted, "")),
-            None => part.split_at(part.find([' ', ';', ',', ')']).unwrap_or(part.len())),
-        };
-        let (signal, name) = map.split_once('=').unwrap_or((map, ""));
-        out.extend(["columns={\"", signal, "\": \"", name, "\"}", rest]);
-    }
-    keywords(&out)
-}
-
-/// `--speed-mps` as `speed_mps`, wherever it stands.
-fn keywords(text: &str) -> String {
-    let mut parts = text.split("--");
-    let mut out = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let end = part.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(part.len());
-        let (name, rest) = part.split_at(end);
-        out.extend([&name.replace('-', "_"), rest]);
-    }
-    out
+    hint::told(message, |name, value| match (name, value.split_once('=')) {
+        ("force", _) => "force=True".to_owned(),
+        (_, None) if value.is_empty() => name.to_owned(),
+        ("columns" | "signals", Some((signal, what))) => {
+            format!("{name}={{\"{signal}\": \"{what}\"}}")
+        }
+        _ => format!("{name}=\"{value}\""),
+    })
 }

@@ -5,12 +5,12 @@
 //! | `vehicle` | `Vehicle`, `restore_vehicle` |
 //! | `options` | the options that every estimate shares |
 //! | `signals` | `estimate_arrays`, `predict_roll`: arrays in, answer or roll angle out |
-//! | `log` | `estimate_file`, `read_file`, `resolve_columns`: logs and the names of their columns |
+//! | `log` | `estimate_file`, `read_file`, `read_frames`, `resolve_columns`, `signals`: logs and the names of their columns |
 //! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
 //! | `stream` | `Stream`: row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
 //! | `write` | `write_file`, `copy_file`, `may_write`: arrays to a log file, if it may be written |
-//! | `can` | `decode_j1939`: the signals of a CAN frame |
+//! | `can` | `FrameTable`, `FrameStream`: CAN frames to rows, and to an estimate |
 //! | `reproduce` | `reproduce_tables`: the source's tables beside ours |
 //! | `results` | answers as the dataclasses of `cgheight._results` |
 //! | `arx`, `linear` | `fit_arx`, `linear_model` |
@@ -46,11 +46,11 @@ mod _native {
     #[pymodule_export]
     use crate::calibrate::calibrate_files;
     #[pymodule_export]
-    use crate::can::decode_j1939;
+    use crate::can::{FrameStream, FrameTable};
     #[pymodule_export]
     use crate::linear::linear_model;
     #[pymodule_export]
-    use crate::log::{estimate_file, read_file, resolve_columns};
+    use crate::log::{estimate_file, read_file, read_frames, resolve_columns, signals};
     #[pymodule_export]
     use crate::reproduce::reproduce_tables;
     #[pymodule_export]

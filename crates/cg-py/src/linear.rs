@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::vehicle_error;
-use crate::options::{positive, variant};
+use crate::options::{positive, word};
 use crate::results::make;
 use crate::vehicle::Vehicle;
 
@@ -57,7 +57,7 @@ pub(crate) fn linear_model<'py>(
     height_m: Option<f64>,
     trailer_mass_kg: Option<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let variant = variant(model)?;
+    let variant = word("model", model)?;
     let vehicle = &vehicle.get().inner;
     let speed_mps = positive("speed_mps", speed_mps)?.unwrap_or(vehicle.nominal_speed_mps);
     let reference = vehicle.reference_load();

@@ -1,14 +1,15 @@
 //! Logs, and the names of their columns.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use cg_logs::estimate::LogEstimator;
-use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
+use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal, UnknownSignal};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{log_error, option_error, value_error, vehicle_error};
+use crate::can::Reading;
+use crate::error::{in_python, log_error, option_error, value_error, vehicle_error};
 use crate::options::Options;
 use crate::results;
 use crate::signals::ROWS_BETWEEN_LOOKS;
@@ -17,15 +18,15 @@ use crate::vehicle::Vehicle;
 /// `columns` in text form (`roll=MyName[deg]`), `flip` names of signals (`roll`).
 pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
     let columns = columns.iter().map(|text| text.parse()).collect::<Result<_, _>>();
-    let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, _>>();
+    let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, UnknownSignal>>();
     Ok(LogOptions {
         columns: columns.map_err(option_error)?,
-        flip: flip.map_err(option_error)?,
+        flip: flip.map_err(|error| value_error(format!("flip: {error}")))?,
         ..LogOptions::default()
     })
 }
 
-/// Estimate from a log file (CSV, CSV in gzip, parquet).
+/// Estimate from a log file (CSV, CSV in gzip, parquet, candump).
 #[pyfunction]
 #[pyo3(signature = (vehicle, path, columns, flip, options, /))]
 pub(crate) fn estimate_file<'py>(
@@ -62,8 +63,25 @@ pub(crate) fn read_file(
     columns: Vec<String>,
     flip: Vec<String>,
 ) -> PyResult<Bound<'_, PyDict>> {
-    let options = log_options(&columns, &flip)?;
-    let mut reader = py.detach(|| LogReader::open(&path, &options)).map_err(log_error)?;
+    let (rows, _) = read(py, &path, &log_options(&columns, &flip)?)?;
+    table(py, &rows)
+}
+
+/// Read what candump recorded: the same dict, and what was doubted, for people.
+#[pyfunction]
+#[pyo3(signature = (path, reading, /))]
+pub(crate) fn read_frames(
+    py: Python<'_>,
+    path: PathBuf,
+    reading: Reading,
+) -> PyResult<(Bound<'_, PyDict>, Vec<String>)> {
+    let (rows, remarks) = read(py, &path, &reading.options()?)?;
+    Ok((table(py, &rows)?, remarks.iter().map(|remark| in_python(remark)).collect()))
+}
+
+/// All rows of a file, and what was doubted.
+fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Vec<LogRow>, Vec<String>)> {
+    let mut reader = py.detach(|| LogReader::open(path, options)).map_err(log_error)?;
     let mut rows: Vec<LogRow> = Vec::new();
     let mut read_some = || -> Result<bool, LogError> {
         for _ in 0..ROWS_BETWEEN_LOOKS {
@@ -75,12 +93,28 @@ pub(crate) fn read_file(
     while py.detach(&mut read_some).map_err(log_error)? {
         py.check_signals()?;
     }
+    Ok((rows, reader.remarks()))
+}
+
+/// Rows as a dict from SI column names to arrays; signals that are nowhere are left out.
+pub(crate) fn table<'py>(py: Python<'py>, rows: &[LogRow]) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     for signal in Signal::ALL {
         if rows.iter().any(|row| !row.get(signal).is_nan()) {
             let values = PyArray1::from_iter(py, rows.iter().map(|row| row.get(signal)));
             table.set_item(signal.column(), values)?;
         }
+    }
+    Ok(table)
+}
+
+/// The signals of logs: a dict from SI column names to what they are.
+#[pyfunction]
+#[pyo3(signature = ())]
+pub(crate) fn signals(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let table = PyDict::new(py);
+    for signal in Signal::ALL {
+        table.set_item(signal.column(), signal.meaning())?;
     }
     Ok(table)
 }
@@ -104,7 +138,7 @@ impl Refused {
 pub(crate) fn push_some(
     reader: &mut LogReader,
     estimator: &mut LogEstimator,
-    path: &std::path::Path,
+    path: &Path,
 ) -> Result<bool, Refused> {
     for _ in 0..ROWS_BETWEEN_LOOKS {
         let Some(row) = reader.next_row().map_err(Refused::Log)? else { return Ok(false) };

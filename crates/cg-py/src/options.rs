@@ -1,9 +1,8 @@
 //! The options that every estimate shares.
 
-use cg_core::Channel;
 use cg_core::identify::arx::SampledArx;
-use cg_logs::estimate::{EstimateOptions, Method};
-use cg_vehicle::Variant;
+use cg_core::{Channel, Word};
+use cg_logs::estimate::{ChannelChoice, EstimateOptions, Method};
 use pyo3::prelude::*;
 
 use crate::error::value_error;
@@ -23,7 +22,7 @@ pub(crate) struct Options {
 impl Options {
     /// The options checked.
     pub(crate) fn checked(&self) -> PyResult<EstimateOptions> {
-        let method = method(&self.method)?;
+        let method: Method = word("method", &self.method)?;
         let channel = channel(&self.channel)?;
         let greatest = SampledArx::<f64>::GREATEST_ORDER;
         let order = usize::try_from(self.order)
@@ -33,7 +32,7 @@ impl Options {
                 value_error(format!("order is {}: it must be from 1 to {greatest}", self.order))
             })?;
         Ok(EstimateOptions {
-            variant: variant(&self.model)?,
+            variant: word("model", &self.model)?,
             method,
             order,
             channel,
@@ -43,40 +42,24 @@ impl Options {
     }
 }
 
-/// The identification that `method` names.
-pub(crate) fn method(method: &str) -> PyResult<Method> {
-    match method {
-        "filtered" => Ok(Method::Filtered),
-        "arx" => Ok(Method::Arx),
-        "gain" => Ok(Method::Gain),
-        other => Err(unknown("method", other, "\"filtered\", \"arx\" or \"gain\"")),
-    }
+/// The value that a word stands for.
+pub(crate) fn word<T: Word>(keyword: &str, text: &str) -> PyResult<T> {
+    T::of_word(text).map_err(|_| {
+        let words: Vec<String> =
+            T::WORDS.iter().map(|(_, word, _)| format!("\"{word}\"")).collect();
+        let known = match words.split_last() {
+            Some((last, before)) if !before.is_empty() => {
+                format!("{} or {last}", before.join(", "))
+            }
+            _ => words.concat(),
+        };
+        value_error(format!("{keyword} is {text:?}: it must be {known}"))
+    })
 }
 
-/// The channel that `channel` names; `None` for both.
-pub(crate) fn channel(channel: &str) -> PyResult<Option<Channel>> {
-    match channel {
-        "auto" => Ok(None),
-        "steer" => Ok(Some(Channel::Steer)),
-        "lateral-acceleration" => Ok(Some(Channel::LateralAcceleration)),
-        other => {
-            let known = "\"auto\", \"steer\" or \"lateral-acceleration\"";
-            Err(unknown("channel", other, known))
-        }
-    }
-}
-
-/// The equations that `model` names.
-pub(crate) fn variant(model: &str) -> PyResult<Variant> {
-    match model {
-        "complete" => Ok(Variant::Complete),
-        "as-printed" => Ok(Variant::AsPrinted),
-        other => Err(unknown("model", other, "\"complete\" or \"as-printed\"")),
-    }
-}
-
-pub(crate) fn unknown(argument: &str, value: &str, known: &str) -> PyErr {
-    value_error(format!("{argument} is {value:?}: it must be {known}"))
+/// The channel that a word stands for; `None` for both.
+pub(crate) fn channel(text: &str) -> PyResult<Option<Channel>> {
+    word::<ChannelChoice>("channel", text).map(Into::into)
 }
 
 /// A number that must be positive if it is there.

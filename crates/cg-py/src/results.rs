@@ -1,6 +1,7 @@
 //! Answers as the dataclasses of the package.
 
-use cg_logs::estimate::{ChannelEstimate, LogEstimate, ManeuverEstimate, Method, Verdict};
+use cg_core::Word;
+use cg_logs::estimate::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -58,12 +59,7 @@ pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<B
     fields.set_item("height_ci95_m", answer.height_ci95_m.map(|[low, high]| (low, high)))?;
     fields.set_item("ratio", answer.ratio)?;
     fields.set_item("ratio_sd", answer.ratio_sd)?;
-    let method = match answer.method {
-        Method::Filtered => "filtered",
-        Method::Arx => "arx",
-        Method::Gain => "gain",
-    };
-    fields.set_item("method", method)?;
+    fields.set_item("method", answer.method.word())?;
     fields.set_item("channel", answer.channel.as_deref())?;
     fields.set_item("speed_mps", answer.speed_mps)?;
     fields.set_item("trailer_mass_kg", answer.trailer_mass_kg)?;

@@ -1,17 +1,16 @@
-//! Scenarios as Python hands them over: a dict with the keywords of `cgheight.simulate`.
+//! Scenarios as Python hands them over: the dataclasses of `cgheight._scenario`.
 
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::sensors::Sensors;
-use cg_plant::simulate::{Plant, Scenario};
+use cg_plant::simulate::Scenario;
 use cg_vehicle::{Load, Vehicle};
 use pyo3::prelude::*;
 
 use crate::error::value_error;
-use crate::options::{unknown, variant};
+use crate::options::word;
 
-/// What is simulated.
+/// `cgheight.Scenario`.
 #[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 pub(crate) struct Request {
     maneuver: String,
     plant: String,
@@ -34,9 +33,8 @@ pub(crate) struct Request {
     seed: u64,
 }
 
-/// What the sensors add.
+/// `cgheight.Sensors`.
 #[derive(FromPyObject)]
-#[pyo3(from_item_all)]
 struct SensorRequest {
     snr_db: Option<f64>,
     noise_lag_s: f64,
@@ -57,13 +55,13 @@ struct SensorRequest {
 impl Request {
     /// The scenario for a vehicle; what is absent is the vehicle's own or the usual.
     pub(crate) fn scenario(&self, vehicle: &Vehicle) -> PyResult<Scenario> {
-        let usual = Scenario::of(vehicle, self.maneuver()?);
+        let usual = Scenario::of(vehicle, word("maneuver", &self.maneuver)?);
         let scenario = Scenario {
             course: self.course(usual.maneuver)?,
             step_rate_per_s: self.step_rate_per_s.unwrap_or(usual.step_rate_per_s),
             to_rollover: self.to_rollover,
-            plant: self.plant()?,
-            variant: variant(&self.model)?,
+            plant: word("plant", &self.plant)?,
+            variant: word("model", &self.model)?,
             load: self.load(vehicle)?,
             speed_mps: self.speed_mps.unwrap_or(usual.speed_mps),
             steer_rad: self.steer_rad,
@@ -78,31 +76,6 @@ impl Request {
             duration_s: self.duration_s.unwrap_or_else(|| scenario.usual_duration_s()),
             ..scenario
         })
-    }
-
-    fn maneuver(&self) -> PyResult<Maneuver> {
-        Ok(match self.maneuver.as_str() {
-            "rounded-step" => Maneuver::RoundedStep,
-            "steady-turn" => Maneuver::SteadyTurn,
-            "lane-change" => Maneuver::LaneChange,
-            "sine" => Maneuver::Sine,
-            "ramp" => Maneuver::Ramp,
-            "drive" => Maneuver::Drive,
-            other => {
-                let known = "\"rounded-step\", \"steady-turn\", \"lane-change\", \"sine\", \
-                             \"ramp\" or \"drive\"";
-                return Err(unknown("maneuver", other, known));
-            }
-        })
-    }
-
-    fn plant(&self) -> PyResult<Plant> {
-        match self.plant.as_str() {
-            "linear" => Ok(Plant::Linear),
-            "reduced" => Ok(Plant::Reduced),
-            "nonlinear" => Ok(Plant::Nonlinear),
-            other => Err(unknown("plant", other, "\"linear\", \"reduced\" or \"nonlinear\"")),
-        }
     }
 
     fn load(&self, vehicle: &Vehicle) -> PyResult<Load> {

@@ -3,6 +3,7 @@
 use cg_logs::estimate::{LogEstimator, Prediction};
 use cg_logs::log::{LogRow, Signal};
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -29,12 +30,12 @@ pub(crate) fn slice<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> P
 
 /// The columns of a log in memory, one optional slice for each of [`Signal::ALL`].
 pub(crate) struct Columns<'a> {
-    values: [Option<&'a [f64]>; Signal::ALL.len()],
+    values: [Option<&'a [f64]>; Signal::COUNT],
     time_s: &'a [f64],
 }
 
 impl<'a> Columns<'a> {
-    fn new(values: [Option<&'a [f64]>; Signal::ALL.len()]) -> PyResult<Self> {
+    fn new(values: [Option<&'a [f64]>; Signal::COUNT]) -> PyResult<Self> {
         let absent = |signals: &[Signal]| signals.iter().all(|&s| values[s as usize].is_none());
         let time_s = values[Signal::Time as usize]
             .filter(|time_s| !time_s.is_empty())
@@ -69,20 +70,9 @@ impl<'a> Columns<'a> {
     }
 
     pub(crate) fn row(&self, index: usize) -> LogRow {
-        let at = |signal: Signal| self.values[signal as usize].map_or(f64::NAN, |v| v[index]);
-        LogRow {
-            time_s: self.time_s[index],
-            steer_rad: at(Signal::Steer),
-            steering_wheel_rad: at(Signal::SteeringWheel),
-            roll_rad: at(Signal::Roll),
-            tilt_rad: at(Signal::Tilt),
-            speed_mps: at(Signal::Speed),
-            lateral_acceleration_mps2: at(Signal::LateralAcceleration),
-            yaw_rate_radps: at(Signal::YawRate),
-            trailer_mass_kg: at(Signal::TrailerMass),
-            trailer_axle_load_kg: at(Signal::TrailerAxleLoad),
-            trailer_suspension_pressure_pa: at(Signal::TrailerSuspensionPressure),
-        }
+        LogRow::from_values(
+            self.values.map(|column| column.map_or(f64::NAN, |values| values[index])),
+        )
     }
 
     fn push_range(
@@ -134,22 +124,29 @@ pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)>
     Ok(())
 }
 
-pub(crate) type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::ALL.len()];
+/// The signal of a keyword.
+pub(crate) fn signal(keyword: &str) -> PyResult<Signal> {
+    Signal::of_column(keyword).ok_or_else(|| {
+        let known = Signal::ALL.map(Signal::column).join(", ");
+        PyTypeError::new_err(format!("{keyword} is no signal; the signals are {known}"))
+    })
+}
+
+pub(crate) type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::COUNT];
 
 /// The arrays of a dict from SI column names.
 pub(crate) fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
-    let mut arrays = [const { None }; Signal::ALL.len()];
-    for (array, signal) in arrays.iter_mut().zip(Signal::ALL) {
-        if let Some(value) = signals.get_item(signal.column())? {
-            *array = Some(value.extract::<PyReadonlyArrayDyn<'py, f64>>()?);
-        }
+    let mut arrays = [const { None }; Signal::COUNT];
+    for (name, value) in signals {
+        let array = value.extract::<PyReadonlyArrayDyn<'py, f64>>()?;
+        arrays[signal(name.extract()?)? as usize] = Some(array);
     }
     Ok(arrays)
 }
 
 /// The same as slices, checked.
 pub(crate) fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
-    let mut values = [None; Signal::ALL.len()];
+    let mut values = [None; Signal::COUNT];
     for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
         *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;
     }

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{value_error, vehicle_error};
-use crate::options;
+use crate::options::{self, word};
 use crate::scenario::Request;
 use crate::vehicle::Vehicle;
 
@@ -60,18 +60,14 @@ pub(crate) fn score_accuracy<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let vehicle = &vehicle.get().inner;
     let scenario = request.scenario(vehicle)?;
-    let truck = match truck {
-        "of-the-file" => Truck::OfTheFile,
-        "drawn" => Truck::Drawn,
-        other => return Err(options::unknown("truck", other, "\"of-the-file\" or \"drawn\"")),
-    };
+    let truck: Truck = word("truck", truck)?;
     if runs == 0 {
         return Err(value_error("runs is 0: it must be 1 or more"));
     }
     let experiment = Experiment {
         truck,
         channel: options::channel(channel)?,
-        method: options::method(method)?,
+        method: word("method", method)?,
         runs,
         seed: scenario.seed,
         ..Experiment::of(scenario)

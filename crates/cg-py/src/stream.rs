@@ -4,14 +4,15 @@ use std::sync::{Mutex, PoisonError};
 
 use cg_core::Status;
 use cg_logs::estimate::LogEstimator;
-use cg_logs::log::LogRow;
+use cg_logs::log::{LogRow, Signal};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
+use pyo3::types::PyDict;
 
 use crate::error::{value_error, vehicle_error};
 use crate::options::Options;
 use crate::results;
-use crate::signals::check_row;
+use crate::signals::{check_row, signal};
 use crate::vehicle::Vehicle;
 
 /// The estimator, one row at a time. `cgheight.Estimator` gives it its options.
@@ -73,22 +74,8 @@ impl Stream {
     ///     Mean road-wheel angle, rad, positive to the left.
     /// roll_rad : float
     ///     Roll angle of the trailer's sprung mass to the road, rad, positive right side down.
-    /// speed_mps : float
-    ///     Forward speed, m/s.
-    /// lateral_acceleration_mps2 : float
-    ///     Lateral acceleration of the trailer, m/s², positive to the left.
-    /// yaw_rate_radps : float
-    ///     Yaw rate of the trailer, rad/s, positive to the left.
-    /// trailer_mass_kg : float
-    ///     Mass of the whole semitrailer as weighed, kg.
-    /// steering_wheel_rad : float
-    ///     Steering-wheel angle, rad, used where steer_rad is NaN.
-    /// tilt_rad : float
-    ///     What an accelerometer inclinometer shows, rad, used where roll_rad is NaN.
-    /// trailer_axle_load_kg : float
-    ///     Load of the trailer's axles on the road, kg, used where trailer_mass_kg is NaN.
-    /// trailer_suspension_pressure_pa : float
-    ///     Pressure in the trailer's air suspension, Pa, used where both are NaN.
+    /// **signals : float
+    ///     The other signals of `cgheight.SIGNALS`: ``speed_mps``, ``lateral_acceleration_mps2``, ….
     ///
     /// Returns
     /// -------
@@ -99,41 +86,25 @@ impl Stream {
     /// ------
     /// ValueError
     ///     Time is NaN or does not increase, or a value is infinite. The row is not taken in.
-    #[pyo3(signature = (
-        time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, *, speed_mps = f64::NAN,
-        lateral_acceleration_mps2 = f64::NAN, yaw_rate_radps = f64::NAN,
-        trailer_mass_kg = f64::NAN, steering_wheel_rad = f64::NAN, tilt_rad = f64::NAN,
-        trailer_axle_load_kg = f64::NAN, trailer_suspension_pressure_pa = f64::NAN
-    ))]
-    #[allow(clippy::too_many_arguments)] // a row is that wide
+    /// TypeError
+    ///     There is no such signal.
+    #[pyo3(signature = (time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, **signals))]
     fn push(
         &self,
         py: Python<'_>,
         time_s: f64,
         steer_rad: f64,
         roll_rad: f64,
-        speed_mps: f64,
-        lateral_acceleration_mps2: f64,
-        yaw_rate_radps: f64,
-        trailer_mass_kg: f64,
-        steering_wheel_rad: f64,
-        tilt_rad: f64,
-        trailer_axle_load_kg: f64,
-        trailer_suspension_pressure_pa: f64,
+        signals: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<&'static str> {
-        let row = LogRow {
-            time_s,
-            steer_rad,
-            steering_wheel_rad,
-            roll_rad,
-            tilt_rad,
-            speed_mps,
-            lateral_acceleration_mps2,
-            yaw_rate_radps,
-            trailer_mass_kg,
-            trailer_axle_load_kg,
-            trailer_suspension_pressure_pa,
-        };
+        let mut values = [f64::NAN; Signal::COUNT];
+        values[Signal::Time as usize] = time_s;
+        values[Signal::Steer as usize] = steer_rad;
+        values[Signal::Roll as usize] = roll_rad;
+        for (name, value) in signals.into_iter().flatten() {
+            values[signal(name.extract()?)? as usize] = value.extract()?;
+        }
+        let row = LogRow::from_values(values);
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.push(&row).map_err(value_error)
     }

@@ -27,6 +27,11 @@ pub enum Truck {
     Drawn,
 }
 
+cg_core::words!(Truck {
+    OfTheFile => "of-the-file", "The vehicle file's: nothing but noise is wrong";
+    Drawn => "drawn", "Another one each time, drawn from what the file says of its own uncertainty";
+});
+
 /// A repeated simulation and estimation.
 #[derive(Clone, Debug)]
 pub struct Experiment {

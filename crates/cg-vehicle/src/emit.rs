@@ -18,6 +18,12 @@ pub enum Language {
     C,
 }
 
+cg_core::words!(Language {
+    Json => "json", "One object";
+    Rust => "rust", "A constant of cg-core's `Design<f32>`";
+    C => "c", "A constant for `cg_height.h`";
+});
+
 /// Numbers in arrays and structures.
 enum Node {
     Number(f32),

@@ -16,6 +16,11 @@ pub enum Variant {
     AsPrinted,
 }
 
+cg_core::words!(Variant {
+    Complete => "complete", "All terms";
+    AsPrinted => "as-printed", "The thesis's appendix B, misprints corrected";
+});
+
 /// Index of each velocity in `w` (axle `i` follows at `AXLE + i`).
 pub mod w {
     /// Lateral velocity of the tractor.

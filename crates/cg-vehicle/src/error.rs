@@ -52,7 +52,7 @@ pub enum VehicleError {
         empty_mass_kg: f64,
     },
     /// The printed model is known for one vehicle and load only.
-    #[error("the as-printed model {0}; use --model complete")]
+    #[error("the as-printed model {0}; use ⟨model complete⟩")]
     AsPrinted(String),
     /// No such table of the source.
     #[error("no table `{name}` to reproduce; there are {known}")]

@@ -3,6 +3,7 @@
 //!
 //! | module | what | source |
 //! |---|---|---|
+//! | [`hint`] | the options that messages recommend | – |
 //! | [`finding`], [`error`] | what can be wrong with a vehicle file or a model | – |
 //! | [`files`], [`limits`] | small files, read with a limit; what no vehicle on a road exceeds | – |
 //! | [`load`], [`vehicle`] | loads of the trailer, the vehicle file | ch. 2 |
@@ -36,6 +37,7 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
+pub mod hint;
 pub mod finding;
 pub mod error;
 pub mod files;

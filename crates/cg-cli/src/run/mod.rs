@@ -34,7 +34,6 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use anyhow::bail;
 use cg_core::Warner;
-use cg_logs::can::{Decoder, named};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::Vehicle;
@@ -58,7 +57,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let live = arguments.can.is_some() || arguments.realtime;
     let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
-    let mut frames = Frames::new(decoder(&options), settings, mass_is_given, live);
+    let mut frames = Frames::new(options.decoder(), settings, mass_is_given, live);
     let state = state.map(|target| StateFile::new(target, &design));
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let outputs = Outputs::new(lines, state, metrics, None);
@@ -121,13 +120,6 @@ fn log_options(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<LogOpti
         bail!("--bus chooses a bus of a log: with --can the interface is the bus, remove --bus");
     }
     arguments.frames.log_options(&arguments.columns, vehicle)
-}
-
-fn decoder(options: &LogOptions) -> Decoder {
-    let flipped = options.flip.iter().filter_map(|signal| named(signal.name()).ok()).collect();
-    let can = &options.can;
-    Decoder::new(can.mapped.clone(), can.filters.clone(), flipped)
-        .with_compensation(can.compensation)
 }
 
 fn source(arguments: &RunArgs) -> String {

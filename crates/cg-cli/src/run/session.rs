@@ -10,6 +10,8 @@ use cg_core::{
 use cg_logs::can::Instant;
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
 
+use crate::flags;
+
 use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::outputs::Outputs;
 use super::pace::{Pace, too_slow};
@@ -154,7 +156,7 @@ impl<W: Write> Session<W> {
     }
 
     pub(crate) fn notice(&mut self, subject: &'static str, message: String) -> io::Result<()> {
-        self.say(Event::Notice { subject, message })
+        self.say(Event::Notice { subject, message: flags::told(&message) })
     }
 
     #[allow(clippy::cast_precision_loss)]

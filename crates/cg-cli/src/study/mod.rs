@@ -25,6 +25,7 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 
 use crate::Outcome;
+use crate::calibrate::refuse_standard_input;
 use crate::cli::StudyArgs;
 use crate::estimate::file_name;
 use crate::truck;
@@ -41,6 +42,7 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
     if folder.exists() && !folder.is_dir() {
         return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));
     }
+    refuse_standard_input(&arguments.run)?;
     let targets = targets(arguments, name, files)?;
     let vehicle = arguments.vehicle.as_deref().map(truck::load).transpose()?;
     let study = match (name.as_str(), vehicle) {
@@ -66,7 +68,7 @@ fn replayed(arguments: &StudyArgs, vehicle: &Vehicle) -> anyhow::Result<Study> {
     let calibration = arguments.calibration.as_ref().map(|path| Calibration::load(path, vehicle));
     let mut logs = Vec::with_capacity(arguments.run.len());
     for run in &arguments.run {
-        let known = run.known()?;
+        let known = run.clone();
         let rows = LogReader::open(Path::new(&known.log), &options)?.collect::<Result<_, _>>()?;
         logs.push(Recorded { known, rows });
     }
@@ -94,7 +96,7 @@ fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[T
         .reads_some("--vehicle", arguments.vehicle.as_deref())
         .reads_some("--calibration", arguments.calibration.as_deref());
     for run in &arguments.run {
-        files = files.reads("--run", Path::new(&run.known()?.log));
+        files = files.reads("--run", Path::new(&run.log));
     }
     let path = |end| arguments.output.join(format!("{name}.{end}"));
     Ok([

@@ -16,9 +16,7 @@ const ROOM: usize = 32;
 /// How long they wait.
 const PATIENCE_US: u64 = 100_000;
 /// After this time without a value, a signal that comes many times a second is gone.
-const STALE_US: u64 = 500_000;
-/// The same of speed, which may come once a second.
-const STALE_SPEED_US: u64 = 2_500_000;
+const STALE_US: u64 = Quantity::Roll.serves_us();
 /// After this time without a value of its device, another one is listened to at last.
 const GONE_US: u64 = 30_000_000;
 
@@ -215,7 +213,7 @@ impl<T: Real> Aligner<T> {
             return Taken::Implausible;
         }
         let Some(track) = self.tracks.get_mut(quantity.index()) else { return Taken::OtherSource };
-        let gone_us = stale_us(quantity).min(GONE_US);
+        let gone_us = quantity.serves_us().min(GONE_US);
         let taken = track.push(device, time_us, value, gone_us);
         let tilt = quantity == Quantity::Tilt;
         let paces = quantity == Quantity::Roll
@@ -251,7 +249,17 @@ impl<T: Real> Aligner<T> {
 
     /// Whether a quantity is missing that was there before.
     pub fn is_stale(&self, quantity: Quantity, now_us: u64) -> bool {
-        self.age_us(quantity, now_us).is_some_and(|age_us| age_us > stale_us(quantity))
+        self.age_us(quantity, now_us).is_some_and(|age_us| age_us > quantity.serves_us())
+    }
+
+    /// What a quantity was at the time of a sample just taken: between its last two values, or the
+    /// last one as long as it [serves](Quantity::serves_us).
+    pub fn value(&self, quantity: Quantity, time_us: u64) -> T {
+        let track = self.track(quantity);
+        match quantity.serves_us() {
+            u64::MAX => track.last.map_or(T::absent(), |(_, value)| value),
+            serves_us => track.at(time_us, serves_us),
+        }
     }
 
     fn track(&self, quantity: Quantity) -> &Track<T> {
@@ -286,16 +294,14 @@ impl<T: Real> Aligner<T> {
     }
 
     fn sample(&self, time_us: u64, value: T, tilt: bool) -> Sample<T> {
-        let at = |quantity: Quantity| self.track(quantity).at(time_us, stale_us(quantity));
-        let held =
-            |quantity: Quantity| self.track(quantity).last.map_or(T::absent(), |(_, value)| value);
+        let at = |quantity: Quantity| self.value(quantity, time_us);
         let speed_mps = at(Quantity::Speed);
         let settings = &self.settings;
         let steer_rad = settings.steer_rad(at(Quantity::Steer), at(Quantity::SteeringWheel));
         let trailer_mass_kg = settings.trailer_mass_kg(
-            held(Quantity::TrailerMass),
-            held(Quantity::TrailerAxleLoad),
-            held(Quantity::TrailerSuspensionPressure),
+            at(Quantity::TrailerMass),
+            at(Quantity::TrailerAxleLoad),
+            at(Quantity::TrailerSuspensionPressure),
         );
         let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
         // Without a speed neither steer angle nor yaw rate say how fast the truck turns.
@@ -310,17 +316,6 @@ impl<T: Real> Aligner<T> {
             yaw_rate_radps: with_speed(at(Quantity::YawRate)),
             trailer_mass_kg,
         }
-    }
-}
-
-/// After this time without a value a quantity is gone; a mass never is.
-const fn stale_us(quantity: Quantity) -> u64 {
-    match quantity {
-        Quantity::Speed => STALE_SPEED_US,
-        Quantity::TrailerMass | Quantity::TrailerAxleLoad | Quantity::TrailerSuspensionPressure => {
-            u64::MAX
-        }
-        _ => STALE_US,
     }
 }
 

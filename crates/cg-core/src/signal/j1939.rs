@@ -10,11 +10,10 @@
 
 use crate::math::real::Real;
 use crate::signal::sample::Quantity;
+use crate::signal::unit;
 
-/// Radians in a degree.
-const DEGREE: f64 = core::f64::consts::PI / 180.0;
-/// Metres per second in a kilometre per hour.
-const KMH: f64 = 1.0 / 3.6;
+const DEGREE: f64 = unit::DEG.times / unit::DEG.per;
+const KMH: f64 = unit::KMH.times / unit::KMH.per;
 /// Highest byte of the greatest valid raw value.
 const GREATEST_BYTE: u32 = 0xFA;
 
@@ -109,6 +108,13 @@ pub enum Compensation {
     /// It does not, whatever the bits say.
     Off,
 }
+
+words!(Compensation {
+    Bits => "bit", "As its compensation bits say (SPN 3326, 4980: 0 on, 1 off); if they say nothing, it is not";
+    InvertedBits => "inverted-bit", "The same for a sensor with 0 off and 1 on";
+    On => "yes", "It is, whatever the bits say";
+    Off => "no", "It is not, whatever the bits say";
+});
 
 /// What a slope sensor (SSI, SSI2) says of its roll angle beside the value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

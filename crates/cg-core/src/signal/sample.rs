@@ -5,70 +5,122 @@
 //! the left; roll is positive right side down. A left turn gives all positive.
 
 use crate::math::real::Real;
+use crate::signal::unit::Dimension;
 
-/// What a sensor measures. SI units and signs are those of [`Sample`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Quantity {
-    /// Mean road-wheel angle of the steered axle, rad.
-    Steer,
-    /// Steering-wheel angle, rad.
-    SteeringWheel,
-    /// Roll angle of the trailer, rad.
-    Roll,
-    /// Tilt shown by an accelerometer inclinometer on the trailer, rad.
-    Tilt,
-    /// Forward speed, m/s.
-    Speed,
-    /// Lateral acceleration, m/s².
-    LateralAcceleration,
-    /// Yaw rate, rad/s.
-    YawRate,
-    /// Mass of the whole semitrailer, kg.
-    TrailerMass,
-    /// Load of the trailer's axles on the road, kg.
-    TrailerAxleLoad,
-    /// Pressure in the trailer's air suspension, Pa.
-    TrailerSuspensionPressure,
+/// The table of quantities: a line for each, in the order of [`Quantity::ALL`]. Its columns are the
+/// meaning (also the documentation), the variant of [`Quantity`], the field of a row and column of a
+/// log, the name, the [`Dimension`], the least and the greatest value that the quantity can physically
+/// have on a truck (SI; wide: beyond them a number is a slip of the sensor, the recording or its
+/// unit), whether it has a direction, and for how many microseconds a value serves.
+///
+/// `quantities!(build)` hands the table to a macro `build`, so that all else is made of it: here the
+/// enumeration, in `cg_logs::log` the rows and signals of logs.
+#[macro_export]
+macro_rules! quantities {
+    ($build:ident) => {
+        $build! {
+            /// Mean road-wheel angle of the steered axle, positive to the left.
+            Steer steer_rad "steer" Angle [-1.5, 1.5] directed 500_000;
+            /// Steering-wheel angle, positive to the left.
+            SteeringWheel steering_wheel_rad "steering_wheel" Angle [-60.0, 60.0] directed 500_000;
+            /// Roll angle of the trailer's sprung mass to the road, positive right side down.
+            Roll roll_rad "roll" Angle [-1.0, 1.0] directed 500_000;
+            /// Tilt shown by an accelerometer inclinometer on the trailer: roll plus lateral
+            /// acceleration over g.
+            Tilt tilt_rad "tilt" Angle [-1.5, 1.5] directed 500_000;
+            /// Forward speed.
+            Speed speed_mps "speed" Speed [-20.0, 60.0] directed 2_500_000;
+            /// Lateral acceleration of the trailer's sprung mass, positive to the left.
+            LateralAcceleration lateral_acceleration_mps2 "lateral_acceleration"
+                Acceleration [-30.0, 30.0] directed 500_000;
+            /// Yaw rate of the trailer, positive to the left.
+            YawRate yaw_rate_radps "yaw_rate" AngularRate [-5.0, 5.0] directed 500_000;
+            /// Mass of the whole semitrailer as weighed (sprung mass and axles).
+            TrailerMass trailer_mass_kg "trailer_mass" Mass [0.0, 200e3] undirected u64::MAX;
+            /// Load of the trailer's axles on the road.
+            TrailerAxleLoad trailer_axle_load_kg "trailer_axle_load"
+                Mass [0.0, 200e3] undirected u64::MAX;
+            /// Pressure in the trailer's air suspension, mean of both sides, against the air outside.
+            TrailerSuspensionPressure trailer_suspension_pressure_pa "trailer_suspension_pressure"
+                Pressure [-101_325.0, 2e6] undirected u64::MAX;
+        }
+    };
 }
 
+macro_rules! directed {
+    (directed) => {
+        true
+    };
+    (undirected) => {
+        false
+    };
+}
+
+macro_rules! enumeration {
+    ($(
+        $(#[doc = $meaning:literal])+
+        $variant:ident $field:ident $name:literal $dimension:ident $limits:tt $direction:ident $serves_us:expr;
+    )+) => {
+        /// What a sensor measures. SI units and signs are those of [`Sample`].
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Quantity {
+            $($(#[doc = $meaning])+ $variant),+
+        }
+
+        impl Quantity {
+            /// All of them, in their own order.
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$variant),+];
+
+            /// How many there are.
+            pub const COUNT: usize = [$($name),+].len();
+
+            /// The name without a unit: `roll`.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),+ }
+            }
+
+            /// The name of a column with it in SI, and of the field in a row: `roll_rad`.
+            pub const fn column(self) -> &'static str {
+                match self { $(Self::$variant => stringify!($field)),+ }
+            }
+
+            /// What it is, in a sentence.
+            pub const fn meaning(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($meaning),+).trim_ascii()),+ }
+            }
+
+            /// Which units it may come in.
+            pub const fn dimension(self) -> Dimension {
+                match self { $(Self::$variant => Dimension::$dimension),+ }
+            }
+
+            /// The least and the greatest value that it can physically have on a truck, SI units.
+            #[inline]
+            pub const fn limits(self) -> [f32; 2] {
+                match self { $(Self::$variant => $limits),+ }
+            }
+
+            /// Whether it has a direction, so that its sensor can be mounted the other way round.
+            pub const fn is_directed(self) -> bool {
+                match self { $(Self::$variant => directed!($direction)),+ }
+            }
+
+            /// For how long a value serves while no newer one comes, microseconds.
+            pub const fn serves_us(self) -> u64 {
+                match self { $(Self::$variant => $serves_us),+ }
+            }
+        }
+
+        words!(Quantity { $($variant => $name, Self::$variant.meaning();)+ });
+    };
+}
+
+quantities!(enumeration);
+
 impl Quantity {
-    /// How many there are.
-    pub const COUNT: usize = 10;
-
-    /// All of them, in their own order.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::Steer,
-        Self::SteeringWheel,
-        Self::Roll,
-        Self::Tilt,
-        Self::Speed,
-        Self::LateralAcceleration,
-        Self::YawRate,
-        Self::TrailerMass,
-        Self::TrailerAxleLoad,
-        Self::TrailerSuspensionPressure,
-    ];
-
     /// Its place in [`Quantity::ALL`].
     pub const fn index(self) -> usize {
         self as usize
-    }
-
-    /// The least and the greatest value that it can physically have on a truck, SI units. They are
-    /// wide: beyond them a number is a slip of the sensor, the recording or its unit.
-    #[inline]
-    pub const fn limits(self) -> [f32; 2] {
-        match self {
-            Self::Steer | Self::Tilt => [-1.5, 1.5],
-            Self::SteeringWheel => [-60.0, 60.0],
-            Self::Roll => [-1.0, 1.0],
-            Self::Speed => [-20.0, 60.0],
-            Self::LateralAcceleration => [-30.0, 30.0],
-            Self::YawRate => [-5.0, 5.0],
-            Self::TrailerMass | Self::TrailerAxleLoad => [0.0, 200e3],
-            // Against the air outside: nothing lies below a vacuum.
-            Self::TrailerSuspensionPressure => [-101_325.0, 2e6],
-        }
     }
 
     /// Whether it can have this value. What cannot be is to be taken for absent; so is NaN, which
@@ -144,6 +196,19 @@ impl<T: Real> Sample<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The table: a column is the name and the SI unit, and the meaning has no double space of the
+    /// lines that it is written in.
+    #[test]
+    fn a_column_is_the_name_and_its_si_unit() {
+        for (place, quantity) in Quantity::ALL.into_iter().enumerate() {
+            let (name, column) = (quantity.name(), quantity.column());
+            let suffix = column.strip_prefix(name).and_then(|rest| rest.strip_prefix('_'));
+            assert_eq!(suffix, Some(quantity.dimension().si().suffix), "{column}");
+            assert_eq!(quantity.index(), place);
+            assert!(!quantity.meaning().contains("  "), "{}", quantity.meaning());
+        }
+    }
 
     #[test]
     fn limits_are_inclusive_and_every_number_outside_is_implausible() {

@@ -43,14 +43,10 @@ impl Channel {
     }
 }
 
-impl fmt::Display for Channel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Steer => "steer",
-            Self::LateralAcceleration => "lateral-acceleration",
-        })
-    }
-}
+words!(Channel {
+    Steer => "steer", "Steer angle";
+    LateralAcceleration => "lateral-acceleration", "Lateral acceleration, or yaw rate times speed";
+});
 
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]

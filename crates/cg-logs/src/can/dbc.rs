@@ -14,7 +14,6 @@ use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::signal::j1939::pgn_of;
 
-use crate::log::Signal;
 use cg_vehicle::files;
 
 use super::frame::Frame;
@@ -43,7 +42,7 @@ pub enum DbcError {
         message: String,
     },
     /// The mapping does not fit the file.
-    #[error("--signal {map}: {message}")]
+    #[error("⟨signals {map}⟩: {message}")]
     Map {
         /// The mapping as given.
         map: String,
@@ -56,13 +55,63 @@ pub enum DbcError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalMap {
     quantity: Quantity,
-    message: String,
+    /// `None` where the signal's name is enough.
+    message: Option<String>,
     signal: String,
     unit: Option<String>,
     factor: f64,
     offset: f64,
     text: String,
 }
+
+/// A signal and its message.
+type Place<'a> = (&'a can_dbc::Message, &'a can_dbc::Signal);
+
+/// Where the mapped signal stands.
+fn place<'a>(file: &str, dbc: &'a Dbc, map: &SignalMap) -> Result<Place<'a>, String> {
+    let is_asked = |name: &str| map.message.as_deref().is_none_or(|asked| asked == name);
+    let messages: Vec<_> = dbc.messages.iter().filter(|m| is_asked(&m.name)).collect();
+    if messages.is_empty() {
+        let names = dbc.messages.iter().map(|message| message.name.clone());
+        let asked = map.message.as_deref().unwrap_or_default();
+        return Err(format!("{file} has no message `{asked}`, only {}", listed(names)));
+    }
+    let all = messages.iter().flat_map(|m| m.signals.iter().map(move |signal| (*m, signal)));
+    let names = |places: Vec<Place>| {
+        listed(places.into_iter().map(|(m, signal)| format!("{}.{}", m.name, signal.name)))
+    };
+    let found: Vec<Place> = all.clone().filter(|(_, s)| s.name == map.signal).collect();
+    match found.as_slice() {
+        [one] => Ok(*one),
+        [] => {
+            let known = names(all.collect());
+            Err(format!("{file} has no signal `{}`, only {known}", map.signal))
+        }
+        _ => {
+            let known = names(found);
+            Err(format!("{} is in several messages: give one of {known}", map.signal))
+        }
+    }
+}
+
+/// Names in a message, so many that it can be read.
+fn listed(names: impl Iterator<Item = String>) -> String {
+    let mut names: Vec<String> = names.collect();
+    let more = names.len().saturating_sub(MOST_LISTED);
+    names.truncate(MOST_LISTED);
+    if more > 0 {
+        names.push(format!("and {more} more"));
+    }
+    names.join(", ")
+}
+
+/// The quantity of this name, as in the columns of a log.
+pub(super) fn named(name: &str) -> Result<Quantity, String> {
+    name.parse().map_err(|error| format!("there is no quantity `{name}`: {error}"))
+}
+
+/// Names that a message lists.
+const MOST_LISTED: usize = 20;
 
 const EXPECTED: &str = "expected QUANTITY=MESSAGE.SIGNAL, optionally followed by [unit], *factor \
                         and +offset, as in roll=TILT.Angle[deg]*-1+0.3";
@@ -72,10 +121,16 @@ impl FromStr for SignalMap {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, rest) = text.split_once('=').ok_or(EXPECTED)?;
-        let quantity = super::named(name)?;
+        let quantity = named(name)?;
         let end = rest.find(['[', '*', '+']).unwrap_or(rest.len());
         let (path, mut tail) = rest.split_at(end);
-        let (message, signal) = path.split_once('.').ok_or(EXPECTED)?;
+        let (message, signal) = match path.split_once('.') {
+            Some((message, signal)) => (Some(message.to_owned()), signal),
+            None => (None, path),
+        };
+        if signal.is_empty() {
+            return Err(EXPECTED.to_owned());
+        }
         let mut unit = None;
         if let Some(inner) = tail.strip_prefix('[') {
             let (inside, after) = inner.split_once(']').ok_or(EXPECTED)?;
@@ -97,7 +152,7 @@ impl FromStr for SignalMap {
             offset = number(tail).filter(|_| tail.starts_with(['+', '-'])).ok_or(EXPECTED)?;
         }
         let text = text.to_owned();
-        let (message, signal) = (message.to_owned(), signal.to_owned());
+        let signal = signal.to_owned();
         Ok(Self { quantity, message, signal, unit, factor, offset, text })
     }
 }
@@ -158,15 +213,7 @@ impl MappedSignal {
 
     fn find(file: &str, dbc: &Dbc, map: &SignalMap) -> Result<Self, DbcError> {
         let fail = |message: String| DbcError::Map { map: map.text.clone(), message };
-        let message = dbc.messages.iter().find(|m| m.name == map.message).ok_or_else(|| {
-            let names: Vec<&str> = dbc.messages.iter().map(|m| m.name.as_str()).collect();
-            fail(format!("{file} has no message `{}`, only {}", map.message, names.join(", ")))
-        })?;
-        let signal = message.signals.iter().find(|s| s.name == map.signal).ok_or_else(|| {
-            let names: Vec<&str> = message.signals.iter().map(|s| s.name.as_str()).collect();
-            let (message, signal) = (&map.message, &map.signal);
-            fail(format!("message `{message}` has no signal `{signal}`, only {}", names.join(", ")))
-        })?;
+        let (message, signal) = place(file, dbc, map).map_err(fail)?;
         if !matches!(
             signal.multiplexer_indicator,
             MultiplexIndicator::Plain | MultiplexIndicator::Multiplexor
@@ -179,14 +226,16 @@ impl MappedSignal {
             return Err(fail(format!("a signal of {} bits cannot be read", signal.size)));
         };
         let unit = map.unit.as_deref().unwrap_or(&signal.unit);
-        let to_si = scale(map.quantity, unit).ok_or_else(|| {
+        let dimension = map.quantity.dimension();
+        let to_si = dimension.spelled(unit).map(|unit| unit.times / unit.per).ok_or_else(|| {
+            let known = dimension.units().iter().flat_map(|unit| unit.spellings);
             fail(format!(
                 "unit \"{unit}\" is not one of {}; name it: {}={}.{}[{}]",
-                units(map.quantity).map(|(unit, _)| unit).join(", "),
-                Signal::from(map.quantity),
-                map.message,
+                known.copied().collect::<Vec<_>>().join(", "),
+                map.quantity,
+                message.name,
                 map.signal,
-                units(map.quantity)[0].0,
+                dimension.si().suffix,
             ))
         })?;
         let (least, greatest) = (signal.min.to_string(), signal.max.to_string());
@@ -270,31 +319,4 @@ impl MappedSignal {
         }
         Some(raw)
     }
-}
-
-/// Units that a DBC file may name, with their size in SI.
-const fn units(quantity: Quantity) -> [(&'static str, f64); 4] {
-    const DEGREE: f64 = std::f64::consts::PI / 180.0;
-    match quantity {
-        Quantity::Steer | Quantity::SteeringWheel | Quantity::Roll | Quantity::Tilt => {
-            [("rad", 1.0), ("deg", DEGREE), ("°", DEGREE), ("mrad", 1e-3)]
-        }
-        Quantity::Speed => {
-            [("m/s", 1.0), ("km/h", 1.0 / 3.6), ("kph", 1.0 / 3.6), ("mph", 0.447_04)]
-        }
-        Quantity::LateralAcceleration => {
-            [("m/s2", 1.0), ("m/s²", 1.0), ("m/s^2", 1.0), ("g", 9.806_65)]
-        }
-        Quantity::YawRate => [("rad/s", 1.0), ("deg/s", DEGREE), ("°/s", DEGREE), ("mrad/s", 1e-3)],
-        Quantity::TrailerSuspensionPressure => {
-            [("Pa", 1.0), ("kPa", 1e3), ("bar", 1e5), ("psi", 6894.757)]
-        }
-        Quantity::TrailerMass | Quantity::TrailerAxleLoad => {
-            [("kg", 1.0), ("t", 1000.0), ("lb", 0.453_592_37), ("Mg", 1000.0)]
-        }
-    }
-}
-
-fn scale(quantity: Quantity, unit: &str) -> Option<f64> {
-    units(quantity).into_iter().find(|(name, _)| *name == unit.trim()).map(|(_, size)| size)
 }

@@ -5,9 +5,7 @@ use std::str::FromStr;
 use cg_core::Quantity;
 use cg_core::signal::j1939::{self, Compensation, Slope};
 
-use crate::log::Signal;
-
-use super::dbc::{MappedSignal, RANK};
+use super::dbc::{MappedSignal, RANK, named};
 use super::frame::Frame;
 
 /// What tells one sender of a quantity from another, and the rank of its signal: the two numbers
@@ -40,17 +38,6 @@ impl FromStr for DeviceFilter {
         let address = address.ok().filter(|address| *address <= 253).ok_or(expected)?;
         Ok(Self { quantity, address })
     }
-}
-
-/// The quantity of this name, as in the columns of a log.
-///
-/// # Errors
-/// A sentence with all names.
-pub fn named(name: &str) -> Result<Quantity, String> {
-    let name_of = |quantity| Signal::from(quantity).name();
-    Quantity::ALL.into_iter().find(|quantity| name_of(*quantity) == name).ok_or_else(|| {
-        format!("there is no quantity `{name}`: {}", Quantity::ALL.map(name_of).join(", "))
-    })
 }
 
 /// How frames are understood.
@@ -170,15 +157,12 @@ impl Decoder {
 
 /// The quantities that one sensor of a J1939 truck measures, be it the one or the other.
 const fn siblings(quantity: Quantity) -> &'static [Quantity] {
+    const ALL: &[Quantity] = &Quantity::ALL;
     match quantity {
         Quantity::Roll | Quantity::Tilt => &[Quantity::Roll, Quantity::Tilt],
         Quantity::Steer | Quantity::SteeringWheel => &[Quantity::Steer, Quantity::SteeringWheel],
-        Quantity::Speed => &[Quantity::Speed],
-        Quantity::LateralAcceleration => &[Quantity::LateralAcceleration],
-        Quantity::YawRate => &[Quantity::YawRate],
-        Quantity::TrailerMass => &[Quantity::TrailerMass],
-        Quantity::TrailerAxleLoad => &[Quantity::TrailerAxleLoad],
-        Quantity::TrailerSuspensionPressure => &[Quantity::TrailerSuspensionPressure],
+        // A slice of itself.
+        _ => ALL.split_at(quantity.index()).1.split_at(1).0,
     }
 }
 

@@ -25,7 +25,7 @@ mod sampler;
 pub use candump::{CandumpError, Content, Line, parse};
 pub use clock::{Clock, Instant};
 pub use dbc::{DbcError, MappedSignal, SignalMap};
-pub use decoder::{Decoder, Device, DeviceFilter, named};
+pub use decoder::{Decoder, Device, DeviceFilter};
 pub use frame::Frame;
 pub use reader::{CandumpFault, CandumpReader};
 pub use sampler::Sampler;

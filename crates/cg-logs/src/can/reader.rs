@@ -36,7 +36,7 @@ pub enum CandumpFault {
         line: u64,
     },
     /// The bus that was asked for is not in it.
-    #[error("no frame of the bus `{wanted}`; the log has {found}: give --bus one of them")]
+    #[error("no frame of the bus `{wanted}`; the log has {found}: give ⟨bus⟩ one of them")]
     NoBus {
         /// The name asked for.
         wanted: String,
@@ -297,7 +297,7 @@ impl<R: BufRead> CandumpReader<R> {
             (self.buses.len() > 1 && self.only.is_none()).then(|| {
                 format!(
                     "frames of the buses {}: each signal is taken from the bus that has it first; \
-                     --bus NAME narrows the log to one",
+                     ⟨bus NAME⟩ narrows the log to one",
                     self.buses.join(", ")
                 )
             }),
@@ -387,7 +387,7 @@ mod tests {
         assert!(
             news[0].starts_with("line 4: passed over") && news[1].starts_with("line 3: an error")
         );
-        assert!(news[2].contains("can0, can1") && news[2].contains("--bus"), "{news:?}");
+        assert!(news[2].contains("can0, can1") && news[2].contains("⟨bus"), "{news:?}");
         let (frames, news, errors) = seen(Some("can0"));
         assert_eq!((frames, errors, news.len()), (vec![(0, 0), (0, 2)], 0, 1));
         let (frames, _, errors) = seen(Some("can1"));

@@ -60,6 +60,21 @@ impl Sampler {
         instant
     }
 
+    /// Takes in a value that was measured elsewhere than in a frame.
+    pub fn push_value(&mut self, quantity: Quantity, time_us: u64, value: f64) -> Instant {
+        let instant = self.clock.stream(time_us, None);
+        self.now_us = instant.stream_us;
+        if self.aligner.push(quantity, (0, 0), self.now_us, value) == Taken::Implausible {
+            self.tally.implausible(quantity, value, None);
+        }
+        instant
+    }
+
+    /// What a quantity was at the time of a sample just taken.
+    pub fn value(&self, quantity: Quantity, stream_us: u64) -> f64 {
+        self.aligner.value(quantity, stream_us)
+    }
+
     /// Lets time pass without a frame; the stream time.
     pub fn idle(&mut self, raw_us: u64, monotonic_us: u64) -> u64 {
         self.now_us = self.clock.stream(raw_us, Some(monotonic_us)).stream_us;

@@ -3,7 +3,7 @@
 use cg_core::signal::j1939::{Compensation, Slope};
 use cg_core::{AlignSettings, Quantity};
 
-use crate::log::{Position, Signal};
+use crate::place::Position;
 
 /// Something that is counted: how often, the first value and where a log has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -108,7 +108,7 @@ impl Tally {
             .into_iter()
             .zip(&self.implausible)
             .map(|(quantity, count)| {
-                let name = Signal::from(quantity).name();
+                let name = quantity.name();
                 let place = match count.place {
                     Some(Position::Line(line)) => format!("line {line}: "),
                     Some(Position::Row(row)) => format!("row {row}: "),
@@ -118,7 +118,7 @@ impl Tally {
                 (count.count > 0).then(|| (name, place + &sentence))
             })
             .collect();
-        let roll = Signal::Roll.name();
+        let roll = Quantity::Roll.name();
         for (count, sentence) in [
             (self.degraded, "the slope sensor calls its roll angle degraded; it is used"),
             (
@@ -130,7 +130,7 @@ impl Tally {
                 self.unsaid,
                 "the slope sensor does not say whether it takes the vehicle's accelerations off \
                  its angle: taken for an inclinometer, which does not; if it does, give \
-                 --roll-compensated yes",
+                 ⟨roll_compensated yes⟩",
             ),
         ] {
             all.push((count.count > 0).then(|| (roll, sentence.to_owned())));
@@ -141,7 +141,7 @@ impl Tally {
 
 /// A sentence about a value that a quantity cannot have.
 fn implausible(quantity: Quantity, value: f64, settings: &AlignSettings<f64>) -> String {
-    let column = Signal::from(quantity).column();
+    let column = quantity.column();
     let [least, greatest] = quantity.limits();
     // A number of three hundred digits says no more than its power of ten.
     let shown = if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") };

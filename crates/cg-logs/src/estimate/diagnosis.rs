@@ -38,27 +38,27 @@ pub(super) enum Cause {
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::RollReversed => f.write_str("the roll sensor is reversed (--flip roll)"),
-            Self::SteerReversed => f.write_str("the steer angle is reversed (--flip steer)"),
+            Self::RollReversed => f.write_str("the roll sensor is reversed (⟨flip roll⟩)"),
+            Self::SteerReversed => f.write_str("the steer angle is reversed (⟨flip steer⟩)"),
             Self::LateralReversed => f.write_str(
-                "the lateral acceleration is reversed (--flip lateral_acceleration, or yaw_rate)",
+                "the lateral acceleration is reversed (⟨flip lateral_acceleration⟩, or yaw_rate)",
             ),
             Self::RollIsTilt => f.write_str(
                 "the roll angle is that of an inclinometer that feels the lateral acceleration \
                  (name its column tilt_rad)",
             ),
             Self::RollInDegrees => {
-                f.write_str("the roll angle is in degrees (--column roll=NAME[deg])")
+                f.write_str("the roll angle is in degrees (⟨columns roll=NAME[deg]⟩)")
             }
             Self::SteeringWheel => f.write_str(
                 "the steer angle is that of the steering wheel (name its column \
                  steering_wheel_rad)",
             ),
             Self::SteerInDegrees => {
-                f.write_str("the steer angle is in degrees (--column steer=NAME[deg])")
+                f.write_str("the steer angle is in degrees (⟨columns steer=NAME[deg]⟩)")
             }
             Self::LateralInG => f.write_str(
-                "the lateral acceleration is in g (--column lateral_acceleration=NAME[g])",
+                "the lateral acceleration is in g (⟨columns lateral_acceleration=NAME[g]⟩)",
             ),
             Self::LateralHasGravity => f.write_str(
                 "the lateral acceleration is that of an accelerometer fixed to the body, which \

@@ -48,14 +48,14 @@ impl LogEstimator {
         }
         if !self.seen.speed && self.options.speed_mps.is_none() {
             messages.push(format!(
-                "no speed in the log: {:.2} m/s of the vehicle file taken; give --speed-mps",
+                "no speed in the log: {:.2} m/s of the vehicle file taken; give ⟨speed_mps⟩",
                 self.design.nominal_speed_mps
             ));
         }
         if !self.seen.mass && self.options.trailer_mass_kg.is_none() {
             messages.push(format!(
                 "no trailer mass in the log: {:.0} kg of the vehicle file taken; give \
-                 --trailer-mass-kg (mass and height are confounded)",
+                 ⟨trailer_mass_kg⟩ (mass and height are confounded)",
                 self.design.nominal_trailer_mass_kg
             ));
         }

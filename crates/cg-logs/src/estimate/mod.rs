@@ -22,5 +22,5 @@ mod prediction;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use intake::{Identified, LogEstimator};
-pub use options::{EstimateOptions, Method, QUANTILE_95};
+pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95};
 pub use prediction::Prediction;

@@ -20,6 +20,40 @@ pub enum Method {
     Gain,
 }
 
+cg_core::words!(Method {
+    Filtered => "filtered", "Filtered signals and prior dynamics";
+    Arx => "arx", "Classical shift form, as in the thesis";
+    Gain => "gain", "Nominal dynamics, only the gain is free";
+});
+
+/// Which channel a height is estimated from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ChannelChoice {
+    /// Both, combined.
+    #[default]
+    Auto,
+    /// Steer angle alone.
+    Steer,
+    /// Lateral acceleration alone.
+    LateralAcceleration,
+}
+
+cg_core::words!(ChannelChoice {
+    Auto => "auto", "Both, by what each knows";
+    Steer => "steer", "Steer angle";
+    LateralAcceleration => "lateral-acceleration", "Lateral acceleration, or yaw rate times speed";
+});
+
+impl From<ChannelChoice> for Option<Channel> {
+    fn from(choice: ChannelChoice) -> Self {
+        match choice {
+            ChannelChoice::Auto => None,
+            ChannelChoice::Steer => Some(Channel::Steer),
+            ChannelChoice::LateralAcceleration => Some(Channel::LateralAcceleration),
+        }
+    }
+}
+
 /// What to estimate with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateOptions {

@@ -111,13 +111,13 @@ impl SignalCheck {
         let degree = 1_f64.to_radians();
         let near = |known: f64| (slope / known - 1.0).abs() < NEAR;
         let cause = if near(-1.0) {
-            "one of the two is reversed (--flip lateral_acceleration or --flip yaw_rate)"
+            "one of the two is reversed (⟨flip lateral_acceleration⟩ or ⟨flip yaw_rate⟩)"
         } else if near(1.0 / gravity_mps2) {
-            "the lateral acceleration is in g (--column lateral_acceleration=NAME[g])"
+            "the lateral acceleration is in g (⟨columns lateral_acceleration=NAME[g]⟩)"
         } else if near(degree) {
-            "the yaw rate is in degrees per second (--column yaw_rate=NAME[degps])"
+            "the yaw rate is in degrees per second (⟨columns yaw_rate=NAME[degps]⟩)"
         } else if near(1.0 / 3.6) {
-            "the speed is in km/h (--column speed=NAME[kmh])"
+            "the speed is in km/h (⟨columns speed=NAME[kmh]⟩)"
         } else if near(body) {
             "the lateral acceleration is that of an accelerometer fixed to the body, which feels \
              gravity as the body rolls (leave its column out, so that yaw rate and speed serve \

@@ -4,7 +4,8 @@ use std::cmp::Reverse;
 
 use super::error::{ColumnName, LogError, Place, shown};
 use super::options::{ColumnMap, LogOptions};
-use super::signal::{Signal, Unit};
+use super::signal::Signal;
+use cg_core::Unit;
 
 /// A column to read.
 #[derive(Clone, Debug)]
@@ -93,7 +94,7 @@ impl Header<'_> {
             all.next().map(|first| (first, all.next()))
         };
         let Some((index, twin)) = named(map.name()).or_else(|| named(map.written())) else {
-            let wanted = format!("--column {}={}", map.signal(), shown(map.name(), 80));
+            let wanted = format!("⟨columns {}={}⟩", map.signal(), shown(map.name(), 80));
             return Err(self.missing(&wanted, &[(map.signal(), map.name())]));
         };
         let other = self.columns.iter().find(|column| column.index == index);
@@ -157,12 +158,10 @@ impl Header<'_> {
     fn missing(&self, wanted: &str, near: &[(Signal, &str)]) -> LogError {
         let remedy = if let Some((index, signal)) = self.nearest(near) {
             let (name, unit) = (shown(&self.names[index], 80), signal.usual_unit());
-            let simple = name.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
-            let quote = if simple { "" } else { "'" };
-            format!("if `{name}` is meant: --column {quote}{signal}={name}[{unit}]{quote}")
+            format!("if `{name}` is meant: ⟨columns {signal}={name}[{unit}]⟩")
         } else {
             let signal = near[0].0;
-            format!("name yours with --column {signal}=NAME[{}]", signal.usual_unit())
+            format!("name yours with ⟨columns {signal}=NAME[{}]⟩", signal.usual_unit())
         };
         let found: Vec<_> = self.names.iter().map(|name| shown(name, 40)).collect();
         LogError::MissingColumn {
@@ -174,13 +173,12 @@ impl Header<'_> {
     }
 
     fn check_flip(&self, signal: Signal) -> Result<(), LogError> {
-        let reason = match signal {
-            Signal::Time
-            | Signal::TrailerMass
-            | Signal::TrailerAxleLoad
-            | Signal::TrailerSuspensionPressure => "it has no direction",
-            _ if self.find(signal).is_none() => "the log has no such signal",
-            _ => return Ok(()),
+        let reason = if !signal.is_directed() {
+            "it has no direction"
+        } else if self.find(signal).is_none() {
+            "the log has no such signal"
+        } else {
+            return Ok(());
         };
         Err(LogError::Flip { place: self.place.clone(), signal, reason })
     }

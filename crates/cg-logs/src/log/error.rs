@@ -5,37 +5,8 @@ use std::io;
 
 use crate::can::CandumpFault;
 
-use super::Signal;
-
-/// A place in a log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The file as it was named by the caller.
-    pub file: Box<str>,
-    /// Where in the file.
-    pub position: Position,
-}
-
-/// A position in a log. Both counts start at one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Position {
-    /// The file as a whole.
-    File,
-    /// A line of text, comments and blank lines counted.
-    Line(u64),
-    /// A row of a parquet file.
-    Row(u64),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.position {
-            Position::File => write!(f, "{}", self.file),
-            Position::Line(line) => write!(f, "{}, line {line}", self.file),
-            Position::Row(row) => write!(f, "{}, row {row}", self.file),
-        }
-    }
-}
+use super::signal::Signal;
+pub use crate::place::{Place, Position};
 
 /// A column of a log: "column 3 `roll_rad`".
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -114,20 +85,20 @@ pub enum LogError {
     /// A column of ours with a unit that is not.
     #[error(
         "{place}, {column}: unknown unit; {signal} may come in {accepted}: rename the column, or \
-         say which column and unit to take with --column {signal}=NAME[{}]", .signal.usual_unit()
+         say which column and unit to take with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
     )]
     UnknownUnit { place: Place, column: ColumnName, signal: Signal, accepted: Box<str> },
     /// A signal that comes twice.
     #[error(
         "{place}: {signal} comes twice, in {first} and in {second}; remove one, \
-         or choose with --column {signal}=NAME[{}]", .signal.usual_unit()
+         or choose with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
     )]
     DuplicateSignal { place: Place, signal: Signal, first: ColumnName, second: ColumnName },
     /// One column that two options claim.
-    #[error("{place}, {column}: asked for as {first} and as {second}; drop one --column option")]
+    #[error("{place}, {column}: asked for as {first} and as {second}; drop one ⟨columns⟩ option")]
     SharedColumn { place: Place, column: ColumnName, first: Signal, second: Signal },
     /// A sensor to flip that has no sign to turn, or is not in the log.
-    #[error("{place}: {signal} cannot be flipped: {reason}; remove it from --flip")]
+    #[error("{place}: {signal} cannot be flipped: {reason}; remove it from ⟨flip⟩")]
     Flip { place: Place, signal: Signal, reason: &'static str },
     /// A parquet column that holds no numbers.
     #[error("{place}, {column}: holds {kind}, not numbers; export it as a numeric column")]
@@ -161,7 +132,7 @@ pub enum LogError {
     /// A candump log without roll angles.
     #[error(
         "{place}: none of its {frames} frames has a roll angle that counts (J1939 SSI2 or SSI); for \
-         another sensor give --dbc and --signal{remarks}"
+         another sensor give ⟨dbc⟩ and ⟨signals⟩{remarks}"
     )]
     NoSamples { place: Place, frames: u64, remarks: Box<str> },
     /// The log cannot be written.

@@ -2,16 +2,16 @@
 
 use std::io::{BufReader, Read};
 
-use crate::can::{
-    CandumpError, CandumpFault, CandumpReader, Decoder, Frame, Sampler, named, parse,
-};
+use cg_core::{Quantity, Sample};
+
+use crate::can::{CandumpError, CandumpFault, CandumpReader, Frame, Instant, Sampler, parse};
 
 use super::error::{LogError, Place, Position};
 use super::options::LogOptions;
 use super::signal::{LogRow, Signal};
 
-/// What a CAN log may have.
-const SIGNALS: [Signal; 8] = [
+/// What a sample holds.
+const SAMPLED: [Signal; 8] = [
     Signal::Time,
     Signal::Steer,
     Signal::Roll,
@@ -22,12 +22,91 @@ const SIGNALS: [Signal; 8] = [
     Signal::TrailerMass,
 ];
 
+/// Frames to rows of a log: each sample that they make, as `cg run` takes it.
+#[derive(Clone, Debug)]
+pub struct FrameRows {
+    sampler: Sampler,
+    /// Without the truck, steering wheel and load say nothing yet: they stay in the row.
+    without_truck: bool,
+    /// Time of the log less stream time, s; of the first frame, so that time never goes back.
+    origin_s: Option<f64>,
+}
+
+impl FrameRows {
+    /// Before the first frame.
+    pub fn new(options: &LogOptions) -> Self {
+        Self {
+            sampler: Sampler::new(options.decoder(), options.settings.unwrap_or_default()),
+            without_truck: options.settings.is_none(),
+            origin_s: None,
+        }
+    }
+
+    /// Takes in a frame; whether it holds a value that counts. Then ask for [rows](Self::next_row).
+    pub fn push(&mut self, frame: &Frame) -> bool {
+        let mut heard = false;
+        let instant = self.sampler.push(frame, None, |_| heard = true);
+        self.begin(frame.time_us, instant);
+        heard
+    }
+
+    /// Takes in a value that was measured elsewhere than in a frame.
+    pub fn push_value(&mut self, quantity: Quantity, time_us: u64, value: f64) {
+        let instant = self.sampler.push_value(quantity, time_us, value);
+        self.begin(time_us, instant);
+    }
+
+    fn begin(&mut self, time_us: u64, instant: Instant) {
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        let seconds = |us: u64| us as f64 * 1e-6;
+        self.origin_s.get_or_insert(seconds(time_us) - seconds(instant.stream_us));
+    }
+
+    /// The next row that is complete.
+    pub fn next_row(&mut self) -> Option<LogRow> {
+        let sample = self.sampler.next_sample()?;
+        Some(self.row(&sample))
+    }
+
+    /// The next row that still waits for other signals, at the end of a log.
+    pub fn rest(&mut self) -> Option<LogRow> {
+        let sample = self.sampler.rest()?;
+        Some(self.row(&sample))
+    }
+
+    fn row(&self, sample: &Sample<f64>) -> LogRow {
+        #[allow(clippy::cast_precision_loss)]
+        let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
+        let row = LogRow::of_sample(time_s, sample);
+        if !self.without_truck {
+            return row;
+        }
+        LogRow::from_values(Signal::ALL.map(|signal| match signal.quantity() {
+            // As in a sample: without a speed no angle says how fast the truck turns.
+            Some(Quantity::SteeringWheel) if sample.speed_mps.is_nan() => f64::NAN,
+            Some(quantity) if !SAMPLED.contains(&signal) => {
+                self.sampler.value(quantity, sample.time_us)
+            }
+            _ => row.get(signal),
+        }))
+    }
+
+    /// The signals that rows may have.
+    pub fn signals(&self) -> Vec<Signal> {
+        let may = |signal: &Signal| self.without_truck || SAMPLED.contains(signal);
+        Signal::ALL.into_iter().filter(may).collect()
+    }
+
+    /// What was doubted so far, for people.
+    pub fn remarks(&self) -> Vec<String> {
+        self.sampler.remarks()
+    }
+}
+
 pub(super) struct Frames {
     file: Box<str>,
     reader: CandumpReader<BufReader<Box<dyn Read + Send>>>,
-    sampler: Sampler,
-    /// Time of the log less stream time, s; of the first frame, so that time never goes back.
-    origin_s: Option<f64>,
+    rows: FrameRows,
     over: bool,
 }
 
@@ -43,21 +122,16 @@ pub(super) fn is_candump(head: &[u8]) -> bool {
 
 impl Frames {
     pub(super) fn new(file: &str, stream: Box<dyn Read + Send>, options: &LogOptions) -> Self {
-        let can = &options.can;
-        let flipped = options.flip.iter().filter_map(|signal| named(signal.name()).ok()).collect();
-        let decoder = Decoder::new(can.mapped.clone(), can.filters.clone(), flipped)
-            .with_compensation(can.compensation);
         Self {
             file: file.into(),
-            reader: CandumpReader::new(BufReader::new(stream), can.bus.clone()),
-            sampler: Sampler::new(decoder, options.settings.unwrap_or_default()),
-            origin_s: None,
+            reader: CandumpReader::new(BufReader::new(stream), options.can.bus.clone()),
+            rows: FrameRows::new(options),
             over: false,
         }
     }
 
-    pub(super) fn signals() -> Vec<Signal> {
-        SIGNALS.to_vec()
+    pub(super) fn signals(&self) -> Vec<Signal> {
+        self.rows.signals()
     }
 
     pub(super) fn position(&self) -> Position {
@@ -71,21 +145,8 @@ impl Frames {
     /// Reads the next sample into `values`. `false` at the end.
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
         loop {
-            let sample = if self.over { self.sampler.rest() } else { self.sampler.next_sample() };
-            if let Some(sample) = sample {
-                #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-                let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
-                let row = LogRow {
-                    time_s,
-                    steer_rad: sample.steer_rad,
-                    roll_rad: sample.roll_rad,
-                    tilt_rad: sample.tilt_rad,
-                    speed_mps: sample.speed_mps,
-                    lateral_acceleration_mps2: sample.lateral_acceleration_mps2,
-                    yaw_rate_radps: sample.yaw_rate_radps,
-                    trailer_mass_kg: sample.trailer_mass_kg,
-                    ..LogRow::ABSENT
-                };
+            let row = if self.over { self.rows.rest() } else { self.rows.next_row() };
+            if let Some(row) = row {
                 *values = Signal::ALL.map(|signal| row.get(signal));
                 return Ok(true);
             }
@@ -93,7 +154,9 @@ impl Frames {
                 return Ok(false);
             }
             match self.reader.next_frame() {
-                Ok(Some(frame)) => self.take(&frame),
+                Ok(Some(frame)) => {
+                    self.rows.push(&frame);
+                }
                 Ok(None) => self.over = true,
                 Err(source) => {
                     self.over = true;
@@ -101,13 +164,6 @@ impl Frames {
                 }
             }
         }
-    }
-
-    fn take(&mut self, frame: &Frame) {
-        let instant = self.sampler.push(frame, None, |_| {});
-        #[allow(clippy::cast_precision_loss)]
-        let seconds = |us: u64| us as f64 * 1e-6;
-        self.origin_s.get_or_insert(seconds(frame.time_us) - seconds(instant.stream_us));
     }
 
     /// The file's name, since the fault says the line.
@@ -125,7 +181,7 @@ impl Frames {
 
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks = self.reader.remarks();
-        remarks.extend(self.sampler.remarks());
+        remarks.extend(self.rows.remarks());
         remarks
     }
 }

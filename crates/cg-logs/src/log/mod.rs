@@ -52,7 +52,8 @@ mod writer;
 
 pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
+pub use frames::FrameRows;
 pub use options::{CanOptions, ColumnMap, LogOptions, OptionError};
 pub use reader::LogReader;
-pub use signal::{LogRow, Signal};
+pub use signal::{LogRow, Signal, UnknownSignal};
 pub use writer::LogWriter;

@@ -2,13 +2,12 @@
 
 use std::str::FromStr;
 
-use cg_core::AlignSettings;
 use cg_core::signal::j1939::Compensation;
+use cg_core::{AlignSettings, Unit};
 
-use crate::can::{DeviceFilter, MappedSignal};
+use crate::can::{Decoder, DeviceFilter, MappedSignal};
 
-use super::Signal;
-use super::signal::Unit;
+use super::signal::{Signal, UnknownSignal};
 
 /// How a log differs from the format of this project.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +24,15 @@ pub struct LogOptions {
     /// [cannot have](AlignSettings::believes) are absent then, and a CAN log has its steer angle.
     /// Without it the values of a table are read as they stand.
     pub settings: Option<AlignSettings<f64>>,
+}
+
+impl LogOptions {
+    /// How the frames of a log are understood.
+    pub fn decoder(&self) -> Decoder {
+        let flipped = self.flip.iter().filter_map(|signal| signal.quantity()).collect();
+        Decoder::new(self.can.mapped.clone(), self.can.filters.clone(), flipped)
+            .with_compensation(self.can.compensation)
+    }
 }
 
 /// How frames become signals.
@@ -99,7 +107,7 @@ impl ColumnMap {
 
     /// The unit of that column: `deg`.
     pub const fn unit(&self) -> &'static str {
-        self.unit.name
+        self.unit.suffix
     }
 
     /// Everything after the `=`, for a column whose own name ends in a bracket.
@@ -136,10 +144,10 @@ impl FromStr for ColumnMap {
 fn unit_of_name(signal: Signal, name: &str) -> Result<&str, OptionError> {
     match name.rsplit_once('_') {
         Some((_, suffix)) if signal.unit(suffix).is_some() => Ok(suffix),
-        Some((_, suffix)) if Unit::is_known(suffix) => {
+        Some((_, suffix)) if Signal::any_has_unit(suffix) => {
             Err(OptionError::ForeignUnit { signal, name: name.into(), suffix: suffix.into() })
         }
-        _ => Ok(signal.si().name),
+        _ => Ok(signal.si().suffix),
     }
 }
 
@@ -148,14 +156,8 @@ fn unit_of_name(signal: Signal, name: &str) -> Result<&str, OptionError> {
 #[non_exhaustive]
 pub enum OptionError {
     /// Not the name of a signal.
-    #[error(
-        "`{}` is no signal; the signals are time, steer, steering_wheel, roll, tilt, speed, \
-         lateral_acceleration, yaw_rate, trailer_mass", .text.escape_debug()
-    )]
-    UnknownSignal {
-        /// What was given.
-        text: Box<str>,
-    },
+    #[error(transparent)]
+    UnknownSignal(#[from] UnknownSignal),
     /// Not of the form `signal=name[unit]`.
     #[error("`{}` names no column; write it as roll=NAME[deg]", .text.escape_debug())]
     Shape {
@@ -175,7 +177,7 @@ pub enum OptionError {
     /// The name ends in a unit the signal cannot have, and no `[unit]` says otherwise.
     #[error(
         "the name `{}` ends in `{suffix}`, which is no unit of {signal}; \
-         say the unit: {signal}={name}[{}]", .name.escape_debug(), .signal.si().name
+         say the unit: {signal}={name}[{}]", .name.escape_debug(), .signal.si().suffix
     )]
     ForeignUnit {
         /// The signal.

@@ -121,7 +121,7 @@ impl LogReader {
     ) -> Self {
         let columns = body.columns();
         let mut signals: Vec<Signal> = match &body {
-            Body::Can(_) => Frames::signals(),
+            Body::Can(frames) => frames.signals(),
             _ => columns.iter().map(|column| column.signal).collect(),
         };
         signals.sort_unstable();

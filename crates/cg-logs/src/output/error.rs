@@ -34,7 +34,7 @@ pub enum OutputError {
     },
     /// It is there and not ours.
     #[error(
-        "{path}: is there already and is no {kind} of ours; give {output} another file, or --force to replace it"
+        "{path}: is there already and is no {kind} of ours; give {output} another file, or ⟨force⟩ to replace it"
     )]
     Foreign {
         /// The file.
@@ -45,7 +45,7 @@ pub enum OutputError {
         output: String,
     },
     /// It is there and may not be written.
-    #[error("{path}: is write-protected; give {output} another file, or --force to replace it")]
+    #[error("{path}: is write-protected; give {output} another file, or ⟨force⟩ to replace it")]
     Protected {
         /// The file.
         path: String,

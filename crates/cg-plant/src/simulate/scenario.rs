@@ -25,6 +25,12 @@ pub enum Plant {
     Nonlinear,
 }
 
+cg_core::words!(Plant {
+    Linear => "linear", "The linear model in full";
+    Reduced => "reduced", "The reduced 5th-order model";
+    Nonlinear => "nonlinear", "The nonlinear yaw/roll plant, springs and tyres as the vehicle file has them";
+});
+
 /// What to simulate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scenario {
@@ -99,13 +105,17 @@ impl Scenario {
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         self.load.check()?;
-        limits::positive("--speed-mps", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
-        limits::positive("--rate-hz", self.rate_hz, limits::GREATEST_RATE_HZ)?;
-        limits::positive("--duration-s", self.duration_s, limits::GREATEST_DURATION_S)?;
-        limits::positive("--step-rate", self.step_rate_per_s, limits::GREATEST_STEP_RATE_PER_S)?;
+        limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
+        limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
+        limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;
+        limits::positive(
+            "⟨step_rate_per_s⟩",
+            self.step_rate_per_s,
+            limits::GREATEST_STEP_RATE_PER_S,
+        )?;
         if self.duration_s * self.rate_hz > limits::GREATEST_ROWS {
             return refuse(format!(
-                "--duration-s {} at --rate-hz {} makes more than {:e} rows: reduce one of them",
+                "⟨duration_s⟩ {} at ⟨rate_hz⟩ {} makes more than {:e} rows: reduce one of them",
                 self.duration_s,
                 self.rate_hz,
                 limits::GREATEST_ROWS
@@ -113,32 +123,32 @@ impl Scenario {
         }
         if !(self.start_s >= 0.0 && self.start_s < self.duration_s) {
             return refuse(format!(
-                "--start-s {} must lie between 0 and --duration-s {}",
+                "⟨start_s⟩ {} must lie between 0 and ⟨duration_s⟩ {}",
                 self.start_s, self.duration_s
             ));
         }
         if self.plant != Plant::Nonlinear && (self.course.is_some() || self.to_rollover) {
             return refuse(
-                "a path to follow (--turn-deg, --radius-m, --gate-m) and --to-rollover need \
-                 --plant nonlinear"
+                "a path to follow (⟨turn_rad⟩, ⟨radius_m⟩, ⟨gate_m⟩) and ⟨to_rollover⟩ need \
+                 ⟨plant nonlinear⟩"
                     .into(),
             );
         }
         if !(0.0..=0.5).contains(&self.speed_change) {
             return refuse(format!(
-                "--speed-change {} must lie between 0 and 0.5",
+                "⟨speed_change⟩ {} must lie between 0 and 0.5",
                 self.speed_change
             ));
         }
         let changes = self.speed_change > 0.0;
         if changes && (self.maneuver != Maneuver::Drive || self.plant == Plant::Reduced) {
             return refuse(
-                "--speed-change is for --maneuver drive, with --plant linear or nonlinear".into(),
+                "⟨speed_change⟩ is for ⟨maneuver drive⟩, with ⟨plant linear⟩ or nonlinear".into(),
             );
         }
         if self.sensors.steering_wheel && vehicle.steering_ratio.is_none() {
             return refuse(
-                "--steering-wheel: the vehicle file has no steering_ratio; add one".into(),
+                "⟨steering_wheel⟩: the vehicle file has no steering_ratio; add one".into(),
             );
         }
         self.sensors.check(self.rate_hz)

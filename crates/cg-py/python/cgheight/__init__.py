@@ -23,7 +23,8 @@ from types import ModuleType
 
 from cgheight._batch import Estimates, estimate_logs
 from cgheight._calibrate import calibrate
-from cgheight._estimate import Estimator, estimate, estimate_log
+from cgheight._columns import SIGNALS
+from cgheight._estimate import Arx, Estimator, estimate, estimate_log
 from cgheight._logs import read_log, write_log
 from cgheight._model_results import (
     ArxModel,
@@ -37,10 +38,13 @@ from cgheight._native import Vehicle, __version__, linear_model
 from cgheight._predict import predict_roll
 from cgheight._reproduce import reproduce
 from cgheight._results import ChannelEstimate, Estimate, Maneuver
+from cgheight._scenario import Scenario, Sensors
 from cgheight._simulate import SimulatedLog, accuracy_map, simulate
 from cgheight._transfer import TransferFunction
 
 __all__ = [
+    "SIGNALS",
+    "Arx",
     "ArxModel",
     "ChannelEstimate",
     "Estimate",
@@ -51,6 +55,8 @@ __all__ = [
     "OrderSelection",
     "RatioLine",
     "ReducedModel",
+    "Scenario",
+    "Sensors",
     "SimulatedLog",
     "StaticBalance",
     "TransferFunction",

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from cgheight import _native, _show
 from cgheight._estimate import estimate_log
@@ -35,7 +35,11 @@ class Estimates(Sequence[Estimate]):
     def __len__(self) -> int:
         return len(self.estimates)
 
-    def __getitem__(self, index: Any) -> Any:
+    @overload
+    def __getitem__(self, index: int) -> Estimate: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Estimate, ...]: ...
+    def __getitem__(self, index: int | slice) -> Estimate | tuple[Estimate, ...]:
         return self.estimates[index]
 
     def __iter__(self) -> Iterator[Estimate]:

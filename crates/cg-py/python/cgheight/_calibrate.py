@@ -9,7 +9,7 @@ from typing import Literal
 
 from cgheight import _native
 from cgheight._arrays import number
-from cgheight._logs import flips, maps
+from cgheight._columns import flips, maps
 
 Run = tuple[str | os.PathLike[str], float] | tuple[str | os.PathLike[str], float, float]
 

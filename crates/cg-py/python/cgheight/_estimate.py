@@ -5,36 +5,58 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal, Self
+from dataclasses import dataclass
+from typing import Any, Literal, Self, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cgheight import _native
 from cgheight._arrays import column, number
-from cgheight._logs import flips, is_can, maps, signals
+from cgheight._columns import flips, maps
+from cgheight._frames import estimate_frames, is_can
+from cgheight._logs import FOR_TABLES
+from cgheight._logs import signals as log_signals
 from cgheight._results import Estimate
 
 
-def _calibrated(
+def calibrated(
     vehicle: _native.Vehicle, calibration: str | os.PathLike[str] | None
 ) -> _native.Vehicle:
     return vehicle if calibration is None else vehicle.calibrated(calibration)
 
 
-def _options(
-    method: str,
+@dataclass(frozen=True, slots=True)
+class Arx:
+    """The method "arx" with another order than 5.
+
+    Attributes
+    ----------
+    order : int
+        Order of the classical ARX, 1 to 10.
+    """
+
+    order: int = 5
+
+
+Method = Literal["filtered", "arx", "gain"] | Arx
+ChannelName = Literal["auto", "steer", "lateral-acceleration"]
+ModelName = Literal["complete", "as-printed"]
+
+
+def shared_options(
+    method: Method,
     channel: str,
-    order: int,
     model: str,
     speed_mps: object = None,
     trailer_mass_kg: object = None,
 ) -> dict[str, Any]:
+    """Return the options that every estimate has, as the compiled half takes them."""
     mass, speed = trailer_mass_kg, speed_mps
     return {
-        "method": method,
+        "method": "arx" if isinstance(method, Arx) else method,
         "channel": channel,
-        "order": operator.index(order),
+        "order": operator.index((method if isinstance(method, Arx) else Arx()).order),
         "model": model,
         "speed_mps": None if speed is None else number("speed_mps", speed),
         "trailer_mass_kg": None if mass is None else number("trailer_mass_kg", mass),
@@ -46,20 +68,12 @@ def estimate(
     steer_rad: ArrayLike | None,
     roll_rad: ArrayLike | None,
     *,
-    speed_mps: ArrayLike | None = None,
-    lateral_acceleration_mps2: ArrayLike | None = None,
-    yaw_rate_radps: ArrayLike | None = None,
-    trailer_mass_kg: ArrayLike | None = None,
-    steering_wheel_rad: ArrayLike | None = None,
-    tilt_rad: ArrayLike | None = None,
-    trailer_axle_load_kg: ArrayLike | None = None,
-    trailer_suspension_pressure_pa: ArrayLike | None = None,
     vehicle: _native.Vehicle,
     calibration: str | os.PathLike[str] | None = None,
-    method: Literal["filtered", "arx", "gain"] = "filtered",
-    channel: Literal["auto", "steer", "lateral-acceleration"] = "auto",
-    order: int = 5,
-    model: Literal["complete", "as-printed"] = "complete",
+    method: Method = "filtered",
+    channel: ChannelName = "auto",
+    model: ModelName = "complete",
+    **signals: ArrayLike | None,
 ) -> Estimate:
     """Estimate the height of the trailer's c.g. from arrays.
 
@@ -75,36 +89,21 @@ def estimate(
         Mean road-wheel angle, rad.
     roll_rad : array, shape (n,), or None
         Roll angle of the trailer's sprung mass to the road, rad.
-    speed_mps : float or array, shape (n,), optional
-        Forward speed, m/s; the vehicle's nominal speed if absent.
-    lateral_acceleration_mps2 : array, shape (n,), optional
-        Lateral acceleration of the trailer, m/s².
-    yaw_rate_radps : array, shape (n,), optional
-        Yaw rate of the trailer, rad/s; stands in for an absent lateral acceleration.
-    trailer_mass_kg : float or array, shape (n,), optional
-        Mass of the whole semitrailer as weighed, kg; the vehicle's reference if absent.
-    steering_wheel_rad : array, shape (n,), optional
-        Steering-wheel angle, rad; used where `steer_rad` is absent.
-    tilt_rad : array, shape (n,), optional
-        What an accelerometer inclinometer shows, rad; used where `roll_rad` is absent.
-    trailer_axle_load_kg : array, shape (n,), optional
-        Load of the trailer's axles on the road, kg; used where `trailer_mass_kg` is absent.
-    trailer_suspension_pressure_pa : array, shape (n,), optional
-        Pressure in the trailer's air suspension, mean of both sides, Pa; used where both are absent
-        if the vehicle file has ``trailer.suspension_pressure``.
     vehicle : Vehicle
         The vehicle.
     calibration : str or os.PathLike, optional
         A calibration file of this vehicle. For many logs, `vehicle.calibrated(path)` once is
         quicker.
-    method : {"filtered", "arx", "gain"}
-        Identification: ARX on filtered signals, classical ARX, gain alone.
+    method : {"filtered", "arx", "gain"} or Arx
+        Identification: ARX on filtered signals, classical ARX (`Arx` gives its order), gain alone.
     channel : {"auto", "steer", "lateral-acceleration"}
         Input; "auto" takes the one that knows the height best.
-    order : int
-        Order of the classical ARX, 1 to 10.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
+    **signals : array, shape (n,), optional
+        The other signals of `cgheight.SIGNALS`: ``lateral_acceleration_mps2``,
+        ``yaw_rate_radps``, …. ``speed_mps`` (m/s) and ``trailer_mass_kg`` (the whole semitrailer as
+        weighed, kg) may be one number for all rows; absent, they are the vehicle's.
 
     Returns
     -------
@@ -116,30 +115,21 @@ def estimate(
     ValueError
         An array is not one-dimensional, has another length than `time_s` or holds infinity;
         time is NaN or does not increase (named with index); an option is out of range.
+    TypeError
+        There is no such signal.
     FileNotFoundError
         There is no such calibration file.
     """
     scalars: dict[str, object] = {"speed_mps": None, "trailer_mass_kg": None}
-    given = {
-        "time_s": time_s,
-        "steer_rad": steer_rad,
-        "steering_wheel_rad": steering_wheel_rad,
-        "roll_rad": roll_rad,
-        "tilt_rad": tilt_rad,
-        "speed_mps": speed_mps,
-        "lateral_acceleration_mps2": lateral_acceleration_mps2,
-        "yaw_rate_radps": yaw_rate_radps,
-        "trailer_mass_kg": trailer_mass_kg,
-        "trailer_axle_load_kg": trailer_axle_load_kg,
-        "trailer_suspension_pressure_pa": trailer_suspension_pressure_pa,
-    }
+    given: dict[str, Any] = {"time_s": time_s, "steer_rad": steer_rad, "roll_rad": roll_rad}
+    given |= signals
     for name in scalars:
-        value = given[name]
+        value = given.get(name)
         if value is not None and np.ndim(value) == 0:
             scalars[name], given[name] = value, None
     arrays = {name: column(name, values) for name, values in given.items() if values is not None}
-    options = _options(method, channel, order, model, **scalars)
-    return _native.estimate_arrays(_calibrated(vehicle, calibration), arrays, options)
+    options = shared_options(method, channel, model, **scalars)
+    return _native.estimate_arrays(calibrated(vehicle, calibration), arrays, options)
 
 
 def estimate_log(
@@ -151,19 +141,18 @@ def estimate_log(
     speed_mps: float | None = None,
     trailer_mass_kg: float | None = None,
     calibration: str | os.PathLike[str] | None = None,
-    method: Literal["filtered", "arx", "gain"] = "filtered",
-    channel: Literal["auto", "steer", "lateral-acceleration"] = "auto",
-    order: int = 5,
-    model: Literal["complete", "as-printed"] = "complete",
+    method: Method = "filtered",
+    channel: ChannelName = "auto",
+    model: ModelName = "complete",
 ) -> Estimate:
     """Estimate the height of the trailer's c.g. from a log.
 
-    Columns are found by name: ``time_s``, ``steer_rad`` (or ``steering_wheel_rad``),
-    ``roll_rad`` (or ``tilt_rad``) and, if there, ``speed_mps``, ``lateral_acceleration_mps2``,
-    ``yaw_rate_radps``, ``trailer_mass_kg`` (or ``trailer_axle_load_kg``, or
-    ``trailer_suspension_pressure_pa``); units by suffix, also ``_deg``, ``_degps``, ``_kmh``,
-    ``_g``, ``_ms``, ``_us``, ``_t``, ``_kpa``, ``_bar``. The same rules hold for files and data
-    frames.
+    Columns are found by name, those of `cgheight.SIGNALS`: ``time_s``, a roll angle (``roll_rad`` or
+    ``tilt_rad``), an input (``steer_rad``, ``steering_wheel_rad``, ``lateral_acceleration_mps2`` or
+    ``yaw_rate_radps``) and whatever else is there; units by suffix, also ``_deg``, ``_degps``,
+    ``_kmh``, ``_g``, ``_ms``, ``_t``, ``_bar``, …. The same rules hold for files and data frames.
+    A CAN log is read as `cg run` reads it; where it needs a DBC file, read it with
+    `cgheight.can.read_log` first.
 
     Parameters
     ----------
@@ -179,7 +168,7 @@ def estimate_log(
         Signals whose sensor is mounted the other way round, such as ``("roll",)``.
     speed_mps, trailer_mass_kg : float, optional
         Speed (m/s) and mass of the whole semitrailer (kg), whatever the log says.
-    calibration, method, channel, order, model
+    calibration, method, channel, model
         As for `estimate`.
 
     Returns
@@ -194,13 +183,39 @@ def estimate_log(
     ValueError
         The log is not as described; the message names line (or row), column and remedy.
     ImportError
-        The log holds CAN frames and python-can is not installed.
+        The log is ``.asc``, ``.blf``, ``.mf4`` or ``.trc`` and python-can is not installed.
     """
-    options = _options(method, channel, order, model, speed_mps, trailer_mass_kg)
-    vehicle = _calibrated(vehicle, calibration)
-    if isinstance(log, str | os.PathLike) and not is_can(log):
+    options = shared_options(method, channel, model, speed_mps, trailer_mass_kg)
+    vehicle = calibrated(vehicle, calibration)
+    if isinstance(log, str | os.PathLike) and is_can(log):
+        if columns:
+            raise ValueError(FOR_TABLES)
+        return estimate_frames(log, vehicle, flips(flip), options)
+    if isinstance(log, str | os.PathLike):
         return _native.estimate_file(vehicle, os.fspath(log), maps(columns), flips(flip), options)
-    return _native.estimate_arrays(vehicle, signals(log, columns, flip), options)
+    return _native.estimate_arrays(vehicle, log_signals(log, columns, flip), options)
+
+
+class EstimatorOptions(TypedDict, total=False):
+    """The keywords of `Estimator`."""
+
+    speed_mps: float | None
+    trailer_mass_kg: float | None
+    calibration: str | os.PathLike[str] | None
+    method: Method
+    channel: ChannelName
+    model: ModelName
+
+
+def stream_options(options: EstimatorOptions) -> dict[str, Any]:
+    """Return the keywords of `Estimator` as the compiled half takes them."""
+    return shared_options(
+        options.get("method", "filtered"),
+        options.get("channel", "auto"),
+        options.get("model", "complete"),
+        options.get("speed_mps"),
+        options.get("trailer_mass_kg"),
+    )
 
 
 class Estimator(_native.Stream):
@@ -214,7 +229,7 @@ class Estimator(_native.Stream):
         The vehicle.
     speed_mps, trailer_mass_kg : float, optional
         Speed (m/s) and mass of the whole semitrailer (kg), whatever the rows say.
-    calibration, method, channel, order, model
+    calibration, method, channel, model
         As for `estimate`.
 
     Raises
@@ -232,11 +247,10 @@ class Estimator(_native.Stream):
         speed_mps: float | None = None,
         trailer_mass_kg: float | None = None,
         calibration: str | os.PathLike[str] | None = None,
-        method: Literal["filtered", "arx", "gain"] = "filtered",
-        channel: Literal["auto", "steer", "lateral-acceleration"] = "auto",
-        order: int = 5,
-        model: Literal["complete", "as-printed"] = "complete",
+        method: Method = "filtered",
+        channel: ChannelName = "auto",
+        model: ModelName = "complete",
     ) -> Self:
         """Begin a log."""
-        options = _options(method, channel, order, model, speed_mps, trailer_mass_kg)
-        return super().__new__(cls, _calibrated(vehicle, calibration), options)
+        options = shared_options(method, channel, model, speed_mps, trailer_mass_kg)
+        return super().__new__(cls, calibrated(vehicle, calibration), options)

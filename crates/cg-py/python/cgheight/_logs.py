@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Mapping
-from pathlib import PurePath
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -13,29 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cgheight import _native
-from cgheight._arrays import column
+from cgheight._columns import flips, maps, table_signals
 from cgheight._extras import need
+from cgheight._frames import CANDUMP, is_can, read_frames, reading, suffix
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# File formats of CAN frames, all read by python-can.
-CAN_SUFFIXES = (".log", ".asc", ".blf", ".mf4", ".trc")
-
-
-def maps(columns: Mapping[str, str] | None) -> list[str]:
-    """Return names of columns as the compiled half takes them: ``roll=MyName[deg]``."""
-    return [f"{signal}={name}" for signal, name in (columns or {}).items()]
-
-
-def flips(flip: Iterable[str]) -> list[str]:
-    """Return the signals to turn round as a list."""
-    return [flip] if isinstance(flip, str) else list(flip)
-
-
-def is_can(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file of this name holds CAN frames."""
-    return PurePath(path).suffix.lower() in CAN_SUFFIXES
+FOR_TABLES = (
+    "columns is for tables: read a CAN log with cgheight.can.read_log(path, dbc=…, signals=…)"
+)
 
 
 def signals(
@@ -46,33 +32,11 @@ def signals(
         if not is_can(log):
             return _native.read_file(os.fspath(log), maps(columns), flips(flip))
         if columns:
-            raise ValueError(
-                "columns is for tables: read a CAN log with cgheight.can.read_log(path, dbc=…, "
-                "signals=…)"
-            )
-        from cgheight.can import read_log as read_can
-
-        log = read_can(log)
-    elif isinstance(getattr(log, "signals", None), dict):
+            raise ValueError(FOR_TABLES)
+        return read_frames(log, reading(flip=flip))[0]
+    if isinstance(getattr(log, "signals", None), dict):
         log = log.signals  # a SimulatedLog
     return table_signals(log, maps(columns), flips(flip))
-
-
-def table_signals(table: Any, maps: list[str], flips: list[str]) -> dict[str, NDArray[np.float64]]:
-    """Return the signals of a data frame, or of a dict of arrays, in SI units."""
-    if isinstance(table, Mapping):
-        keys = list(table)
-    elif hasattr(table, "columns") and hasattr(table, "__getitem__"):
-        keys = list(table.columns)
-    else:
-        kind = type(table).__name__
-        raise ValueError(f"log is of type {kind}: give a path or a data frame")
-    found = _native.resolve_columns([str(key) for key in keys], maps, flips)
-    resolved = {}
-    for name, (place, factor) in found.items():
-        values = column(str(keys[place]), table[keys[place]])
-        resolved[name] = values if factor == 1.0 else values * factor
-    return resolved
 
 
 def read_log(
@@ -104,7 +68,7 @@ def read_log(
     ValueError
         The log is not as described; the message names line (or row), column and remedy.
     ImportError
-        pandas, or for CAN logs python-can, is not installed.
+        pandas, or for ``.asc``, ``.blf``, ``.mf4`` and ``.trc`` python-can, is not installed.
     """
     return need("pandas", "pandas").DataFrame(signals(log, columns, flip))
 
@@ -174,16 +138,16 @@ def write_log(
     _native.may_write(request)
     table = signals(log, columns, flip)
     truth = [f"truth {key} = {value}" for key, value in getattr(log, "truth", {}).items()]
-    if not is_can(target) or target.lower().endswith(".log"):
+    if not is_can(target) or suffix(target) == CANDUMP:
         lost = _native.write_file(request, table, truth)
     else:
         can = need("can", "can")
-        if target.lower().endswith(".mf4"):
+        if suffix(target) == ".mf4":
             need("asammdf", "can")
         with TemporaryDirectory() as folder:
             frames = os.path.join(folder, "frames.log")
             lost = _native.write_file(request | {"path": frames}, table, truth)
-            packed = os.path.join(folder, "packed" + PurePath(target).suffix.lower())
+            packed = os.path.join(folder, "packed" + suffix(target))
             with can.LogReader(frames) as reader, can.Logger(packed) as writer:
                 for message in reader:
                     message.is_rx = True

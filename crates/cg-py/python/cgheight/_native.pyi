@@ -9,14 +9,16 @@ from typing_extensions import disjoint_base
 
 from cgheight._model_results import ArxModel, LinearModel
 from cgheight._results import Estimate
+from cgheight._scenario import Scenario
 
 __all__ = [
+    "FrameStream",
+    "FrameTable",
     "Stream",
     "Vehicle",
     "__version__",
     "calibrate_files",
     "copy_file",
-    "decode_j1939",
     "estimate_arrays",
     "estimate_file",
     "fit_arx",
@@ -24,10 +26,12 @@ __all__ = [
     "may_write",
     "predict_roll",
     "read_file",
+    "read_frames",
     "reproduce_tables",
     "resolve_columns",
     "restore_vehicle",
     "score_accuracy",
+    "signals",
     "simulate_log",
     "write_file",
 ]
@@ -81,19 +85,61 @@ class Stream:
         time_s: float,
         steer_rad: float = ...,
         roll_rad: float = ...,
-        *,
-        speed_mps: float = ...,
-        lateral_acceleration_mps2: float = ...,
-        yaw_rate_radps: float = ...,
-        trailer_mass_kg: float = ...,
-        steering_wheel_rad: float = ...,
-        tilt_rad: float = ...,
-        trailer_axle_load_kg: float = ...,
-        trailer_suspension_pressure_pa: float = ...,
+        **signals: float,
     ) -> Literal["absent", "straight", "turning"]:
         """Take in one row. Signals that are absent stay NaN."""
     def estimate(self) -> Estimate:
         """Return the answer so far, as if the log ended here; more rows may follow."""
+
+@final
+class FrameStream:
+    """Frames to an estimate, with its answer at any time."""
+
+    def __new__(
+        cls, vehicle: Vehicle, reading: dict[str, Any], options: dict[str, Any], /
+    ) -> Self:
+        """Begin a drive."""
+    def push(
+        self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
+    ) -> bool:
+        """Take in a frame, its place being time in seconds and bus; whether a turn has ended."""
+    def finish(self) -> int:
+        """End the log; return how many rows there were."""
+    def remarks(self) -> list[str]:
+        """Return what was doubted so far."""
+    def estimate(self) -> Estimate:
+        """Return the answer so far, as if the log ended here; more frames may follow."""
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """Frames taken in, those of them with a value that counts, and rows made of them."""
+
+@final
+class FrameTable:
+    """Frames put together to rows."""
+
+    def __new__(cls, reading: dict[str, Any], /) -> Self:
+        """Begin a log."""
+    def push(
+        self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
+    ) -> None:
+        """Take in a frame, its place being time in seconds and bus."""
+    def push_channel(
+        self,
+        signal: str,
+        name: str,
+        unit: str,
+        time_s: NDArray[np.float64],
+        values: NDArray[np.float64],
+        /,
+    ) -> None:
+        """Take in a measured channel."""
+    def finish(self) -> dict[str, NDArray[np.float64]]:
+        """End the log; return SI column names to arrays."""
+    def remarks(self) -> list[str]:
+        """Return what was doubted so far."""
+    @property
+    def frames(self) -> tuple[int, int]:
+        """Frames taken in, and those of them with a value that counts."""
 
 def estimate_arrays(
     vehicle: Vehicle,
@@ -111,7 +157,7 @@ def estimate_file(
     options: dict[str, Any],
     /,
 ) -> Estimate:
-    """Estimate from a log file (CSV, CSV in gzip, parquet)."""
+    """Estimate from a log file (CSV, CSV in gzip, parquet, candump)."""
 
 def resolve_columns(
     names: list[str], columns: list[str], flip: list[str], /
@@ -157,6 +203,14 @@ def read_file(
 ) -> dict[str, NDArray[np.float64]]:
     """Read a log file (CSV, CSV in gzip, parquet): SI column names to arrays."""
 
+def read_frames(
+    path: str | os.PathLike[str], reading: dict[str, Any], /
+) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
+    """Read what candump recorded: SI column names to arrays, and what was doubted."""
+
+def signals() -> dict[str, str]:
+    """Return the signals of logs: SI column names to what they are."""
+
 def predict_roll(
     vehicle: Vehicle,
     signals: dict[str, NDArray[np.float64]],
@@ -167,21 +221,16 @@ def predict_roll(
 ) -> NDArray[np.float64]:
     """Return the roll angle that the model expects of the arrays, for a height."""
 
-def decode_j1939(
-    identifier: int, data: bytes, roll_compensated: str = "bit", /
-) -> dict[str, tuple[float, int]]:
-    """Return the signals in a frame with a 29-bit identifier: SI names to (value, rank)."""
-
 def simulate_log(
     vehicle: Vehicle,
-    request: dict[str, Any],
+    scenario: Scenario,
     /,
 ) -> tuple[dict[str, NDArray[np.float64]], str]:
     """Simulate a log: columns, and the truth as JSON."""
 
 def score_accuracy(
     vehicle: Vehicle,
-    request: dict[str, Any],
+    scenario: Scenario,
     truck: str,
     channel: str,
     method: str,

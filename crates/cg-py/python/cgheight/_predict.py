@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cgheight import _native
 from cgheight._arrays import number
-from cgheight._estimate import _options
+from cgheight._estimate import shared_options
 from cgheight._logs import signals
 
 
@@ -57,7 +57,7 @@ def predict_roll(
     ValueError
         The log is not as described, or a number is not positive.
     """
-    options = _options("filtered", "auto", 5, model, speed_mps, trailer_mass_kg)
+    options = shared_options("filtered", "auto", model, speed_mps, trailer_mass_kg)
     height = number("height_m", height_m)
     if not (np.isfinite(height) and height > 0):
         raise ValueError(f"height_m is {height}: it must be positive and finite")

@@ -182,10 +182,11 @@ class Estimate:
 
 def rejected(message: str, trailer_mass_kg: float, options: dict[str, Any]) -> Estimate:
     """Return the answer for a log that could not be read."""
+    method = options.get("method", "filtered")
     absent: dict[str, Any] = dict.fromkeys(field.name for field in fields(Estimate))
     known: dict[str, Any] = {
         "status": "rejected",
-        "method": options.get("method", "filtered"),
+        "method": method if isinstance(method, str) else "arx",
         "trailer_mass_kg": options.get("trailer_mass_kg") or trailer_mass_kg,
         "channels": (),
         "maneuvers": (),

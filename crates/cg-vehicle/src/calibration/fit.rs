@@ -196,7 +196,7 @@ fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
             if !(ratio.value > 0.0 && ratio.sd.is_finite()) {
                 return Err(VehicleError::Model(format!(
                     "{}: the identified ratio of the {channel} channel is {:.4}: roll and input \
-                     have opposite signs; turn a sensor round with --flip",
+                     have opposite signs; turn a sensor round with ⟨flip⟩",
                     run.log, ratio.value
                 )));
             }

@@ -1,0 +1,84 @@
+//! Flags in the messages of the libraries, which name options by their neutral names.
+
+use cg_vehicle::hint;
+
+/// A message of a library with its options as flags.
+pub(crate) fn told(message: &str) -> String {
+    hint::told(message, |name, value| {
+        let flag = flag(name);
+        // What a shell would take apart goes in quotes.
+        match value.contains(|c: char| !c.is_alphanumeric() && !"_=[].*+-".contains(c)) {
+            _ if value.is_empty() => flag,
+            false => format!("{flag} {value}"),
+            true => format!("{flag} '{value}'"),
+        }
+    })
+}
+
+fn flag(name: &str) -> String {
+    match name {
+        "columns" => "--column".to_owned(),
+        "signals" => "--signal".to_owned(),
+        "turn_rad" => "--turn-deg".to_owned(),
+        "step_rate_per_s" => "--step-rate".to_owned(),
+        _ => format!("--{}", name.replace('_', "-")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn options_are_flags_and_foreign_names_are_quoted() {
+        let message =
+            "⟨flip roll⟩, ⟨force⟩, ⟨columns roll=Gyro X[deg]⟩, ⟨turn_rad⟩ or ⟨columns a=b[s]⟩";
+        let expected =
+            "--flip roll, --force, --column 'roll=Gyro X[deg]', --turn-deg or --column a=b[s]";
+        assert_eq!(told(message), expected);
+        assert_eq!(told("no option ⟨ here"), "no option ⟨ here");
+    }
+
+    fn sources(folder: &Path) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
+    }
+
+    /// Every option that a library's message names is a flag of some command, and no library names a
+    /// flag itself.
+    #[test]
+    fn every_option_that_a_library_names_is_a_flag() {
+        let command = crate::cli::Cli::command();
+        let flags: Vec<String> = command
+            .get_subcommands()
+            .flat_map(|command| command.get_arguments())
+            .chain(command.get_arguments())
+            .filter_map(|argument| Some(format!("--{}", argument.get_long()?)))
+            .collect();
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let mut seen = 0;
+        for library in ["cg-core", "cg-vehicle", "cg-logs", "cg-plant", "cg-thesis"] {
+            for path in sources(&crates.join(library).join("src")) {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+                for line in lines {
+                    let at = path.display();
+                    for option in line.split('⟨').skip(1) {
+                        let end = option.find(|c: char| c != '_' && !c.is_ascii_lowercase());
+                        let flag = flag(&option[..end.unwrap_or(option.len())]);
+                        assert!(flags.contains(&flag), "{at}: {flag} of {line}");
+                        seen += 1;
+                    }
+                    let named = line.split("--").skip(1);
+                    let is_flag = |rest: &str| rest.starts_with(|c: char| c.is_ascii_lowercase());
+                    assert!(!named.into_iter().any(is_flag), "{at}: a flag in {line}");
+                }
+            }
+        }
+        assert!(seen > 30, "only {seen} options were seen");
+    }
+}

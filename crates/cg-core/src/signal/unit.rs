@@ -1,0 +1,170 @@
+//! The table of units: their names, and the way to SI.
+
+/// A unit: `SI = value * times / per`, which is exact for SI itself and rounds once for the decimal units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// What the name of a column ends in: `deg`.
+    pub suffix: &'static str,
+    /// How files and people write it, the usual way first: `°`, `deg`.
+    pub spellings: &'static [&'static str],
+    /// Numerator of its size.
+    pub times: f64,
+    /// Denominator of its size.
+    pub per: f64,
+}
+
+const fn unit(
+    suffix: &'static str,
+    spellings: &'static [&'static str],
+    times: f64,
+    per: f64,
+) -> Unit {
+    Unit { suffix, spellings, times, per }
+}
+
+/// Radians in a degree.
+const RAD_PER_DEG: f64 = core::f64::consts::PI / 180.0;
+
+/// Degree.
+pub const DEG: Unit = unit("deg", &["°", "deg", "degree", "degrees"], RAD_PER_DEG, 1.0);
+/// Degree per second.
+pub const DEGPS: Unit = unit("degps", &["°/s", "deg/s"], RAD_PER_DEG, 1.0);
+/// Kilometre per hour.
+pub const KMH: Unit = unit("kmh", &["km/h", "kph"], 1.0, 3.6);
+/// Standard gravity, exact by definition (CGPM 1901).
+pub const G: Unit = unit("g", &["g"], 9.806_65, 1.0);
+/// Tonne.
+pub const TONNE: Unit = unit("t", &["t", "Mg"], 1e3, 1.0);
+
+/// What is measured, whatever it is measured of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// s.
+    Time,
+    /// rad.
+    Angle,
+    /// rad/s.
+    AngularRate,
+    /// m/s.
+    Speed,
+    /// m/s².
+    Acceleration,
+    /// kg.
+    Mass,
+    /// Pa.
+    Pressure,
+}
+
+impl Dimension {
+    /// Its units: SI first, then the one that foreign files mostly use.
+    pub const fn units(self) -> &'static [Unit] {
+        match self {
+            Self::Time => {
+                const {
+                    &[
+                        unit("s", &["s"], 1.0, 1.0),
+                        unit("ms", &["ms"], 1.0, 1e3),
+                        unit("us", &["us", "µs"], 1.0, 1e6),
+                    ]
+                }
+            }
+            Self::Angle => {
+                const { &[unit("rad", &["rad"], 1.0, 1.0), DEG, unit("mrad", &["mrad"], 1.0, 1e3)] }
+            }
+            Self::AngularRate => {
+                const {
+                    &[
+                        unit("radps", &["rad/s"], 1.0, 1.0),
+                        DEGPS,
+                        unit("mradps", &["mrad/s"], 1.0, 1e3),
+                    ]
+                }
+            }
+            Self::Speed => {
+                const { &[unit("mps", &["m/s"], 1.0, 1.0), KMH, unit("mph", &["mph"], 0.447_04, 1.0)] }
+            }
+            Self::Acceleration => {
+                const { &[unit("mps2", &["m/s²", "m/s2", "m/s^2"], 1.0, 1.0), G] }
+            }
+            Self::Mass => {
+                const { &[unit("kg", &["kg"], 1.0, 1.0), TONNE, unit("lb", &["lb"], 0.453_592_37, 1.0)] }
+            }
+            Self::Pressure => {
+                const {
+                    &[
+                        unit("pa", &["Pa"], 1.0, 1.0),
+                        unit("kpa", &["kPa"], 1e3, 1.0),
+                        unit("bar", &["bar"], 1e5, 1.0),
+                        unit("psi", &["psi"], 6894.757, 1.0),
+                    ]
+                }
+            }
+        }
+    }
+
+    /// The SI unit.
+    pub const fn si(self) -> Unit {
+        self.units()[0]
+    }
+
+    /// The unit of a suffix.
+    pub fn unit(self, suffix: &str) -> Option<Unit> {
+        self.units().iter().copied().find(|unit| unit.suffix == suffix)
+    }
+
+    /// The unit that a file writes so: a spelling or a suffix, letters of any size.
+    pub fn spelled(self, text: &str) -> Option<Unit> {
+        let text = text.trim();
+        let is = |unit: &&Unit| {
+            let mut names = unit.spellings.iter().chain([&unit.suffix]);
+            names.any(|name| name.eq_ignore_ascii_case(text))
+        };
+        self.units().iter().find(is).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Dimension; 7] = [
+        Dimension::Time,
+        Dimension::Angle,
+        Dimension::AngularRate,
+        Dimension::Speed,
+        Dimension::Acceleration,
+        Dimension::Mass,
+        Dimension::Pressure,
+    ];
+
+    #[test]
+    fn a_unit_is_found_by_its_names_and_si_is_one() {
+        for dimension in ALL {
+            assert!((dimension.si().times - 1.0).abs() + (dimension.si().per - 1.0).abs() == 0.0);
+            for unit in dimension.units() {
+                assert_eq!(dimension.unit(unit.suffix), Some(*unit));
+                for name in unit.spellings {
+                    assert_eq!(dimension.spelled(name), Some(*unit), "{name}");
+                }
+            }
+            assert_eq!((dimension.unit("furlong"), dimension.spelled("")), (None, None));
+        }
+        assert_eq!(Dimension::Angle.spelled(" DEG "), Some(DEG));
+        assert_eq!(Dimension::Speed.spelled("deg"), None);
+    }
+
+    /// Sizes as the definitions have them: 90 km/h are 25 m/s, 180 degrees are π, one g, a tonne.
+    #[test]
+    fn sizes_are_those_of_the_definitions() {
+        let si = |unit: Unit, value: f64| value * unit.times / unit.per;
+        for (unit, value, known) in [
+            (KMH, 90.0, 25.0),
+            (DEG, 180.0, core::f64::consts::PI),
+            (DEGPS, 180.0, core::f64::consts::PI),
+            (G, 1.0, 9.806_65),
+            (TONNE, 25.0, 25e3),
+        ] {
+            assert!((si(unit, value) - known).abs() <= f64::EPSILON * known, "{}", unit.suffix);
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Options whose values are words: one table for reading, writing and explaining them.
+
+use core::fmt;
+use core::marker::PhantomData;
+
+/// A type whose values are words, such as `steer`. [`words!`](crate::words) writes it from a table.
+pub trait Word: Copy + PartialEq + 'static {
+    /// Each value, its word and what it means.
+    const WORDS: &'static [(Self, &'static str, &'static str)];
+
+    /// The word of this value.
+    fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|(value, ..)| *value == self).map_or("", |(_, word, _)| word)
+    }
+
+    /// The value of a word.
+    ///
+    /// # Errors
+    /// [`UnknownWord`], which lists the words there are.
+    fn of_word(text: &str) -> Result<Self, UnknownWord<Self>> {
+        let found = Self::WORDS.iter().find(|(_, word, _)| *word == text);
+        found.map(|(value, ..)| *value).ok_or(UnknownWord(PhantomData))
+    }
+}
+
+/// A text that is none of the words of `T`. Its message lists them.
+pub struct UnknownWord<T>(PhantomData<T>);
+
+impl<T: Word> fmt::Display for UnknownWord<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("expected ")?;
+        for (place, (_, word, _)) in T::WORDS.iter().enumerate() {
+            f.write_str(match T::WORDS.len() - place {
+                _ if place == 0 => "",
+                1 => " or ",
+                _ => ", ",
+            })?;
+            f.write_str(word)?;
+        }
+        Ok(())
+    }
+}
+
+impl<T: Word> fmt::Debug for UnknownWord<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl<T: Word> core::error::Error for UnknownWord<T> {}
+
+/// Implements [`Word`], `FromStr` and `Display` for a type from a table of its values.
+#[macro_export]
+macro_rules! words {
+    ($type:ty { $($value:ident => $word:expr, $meaning:expr;)+ }) => {
+        impl $crate::word::Word for $type {
+            const WORDS: &'static [(Self, &'static str, &'static str)] =
+                &[$((<$type>::$value, $word, $meaning)),+];
+        }
+
+        impl ::core::str::FromStr for $type {
+            type Err = $crate::word::UnknownWord<Self>;
+
+            fn from_str(text: &str) -> Result<Self, Self::Err> {
+                $crate::word::Word::of_word(text)
+            }
+        }
+
+        impl ::core::fmt::Display for $type {
+            fn fmt(&self, f: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                f.pad($crate::word::Word::word(*self))
+            }
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::string::ToString;
+
+    use super::Word;
+    use crate::{Channel, Quantity};
+
+    #[test]
+    fn every_word_is_read_back_and_an_unknown_one_lists_them() {
+        for &(quantity, word, meaning) in Quantity::WORDS {
+            assert_eq!((word.parse().ok(), quantity.to_string().as_str()), (Some(quantity), word));
+            assert!(!meaning.is_empty());
+        }
+        let error = "both".parse::<Channel>().unwrap_err();
+        assert_eq!(error.to_string(), "expected steer or lateral-acceleration");
+    }
+}
