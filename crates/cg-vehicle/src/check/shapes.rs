@@ -1,4 +1,4 @@
-//! Names, lengths of lists, and orders that the program needs.
+//! Checks names, lengths of lists, and the order of axles.
 
 use toml::{Table, Value};
 
@@ -8,13 +8,13 @@ use crate::finding::{Finding, Severity};
 use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
-/// The most axles of one unit: heavy-haulage modules have fewer.
+/// Greatest number of axles of one unit; heavy-haulage modules have fewer.
 const MOST_AXLES: usize = 20;
-/// The longest name, in bytes: it stands in reports and in file heads.
+/// Greatest length of a name in bytes, because names are printed in reports and file headers.
 const LONGEST_NAME: usize = 200;
 
-/// Unknown keys of axles, and values of the wrong type: where a struct is flattened into another,
-/// serde refuses neither with its place.
+/// Unknown keys of axles, and values of the wrong type. The structure of an axle is flattened into
+/// another one, and then serde reports neither of them with its position.
 pub(super) fn axle_keys(root: &Table) -> Vec<Finding> {
     let mut found = Vec::new();
     for unit in ["tractor", "trailer"] {
@@ -66,7 +66,7 @@ const fn type_of(kind: Kind) -> &'static str {
     }
 }
 
-/// Everything that is no number out of its range.
+/// All findings except numbers outside their ranges.
 pub(super) fn findings(v: &Vehicle) -> Vec<Finding> {
     let mut found = Vec::new();
     names(v, &mut found);
@@ -176,7 +176,8 @@ fn axles(v: &Vehicle, found: &mut Vec<Finding>) {
     }
 }
 
-/// Axles of a unit, by their distances backwards: so many, and one behind the other.
+/// Checks the number of axles of a unit and their order from front to rear, given their positions
+/// backwards.
 fn in_order(unit: &str, key: &str, backwards_m: &[f64], found: &mut Vec<Finding>) {
     let (axles, n) = (format!("{unit}.axle"), backwards_m.len());
     if n == 0 {
@@ -219,7 +220,7 @@ fn axle(path: &str, a: &Axle, v: &Vehicle, found: &mut Vec<Finding>) {
     }
 }
 
-/// Whether `values` are two or more, each greater than the one before.
+/// Whether `values` has at least two entries, each greater than the previous one.
 fn increasing(path: &str, values: &[f64], found: &mut Vec<Finding>) -> bool {
     let sound = values.len() >= 2 && values.windows(2).all(|pair| pair[0] < pair[1]);
     if !sound {
@@ -229,7 +230,7 @@ fn increasing(path: &str, values: &[f64], found: &mut Vec<Finding>) -> bool {
     sound
 }
 
-/// Whether a list has the length of another.
+/// Whether a list has the expected length.
 fn as_long(path: &str, list: usize, of: usize, what: &str, found: &mut Vec<Finding>) -> bool {
     if list != of {
         let problem = format!("needs one {what}: {of}");

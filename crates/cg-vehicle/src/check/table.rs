@@ -1,14 +1,14 @@
-//! The keys of the vehicle file: the one table behind its checks.
+//! The table of all keys of the vehicle file, on which the checks are based.
 //!
 //! Usual ranges are those of road tractors of 4 to 12 t and of semitrailers up to 60 t (UMTRI's
-//! parameter studies of heavy vehicles, makers' data, the trucks in fixtures/vehicles); possible
-//! ranges leave room for heavy haulage and light vans. A possible range spans less than a factor
-//! of 1000 wherever it can, so that a number in mm, kN or t is always an error.
+//! parameter studies of heavy vehicles, manufacturers' data, the trucks in fixtures/vehicles).
+//! Possible ranges include heavy haulage and light vans. If possible, a possible range spans less
+//! than a factor of 1000, so that a number in mm, kN or t is always an error.
 
 use super::keys::{Key, Kind, Table, number, other};
 use crate::limits::{GREATEST_HEIGHT_M, GREATEST_TRAILER_MASS_KG};
 
-/// Every table of the vehicle file.
+/// All tables of the vehicle file.
 pub static TABLES: &[Table] = &[
     table(&[""], "the vehicle", TOP),
     table(&["height"], "heights that the trailer's sprung c.g. can have", HEIGHT),
@@ -49,7 +49,7 @@ const fn table(
     Table { paths, required: true, meaning, keys }
 }
 
-/// The key at a place such as `tyre[i].load_n`.
+/// The key with a path such as `tyre[i].load_n`; `None` if there is no such key.
 pub fn key(place: &str) -> Option<&'static Key> {
     let (path, name) = place.rsplit_once('.').unwrap_or(("", place));
     let mut tables = TABLES.iter().filter(|table| table.paths.contains(&path));

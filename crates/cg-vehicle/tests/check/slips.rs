@@ -1,11 +1,11 @@
-//! Slips that people make, and vehicles that cannot be.
+//! Tests of typical mistakes in vehicle files, and of impossible vehicles.
 
 use cg_vehicle::design::design;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
 use crate::text;
 
-/// A vehicle file with some of its text replaced.
+/// A vehicle file in which some text is replaced.
 fn changed(name: &str, pairs: &[(&str, &str)]) -> String {
     pairs.iter().fold(text(name), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
@@ -75,7 +75,7 @@ fn an_axle_above_the_radius_of_its_tyre_is_refused_with_both_keys() {
         &["trailer.axle[1].center_height_m = 0.56: the deflection of its tyre is -0.024 m, with \
              tyre[1].unloaded_radius_m (usual: 0.003 to 0.09 m)"],
     );
-    // Without a radius the other axles on the same tyre tell.
+    // Without a radius, the axle is compared with other axles that have the same tires.
     let from = "center_height_m = 0.508\nroll_center_height_m = 0.8382";
     let to = "center_height_m = 0.608\nroll_center_height_m = 0.8382";
     let text = text("baseline").replacen(from, to, 1);
@@ -117,7 +117,7 @@ fn bodies_of_impossible_size_are_refused_with_mass_and_inertia() {
         ["tractor.roll_inertia_kgm2 = 90000: the radius of gyration is 3 m", "sprung_mass_kg"];
     refused("kraz", &[inertia], &parts);
     let inertia = ("roll_inertia_kgm2 = 3441.0", "roll_inertia_kgm2 = 11500.0");
-    // 1.07 m is usual, 1.3 m of a lighter tractor is not.
+    // A radius of 1.07 m is usual; 1.3 m, with a lighter tractor, is not.
     let lighter = ("sprung_mass_kg = 10000.0", "sprung_mass_kg = 6800.0");
     warned("kraz", &[inertia, lighter], &["tractor.roll_inertia_kgm2 = 11500: the radius"]);
 }
@@ -144,8 +144,8 @@ fn names_are_one_line_and_their_own() {
     refused("kraz", &[twice], &["tyre[1].name = \"tractor\": another [[tyre]] has this name"]);
 }
 
-/// Soft springs under a high load, and a fifth wheel that does not hold it: each number can be, the
-/// vehicle falls over.
+/// Soft springs under a high load, and a fifth wheel that is too soft: each number is possible, but
+/// the vehicle tips over.
 #[test]
 fn a_vehicle_that_falls_over_says_which_keys_are_unusual() {
     let pairs = [
