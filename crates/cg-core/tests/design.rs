@@ -1,6 +1,6 @@
 //! Tests of a design: interpolation between its nodes, and validation.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are copied keep every bit
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // copied values are unchanged
 
 mod common;
 

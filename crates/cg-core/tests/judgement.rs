@@ -269,7 +269,7 @@ fn a_reason_says_what_to_look_at() {
     let range = HeightError::OutOfRange { height_m: 3.2 };
     says(Reject::Height(range).to_string(), &["3.20 m"]);
     says(HeightError::NoSolution { ratio: 0.5 }.to_string(), &["0.5000"]);
-    says(inconsistent(Inconsistency::Misfit { share: 0.4 }), &["misses 40 %"]);
+    says(inconsistent(Inconsistency::Misfit { share: 0.4 }), &["40 % of the roll angle"]);
     says(inconsistent(Inconsistency::Bent { share: 1.4 }), &["behind", "end of its range"]);
     says(inconsistent(Inconsistency::Standstill { roll_rad: 0.1 }), &["0.1000 rad"]);
 }

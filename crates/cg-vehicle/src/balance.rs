@@ -300,7 +300,7 @@ pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, Strin
             format!("tyre[{i}].unloaded_radius_m"),
             "(missing)".to_owned(),
             format!(
-                "static balance: with this many axles the loads depend on stiffness; give tyre \
+                "static balance: with this many axles the loads depend on stiffness; give tire \
                  \"{}\" its unloaded_radius_m, or axles that share their load a load_group",
                 tyre.name
             ),

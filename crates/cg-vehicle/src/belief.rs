@@ -79,10 +79,10 @@ impl Parameter {
         match self {
             Self::TrailerRollStiffness => "trailer suspension roll stiffness",
             Self::TractorRollStiffness => "tractor suspension roll stiffness",
-            Self::RollCenterHeight => "roll-centre height",
+            Self::RollCenterHeight => "roll-center height",
             Self::TractorCgHeight => "tractor c.g. height",
             Self::FifthWheelStiffness => "fifth-wheel roll stiffness",
-            Self::TyreVerticalStiffness => "vertical tyre stiffness",
+            Self::TyreVerticalStiffness => "vertical tire stiffness",
             Self::SteeredCorneringStiffness => "cornering stiffness, steered axles",
             Self::DriveCorneringStiffness => "cornering stiffness, drive axles",
             Self::TrailerCorneringStiffness => "cornering stiffness, trailer axles",
@@ -197,7 +197,7 @@ pub(crate) fn log_ratios(
             let ratio = lines[channel.index()].ratio_at(load.cg_height_m);
             if !(ratio > 0.0) {
                 return Err(VehicleError::Model(format!(
-                    "at {:.2} m and {:.0} kg the model has no positive steady roll angle",
+                    "at {:.2} m and {:.0} kg the model has no positive steady-state roll angle",
                     load.cg_height_m, load.trailer_mass_kg
                 )));
             }

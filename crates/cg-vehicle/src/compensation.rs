@@ -125,7 +125,7 @@ fn check(
         return fault(format!("the interval {interval_s} s must be positive"));
     }
     if model.len() != measured.len() {
-        return fault(format!("{} samples beside {}", model.len(), measured.len()));
+        return fault(format!("the responses have {} and {} samples", model.len(), measured.len()));
     }
     if model.len() < 10 * (2 * order + 1) {
         return fault(format!("{} samples are too few for order {order}", model.len()));
@@ -134,7 +134,7 @@ fn check(
         return fault("a sample is not a number".to_owned());
     }
     if model.iter().all(|&value| value == 0.0) || measured.iter().all(|&value| value == 0.0) {
-        return fault("a response that stays zero says nothing".to_owned());
+        return fault("a response that is always zero contains no information".to_owned());
     }
     Ok(())
 }
@@ -242,9 +242,9 @@ mod tests {
             identify(model, measured, 0.01, order).unwrap_err().to_string()
         };
         assert!(refuse(&model, &model, 7).contains("between 1 and 6"));
-        assert!(refuse(&model, &model[1..], 3).contains("beside"));
+        assert!(refuse(&model, &model[1..], 3).contains("1001 and 1000 samples"));
         assert!(refuse(&model[..20], &model[..20], 1).contains("too few"));
-        assert!(refuse(&vec![0.0; 500], &model[..500], 1).contains("stays zero"));
+        assert!(refuse(&vec![0.0; 500], &model[..500], 1).contains("always zero"));
         assert!(refuse(&vec![f64::NAN; 500], &model[..500], 1).contains("not a number"));
     }
 }

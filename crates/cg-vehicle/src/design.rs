@@ -55,7 +55,7 @@ fn computed(
         for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
             let trailer_mass_kg = match variant {
                 Variant::Complete => mass_kg,
-                Variant::AsPrinted => load.trailer_mass_kg, // the only mass at which the printed model is known
+                Variant::AsPrinted => load.trailer_mass_kg, // the only known mass
             };
             let load = Load { trailer_mass_kg, ..load };
             let both = ratio_line(vehicle, variant, speed_mps, load)?;
@@ -92,7 +92,7 @@ fn computed(
         thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,
     };
     design.validate().map_err(|error| {
-        VehicleError::Model(format!("vehicle \"{}\" makes no usable design: {error}", vehicle.name))
+        VehicleError::Model(format!("vehicle \"{}\" gives no usable design: {error}", vehicle.name))
     })?;
     Ok(design)
 }

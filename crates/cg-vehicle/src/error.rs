@@ -93,5 +93,5 @@ fn farthest_words(farthest: &[Unusual]) -> String {
         format!("{key} = {} (usual: {usual})", plain(*value))
     };
     let words: Vec<String> = farthest.iter().map(one).collect();
-    format!("farthest from usual in the vehicle file: {}", words.join(", "))
+    format!("least usual values in the vehicle file: {}", words.join(", "))
 }

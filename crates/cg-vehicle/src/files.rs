@@ -1,5 +1,6 @@
-//! Reads small files completely, up to a size limit. The limit protects the memory if `/dev/zero`
-//! or a log is given by mistake.
+//! Reads small files completely, up to a size limit.
+//!
+//! The limit protects the memory if `/dev/zero` or a log is given by mistake.
 
 use std::fs::File;
 use std::io::{self, Read};

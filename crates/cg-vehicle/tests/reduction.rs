@@ -84,7 +84,7 @@ fn the_best_models_of_order_five_and_six() {
     let (residualised, sigma) = balanced(&whole, 5, Keep::SteadyState).unwrap();
     let (truncated, _) = balanced(&whole, 5, Keep::HighFrequency).unwrap();
     println!(
-        "order 5, H-infinity: Padé {:.3}, truncated {:.3}, residualised {:.3}",
+        "order 5, H-infinity: Padé {:.3}, truncated {:.3}, residualized {:.3}",
         norm(&source),
         norm(&truncated),
         norm(&residualised)

@@ -50,7 +50,7 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Absent => write!(f, "the signal is absent"),
             Self::Unexcited(reason) => reason.fmt(f),
             Self::Imprecise { ratio_sd_relative } => {
-                write!(f, "ratio uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
+                write!(f, "the ratio is uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
             }
             Self::OutsideDesign { speed_mps, trailer_mass_kg } => write!(
                 f,
@@ -61,18 +61,18 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Height(error) => error.fmt(f),
             Self::Inconsistent(Inconsistency::Misfit { share }) => write!(
                 f,
-                "inconsistent: the model misses {:.0} % of the roll angle; check the sensors' \
-                 times, signs and units",
+                "inconsistent: the model leaves {:.0} % of the roll angle unexplained; check the \
+                 sensors' times, signs and units",
                 share.as_f64() * 100.0
             ),
             Self::Inconsistent(Inconsistency::Bent { .. }) => f.write_str(
                 "inconsistent: the roll angle falls behind the expected one as it grows; the sensor \
-                 seems to come to the end of its range",
+                 seems to reach the end of its range",
             ),
             Self::Inconsistent(Inconsistency::Standstill { roll_rad }) => write!(
                 f,
                 "inconsistent: the roll angle stood still at {:.4} rad while the truck rolled on; \
-                 the sensor hangs, has a dead band or is at the end of its range",
+                 the sensor is stuck, has a dead band or is at the end of its range",
                 roll_rad.as_f64()
             ),
         }

@@ -34,7 +34,7 @@ impl core::fmt::Display for LevelError {
         match self {
             Self::TooMany => write!(f, "there can be at most {LEVELS} warning levels"),
             Self::NotAShare => {
-                f.write_str("warning levels and their hysteresis are shares of the threshold: finite and not negative")
+                f.write_str("warning levels and their hysteresis are shares of the threshold and must be finite and not negative")
             }
         }
     }

@@ -41,8 +41,10 @@ pub enum Unexcited {
 impl fmt::Display for Unexcited {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooFewRows { rows } => write!(f, "only {rows} rows: fewer than unknowns"),
-            Self::Input => write!(f, "the input hardly moves: no turn to learn from"),
+            Self::TooFewRows { rows } => {
+                write!(f, "only {rows} rows, fewer than the unknowns of the model")
+            }
+            Self::Input => write!(f, "the input hardly changes: there is no turn to identify from"),
             Self::Direction { unknown } => {
                 write!(f, "the input does not excite unknown {unknown} of the model")
             }

@@ -7,7 +7,7 @@
 //! and divided by the variance σ² of single rows:
 //!
 //! ```text
-//!     Σ_b (Σ_{rows of b} e)²/m_b / (blocks − effective unknowns)  over  σ²
+//!     Σ_b (Σ_{rows of b} e)²/m_b / (blocks − effective unknowns)  /  σ²
 //! ```
 //!
 //! The sums of the regressors over each block are stored in a separate triangle. The sums of the

@@ -229,7 +229,7 @@ impl Calibration {
         if !complete {
             return Err(format!(
                 "needs all {PARAMETERS} parameters in their order and a covariance of that size; \
-                 make it anew with cg calibrate"
+                 run cg calibrate again"
             ));
         }
         for entry in &self.parameter {
@@ -266,7 +266,7 @@ impl Calibration {
                 if !((now / entry.model_ratio - 1.0).abs() <= SAME_RATIO) {
                     return Err(format!(
                         "the vehicle file has changed since this calibration (its {channel} ratio \
-                         is {now:.6} in place of {:.6}); run cg calibrate again",
+                         is {now:.6} instead of {:.6}); run cg calibrate again",
                         entry.model_ratio
                     ));
                 }
@@ -298,7 +298,7 @@ fn check_sum(text: &str) -> Result<(), String> {
     };
     Err(format!(
         "the calibration {what}; run cg calibrate again, or make \"{CHECKSUM}{now:08x}\" its last \
-         line if you stand by every number in it"
+         line if you have checked every number in it"
     ))
 }
 
@@ -355,7 +355,8 @@ fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
         named("determined", &|share| share >= DETERMINED),
         named("partly determined", &|share| (UNDETERMINED..DETERMINED).contains(&share)),
         named("not determined by these runs", &|share| share < UNDETERMINED),
-        "single parameters are known less well than the ratios that they make together:".to_owned(),
+        "single parameters are less certain than the ratios that they determine together:"
+            .to_owned(),
     ]
 }
 
@@ -369,9 +370,9 @@ fn statement(
 ) -> Result<Vec<String>, VehicleError> {
     let mut statement = match fitted.procedure {
         Procedure::Compensation => vec![
-            "one run: the compensation of each channel is fixed, no parameter of the truck; the \
-             further speed and load are from the run's, the more of the vehicle file's uncertainty \
-             comes back"
+            "one run: it determines the compensation of each channel but no parameter of the truck; \
+             the more speed and load differ from the run's, the more of the vehicle file's \
+             uncertainty remains"
                 .to_owned(),
         ],
         Procedure::MaximumAPosteriori => what_was_determined(parameter),

@@ -149,7 +149,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
     }
     if !(step <= SETTLED.sqrt()) {
         return Err(VehicleError::Model(
-            "the calibration does not settle: the runs contradict the vehicle file; check heights, \
+            "the calibration does not converge: the runs contradict the vehicle file; check heights, \
              masses, units and signs"
                 .to_owned(),
         ));
@@ -194,7 +194,7 @@ fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
             if !(ratio.value > 0.0 && ratio.sd.is_finite()) {
                 return Err(VehicleError::Model(format!(
                     "{}: the identified ratio of the {channel} channel is {:.4}: roll and input \
-                     have opposite signs; turn a sensor round with --flip",
+                     have opposite signs; reverse the sign of a sensor with --flip",
                     run.log, ratio.value
                 )));
             }

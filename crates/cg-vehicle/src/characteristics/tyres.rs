@@ -84,7 +84,7 @@ impl Patch {
     }
 }
 
-/// Lateral force and aligning moment of one tyre type.
+/// Lateral force and aligning moment of one tire type.
 #[derive(Clone, Debug)]
 pub struct Grip {
     by_slip: Nodes,

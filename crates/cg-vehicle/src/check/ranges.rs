@@ -79,7 +79,11 @@ pub(super) fn findings(numbers: &[Number]) -> Vec<Finding> {
     }
     for (finding, (_, values)) in told.iter_mut().zip(of) {
         if values > 1 {
-            finding.remedy = format!("{}; so are {} more of the list", finding.remedy, values - 1);
+            finding.remedy = format!(
+                "{}; the same applies to {} more values of the list",
+                finding.remedy,
+                values - 1
+            );
         }
     }
     told
@@ -93,7 +97,7 @@ fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
     let severity = if range.is_possible(value) { Severity::Warning } else { Severity::Error };
     let [least, greatest] = range.possible;
     let problem = if severity == Severity::Warning {
-        let much = if value < range.usual[0] { "little" } else { "much" };
+        let much = if value < range.usual[0] { "small" } else { "large" };
         format!("is unusually {much}")
     } else if !value.is_finite() {
         "must be a finite number".to_owned()
@@ -102,7 +106,7 @@ fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
     } else if least == 0.0 && value < 0.0 {
         "must not be negative".to_owned()
     } else {
-        format!("is impossible, only {} can be", span([least, greatest], key.unit))
+        format!("is impossible (possible: {})", span([least, greatest], key.unit))
     };
     Some(Finding {
         usual: range.usual_in(key.unit),

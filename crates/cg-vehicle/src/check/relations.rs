@@ -154,7 +154,7 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
         let (one, two) = (pair[0].ahead_of_cg_m, pair[1].ahead_of_cg_m);
         let wheelbase = pair[0].steered && !pair[1].steered;
         let usual = if wheelbase { [2.2, 7.5] } else { [1.0, 4.0] };
-        let what = "the distance of two axles";
+        let what = "the distance between two axles";
         metres(ahead(i + 1), two, vec![ahead(i)], what, one - two, usual, [0.4, 15.0]);
     }
     let driven: Vec<usize> = (0..tractor.len()).filter(|&i| !tractor[i].steered).collect();
@@ -169,7 +169,7 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
     let behind = |i: usize| format!("trailer.axle[{i}].behind_hitch_m");
     for (i, pair) in trailer.windows(2).enumerate() {
         let (one, two) = (pair[0].behind_hitch_m, pair[1].behind_hitch_m);
-        let what = "the distance of two axles";
+        let what = "the distance between two axles";
         metres(behind(i + 1), two, vec![behind(i)], what, two - one, [1.0, 4.0], [0.4, 10.0]);
     }
     if trailer.is_empty() {
@@ -206,7 +206,7 @@ fn widths(path: &str, axle: &Axle, relations: &mut Relations) {
             key: format!("{path}.{key}"),
             value: spread_m,
             with: vec![tyres.clone()],
-            what: "the distance from half of it to the inner tyre",
+            what: "the distance from half of it to the inner tire",
             quantity: inner_m - 0.5 * spread_m,
             unit: "m",
             usual,
@@ -218,7 +218,7 @@ fn widths(path: &str, axle: &Axle, relations: &mut Relations) {
             key: format!("{tyres}[1]"),
             value: two,
             with: vec![format!("{tyres}[0]")],
-            what: "the distance of dual tyres",
+            what: "the distance between dual tires",
             quantity: (two - one).abs(),
             unit: "m",
             usual: [0.25, 0.45],
@@ -239,7 +239,7 @@ fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
             key,
             value: center_m,
             with: vec![format!("tyre[{i}].unloaded_radius_m")],
-            what: "the deflection of its tyre",
+            what: "the deflection of its tire",
             quantity: radius_m - center_m,
             unit: "m",
             usual: [0.003, 0.09],
@@ -258,7 +258,7 @@ fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
             key,
             value: center_m,
             with: vec![format!("{other}.center_height_m")],
-            what: "its height above that of an axle with the same tyres",
+            what: "its height above that of an axle with the same tires",
             quantity: center_m - first.center_height_m,
             unit: "m",
             usual: [-0.05, 0.05],
@@ -284,7 +284,7 @@ fn anti_roll(v: &Vehicle, relations: &mut Relations) {
             key: format!("{path}.{key}"),
             value,
             with: vec![format!("{before}.{key}")],
-            what: "the smaller over the greater",
+            what: "the smaller value divided by the greater one",
             quantity: if more > 0.0 { less / more } else { 1.0 },
             unit: "",
             usual: [0.1, 1.0],
@@ -308,7 +308,7 @@ fn free_rises(v: &Vehicle, relations: &mut Relations) {
             key: format!("{path}.spring_free_rise_m"),
             value: two.spring_free_rise_m,
             with: vec![format!("{before}.spring_free_rise_m")],
-            what: "the difference of two axles",
+            what: "the difference between two axles",
             quantity: two.spring_free_rise_m - one.spring_free_rise_m,
             unit: "m",
             usual: [-0.05, 0.05],

@@ -130,7 +130,7 @@ fn heights_and_masses(v: &Vehicle, found: &mut Vec<Finding>) {
     }
     if v.hitch.lash_rad > 0.0 && v.hitch.separation_moment_nm.is_none() {
         let problem =
-            "needs hitch.separation_moment_nm: the plates are free only once they have parted";
+            "needs hitch.separation_moment_nm: the plates are free only after they have separated";
         found.push(Finding::error("hitch.lash_rad", v.hitch.lash_rad, problem));
     }
     let Some(readings) = v.trailer.suspension_pressure else { return };
@@ -193,7 +193,7 @@ fn in_order(unit: &str, key: &str, backwards_m: &[f64], found: &mut Vec<Finding>
     if let Some(i) = backwards_m.windows(2).position(|pair| !(pair[1] > pair[0])) {
         let given = |i: usize| if unit == "tractor" { -backwards_m[i] } else { backwards_m[i] };
         let problem = format!(
-            "must lie behind {axles}[{i}].{key} = {}: axles stand from front to rear",
+            "must lie behind {axles}[{i}].{key} = {}: axles are listed from front to rear",
             given(i)
         );
         let key = format!("{axles}[{}].{key}", i + 1);
@@ -215,7 +215,7 @@ fn axle(path: &str, a: &Axle, v: &Vehicle, found: &mut Vec<Finding>) {
         found.push(Finding::error(
             format!("{path}.tyre_positions_m"),
             format!("{:?}", a.tyre_positions_m),
-            "needs one entry (single tyres) or two (dual)",
+            "needs one entry (single tires) or two (dual tires)",
         ));
     }
 }
@@ -285,10 +285,10 @@ fn spring_table(path: &str, spring: &Spring, found: &mut Vec<Finding>) {
         if !as_long(&path, force.len(), deflections, "force per deflection", found) {
             sound = false;
         } else if let Some(j) = force.windows(2).position(|pair| !(pair[0] <= pair[1])) {
-            let problem = format!("must not fall with deflection, from {}", force[j]);
+            let problem = format!("must not decrease with deflection, from {}", force[j]);
             found.push(Finding::error(format!("{path}[{}]", j + 1), force[j + 1], problem));
         } else if force.first() == force.last() {
-            let problem = "must rise with deflection";
+            let problem = "must increase with deflection";
             found.push(Finding::error(path, format!("{force:?}"), problem));
         }
     }

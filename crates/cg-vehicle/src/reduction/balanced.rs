@@ -94,7 +94,7 @@ fn residualised(whole: &System, order: usize) -> Result<System, VehicleError> {
         return Ok(whole.clone());
     }
     let fast = whole.a.view((order, order), (rest, rest)).into_owned().lu();
-    let singular = || VehicleError::Model("the fast states do not settle".to_owned());
+    let singular = || VehicleError::Model("the fast states have no steady state".to_owned());
     let a21 = whole.a.view((order, 0), (rest, order)).into_owned();
     let settled_state = fast.solve(&a21).ok_or_else(singular)?;
     let settled_input = fast.solve(&whole.b.rows(order, rest).into_owned()).ok_or_else(singular)?;

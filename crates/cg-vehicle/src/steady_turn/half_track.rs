@@ -15,7 +15,7 @@ pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f
     let axles = vehicle.axles();
     let hitch_behind_m = vehicle.tractor.hitch_behind_cg_m;
     let middle_m = |positions_m: &[f64]| {
-        #[allow(clippy::cast_precision_loss)] // one or two tyres
+        #[allow(clippy::cast_precision_loss)] // one or two tires
         let n = positions_m.len() as f64;
         positions_m.iter().sum::<f64>() / n
     };

@@ -98,7 +98,7 @@ impl Tyres {
     fn standing(&self, load_n: f64, angle_rad: f64) -> (usize, f64) {
         let mut count = self.levers_m.len();
         loop {
-            #[allow(clippy::cast_precision_loss)] // a few tyres
+            #[allow(clippy::cast_precision_loss)] // a few tires
             let n = count as f64;
             let sum: f64 = self.levers_m[..count].iter().sum();
             let pressed_m = (load_n / self.stiffness_n_per_m - angle_rad * sum) / n;

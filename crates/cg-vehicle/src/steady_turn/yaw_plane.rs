@@ -129,7 +129,7 @@ impl Turn {
         }
     }
 
-    /// Force and aligning moment of an axle's tyres at a slip angle.
+    /// Force and aligning moment of an axle's tires at a slip angle.
     fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing<'_>) -> (f64, f64) {
         let grip = &self.kinds[axle.kind];
         on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold(
