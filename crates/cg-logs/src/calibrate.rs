@@ -11,6 +11,7 @@ use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use crate::estimate::{EstimateOptions, LogEstimator};
+use crate::malformed::Malformed;
 
 /// Identification changes the design and the design changes identification, by less than a
 /// tenth of a per cent: twice is enough.
@@ -29,9 +30,9 @@ pub struct KnownLog {
 
 /// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
 impl FromStr for KnownLog {
-    type Err = String;
+    type Err = Malformed;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Malformed> {
         let form = "expected LOG=HEIGHT_M or LOG=HEIGHT_M,TRAILER_MASS_KG";
         let (log, load) = text.rsplit_once('=').ok_or(form)?;
         let (height, mass) = match load.split_once(',') {
@@ -46,7 +47,7 @@ impl FromStr for KnownLog {
                 .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
         };
         if log.is_empty() {
-            return Err(form.to_owned());
+            return Err(form.into());
         }
         Ok(Self {
             log: log.to_owned(),

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`output`] | what a call may write, and how it is written whole |
 //! | [`place`] | places in logs, for messages |
+//! | [`malformed`] | the error of options with a form of their own |
 //! | [`can`] | candump logs, J1939 and DBC signals, samples of one clock |
 //! | [`log`] | CSV, gzip, Parquet and candump logs in and out |
 //! | [`estimate`] | the height of a log, with reasons and likely causes |
@@ -30,6 +31,7 @@
 //! ```
 
 pub mod output;
+pub mod malformed;
 pub mod state;
 pub mod place;
 pub mod can;

@@ -17,6 +17,7 @@ use cg_core::signal::j1939::pgn_of;
 use cg_vehicle::files;
 
 use super::frame::Frame;
+use crate::malformed::Malformed;
 
 /// Rank of a mapped signal: before every J1939 signal that measures the same.
 pub(super) const RANK: u8 = 0;
@@ -106,8 +107,8 @@ fn listed(names: impl Iterator<Item = String>) -> String {
 }
 
 /// The quantity of this name, as in the columns of a log.
-pub(super) fn named(name: &str) -> Result<Quantity, String> {
-    name.parse().map_err(|error| format!("there is no quantity `{name}`: {error}"))
+pub(super) fn named(name: &str) -> Result<Quantity, Malformed> {
+    name.parse().map_err(|error| format!("there is no quantity `{name}`: {error}").into())
 }
 
 /// Names that a message lists.
@@ -117,9 +118,9 @@ const EXPECTED: &str = "expected QUANTITY=MESSAGE.SIGNAL, optionally followed by
                         and +offset, as in roll=TILT.Angle[deg]*-1+0.3";
 
 impl FromStr for SignalMap {
-    type Err = String;
+    type Err = Malformed;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Malformed> {
         let (name, rest) = text.split_once('=').ok_or(EXPECTED)?;
         let quantity = named(name)?;
         let end = rest.find(['[', '*', '+']).unwrap_or(rest.len());
@@ -129,7 +130,7 @@ impl FromStr for SignalMap {
             None => (None, path),
         };
         if signal.is_empty() {
-            return Err(EXPECTED.to_owned());
+            return Err(EXPECTED.into());
         }
         let mut unit = None;
         if let Some(inner) = tail.strip_prefix('[') {

@@ -5,6 +5,8 @@ use std::str::FromStr;
 use cg_core::Quantity;
 use cg_core::signal::j1939::{self, Compensation, Slope};
 
+use crate::malformed::Malformed;
+
 use super::dbc::{MappedSignal, RANK, named};
 use super::frame::Frame;
 
@@ -24,9 +26,9 @@ pub struct DeviceFilter {
 }
 
 impl FromStr for DeviceFilter {
-    type Err = String;
+    type Err = Malformed;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Malformed> {
         let expected = "expected QUANTITY=ADDRESS with a source address from 0 to 253, as in \
                         roll=0xE4 or speed=0";
         let (name, address) = text.split_once('=').ok_or(expected)?;
@@ -348,7 +350,7 @@ BO_ 291 PLAIN: 8 TILT
         let found = values(&decoder, j1939::ROLL_FINE.identifier(0xE5), &data);
         assert!((found[0].1 + 0.1).abs() < 1e-6);
         assert!("roll=0xFF".parse::<DeviceFilter>().is_err());
-        assert!("rol=1".parse::<DeviceFilter>().unwrap_err().contains("lateral_acceleration"));
+        assert!("rol=1".parse::<DeviceFilter>().unwrap_err().to_string().contains("lateral_acceleration"));
     }
 
     #[test]
