@@ -40,9 +40,9 @@ const SENSOR: &[&str] = &["inconsistent", "left out", "likely cause"];
 
 fn faults() -> Vec<Fault> {
     vec![
-        fault("roll reversed", &["--flip roll"], |_, row| row.roll_rad *= -1.0),
-        fault("steer reversed", &["--flip steer"], |_, row| row.steer_rad *= -1.0),
-        fault("lateral acceleration reversed", &["--flip lateral_acceleration"], |_, row| {
+        fault("roll reversed", &["⟨flip roll⟩"], |_, row| row.roll_rad *= -1.0),
+        fault("steer reversed", &["⟨flip steer⟩"], |_, row| row.steer_rad *= -1.0),
+        fault("lateral acceleration reversed", &["⟨flip lateral_acceleration⟩"], |_, row| {
             row.lateral_acceleration_mps2 *= -1.0;
         }),
         fault("roll twice", &["left out", "gain of the roll sensor"], |_, row| row.roll_rad *= 2.0),
