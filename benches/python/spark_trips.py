@@ -54,7 +54,8 @@ def main() -> None:
     assert [heights[k] for k in range(TRIPS)] == expected
     print(f"## {TRIPS} trips on Spark\n")
     what = f"{TRIPS} simulated drives of {DURATION_S:.0f} s at {RATE_HZ:.0f} Hz in Parquet"
-    print(f"{what}; both give the same heights to the last bit. Spark runs on one machine with two workers.\n")
+    print(f"{what}; both give the same heights to the last bit.")
+    print("Spark runs on one machine with two workers.\n")
     print("| what | time | trips a second |\n|---|---|---|")
     for name, seconds in (
         ("`cg estimate --jobs 2`, including its start", alone),

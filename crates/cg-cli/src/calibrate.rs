@@ -14,9 +14,9 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use indicatif::ProgressBar;
 
-use crate::Outcome;
 use crate::cli::CalibrateArgs;
 use crate::estimate::feed;
+use crate::outcome::{Outcome, tell};
 use crate::truck;
 
 /// Errors of logs beside those of the model.
@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
         let take = |row: &_| estimator.push(row).map(|_| ());
         let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
         for remark in remarks {
-            crate::report(&anyhow!("{}: {remark}", known.log));
+            tell(&anyhow!("{}: {remark}", known.log));
         }
         Ok(())
     })

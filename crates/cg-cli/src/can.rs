@@ -9,7 +9,7 @@ use cg_logs::log::{CanOptions, LogOptions};
 use cg_vehicle::Vehicle;
 use clap::Args;
 
-use crate::cli::ColumnArgs;
+use crate::args::ColumnArgs;
 use crate::words::word;
 
 /// How frames become signals.

@@ -5,20 +5,20 @@ use std::path::PathBuf;
 use cg_core::identify::arx::SampledArx;
 use cg_logs::calibrate::KnownLog;
 use cg_logs::estimate::{ChannelChoice, Method};
-use cg_logs::log::{ColumnMap, LogOptions, Signal};
 use cg_plant::maneuver::{Histories, Maneuver};
 use cg_plant::simulate::Plant;
 use cg_thesis::reproduce::Options;
+use cg_vehicle::Variant;
 use cg_vehicle::emit::Language;
-use cg_vehicle::{Load, Variant, Vehicle};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
+use crate::args::{ColumnArgs, Format, LoadArgs, ModelFormat};
 use crate::can::CanArgs;
 use crate::numbers::{
-    duration_s, gate_m, height_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz,
-    speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
+    duration_s, gate_m, lateral_g, not_negative, radius_m, rate_hz, speed_change, speed_mps,
+    steer_rad, step_rate, trailer_mass_kg, turn_deg,
 };
-use crate::run::RunArgs;
+use crate::run::args::RunArgs;
 use crate::sensors::SensorArgs;
 use crate::truck::TruckArgs;
 use crate::words::word;
@@ -105,24 +105,6 @@ pub(crate) struct EstimateArgs {
     pub(crate) jobs: usize,
 }
 
-/// How the columns of logs are read.
-#[derive(Debug, Args)]
-pub(crate) struct ColumnArgs {
-    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
-    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
-    column: Vec<ColumnMap>,
-    /// Sensors mounted the other way round: `roll,steer`
-    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
-    flip: Vec<Signal>,
-}
-
-impl ColumnArgs {
-    pub(crate) fn options(&self) -> LogOptions {
-        let (columns, flip) = (self.column.clone(), self.flip.clone());
-        LogOptions { columns, flip, ..LogOptions::default() }
-    }
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
     /// The vehicle file
@@ -177,30 +159,6 @@ pub(crate) struct ModelArgs {
     /// Output format
     #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
     pub(crate) format: ModelFormat,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct LoadArgs {
-    /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
-    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = height_m)]
-    pub(crate) height_m: Option<f64>,
-    /// Mass of the whole semitrailer [default: the vehicle file's]
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg, conflicts_with = "payload_kg")]
-    pub(crate) trailer_mass_kg: Option<f64>,
-    /// Payload, in place of the mass of the whole semitrailer
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = payload_kg)]
-    pub(crate) payload_kg: Option<f64>,
-}
-
-impl LoadArgs {
-    pub(crate) fn load(&self, vehicle: &Vehicle) -> Load {
-        let reference = vehicle.reference_load();
-        let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
-        Load {
-            trailer_mass_kg: self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
-            cg_height_m: self.height_m.unwrap_or(reference.cg_height_m),
-        }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -355,17 +313,4 @@ fn order(text: &str) -> Result<usize, String> {
         Ok(order) if (1..=greatest).contains(&order) => Ok(order),
         _ => Err(format!("expected a whole number from 1 to {greatest}")),
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
-    Table,
-    Json,
-    Csv,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ModelFormat {
-    Table,
-    Json,
 }

@@ -7,8 +7,8 @@ use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::Vehicle;
 use cg_vehicle::emit::emit;
 
-use crate::Outcome;
 use crate::cli::DesignArgs;
+use crate::outcome::Outcome;
 
 pub(crate) fn run(arguments: &DesignArgs, files: Files) -> anyhow::Result<Outcome> {
     let target = arguments.truck.read(files).writes("--output", &arguments.output, Kind::Design)?;

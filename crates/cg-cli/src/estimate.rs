@@ -15,26 +15,16 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Deserialize;
 
-use crate::Outcome;
+use crate::answer::Answer;
 use crate::cli::EstimateArgs;
 use crate::flags;
-use crate::report::{self, About, Trace};
+use crate::outcome::{Outcome, tell, told};
+use crate::report::trace::Trace;
+use crate::report::{self, About};
 use crate::sink;
 
 /// Rows between two updates of the progress bar.
 const ROWS_PER_TICK: u32 = 8192;
-
-/// The answer for one log and what is known of it.
-pub(crate) struct Answer {
-    /// The log's name as given.
-    pub(crate) log: String,
-    /// The answer.
-    pub(crate) estimate: LogEstimate,
-    /// Known height, if `--truth` has one.
-    pub(crate) known_m: Option<f64>,
-    /// Its signals, if there is to be a report.
-    pub(crate) trace: Option<Trace>,
-}
 
 pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outcome> {
     let target = report_target(arguments, files)?;
@@ -133,8 +123,8 @@ fn gathered(
                 batch.answers.push(Answer { log: name, estimate, known_m, trace });
             }
             Err(error) => {
-                batch.unreadable.push((name, crate::told(&error)));
-                crate::report(&error);
+                batch.unreadable.push((name, told(&error)));
+                tell(&error);
                 batch.outcome = Outcome::Unreadable;
             }
         }

@@ -2,7 +2,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `cli` | the arguments |
+//! | `cli`, `args` | the arguments; those that several commands share |
+//! | `outcome`, `answer` | how a command ended; the answer for one log |
 //! | `estimate` | `cg estimate`: logs to heights, in parallel |
 //! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
 //! | `sink` | their output as table, JSON Lines or CSV |
@@ -23,6 +24,8 @@
 //! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage, unreadable input or an
 //! output that may not be written; after a signal that of the signal.
 
+mod answer;
+mod args;
 mod calibrate;
 mod can;
 mod cli;
@@ -33,6 +36,7 @@ mod flags;
 mod interrupt;
 mod model;
 mod numbers;
+mod outcome;
 mod report;
 mod reproduce;
 mod rollover;
@@ -45,24 +49,13 @@ mod truck;
 mod units;
 mod words;
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use cg_logs::output::Files;
 use clap::Parser;
 
 use cli::{Cli, Command};
-
-/// What a command that ran has to say.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Outcome {
-    /// Everything asked for.
-    Done,
-    /// It ran, but some log gave no height.
-    NoAnswer,
-    /// Some input could not be read (already reported).
-    Unreadable,
-}
+use outcome::{Outcome, tell};
 
 fn main() -> ExitCode {
     match answer(&Cli::parse()) {
@@ -71,7 +64,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Unreadable) => ExitCode::from(2),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            report(&error);
+            tell(&error);
             ExitCode::from(2)
         }
     }
@@ -95,24 +88,6 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Run(arguments) => run::run(arguments, files),
         Command::Study(arguments) => study::run(arguments, files),
     }
-}
-
-/// An error and its causes, each once: a library's message may hold its cause already.
-fn told(error: &anyhow::Error) -> String {
-    let mut text = String::new();
-    for cause in error.chain().map(ToString::to_string) {
-        if !text.contains(&cause) {
-            text += if text.is_empty() { "" } else { ": " };
-            text += &cause;
-        }
-    }
-    flags::told(&text)
-}
-
-/// Tells an error on standard error.
-fn report(error: &anyhow::Error) {
-    // A closed standard error leaves nobody to tell; `eprintln!` would panic.
-    let _ = writeln!(std::io::stderr(), "cg: {}", told(error));
 }
 
 /// The reader of our output has seen enough (`cg … | head`): not an error.

@@ -10,8 +10,9 @@ use cg_vehicle::system::TransferFunction;
 use cg_vehicle::{LinearModel, Vehicle};
 use serde::Serialize;
 
-use crate::Outcome;
-use crate::cli::{ModelArgs, ModelFormat};
+use crate::args::ModelFormat;
+use crate::cli::ModelArgs;
+use crate::outcome::Outcome;
 use crate::truck;
 
 /// The JSON output.

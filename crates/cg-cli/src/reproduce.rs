@@ -7,8 +7,9 @@ use cg_thesis::reproduce::{Options, Row, table, tables, title};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 
-use crate::Outcome;
-use crate::cli::{ModelFormat, ReproduceArgs};
+use crate::args::ModelFormat;
+use crate::cli::ReproduceArgs;
+use crate::outcome::Outcome;
 
 pub(crate) fn run(arguments: &ReproduceArgs) -> anyhow::Result<Outcome> {
     let options = Options { runs: arguments.runs, seed: arguments.seed };

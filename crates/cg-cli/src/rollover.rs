@@ -8,8 +8,9 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value, json};
 
-use crate::Outcome;
-use crate::cli::{ModelFormat, RolloverArgs};
+use crate::args::ModelFormat;
+use crate::cli::RolloverArgs;
+use crate::outcome::Outcome;
 use crate::truck;
 
 pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {

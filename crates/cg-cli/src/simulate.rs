@@ -9,8 +9,8 @@ use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
-use crate::Outcome;
 use crate::cli::SimulateArgs;
+use crate::outcome::{Outcome, tell};
 use crate::truck;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
@@ -122,14 +122,14 @@ fn write_candump(
     let lost = writer.out_of_range();
     writer.finish()?;
     if vehicle.steering_ratio.is_none() {
-        crate::report(&anyhow!(
+        tell(&anyhow!(
             "{}: without a steering angle: J1939 has that of the steering wheel, and the vehicle \
              file no steering_ratio",
             output.display()
         ));
     }
     if lost > 0 {
-        crate::report(&anyhow!(
+        tell(&anyhow!(
             "{}: {lost} values beyond the range of their J1939 signal are \"not available\"",
             output.display()
         ));

@@ -8,8 +8,8 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use serde::Serialize;
 
-use crate::cli::Format;
-use crate::estimate::Answer;
+use crate::answer::Answer;
+use crate::args::Format;
 
 pub(crate) fn write(format: Format, answers: &[Answer]) -> anyhow::Result<()> {
     if answers.is_empty() {

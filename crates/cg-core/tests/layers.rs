@@ -254,3 +254,42 @@ fn a_module_uses_those_above_it() {
     }
     assert!(below.is_empty(), "{below:#?}");
 }
+
+/// Every link of the walk in ARCHITECTURE.md and of the README leads to a file.
+#[test]
+fn links_of_the_overview_lead_somewhere() {
+    let root = folder("cg-core").join("../..");
+    let mut links = 0;
+    for page in ["ARCHITECTURE.md", "README.md"] {
+        for link in read(&root.join(page)).split("](").skip(1) {
+            let target = link.split([')', '#']).next().unwrap();
+            if !target.is_empty() && !target.contains("://") {
+                assert!(root.join(target).exists(), "{page} links to {target}, which is not there");
+                links += 1;
+            }
+        }
+    }
+    assert!(links > 20, "only {links} links were seen");
+}
+
+/// No crate holds more than a quarter of the source lines, and files stay short.
+#[test]
+fn no_crate_is_half_the_house() {
+    let mut files = Vec::new();
+    let mut lines_of = BTreeMap::new();
+    for name in CRATES.iter().chain(&DOORS) {
+        for file in Modules::of(name).files.values() {
+            let lines = read(file).lines().count();
+            files.push(lines);
+            *lines_of.entry(*name).or_insert(0) += lines;
+            assert!(lines <= 500, "{} has {lines} lines", file.display());
+        }
+    }
+    let all: usize = lines_of.values().sum();
+    for (name, lines) in lines_of {
+        assert!(4 * lines <= all, "{name} holds {lines} of {all} source lines");
+    }
+    files.sort_unstable();
+    let median = files[files.len() / 2];
+    assert!(median <= 200, "the median file has {median} lines");
+}

@@ -17,6 +17,7 @@ const CHECKSUM: &str = "crc32 ";
 /// The content of a state file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct State {
     format: String,
     version: u32,

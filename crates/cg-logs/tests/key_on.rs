@@ -15,7 +15,9 @@ const STEERING_RATIO: f64 = 20.0;
 const STANDING_S: f64 = 30.0;
 
 fn truck() -> Vehicle {
-    Vehicle { steering_ratio: Some(STEERING_RATIO), ..common::vehicle("kraz.toml") }
+    let mut truck = common::vehicle("kraz.toml");
+    truck.steering_ratio = Some(STEERING_RATIO);
+    truck
 }
 
 /// Standing with sensors that appear one after the other and a steering angle that ramps up, then

@@ -9,6 +9,7 @@ use cg_vehicle::reduction::quality::rounded_step;
 
 /// An open-loop maneuver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Maneuver {
     /// Rounded step `2 δ_m (2^(−e^(−a t)) − 1/2)` (eq. 5.3), held to the end.
     RoundedStep,
@@ -35,6 +36,7 @@ cg_core::words!(Maneuver {
 
 /// A path for the preview driver (section 2.6).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Course {
     /// Turn of constant radius through an angle, to the left if positive; then straight ahead.
     Turn {

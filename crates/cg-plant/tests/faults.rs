@@ -39,6 +39,13 @@ fn white(k: usize) -> f64 {
 const SENSOR: &[&str] = &["inconsistent", "left out", "likely cause"];
 
 fn faults() -> Vec<Fault> {
+    let mut all = wrong_signals();
+    all.extend(broken_sensors());
+    all
+}
+
+/// A sign, a unit, a gain or a column is wrong.
+fn wrong_signals() -> Vec<Fault> {
     vec![
         fault("roll reversed", &["⟨flip roll⟩"], |_, row| row.roll_rad *= -1.0),
         fault("steer reversed", &["⟨flip steer⟩"], |_, row| row.steer_rad *= -1.0),
@@ -66,6 +73,12 @@ fn faults() -> Vec<Fault> {
         fault("inclinometer for roll", SENSOR, |_, row| {
             row.roll_rad += row.lateral_acceleration_mps2 / 9.81;
         }),
+    ]
+}
+
+/// A sensor, the clock or the file is faulty.
+fn broken_sensors() -> Vec<Fault> {
+    vec![
         fault("roll ends at 1 degree", SENSOR, |k, row| {
             row.roll_rad = row.roll_rad.clamp(-0.0175, 0.0175) + 1e-4 * white(k);
         }),

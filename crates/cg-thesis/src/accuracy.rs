@@ -1,4 +1,4 @@
-//! How good the estimates are, and whether their intervals are true: a maneuver many times on
+//! Accuracy of the estimates and coverage of their intervals: one maneuver repeated many times on
 //! simulated logs (section 5.3.2).
 
 use cg_core::{Channel, Design};
@@ -15,15 +15,15 @@ use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
 
-/// Step of the height for the bound's differences: 1 mm of 2 m leaves 1e-7 of the second order.
+/// Step of the height for the differences of the bound: 1 mm of 2 m leaves a second-order error of 1e-7.
 const BOUND_STEP_M: f64 = 1e-3;
 
-/// Which truck drives.
+/// The simulated truck.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Truck {
-    /// The vehicle file's: nothing but noise is wrong.
+    /// The truck of the vehicle file; noise is the only error.
     OfTheFile,
-    /// Another one each time, drawn from what the file says of its own uncertainty.
+    /// A different truck in each run, drawn from the uncertainty in the vehicle file.
     Drawn,
 }
 
@@ -32,27 +32,28 @@ cg_core::words!(Truck {
     Drawn => "drawn", "Another one each time, drawn from what the file says of its own uncertainty";
 });
 
-/// What is repeated.
+/// A repeated simulation and estimation.
 #[derive(Clone, Debug)]
 pub struct Experiment {
     /// Maneuver, load and sensors.
     pub scenario: Scenario,
-    /// Which truck.
+    /// The simulated truck.
     pub truck: Truck,
     /// The channel; `None` combines both.
     pub channel: Option<Channel>,
-    /// Identification.
+    /// Identification method.
     pub method: Method,
-    /// How many times.
+    /// Number of runs.
     pub runs: u32,
-    /// Of the first run.
+    /// Seed of the first run.
     pub seed: u64,
 }
 
-/// How far the estimates lie from the truth; lengths relative to the true height.
+/// Errors of the estimates, relative to the true height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Score {
-    /// Runs with a height.
+    /// Number of runs with a height.
     pub answered: u32,
     /// Mean error.
     pub bias: f64,
@@ -62,15 +63,15 @@ pub struct Score {
     pub stated_sd: f64,
     /// Share of the runs whose 95 % interval holds the truth.
     pub coverage: f64,
-    /// Cramér-Rao bound of the standard deviation: noise as it is, an unknown offset, everything
-    /// else known. With white noise only.
+    /// Cramér-Rao bound of the standard deviation if everything is known except the height and a
+    /// constant offset. Valid for white noise only.
     pub bound: f64,
 }
 
-/// The driver's inputs are those of the file's truck; a drawn one answers them in its own way.
+/// A drawn truck. The driver's inputs are those of the truck in the file.
 struct Drawn {
     deviations: Deviations,
-    /// What the equations leave out, of each channel's ratio.
+    /// Relative error of each channel's ratio that the equations leave out.
     residual: [f64; 2],
 }
 
@@ -81,7 +82,7 @@ impl Drawn {
             return Self { deviations: Deviations::zeros(), residual: [0.0; 2] };
         }
         let standard = Deviations::from_fn(|_, _| normal());
-        // Uncorrelated before any calibration.
+        // The prior is uncorrelated.
         let sd = Deviations::from_fn(|k, _| belief.covariance[(k, k)].sqrt());
         Self {
             deviations: belief.mean + sd.component_mul(&standard),
@@ -89,8 +90,8 @@ impl Drawn {
         }
     }
 
-    /// What the sensors of this truck make of a row before their own faults: roll over measured
-    /// input is what a gain multiplies.
+    /// The row with the gains of this truck's sensors, before other sensor errors. The gains multiply the
+    /// ratio of roll to measured input.
     fn shown(&self, row: &LogRow) -> LogRow {
         let by = |channel: Channel| {
             (log_gain(&self.deviations, channel) + self.residual[channel.index()]).exp()
@@ -106,7 +107,7 @@ impl Drawn {
 }
 
 impl Experiment {
-    /// This maneuver with the truck of the file and white noise of 20 dB, both channels combined.
+    /// An experiment with this scenario and the truck of the file, both channels combined, 1000 runs.
     pub fn of(scenario: Scenario) -> Self {
         Self {
             scenario,
@@ -118,10 +119,10 @@ impl Experiment {
         }
     }
 
-    /// Runs it; `take` sees each run's answer, in order.
+    /// Runs the experiment; `take` receives the estimate of each run, in order.
     ///
     /// # Errors
-    /// If the vehicle cannot be simulated so.
+    /// If the vehicle cannot be simulated in this scenario.
     pub fn run(
         &self,
         vehicle: &Vehicle,
@@ -164,8 +165,8 @@ impl Experiment {
         Ok(())
     }
 
-    /// Runs it and scores the heights. With the truck of the file the interval that is judged is
-    /// the one that noise alone explains; with drawn trucks the whole one.
+    /// Runs the experiment and scores the heights. With the truck of the file, the score is for the
+    /// part of the interval that noise causes; with drawn trucks for the whole interval.
     ///
     /// # Errors
     /// As [`Experiment::run`].
@@ -201,8 +202,8 @@ impl Experiment {
         })
     }
 
-    /// The bound: `σ/|s⊥|`, where `s = ∂φ/∂h` at given steer angle and `s⊥` its part that no
-    /// constant offset explains.
+    /// The bound `σ/|s⊥|`, where `s = ∂φ/∂h` at a given steer angle and `s⊥` is its part that no constant
+    /// offset explains.
     fn bound_m(&self, vehicle: &Vehicle) -> Result<f64, VehicleError> {
         let nominal = LogSimulation::new(vehicle, self.scenario)?;
         let at = |shift_m: f64| -> Result<Vec<LogRow>, VehicleError> {

@@ -1,11 +1,11 @@
-//! The thesis beside ours: its tables and figures recomputed, its parameter studies, and Monte-Carlo
-//! runs of errors and intervals.
+//! Comparison with the thesis: its tables and figures recomputed, its parameter studies, and
+//! Monte-Carlo runs of errors and intervals.
 //!
-//! | module | what | source |
+//! | module | contents | reference |
 //! |---|---|---|
 //! | [`accuracy`] | Monte-Carlo: errors and intervals | section 5.3.2 |
 //! | [`study`] | the nonlinear plant over maneuver, load and vehicle | sections 2.5–2.7 |
-//! | [`reproduce`] | the thesis's tables beside ours | all of it |
+//! | [`reproduce`] | the tables of the thesis recomputed | the whole thesis |
 
 pub mod accuracy;
 pub mod study;

@@ -1,5 +1,5 @@
-//! How good the estimates are and whether their intervals are true: faults of sensors and road one
-//! at a time, a map over load, noise, maneuver and rate, changes of the load on the road.
+//! Accuracy of the estimates and coverage of their intervals: single faults of sensors and road, a map
+//! over load, noise, maneuver and rate, changes of the load on the road.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "../../cg-vehicle/tests/common/mod.rs"]
@@ -15,12 +15,12 @@ use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_thesis::accuracy::{Experiment, Score, Truck};
 use cg_vehicle::{Load, Vehicle};
 
-/// Noise of this strength and nothing else.
+/// Noise of this strength, without other sensor errors.
 fn noise(snr_db: f64) -> Sensors {
     Sensors { snr_db: Some(snr_db), ..Sensors::default() }
 }
 
-/// What is wrong beside the truck itself; the last number is the least share that must answer.
+/// The faults in addition to the wrong truck; the last number is the least share of runs with a height.
 fn faults() -> [(&'static str, Sensors, f64); 17] {
     let noisy = noise(20.0);
     [
@@ -65,8 +65,8 @@ fn told(name: &str, score: &Score, runs: u32) {
     );
 }
 
-/// 95 % intervals hold the truth in 93 to 97 % of the runs with a truck that differs from its file
-/// as the file says it may; 1000 runs scatter by 0.7 %.
+/// 95 % intervals hold the truth in 93 to 97 % of the runs, with a truck that differs from its file
+/// according to the uncertainty in the file. 1000 runs scatter by 0.7 %.
 #[test]
 fn the_interval_is_true() {
     let vehicle = common::vehicle("baseline.toml");
@@ -76,7 +76,8 @@ fn the_interval_is_true() {
     assert!((0.93..=0.97).contains(&nominal.coverage), "{nominal:?}");
 }
 
-/// With a fault on top at least 90 %; 300 runs scatter by 1.5 %, and none is nearer than that.
+/// With an additional fault they hold in at least 90 %. 300 runs scatter by 1.5 %, and no result is
+/// closer than that to the limit.
 #[test]
 fn the_interval_stays_true_whatever_is_wrong() {
     let vehicle = common::vehicle("baseline.toml");
@@ -89,8 +90,9 @@ fn the_interval_stays_true_whatever_is_wrong() {
     }
 }
 
-/// The same of noise alone, which the truck's own uncertainty would hide: slow noise and noise of
-/// the accelerometer. Taken for white and for none they leave 60 to 84 %.
+/// The same for noise alone, which the uncertainty of the truck would hide: slow noise and noise of the
+/// accelerometer. Treating slow noise as white and ignoring the other would give a coverage of 60 to
+/// 84 %.
 #[test]
 fn the_noise_s_share_is_true_too() {
     let vehicle = common::vehicle("baseline.toml");
@@ -105,8 +107,8 @@ fn the_noise_s_share_is_true_too() {
     }
 }
 
-/// A roll sensor at the end of its range shows two thirds of the height, without any noise that
-/// would tell. Nothing but silence is right.
+/// A saturated roll sensor would give two thirds of the height, without any noise that reveals it. The
+/// only correct answer is no height.
 #[test]
 fn a_sensor_at_the_end_of_its_range_gives_no_height() {
     let vehicle = common::vehicle("baseline.toml");
@@ -124,9 +126,9 @@ fn a_sensor_at_the_end_of_its_range_gives_no_height() {
 
 const MAP: &str = "accuracy/map.csv";
 
-/// The errors over height, payload, noise, maneuver and rate as they were; another number is
-/// looked at before the file is written again (`CG_WRITE_MAP=1`). Seeds are fixed: what differs
-/// between machines is the last digit of elementary functions, 1e-3 of a mean of 60 runs at most.
+/// The errors over height, payload, noise, maneuver and rate must not change. A changed number must be
+/// examined before the file is written again (`CG_WRITE_MAP=1`). Seeds are fixed: machines differ only
+/// in the last digit of elementary functions, which is at most 1e-3 of a mean of 60 runs.
 #[test]
 fn the_map_is_as_it_was() {
     let vehicle = common::vehicle("baseline.toml");
@@ -157,8 +159,8 @@ fn the_map_is_as_it_was() {
             )
             .unwrap();
             assert!(rmse > 0.8 * bound, "{name} {rate_hz} {snr_db}: better than possible");
-            // A lane change excites what the reduced model leaves out, most of all under light
-            // loads; the interval of noise alone does not know of that (docs/accuracy.md).
+            // A lane change excites dynamics that the reduced model leaves out, most with light loads.
+            // The noise part of the interval does not cover that (docs/accuracy.md).
             if maneuver != Maneuver::LaneChange {
                 covered += coverage;
                 cells += 1.0;
@@ -191,7 +193,7 @@ fn cells_of_the_map() -> impl Iterator<Item = (f64, f64, f64, f64)> {
     })
 }
 
-/// Some minutes of ordinary driving under a load of this height.
+/// Some minutes of ordinary driving with a load of this height.
 fn drive(vehicle: &Vehicle, cg_height_m: f64, seed: u64) -> Vec<LogRow> {
     let load = Load { cg_height_m, ..vehicle.reference_load() };
     let scenario = Scenario {
@@ -210,7 +212,7 @@ fn drive(vehicle: &Vehicle, cg_height_m: f64, seed: u64) -> Vec<LogRow> {
     rows
 }
 
-/// Two loads of one mass, with a stop of two minutes between them or a shift on the road.
+/// Two loads of equal mass, with a stop of two minutes between them or a shift on the road.
 #[test]
 fn another_load_is_noticed_though_it_weighs_the_same() {
     let vehicle = common::vehicle("baseline.toml");
@@ -226,12 +228,12 @@ fn another_load_is_noticed_though_it_weighs_the_same() {
         }
         let estimate = estimator.finish();
         let height_m = estimate.height_m.unwrap();
-        // Noise of 25 dB over minutes of turns leaves 0.3 %.
+        // Noise of 25 dB over minutes of turns gives 0.3 %.
         assert!((height_m / 2.1 - 1.0).abs() < 0.01, "{pause_s}: {height_m}");
         let said = estimate.messages.iter().any(|text| text.contains("the load changed before"));
         assert!(said, "{:?}", estimate.messages);
     }
-    // The same load goes on being the same.
+    // An unchanged load is not reported as changed.
     let mut estimator = LogEstimator::new(&vehicle, EstimateOptions::default()).unwrap();
     for row in drive(&vehicle, 1.9, 3) {
         estimator.push(&row).unwrap();
@@ -240,7 +242,8 @@ fn another_load_is_noticed_though_it_weighs_the_same() {
     assert!(!estimate.messages.iter().any(|text| text.contains("load changed")));
 }
 
-/// A scale that swings by 8 % in the suspension's rhythm: no turn falls to pieces, no load changes.
+/// A load signal that oscillates by 8 % at the frequency of the suspension does not split turns or
+/// change the load.
 #[test]
 fn a_swinging_scale_is_no_other_load() {
     let vehicle = common::vehicle("baseline.toml");
@@ -253,7 +256,7 @@ fn a_swinging_scale_is_no_other_load() {
     let estimate = estimator.finish();
     let height_m = estimate.height_m.unwrap();
     assert!(!estimate.messages.iter().any(|text| text.contains("load changed")));
-    // Each turn at its mean mass; what the swing does within it averages out but for its square.
+    // Each turn uses its mean mass; the effect of the oscillation averages out except for its square.
     assert!((height_m / 1.9 - 1.0).abs() < 0.015, "{height_m}");
 }
 
@@ -266,7 +269,7 @@ fn every_method_on_the_nonlinear_plant() {
         let experiment = Experiment { method, runs: 50, ..Experiment::of(scenario) };
         let score = experiment.score(&vehicle).unwrap();
         println!("{method:?}: {score:?}");
-        // Large angles and steer that changes with roll: 1 % beside the linear model.
+        // Large angles and roll steer: 1 % of difference from the linear model.
         assert!(score.bias.abs() < 0.015 && score.rmse < 0.02, "{method:?}: {score:?}");
     }
 }

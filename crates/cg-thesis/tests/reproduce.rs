@@ -1,4 +1,4 @@
-//! Every number of the thesis that can be reproduced is, and what cannot says why.
+//! Every number of the thesis that can be reproduced is reproduced, and the others state why not.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use cg_thesis::reproduce::{Options, Row, table, tables, title};
@@ -7,70 +7,70 @@ use cg_vehicle::VehicleError;
 /// Enough draws for the statements below, few enough for the debug profile.
 const OPTIONS: Options = Options { runs: 400, seed: 7 };
 
-/// How far ours may be from a printed number.
+/// Allowed difference from a printed number.
 #[derive(Clone, Copy, Debug)]
 enum Limit {
-    /// `|ours − thesis| / |thesis|` (or what the row's note says).
+    /// `|ours − thesis| / |thesis|` (or as the row's note states).
     Relative(f64),
     /// `|ours − thesis|` in half units of the last printed digit.
     Digits(f64),
 }
 use Limit::{Digits, Relative};
 
-/// Table, part of the item, limit; the first that fits counts.
+/// Table, part of the item, limit; the first match counts.
 const LIMITS: &[(&str, &str, Limit)] = &[
     // Eight printed loads, each rounded to 0.5 N: 4 N of 140.6 kN are 2.8e-5; the lever arms
-    // (0.5 mm of 6.4 m) make as much again.
+    // (0.5 mm of 6.4 m) contribute the same again.
     ("2.1", "fifth-wheel", Relative(6e-5)),
     ("2.2", "fifth-wheel", Relative(6e-5)),
     ("2.1", "X_sc", Digits(1.0)),
     ("2.2", "X_sc", Digits(1.0)),
     ("2.9", "X_sc", Digits(1.0)),
-    // Places rounded to 0.5 mm, of 2.7 m and more.
+    // Positions of 2.7 m and more, rounded to 0.5 mm.
     ("2.1", "axle", Relative(2e-4)),
     ("2.2", "axle", Relative(2e-4)),
     ("2.9", "axle", Relative(2e-4)),
-    // Section 2.4 states 1.22 % of ours, 1.24 % of TruckSim's.
+    // Section 2.4 states 1.22 % relative to ours, which is 1.24 % relative to TruckSim.
     ("2.3", "axle", Relative(0.0125)),
     ("2.3", "greatest", Digits(1.0)),
-    // Five digits are printed, but the vehicle's last digits are not: 4.7e-5 at worst, B 2.3e-5.
+    // Five digits are printed, but not the vehicle's last digits: at most 4.7e-5, B 2.3e-5.
     ("4.1", "A16", Digits(1.0)),
     ("4.1", "A", Relative(4.8e-5)),
     ("4.1", "B", Relative(2.4e-5)),
     // Poles and zeros to 6e-5 rad/s; the smallest modulus is 1.80 rad/s.
     ("4.2", "pole", Relative(6e-5 / 1.797)),
     ("4.2", "zero", Relative(6e-5 / 2.955)),
-    // Three digits each; four of 41 are off by up to 0.06 units more, the rounding of F(s).
+    // Three digits each; four of 41 differ by up to 0.06 units more, the rounding of F(s).
     ("5.2", "", Digits(1.12)),
-    // Rounding of the printed F(s) moves them by up to 3e-3; eq. 5.12 as it happens by 2.7e-4.
-    // Squared errors: the amplitude is taken from order 0, printed to 0.15 %; the other five are
-    // one common factor of 1.018 off.
+    // Rounding of the printed F(s) changes them by up to 3e-3; eq. 5.12 happens to change by 2.7e-4.
+    // Squared errors: the amplitude is derived from order 0, printed to 0.15 %; the other five have a
+    // common factor of 1.018.
     ("5.3", "squared error", Relative(0.02)),
     ("5.3", "", Relative(3e-3)),
     ("5.12", "", Relative(2.7e-4)),
     ("5.17", "", Relative(2.4e-5)),
     ("5.19", "", Digits(1.0)),
-    // Ours is eq. 5.12's own ratio, from which the printed ones drift by up to 9.4e-4 (of the
-    // height 1/1.136 of that).
+    // Ours is the ratio of eq. 5.12, from which the printed ones differ by up to 9.4e-4 (for the height
+    // 1/1.136 of that).
     ("5.5", "identified", Relative(9.5e-4)),
     ("5.6", "identified", Relative(8.4e-4)),
     ("5.5", "", Digits(1.0)),
-    // From printed ratio or height: to all printed digits.
+    // From the printed ratio or height, to all printed digits.
     ("5.6", "", Digits(1.0)),
     ("5.7", "", Digits(1.0)),
     ("5.8", "A0/B0", Digits(1.0)),
-    // Heights to 0.01 in, which are 0.013 points of bias; meters follow from the printed inches.
+    // Heights to 0.01 in, which is 0.013 percentage points of bias; meters follow from the printed inches.
     ("5.10", "updated R_c, in", Digits(2.0)),
     ("5.10", ", m", Digits(1.0)),
     ("5.10", "bias", Relative(1.3e-4)),
-    // Both heights are printed to 0.5 mm: 0.055 points.
+    // Both heights are printed to 0.5 mm: 0.055 percentage points.
     ("5.11", "as printed, m", Digits(1.0)),
     ("5.11", "bias", Relative(5.5e-4)),
-    // The statement of the complete model: 0.06 % over the whole range.
+    // The claim for the complete model: 0.06 % over the whole range.
     ("5.11", "complete, m", Relative(6e-4)),
 ];
 
-/// Printed numbers that nothing here should agree with.
+/// Printed numbers that need not agree.
 fn cannot_agree(row: &Row) -> bool {
     row.is_misprint() || row.note.as_ref().is_some_and(|note| note.contains("cannot be reproduced"))
 }
@@ -89,7 +89,7 @@ fn check(row: &Row) {
     let Some((_, _, limit)) = limit else { panic!("{name}: no limit") };
     let (found, allowed) = match limit {
         Relative(allowed) => (error.abs(), *allowed),
-        // Binary fractions of decimal ties: a part in 1e9.
+        // Decimal ties are not exact in binary: a part in 1e9.
         Digits(allowed) => ((ours - thesis).abs() / row.rounding.unwrap(), allowed * (1.0 + 1e-9)),
     };
     assert!(found <= allowed, "{name}: thesis {thesis}, ours {ours}: {found:e} > {limit:?}");
@@ -129,7 +129,7 @@ fn ours(rows: &[Row], item: &str) -> f64 {
     row.unwrap_or_else(|| panic!("no row {item}")).ours.unwrap()
 }
 
-/// A misprint is corrected by what the thesis's own numbers give.
+/// The corrections of misprints follow from the thesis's own numbers.
 #[test]
 fn misprints_are_marked_and_ours_is_what_was_meant() {
     let mut found = 0;
@@ -159,8 +159,8 @@ fn thirty_seven_of_41_products_have_all_printed_digits() {
     assert_eq!((agree, rows.len()), (37, 41));
 }
 
-/// Table 5.4 shows other coefficients for each rate; exact data give back eq. 5.12 for all. The
-/// shift form has condition numbers up to 1e13, which times 2e-16 leaves 2e-3.
+/// Table 5.4 shows other coefficients for each rate; exact data return eq. 5.12 for all. The shift form
+/// has condition numbers up to 1e13, which times 2e-16 is 2e-3.
 #[test]
 fn noise_free_identification_returns_the_model_that_made_the_data() {
     let original = table("5.12", &OPTIONS).unwrap();
@@ -181,8 +181,8 @@ fn noise_free_identification_returns_the_model_that_made_the_data() {
 }
 
 /// The gains of the Yaw/Roll program and of both models, computed independently of this crate: one
-/// unit of the fourth digit. Those of the program follow from heights printed to 0.5 mm, which are
-/// 3e-4 of gain where it is steepest.
+/// unit of the fourth digit. The gains of the program follow from heights printed to 0.5 mm, which is
+/// 3e-4 of gain at the steepest point.
 #[test]
 fn gains_over_the_range_of_heights() {
     let rows = table("5.11", &OPTIONS).unwrap();
@@ -207,9 +207,9 @@ fn gains_over_the_range_of_heights() {
     assert!((ours(&rows, "R_c, as printed") - 1.489).abs() <= 0.5e-3 + 1e-4);
 }
 
-/// Bias and RMSE of the height at each noise against an independent study of at least 200 draws
-/// (each RMSE scatters by 1/√(2N) of itself, each bias by its standard deviation over √N; three
-/// sigma of both together), the bounds to the three digits known.
+/// Bias and RMSE of the height at each noise level, compared with an independent study of at least 200
+/// draws (each RMSE scatters by 1/√(2N) of itself, each bias by its standard deviation over √N; three
+/// sigma of both together); the bounds to their three known digits.
 #[test]
 fn the_source_s_identification_is_biased_and_its_bound_is_known() {
     let rows = table("5.7", &OPTIONS).unwrap();
@@ -230,15 +230,14 @@ fn the_source_s_identification_is_biased_and_its_bound_is_known() {
         let off = (at("ARX RMSE") - rmse).abs();
         assert!(off <= three_sigma / f64::sqrt(2.0) * rmse, "{snr_db} dB: RMSE off by {off}");
         for (found, known) in [(at("bound"), bound), (at("bound, gain only"), gain)] {
-            // Three digits are known.
+            // Three digits are known of the reference.
             assert!((found / known - 1.0_f64).abs() <= 5e-3, "{snr_db} dB: {found} {known}");
         }
     }
 }
 
-/// The product's identifier has no such bias (three standard errors and the 0.3 RMSE that it
-/// may have), and its RMSE lies between the bounds for a known and for an unknown shape, with
-/// three sigma of its own scatter.
+/// The project's identifier has no such bias (allowed: three standard errors and 0.3 RMSE), and its RMSE
+/// is between the bounds for a known and for an unknown shape, within three sigma of its own scatter.
 #[test]
 fn the_product_s_identifier_is_nearly_unbiased_and_between_the_bounds() {
     let runs = f64::from(OPTIONS.runs);
@@ -253,8 +252,8 @@ fn the_product_s_identifier_is_nearly_unbiased_and_between_the_bounds() {
     }
 }
 
-/// Table 5.9's single draws hide that the bias of shift-form ARX stays at every order and noise:
-/// it is more than three of its standard errors, and always downward.
+/// The single draws of Table 5.9 hide the bias of shift-form ARX, which exists at every order and noise
+/// level: it is more than three of its standard errors, and always negative.
 #[test]
 fn no_order_removes_the_bias() {
     let runs = f64::from(OPTIONS.runs);

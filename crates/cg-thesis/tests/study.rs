@@ -1,4 +1,4 @@
-//! What chapter 2 of the thesis says, study by study, and where the plant says otherwise.
+//! The statements of chapter 2, study by study, and where the plant disagrees.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use cg_thesis::study::{Abscissa, Response, Series, Study, studies, study};
@@ -20,7 +20,7 @@ fn series<'a>(study: &'a Study, figure: &str, name: &str) -> &'a Series {
     study.series(figure, name).unwrap_or_else(|| panic!("{}: no {name}", study.name))
 }
 
-/// What the statements themselves claim.
+/// The `agrees` flags of the statements.
 fn agreeing(study: &Study) -> Vec<bool> {
     study.statements.iter().map(|statement| statement.agrees).collect()
 }
@@ -70,14 +70,14 @@ fn the_semitrailers_roll_is_the_most_sensitive_response() {
         assert_eq!(next, ["axle 4 roll", "axle 5 roll"]);
         for response in all.iter().filter(|r| !r.name.contains("roll")) {
             let change = (response.after / response.before - 1.0).abs();
-            // In a turn of given radius and speed they follow from the path; a tenth of the
-            // semitrailer's 22 to 30 % is left to transients. Load transfer is what roll shifts.
+            // In a turn of given radius and speed they follow from the path. A tenth of the
+            // semitrailer's 22 to 30 % is allowed for transients. Roll changes the load transfer.
             assert!(change < 0.03 || response.name == "load transfer ratio", "{response:?}");
         }
     }
 }
 
-/// Figs. 2.14, 2.15: the peak comes before the shortest turn is over.
+/// Figs. 2.14, 2.15: the peak occurs before the end of the shortest turn.
 #[test]
 fn peaks_do_not_depend_on_the_cornering_angle() {
     let study = run("cornering-angle");
@@ -86,8 +86,8 @@ fn peaks_do_not_depend_on_the_cornering_angle() {
         for name in ["semitrailer", "tractor"] {
             let peaks = series(&study, figure, name).values();
             assert_eq!(peaks.len(), 3);
-            // The same steer until the preview of 1.5 s sees the end: only the arc's chords,
-            // 1e-5 of its radius, differ.
+            // The steer angle is the same until the preview of 1.5 s reaches the end: only the chords of
+            // the arc differ, 1e-5 of its radius.
             assert!(peaks.iter().all(|peak| (peak / peaks[0] - 1.0).abs() < 1e-3), "{peaks:?}");
         }
     }
@@ -104,11 +104,11 @@ fn a_shorter_gate_gives_more_roll_and_a_fifth_of_g() {
     let lateral = series(&study, "2.21", "semitrailer").values();
     let roll = series(&study, "2.22", "semitrailer").values();
     assert!(lateral[0] > lateral[1] && roll[0] > roll[1]);
-    // "About 0.2 g" leaves a tenth.
+    // "About 0.2 g" allows a tenth.
     assert!((lateral[0] / G - 0.2).abs() < 0.02, "{lateral:?}");
 }
 
-/// Figs. 2.23, 2.24. In the lane change the semitrailer rolls more than in the turn, but by half of
+/// Figs. 2.23, 2.24. In the lane change the semitrailer rolls more than in the turn, but only by half of
 /// the thesis's 0.28 degrees.
 #[test]
 fn the_turn_is_limited_to_50_kmh_and_the_lane_change_rolls_more_at_equal_acceleration() {
@@ -116,10 +116,10 @@ fn the_turn_is_limited_to_50_kmh_and_the_lane_change_rolls_more_at_equal_acceler
     assert_eq!(agreeing(&study), [true, true, false]);
     let (lane, turn) = (series(&study, "2.24", "lane change"), series(&study, "2.24", "turn"));
     assert!(rising(lane) && rising(turn));
-    // v²/R is 0.2 g at 50.4 km/h; the semitrailer overshoots by 3 %, half of it in speed.
+    // v²/R is 0.2 g at 50.4 km/h; the semitrailer overshoots by 3 %, which is half of that in speed.
     let at = |kmh: f64| turn.at(kmh / 3.6) / G;
     assert!(at(49.0) < 0.2 && at(51.0) > 0.2);
-    // The thesis's 0.2 g at 90 km/h, a tenth left to driver and tires.
+    // The thesis has 0.2 g at 90 km/h; a tenth is allowed for driver and tires.
     let at_90 = lane.at(25.0) / G;
     assert!((at_90 / 0.2 - 1.0).abs() < 0.11 && at_90 < 0.2, "{at_90}");
     let (lane, turn) = (series(&study, "2.23", "lane change"), series(&study, "2.23", "turn"));
@@ -129,7 +129,7 @@ fn the_turn_is_limited_to_50_kmh_and_the_lane_change_rolls_more_at_equal_acceler
         .map(|p| (p[1] - turn.at(p[0])).to_degrees())
         .filter(|more| more.is_finite())
         .collect();
-    // More than nothing everywhere, nowhere more than the thesis's mean.
+    // Greater than zero everywhere, and nowhere greater than the thesis's mean.
     assert!(!more.is_empty() && more.iter().all(|more| (0.02..0.28).contains(more)), "{more:?}");
 }
 
@@ -147,13 +147,13 @@ fn only_the_lane_change_feels_the_payloads_shape() {
     assert!(rising(series(&study, "2.25", "lane change")));
 }
 
-/// Fig. 2.26: 4.1 degrees per meter and not linear.
+/// Fig. 2.26: 4.1 degrees per meter, not linear.
 #[test]
 fn peak_roll_grows_by_four_degrees_per_metre_of_height() {
     let study = run("height");
     assert_eq!(agreeing(&study), [true, true]);
     let peaks = &study.panels[0].series[0];
-    // The figure is not in the text: a tenth of a degree at either end of 0.4 m is 0.5 °/m.
+    // The numbers of the figure are not printed: a tenth of a degree at either end of 0.4 m is 0.5 °/m.
     assert!((slope_deg(peaks, 1.85, 2.25) - 4.1).abs() < 0.5);
     let low = slope_deg(peaks, 1.85, 2.2);
     assert!((3.0..4.5).contains(&low), "{low}");
@@ -161,7 +161,7 @@ fn peak_roll_grows_by_four_degrees_per_metre_of_height() {
     assert!(bends, "{peaks:?}");
 }
 
-/// Fig. 2.27: quasi-linear, flatter the lighter; 0.83 degrees per meter under 5 t.
+/// Fig. 2.27: quasi-linear, with a smaller slope for a lighter payload; 0.83 degrees per meter with 5 t.
 #[test]
 fn a_lighter_payload_tells_less_of_its_height() {
     let study = run("payload-height");
@@ -172,8 +172,8 @@ fn a_lighter_payload_tells_less_of_its_height() {
     assert!((0.77..0.91).contains(&slopes[0]), "{slopes:?}");
 }
 
-/// Fig. 2.28: both courses alike as long as every spring bears; the thesis's figure shows that
-/// to 400 mm on either side, the measured springs of the plant to the inside only.
+/// Fig. 2.28: both courses are similar as long as every spring carries load. In the thesis this holds up
+/// to 400 mm on either side, with the measured springs of the plant to the inside only.
 #[test]
 fn lateral_shift_rolls_the_semitrailer_on_both_courses() {
     let study = run("lateral-shift");
@@ -183,11 +183,11 @@ fn lateral_shift_rolls_the_semitrailer_on_both_courses() {
     let between = series(&study, "2.28", "difference");
     assert!(rising(straight) && rising(turn));
     for point in &straight.points {
-        // Left and right of a vehicle are alike; Newton stops at 1e-10.
+        // The vehicle is symmetric; Newton's method stops at 1e-10.
         assert!((point[1] + straight.at(-point[0])).abs() < 1e-6, "{point:?}");
     }
-    // 100 mm at 84 % payload share on 1.4 m of arm above the roll center equal 0.06 g: 0.8 to 1
-    // degrees at the turn's 13 degrees per g (0.2 g: 2.6 degrees).
+    // 100 mm at a payload share of 84 % with a lever arm of 1.4 m above the roll center equal 0.06 g: 0.8
+    // to 1 degrees at the 13 degrees per g of the turn (0.2 g: 2.6 degrees).
     let per_100_mm = slope_deg(straight, -0.2, 0.2) / 10.0;
     assert!((0.7..1.1).contains(&per_100_mm), "{per_100_mm}");
     let inside = [-0.3, -0.2, -0.1, 0.0].map(|right_m| between.at(right_m).to_degrees());
@@ -196,7 +196,7 @@ fn lateral_shift_rolls_the_semitrailer_on_both_courses() {
     assert!(study.scenario.iter().any(|line| line.contains("+400 mm to the right: rolled over")));
 }
 
-/// Fig. 2.29: hardly anything, least near the tare's place.
+/// Fig. 2.29: hardly any change, least roll near the tare's c.g.
 #[test]
 fn longitudinal_shift_hardly_matters() {
     let study = run("longitudinal-shift");
@@ -220,7 +220,7 @@ fn air_suspensions_roll_more_at_about_the_same_slope() {
     assert!((air.slope() / leaf.slope() - 1.0).abs() < 0.25);
 }
 
-/// Fig. 2.31: stiffer tires less roll, the slope stays.
+/// Fig. 2.31: stiffer tires roll less, with the same slope.
 #[test]
 fn stiffer_tyres_roll_less_at_the_same_slope() {
     let study = run("tyres");
@@ -230,12 +230,12 @@ fn stiffer_tyres_roll_less_at_the_same_slope() {
     for p in &new.points {
         assert!(third.at(p[0]) < half.at(p[0]) && half.at(p[0]) < p[1]);
     }
-    // A tenth stiffer tires, a third of the compliance: 3 % of the slope.
+    // The tires are a tenth stiffer and a third of the compliance: 3 % of the slope.
     let slopes = [new, half, third].map(|series| slope_deg(series, 1.85, 2.15));
     assert!((slopes[2] / slopes[0] - 1.0).abs() < 0.05, "{slopes:?}");
 }
 
-/// Another vehicle in place of the baseline, and its name in the scenario.
+/// Another vehicle replaces the baseline, and its name is in the scenario.
 #[test]
 fn a_study_takes_another_vehicle() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
@@ -250,7 +250,8 @@ fn a_study_takes_another_vehicle() {
     assert!(roll(&study) > 1.1 * roll(&usual), "{} {}", roll(&study), roll(&usual));
 }
 
-/// Ours: error and interval shrink with less noise and more load, and nothing beats the bound.
+/// The project's own study: error and interval decrease with less noise and more load, and no error is
+/// below the bound.
 #[test]
 fn accuracy_is_what_noise_and_load_leave() {
     let found = study("accuracy", None).unwrap();

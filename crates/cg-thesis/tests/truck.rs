@@ -1,4 +1,4 @@
-//! The independent truck: its measured steer angle and speed drive the plant of `kraz.toml`.
+//! The independent truck: its recorded steer angle and speed drive the plant of `kraz.toml`.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ fn truths() -> Vec<Truth> {
         .collect()
 }
 
-/// Mean of the last two seconds less that of the first two.
+/// Mean of the last two seconds minus that of the first two.
 fn steady(rows: &[LogRow], of: &[f64]) -> f64 {
     let end_s = rows[rows.len() - 1].time_s;
     let mean = |from_s: f64, to_s: f64| {
@@ -55,8 +55,8 @@ fn steady(rows: &[LogRow], of: &[f64]) -> f64 {
     mean(end_s - 2.0, end_s) - mean(0.0, 1.9)
 }
 
-/// Errors of steady roll, steady lateral acceleration, their ratio, and rms of roll over time over
-/// the steady roll.
+/// Errors of steady-state roll, steady-state lateral acceleration and their ratio, and the rms error of
+/// roll over time relative to the steady-state roll.
 fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
     let reader = LogReader::open(&logs().join(&truth.log), &LogOptions::default()).unwrap();
     let rows = reader.collect::<Result<_, _>>().unwrap();
@@ -94,10 +94,10 @@ fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
     [by_roll - 1.0, by_lateral - 1.0, by_roll / by_lateral - 1.0, rms]
 }
 
-/// Uncalibrated, roll over lateral acceleration comes within the 3.5 % that steady gains of the
-/// linear model have, and half of that again. The truck understeers more than tires of the tabulated kind
-/// do (8 to 15 % less lateral acceleration for a steer angle, growing with the load), so that roll
-/// at equal steer is too great by what that channel has without calibration.
+/// Uncalibrated, roll per lateral acceleration is within the 3.5 % of the linear model's steady-state
+/// gains plus half of that. The truck understeers more than the tabulated tires (8 to 15 % less lateral
+/// acceleration for a steer angle, growing with the load). The roll angle at equal steer is therefore
+/// too great by the error of the steer channel without calibration.
 #[test]
 fn steady_roll_of_the_independent_truck() {
     let vehicle = common::vehicle("kraz.toml");
@@ -112,8 +112,8 @@ fn steady_roll_of_the_independent_truck() {
     assert!(rms(&errors, 0) < 0.18, "{}", rms(&errors, 0));
 }
 
-/// Calibrated on the empty and one loaded log (tires and springs moved within their documented
-/// uncertainty), the plant's steady roll angle is within 5 % of every log's.
+/// Calibrated on the empty and one loaded log (tires and springs adjusted within their documented
+/// uncertainty), the plant's steady-state roll angle is within 5 % of every log.
 #[test]
 fn calibrated_the_plant_rolls_as_the_independent_truck_does() {
     let vehicle = common::vehicle("kraz.toml");
@@ -151,7 +151,7 @@ fn rms(errors: &[[f64; 4]], of: usize) -> f64 {
     (errors.iter().map(|error| error[of] * error[of]).sum::<f64>() / n).sqrt()
 }
 
-/// Where steering does not come in (2 degrees of bank, straight on) roll agrees within 5 %.
+/// Without steering (straight ahead on a bank of 2 degrees) the roll angle agrees within 5 %.
 #[test]
 fn straight_on_a_bank_the_independent_truck_rolls_as_much() {
     let truth = truths().into_iter().find(|truth| truth.bank_rad > 0.0).unwrap();

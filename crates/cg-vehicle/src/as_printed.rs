@@ -184,33 +184,40 @@ impl Context<'_> {
         }
     }
 
-    /// All rows, and the coefficients of the steer angle.
-    fn rows(&self, k1: f64, vehicle: &Vehicle) -> (Vec<Form>, Vec<f64>) {
-        let (p, n) = (self.printed, self.axles.len());
-        let mut steer = vec![0.0; column::AXLE + n];
+    /// The rows of both units without their axles: lateral, yaw 1, yaw 2, roll 1, roll 2.
+    fn units(&self, k1: f64, vehicle: &Vehicle) -> [Form; 5] {
+        let p = self.printed;
         let (a1, a2) = (self.tractor_acceleration(), self.trailer_acceleration());
-        let mut lateral = self.zero().add(p.tractor_mass_kg, &a1).add(p.trailer_mass_kg, &a2); // 4.11
-        let mut yaw_1 = self // 4.30
+        let lateral = self.zero().add(p.tractor_mass_kg, &a1).add(p.trailer_mass_kg, &a2); // 4.11
+        let yaw_1 = self // 4.30
             .zero()
             .add(-p.tractor_cg_ahead_of_hitch_m * p.tractor_mass_kg, &a1)
             .plus(column::YAW_1, 2, -p.tractor_yaw_inertia_about_hitch_kgm2);
-        let mut yaw_2 = self // 4.31
+        let yaw_2 = self // 4.31
             .zero()
             .add(p.trailer_cg_behind_hitch_m * p.trailer_mass_kg, &a2)
             .plus(column::YAW_2, 2, -p.trailer_yaw_inertia_about_hitch_kgm2);
         let trailer_roll_inertia = vehicle
             .trailer_sprung_mass(vehicle.reference_load())
             .map_or(f64::NAN, |sprung| sprung.roll_inertia_kgm2);
-        let mut roll_1 = self // 4.16
+        let roll_1 = self // 4.16
             .zero()
             .plus(column::ROLL_1, 2, -vehicle.tractor.roll_inertia_kgm2)
             .plus(column::ROLL_2, 0, k1)
             .plus(column::ROLL_1, 0, -k1);
-        let mut roll_2 = self // 4.17
+        let roll_2 = self // 4.17
             .zero()
             .plus(column::ROLL_2, 2, -trailer_roll_inertia)
             .plus(column::ROLL_1, 0, k1)
             .plus(column::ROLL_2, 0, -k1);
+        [lateral, yaw_1, yaw_2, roll_1, roll_2]
+    }
+
+    /// All rows, and the coefficients of the steer angle.
+    fn rows(&self, k1: f64, vehicle: &Vehicle) -> (Vec<Form>, Vec<f64>) {
+        let (p, n) = (self.printed, self.axles.len());
+        let mut steer = vec![0.0; column::AXLE + n];
+        let [mut lateral, mut yaw_1, mut yaw_2, mut roll_1, mut roll_2] = self.units(k1, vehicle);
         let mut axle_rows = Vec::with_capacity(n);
         for (i, placed) in self.axles.iter().enumerate() {
             let own = column::AXLE + i;

@@ -15,6 +15,7 @@ use crate::vehicle::{PlacedAxle, SuspensionPressure, Vehicle};
 
 /// Static loads of a vehicle.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StaticBalance {
     /// Vertical load of each axle on the road, tractor first.
     pub axle_load_n: Vec<f64>,

@@ -29,6 +29,7 @@ pub type Covariance = SMatrix<f64, PARAMETERS, PARAMETERS>;
 /// One uncertain property of a vehicle and its sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Parameter {
     /// Roll stiffness of the trailer's suspensions, factor.
     TrailerRollStiffness,

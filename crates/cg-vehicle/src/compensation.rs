@@ -33,6 +33,7 @@ const RANK: f64 = 1e-12;
 
 /// An identified compensation function.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Compensation {
     /// Order.
     pub order: usize,

@@ -8,6 +8,7 @@ use cg_core::{ChannelDesign, Design, RatioLine, Reduced5, RolloverDesign, Spread
 
 /// The language of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Language {
     /// One object with the design's fields; the comment is its key `comment`.
     Json,

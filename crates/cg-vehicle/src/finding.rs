@@ -4,6 +4,7 @@ use std::fmt;
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Severity {
     /// No vehicle is like this: the file is refused.
     Error,
@@ -13,6 +14,7 @@ pub enum Severity {
 
 /// Something wrong or unusual in a vehicle file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Finding {
     /// How bad it is.
     pub severity: Severity,
@@ -82,6 +84,7 @@ impl fmt::Display for Finding {
 
 /// A number of a vehicle and how far it is from usual.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Unusual {
     /// The key, such as `trailer.axle[1].spring_spread_m`.
     pub key: String,

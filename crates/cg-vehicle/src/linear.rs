@@ -242,6 +242,7 @@ fn add_axle(
 
 /// Everything that a model at one speed and load says.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct LinearModel {
     /// First-order form.
     pub state_space: StateSpace,

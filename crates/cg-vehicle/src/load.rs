@@ -25,6 +25,7 @@ impl Load {
 
 /// The trailer's sprung mass under a load.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SprungMass {
     /// Mass.
     pub mass_kg: f64,

@@ -28,6 +28,7 @@ pub struct Spring {
 /// first and above the last load, the coefficient stays.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct LateralForceTable {
     /// Loads of the columns, strictly increasing.
     pub load_n: Vec<f64>,
@@ -43,6 +44,7 @@ pub struct LateralForceTable {
 /// it stays.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct AligningMomentTable {
     /// Loads of the columns, strictly increasing.
     pub load_n: Vec<f64>,

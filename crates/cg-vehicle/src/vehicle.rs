@@ -12,6 +12,7 @@ use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 /// A tractor-semitrailer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Vehicle {
     /// What it is called in reports.
     pub name: String,
@@ -50,6 +51,7 @@ fn standard_gravity() -> f64 {
 /// Heights that the trailer's sprung c.g. can have.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct HeightRange {
     /// The lowest.
     pub least_m: f64,
@@ -61,6 +63,7 @@ pub struct HeightRange {
 /// [`crate::belief`]), relative where no unit is named.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Uncertainty {
     /// Roll stiffness of the suspensions, trailer and tractor each.
     pub roll_stiffness_sd: f64,
@@ -87,6 +90,7 @@ pub struct Uncertainty {
 /// The fifth wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Hitch {
     /// Height of the coupling.
     pub height_m: f64,
@@ -108,6 +112,7 @@ pub struct Hitch {
 /// The tractor's sprung mass and its axles.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Tractor {
     /// Sprung mass.
     pub sprung_mass_kg: f64,
@@ -128,6 +133,7 @@ pub struct Tractor {
 
 /// An axle of the tractor.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[non_exhaustive]
 pub struct TractorAxle {
     /// Distance ahead of the sprung c.g. (negative behind it).
     pub ahead_of_cg_m: f64,
@@ -142,6 +148,7 @@ pub struct TractorAxle {
 /// The semitrailer: tare, payload, axles.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Trailer {
     /// Mass of the whole semitrailer (sprung mass and axles) when nothing else is said.
     pub reference_mass_kg: f64,
@@ -161,6 +168,7 @@ pub struct Trailer {
 /// The trailer's sprung mass without payload.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Tare {
     /// Mass.
     pub sprung_mass_kg: f64,
@@ -191,6 +199,7 @@ pub struct SuspensionPressure {
 /// The payload: a homogeneous box on the floor, whose mass and height are the load.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Payload {
     /// Distance of its c.g. behind the fifth wheel.
     pub behind_hitch_m: f64,
@@ -204,6 +213,7 @@ pub struct Payload {
 
 /// An axle of the trailer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[non_exhaustive]
 pub struct TrailerAxle {
     /// Distance behind the fifth wheel.
     pub behind_hitch_m: f64,
@@ -214,6 +224,7 @@ pub struct TrailerAxle {
 
 /// What every axle has. Symmetric left and right.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[non_exhaustive]
 pub struct Axle {
     /// Mass of the axle with its wheels.
     pub unsprung_mass_kg: f64,
@@ -261,6 +272,7 @@ pub struct Axle {
 /// A tyre type: stiffnesses as functions of load.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Tyre {
     /// Its name.
     pub name: String,
@@ -309,6 +321,7 @@ impl Tyre {
 /// What only the source's printed model (appendix B) knows, at the reference load.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct AsPrinted {
     /// `m1`: tractor with axles.
     pub tractor_mass_kg: f64,

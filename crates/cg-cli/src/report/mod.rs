@@ -3,7 +3,7 @@
 //! The page is a template with its style, its script and the answers as JSON; the script draws. All
 //! text of logs reaches the page as text, never as markup.
 
-mod trace;
+pub(crate) mod trace;
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use cg_logs::output::{Draft, Target};
 use chrono::Utc;
 use serde::Serialize;
 
-use crate::estimate::Answer;
+use crate::answer::Answer;
 
 pub(crate) use trace::Trace;
 

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
 
+use crate::args::ColumnArgs;
 use crate::can::CanArgs;
-use crate::cli::ColumnArgs;
 use crate::numbers::{not_negative, trailer_mass_kg};
 use crate::truck::TruckArgs;
 

@@ -12,7 +12,7 @@
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | what else goes out |
 //! | `signals` | the wish to stop |
 
-mod args;
+pub(crate) mod args;
 mod events;
 mod frames;
 mod latency;
@@ -38,7 +38,7 @@ use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::Vehicle;
 
-use crate::Outcome;
+use crate::outcome::Outcome;
 use events::Event;
 use frames::Frames;
 use outputs::Outputs;
@@ -47,7 +47,7 @@ use session::Session;
 use signals::Stop;
 use state::StateFile;
 
-pub(crate) use args::RunArgs;
+use args::RunArgs;
 
 pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> {
     let [state, metrics] = targets(arguments, files)?;

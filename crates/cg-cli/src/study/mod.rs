@@ -24,10 +24,10 @@ use cg_vehicle::calibration::Calibration;
 use comfy_table::presets::NOTHING;
 use comfy_table::{ContentArrangement, Table};
 
-use crate::Outcome;
 use crate::calibrate::refuse_standard_input;
 use crate::cli::StudyArgs;
 use crate::estimate::file_name;
+use crate::outcome::Outcome;
 use crate::truck;
 
 /// The study that takes logs.

@@ -62,6 +62,7 @@ impl core::error::Error for SampleError {}
 
 /// One conditioned sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Row<T> {
     /// Time stamp, µs.
     pub time_us: u64,

@@ -81,6 +81,7 @@ impl<T: Real> fmt::Display for Reject<T> {
 
 /// What one channel says of one maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Outcome<T> {
     /// Quality of the identification, with `ratio` the DC ratio `R_i` in rad per unit of input.
     pub fit: Option<Fit<T>>,
@@ -92,6 +93,7 @@ pub struct Outcome<T> {
 
 /// One closed maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Maneuver<T> {
     /// First time stamp.
     pub start_us: u64,

@@ -4,6 +4,7 @@ use crate::math::real::Real;
 
 /// When maneuvers open and close, and what is good enough. Times in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Settings<T> {
     /// Straight driving that ends a maneuver.
     pub straight_us: u64,

@@ -1,9 +1,11 @@
 //! The two floating-point types that the pipeline runs in.
 
-use nalgebra::RealField;
+use core::fmt::{Debug, Display};
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 mod sealed {
-    pub trait Sealed {}
+    /// Keeps the set of types closed, and the matrix library out of the public interface.
+    pub trait Sealed: nalgebra::RealField + Copy {}
     impl Sealed for f32 {}
     impl Sealed for f64 {}
 }
@@ -12,7 +14,22 @@ mod sealed {
 ///
 /// Square root and logarithm come from `libm` on every target, so a host and a
 /// Cortex-M4F give the same bits.
-pub trait Real: RealField + Copy + sealed::Sealed {
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + PartialOrd
+    + Debug
+    + Display
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+{
     /// Zero, where constants are wanted.
     const ZERO: Self;
 

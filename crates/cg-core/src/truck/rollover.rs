@@ -99,6 +99,7 @@ pub struct RolloverDesign<T> {
 
 /// How near the vehicle is to rolling over.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rollover<T> {
     /// `T/2` over the height of the whole trailer's c.g., in g: the rigid-vehicle bound.
     pub static_stability_factor_g: T,

@@ -45,6 +45,7 @@ pub enum Content {
 
 /// What is wrong with a line of a candump log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CandumpError {
     /// No `(seconds.fraction)` at its beginning.
     Time,

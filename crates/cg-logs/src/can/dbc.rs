@@ -23,6 +23,7 @@ pub(super) const RANK: u8 = 0;
 
 /// What is wrong with a DBC file or a mapping.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DbcError {
     /// The file cannot be read.
     #[error("{file}: cannot be read: {source}")]
@@ -164,6 +165,7 @@ impl fmt::Display for SignalMap {
 
 /// A signal of a DBC file and what it measures.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MappedSignal {
     /// What it measures.
     pub quantity: Quantity,

@@ -19,6 +19,7 @@ const MOST_BUSES: usize = 32;
 
 /// Why a candump log cannot be read, or not further.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CandumpFault {
     /// It cannot be read.
     #[error("line {line}: cannot be read ({source}); check the path, the disk or the connection")]

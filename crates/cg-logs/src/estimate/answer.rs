@@ -20,6 +20,7 @@ pub enum Verdict {
 
 /// The answer for one log. Field names are the keys of the JSON output.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct LogEstimate {
     /// Whether there is a height.
     pub status: Verdict,
@@ -61,6 +62,7 @@ pub struct LogEstimate {
 
 /// What one channel says of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct ChannelEstimate {
     /// `steer` or `lateral-acceleration`.
     pub channel: String,
@@ -76,6 +78,7 @@ pub struct ChannelEstimate {
 
 /// One maneuver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct ManeuverEstimate {
     /// First time stamp used, as in the log.
     pub start_s: f64,

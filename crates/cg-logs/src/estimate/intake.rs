@@ -16,6 +16,7 @@ const MOST_MANEUVERS: usize = 10_000;
 
 /// What a log says of the DC ratios.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Identified {
     /// Mean speed of the maneuvers.
     pub speed_mps: f64,

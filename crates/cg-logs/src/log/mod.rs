@@ -35,10 +35,10 @@
 //! it is, a number that the truck [cannot have](cg_core::AlignSettings::believes). Time must be
 //! there and increase.
 
+mod signal;
 mod error;
 mod lines;
 mod quoted;
-mod signal;
 mod candump;
 mod options;
 mod columns;

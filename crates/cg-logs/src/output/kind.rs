@@ -19,6 +19,7 @@ pub const STUDY_COMMENT: &str = "cg study";
 
 /// A kind of output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Kind {
     /// A log: CSV, also in gzip, or lines of candump.
     Log,

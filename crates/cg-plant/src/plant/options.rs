@@ -4,6 +4,7 @@ use cg_vehicle::Load;
 
 /// The kind of characteristics of springs or tires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Characteristics {
     /// Measured ones, if the vehicle file has them.
     #[default]

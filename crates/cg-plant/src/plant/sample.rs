@@ -5,6 +5,7 @@ use super::state::{AxleCoordinate, Coordinate as C, MAX_AXLES, State};
 
 /// A sprung mass at an instant; ISO 8855 signs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct UnitSample {
     /// Roll angle, right side down.
     pub roll_rad: f64,
@@ -24,6 +25,7 @@ pub struct UnitSample {
 
 /// An axle at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct AxleSample {
     /// Vertical load of the left tires.
     pub left_load_n: f64,
@@ -51,6 +53,7 @@ impl AxleSample {
 
 /// The vehicle at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlantSample {
     /// Road-wheel steer angle.
     pub steer_rad: f64,
@@ -74,6 +77,40 @@ pub struct PlantSample {
     axles: usize,
 }
 
+/// Roll, pitch and yaw of a unit, then their rates.
+const TRACTOR: [C; 6] = [
+    C::TractorRoll,
+    C::TractorPitch,
+    C::TractorYaw,
+    C::TractorRollRate,
+    C::TractorPitchRate,
+    C::TractorYawRate,
+];
+const TRAILER: [C; 6] = [
+    C::TrailerRoll,
+    C::TrailerPitch,
+    C::TrailerYaw,
+    C::TrailerRollRate,
+    C::TrailerPitchRate,
+    C::TrailerYawRate,
+];
+
+impl UnitSample {
+    fn new(state: &State, of: [C; 6], lateral_acceleration_mps2: f64) -> Self {
+        let [roll_rad, pitch_rad, yaw_rad, roll_rate, pitch_rate, yaw_rate] =
+            of.map(|c| state.get(c));
+        Self {
+            roll_rad,
+            pitch_rad,
+            yaw_rad,
+            roll_rate_radps: roll_rate,
+            pitch_rate_radps: pitch_rate,
+            yaw_rate_radps: yaw_rate,
+            lateral_acceleration_mps2,
+        }
+    }
+}
+
 impl PlantSample {
     /// The axles, tractor first.
     pub fn axles(&self) -> &[AxleSample] {
@@ -86,41 +123,8 @@ impl PlantSample {
         (probe, lateral_mps2): (&Probe, [f64; 2]),
         steered: &[bool],
     ) -> Self {
-        let unit = |first: [C; 6], lateral_acceleration_mps2: f64| {
-            let [roll_rad, pitch_rad, yaw_rad, roll_rate, pitch_rate, yaw_rate] =
-                first.map(|c| state.get(c));
-            UnitSample {
-                roll_rad,
-                pitch_rad,
-                yaw_rad,
-                roll_rate_radps: roll_rate,
-                pitch_rate_radps: pitch_rate,
-                yaw_rate_radps: yaw_rate,
-                lateral_acceleration_mps2,
-            }
-        };
-        let tractor = unit(
-            [
-                C::TractorRoll,
-                C::TractorPitch,
-                C::TractorYaw,
-                C::TractorRollRate,
-                C::TractorPitchRate,
-                C::TractorYawRate,
-            ],
-            lateral_mps2[0],
-        );
-        let trailer = unit(
-            [
-                C::TrailerRoll,
-                C::TrailerPitch,
-                C::TrailerYaw,
-                C::TrailerRollRate,
-                C::TrailerPitchRate,
-                C::TrailerYawRate,
-            ],
-            lateral_mps2[1],
-        );
+        let tractor = UnitSample::new(state, TRACTOR, lateral_mps2[0]);
+        let trailer = UnitSample::new(state, TRAILER, lateral_mps2[1]);
         let mut axle = [AxleSample::default(); MAX_AXLES];
         let (mut difference, mut sum) = (0.0, 0.0);
         for (i, steered) in steered.iter().enumerate() {

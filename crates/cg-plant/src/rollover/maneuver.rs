@@ -13,6 +13,7 @@ pub const GATE_START_M: f64 = 15.0;
 
 /// The greatest values of a maneuver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Peaks {
     /// Lateral acceleration of the tractor's sprung c.g.
     pub tractor_mps2: f64,

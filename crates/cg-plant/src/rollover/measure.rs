@@ -50,6 +50,7 @@ impl RolloverOptions {
 
 /// A measure.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Measure {
     /// Name, with the unit at its end.
     pub name: &'static str,
@@ -63,6 +64,7 @@ pub struct Measure {
 
 /// All measures of a vehicle under a load.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RolloverMeasures {
     /// The measures.
     pub measures: Vec<Measure>,
@@ -176,7 +178,12 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
             3.6 * speed_mps
         ),
     );
-    let at_g = options.lateral_acceleration_g;
+    transfers(&ramp, options.lateral_acceleration_g, all);
+    times(subject, greatest_g * GRAVITY_MPS2, all)
+}
+
+/// Load transfer at a lateral acceleration of the slow ramp.
+fn transfers(ramp: &Ramp, at_g: f64, all: &mut RolloverMeasures) {
     let transfer = ramp.transfer_at(at_g * GRAVITY_MPS2);
     all.add(
         "load_transfer_ratio",
@@ -195,7 +202,6 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
              left the road."
         ),
     );
-    times(subject, greatest_g * GRAVITY_MPS2, all)
 }
 
 fn times(

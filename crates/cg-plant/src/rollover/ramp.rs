@@ -24,6 +24,7 @@ fn has_fallen(lateral_mps2: f64, greatest_mps2: f64) -> bool {
 
 /// An instant of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RampPoint {
     /// Time.
     pub time_s: f64,
@@ -35,6 +36,7 @@ pub struct RampPoint {
 
 /// How a ramp ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RampEnd {
     /// The vehicle rolled over.
     RolledOver,
@@ -44,6 +46,7 @@ pub enum RampEnd {
 
 /// A ramp of steer to its end.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Ramp {
     /// Instants, 10 ms apart, up to the end.
     pub points: Vec<RampPoint>,

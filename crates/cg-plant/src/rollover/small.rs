@@ -34,6 +34,7 @@ pub fn rearward_amplification(
 
 /// A mode of the linear model.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Mode {
     /// Pole, rad/s: real and imaginary part, the latter not negative.
     pub pole_radps: (f64, f64),

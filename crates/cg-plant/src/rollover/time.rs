@@ -29,6 +29,7 @@ pub fn time_to_rollover_s(value: f64, rate_per_s: f64, limit: f64) -> Option<f64
 
 /// Time to rollover in a ramp, from one instant of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TimeToRollover {
     /// Lateral acceleration at the instant.
     pub lateral_acceleration_mps2: f64,

@@ -15,6 +15,7 @@ const USUAL_SPEED_CHANGE: f64 = 0.3;
 
 /// The simulated model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Plant {
     /// The linear model in full.
     Linear,
@@ -156,6 +157,7 @@ impl Scenario {
 
 /// The truth of a simulated log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Truth {
     /// Name of the vehicle.
     pub vehicle: String,

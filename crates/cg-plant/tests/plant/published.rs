@@ -82,7 +82,7 @@ fn load_transfer_is_what_moments_say() {
         overturning += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
     }
     let ratio = resisting / (overturning * end.trailer.lateral_acceleration_mps2);
-    println!("moment of the tyres over that of the masses: {ratio:.3}");
+    println!("moment of the tires divided by that of the masses: {ratio:.3}");
     // The ratio is above one because of the roll angle (m g h φ: φ/a_y = 2.2 degrees per 0.15 g is at
     // most 0.25 of it) and the difference between outer and inner tires (up to 0.05).
     assert!(ratio > 1.0 && ratio < 1.3, "{ratio}");

@@ -7,10 +7,10 @@ use super::printed::{Printed, thesis};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{LinearModel, Variant, Vehicle};
 
-/// Metres in an inch, the thesis's unit of height.
+/// Meters per inch, the thesis's unit of height.
 pub(super) const METRES_PER_INCH: f64 = 0.0254;
 
-/// How [`table`] computes.
+/// Options of [`table`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Draws of the noise in each cell of a Monte-Carlo table.
@@ -25,10 +25,10 @@ impl Default for Options {
     }
 }
 
-/// What the tables start from.
+/// The data from which the tables are computed.
 pub(super) struct Baseline {
     pub(super) vehicle: Vehicle,
-    /// Appendix B at the reference load and speed.
+    /// The model of appendix B at the reference load and speed.
     pub(super) as_printed: LinearModel,
     /// The same vehicle with all terms.
     pub(super) complete: LinearModel,

@@ -1,4 +1,4 @@
-//! The Cramér-Rao bound: how well any unbiased estimator could know the height.
+//! The Cramér-Rao bound: the best accuracy of the height that an unbiased estimator can have.
 //!
 //! White noise of variance σ² on the output makes the Fisher information of the output-error
 //! model's parameters θ = (A0 … An, B0 … B(n−1))
@@ -22,13 +22,13 @@ use super::monte_carlo::{Experiment, SAMPLES};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::system::Rational;
 
-/// Relative step of the central differences: its square against rounding over it.
+/// Relative step of the central differences: a compromise between its square and rounding errors.
 const STEP: f64 = 1e-5;
 
-/// Poles that are cancelled by zeros, rad/s, where a model of lower order runs as one of order 5.
+/// Poles that are canceled by zeros, rad/s, in a model of lower order that is written with order 5.
 const CANCELLED_RADPS: [f64; ORDER] = [2.0, 3.0, 4.0, 5.0, 6.0];
 
-/// A model of order `n ≤ 5` as one of order 5.
+/// A model of order `n ≤ 5`, written with order 5.
 pub(super) fn embedded(model: &Rational) -> Option<Reduced5<f64>> {
     let order = model.denominator.len().checked_sub(1)?;
     let (mut numerator, mut denominator) = (model.numerator.clone(), model.denominator.clone());
@@ -48,8 +48,8 @@ pub(super) fn embedded(model: &Rational) -> Option<Reduced5<f64>> {
     Some(reduced)
 }
 
-/// The least standard deviation of the DC ratio of `model`, relative to it, where the noise is
-/// as strong as the signal (0 dB); at S dB it is `10^(−S/20)` of that.
+/// The least relative standard deviation of the DC ratio of `model` if the noise is as strong as the
+/// signal (0 dB); at S dB it is `10^(−S/20)` times that.
 ///
 /// # Errors
 /// If the experiment does not determine the parameters.
@@ -65,7 +65,7 @@ pub(super) fn ratio_sd_at_0_db(model: &Rational, rate_per_s: u32) -> Result<f64,
     let mut gradient = DVector::zeros(parameters);
     let ratio = model.numerator[0] / model.denominator[0];
     for k in 0..parameters {
-        // In relative changes of each parameter, which are of one size.
+        // Relative changes of the parameters, which have similar magnitudes.
         let moved = |change: f64| {
             let mut moved = model.clone();
             let place = match k.checked_sub(order + 1) {
@@ -97,7 +97,7 @@ pub(super) fn ratio_sd_at_0_db(model: &Rational, rate_per_s: u32) -> Result<f64,
     if sd.is_finite() { Ok(sd) } else { Err(undetermined()) }
 }
 
-/// The same if only the gain is unknown: `σ²/Σ y²` of it.
+/// The same if only the gain is unknown: its relative variance is `σ²/Σ y²`.
 pub(super) fn gain_sd_at_0_db() -> f64 {
     #[allow(clippy::cast_precision_loss)]
     let n = SAMPLES as f64;

@@ -1,14 +1,14 @@
 //! Compensation and reduction of the transfer function: Tables 5.1–5.3, eqs. 5.12 and 5.19.
 //!
-//! The compensated transfer function is our own as-printed one (Table 4.1) times the printed
-//! F(s) of order 3. Its reductions are `[n/n]` Padé approximants, divided through by the last
-//! quotient of the continued fraction
+//! The compensated transfer function is the recomputed as-printed one (Table 4.1) times the printed
+//! F(s) of order 3. Its reductions are `[n/n]` Padé approximants, divided by the last quotient of the
+//! continued fraction
 //!
 //! ```text
 //!     T(s) = 1/(H1 + s/(H2 + s/(H3 + … + s/H(2n+1))))
 //! ```
 //!
-//! as the printed ones are. Eqs. 5.9–5.11 stop after `2n` quotients and give other models.
+//! like the printed ones. Eqs. 5.9–5.11 stop after `2n` quotients and give other models.
 
 use serde::Deserialize;
 
@@ -24,7 +24,7 @@ use cg_vehicle::reduction::pade;
 use cg_vehicle::reduction::quality::StepInput;
 use cg_vehicle::system::{Rational, multiplied};
 
-/// Order of the compensation function that the thesis goes on with.
+/// Order of the compensation function that the thesis uses further on.
 const ORDER: usize = 3;
 
 #[derive(Deserialize)]
@@ -48,7 +48,7 @@ impl Function {
         self.numerator[0].value / self.denominator[0].value
     }
 
-    /// Ascending powers, the leading coefficient of the denominator (one) put back.
+    /// In ascending powers, with the leading coefficient of the denominator (one).
     fn rational(&self) -> Rational {
         let mut denominator = values(&self.denominator);
         denominator.push(1.0);
@@ -80,12 +80,12 @@ pub(super) fn functions(
     let mut rows = Vec::new();
     for (i, function) in table_5_1()?.function.iter().enumerate() {
         let order = i + 1;
-        let note = "not printed but for order 3 (eq. 5.19); from the printed coefficients";
+        let note = "printed for order 3 only (eq. 5.19); from the printed coefficients";
         rows.push(Row::ours(table, format!("order {order}: F(0)"), function.dc_gain(), note));
         let item = format!("order {order}: squared error, degree²");
         let printed = &function.square_error_degree2;
         let note = "cannot be reproduced: the Yaw/Roll program's response is not printed; ours is for \
-                    our nonlinear plant in its place";
+                    our nonlinear plant instead";
         rows.push(match own.get(i) {
             Some(own) => Row::against(table, item, printed, own.squared_error_degree2, note),
             None => Row::missing(table, item, printed, note),
@@ -100,14 +100,14 @@ pub(super) fn functions(
     let height_m = base.vehicle.trailer.reference_cg_height_m;
     let needed =
         line(&base.complete).ratio_at(height_m) / line(&base.as_printed).ratio_at(height_m);
-    let note = "what the fifth wheel's moment, left out of appendix B, makes of the same vehicle: \
+    let note = "effect of the fifth wheel's moment, which appendix B leaves out, on the same vehicle: \
                 most of F(0)";
-    rows.push(Row::ours(table, "DC gain, complete model over as printed", needed, note));
+    rows.push(Row::ours(table, "DC gain, complete model divided by as printed", needed, note));
     Ok(rows)
 }
 
-/// Compensation functions of all orders from the as-printed model to our nonlinear plant of the
-/// same vehicle, under the input that gives the squared errors of Table 5.3.
+/// Compensation functions of all orders from the as-printed model to this project's nonlinear plant of
+/// the same vehicle, with the input that gives the squared errors of Table 5.3.
 fn own_functions(base: &Baseline) -> Result<Vec<Compensation>, VehicleError> {
     let amplitude_rad = f64::to_radians(1.62);
     let samples = StepInput { amplitude_rad, rate_per_s: 1.0, duration_s: 10.0 }.samples();
@@ -160,7 +160,7 @@ pub(super) fn product(
     Ok(polynomial_rows(table, "", sides, (&numerator, &denominator), note))
 }
 
-/// The first terms of the compensated transfer function as a series in s, the thesis's sign.
+/// The first terms of the compensated transfer function as a series in s, with the thesis's sign.
 fn compensated_series(base: &Baseline, terms: usize) -> Result<Vec<f64>, VehicleError> {
     let model = &base.as_printed.state_space;
     let roll = model.to_trailer_roll().moments(terms)?;
@@ -177,7 +177,7 @@ fn compensated_series(base: &Baseline, terms: usize) -> Result<Vec<f64>, Vehicle
 }
 
 /// `H1 … H(2n+1)` of a rational function of order n, by Euclid's algorithm from the low end:
-/// `T = P/Q`, `H1 = Q(0)/P(0)`, and on with `T' = P/((Q − H1 P)/s)`.
+/// `T = P/Q`, `H1 = Q(0)/P(0)`, then the same for `T' = P/((Q − H1 P)/s)`.
 fn quotients(rational: &Rational) -> Vec<f64> {
     let (mut p, mut q) = (rational.numerator.clone(), rational.denominator.clone());
     let count = 2 * rational.denominator.len() - 1;
@@ -198,7 +198,7 @@ fn quotients(rational: &Rational) -> Vec<f64> {
     quotients
 }
 
-/// The reduction of order `order` as the thesis scales it: both polynomials divided by
+/// The reduction of order `order`, scaled as in the thesis: both polynomials are divided by
 /// `±H(2n+1)`, so that the numerator at s = 0 is `±H2 H3 … H(2n)`.
 fn reduction(base: &Baseline, order: usize) -> Result<Rational, VehicleError> {
     let series = compensated_series(base, 2 * order + 1)?;
@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn the_quotients_of_a_known_fraction_come_back() {
-        // 1/(1 + s/(2 + s/3)) = (6 + s)/(6 + 4 s), its last quotient 3 divided out or not.
+        // 1/(1 + s/(2 + s/3)) = (6 + s)/(6 + 4 s), with or without division by its last quotient 3.
         let rational = Rational { numerator: vec![6.0, 1.0], denominator: vec![6.0, 4.0] };
         let found = quotients(&rational);
         for (ours, known) in found.iter().zip([1.0, 2.0, 3.0]) {

@@ -1,8 +1,8 @@
-//! From a sampled ARX model of order 5 to its transfer function in s.
+//! Conversion of a sampled ARX model of order 5 to its transfer function in s.
 //!
-//! Poles go through `z = e^(sT)`. The numerator is the one whose response to straight lines
-//! between samples is the model's: each `sᵏ/B(s)` is simulated under one unit sample, which
-//! gives its share of the sampled numerator, and the six shares are solved for the weights.
+//! Poles are mapped by `z = e^(sT)`. The numerator is the one whose response to linear interpolation
+//! between samples equals that of the model: each `sᵏ/B(s)` is simulated with one unit sample, which
+//! gives its part of the sampled numerator, and the weights of the six parts are solved for.
 
 use cg_core::Reduced5;
 use cg_core::truck::reduced::{ORDER, Simulation};

@@ -22,8 +22,8 @@ pub(super) fn ratio_line(
     let height_in = printed.true_height_in.value;
     let [a0, a1, b0, b1] = [&printed.a0, &printed.a1, &printed.b0, &printed.b1];
     let [a_at_height, b_at_height] = [at_height(a0, a1, height_in), at_height(b0, b1, height_in)];
-    let note = "from the vehicle file, as-printed model; only ratios of the four printed numbers \
-                mean anything";
+    let note = "from the vehicle file, as-printed model; only the ratios of the four printed numbers \
+                have a meaning";
     let mut rows = Vec::new();
     for (item, printed, ours) in [
         ("a1/a0, 1/in", quotient(a1, a0), ours.a1 / ours.a0 * METRES_PER_INCH),
@@ -39,19 +39,19 @@ pub(super) fn ratio_line(
     }
     let complete = &base.complete.ratio[0];
     let height_m = height_in * METRES_PER_INCH;
-    let note = "not in the source: with the fifth wheel's moment and inertias about the c.g.";
+    let note = "not in the thesis: with the fifth wheel's moment and inertias about the c.g.";
     rows.push(Row::ours(table, "A0/B0 at 77.68 in, complete", -complete.ratio_at(height_m), note));
     // d ln R / d ln h = h (a1/A0 − b1/B0)
     let sensitivity = |line: &RatioLine<f64>, h: f64| {
         h * (line.a1 / (line.a1 * h + line.a0) - line.b1 / (line.b1 * h + line.b0))
     };
-    let note = "not in the source: per cent of ratio for one per cent of height";
+    let note = "not in the thesis: percent of ratio per percent of height";
     let at_height = sensitivity(&base.printed_line, height_in);
     rows.push(Row::ours(table, "d ln R/d ln h at 77.68 in", at_height, note));
     Ok(rows)
 }
 
-/// A quotient of two printed numbers, good to the sum of their relative roundings.
+/// A quotient of two printed numbers, whose rounding is the sum of their relative roundings.
 fn quotient(a: &Printed, b: &Printed) -> Printed {
     let value = a.value / b.value;
     let relative = a.rounding / a.value.abs() + b.rounding / b.value.abs();
@@ -70,7 +70,7 @@ fn at_height(constant: &Printed, slope: &Printed, height: f64) -> Printed {
 const FROM_RATIO: &str = "from the printed four-digit ratio through eqs. 5.17 to 5.20";
 const FROM_HEIGHT: &str = "from the printed height in inches";
 
-/// Height, meters and bias that a printed ratio means.
+/// Height in inches and meters, and bias, from a printed ratio.
 fn height_rows(
     table: &'static str,
     base: &Baseline,
@@ -152,8 +152,8 @@ struct OtherHeight {
     bias_percent: Printed,
 }
 
-/// The gains of the Yaw/Roll program follow from the printed heights; both our models then
-/// estimate the heights from them, each with its compensation fixed at 1.973 m.
+/// The gains of the Yaw/Roll program follow from the printed heights. Both models of this project then
+/// estimate the heights from these gains, each with its compensation fixed at 1.973 m.
 pub(super) fn over_range(
     table: &'static str,
     base: &Baseline,
@@ -198,7 +198,9 @@ pub(super) fn over_range(
         rows.push(percent(Row::beside(table, item, &row.bias_percent, bias)));
         let found_m = solved(&complete, gain, for_complete)?;
         let item = format!("{name}: h, complete, m");
-        rows.push(Row::beside(table, item, &row.true_m, found_m).noted("beside the true height"));
+        rows.push(
+            Row::beside(table, item, &row.true_m, found_m).noted("compared with the true height"),
+        );
     }
     Ok(rows)
 }

@@ -1,6 +1,6 @@
-//! Transfer functions identified from eq. 5.12's own response: Tables 5.4, 5.5 and 5.8.
+//! Transfer functions identified from the response of eq. 5.12: Tables 5.4, 5.5 and 5.8.
 //!
-//! Signs are the thesis's throughout (ratios negative).
+//! All signs are those of the thesis (ratios are negative).
 
 use cg_core::Reduced5;
 use cg_core::truck::reduced::ORDER;
@@ -16,8 +16,8 @@ use super::solved::Heights;
 use super::transfer::polynomial_rows;
 use cg_vehicle::error::VehicleError;
 
-/// Road-wheel amplitude of the experiments on eq. 5.12, to the left in ISO 8855; the models are
-/// linear, so it only sets the noise against the sensor's floor.
+/// Road-wheel amplitude of the experiments on eq. 5.12, to the left in ISO 8855. The models are linear,
+/// so it only determines the size of the noise relative to the sensor's floor.
 pub(super) const STEER_RAD: f64 = -0.05;
 
 /// Eq. 5.12 as printed.
@@ -39,7 +39,7 @@ pub(super) fn by_rate_ratio(rate_per_s: u32) -> Result<f64, VehicleError> {
     arx_ratio(ORDER, &experiment.steer, &experiment.roll).ok_or_else(not_identified)
 }
 
-/// The same at the usual rate.
+/// The same at the default rate.
 pub(super) fn noise_free_ratio() -> Result<f64, VehicleError> {
     by_rate_ratio(RATE_PER_S)
 }
@@ -109,9 +109,9 @@ pub(super) fn ratios(
     Ok(rows)
 }
 
-/// The printed functions are one draw each of an unknown noise. Ours are medians of many: of the
-/// product's identifier, which stays near eq. 5.12, and of the thesis's ARX for the sum of the
-/// poles, which the noise drives far out.
+/// Each printed function is one draw of an unknown noise. The recomputed ones are medians of many draws:
+/// of the project's identifier, which stays near eq. 5.12, and of the thesis's ARX for the sum of the
+/// poles, which the noise makes very large.
 pub(super) fn by_noise(
     table: &'static str,
     _: &Baseline,
@@ -129,20 +129,20 @@ pub(super) fn by_noise(
         let row = Row::beside(table, format!("{name}A0/B0"), &ratio.ratio, from_print);
         rows.push(row.noted("from the printed coefficients"));
         let draws = Draws::new(&experiment, f64::from(function.condition), options)?;
-        let note = format!("{unknown}; ours is the median of {runs} draws, product's identifier");
+        let note = format!("{unknown}; ours is the median of {runs} draws, filtered identifier");
         let sides = (&function.numerator[..], &function.denominator[..]);
         let ours = draws.median_model();
         let ours = (&ours.numerator[..], &ours.denominator[..]);
         rows.extend(polynomial_rows(table, &name, sides, ours, &note));
         if let (Some(sum), Some(printed)) = (draws.median_pole_sum(), function.denominator.last()) {
-            let note = format!("{unknown}; ours is the median of {runs} draws, the source's ARX");
+            let note = format!("{unknown}; ours is the median of {runs} draws, the thesis's ARX");
             rows.push(Row::against(table, format!("{name}B4 by ARX"), printed, sum, note));
         }
     }
     Ok(rows)
 }
 
-/// Many identifications at one noise.
+/// Many identifications at one noise level.
 struct Draws {
     models: Vec<Reduced5<f64>>,
     pole_sums: Vec<f64>,
@@ -155,7 +155,7 @@ impl Draws {
         for run in 0..options.runs {
             let roll = experiment.drawn(Some(snr_db), options.seed.wrapping_add(u64::from(run)));
             draws.models.extend(filtered(&plant, &experiment.steer, &roll).model());
-            // A draw whose poles have no real transfer function says nothing.
+            // A draw whose poles have no real transfer function is left out.
             let sampled = arx::<UNKNOWNS>(&experiment.steer, &roll);
             let continuous = sampled.and_then(|sampled| to_continuous(&sampled, INTERVAL_S));
             draws.pole_sums.extend(continuous.map(|model| model.denominator[ORDER - 1]));
@@ -167,7 +167,7 @@ impl Draws {
         median(self.pole_sums.clone())
     }
 
-    /// Coefficient by coefficient.
+    /// The median of each coefficient.
     fn median_model(&self) -> Reduced5<f64> {
         let middle = |at: &dyn Fn(&Reduced5<f64>) -> f64| {
             median(self.models.iter().map(at).collect()).unwrap_or(f64::NAN)

@@ -15,7 +15,7 @@ struct Entry {
     compute: Compute,
 }
 
-/// In the order of the thesis's pages.
+/// All entries, in the order of the thesis's pages.
 const ENTRIES: [Entry; 22] = [
     Entry {
         name: "2.1",
@@ -80,12 +80,12 @@ const ENTRIES: [Entry; 22] = [
     },
     Entry {
         name: "5.6.3",
-        title: "Sections 5.6.1 to 5.6.3: input rate and noise, as Monte-Carlo",
+        title: "Sections 5.6.1 to 5.6.3: input rate and noise, as Monte Carlo",
         compute: study::by_rate,
     },
     Entry {
         name: "5.9",
-        title: "Table 5.9: heights by order and noise, as Monte-Carlo",
+        title: "Table 5.9: heights by order and noise, as Monte Carlo",
         compute: study::by_order,
     },
     Entry {
@@ -100,7 +100,7 @@ const ENTRIES: [Entry; 22] = [
     },
     Entry {
         name: "C",
-        title: "Appendix C: steady values of all responses",
+        title: "Appendix C: steady-state values of all responses",
         compute: transfer::steady_values,
     },
 ];
@@ -134,7 +134,7 @@ fn entry(name: &str) -> Result<&'static Entry, VehicleError> {
     })
 }
 
-/// What a table is called in the thesis and what it is about.
+/// Name of a table in the thesis and its subject.
 ///
 /// # Errors
 /// [`VehicleError::UnknownTable`].
@@ -142,7 +142,7 @@ pub fn title(name: &str) -> Result<&'static str, VehicleError> {
     Ok(entry(name)?.title)
 }
 
-/// Computes one table; `5.11`, `Table 5.11`, `eq. 5.12`, `Fig. 2.1` and `c` are all names.
+/// Computes one table. Valid names are for example `5.11`, `Table 5.11`, `eq. 5.12`, `Fig. 2.1` and `c`.
 ///
 /// ```
 /// use cg_thesis::reproduce::{Options, table};
@@ -157,7 +157,7 @@ pub fn title(name: &str) -> Result<&'static str, VehicleError> {
 pub fn table(name: &str, options: &Options) -> Result<Vec<Row>, VehicleError> {
     let entry = entry(name)?;
     if options.runs == 0 {
-        return Err(VehicleError::Model("a Monte-Carlo table needs one run at least".to_owned()));
+        return Err(VehicleError::Model("a Monte-Carlo table needs at least one run".to_owned()));
     }
     (entry.compute)(entry.name, &Baseline::new()?, options)
 }

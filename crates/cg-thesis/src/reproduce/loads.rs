@@ -1,8 +1,7 @@
 //! Static balance: figures 2.1–2.3, Table 2.9.
 //!
-//! Each is computed both ways: the printed loads through eqs. 2.1–2.4, which give the fifth
-//! wheel's load and place, and the printed masses and places through [`static_balance`], which
-//! gives the loads.
+//! Each is computed in both directions: eqs. 2.1–2.4 give the load and position of the fifth wheel from
+//! the printed loads, and [`static_balance`] gives the loads from the printed masses and positions.
 
 use serde::Deserialize;
 
@@ -39,7 +38,7 @@ impl Unit {
         side * (carried - weight)
     }
 
-    /// Where that load acts, from the sprung c.g. (eqs. 2.2 and 2.4); `ahead` axles first.
+    /// Position of that load, from the sprung c.g. (eqs. 2.2 and 2.4); `ahead` axles first.
     fn hitch_m(&self, side: f64, ahead: usize) -> f64 {
         let moment: f64 = (0..self.axle_m.len())
             .map(|i| {
@@ -51,7 +50,7 @@ impl Unit {
     }
 }
 
-/// The baseline with the printed weights and places.
+/// The baseline with the printed weights and positions.
 fn printed_vehicle(vehicle: &Vehicle, loads: &Loads) -> (Vehicle, Load) {
     let mut vehicle = vehicle.clone();
     let kg_per_kn = 1e3 / vehicle.gravity_mps2;
@@ -76,8 +75,8 @@ fn printed_vehicle(vehicle: &Vehicle, loads: &Loads) -> (Vehicle, Load) {
 }
 
 const FROM_LOADS: &str =
-    "from the printed loads and places, whose own rounding is good for 0.004 kN or 1 mm";
-const FROM_MASSES: &str = "from the printed weights and places, by the product's static balance";
+    "from the printed loads and positions, whose rounding alone explains 0.004 kN or 1 mm";
+const FROM_MASSES: &str = "from the printed weights and positions, by the project's static balance";
 
 struct Case {
     loads: Loads,
@@ -176,7 +175,8 @@ pub(super) fn air(
     Ok(rows)
 }
 
-/// The loads of a multibody model with its own geometry: ours come from the printed figures.
+/// The loads of a multibody model with its own geometry. The recomputed ones come from the printed
+/// figures.
 pub(super) fn trucksim(
     table: &'static str,
     base: &Baseline,

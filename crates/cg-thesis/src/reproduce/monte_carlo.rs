@@ -1,8 +1,8 @@
 //! Many draws of the noise in place of one.
 //!
-//! The experiment is the thesis's: the rounded step of rate `a` (eq. 5.3), 10 s at 0.05 s, white
-//! noise on the roll angle, SNR on its mean square, and `[n n+1 0]` ARX models in shift form.
-//! Draw `k` of every cell has the seed `seed + k`, so cells differ by their settings alone.
+//! The experiment is that of the thesis: the rounded step of rate `a` (eq. 5.3), 10 s at 0.05 s, white
+//! noise on the roll angle, SNR relative to its mean square, and `[n n+1 0]` ARX models in shift form.
+//! Draw `k` of every cell has the seed `seed + k`, so that cells differ by their settings only.
 
 use cg_core::truck::reduced::Simulation;
 use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
@@ -18,9 +18,9 @@ use cg_vehicle::response::StateSpace;
 pub(super) const INTERVAL_S: f64 = 0.05;
 /// Samples in an experiment.
 pub(super) const SAMPLES: usize = 201;
-/// Rate of the rounded step where the thesis does not say it.
+/// Rate of the rounded step where the thesis does not state it.
 pub(super) const RATE_PER_S: u32 = 3;
-/// An error beyond this is no estimate: left out of bias and RMSE, and counted.
+/// Estimates with a greater error are outliers: left out of bias and RMSE, and counted.
 const OUTLIER_PERCENT: f64 = 30.0;
 
 /// Input and noise-free output.
@@ -36,17 +36,17 @@ fn steps(rate_per_s: u32) -> Vec<f64> {
 }
 
 impl Experiment {
-    /// On a reduced model.
+    /// An experiment on a reduced model.
     pub(super) fn on_reduced(model: &Reduced5<f64>, rate_per_s: u32, steer_rad: f64) -> Self {
         let steer: Vec<f64> = steps(rate_per_s).iter().map(|step| steer_rad * step).collect();
         let mut simulation = Simulation::new(model, INTERVAL_S, 0.0);
-        // At rest at the first sample, where the step is zero.
+        // The model is at rest at the first sample, where the step is zero.
         let roll = steer.iter().enumerate();
         let roll = roll.map(|(k, &u)| if k == 0 { 0.0 } else { simulation.push(u) }).collect();
         Self { steer, roll }
     }
 
-    /// On a linear model in full.
+    /// An experiment on a complete linear model.
     pub(super) fn on_linear(model: &StateSpace, rate_per_s: u32, steer_rad: f64) -> Self {
         let steer: Vec<f64> = steps(rate_per_s).iter().map(|step| steer_rad * step).collect();
         let mut simulation = model.simulation(INTERVAL_S);
@@ -76,14 +76,14 @@ impl Experiment {
         self.roll.iter().map(|y| y + sd * noise()).collect()
     }
 
-    /// Bias and scatter over draws of `error_percent`, which takes a drawn roll angle.
+    /// Bias and RMSE over many draws; `error_percent` returns the error for a drawn roll angle.
     pub(super) fn score(
         &self,
         snr_db: Option<f64>,
         options: &Options,
         error_percent: impl Fn(&[f64]) -> Option<f64>,
     ) -> ScorePercent {
-        // Without noise all draws are one.
+        // Without noise all draws are equal.
         let runs = if snr_db.is_some() { options.runs } else { 1 };
         let (mut sum, mut squares, mut used) = (0.0, 0.0, 0);
         for run in 0..runs {
@@ -107,11 +107,11 @@ impl Experiment {
 /// Errors of the height over many draws, in %.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScorePercent {
-    /// Their mean, `None` if all are outliers.
+    /// Mean error; `None` if all are outliers.
     pub(super) bias: Option<f64>,
-    /// Root of their mean square.
+    /// Root mean square error.
     pub(super) rmse: Option<f64>,
-    /// Share of draws beyond 30 %, left out of both.
+    /// Share of draws with an error beyond 30 %, which are left out of both.
     pub(super) outliers: f64,
 }
 
@@ -142,9 +142,9 @@ pub(super) fn arx_ratio(order: usize, steer: &[f64], roll: &[f64]) -> Option<f64
     }
 }
 
-/// The product's own identifier around a nominal model, with all samples taken in.
+/// The project's identifier around a nominal model, after all samples.
 pub(super) fn filtered(nominal: &Reduced5<f64>, steer: &[f64], roll: &[f64]) -> FilteredArx<f64> {
-    // The experiments have no constant offset, and the thesis's models know none.
+    // The experiments have no constant offset, and neither have the thesis's models.
     let prior = Prior { offset_sd_rad: 0.0, ..Prior::standard() };
     let mut identifier = FilteredArx::new(nominal, prior);
     for (&u, &y) in steer.iter().zip(roll) {
@@ -153,7 +153,7 @@ pub(super) fn filtered(nominal: &Reduced5<f64>, steer: &[f64], roll: &[f64]) -> 
     identifier
 }
 
-/// DC ratio by the same.
+/// DC ratio from the same identifier.
 pub(super) fn filtered_ratio(nominal: &Reduced5<f64>, steer: &[f64], roll: &[f64]) -> Option<f64> {
     match filtered(nominal, steer, roll).fit() {
         Answer::Ready(fit) => Some(fit.ratio.value),

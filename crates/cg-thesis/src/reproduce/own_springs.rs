@@ -1,8 +1,8 @@
-//! Table 5.10 once more, with a plant of our own whose springs the estimator does not know.
+//! Table 5.10 with a plant of this project whose springs differ from the vehicle file.
 //!
-//! The plant is the complete linear model with the springs of drive and trailer axles scaled; its
-//! log of a rounded step goes through the whole estimator, first with the vehicle file as it is,
-//! then with a calibration (`R_c`, one run) on that very truck, as the thesis does.
+//! The plant is the complete linear model with scaled springs of drive and trailer axles. Its log of a
+//! rounded step goes through the whole estimator, first with the unchanged vehicle file, then with a
+//! calibration (`R_c`, one run) on the same truck, as in the thesis.
 
 use cg_core::{AlignSettings, Channel};
 
@@ -23,7 +23,7 @@ const RATE_HZ: f64 = 100.0;
 const START_S: f64 = 2.0;
 const DURATION_S: f64 = 20.0;
 
-/// Rows of one spring deviation, `percent` of the file's stiffness, beside the printed biases
+/// Rows of one spring deviation, `percent` of the file's stiffness, with the printed biases
 /// `[baseline, updated]` of another plant.
 pub(super) fn rows(
     table: &'static str,
@@ -45,8 +45,8 @@ pub(super) fn rows(
         let ours = Row::ours(table, item(what), bias_percent(estimate_m, truth_m), note);
         Row { thesis: Some(printed.value), ..ours }
     };
-    let plant = "our plant in place of the Yaw/Roll program: complete linear model, springs of \
-                 drive and trailer axles scaled; noise-free log through the whole estimator";
+    let plant = "our plant instead of the Yaw/Roll program: complete linear model with scaled springs of \
+                 drive and trailer axles; noise-free log through the whole estimator";
     let [unaware, aware] = printed;
     Ok(vec![
         beside("bias, vehicle file's springs, %", unaware, unaware_m, plant),
@@ -54,9 +54,9 @@ pub(super) fn rows(
             table,
             item("R_c, one run"),
             calibration.compensation.steer,
-            "calibrated on this truck, known height",
+            "calibrated on this truck with its known height",
         ),
-        beside("bias, recalibrated, %", aware, aware_m, "the same log with that R_c"),
+        beside("bias, recalibrated, %", aware, aware_m, "the same log with this R_c"),
     ])
 }
 
@@ -71,7 +71,7 @@ fn with_springs(vehicle: &Vehicle, factor: f64) -> Vehicle {
     truck
 }
 
-/// Hands the truck's log to an estimator.
+/// Feeds the truck's log to an estimator.
 fn drive(truck: &Vehicle, estimator: &mut LogEstimator) -> Result<(), VehicleError> {
     let scenario = Scenario {
         rate_hz: RATE_HZ,
@@ -85,10 +85,10 @@ fn drive(truck: &Vehicle, estimator: &mut LogEstimator) -> Result<(), VehicleErr
     })
 }
 
-/// The height that the estimator of `vehicle` takes the truck's log for.
+/// The height that the estimator for `vehicle` finds in the log of `truck`.
 fn height_m(vehicle: &Vehicle, truck: &Vehicle, belief: &Belief) -> Result<f64, VehicleError> {
     let mut design = design_with(vehicle, Variant::Complete, belief)?;
-    // Springs 30 % softer are taken for a very high load: the bias is what is asked for.
+    // With springs that are 30 % softer the load seems very high, and the bias is the result.
     design.greatest_height_m *= 2.0;
     let options = EstimateOptions { channel: Some(Channel::Steer), ..EstimateOptions::default() };
     let mut estimator = LogEstimator::from_design(&design, AlignSettings::NONE, options);

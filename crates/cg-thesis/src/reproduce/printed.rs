@@ -1,11 +1,11 @@
-//! Numbers as the thesis prints them.
+//! Numbers as printed in the thesis.
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use cg_vehicle::error::VehicleError;
 
-/// A printed number: its value, how far its digits can be trusted, and what is wrong with it.
+/// A printed number: its value, its rounding, and its correction if it is a misprint.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "Form")]
 pub(super) struct Printed {
@@ -13,16 +13,16 @@ pub(super) struct Printed {
     pub(super) value: f64,
     /// Half a unit of the last printed digit.
     pub(super) rounding: f64,
-    /// What it should be and why, if it is a misprint.
+    /// The correction and its reason, if it is a misprint.
     pub(super) misprint: Option<Misprint>,
 }
 
-/// What is wrong with a printed number.
+/// The correction of a misprint.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Misprint {
-    /// What it should be.
+    /// The correct value.
     pub(super) corrected: f64,
-    /// Why.
+    /// The reason.
     pub(super) why: String,
 }
 
@@ -55,7 +55,7 @@ impl Printed {
             part.parse::<f64>()
                 .ok()
                 .filter(|value| value.is_finite())
-                .ok_or_else(|| format!("`{text}` is no number"))
+                .ok_or_else(|| format!("`{text}` is not a number"))
         };
         let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
         let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
@@ -64,7 +64,7 @@ impl Printed {
         Ok(Self { value: number(text)?, rounding: 0.5 * last_digit, misprint: None })
     }
 
-    /// The value meant: corrected where it is a misprint.
+    /// The intended value: corrected if it is a misprint.
     pub(super) fn meant(&self) -> f64 {
         self.misprint.as_ref().map_or(self.value, |misprint| misprint.corrected)
     }
@@ -113,7 +113,7 @@ mod tests {
             ("7028", 7028.0, 0.5),
         ] {
             let printed = Printed::parse(text).unwrap();
-            // One rounding of a decimal power.
+            // The tolerance is one rounding of a decimal power.
             assert!((printed.value / value - 1.0).abs() < 1e-15, "{text}");
             assert!((printed.rounding / rounding - 1.0).abs() < 1e-12, "{text}");
         }

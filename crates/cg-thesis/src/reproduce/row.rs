@@ -1,26 +1,27 @@
-//! One number of the thesis beside ours.
+//! One number of the thesis and the recomputed one.
 
 use serde::Serialize;
 
 use super::printed::Printed;
 
-/// One number of the thesis beside ours. Field names are the keys of the JSON output.
+/// One number of the thesis and the recomputed one. Field names are the keys of the JSON output.
 ///
-/// Units and signs are the thesis's (y to the right, z down: ratios of roll to steer are
-/// negative there, positive in ISO 8855 and everywhere else in this crate).
+/// Units and signs are those of the thesis (y to the right, z down: ratios of roll to steer are
+/// negative there, but positive in ISO 8855 and everywhere else in this crate).
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Row {
-    /// The table, as [`tables`](super::tables) names it.
+    /// The name of the table, see [`tables`](super::tables).
     pub table: &'static str,
-    /// What the number is, with its unit.
+    /// The quantity, with its unit.
     pub item: String,
-    /// As printed; `None` if the thesis has no such number.
+    /// The printed value; `None` if the thesis has no such number.
     pub thesis: Option<f64>,
-    /// As computed here; `None` if that cannot be.
+    /// The recomputed value; `None` if it cannot be computed.
     pub ours: Option<f64>,
-    /// `(ours − thesis)/|thesis|`; `None` where it would mean nothing.
+    /// `(ours − thesis)/|thesis|`; `None` if it would have no meaning.
     pub relative_error: Option<f64>,
-    /// What is to be said of it: always there if `thesis` or `ours` is not.
+    /// An explanation; always present if `thesis` or `ours` is not.
     pub note: Option<String>,
     /// Half a unit of the last printed digit of `thesis`.
     #[serde(skip)]
@@ -28,7 +29,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Ours beside a printed number that it should agree with.
+    /// A recomputed number that should agree with the printed one.
     pub(super) fn beside(
         table: &'static str,
         item: impl Into<String>,
@@ -47,7 +48,7 @@ impl Row {
         }
     }
 
-    /// Ours beside a printed number that need not agree with it; the note says why.
+    /// A recomputed number that need not agree with the printed one; the note states why.
     pub(super) fn against(
         table: &'static str,
         item: impl Into<String>,
@@ -58,7 +59,7 @@ impl Row {
         Self::beside(table, item, printed, ours).noted(note)
     }
 
-    /// Ours where the thesis has no such number; the note says what it is for.
+    /// A recomputed number that is not in the thesis; the note states its purpose.
     pub(super) fn ours(
         table: &'static str,
         item: impl Into<String>,
@@ -76,7 +77,7 @@ impl Row {
         }
     }
 
-    /// A printed number that cannot be computed; the note says why.
+    /// A printed number that cannot be recomputed; the note states why.
     pub(super) fn missing(
         table: &'static str,
         item: impl Into<String>,
@@ -94,7 +95,7 @@ impl Row {
         }
     }
 
-    /// With something to say, after what there is already.
+    /// Appends a note.
     #[must_use]
     pub(super) fn noted(mut self, note: impl Into<String>) -> Self {
         let note = note.into();
@@ -105,7 +106,7 @@ impl Row {
         self
     }
 
-    /// With the error relative to `size` in place of the printed number.
+    /// The row with the error relative to `size` instead of the printed number.
     #[must_use]
     pub(super) fn relative_to(mut self, size: f64) -> Self {
         self.relative_error =
@@ -113,18 +114,18 @@ impl Row {
         self
     }
 
-    /// Without a relative error: the two are not estimates of the same number.
+    /// The row without a relative error, because the two are not estimates of the same number.
     #[must_use]
     pub(super) fn not_comparable(self) -> Self {
         Self { relative_error: None, ..self }
     }
 
-    /// Whether the printed number is a misprint (the note says what it should be).
+    /// Whether the printed number is a misprint (the note gives the correct one).
     pub fn is_misprint(&self) -> bool {
         self.note.as_ref().is_some_and(|note| note.starts_with("misprint"))
     }
 
-    /// Whether ours rounds to the printed digits; `None` without a printed number.
+    /// Whether the recomputed number rounds to the printed digits; `None` without a printed number.
     pub fn agrees(&self) -> Option<bool> {
         let (difference, rounding) = (self.ours? - self.thesis?, self.rounding?);
         // Ties may fall to either side, and decimal fractions are not exact in binary.

@@ -8,7 +8,7 @@ use super::printed::Printed;
 use super::row::Row;
 use cg_vehicle::error::VehicleError;
 
-/// The height that a ratio means (eq. 5.20), in the unit of the line.
+/// The height that follows from a ratio (eq. 5.20), in the unit of the line.
 pub(super) fn solved(
     line: &RatioLine<f64>,
     ratio: f64,
@@ -19,12 +19,12 @@ pub(super) fn solved(
     Ok(found.map_err(|error| VehicleError::Model(error.to_string()))?.value)
 }
 
-/// How far a height is off, in %.
+/// Error of a height in %.
 pub(super) fn bias_percent(height: f64, true_height: f64) -> f64 {
     100.0 * (height / true_height - 1.0)
 }
 
-/// A row whose unit is the percent: its difference in percentage points, not in percent of them.
+/// A row whose unit is percent: its difference is in percentage points, not relative.
 pub(super) fn percent(row: Row) -> Row {
     row.relative_to(100.0).noted("difference in percentage points")
 }

@@ -1,4 +1,4 @@
-//! Table 5.10: the springs of the drive and trailer axles softer or stiffer.
+//! Table 5.10: softer or stiffer springs of the drive and trailer axles.
 
 use serde::Deserialize;
 
@@ -56,8 +56,8 @@ fn name(percent: i32) -> String {
     if percent == 0 { "0 %".to_owned() } else { format!("{percent:+} %") }
 }
 
-/// Both heights are of one measured ratio `R_i`: the one with the baseline's compensation gives
-/// `R_i`, the DC gain of the updated compensation the other height.
+/// Both heights belong to one measured ratio `R_i`. The height with the baseline's compensation gives
+/// `R_i`, and `R_i` with the DC gain of the updated compensation gives the other height.
 fn from_print(
     table: &'static str,
     base: &Baseline,
@@ -82,7 +82,7 @@ fn from_print(
             "not printed: from the printed coefficients",
         ),
     ];
-    let note = "R_i through the updated R_c";
+    let note = "from R_i with the updated R_c";
     let item = format!("{name}: h, updated R_c, in");
     rows.push(Row::beside(table, item, &updated.height_in, height_in).noted(note));
     for (what, estimate) in [("baseline", baseline), ("updated", updated)] {

@@ -1,8 +1,8 @@
-//! Errors of the reductions (Table 5.3): theirs in the thesis's measure, and other methods beside.
+//! Errors of the reductions (Table 5.3) in the thesis's measure, also for other reduction methods.
 //!
-//! The thesis prints neither input nor measure. A mean square over ten seconds of the rounded
-//! step of rate 1 gives the printed pattern, and no other rate does; the steer amplitude is the
-//! one that gives the error printed for order 0, and with it the other five follow.
+//! The thesis prints neither input nor measure. A mean square over ten seconds of the rounded step of
+//! rate 1 gives the printed pattern, and no other rate does. The steer amplitude is the one that gives
+//! the error printed for order 0; the other five errors then follow.
 
 use super::baseline::Baseline;
 use super::printed::Printed;
@@ -12,11 +12,11 @@ use cg_vehicle::reduction::quality::{StepInput, h_infinity, step_error_degree2};
 use cg_vehicle::reduction::{Keep, balanced, fitted, pade};
 use cg_vehicle::system::{Rational, System};
 
-/// One order more than the thesis goes, to see what it would bring.
+/// One order more than in the thesis, to show its effect.
 const GREATEST_ORDER: usize = 6;
 
-/// Rows for reductions of the as-printed model through `compensation`, beside the printed errors
-/// of orders 0, 1, ….
+/// Rows for reductions of the as-printed model with `compensation`, with the printed errors of orders
+/// 0, 1, ….
 pub(super) fn rows(
     table: &'static str,
     base: &Baseline,
@@ -37,7 +37,7 @@ pub(super) fn rows(
     let error = |reduced: &System| step_error_degree2(&whole, reduced, &input);
 
     let measure = "mean square over 10 s of the rounded step of rate 1; the steer amplitude is not \
-                   printed and taken so that order 0 is met";
+                   printed and chosen such that order 0 agrees";
     let mut rows = Vec::new();
     for (order, printed) in printed.iter().enumerate() {
         let item = format!("order {order}: squared error, degree²");
@@ -52,7 +52,7 @@ pub(super) fn rows(
         for (method, reduced) in [
             ("Padé", approximant(order)?),
             ("balanced truncation", truncated),
-            ("balanced residualisation", residualised),
+            ("balanced residualization", residualised),
             ("fitted", fit.system()),
         ] {
             rows.extend(other(
@@ -76,7 +76,7 @@ fn other(
     error: impl Fn(&System) -> f64,
 ) -> Result<Vec<Row>, VehicleError> {
     if !reduced.is_stable()? {
-        let note = "unstable: reported, never used; 1 stands for that";
+        let note = "unstable: reported, never used; 1 means unstable";
         return Ok(vec![Row::ours(table, format!("{name}: unstable"), 1.0, note)]);
     }
     let norm = h_infinity(&whole.minus(reduced))?;

@@ -1,8 +1,8 @@
-//! Monte-Carlo tables: 5.7's and 5.9's single draws beside many, sections 5.6.1–5.6.3 over input
-//! rate and noise.
+//! Monte-Carlo tables: the single draws of Tables 5.7 and 5.9 compared with many draws, and sections
+//! 5.6.1–5.6.3 over input rate and noise.
 //!
-//! The height error of each draw is that of its DC ratio through the ratio line (eq. 5.20)
-//! against the height that the plant's own DC ratio means.
+//! The height error of each draw is the difference between the height from its DC ratio (eq. 5.20) and
+//! the height from the plant's own DC ratio.
 
 use cg_core::truck::reduced::ORDER;
 use cg_core::{RatioLine, Reduced5};
@@ -23,17 +23,17 @@ use cg_vehicle::system::Rational;
 /// Signal-to-noise ratios of the thesis, dB.
 const SNR_DB: [u32; 6] = [30, 25, 20, 15, 10, 5];
 
-/// A plant under one input, and how a DC ratio of it becomes a height.
+/// A plant under one input, and the conversion of its DC ratio to a height.
 struct Setting {
-    /// What the plant is.
+    /// Description of the plant.
     plant: &'static str,
     experiment: Experiment,
-    /// What the product's identifier starts from.
+    /// The model from which the project's identifier starts.
     nominal: Reduced5<f64>,
     line: RatioLine<f64>,
     compensation: f64,
     true_height: f64,
-    /// Per cent of height for one percent of ratio.
+    /// Percent of height per percent of ratio.
     height_per_ratio: f64,
 }
 
@@ -51,7 +51,7 @@ impl Setting {
         Ok(Self { plant, experiment, nominal, line, compensation, true_height, height_per_ratio })
     }
 
-    /// Eq. 5.12 under a rounded step.
+    /// The plant of eq. 5.12 under a rounded step.
     fn equation_5_12(base: &Baseline, rate_per_s: u32) -> Result<Self, VehicleError> {
         let plant = plant()?;
         let experiment = Experiment::on_reduced(&plant, rate_per_s, STEER_RAD);
@@ -86,7 +86,7 @@ impl Setting {
         })
     }
 
-    /// A bound on the ratio at 0 dB as one on the height at another noise, %.
+    /// Converts a bound on the ratio at 0 dB to one on the height at another noise level, %.
     fn height_bound_percent(&self, ratio_sd_at_0_db: f64, snr_db: u32) -> f64 {
         let noise = 10f64.powf(-f64::from(snr_db) / 20.0);
         100.0 * self.height_per_ratio.abs() * ratio_sd_at_0_db * noise
@@ -103,7 +103,7 @@ fn score_rows(
 ) -> Vec<Row> {
     let outliers = match score.outliers {
         none if none <= 0.0 => String::new(),
-        some => format!("; without the {some:.1} % of draws that are more than 30 % off"),
+        some => format!("; without the {some:.1} % of draws with errors of more than 30 %"),
     };
     let draws = format!("{} draws on {}{outliers}", options.runs, setting.plant);
     let mut rows = Vec::new();
@@ -111,20 +111,20 @@ fn score_rows(
         let item = format!("{name} bias, %");
         rows.push(match draw {
             Some(draw) => {
-                let note = format!("the source's is one draw, ours the mean of {draws}");
+                let note = format!("the thesis has one draw, ours is the mean of {draws}");
                 Row::against(table, item, draw, bias, note).not_comparable()
             }
-            None => Row::ours(table, item, bias, format!("not in the source; {draws}")),
+            None => Row::ours(table, item, bias, format!("not in the thesis; {draws}")),
         });
     }
     if let Some(rmse) = score.rmse {
-        let note = format!("not in the source; {draws}");
+        let note = format!("not in the thesis; {draws}");
         rows.push(Row::ours(table, format!("{name} RMSE, %"), rmse, note));
     }
     rows
 }
 
-/// One row for an experiment without noise: every draw is the same.
+/// One row for an experiment without noise, where all draws are equal.
 fn noise_free_row(
     table: &'static str,
     name: &str,
@@ -140,9 +140,9 @@ fn noise_free_row(
 }
 
 const BOUND: &str = "least standard deviation of an unbiased estimator (Cramér-Rao)";
-const BOUND_GAIN: &str = "the same if all but the gain is known";
+const BOUND_GAIN: &str = "the same if everything except the gain is known";
 
-/// Table 5.7: each printed draw beside many, at the rate that the thesis does not print.
+/// Table 5.7: each printed draw compared with many draws, at a rate that the thesis does not print.
 pub(super) fn beside_draws(
     table: &'static str,
     base: &Baseline,
@@ -229,7 +229,7 @@ pub(super) fn by_order(
     for (i, column) in printed.order.iter().enumerate() {
         let order = i + 1;
         let name = format!("order {order}, no noise: ARX");
-        let note = "the plant is our complete linear model in place of the Yaw/Roll program";
+        let note = "the plant is our complete linear model instead of the Yaw/Roll program";
         let clean = setting.arx(order, None, options);
         rows.extend(noise_free_row(table, &name, column.bias_percent.first(), &clean, note));
         let moments = model.to_trailer_roll().moments(2 * order + 1)?;
@@ -259,7 +259,7 @@ pub(super) fn by_order(
     Ok(rows)
 }
 
-/// Whether the printed biases and meters are those of the printed heights.
+/// Checks the printed biases and meters against the printed heights.
 fn printed_biases(table: &'static str, base: &Baseline, printed: &Table59) -> Vec<Row> {
     let (mut biases, mut metres) = (0.0_f64, 0.0_f64);
     for order in &printed.order {
@@ -272,7 +272,8 @@ fn printed_biases(table: &'static str, base: &Baseline, printed: &Table59) -> Ve
             metres = metres.max((ours_m - height_m.value).abs());
         }
     }
-    let note = "of the 35 printed ones from those of the printed heights: rounding only";
+    let note =
+        "between the 35 printed values and those computed from the printed heights: rounding only";
     vec![
         Row::ours(table, "greatest difference of a bias, %", biases, note),
         Row::ours(table, "greatest difference of a height, m", metres, note),

@@ -16,7 +16,7 @@ pub(super) fn as_printed(base: &Baseline) -> Result<TransferFunction, VehicleErr
     model.to_trailer_roll().transfer_function()
 }
 
-/// Numerator and denominator in ascending powers and the thesis's sign of steer.
+/// Numerator and denominator in ascending powers, with the thesis's sign of steer.
 pub(super) fn ascending(function: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
     let numerator = function.numerator.iter().rev().map(|a| -a).collect();
     (numerator, function.denominator.iter().rev().copied().collect())
@@ -108,14 +108,15 @@ fn root_rows(
     rows
 }
 
-/// The figures of appendix C are curves only: what both models tend to, per radian of steer.
+/// The figures of appendix C are curves without numbers. The rows are the steady-state values of both
+/// models per radian of steer.
 pub(super) fn steady_values(
     table: &'static str,
     base: &Baseline,
     _: &Options,
 ) -> Result<Vec<Row>, VehicleError> {
-    let note = "figures C.1 to C.10 are curves without numbers; ours is where they tend, in ISO 8855 \
-                signs";
+    let note = "figures C.1 to C.10 are curves without numbers; ours are their steady-state values, in \
+                ISO 8855 signs";
     let mut rows = Vec::new();
     let models = [("as printed", &base.as_printed), ("complete", &base.complete)];
     for (what, unit, row) in responses(&base.complete.state_space) {
@@ -131,18 +132,18 @@ pub(super) fn steady_values(
             .poles()?
             .first()
             .map_or(f64::NAN, |pole| -1.0 / pole.0);
-        let note = "time constant of the slowest poles: how soon the curves settle";
+        let note = "time constant of the slowest poles, with which the curves settle";
         rows.push(Row::ours(table, format!("slowest decay, s, {name}"), slowest, note));
     }
     let model = &base.complete.state_space;
     let lateral = model.steady(&model.lateral_acceleration, model.lateral_feedthrough)?;
     let steer_deg = (0.2 * base.vehicle.gravity_mps2 / lateral).to_degrees();
-    let note = "section 5.7 goes close to 0.2 g and does not print the steer angle";
+    let note = "section 5.7 uses nearly 0.2 g and does not print the steer angle";
     rows.push(Row::ours(table, "road-wheel steer for 0.2 g, degrees, complete", steer_deg, note));
     Ok(rows)
 }
 
-/// Name with the number of its figure, unit, and row of each response.
+/// Name with figure number, unit, and row of each response.
 fn responses(model: &StateSpace) -> Vec<(String, &'static str, DVector<f64>)> {
     let named = |name: &str, unit, row: &DVector<f64>| (name.to_owned(), unit, row.clone());
     let mut responses = vec![

@@ -9,13 +9,13 @@ use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Vehicle};
 
-/// Repetitions of each point: an RMSE scatters by 4 %.
+/// Number of runs for each point: an RMSE scatters by 4 %.
 const RUNS: u32 = 300;
-/// Noise where it is not varied, dB.
+/// Noise in panels in which it is not varied, dB.
 const SNR_DB: f64 = 20.0;
-/// Lateral acceleration of the turn whose first seconds are looked at, in g.
+/// Lateral acceleration of the turn whose first seconds are studied, in g.
 const TURN_G: f64 = 0.15;
-/// The scenario's own amplitude, in g.
+/// Default amplitude of the scenario, in g.
 const USUAL_G: f64 = 0.17;
 /// Straight driving before that turn, s.
 const BEFORE_S: f64 = 4.0;
@@ -55,13 +55,46 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
     };
     let time = points(vehicle, &seconds, |since_s| {
         let mut scenario = until(since_s);
-        // The noise of the whole turn, though less of the turn is there.
+        // The noise is that of the whole turn, although the log ends earlier.
         let noise_rad = LogSimulation::new(vehicle, scenario).map(|log| log.truth.noise_sd_rad);
         let louder = noise_rad.map_or(1.0, |noise_rad| noise_rad / whole.noise_sd_rad);
         scenario.sensors.snr_db = Some(SNR_DB + 20.0 * louder.log10());
         scenario
     })?;
     let soon = time.iter().find(|(_, score)| score.rmse < 0.03).map(|(since_s, _)| *since_s);
+    Ok(Study {
+        name: setting.name,
+        finding: match soon {
+            Some(since_s) => format!(
+                "With noise of 20 dB the error is 3 % of the height {since_s:.1} s after the start of a \
+                 turn of 0.15 g"
+            ),
+            None => {
+                "With noise of 20 dB the error is more than 3 % of the height after 10 s".to_owned()
+            }
+        },
+        scenario: conditions(vehicle),
+        panels: panels([&snr, &payload, &height, &time]),
+        statements: Vec::new(),
+    })
+}
+
+fn conditions(vehicle: &Vehicle) -> Vec<String> {
+    vec![
+        format!("vehicle: {}, linear model", vehicle.name),
+        format!("{RUNS} rounded steps of 0.17 g for each point, 100 Hz, 20 s"),
+        "where the noise is not varied: 20 dB with the reference load, and the same noise with \
+         other loads"
+            .to_owned(),
+        "bound: Cramér-Rao, everything known except the height and the sensor's offset".to_owned(),
+        "only the part of the interval that noise causes; the uncertainty of model and \
+         calibration is added to it"
+            .to_owned(),
+    ]
+}
+
+/// Scores over noise, payload, height and time.
+fn panels([snr, payload, height, time]: [&[(f64, Score)]; 4]) -> Vec<Panel> {
     let panel = |title, quantity, points: &[(f64, Score)]| Panel {
         figure: "",
         title,
@@ -70,37 +103,15 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         series: series(points),
     };
     let x = |name, label, unit| Quantity { name, label, unit };
-    Ok(Study {
-        name: setting.name,
-        finding: match soon {
-            Some(since_s) => format!(
-                "Noise of 20 dB leaves 3 % of the height {since_s:.1} s after the start of a turn \
-                 of 0.15 g"
-            ),
-            None => "Noise of 20 dB leaves more than 3 % of the height after 10 s".to_owned(),
-        },
-        scenario: vec![
-            format!("vehicle: {}, linear model", vehicle.name),
-            format!("{RUNS} rounded steps of 0.17 g for each point, 100 Hz, 20 s"),
-            "noise of 20 dB under the reference load where it is not varied; the same noise under \
-             other loads"
-                .to_owned(),
-            "bound: Cramér-Rao, everything known but the height and the sensor's offset".to_owned(),
-            "the noise's share of the interval only: what model and calibration leave open is \
-             added to it"
-                .to_owned(),
-        ],
-        panels: vec![
-            panel("Over the noise", x("snr", "Signal to noise", Unit::Decibel), &snr),
-            panel("Over the payload", x("payload", "Payload", Unit::Kilogram), &payload),
-            panel("Over the height", x("cg_height", "C.g. height", Unit::Metre), &height),
-            panel("Over time", x("since", "Since the start of the turn", Unit::Second), &time),
-        ],
-        statements: Vec::new(),
-    })
+    vec![
+        panel("Over the noise", x("snr", "Signal to noise", Unit::Decibel), snr),
+        panel("Over the payload", x("payload", "Payload", Unit::Kilogram), payload),
+        panel("Over the height", x("cg_height", "C.g. height", Unit::Metre), height),
+        panel("Over time", x("since", "Since the start of the turn", Unit::Second), time),
+    ]
 }
 
-/// The sensor of one load under another: a lighter load has the same noise, not the same ratio.
+/// The same sensor under another load: the noise is the same, not its ratio to the signal.
 fn noise_as_under(vehicle: &Vehicle, scenario: Scenario, reference: Load) -> Scenario {
     let roll = |load: Load| {
         let lines =
@@ -124,7 +135,7 @@ fn points(
     values.iter().map(score).collect()
 }
 
-/// What is found, what the interval says, and what is possible; only where most runs answer.
+/// Error, stated standard deviation and bound, only where most runs give a height.
 fn series(points: &[(f64, Score)]) -> Vec<Series> {
     let good = || points.iter().filter(|(_, score)| 2 * score.answered > RUNS);
     let of = |value: fn(&Score) -> f64| good().map(|(x, score)| [*x, value(score)]).collect();

@@ -1,6 +1,7 @@
-//! What a study returns: panels of series in SI units, and the thesis's statements beside ours.
+//! The result of a study: panels of series in SI units, and the statements of the thesis with the
+//! results found here.
 
-/// Unit of a quantity. Values are in SI; what is shown is the reader's choice.
+/// SI unit of a quantity. The user of the data may convert it for display.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// A ratio.
@@ -25,12 +26,12 @@ pub enum Unit {
     KilogramSquareMetre,
 }
 
-/// What stands on an axis.
+/// The quantity on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// In a column's name, without unit: `peak_trailer_roll`.
+    /// Name for a column, without unit: `peak_trailer_roll`.
     pub name: &'static str,
-    /// Beside the axis, without unit.
+    /// Label of the axis, without unit.
     pub label: &'static str,
     /// Unit of the values.
     pub unit: Unit,
@@ -38,8 +39,9 @@ pub struct Quantity {
 
 /// A response before and after a change (Figs. 2.5, 2.6).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Response {
-    /// What responds.
+    /// Name of the response.
     pub name: &'static str,
     /// Its peak before.
     pub before: f64,
@@ -49,7 +51,7 @@ pub struct Response {
     pub unit: Unit,
 }
 
-/// The independent side of a panel.
+/// The independent axis of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Abscissa {
     /// A quantity.
@@ -60,14 +62,15 @@ pub enum Abscissa {
 
 /// Points that belong together.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Series {
-    /// What it is called.
+    /// Name.
     pub name: String,
-    /// `(x, y)`, SI; what rolled over has no point.
+    /// `(x, y)` in SI units; a rollover has no point.
     pub points: Vec<[f64; 2]>,
-    /// Series of one kind share it: the same maneuver, say.
+    /// Index that related series share, for example of the same maneuver.
     pub kind: usize,
-    /// Beside the main one of its kind: the tractor beside the semitrailer, say.
+    /// Whether this is a secondary series of its kind, for example the tractor next to the semitrailer.
     pub aside: bool,
 }
 
@@ -86,7 +89,7 @@ impl Series {
         self.points.iter().map(|point| point[1]).collect()
     }
 
-    /// Rise over run from the first to the last point; not a number with fewer than two.
+    /// Slope from the first to the last point; NaN with fewer than two points.
     pub fn slope(&self) -> f64 {
         match (self.points.first(), self.points.last()) {
             (Some(a), Some(b)) => (b[1] - a[1]) / (b[0] - a[0]),
@@ -94,7 +97,7 @@ impl Series {
         }
     }
 
-    /// The ordinate at `x`, on straight lines between the points; not a number outside them.
+    /// The ordinate at `x`, interpolated linearly between the points; NaN outside them.
     pub fn at(&self, x: f64) -> f64 {
         let within = |p: &&[[f64; 2]]| p[0][0] <= x && x <= p[1][0];
         self.points.windows(2).find(within).map_or(f64::NAN, |p| {
@@ -105,44 +108,47 @@ impl Series {
 
 /// One set of axes with its series.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Panel {
-    /// The thesis's figure: `2.26`; empty where it has none.
+    /// Figure of the thesis, for example `2.26`; empty if there is none.
     pub figure: &'static str,
-    /// What it shows.
+    /// Title.
     pub title: &'static str,
-    /// To the right, or the bars.
+    /// Horizontal axis, or the bars.
     pub x: Abscissa,
-    /// Upwards, or along the bars.
+    /// Vertical axis, or the length of the bars.
     pub y: Quantity,
     /// The series.
     pub series: Vec<Series>,
 }
 
-/// A sentence of the thesis and what is found here.
+/// A statement of the thesis and the result found here.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Statement {
     /// Figure or section of the thesis.
     pub place: &'static str,
-    /// What the thesis says.
+    /// The statement of the thesis.
     pub thesis: &'static str,
-    /// What is found here, with its numbers.
+    /// The result found here, with numbers.
     pub ours: String,
-    /// Whether the one is the other.
+    /// Whether they agree.
     pub agrees: bool,
 }
 
 /// One study.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Study {
     /// Its name on the command line.
     pub name: &'static str,
-    /// One sentence: what is seen.
+    /// The main result in one sentence.
     pub finding: String,
-    /// Vehicle, load, maneuver, one line each; also what rolled over.
+    /// Vehicle, load, maneuver and rollovers, one line each.
     pub scenario: Vec<String>,
     /// The figures.
     pub panels: Vec<Panel>,
-    /// The thesis's statements beside ours.
+    /// The statements of the thesis with the results found here.
     pub statements: Vec<Statement>,
 }
 

@@ -8,26 +8,26 @@ use cg_vehicle::{Load, Vehicle};
 
 /// Speed of the thesis's turns, m/s.
 pub(super) const TURN_SPEED_MPS: f64 = 50.0 / 3.6;
-/// Speed of its lane changes where nothing else is said, m/s.
+/// Default speed of its lane changes, m/s.
 pub(super) const LANE_SPEED_MPS: f64 = 100.0 / 3.6;
 /// The turn of most studies.
 pub(super) const QUARTER: Course = Course::Turn { angle_rad: std::f64::consts::FRAC_PI_2 };
 /// The lane change of most studies.
 pub(super) const LANE_CHANGE: Course = Course::LaneChange { gate_m: 20.0 };
 
-/// Straight driving before the origin of eq. 2.5, so that the driver, who looks ahead for 1.5 s,
-/// sees the gate come.
+/// Straight driving before the origin of eq. 2.5, so that the gate comes into the driver's preview of
+/// 1.5 s.
 pub(super) const RUN_IN_M: f64 = 60.0;
-/// Straight driving before a turn, before a gate (eq. 2.5), and the turns' radius.
+/// Straight driving before a turn, before a gate (eq. 2.5), and radius of the turns.
 const BEFORE_TURN_M: f64 = 40.0;
 const BEFORE_GATE_M: f64 = RUN_IN_M + 15.0;
 const RADIUS_M: f64 = 100.0;
 /// Width of a lane (eq. 2.5).
 const LANE_M: f64 = 3.65;
-/// Distance of the samples in time.
+/// Sampling interval.
 const INTERVAL_S: f64 = 0.01;
 
-/// What the driver follows.
+/// The path that the driver follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Course {
     /// Turn to the left of 100 m radius.
@@ -44,7 +44,7 @@ impl Course {
         }
     }
 
-    /// Through it and some seconds more, until the roll angle has settled.
+    /// Duration of the course and some seconds more, until the roll angle has settled.
     fn duration_s(self, speed_mps: f64) -> f64 {
         match self {
             Self::Turn { angle_rad } => (BEFORE_TURN_M + RADIUS_M * angle_rad) / speed_mps + 3.0,
@@ -53,7 +53,7 @@ impl Course {
     }
 }
 
-/// What to run.
+/// The scenario of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Drive {
     pub(super) vehicle: Vehicle,
@@ -87,7 +87,7 @@ impl Drive {
         self
     }
 
-    /// Maneuver and speed in a line.
+    /// Maneuver and speed as one line of text.
     pub(super) fn told(&self) -> String {
         let kmh = 3.6 * self.speed_mps;
         match self.course {
@@ -101,17 +101,17 @@ impl Drive {
         }
     }
 
-    /// Drives it.
+    /// Drives the course.
     ///
     /// # Errors
-    /// If the vehicle, the load or the driver cannot be had.
+    /// If the vehicle, the load or the driver is invalid.
     pub(super) fn run(&self) -> Result<Record, VehicleError> {
         let plant = YawRollPlant::new(&self.vehicle, self.load, &self.options)?;
         let mut run = plant.start(self.speed_mps)?;
         let settings = DriverSettings::default();
         let mut driver = Driver::new(&plant, self.course.path(), self.speed_mps, settings)?;
         let mut record = Record { samples: vec![run.sample()], rolled_over_s: None };
-        // A step is at most the samples' distance: rounding gives one at least.
+        // A step is at most the sampling interval, so rounding gives at least one step.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let steps = (INTERVAL_S / plant.step_s()).round().max(1.0) as usize;
         while run.time_s() < self.course.duration_s(self.speed_mps) {
@@ -128,7 +128,7 @@ impl Drive {
     }
 }
 
-/// What a run was like, every 10 ms.
+/// The samples of a run, every 10 ms.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
     pub(super) samples: Vec<PlantSample>,
@@ -136,24 +136,24 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Greatest size; nothing if the vehicle rolled over.
+    /// Greatest magnitude; `None` if the vehicle rolled over.
     pub(super) fn peak(&self, of: impl Fn(&PlantSample) -> f64) -> Option<f64> {
         let upright = self.rolled_over_s.is_none();
         upright.then(|| self.samples.iter().map(|s| of(s).abs()).fold(0.0, f64::max))
     }
 
-    /// Greatest value, to the outside of a left turn.
+    /// Greatest value, positive to the outside of a left turn.
     pub(super) fn greatest(&self, of: impl Fn(&PlantSample) -> f64) -> Option<f64> {
         let upright = self.rolled_over_s.is_none();
         upright.then(|| self.samples.iter().map(of).fold(f64::NEG_INFINITY, f64::max))
     }
 
-    /// A rollover, as a line of the scenario.
+    /// A rollover as a line of the scenario.
     pub(super) fn told(&self, name: &str) -> Option<String> {
-        self.rolled_over_s.map(|time_s| format!("{name}: rolled over at {time_s:.1} s, no point"))
+        self.rolled_over_s.map(|time_s| format!("{name}: rolled over at {time_s:.1} s (no point)"))
     }
 
-    /// Over time, every 40 ms.
+    /// Time history, every 40 ms.
     pub(super) fn history(&self, of: impl Fn(&PlantSample) -> f64) -> Vec<[f64; 2]> {
         #[allow(clippy::cast_precision_loss)] // thousands
         let point = |(k, s)| [k as f64 * INTERVAL_S, of(s)];
@@ -171,8 +171,8 @@ pub(super) fn trailer_lateral(sample: &PlantSample) -> f64 {
     sample.trailer.lateral_acceleration_mps2
 }
 
-/// Peaks of the semitrailer's roll over some parameter; each rollover is told instead, under the
-/// name that `name` gives it.
+/// Peaks of the semitrailer's roll over a parameter. Each rollover is added to `told` instead, with the
+/// name from `name`.
 pub(super) fn peak_rolls(
     values: &[f64],
     told: &mut Vec<String>,

@@ -16,7 +16,7 @@ pub(super) const HEIGHT: Quantity = Quantity {
 /// The thesis's range.
 const HEIGHTS_M: [f64; 9] = [1.85, 1.90, 1.95, 2.00, 2.05, 2.10, 2.15, 2.20, 2.25];
 
-/// Payloads of Fig. 2.27, and the heights of their own c.g.: what a box on the floor can have.
+/// Payloads of Fig. 2.27, and the heights of their own c.g. that are possible for a box on the floor.
 const PAYLOADS_KG: [f64; 5] = [5_000.0, 10_000.0, 15_000.0, 20_000.0, 25_000.0];
 const PAYLOAD_HEIGHTS_M: [f64; 5] = [1.7, 1.85, 2.0, 2.15, 2.3];
 
@@ -40,21 +40,21 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "The peak roll angle of the semitrailer grows by {slope:.1}° per metre of c.g. height, \
-             the faster the higher"
+            "The peak roll angle of the semitrailer grows by {slope:.1}° per meter of c.g. height, \
+             and faster at greater heights"
         ),
         scenario: lines,
         statements: vec![
             Statement {
                 place: "Fig. 2.26",
-                thesis: "the peak roll angle grows by about 4.1° per metre from 1.85 to 2.25 m",
+                thesis: "the peak roll angle grows by about 4.1° per meter from 1.85 to 2.25 m",
                 ours: format!("{slope:.2}°/m over the range, {below:.2}°/m up to 2.15 m"),
-                // What the thesis's figure leaves open: a tenth of a degree at either end.
+                // The uncertainty of the figure in the thesis: a tenth of a degree at either end.
                 agrees: (slope - 4.1).abs() < 0.5,
             },
             Statement {
                 place: "Fig. 2.26",
-                thesis: "not linearly",
+                thesis: "the growth is not linear",
                 ours: format!("{low:.2}°/m at the low end, {high:.2}°/m at the high end"),
                 agrees: high > 1.1 * low,
             },
@@ -82,7 +82,7 @@ pub(super) fn payload_height(setting: &Setting) -> Result<Study, VehicleError> {
     let base = Drive::turn(&setting.vehicle);
     let mut lines = scenario(setting, &base);
     lines.push(format!(
-        "payload's own c.g. at {:.2} to {:.2} m; springs and tyres are those of the reference load",
+        "payload's own c.g. at {:.2} to {:.2} m; springs and tires are those of the reference load",
         PAYLOAD_HEIGHTS_M[0],
         PAYLOAD_HEIGHTS_M[PAYLOAD_HEIGHTS_M.len() - 1]
     ));
@@ -111,14 +111,14 @@ pub(super) fn payload_height(setting: &Setting) -> Result<Study, VehicleError> {
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "A light payload tells little of its height: {least:.1}° per metre under 5 t, \
-             {most:.1}° under 25 t"
+            "The height of a light payload has a small effect: {least:.1}° per meter with 5 t, \
+             {most:.1}° with 25 t"
         ),
         scenario: lines,
         statements: payload_statements(&series, &slopes),
         panels: vec![Panel {
             figure: "2.27",
-            title: "Peak roll over c.g. height under five payloads",
+            title: "Peak roll over c.g. height with five payloads",
             x: Abscissa::Over(HEIGHT),
             y: PEAK_ROLL,
             series,
@@ -132,26 +132,26 @@ fn payload_statements(series: &[Series], slopes: &[f64]) -> Vec<Statement> {
     vec![
         Statement {
             place: "Fig. 2.27",
-            thesis: "roll is quasi-linear in the c.g. height under each payload",
-            ours: format!("farthest from its chord by {:.0} % of its rise", 100.0 * bend),
+            thesis: "roll is quasi-linear in the c.g. height with each payload",
+            ours: format!("greatest distance from the chord: {:.0} % of the rise", 100.0 * bend),
             agrees: bend < 0.1,
         },
         Statement {
             place: "Fig. 2.27",
             thesis: "a lighter payload has a lower slope",
-            ours: format!("{} °/m under 5 to 25 t", listed.join(", ")),
+            ours: format!("{} °/m with 5 to 25 t", listed.join(", ")),
             agrees: slopes.windows(2).all(|pair| pair[0] < pair[1]),
         },
         Statement {
             place: "Fig. 2.27",
-            thesis: "0.83°/m under 5 t: a tilt sensor of 0.05° resolves ±60 mm",
+            thesis: "0.83°/m with 5 t: a tilt sensor of 0.05° resolves ±60 mm",
             ours: format!("{:.2}°/m: ±{:.0} mm", slopes[0], 1000.0 * TILT_DEG / slopes[0]),
             agrees: (slopes[0] / 0.83 - 1.0).abs() < 0.25,
         },
     ]
 }
 
-/// Greatest distance from the chord, over the rise.
+/// Greatest distance from the chord, divided by the rise.
 fn bent(series: &Series) -> f64 {
     let Some(first) = series.points.first() else { return f64::NAN };
     let slope = series.slope();

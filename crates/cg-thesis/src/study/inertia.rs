@@ -1,4 +1,4 @@
-//! Fig. 2.25: payloads of different shape, of equal mass and height.
+//! Fig. 2.25: payloads of different shape, but equal mass and height.
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{
@@ -17,12 +17,12 @@ const INERTIA: Quantity = Quantity {
 /// The thesis's range of the payload's own roll inertia, in steps.
 const PAYLOAD_KGM2: [f64; 6] = [10_000.0, 12_300.0, 14_600.0, 16_900.0, 19_200.0, 21_500.0];
 
-/// A vehicle whose payload is as high and as heavy, but so wide that its own roll inertia is the
-/// one asked for; and the roll inertia of the sprung mass.
+/// A vehicle whose payload has the same height and mass, but a width that gives the requested roll
+/// inertia; and the roll inertia of the sprung mass.
 fn shaped(vehicle: &Vehicle, payload_kgm2: f64) -> Result<(Vehicle, f64), VehicleError> {
     let load = vehicle.reference_load();
     let mut point = vehicle.clone();
-    // The same box turned into a plate without width: what is left is not the width's part.
+    // The same box without width: this is the part of the inertia that does not depend on the width.
     point.trailer.payload.width_m = 0.0;
     let plate = point.trailer_sprung_mass(load)?;
     let (tare, share) = (&vehicle.trailer.tare, plate.payload_kg / plate.mass_kg);
@@ -45,8 +45,8 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
     let whole = |payload_kgm2| Ok::<_, VehicleError>(shaped(&setting.vehicle, payload_kgm2)?.1);
     let (least, most) = (PAYLOAD_KGM2[0], PAYLOAD_KGM2[PAYLOAD_KGM2.len() - 1]);
     lines.push(format!(
-        "payload's own roll inertia {least:.0} to {most:.0} kg m² by its width, that of the sprung \
-         mass {:.0} to {:.0}",
+        "payload's own roll inertia varied through its width, {least:.0} to {most:.0} kg m²; that of \
+         the sprung mass {:.0} to {:.0}",
         whole(least)?,
         whole(most)?
     ));
@@ -71,24 +71,11 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "Over the payload's shapes the peak roll changes by {turn:+.1} % in the turn, by \
+            "Over the shapes of the payload, the peak roll changes by {turn:+.1} % in the turn and by \
              {lane:+.1} % in the lane change"
         ),
         scenario: lines,
-        statements: vec![
-            Statement {
-                place: "Fig. 2.25",
-                thesis: "the turn's peak is rather insensitive to roll inertia",
-                ours: format!("{turn:+.2} % over the range"),
-                agrees: turn.abs() < 2.0,
-            },
-            Statement {
-                place: "Fig. 2.25",
-                thesis: "the lane change's is considerably sensitive",
-                ours: format!("{lane:+.2} % over the range"),
-                agrees: lane.abs() > 3.0 * turn.abs(),
-            },
-        ],
+        statements: statements(turn, lane).to_vec(),
         panels: vec![Panel {
             figure: "2.25",
             title: "Peak roll over roll inertia",
@@ -97,6 +84,24 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
             series,
         }],
     })
+}
+
+/// What the thesis says of the change of the peak roll, in %, in the turn and in the lane change.
+fn statements(turn: f64, lane: f64) -> [Statement; 2] {
+    [
+        Statement {
+            place: "Fig. 2.25",
+            thesis: "the peak in the turn is rather insensitive to roll inertia",
+            ours: format!("{turn:+.2} % over the range"),
+            agrees: turn.abs() < 2.0,
+        },
+        Statement {
+            place: "Fig. 2.25",
+            thesis: "the peak in the lane change is considerably sensitive",
+            ours: format!("{lane:+.2} % over the range"),
+            agrees: lane.abs() > 3.0 * turn.abs(),
+        },
+    ]
 }
 
 #[cfg(test)]
@@ -109,7 +114,7 @@ mod tests {
         let vehicle = Vehicle::parse(text, "baseline-tables.toml").unwrap();
         let load = vehicle.reference_load();
         let ranges = [10_000.0, 21_500.0].map(|kgm2| shaped(&vehicle, kgm2).unwrap());
-        // The payload's own inertia differs by 11 500; all else is the same but for the yaw.
+        // The payload's own inertia differs by 11 500; everything else except the yaw inertia is equal.
         assert!((ranges[1].1 - ranges[0].1 - 11_500.0).abs() < 1e-6);
         let before = vehicle.trailer_sprung_mass(load).unwrap();
         for (vehicle, _) in &ranges {

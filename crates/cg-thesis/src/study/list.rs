@@ -7,20 +7,21 @@ use super::data::Study;
 use super::setting::Setting;
 use super::{accuracy, heights, inertia, maneuvers, sensitivity, shift, speed, variants};
 
-/// A study as it is listed.
+/// An entry in the list of studies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Listed {
     /// Its name on the command line.
     pub name: &'static str,
-    /// The thesis's figures.
+    /// Figures of the thesis.
     pub figures: &'static str,
-    /// What it varies and watches.
+    /// What is varied and what is examined.
     pub about: &'static str,
 }
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// In the order of the thesis's pages; the last one is ours.
+/// All studies in the order of the thesis's pages; the last one is not in the thesis.
 const STUDIES: [(Listed, Run); 13] = [
     (
         Listed {
@@ -82,7 +83,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "payload-height",
             figures: "Fig. 2.27",
-            about: "The same under payloads of 5 to 25 t.",
+            about: "The same with payloads of 5 to 25 t.",
         },
         heights::payload_height,
     ),
@@ -90,7 +91,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "lateral-shift",
             figures: "Fig. 2.28",
-            about: "Roll on a straight road and in a turn when the payload lies beside the middle.",
+            about: "Roll on a straight road and in a turn over the lateral shift of the payload.",
         },
         shift::lateral,
     ),
@@ -98,7 +99,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "longitudinal-shift",
             figures: "Fig. 2.29",
-            about: "Peak roll in a turn when the payload lies before or behind its place.",
+            about: "Peak roll in a turn over the longitudinal shift of the payload.",
         },
         shift::longitudinal,
     ),
@@ -114,7 +115,7 @@ const STUDIES: [(Listed, Run); 13] = [
         Listed {
             name: "tyres",
             figures: "Fig. 2.31",
-            about: "Peak roll over the c.g. height with new and worn tyres.",
+            about: "Peak roll over the c.g. height with new and worn tires.",
         },
         variants::tyres,
     ),

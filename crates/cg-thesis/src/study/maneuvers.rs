@@ -18,11 +18,11 @@ const ALONG: Quantity =
 const ASIDE: Quantity =
     Quantity { name: "to_left", label: "Distance to the left", unit: Unit::Metre };
 
-/// Of either unit.
+/// Peak roll of either unit.
 const PEAK_ROLL: Quantity =
     Quantity { name: "peak_roll", label: "Peak roll angle", unit: Unit::Radian };
 
-/// Unit 1 and unit 2.
+/// The units; the flag marks the secondary series.
 const UNITS: [(&str, bool); 2] = [("semitrailer", false), ("tractor", true)];
 
 fn rolls(name: &str, kind: usize, record: &Record) -> [Series; 2] {
@@ -48,7 +48,7 @@ const LATERAL: [fn(&PlantSample) -> f64; 2] =
     [trailer_lateral, |s| s.tractor.lateral_acceleration_mps2];
 const ROLLS: [fn(&PlantSample) -> f64; 2] = [trailer_roll, |s| s.tractor.roll_rad];
 
-/// Spread of values over their mean.
+/// Spread of values divided by their mean.
 fn spread(values: &[f64]) -> f64 {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -83,8 +83,8 @@ pub(super) fn cornering_angle(setting: &Setting) -> Result<Study, VehicleError> 
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "Peaks do not depend on the cornering angle: {:.2} g and {:.2}° of semitrailer roll at \
-             60°, 90° and 120° alike",
+            "The peaks do not depend on the cornering angle: {:.2} g and {:.2}° of semitrailer roll at \
+             each of 60°, 90° and 120°",
             first(&lateral) / g,
             first(&roll).to_degrees()
         ),
@@ -98,35 +98,26 @@ pub(super) fn cornering_angle(setting: &Setting) -> Result<Study, VehicleError> 
             ),
             statement(
                 "Fig. 2.15",
-                "nor the peak roll angle of the semitrailer",
+                "the cornering angle does not change the peak roll angle of the semitrailer",
                 format!("{:.2}°, spread {:.2} %", first(&roll).to_degrees(), 100.0 * by_roll),
                 by_roll,
             ),
         ],
         panels: vec![
-            Panel {
-                figure: "2.11-2.13",
-                title: "Roll angles over time",
-                x: Abscissa::Over(TIME),
-                y: ROLL,
-                series: histories,
-            },
-            Panel {
-                figure: "2.14",
-                title: "Peak lateral acceleration",
-                x: Abscissa::Over(ANGLE),
-                y: PEAK_LATERAL,
-                series: lateral,
-            },
-            Panel {
-                figure: "2.15",
-                title: "Peak roll angle",
-                x: Abscissa::Over(ANGLE),
-                y: PEAK_ROLL,
-                series: roll,
-            },
+            panel("2.11-2.13", "Roll angles over time", (TIME, ROLL), histories),
+            panel("2.14", "Peak lateral acceleration", (ANGLE, PEAK_LATERAL), lateral),
+            panel("2.15", "Peak roll angle", (ANGLE, PEAK_ROLL), roll),
         ],
     })
+}
+
+fn panel(
+    figure: &'static str,
+    title: &'static str,
+    (x, y): (Quantity, Quantity),
+    series: Vec<Series>,
+) -> Panel {
+    Panel { figure, title, x: Abscissa::Over(x), y, series }
 }
 
 /// Figs. 2.17–2.22.
@@ -206,8 +197,8 @@ fn gate_peaks(setting: &Setting, lateral: &[Series], roll: &[Series]) -> [f64; 4
 fn gate_finding(setting: &Setting, lateral: &[Series], roll: &[Series]) -> String {
     let [short_g, long_g, short_deg, long_deg] = gate_peaks(setting, lateral, roll);
     format!(
-        "The shorter gate asks for more: {short_g:.3} against {long_g:.3} g, {short_deg:.2}° \
-         against {long_deg:.2}° of semitrailer roll"
+        "The shorter gate has higher peaks: {short_g:.3} g and {short_deg:.2}° of semitrailer roll \
+         compared with {long_g:.3} g and {long_deg:.2}°"
     )
 }
 

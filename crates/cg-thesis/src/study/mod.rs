@@ -1,5 +1,5 @@
-//! The studies of chapter 2: how the nonlinear plant's responses depend on maneuver, load and
-//! vehicle, the thesis's statements beside what is found here.
+//! The studies of chapter 2: how the nonlinear plant's responses depend on maneuver, load and vehicle,
+//! and whether the statements of the thesis agree with the results.
 //!
 //! | file | studies |
 //! |---|---|
@@ -8,12 +8,12 @@
 //! | `speed` | Figs. 2.23, 2.24 |
 //! | `inertia` | Fig. 2.25: shape of the payload |
 //! | `heights` | Figs. 2.26, 2.27: c.g. height, payload |
-//! | `shift` | Figs. 2.28, 2.29: payload beside or behind its place |
+//! | `shift` | Figs. 2.28, 2.29: lateral and longitudinal shift of the payload |
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tires |
 //! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the thesis) |
 //! | `replay` | recorded logs driven again (no figure of the thesis) |
 //! | `drive` | one run along a path with the preview driver |
-//! | `data` | what a study returns |
+//! | `data` | the result of a study |
 //!
 //! ```
 //! use cg_thesis::study::{studies, study};

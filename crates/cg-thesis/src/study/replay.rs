@@ -1,5 +1,5 @@
-//! Recorded logs driven again: a log's steer angle and speed through the plant, its roll angle and
-//! lateral acceleration beside the recorded ones.
+//! Recorded logs driven again: the plant is driven with a log's steer angle and speed, and its roll angle
+//! and lateral acceleration are compared with the recorded ones.
 
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
 use cg_logs::calibrate::KnownLog;
@@ -14,11 +14,11 @@ use cg_vehicle::{Load, Vehicle};
 pub struct Recorded {
     /// Its name and load.
     pub known: KnownLog,
-    /// Its rows; absent steer angles and speeds keep the value before.
+    /// Its rows; absent steer angles and speeds keep the previous value.
     pub rows: Vec<LogRow>,
 }
 
-/// What the plant made of a log, sample by sample.
+/// The response of the plant to a log, sample by sample.
 #[derive(Clone, Debug)]
 pub struct Replayed {
     /// Roll angle of the semitrailer, rad.
@@ -42,7 +42,7 @@ pub fn drive_again(
     let none = |what: &str| VehicleError::Model(format!("{name}: no row has {what}"));
     let trailer_mass_kg = (log.known.trailer_mass_kg)
         .or_else(|| known(|row| row.trailer_mass_kg))
-        .ok_or_else(|| none("the trailer's mass; say it beside the height"))?;
+        .ok_or_else(|| none("the trailer's mass; give it after the height"))?;
     let mut steer_rad = known(|row| row.steer_rad).ok_or_else(|| none("a steer angle"))?;
     let mut speed_mps = known(|row| row.speed_mps).ok_or_else(|| none("a speed"))?;
     let load = Load { trailer_mass_kg, cg_height_m: log.known.height_m };
@@ -65,7 +65,7 @@ pub fn drive_again(
     Ok(Replayed { roll_rad, lateral_mps2 })
 }
 
-/// The study of some logs; under a calibration its parameters and roll gain are the plant's.
+/// The study of some logs. With a calibration the plant has its parameters and roll gain.
 ///
 /// # Errors
 /// As [`drive_again`].
@@ -123,7 +123,7 @@ pub fn replay(
     })
 }
 
-/// Slope of ours over theirs, and what is left beside that line over their spread.
+/// Slope of the plant's values over the recorded ones, and the residual relative to their spread.
 fn compare(theirs: &[f64], ours: &[f64]) -> Option<[f64; 2]> {
     let pairs: Vec<[f64; 2]> =
         theirs.iter().zip(ours).filter(|(a, _)| a.is_finite()).map(|(a, b)| [*a, *b]).collect();
@@ -139,10 +139,10 @@ fn compare(theirs: &[f64], ours: &[f64]) -> Option<[f64; 2]> {
 }
 
 fn told([slope, left]: [f64; 2]) -> String {
-    format!("{:+.1} %, beside that {:.1} %", 100.0 * (slope - 1.0), 100.0 * left)
+    format!("{:+.1} %, remaining difference {:.1} %", 100.0 * (slope - 1.0), 100.0 * left)
 }
 
-/// Every fourth point that is there.
+/// Every fourth point that is present.
 fn curve(rows: &[LogRow], values: &[f64]) -> Vec<[f64; 2]> {
     let points = rows.iter().zip(values).step_by(4);
     points.filter(|(_, v)| v.is_finite()).map(|(row, v)| [row.time_s, *v]).collect()

@@ -6,7 +6,7 @@ use super::setting::{Setting, scenario};
 use cg_plant::plant::PlantSample;
 use cg_vehicle::error::VehicleError;
 
-/// How far the payload's c.g. is raised.
+/// Distance by which the payload's c.g. is raised.
 const RAISED_M: f64 = 0.2;
 
 type Of = fn(&PlantSample) -> f64;
@@ -129,7 +129,8 @@ fn responses(low: &Record, high: &Record) -> Result<Vec<Response>, VehicleError>
     Ok(found)
 }
 
-/// By relative change (the order of `responses`) and, among angles of roll, in degrees.
+/// The most sensitive response, by relative change (the order of `responses`) and, among roll angles, in
+/// degrees.
 fn most_sensitive(maneuver: &Maneuver, responses: &[Response]) -> Statement {
     let degrees = |r: &Response| (r.after - r.before).to_degrees();
     let mut rolls: Vec<&Response> = responses.iter().filter(|r| r.name.ends_with("roll")).collect();
@@ -161,7 +162,7 @@ fn axles_next(maneuver: &Maneuver, responses: &[Response]) -> Statement {
     Statement {
         place: if maneuver.figure == "2.5" { "Fig. 2.5" } else { "Fig. 2.6" },
         thesis: "the roll angles of the trailer's axles follow",
-        ours: format!("after it {}", listed.join(", ")),
+        ours: format!("next: {}", listed.join(", ")),
         agrees: !last.is_empty() && last.iter().all(|r| change(r) > greatest),
     }
 }

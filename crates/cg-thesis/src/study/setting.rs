@@ -5,7 +5,7 @@ use cg_vehicle::Vehicle;
 use super::data::{Quantity, Unit};
 use super::drive::Drive;
 
-/// What a study starts from.
+/// Input of a study.
 pub(super) struct Setting {
     pub(super) name: &'static str,
     pub(super) vehicle: Vehicle,
@@ -19,12 +19,12 @@ pub(super) const PEAK_LATERAL: Quantity = Quantity {
     unit: Unit::MetrePerSecondSquared,
 };
 
-/// Vehicle, load, maneuver.
+/// Lines with vehicle, load and maneuver.
 pub(super) fn scenario(setting: &Setting, drive: &Drive) -> Vec<String> {
     vec![
         format!("vehicle: {}", setting.vehicle.name),
         format!(
-            "semitrailer of {:.0} kg, sprung c.g. at {:.3} m unless said otherwise",
+            "semitrailer of {:.0} kg, sprung c.g. at {:.3} m unless stated otherwise",
             drive.load.trailer_mass_kg, drive.load.cg_height_m
         ),
         drive.told(),

@@ -1,4 +1,4 @@
-//! Figs. 2.28, 2.29: a payload that lies beside or before its place.
+//! Figs. 2.28, 2.29: lateral and longitudinal shift of the payload.
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Drive, peak_rolls, trailer_roll};
@@ -13,7 +13,7 @@ const OUTWARD: Quantity = Quantity {
 };
 const REARWARD: Quantity = Quantity {
     name: "payload_rearward",
-    label: "Payload's c.g. behind its place",
+    label: "Rearward shift of the payload's c.g.",
     unit: Unit::Metre,
 };
 
@@ -52,14 +52,14 @@ pub(super) fn lateral(setting: &Setting) -> Result<Study, VehicleError> {
     let between = Series::new("difference", 2, between).aside();
     let slope = per_metre_deg((straight.at(0.2) - straight.at(-0.2)) / 0.4) / 10.0;
     let before = match turn.points.last() {
-        Some(last) if last[0] < 0.39 => format!("; rolled over beyond {:.0} mm", 1000.0 * last[0]),
+        Some(last) if last[0] < 0.39 => format!("; rollover beyond {:.0} mm", 1000.0 * last[0]),
         _ => String::new(),
     };
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "Each 100 mm beside the middle rolls the semitrailer by {slope:.1}° on a straight road, \
-             by more to the outside of a turn{before}"
+            "Each 100 mm of lateral shift rolls the semitrailer by {slope:.1}° on a straight road, and \
+             by more with a shift to the outside of a turn{before}"
         ),
         scenario: lines,
         statements: lateral_statements(&straight, &turn, &between),
@@ -102,7 +102,7 @@ fn lateral_statements(straight: &Series, turn: &Series, between: &Series) -> Vec
             place: "Fig. 2.28",
             thesis: "the roll angle is very sensitive to lateral shift",
             ours: format!(
-                "{on_straight:.2}° per 100 mm on the straight, as much as {:.0} mm of c.g. height \
+                "{on_straight:.2}° per 100 mm straight ahead, as much as {:.0} mm of c.g. height \
                  at 4.1°/m",
                 on_straight / 4.1e-3
             ),
@@ -119,16 +119,16 @@ fn lateral_statements(straight: &Series, turn: &Series, between: &Series) -> Vec
         },
         Statement {
             place: "Fig. 2.28",
-            thesis: "the peak changes roughly alike on both courses",
+            thesis: "the roll angle changes similarly straight ahead and in the turn",
             ours: format!(
-                "to the inside {inside:.2} against {on_straight:.2}° per 100 mm, to the outside \
-                 {outside:.2}: there the inner springs lose their load"
+                "{on_straight:.2}° per 100 mm straight ahead; in the turn {inside:.2}° to the inside, \
+                 {outside:.2}° to the outside, where the inner springs lose their load"
             ),
             agrees: alike(inside) && alike(outside),
         },
         Statement {
             place: "Fig. 2.28",
-            thesis: "the difference of both courses varies little",
+            thesis: "the difference between both varies little",
             ours: format!(
                 "{:.2} to {:.2}° up to 300 mm to the inside; to the outside up to {:.2}° at \
                  {reached_mm:.0} mm",
@@ -164,8 +164,8 @@ pub(super) fn longitudinal(setting: &Setting) -> Result<Study, VehicleError> {
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "Half a metre forward or rearward changes the peak roll by at most {spread_deg:.3}°, \
-             {:.1} % of it",
+            "A shift of half a meter forward or rearward changes the peak roll by at most \
+             {spread_deg:.3}°, {:.1} % of it",
             100.0 * share
         ),
         scenario: lines,
@@ -180,8 +180,8 @@ pub(super) fn longitudinal(setting: &Setting) -> Result<Study, VehicleError> {
             },
             Statement {
                 place: "Fig. 2.29",
-                thesis: "the least roll lies close to the place of the tare's c.g.",
-                ours: format!("least {:.3}° at {:+.0} mm", least.to_degrees(), 1000.0 * at_m),
+                thesis: "the least roll is close to the position of the tare's c.g.",
+                ours: format!("least roll {:.3}° at {:+.0} mm", least.to_degrees(), 1000.0 * at_m),
                 agrees: at_m.abs() < 0.25,
             },
         ],

@@ -28,7 +28,7 @@ impl Sweep {
                 self.roll.push([lateral, roll]);
             }
         }
-        // Roll over acceleration is read from the least to the greatest.
+        // Roll over acceleration is sorted from the least to the greatest acceleration.
         self.roll.sort_by(|a, b| a[0].total_cmp(&b[0]));
         Ok(())
     }
@@ -83,7 +83,7 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
     })
 }
 
-/// Where a rising series crosses a level, in km/h.
+/// Speed at which a rising series crosses a level, in km/h.
 fn crossing_kmh(series: &Series, level: f64) -> Option<f64> {
     let pair = series.points.windows(2).find(|p| p[0][1] <= level && level < p[1][1])?;
     let share = (level - pair[0][1]) / (pair[1][1] - pair[0][1]);
@@ -100,7 +100,7 @@ fn crossing(series: &Series, level: f64) -> String {
     }
 }
 
-/// The lane change's roll less the turn's at equal lateral acceleration, where both have it.
+/// Roll in the lane change minus that in the turn at equal lateral acceleration, where both exist.
 fn difference_deg(roll: &[Series]) -> Option<(f64, usize)> {
     let (lane, turn) = (&roll[0], &roll[1]);
     let mut differences: Vec<f64> =

@@ -10,7 +10,7 @@ use cg_vehicle::error::VehicleError;
 /// The thesis's range.
 const HEIGHTS_M: [f64; 5] = [1.85, 1.95, 2.05, 2.15, 2.25];
 
-/// Vertical stiffness of the tires of Fig. 2.31 over that of Table 2.6, N/m.
+/// Vertical stiffness of the tires of Table 2.6, to which those of Fig. 2.31 are related, N/m.
 const NEW_N_PER_M: f64 = 788_070.8;
 const TREADS: [(&str, f64); 2] =
     [("1/2 tread", 864_250.9 / NEW_N_PER_M), ("1/3 tread", 874_408.3 / NEW_N_PER_M)];
@@ -43,7 +43,7 @@ fn apart_deg(series: &Series, other: &Series) -> (f64, f64) {
     (least, apart.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// Slope up to 2.15 m, where no fifth wheel has parted yet.
+/// Slope up to 2.15 m, where no fifth wheel has separated yet.
 fn slope_deg(series: &Series) -> f64 {
     per_metre_deg((series.at(2.15) - series.at(1.85)) / 0.3)
 }
@@ -62,8 +62,8 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "Air suspensions roll {least:.1} to {most:.1}° more than leaf springs, at {air_slope:.1} \
-             against {leaf_slope:.1}° per metre of c.g. height"
+            "Air suspensions roll {least:.1} to {most:.1}° more than leaf springs; the slope over the c.g. \
+             height is {air_slope:.1}° per meter (leaf springs: {leaf_slope:.1}°)"
         ),
         scenario: lines,
         statements: vec![
@@ -77,8 +77,8 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
                 place: "Fig. 2.30",
                 thesis: "the slope over the c.g. height is about the same",
                 ours: format!(
-                    "{air_slope:.2} against {leaf_slope:.2}°/m up to 2.15 m, {:.2} against {:.2} \
-                     over the range",
+                    "{air_slope:.2}°/m (baseline: {leaf_slope:.2}) up to 2.15 m, {:.2}°/m \
+                     ({:.2}) over the range",
                     per_metre_deg(series[1].slope()),
                     per_metre_deg(series[0].slope())
                 ),
@@ -88,7 +88,7 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
                 place: "Fig. 2.30",
                 thesis: "with air suspensions the relationship is nearly linear",
                 ours: format!(
-                    "slope changes by {:+.2}°/m over the range, the baseline's by {:+.2}",
+                    "the slope changes by {:+.2}°/m over the range, that of the baseline by {:+.2}",
                     bends[1], bends[0]
                 ),
                 agrees: bends[1].abs() < bends[0].abs(),
@@ -98,7 +98,7 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
     })
 }
 
-/// Slope of the last pair of points less that of the first, degrees per meter.
+/// Slope of the last pair of points minus that of the first, degrees per meter.
 fn bend_deg(series: &Series) -> f64 {
     let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
     let slopes: Vec<f64> = series.points.windows(2).map(slope).collect();
@@ -115,7 +115,7 @@ pub(super) fn tyres(setting: &Setting) -> Result<Study, VehicleError> {
         for tyre in &mut worn.tyre {
             tyre.vertical_stiffness_n_per_m *= stiffer;
         }
-        lines.push(format!("{name}: tyres {:.1} % stiffer upright", 100.0 * (stiffer - 1.0)));
+        lines.push(format!("{name}: vertical tire stiffness +{:.1} %", 100.0 * (stiffer - 1.0)));
         vehicles.push((name.to_owned(), worn));
     }
     let series = over_height(&vehicles, &mut lines)?;
@@ -124,8 +124,8 @@ pub(super) fn tyres(setting: &Setting) -> Result<Study, VehicleError> {
     Ok(Study {
         name: setting.name,
         finding: format!(
-            "Worn, {:.0} % stiffer tyres take {:.2} to {:.2}° off the peak roll and leave its slope \
-             over the c.g. height",
+            "Worn tires, which are {:.0} % stiffer, reduce the peak roll by {:.2} to {:.2}° and do not \
+             change its slope over the c.g. height",
             100.0 * (TREADS[1].1 - 1.0),
             -less[2].1,
             -less[2].0
@@ -134,7 +134,7 @@ pub(super) fn tyres(setting: &Setting) -> Result<Study, VehicleError> {
         statements: vec![
             Statement {
                 place: "Fig. 2.31",
-                thesis: "stiffer tyres roll less",
+                thesis: "stiffer tires roll less",
                 ours: format!(
                     "1/2 tread {:+.2} to {:+.2}°, 1/3 tread {:+.2} to {:+.2}°",
                     less[1].1, less[1].0, less[2].1, less[2].0

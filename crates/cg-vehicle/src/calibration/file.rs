@@ -26,6 +26,7 @@ const SAME_RATIO: f64 = 1e-6;
 /// A calibration of one vehicle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Calibration {
     /// Name of the vehicle.
     pub vehicle: String,

@@ -46,6 +46,7 @@ pub struct Run {
 /// How the parameters were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Procedure {
     /// One run: `R_c` of each channel.
     Compensation,
@@ -55,6 +56,7 @@ pub enum Procedure {
 
 /// One identified ratio beside the model's.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Residual {
     /// Index of the run.
     pub run: usize,
@@ -68,6 +70,7 @@ pub struct Residual {
 
 /// A fitted belief.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fitted {
     /// How it was found.
     pub procedure: Procedure,
@@ -105,17 +108,8 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
     ));
     let procedure =
         if runs.len() == 1 { Procedure::Compensation } else { Procedure::MaximumAPosteriori };
-    let linearised = |mean: &Deviations| -> Result<_, VehicleError> {
-        let mut h = DMatrix::zeros(n, PARAMETERS);
-        let mut misfit = DVector::zeros(n);
-        for (k, observation) in observations.iter().enumerate() {
-            let run = &runs[observation.run];
-            let (logs, slopes) = log_ratios(vehicle, variant, run.speed_mps, run.load, mean)?;
-            misfit[k] = observation.log_ratio - logs[observation.channel.index()];
-            h.row_mut(k).copy_from(&slopes[observation.channel.index()].transpose());
-        }
-        Ok((misfit, h))
-    };
+    let linearised =
+        |mean: &Deviations| linearised((vehicle, variant), (runs, &observations), mean);
     let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);
     let (before, _) = linearised(&prior.mean)?;
     let mut mean = prior.mean;
@@ -159,15 +153,31 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
         })
         .collect();
     let mut chi_square = (0..n).map(|k| after[k] * after[k] / noise[(k, k)]).sum::<f64>();
-    for k in 0..PARAMETERS {
-        // A parameter without prior variance has not moved; sensors' gains are free with one run.
-        if procedure == Procedure::MaximumAPosteriori && p0[(k, k)] > 0.0 {
-            chi_square += mean[k] * mean[k] / p0[(k, k)];
-        }
+    if procedure == Procedure::MaximumAPosteriori {
+        // A parameter without prior variance has not moved.
+        let moved = (0..PARAMETERS).filter(|&k| p0[(k, k)] > 0.0);
+        chi_square = moved.fold(chi_square, |sum, k| sum + mean[k] * mean[k] / p0[(k, k)]);
     }
     let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
     let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
     Ok(Fitted { procedure, belief, residuals, chi_square })
+}
+
+/// What the observations leave unexplained at a state of the parameters, and their slopes.
+fn linearised(
+    (vehicle, variant): (&Vehicle, Variant),
+    (runs, observations): (&[Run], &[Observation]),
+    mean: &Deviations,
+) -> Result<(DVector<f64>, DMatrix<f64>), VehicleError> {
+    let n = observations.len();
+    let (mut misfit, mut h) = (DVector::zeros(n), DMatrix::zeros(n, PARAMETERS));
+    for (k, observation) in observations.iter().enumerate() {
+        let run = &runs[observation.run];
+        let (logs, slopes) = log_ratios(vehicle, variant, run.speed_mps, run.load, mean)?;
+        misfit[k] = observation.log_ratio - logs[observation.channel.index()];
+        h.row_mut(k).copy_from(&slopes[observation.channel.index()].transpose());
+    }
+    Ok((misfit, h))
 }
 
 /// One identified ratio.

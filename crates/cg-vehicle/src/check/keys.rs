@@ -17,6 +17,7 @@ pub struct Table {
 
 /// A key of the vehicle file.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Key {
     /// Its name.
     pub name: &'static str,
@@ -32,6 +33,7 @@ pub struct Key {
 
 /// What stands at a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Kind {
     /// One line of text.
     Text,

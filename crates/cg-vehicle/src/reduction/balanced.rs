@@ -23,6 +23,7 @@ use crate::system::System;
 
 /// What a reduced model has exactly as the full one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Keep {
     /// The response at once (truncation).
     HighFrequency,

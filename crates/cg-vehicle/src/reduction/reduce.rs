@@ -65,6 +65,7 @@ fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
 
 /// Reduced models of order 5 of a vehicle model.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ReducedModels {
     /// Steer angle to trailer roll angle.
     pub steer: Reduced5<f64>,

@@ -1,0 +1,62 @@
+//! Arguments that several commands share.
+
+use cg_logs::log::{ColumnMap, LogOptions, Signal};
+use cg_vehicle::{Load, Vehicle};
+use clap::{Args, ValueEnum};
+
+use crate::numbers::{height_m, payload_kg, trailer_mass_kg};
+
+/// How the columns of logs are read.
+#[derive(Debug, Args)]
+pub(crate) struct ColumnArgs {
+    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
+    #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
+    column: Vec<ColumnMap>,
+    /// Sensors mounted the other way round: `roll,steer`
+    #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
+    flip: Vec<Signal>,
+}
+
+impl ColumnArgs {
+    pub(crate) fn options(&self) -> LogOptions {
+        let (columns, flip) = (self.column.clone(), self.flip.clone());
+        LogOptions { columns, flip, ..LogOptions::default() }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LoadArgs {
+    /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = height_m)]
+    pub(crate) height_m: Option<f64>,
+    /// Mass of the whole semitrailer [default: the vehicle file's]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg, conflicts_with = "payload_kg")]
+    pub(crate) trailer_mass_kg: Option<f64>,
+    /// Payload, in place of the mass of the whole semitrailer
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = payload_kg)]
+    pub(crate) payload_kg: Option<f64>,
+}
+
+impl LoadArgs {
+    pub(crate) fn load(&self, vehicle: &Vehicle) -> Load {
+        let reference = vehicle.reference_load();
+        let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
+        Load {
+            trailer_mass_kg: self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
+            cg_height_m: self.height_m.unwrap_or(reference.cg_height_m),
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    Table,
+    Json,
+    Csv,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ModelFormat {
+    Table,
+    Json,
+}
