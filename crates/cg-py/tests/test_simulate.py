@@ -87,9 +87,13 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
 def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, message):
     scenario = {"maneuver": "sine"} | keywords
     output, sensors = scenario.pop("output", None), scenario.pop("sensors", {})
+
+    def simulated():
+        asked = Scenario(**scenario, sensors=Sensors(**sensors))
+        return cgheight.simulate(baseline, asked, output=output)
+
     with pytest.raises(ValueError, match=message) as raised:
-        simulated = Scenario(**scenario, sensors=Sensors(**sensors))
-        cgheight.simulate(baseline, simulated, output=output)
+        simulated()
     assert "--" not in str(raised.value)
 
 
