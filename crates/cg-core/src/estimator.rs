@@ -1,10 +1,10 @@
-//! All stages joined: samples in, height out.
+//! The estimator connects all stages, from samples to the height.
 //!
-//! A *maneuver* is a stretch with at least one turn: it opens when the truck starts to turn
-//! (the straight driving before it still counts, fading with a half-life of two seconds),
-//! and closes after four seconds of straight driving, after forty seconds, when the speed has
-//! changed too much, at a gap, or at [`Estimator::finish`]. Each closed maneuver gives a
-//! ratio and a height per channel; heights of maneuvers are fused.
+//! A *maneuver* is a part of a drive with at least one turn. It opens when the truck starts to
+//! turn. The straight driving before it is included, with a weight that halves every two seconds.
+//! It closes after four seconds of straight driving, after forty seconds, when the speed has
+//! changed too much, at a gap, or at [`Estimator::finish`]. Each closed maneuver gives a ratio and
+//! a height per channel. The heights of all maneuvers are fused.
 
 use core::borrow::Borrow;
 
@@ -22,20 +22,21 @@ use crate::signal::sample::Sample;
 use crate::truck::design::{Channel, Design};
 use crate::truck::ratio::{HeightError, Measured, RatioLine, solve_height};
 
-/// Rows that a maneuver has at least, with the straight driving before it: fewer than the unknowns
-/// of any identifier tell nothing.
+/// Least number of rows of a maneuver, including the straight driving before it. Fewer rows are not
+/// enough for the unknowns of any identifier.
 const LEAST_ROWS: f64 = 12.0;
 
-/// Standard deviations that chance exceeds once in a hundred.
+/// Number of standard deviations that chance exceeds with a probability of 1 %.
 const ONCE_IN_A_HUNDRED: f64 = 2.576;
-/// Standard deviations that chance exceeds once in a thousand.
+/// Number of standard deviations that chance exceeds with a probability of 0.1 %.
 const ONCE_IN_A_THOUSAND: f64 = 3.29;
 
-/// By how much a ratio must differ from what the other channel's height means, either way, before
-/// its input is to blame for an impossible height: three times what tyres leave open.
+/// Greatest factor, up or down, between a ratio and the one that follows from the other channel's
+/// height. Beyond it, the input of the channel is the cause of an impossible height. It is three
+/// times the uncertainty due to the tires.
 const ELSEWHERE: f64 = 1.5;
 
-/// The stretch of log that the identifiers hold.
+/// The part of the drive whose rows are in the identifiers.
 #[derive(Clone, Copy, Debug)]
 struct Window<T> {
     start_us: u64,
@@ -43,30 +44,30 @@ struct Window<T> {
     last_turn_us: Option<u64>,
     faded_us: u64,
     start_speed_mps: T,
-    /// Mean over the turning rows, and their number.
+    /// Mean speed of the rows in turns, and their number.
     speed_mps: T,
     rows: T,
-    /// Mean over all rows, which a swinging scale needs, and their weight.
+    /// Mean trailer mass of all rows, because the load signal oscillates, and their weight.
     trailer_mass_kg: T,
     weight: T,
-    /// From the first row on: a dead band shows where a turn begins.
+    /// It starts with the first row, because a dead band shows at the beginning of a turn.
     watch: Option<Watch<T>>,
 }
 
-/// Samples in, height out. Fixed size, no heap.
+/// The estimator: takes samples and gives the height. It has a fixed size and uses no heap.
 ///
-/// The design is held as `D`: by value unless said otherwise, or as a reference, so that on a
-/// microcontroller it stays in flash.
+/// `D` is the type that holds the design: the design itself, or a reference to it, so that it can
+/// stay in flash on a microcontroller.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>> {
     design: D,
     settings: Settings<T>,
     options: I::Options,
-    /// The trailer mass that the identifiers are made for.
+    /// The trailer mass of the models in the identifiers.
     made_for_kg: T,
-    /// Whether any sample has had a mass.
+    /// Whether any sample so far has had a mass.
     weighed: bool,
-    /// Since when the mass has been another one.
+    /// Time since which the measured mass differs from `made_for_kg`.
     other_since_us: Option<u64>,
     conditioner: Conditioner<T>,
     lanes: [Lane<T, I>; 2],
@@ -77,14 +78,14 @@ pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>> {
 }
 
 impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
-    /// Before the first sample. The design must be [valid](Design::validate).
+    /// An estimator before its first sample. The design must be [valid](Design::validate).
     #[inline(never)]
     pub fn new(holder: D, settings: Settings<T>, options: I::Options) -> Self {
         let design = holder.borrow();
         Self {
             settings,
             options,
-            made_for_kg: T::zero(), // none yet: the first row makes the identifiers
+            made_for_kg: T::zero(), // the first row initializes the identifiers
             weighed: false,
             other_since_us: None,
             conditioner: Conditioner::new(design),
@@ -97,15 +98,15 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// The design in use.
+    /// The design of the truck.
     pub fn design(&self) -> &Design<T> {
         self.design.borrow()
     }
 
-    /// Takes in one sample.
+    /// Processes one sample.
     ///
     /// # Errors
-    /// [`SampleError`] if the sample is refused; the state is then as before it.
+    /// [`SampleError`] if the sample is refused. The state of the estimator is then unchanged.
     pub fn push(&mut self, sample: &Sample<T>) -> Result<Step<T>, SampleError> {
         let Some(row) = self.conditioner.push(self.design.borrow(), sample)? else {
             return Ok(Step { status: Status::Absent, closed: None });
@@ -124,12 +125,12 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         Ok(Step { status, closed })
     }
 
-    /// Ends the log: closes the open maneuver.
+    /// Ends the drive: closes the open maneuver and returns its result.
     pub fn finish(&mut self) -> Option<Maneuver<T>> {
         self.close()
     }
 
-    /// What has been learnt so far, to be [restored](Self::restored) after a restart.
+    /// The learned state, which [`restored`](Self::restored) takes after a restart.
     pub fn memory(&self) -> Memory<T> {
         Memory {
             fused: self.lanes.each_ref().map(|lane| lane.fusion),
@@ -140,8 +141,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// An estimator before its first sample that knows what another one has learnt with the same
-    /// design. A restart counts as a stop: the load may be another one now.
+    /// An estimator before its first sample with the learned state of another one that had the same
+    /// design. A restart counts as a stop, because the load may have changed.
     ///
     /// `None` if the memory is not [sound](Memory::is_sound).
     #[must_use]
@@ -166,13 +167,14 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         Some(estimator)
     }
 
-    /// The fused height of one channel, or `None` before its first good maneuver.
+    /// The fused height of one channel; `None` before its first good maneuver.
     pub fn height(&self, channel: Channel) -> Option<Height<T>> {
         self.lanes[channel.index()].fusion.height()
     }
 
-    /// Both channels compared, and their height weighted by what each knows that the other does
-    /// not; that of one of them where the other has none. `None` before the first good maneuver.
+    /// Compares both channels and combines their heights, weighted by their independent
+    /// uncertainties. If only one channel has a height, this is the result. `None` before the first
+    /// good maneuver.
     pub fn combined(&self) -> Option<Combined<T>> {
         match (self.height(Channel::Steer), self.height(Channel::LateralAcceleration)) {
             (Some(steer), Some(lateral)) => Some(lateral.combined(&steer, self.correlation)),
@@ -182,18 +184,18 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// The height of both channels; `None` also where they [contradict](Combined) each other.
+    /// The combined height of both channels; `None` also if they [contradict](Combined) each other.
     pub fn combined_height(&self) -> Option<Height<T>> {
         self.combined()?.height()
     }
 
-    /// The end of the maneuver that showed that the load had changed; the heights are of the load
-    /// since. `None` while it is the first one.
+    /// Time stamp of the end of the maneuver that revealed the last change of the load; the heights
+    /// are those of the load since then. `None` for the first load.
     pub fn load_since_us(&self) -> Option<u64> {
         self.load_since_us
     }
 
-    /// The channel whose height is known best.
+    /// The channel whose height has the smallest standard deviation.
     pub fn best_channel(&self) -> Option<Channel> {
         let sd = |channel| self.height(channel).map(|height| height.height_m.sd);
         match (sd(Channel::Steer), sd(Channel::LateralAcceleration)) {
@@ -204,8 +206,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// Whether the dynamics are those of another mass, for longer than a scale swings. A `first`
-    /// weight is believed at once: before it the mass was a guess.
+    /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn,
+    /// so that another mass applies to the dynamics. The `first` measured mass is used at once,
+    /// because the nominal mass before it was an assumption.
     fn is_other_mass(&mut self, row: &Row<T>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {
@@ -217,7 +220,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         lasting || first || self.window.is_none()
     }
 
-    /// Begins anew with the dynamics of this mass.
+    /// Initializes the identifiers for the dynamics at this trailer mass.
     #[inline(never)]
     fn make_for(&mut self, trailer_mass_kg: T) {
         self.made_for_kg = trailer_mass_kg;
@@ -229,7 +232,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// Whether this row belongs to a new stretch.
+    /// Whether this row ends the present window.
     fn must_close(&self, row: &Row<T>) -> bool {
         let Some(window) = &self.window else { return false };
         let since = |time_us: u64| row.time_us.saturating_sub(time_us);
@@ -251,7 +254,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// Keeps account of the stretch that the identifiers hold.
+    /// Updates the window with this row.
     fn note(&mut self, row: &Row<T>) {
         let window = self.window.get_or_insert(Window {
             start_us: row.time_us,
@@ -267,7 +270,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         });
         let [steer_rad, lateral_rad] = row.expected_rad;
         let input_rad = if lateral_rad.present() { lateral_rad } else { steer_rad };
-        // The steer angle's, if there is one: its reduced model follows faster motions.
+        // The steer channel if it has an input, because its reduced model includes faster motion.
         let awake = |lane: &&Lane<T, I>| lane.last_us == Some(row.time_us);
         if let Some(lane) = self.lanes.iter().find(awake) {
             let (roll_rad, model_rad) = (row.roll_rad, lane.identifier.expected_roll_rad());
@@ -279,7 +282,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
             }
         }
         window.last_us = row.time_us;
-        // Running means, since sums lose digits in single precision.
+        // Means are updated recursively, because sums lose digits in single precision.
         window.weight += T::one();
         let more_kg = row.trailer_mass_kg - window.trailer_mass_kg;
         window.trailer_mass_kg += more_kg / window.weight;
@@ -316,7 +319,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
     fn judge(&mut self, window: &Window<T>) -> Maneuver<T> {
         let Window { speed_mps, trailer_mass_kg, .. } = *window;
         let mut outcomes = Channel::ALL.map(|channel| self.outcome(channel, window));
-        // A roll sensor that is bent or stands still is so in both channels.
+        // A faulty roll sensor affects both channels.
         let fault = outcomes.iter().find_map(|outcome| match outcome.height_m {
             Err(Reject::Inconsistent(Inconsistency::Misfit { .. })) => None,
             Err(Reject::Inconsistent(reason)) => Some(reason),
@@ -401,7 +404,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// Whether the roll angle cannot be what the sensor says.
+    /// The reason why the roll angle cannot be true, if there is one.
     fn inconsistency(&self, fit: &Fit<T>, window: &Window<T>) -> Option<Inconsistency<T>> {
         let Settings { standstill, misfit, bend, .. } = self.settings;
         if let Some(stood) = window.watch.and_then(|watch| watch.standstill(standstill)) {
@@ -410,14 +413,14 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         if !(fit.misfit <= misfit) {
             return Some(Inconsistency::Misfit { share: fit.misfit });
         }
-        // The other way round a sensor that is late looks like it.
+        // A positive bend is not used, because a delayed sensor has the same effect.
         let short = -fit.bend.value;
         (short > bend && short > T::of(ONCE_IN_A_THOUSAND) * fit.bend.sd)
             .then_some(Inconsistency::Bent { share: short })
     }
 
-    /// Whether a ratio lies beyond those of all heights that this trailer can have by more than its
-    /// uncertainty, as a share of it, explains once in a hundred.
+    /// Whether a ratio is outside the range of all heights that this trailer can have, by more than
+    /// its relative uncertainty explains (probability 1 %).
     fn is_far(&self, line: &RatioLine<T>, ratio: T, sd_relative: T) -> bool {
         let above = ratio / line.ratio_at(self.design().greatest_height_m) - T::one();
         let below = T::one() - ratio / line.ratio_at(self.design().least_height_m);
@@ -450,8 +453,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         }
     }
 
-    /// Whether a channel found a height that cannot be, and a ratio that is about what the other
-    /// channel's height means or has no other one beside it.
+    /// Whether the height of a channel is impossible and its input is not the cause: the ratio
+    /// agrees roughly with the other channel's height, or the other channel has no height.
     fn is_unexplained(&self, channel: Channel, maneuver: &Maneuver<T>) -> bool {
         let Outcome { fit: Some(fit), height_m: Err(Reject::Height(_)), .. } =
             &maneuver.outcomes[channel.index()]
@@ -467,7 +470,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T>>> Estimator<T, I, D> {
         })
     }
 
-    /// Fuses what one maneuver says.
+    /// Adds the heights of one maneuver to the fused heights.
     fn take(&mut self, said: [Said<T>; 2]) {
         for (lane, said) in self.lanes.iter_mut().zip(said) {
             if let Some((height_m, systematic_sd_m)) = said {

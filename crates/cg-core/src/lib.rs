@@ -1,7 +1,10 @@
-//! Estimates how high the load of a semitrailer sits, sample by sample, on board: the height of the trailer's
-//! center of gravity (c.g.), its standard deviation, and the lateral acceleration at which the trailer rolls over.
+//! Estimates the height of a semitrailer's center of gravity (c.g.) on board, sample by sample.
 //!
-//! `no_std`, no heap, no panic, no `unsafe`; generic over [`Real`] (`f32` on the truck, `f64` to check it).
+//! For each load it gives the height, its standard deviation, and the lateral acceleration at which
+//! the trailer rolls over.
+//!
+//! The crate is `no_std`, uses no heap and no `unsafe`, and does not panic. It is generic over
+//! [`Real`]: `f32` runs on the truck, and `f64` is used to check it.
 //!
 //! ```
 //! use cg_core::truck::reduced::Simulation;
@@ -16,7 +19,7 @@
 //! // 50 km/h and the reference height.
 //! let mut roll = Simulation::new(&design.channels[0].models[3], 0.02, 0.0);
 //! for k in 0..1000u32 {
-//!     // Straight for 4 s, then a left turn that tightens for 2 s: front wheels at 0.02 rad.
+//!     // Straight for 4 s, then a left turn: the road-wheel steer angle grows to 0.02 rad within 1 s.
 //!     let steer_rad = 0.02 * ((k as f32 - 200.0) / 100.0).clamp(0.0, 1.0);
 //!     let sample = Sample {
 //!         steer_rad,
@@ -34,22 +37,23 @@
 //! # Ok::<(), cg_core::SampleError>(())
 //! ```
 //!
-//! # The way of a sample
+//! # From a sample to the height
 //!
-//! | folder | takes | gives |
+//! | folder | input | output |
 //! |---|---|---|
-//! | [`signal`] | CAN frames, sensor values at rates of their own | a checked [`Sample`]: SI units, ISO 8855 axes |
-//! | [`truck`] | – | the [`Design`]: reduced models, ratio lines, rollover thresholds of one truck |
+//! | [`signal`] | CAN frames, or sensor values at different rates | a checked [`Sample`] in SI units and ISO 8855 axes |
+//! | [`truck`] | – | the [`Design`] of one truck: reduced models, ratio lines, rollover thresholds |
 //! | [`identify`] | an input and the roll angle of a maneuver | a [`Fit`]: the DC ratio and its standard deviation |
-//! | [`decide`] | samples, fits, heights | maneuvers, doubts about signals, one height for the load, a warning level |
-//! | [`estimator`] | a [`Sample`] | a [`Step`]; joins all of the above |
-//! | [`math`] | – | numbers and small matrices for all of them |
+//! | [`decide`] | samples, fits and heights | maneuvers, detected signal faults, one height per load, a warning level |
+//! | [`estimator`] | a [`Sample`] | a [`Step`]; it connects all of the above |
+//! | [`math`] | – | floating-point types and small matrices for all modules |
 //! | [`word`] | – | options whose values are words |
 //!
-//! The modules are declared in the order in which they use each other: each uses only those above it, in this file
-//! and within each folder. `tests/layers.rs` fails otherwise.
+//! The modules are declared in the order in which they use each other: a module uses only modules
+//! above it, in this file and within each folder. `tests/layers.rs` checks this.
 //!
-//! The method is that of F. Yang's thesis (Concordia University, 2005); equation numbers are the thesis's.
+//! The method is that of F. Yang's thesis (Concordia University, 2005). Equation numbers refer to
+//! the thesis.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,7 @@
-//! What the aligner holds, interpolates, waits for and forgets.
+//! Tests of the aligner: how long values are held, interpolated and waited for, and when another
+//! device is used.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
 use cg_core::signal::align::Taken;
 use cg_core::{AlignSettings, Aligner, Quantity};
@@ -16,7 +17,7 @@ fn lateral(aligner: &mut Aligner<f64>, us: u64, value: f64) -> Taken {
     aligner.push(Quantity::LateralAcceleration, BRAKES, us, value)
 }
 
-/// The lateral acceleration of a sample at an instant, asked for when nothing is waited for any longer.
+/// The lateral acceleration of a sample at a time, after all waiting times have passed.
 fn at(aligner: &mut Aligner<f64>, us: u64) -> f64 {
     aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
     aligner.next(us + 200_000).unwrap().lateral_acceleration_mps2
@@ -40,7 +41,7 @@ fn a_line_bridges_half_a_second_and_no_more() {
         let found = at(&mut aligner, 1_100_000);
         assert!((found - expected).abs() < 1e-12, "{gap_us}: {found}");
     }
-    // Before both the line goes on from its first value.
+    // Before both values, the first value of the line is held.
     let mut aligner = aligner();
     lateral(&mut aligner, 1_000_000, 1.0);
     lateral(&mut aligner, 1_100_000, 2.0);
@@ -54,7 +55,7 @@ fn a_roll_angle_waits_for_a_tenth_of_a_second() {
     aligner.push(Quantity::Roll, ROLL_SENSOR, 1_010_000, 0.0);
     assert!(aligner.next(1_109_999).is_none());
     assert_eq!(aligner.next(1_110_000).unwrap().time_us, 1_010_000);
-    // At its own instant a value is there.
+    // A value at the time of the roll angle itself needs no waiting.
     lateral(&mut aligner, 1_200_000, 1.0);
     aligner.push(Quantity::Roll, ROLL_SENSOR, 1_200_000, 0.0);
     assert!(aligner.next(1_200_000).is_some());
@@ -94,7 +95,8 @@ fn speed_is_held_for_two_and_a_half_seconds_and_a_mass_for_ever() {
     }
 }
 
-/// A device is dead when its signal is stale; a scale that is never stale, after half a minute.
+/// Another device is used when the signal of the first one is stale; for a mass, which never
+/// becomes stale, after half a minute.
 #[test]
 fn another_device_is_listened_to_when_the_first_one_is_dead() {
     for (quantity, gone_us) in [
@@ -111,7 +113,7 @@ fn another_device_is_listened_to_when_the_first_one_is_dead() {
     }
 }
 
-/// Between values of two devices no line is drawn.
+/// Values of two devices are not interpolated.
 #[test]
 fn two_devices_make_no_line() {
     let mut aligner = aligner();
@@ -135,7 +137,7 @@ fn a_steer_angle_comes_before_the_wheels() {
     assert!(AlignSettings::NONE.steer_rad(f64::NAN, 4.0).is_nan());
 }
 
-/// Time that goes back is no sample; nor is the same roll angle one twice.
+/// A roll angle with an earlier time, or with the same time as the last one, gives no sample.
 #[test]
 fn samples_follow_each_other() {
     let mut aligner = aligner();

@@ -1,4 +1,4 @@
-//! The shift form: what fits, when it counts a row, and how it thins out a log.
+//! Tests of the shift form: its orders, when rows are used, and how a log is downsampled.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -7,7 +7,8 @@ mod common;
 use cg_core::identify::arx::{ArxOptions, SampledArx};
 use cg_core::{Answer, Arx, FilteredArx, Fit, Identify, Prior, Unexcited};
 
-/// Input and output of `y⁺ = 0.8 y + 0.5 u`, DC ratio 2.5, about an input of `origin`.
+/// Input and output of `y⁺ = 0.8 y + 0.5 u`, whose DC ratio is 2.5, in steady state at an input of
+/// `origin` at first.
 fn lag(rows: u32, origin: f64) -> impl Iterator<Item = (f64, f64)> {
     let (mut y, mut k) = (2.5 * origin, 0);
     core::iter::from_fn(move || {
@@ -30,16 +31,16 @@ fn an_order_must_fit_in_its_room() {
     assert!(fits(0, 1, 0) && fits(2, 2, 3) && fits(3, 1, 4) && fits(0, 4, 1));
     assert!(!fits(1, 0, 0)); // no input
     assert!(!fits(3, 2, 0) && !fits(0, 5, 0)); // too many unknowns
-    assert!(!fits(1, 1, 5) && !fits(2, 2, 4)); // too far back
+    assert!(!fits(1, 1, 5) && !fits(2, 2, 4)); // too many past inputs
     assert!(!fits(usize::MAX, 1, 0) && !fits(1, 1, usize::MAX));
     let with_constant = |na, nb| Arx::<f64, 4>::new(na, nb, 0).unwrap().with_constant().is_some();
     assert!(with_constant(2, 1) && !with_constant(2, 2));
 }
 
-/// The first row that has all its past is the one after the longest lag.
+/// The first row with all past samples is the one after the longest lag.
 #[test]
 fn rows_count_from_the_longest_lag_on() {
-    // Of no model at all: every order is excited.
+    // The output does not follow any model, so every order is excited.
     let restless = |k: u32| ((1.3 * f64::from(k)).sin(), (0.37 * f64::from(k * k)).sin());
     for (na, nb, nk, first) in [(1, 1, 1, 1), (3, 1, 1, 3), (1, 2, 3, 4), (0, 1, 0, 0)] {
         let mut arx = Arx::<f64, 5>::new(na, nb, nk).unwrap();
@@ -74,7 +75,7 @@ fn a_restart_keeps_the_rows_and_forgets_the_past() {
         arx.push(u, y, true);
     }
     arx.restart();
-    // A jump of the output that no row may explain.
+    // A jump of the output, which must not be part of a row.
     for (u, y) in lag(20, 5.0) {
         arx.push(u, y, true);
     }
@@ -90,14 +91,14 @@ fn a_constant_takes_an_offset() {
         arx.push(u + 3.0, y - 20.0, true);
     }
     let [a, b, constant] = arx.coefficients().unwrap();
-    // y + 20 = 0.8 (y⁻ + 20) + 0.5 (u⁻ − 3) for the shown values: −4 − 1.5 of constant.
+    // y + 20 = 0.8 (y⁻ + 20) + 0.5 (u⁻ − 3) for the shifted values: the constant is −4 − 1.5.
     for (found, known) in [(a, -0.8), (b, 0.5), (constant, -5.5)] {
         assert!((found - known).abs() < 1e-10, "{found} {known}");
     }
 }
 
-/// A log at 100 Hz of a law at 20 Hz, held between: every fifth sample counts, however time
-/// stamps are rounded; the origin may lie anywhere.
+/// A log at 100 Hz of a 20 Hz model whose values are held in between. Every fifth sample is used
+/// even if time stamps are rounded, and the origin does not matter.
 #[test]
 fn a_fast_log_is_thinned_out() {
     for (jitter_s, origin) in [(0.0, 0.0), (2e-5, 4.0)] {
@@ -111,7 +112,7 @@ fn a_fast_log_is_thinned_out() {
         let fit = ready(sampled.fit());
         assert!((fit.ratio.value - 2.5).abs() < 1e-9, "{fit:?}");
         assert_eq!(fit.rows, 59);
-        // Half the weight of what was, but as sure of it: there is no noise.
+        // Half the weight of the past rows does not change the result, because there is no noise.
         sampled.forget(0.5);
         assert!((ready(sampled.fit()).ratio.value - 2.5).abs() < 1e-9);
         sampled.clear();
@@ -136,8 +137,9 @@ fn an_order_beyond_the_room_is_the_greatest_that_fits() {
     }
 }
 
-/// What the reduced model makes of the input, at the identification's pace and from a log that is four
-/// times as slow: its answer to a step, which a log of 1 kHz through the other identifier gives too.
+/// The expected roll angle is the response of the reduced model to a step, both at the interval of
+/// the identification and for a log that is four times as slow. The other identifier gives the same
+/// response for a log at 1 kHz.
 #[test]
 fn the_expected_roll_is_the_models_whatever_the_logs_pace() {
     let model = common::EQ_5_12;
@@ -148,7 +150,7 @@ fn the_expected_roll_is_the_models_whatever_the_logs_pace() {
         fine.push(1.0, 0.0, 1e-3, false);
     }
     let known = fine.expected_roll_rad();
-    // On its way, past no turning point: late or early by a step would show.
+    // During the rise, far from an extremum, so that a delay of one step would show.
     assert!((known - 1.0).abs() > 0.1 && gain.abs() > 0.0, "{known}");
     for (pace_s, steps) in [(0.01, 80), (0.04, 20)] {
         let options = ArxOptions { order: 5, interval_s: 0.01 };
@@ -157,7 +159,8 @@ fn the_expected_roll_is_the_models_whatever_the_logs_pace() {
         for _ in 0..steps {
             arx.push(1.0, 0.0, pace_s, false);
         }
-        // Half a step of 10 ms of a rate of about 1/s at most, and the ramp to the first sample.
+        // The tolerance is half a step of 10 ms at a rate of about 1/s, and the ramp to the first
+        // sample.
         let found = arx.expected_roll_rad();
         assert!((found - known).abs() < 0.02, "{pace_s}: {found} {known}");
     }

@@ -1,6 +1,6 @@
-//! From sensor values to conditioned rows: what is told of turns, speed, tilt and absent values.
+//! Tests of the conditioning: detection of turns, changes of speed, tilt, and absent values.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
 mod common;
 
@@ -8,7 +8,7 @@ use cg_core::decide::condition::Row;
 use cg_core::{Channel, Conditioner, Design, Sample, SampleError};
 use common::design;
 
-/// Samples at 100 Hz through a conditioner.
+/// A conditioner that receives samples at 100 Hz.
 struct Road {
     design: Design<f64>,
     conditioner: Conditioner<f64>,
@@ -24,7 +24,8 @@ impl Road {
         Self::of(&design())
     }
 
-    /// The next row, 10 ms after the one before: no roll angle, unless `fill` says otherwise.
+    /// The next row, 10 ms after the previous one. It contains only a roll angle, and what `fill`
+    /// sets.
     fn row(&mut self, fill: impl Fn(&mut Sample<f64>)) -> Option<Row<f64>> {
         self.time_us += 10_000;
         let mut sample = Sample::absent(self.time_us);
@@ -33,7 +34,7 @@ impl Road {
         self.conditioner.push(&self.design, &sample).unwrap()
     }
 
-    /// The last of `rows` rows of one lateral acceleration.
+    /// The last of `rows` rows with the same lateral acceleration.
     fn felt(&mut self, rows: u32, lateral_mps2: f64) -> Row<f64> {
         let mut last = None;
         for _ in 0..rows {
@@ -42,7 +43,8 @@ impl Road {
         last.unwrap()
     }
 
-    /// Number of the first row of one lateral acceleration in which the truck turns, or no longer.
+    /// The number of rows with this lateral acceleration until the turn is detected, or until its
+    /// end.
     fn rows_until(&mut self, turning: bool, lateral_mps2: f64) -> u32 {
         (1..1000).find(|_| self.felt(1, lateral_mps2).turning == turning).unwrap()
     }
@@ -66,10 +68,11 @@ fn a_turn_begins_above_0_5_and_ends_at_0_3() {
         }
     }
     assert!(!Road::new().felt(1, 0.5).turning);
-    assert!(Road::new().felt(1, 0.51).turning); // the first row is believed as it is
+    assert!(Road::new().felt(1, 0.51).turning); // the first value is not filtered
 }
 
-/// A lag of 0.25 s at 100 Hz leaves (25/26)ⁿ of a step: half of it at n = 17.7, 0.3 at n = 30.7.
+/// A lag of 0.25 s at 100 Hz leaves (25/26)ⁿ of a step: half of it at n = 17.7, 0.3 of it at n =
+/// 30.7.
 #[test]
 fn lateral_acceleration_is_smoothed_over_a_quarter_of_a_second() {
     let mut road = Road::new();
@@ -86,7 +89,7 @@ fn the_linear_model_holds_below_3_5() {
     }
 }
 
-/// Behind a ramp a lag of first order stays by slope times time constant, whatever the interval.
+/// A first-order lag is behind a ramp by slope times time constant, for any interval.
 #[test]
 fn steer_counts_at_less_than_0_05_of_longitudinal_acceleration() {
     for (slope_mps2, steady) in [(0.0499, true), (-0.0499, true), (0.0501, false), (-0.0501, false)]
@@ -125,7 +128,7 @@ fn a_row_wants_a_roll_angle_and_an_input() {
         (sample.roll_rad, sample.steer_rad) = (f64::NAN, 0.0);
     };
     assert!(road.row(blind).is_none());
-    // An inclinometer needs a lateral acceleration.
+    // An inclinometer requires a lateral acceleration.
     let tilted = |sample: &mut Sample<f64>| {
         blind(sample);
         sample.tilt_rad = 0.1;
@@ -161,19 +164,20 @@ fn yaw_rate_times_speed_stands_in_for_lateral_acceleration() {
     let turned =
         |sample: &mut Sample<f64>| (sample.yaw_rate_radps, sample.speed_mps) = (-0.1, 12.0);
     assert!((road.row(turned).unwrap().lateral_acceleration_mps2 + 1.2).abs() < 1e-15);
-    // At the last speed known; what is measured comes first.
+    // The last known speed is used; a measured lateral acceleration has priority.
     let row = road.row(|sample| sample.yaw_rate_radps = 0.05).unwrap();
     assert!((row.lateral_acceleration_mps2 - 0.6).abs() < 1e-15);
     let row = road.row(|sample| {
         (sample.yaw_rate_radps, sample.lateral_acceleration_mps2) = (0.05, 0.7);
     });
     assert_eq!(row.unwrap().lateral_acceleration_mps2, 0.7);
-    // Before the first speed, the nominal one.
+    // Before the first speed, the nominal speed is used.
     let row = Road::new().row(|sample| sample.yaw_rate_radps = 0.1).unwrap();
     assert!((row.lateral_acceleration_mps2 - 1.39).abs() < 1e-15);
 }
 
-/// A design whose ratios are those of the plain one times speed and mass over the nominal ones.
+/// A design whose ratios are those of the plain design, multiplied by speed and mass relative to
+/// the nominal values.
 fn scheduled() -> Design<f64> {
     let mut design = design();
     for (i, speed) in design.speed_mps.into_iter().enumerate() {
@@ -188,7 +192,7 @@ fn scheduled() -> Design<f64> {
     design
 }
 
-/// Expected roll of both channels for unit inputs over that of the plain design.
+/// Expected roll angle of both channels divided by the ratio of the plain design.
 fn factors(row: &Row<f64>) -> [f64; 2] {
     let plain = design();
     Channel::ALL.map(|channel| {
@@ -213,10 +217,10 @@ fn inputs_are_scaled_by_what_speed_and_mass_make_of_them() {
         (nan, nan, nominal),
         (13.9, 31.3e3, nominal),
         (20.0, nan, 20.0 / 13.9),
-        (nan, 35e3, 20.0 / 13.9 * heavy), // the last speed stays
-        (10.0, 0.0, 10.0 / 13.9 * heavy), // a scale without anything on it says nothing
+        (nan, 35e3, 20.0 / 13.9 * heavy), // the last speed remains
+        (10.0, 0.0, 10.0 / 13.9 * heavy), // a scale that shows zero has not measured
         (nan, -1.0, 10.0 / 13.9 * heavy),
-        (90.0, nan, 10.0 / 13.9 * heavy), // no truck is as fast
+        (90.0, nan, 10.0 / 13.9 * heavy), // no truck is this fast
     ] {
         let row = inputs(speed, mass);
         let [steer, lateral] = factors(&row);
@@ -240,12 +244,12 @@ fn beyond_the_axes_nothing_is_expected_and_nothing_usable() {
     let row = road.row(turn(30.1)).unwrap();
     assert!(row.expected_rad.iter().all(|expected| expected.is_nan()));
     assert_eq!((row.usable, row.turning), ([false; 2], true));
-    // Nor does the steer angle then say how fast the truck turns: it turns on.
+    // The steer angle cannot show the end of the turn either, so the state remains.
     let row = road.row(|sample| sample.steer_rad = 0.0).unwrap();
     assert!(row.turning && row.lateral_acceleration_mps2.is_nan());
 }
 
-/// Steady, 34 m/s² belong to a steer angle of one in this design.
+/// In this design, a steady steer angle of 1 rad gives 34 m/s².
 #[test]
 fn steer_tells_of_a_turn_where_lateral_acceleration_is_absent() {
     let mut road = Road::new();

@@ -1,6 +1,6 @@
-//! What a design gives between its nodes, and what it refuses.
+//! Tests of a design: interpolation between its nodes, and validation.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are copied keep every bit
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // copied values are unchanged
 
 mod common;
 
@@ -10,10 +10,10 @@ use common::design;
 
 use DesignError::{NotCorrelation, NotFinite, NotIncreasing, NotPositive};
 
-/// A number of a design, to be changed.
+/// Access to one number of a design.
 type Place = fn(&mut Design<f64>) -> &mut f64;
 
-/// Every kind of number that must be positive, and the name that its error bears.
+/// The numbers that must be positive, with the name that the error contains.
 const POSITIVE: [(&str, Place); 11] = [
     ("least_height_m", |d| &mut d.least_height_m),
     ("compensation", |d| &mut d.channels[1].compensation),
@@ -28,7 +28,7 @@ const POSITIVE: [(&str, Place); 11] = [
     ("gravity_mps2", |d| &mut d.gravity_mps2),
 ];
 
-/// Numbers of axes, whose error bears the name of the axis.
+/// Numbers on axes, with the name of the axis that the error contains.
 const AXES: [(&str, Place); 5] = [
     ("speed_mps", |d| &mut d.speed_mps[7]),
     ("trailer_mass_kg", |d| &mut d.trailer_mass_kg[5]),
@@ -50,7 +50,7 @@ fn a_number_that_must_be_positive_is_named() {
         assert_eq!(with(place, 0.0), Err(NotPositive(name)));
         assert_eq!(with(place, -1.0), Err(NotPositive(name)));
     }
-    // A height is also part of the axis of heights, which is looked at first.
+    // The least height is also part of the axis of heights, which is checked first.
     for (name, place) in &POSITIVE[1..] {
         assert_eq!(with(*place, f64::NAN), Err(NotFinite(name)));
         assert_eq!(with(*place, f64::INFINITY), Err(NotFinite(name)));
@@ -127,8 +127,8 @@ fn a_channel_has_a_place_a_name_and_another_one() {
     assert_eq!(format!("{:>7}", Channel::Steer), "  steer");
 }
 
-/// A design whose numbers follow laws that its tables meet exactly: ratio lines cubic in speed and
-/// mass, everything else linear.
+/// A design whose tables are exact: the ratio lines are cubic in speed and mass, everything else is
+/// linear.
 #[allow(clippy::cast_precision_loss)]
 fn lawful() -> Design<f64> {
     let mut design = design();
@@ -159,7 +159,7 @@ fn cubic(speed_mps: f64, mass_kg: f64) -> f64 {
     (1.0 + v - 0.5 * v * v + 0.3 * v * v * v) * (2.0 - m + 0.4 * m * m - 0.1 * m * m * m)
 }
 
-/// Inside every cell and at its corners.
+/// Points inside every cell and at its corners.
 fn places() -> impl Iterator<Item = (f64, f64)> {
     let speeds = [2.0, 3.1, 5.0, 7.7, 9.5, 13.9, 16.0, 20.0, 29.0, 30.0];
     let masses = [8e3, 9e3, 15e3, 19e3, 24e3, 31.3e3, 40e3];
@@ -217,7 +217,8 @@ fn thresholds_are_linear_in_mass() {
     }
 }
 
-/// The threshold's heights are those of the design: the least has the first, the greatest the last.
+/// The thresholds extend over the heights of the design: the first is for the least height, the
+/// last for the greatest.
 #[test]
 fn thresholds_run_from_the_least_to_the_greatest_height() {
     let design = design();
@@ -247,8 +248,8 @@ fn models_are_blended_in_mass_and_held_beyond_the_axis() {
     }
 }
 
-/// Between (s² + s/2 + 1)(s² + s/2 + 4)(s + 2) and (s² + s/2 + 16)(s² + s/2 + 25)(s + 2) most blends
-/// are unstable, though both are stable.
+/// Most interpolated models between (s² + s/2 + 1)(s² + s/2 + 4)(s + 2) and (s² + s/2 + 16)(s² +
+/// s/2 + 25)(s + 2) are unstable, although both models are stable.
 #[test]
 fn where_a_blend_is_unstable_the_nearer_model_serves() {
     let mut design = design();
@@ -274,6 +275,6 @@ fn a_design_in_single_precision_is_the_same_design() {
     assert_eq!(design.cast::<f64>(), design);
     let narrow = design.cast::<f32>();
     assert_eq!(narrow.gravity_mps2, 9.81_f32);
-    // Once narrow, nothing more is lost.
+    // After the conversion to single precision, nothing more is lost.
     assert_eq!(narrow.cast::<f64>().cast::<f32>(), narrow);
 }

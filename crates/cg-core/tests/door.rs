@@ -1,5 +1,5 @@
-//! Nothing that is no number, or none that a truck knows, stays in the estimator; and a drive begins
-//! with the ignition key.
+//! Values that are not numbers, or that are impossible for a truck, never remain in the estimator;
+//! and a drive can start when the ignition is switched on.
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss)] // helpers of tests
 
 mod common;
@@ -12,7 +12,7 @@ fn estimator() -> Estimator<f32, FilteredArx<f32>> {
     Estimator::new(common::design().cast(), Settings::truck(), Prior::standard())
 }
 
-/// A good drive, 10 ms a row: straight, one turn, straight.
+/// A drive without faults, one row every 10 ms: straight, one turn, straight.
 fn good_drive() -> Vec<Sample<f32>> {
     let straight = vec![(0.0, 0.0); 200];
     straight
@@ -41,7 +41,7 @@ fn heights(samples: &[Sample<f32>]) -> [Option<f32>; 2] {
     Channel::ALL.map(|channel| estimator.height(channel).map(|height| height.height_m.value))
 }
 
-/// What a quantity cannot be: absent, infinite, huge, just beyond its limits.
+/// Values that a quantity cannot have: absent, infinite, huge, just beyond its limits.
 fn impossible(quantity: Quantity) -> impl Strategy<Value = f32> {
     let [least, greatest] = quantity.limits();
     prop_oneof![
@@ -56,7 +56,8 @@ fn impossible(quantity: Quantity) -> impl Strategy<Value = f32> {
 }
 
 prop_compose! {
-    /// A sample of nothing possible, so many microseconds after the row with this number.
+    /// A sample with impossible values only, a number of microseconds after the row with a given
+    /// index.
     fn damaged()(
         after in 0_usize..1700,
         late_us in 1_u64..10_000,
@@ -83,7 +84,8 @@ prop_compose! {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// Pushed between the samples of a good drive, before them too: its heights stay to 1e-3.
+    /// Impossible samples before and between the samples of a good drive change its heights by less
+    /// than 1e-3.
     #[test]
     fn the_impossible_does_no_harm(damage in prop::collection::vec(damaged(), 1..200)) {
         let good = good_drive();
@@ -95,7 +97,7 @@ proptest! {
         }
     }
 
-    /// One impossible value in a row that is good otherwise costs that row at most.
+    /// An impossible value affects only its own row.
     #[test]
     fn one_impossible_value_costs_its_row(places in prop::collection::vec((0_usize..1700, 0_usize..5), 1..40)) {
         let good = good_drive();
@@ -117,8 +119,9 @@ proptest! {
     }
 }
 
-/// From the ignition key on: standing with a steering angle that ramps up to its true value, sensors
-/// that appear one after the other, no mass yet, lateral acceleration missing in the first rows.
+/// From switching on the ignition: the truck stands, the steer angle ramps up to its true value,
+/// sensors appear one after the other, there is no mass yet, and the first rows have no lateral
+/// acceleration.
 #[test]
 fn a_drive_begins_with_the_ignition_key() {
     let standing = (0..3000_u64).map(|k| {
@@ -132,8 +135,8 @@ fn a_drive_begins_with_the_ignition_key() {
         sample.lateral_acceleration_mps2 = seen(9.0, 0.02);
         sample
     });
-    // Away with 1 m/s², wheels straight by then, and ten seconds at a steady speed; the mass is
-    // known after a while.
+    // The truck accelerates at 1 m/s² with straight wheels and then drives at a steady speed for
+    // ten seconds. The mass is known after some time.
     let away = (0..2400_u64).map(|k| {
         let mut sample = Sample::absent(30_000_000 + 10_000 * k);
         sample.roll_rad = 0.004;
@@ -155,7 +158,7 @@ fn a_drive_begins_with_the_ignition_key() {
     }
 }
 
-/// Rows that are further apart than a straight line may bridge make no maneuvers, each of its own.
+/// Rows with gaps that are too long for interpolation do not form maneuvers.
 #[test]
 fn a_log_of_one_row_a_second_has_no_maneuvers() {
     let mut estimator = estimator();

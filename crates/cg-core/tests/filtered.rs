@@ -1,4 +1,4 @@
-//! What the production identifier says beside the ratio: drift, bend, misfit, weight, what it lacks.
+//! Tests of [`FilteredArx`]: drift, bend, misfit, weight of rows, and data without an answer.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -10,7 +10,7 @@ use common::{EQ_5_12, rounded_step_response};
 
 const INTERVAL_S: f64 = 0.01;
 
-/// Only the gain is free (and what the prior adds to it), known as well as a sensor's last digit.
+/// Only the gain is free, and the noise floor is the last digit of a sensor.
 const GAIN_ALONE: Prior<f64> =
     Prior { dynamics_sd: 0.0, noise_floor_rad: 1e-7, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
 
@@ -27,8 +27,8 @@ fn ready(answer: Answer<f64>) -> Fit<f64> {
     fit
 }
 
-/// Into a turn in 4 s, as half a cosine, and on: a steady roll angle of 0.042 rad. So slow that
-/// nothing of it is taken for noise of the input.
+/// A half cosine of 4 s into a turn, then a steady roll angle of 0.042 rad. It is so slow that no
+/// part of it is mistaken for noise of the input.
 fn drive(rows: u32) -> Vec<(f64, f64)> {
     let steer = |k: u32| {
         let share = (f64::from(k) * INTERVAL_S / 4.0).min(1.0);
@@ -38,18 +38,18 @@ fn drive(rows: u32) -> Vec<(f64, f64)> {
     (0..rows).map(|k| (steer(k), if k == 0 { 0.0 } else { plant.push(steer(k)) })).collect()
 }
 
-/// Ten seconds of it.
+/// Ten seconds of [`drive`].
 fn step() -> Vec<(f64, f64)> {
     drive(1000)
 }
 
-/// The roll angle of `step`, changed by a law of place and value.
+/// The data of [`step`] with the roll angle replaced by a function of time and roll angle.
 fn bent(law: impl Fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
     let time_s = (0..).map(|k| f64::from(k) * INTERVAL_S);
     step().into_iter().zip(time_s).map(|((u, y), t)| (u, law(t, y))).collect()
 }
 
-/// √(Σ y²/n − (Σ y/n)²) and Σ y² by hand.
+/// Standard deviation √(Σ (y − ȳ)²/n).
 fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let n = values.clone().map(|_| 1.0).sum::<f64>();
     let mean = values.clone().sum::<f64>() / n;
@@ -62,7 +62,7 @@ fn a_gain_alone_scales_the_whole_response() {
     let fit = ready(identifier.fit());
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.2).abs() < 1e-9);
     assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (1000, 0.0, 0.0));
-    // No better than the floor allows: over the root of the response's sum of squares.
+    // The standard deviation follows from the noise floor and the response's sum of squares.
     let squares: f64 = step().iter().map(|(_, y)| y * y).sum();
     let sd = 1e-7 * EQ_5_12.dc_gain() / squares.sqrt();
     assert!((fit.ratio.sd / sd - 1.0).abs() < 1e-6, "{} {sd}", fit.ratio.sd);
@@ -100,7 +100,8 @@ fn without_rows_or_without_motion_there_is_no_answer() {
     assert_eq!(cleared.fit(), Answer::Unexcited(Unexcited::TooFewRows { rows: 0 }));
 }
 
-/// A free offset and a drift within 3e-4 rad/s, which the floor of 1e-7 rad hardly pulls to zero.
+/// The prior is a free offset and a drift within 3e-4 rad/s. With a floor of 1e-7 rad the prior
+/// hardly affects the drift.
 #[test]
 fn a_drift_is_told_from_the_turn() {
     let prior = Prior { offset_sd_rad: f64::INFINITY, drift_sd_radps: 3e-4, ..GAIN_ALONE };
@@ -109,19 +110,20 @@ fn a_drift_is_told_from_the_turn() {
     assert!((fit.drift_radps.value - 2e-4).abs() < 1e-9, "{:?}", fit.drift_radps);
     assert!(fit.drift_radps.sd > 1e-10 && fit.drift_radps.sd < 1e-8);
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-5);
-    // Forgetting begins the clock anew: the drift stays what it is.
+    // Forgetting restarts the time of the drift but does not change its rate.
     identifier.forget(0.5);
     let later = ready(identifier.fit());
     assert!((later.drift_radps.value - 2e-4).abs() < 1e-9);
     assert!((later.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-5);
-    // Without a place for it, the gain takes it; without an offset nothing begins at zero.
+    // Without an unknown for it, the drift changes the gain.
     let held = Prior { drift_sd_radps: 0.0, ..prior };
     let fit = ready(pushed(held, &bent(|t, y| y + 0.3 + 2e-4 * t)).fit());
     assert!(fit.drift_radps.value == 0.0);
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() > 1e-3);
 }
 
-/// y − β y³: the cubic adds −β g² at the greatest angle g, over the gain that is fitted without it.
+/// y − β y³: the cubic part at the greatest angle g is −β g², relative to the gain that is fitted
+/// without it.
 #[test]
 fn a_bend_is_measured_at_the_greatest_angle() {
     let greatest = step().iter().map(|(_, y)| y.abs()).fold(0.0, f64::max);
@@ -141,7 +143,8 @@ fn a_bend_is_measured_at_the_greatest_angle() {
     assert!(fit.bend.value.abs() < 1e-6);
 }
 
-/// A roll angle a second late: the dynamics bend to it, and that they had to is the misfit.
+/// With a roll angle that is late by a second the dynamics adapt, and this adaptation is the
+/// misfit.
 #[test]
 fn a_late_roll_angle_does_not_fit_the_model() {
     let data = rounded_step_response(1000, INTERVAL_S, 3.0);
@@ -149,7 +152,8 @@ fn a_late_roll_angle_does_not_fit_the_model() {
         (0..1000).map(|k: usize| (data[k].0, data[k.saturating_sub(100)].1)).collect();
     let prior = Prior { dynamics_sd: 0.2, noise_floor_rad: 2e-4, ..GAIN_ALONE };
     let fit = ready(pushed(prior, &late).fit());
-    // By hand: what a second of a step leaves over at the best gain, over the roll's spread.
+    // Calculated by hand: the part of the late roll angle that the nominal response with the best
+    // gain does not explain, divided by the standard deviation of the roll angle.
     let (mut yy, mut yr) = (0.0, 0.0);
     for ((_, shown), (_, nominal)) in late.iter().zip(&data) {
         yy += nominal * nominal;
@@ -162,7 +166,7 @@ fn a_late_roll_angle_does_not_fit_the_model() {
     assert!(ready(pushed(prior, &data).fit()).misfit < 0.02);
 }
 
-/// Half the weight of the rows before: as if each had come with half its square.
+/// Forgetting halves the weight of the earlier rows, as if their squares were half as large.
 #[test]
 fn forgetting_halves_the_weight_of_what_was() {
     let data = drive(1400);
@@ -180,7 +184,7 @@ fn forgetting_halves_the_weight_of_what_was() {
     assert_eq!(fit.rows, 1400);
 }
 
-/// A row that does not count leaves the answer, not the filters, as it was.
+/// A row that is not used changes the states of the filters but not the result.
 #[test]
 fn rows_that_do_not_count_only_move_the_filters() {
     let mut identifier = FilteredArx::new(&EQ_5_12, GAIN_ALONE);
@@ -193,7 +197,7 @@ fn rows_that_do_not_count_only_move_the_filters() {
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-9);
 }
 
-/// The estimator's inputs are expected roll angles: the model is taken at unit gain.
+/// The estimator's inputs are expected roll angles, so the model is scaled to unit gain.
 #[test]
 fn made_for_a_model_the_ratio_is_one() {
     let mut identifier = FilteredArx::for_model(&EQ_5_12, GAIN_ALONE);
@@ -203,7 +207,7 @@ fn made_for_a_model_the_ratio_is_one() {
     assert!((ready(identifier.fit()).ratio.value - 1.0).abs() < 1e-9);
 }
 
-/// Time stamps that jitter: straight lines between samples are exact whatever the interval.
+/// Time stamps with jitter: linear interpolation between samples is exact for any interval.
 #[test]
 fn intervals_may_change_from_row_to_row() {
     let mut identifier = FilteredArx::new(&EQ_5_12, GAIN_ALONE);
@@ -214,11 +218,12 @@ fn intervals_may_change_from_row_to_row() {
         identifier.push(u, y, f64::from(u32::try_from(k - last).unwrap()) * INTERVAL_S, true);
         last = k;
     }
-    // A line over two samples of a rounded step misses it by (2h)² ü/8: 4e-5 of it at 3 rad/s.
+    // A line between two samples of a rounded step is in error by (2h)² ü/8: 4e-5 of it at 3 rad/s.
     assert!((ready(identifier.fit()).ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-4);
 }
 
-/// How the sensor is mounted is not known: its offset is free, its drift a degree a minute.
+/// The mounting of the sensor is not known, so its offset is free. Its drift is a degree per
+/// minute.
 #[test]
 fn the_standard_prior_leaves_the_offset_free() {
     let prior = Prior::<f64>::standard();
@@ -226,6 +231,6 @@ fn the_standard_prior_leaves_the_offset_free() {
     assert!((prior.drift_sd_radps * 60.0 / 1.0_f64.to_radians() - 1.0).abs() < 0.05);
     let plain = ready(pushed(prior, &step()).fit()).ratio;
     let offset = ready(pushed(prior, &bent(|_, y| y + 0.3)).fit()).ratio;
-    // Rounding of numbers near 0.3 only.
+    // Only rounding of numbers near 0.3.
     assert!((plain.value - offset.value).abs() < 1e-9 && plain.sd > 0.0);
 }

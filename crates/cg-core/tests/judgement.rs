@@ -1,6 +1,6 @@
-//! What a maneuver is believed, and what the two channels say together.
+//! Tests of the decisions on a maneuver and on the agreement of the two channels.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
 mod common;
 
@@ -10,12 +10,13 @@ use cg_core::{
 };
 use common::told::{ROLL_RAD, Road, Says};
 
-/// The reason of each channel for no height, of one maneuver at the reference height.
+/// The reason why each channel has no height, for one maneuver at the reference height.
 fn reasons(says: Says) -> [Option<Reject<f64>>; 2] {
     Road::new(says).maneuver([1.973; 2]).map(|outcome| outcome.height_m.err())
 }
 
-/// The first is the plain design's height; the ratio's error is carried over by its line.
+/// The heights are those of the maneuver, and the error of the ratio is propagated with the ratio
+/// line.
 #[test]
 fn a_maneuver_gives_the_height_that_made_it() {
     let outcomes = Road::new(Says::WELL).maneuver([1.7, 2.3]);
@@ -25,7 +26,8 @@ fn a_maneuver_gives_the_height_that_made_it() {
         let line = common::design().channels[0].lines[0][0];
         let at = |h: f64| line.ratio_at(h);
         let slope = (at(height_m + 1e-4) - at(height_m - 1e-4)) / 2e-4;
-        // A ratio identified to 0.01 of the expected one; the design leaves 1.3 % of it open.
+        // The ratio has a standard deviation of 0.01 of the expected one; that of the design is 1.3
+        // %.
         let random = 0.01 * at(1.973) / slope;
         assert!((found.sd / random - 1.0).abs() < 1e-3, "{found:?} {random}");
         let systematic = 0.013 * at(height_m) / slope;
@@ -56,7 +58,7 @@ fn a_channel_without_its_signal_is_absent() {
 #[test]
 fn a_turn_that_the_filters_do_not_know_tells_nothing() {
     let mut road = Road::new(Says::WELL);
-    road.hold(300, ROLL_RAD); // they need 3 s
+    road.hold(300, ROLL_RAD); // the filters need 3 s
     for outcome in road.finish().outcomes {
         assert_eq!(outcome.height_m, Err(Reject::Unexcited(Unexcited::Input)));
     }
@@ -83,7 +85,7 @@ fn a_speed_beyond_the_design_is_named() {
     }
 }
 
-/// A misfit may be the input's: the other channel is believed.
+/// A misfit may be due to the input, so the other channel is used.
 #[test]
 fn a_misfit_of_more_than_035_is_its_channels_own() {
     let misfit = Some(Reject::Inconsistent(Inconsistency::Misfit { share: 0.351 }));
@@ -92,15 +94,16 @@ fn a_misfit_of_more_than_035_is_its_channels_own() {
     assert!(reasons(Says { misfit: [f64::NAN; 2], ..Says::WELL })[0].is_some());
 }
 
-/// A roll angle that falls behind does so in both channels, if by more than chance (3.29 standard
-/// deviations) and by more than the angle itself.
+/// A roll angle that falls behind is rejected in both channels if the bend exceeds chance (3.29
+/// standard deviations) and the angle itself.
 #[test]
 fn a_roll_angle_that_falls_behind_is_the_roll_sensors() {
     let bent = |value, sd| Measured { value, sd };
     let says = Says { bend: [Says::WELL.bend[0], bent(-1.01, 1.01 / 3.3)], ..Says::WELL };
     let reject = Some(Reject::Inconsistent(Inconsistency::Bent { share: 1.01 }));
     assert_eq!(reasons(says), [reject; 2]);
-    // Chance, too little, or the other way round, as that of a sensor that is late.
+    // A bend explained by chance, a bend that is too small, and a positive one, as with a late
+    // sensor.
     for good in [bent(-1.01, 1.01 / 3.28), bent(-0.99, 0.0), bent(1.01, 0.0)] {
         assert_eq!(reasons(Says { bend: [good; 2], ..Says::WELL }), [None; 2]);
     }
@@ -118,7 +121,7 @@ fn a_roll_angle_that_stands_still_is_seen_in_both_channels() {
     assert_eq!(road.finish().outcomes.map(|outcome| outcome.height_m), [Err(still); 2]);
 }
 
-/// A sensor of steps: 1/12 of their square joins the ratio's variance.
+/// A sensor with steps: 1/12 of the squared step is added to the variance of the ratio.
 #[test]
 fn a_coarse_sensor_makes_a_ratio_less_certain() {
     let mut road = Road::new(Says::WELL);
@@ -132,7 +135,7 @@ fn a_coarse_sensor_makes_a_ratio_less_certain() {
     let fit = maneuver.outcomes[0].fit.unwrap();
     let share = fit.ratio.sd / fit.ratio.value;
     let steps = (share * share - 1e-4).sqrt() * 12.0_f64.sqrt() * 8.0;
-    // Seen through a lag of half a second: an eighth of its four seconds is left out of the motion.
+    // The motion is seen after a lag of half a second, so an eighth of its four seconds is missing.
     assert!((steps * 7.0 / 8.0 - 1.0).abs() < 0.01, "{steps}");
 }
 
@@ -145,7 +148,8 @@ fn a_height_that_this_trailer_cannot_have_is_none() {
             Ok(found) => assert!(possible && (found.value - height_m).abs() < 1e-9),
             Err(Reject::Height(HeightError::OutOfRange { height_m: found })) => {
                 assert!(!possible && (found - height_m).abs() < 1e-9);
-                // Near its edge the ratio's uncertainty explains it: the other channel counts.
+                // Near the limit, the uncertainty of the ratio explains it, so the other channel is
+                // used.
                 assert!(matches!(road.estimator.combined(), Some(Combined::Agreed(_))));
             }
             Err(other) => unreachable!("{other}"),
@@ -153,9 +157,10 @@ fn a_height_that_this_trailer_cannot_have_is_none() {
     }
 }
 
-/// Steer says 3.2 m, a ratio of 1.0128 (0.8 m: 0.2176), far beyond 3 m and 1 m. Beside a lateral height
-/// of 2.6 m that is 1.29 times its ratio (1.1 m: 1/1.38): the roll angle may be wrong. Beside 2.0 m it
-/// is 1.76 times (1.2 m: 1/1.52): the steer angle is.
+/// The steer channel gives 3.2 m with a ratio of 1.0128 (0.8 m: 0.2176), far beyond the limits of 3
+/// m and 1 m. If the other channel gives 2.6 m, this is 1.29 times the ratio of that height (1.1 m:
+/// 1/1.38), so the roll angle may be wrong. If it gives 2.0 m, it is 1.76 times (1.2 m: 1/1.52), so
+/// the steer angle is wrong.
 #[test]
 fn a_height_far_beyond_the_trailers_is_blamed_on_what_is_at_fault() {
     let cases = [(3.2, 2.6, true), (3.2, 2.0, false), (0.8, 1.1, true), (0.8, 1.2, false)];
@@ -166,7 +171,7 @@ fn a_height_far_beyond_the_trailers_is_blamed_on_what_is_at_fault() {
             let combined = road.estimator.combined().unwrap();
             assert_eq!(combined == Combined::Impossible, impossible, "{heights_m:?}");
             assert_eq!(road.estimator.combined_height().is_none(), impossible);
-            // A good maneuver takes the doubt away.
+            // A good maneuver ends the doubt.
             road.maneuver([beside; 2]);
             assert!(road.estimator.combined_height().is_some());
         }
@@ -177,8 +182,8 @@ fn a_height_far_beyond_the_trailers_is_blamed_on_what_is_at_fault() {
     assert_eq!(alone.estimator.combined(), Some(Combined::Impossible));
 }
 
-/// How far is far: 2.576 √(0.01² + 0.013²) = 0.0422 of the ratio at 3 m, met at 3.1007 m; with the
-/// ratio's share of its own value, 0.0096, at 3.0998 m.
+/// The limit is 2.576 √(0.01² + 0.013²) = 0.0422 of the ratio at 3 m, which is reached at 3.1007 m.
+/// With the standard deviation relative to the ratio itself, 0.0096, it is reached at 3.0998 m.
 #[test]
 fn chance_explains_a_ratio_a_little_beyond() {
     let combined = |height_m: f64| {
@@ -208,7 +213,8 @@ fn the_channel_that_knows_more_is_the_best() {
     assert_eq!(road.estimator.best_channel(), Some(Channel::Steer));
 }
 
-/// Two maneuvers in a row that contradict what was, and not each other, are another load.
+/// Two successive maneuvers that contradict the earlier ones but agree with each other mean another
+/// load.
 #[test]
 fn another_load_is_told_from_the_maneuver_that_shows_it() {
     let mut road = Road::new(Says::WELL);
@@ -240,7 +246,7 @@ fn what_a_memory_holds_comes_back() {
     let restored = Estimator::restored(design, settings, Says::WELL, &memory).unwrap();
     assert_eq!(restored.memory(), memory);
     assert_eq!(restored.combined(), road.estimator.combined());
-    // It goes on with the same mass: nothing begins anew in the first maneuver.
+    // The restored estimator uses the same mass, so nothing restarts in the first maneuver.
     let mut on = Road::on(restored);
     on.hold(400, ROLL_RAD);
     assert!((on.finish().trailer_mass_kg - 20e3).abs() < 1e-8);
@@ -263,7 +269,7 @@ fn a_reason_says_what_to_look_at() {
     let range = HeightError::OutOfRange { height_m: 3.2 };
     says(Reject::Height(range).to_string(), &["3.20 m"]);
     says(HeightError::NoSolution { ratio: 0.5 }.to_string(), &["0.5000"]);
-    says(inconsistent(Inconsistency::Misfit { share: 0.4 }), &["misses 40 %"]);
+    says(inconsistent(Inconsistency::Misfit { share: 0.4 }), &["40 % of the roll angle"]);
     says(inconsistent(Inconsistency::Bent { share: 1.4 }), &["behind", "end of its range"]);
     says(inconsistent(Inconsistency::Standstill { roll_rad: 0.1 }), &["0.1000 rad"]);
 }

@@ -1,4 +1,4 @@
-//! Arrows point one way: between crates, between modules, between files.
+//! Dependencies point one way: between crates, between modules, and between files.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use syn::visit::{self, Visit};
 
-/// The libraries in the order of ARCHITECTURE.md: a crate uses only those before it.
+/// The libraries in the order of ARCHITECTURE.md. A crate uses only those before it.
 const CRATES: [&str; 5] = ["cg-core", "cg-vehicle", "cg-logs", "cg-plant", "cg-thesis"];
-/// What connects them.
+/// The crates that connect the libraries to their users.
 const DOORS: [&str; 3] = ["cg-cli", "cg-ffi", "cg-py"];
 
 fn folder(name: &str) -> PathBuf {
@@ -23,10 +23,10 @@ fn parsed(path: &Path) -> syn::File {
     syn::parse_file(&read(path)).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// A path to a module: `["decide", "height"]`; the crate's root is empty.
+/// The path of a module: `["decide", "height"]`; empty for the crate's root.
 type Module = Vec<String>;
 
-/// The modules of a crate that have a file of their own, in the order of their declaration.
+/// The modules of a crate that have their own file, in the order of their declaration.
 struct Modules {
     files: BTreeMap<Module, PathBuf>,
     order: Vec<Module>,
@@ -60,7 +60,7 @@ impl Modules {
         self.files.insert(module, file);
     }
 
-    /// The deepest module on a path that has a file.
+    /// The last module on a path that has its own file.
     fn deepest(&self, start: Module, rest: &[String]) -> Module {
         let mut at = start;
         for name in rest {
@@ -74,7 +74,7 @@ impl Modules {
         at
     }
 
-    /// Whose names each module uses.
+    /// The modules that each module uses.
     fn arrows(&self) -> BTreeMap<Module, BTreeSet<Module>> {
         let mut arrows = BTreeMap::new();
         for (module, file) in &self.files {
@@ -94,11 +94,11 @@ fn is_test(attributes: &[syn::Attribute]) -> bool {
     })
 }
 
-/// Collects the modules that a file names, in `use` and elsewhere; tests are left out.
+/// Collects the modules that a file uses, in `use` and elsewhere, except in tests.
 struct Seen<'a> {
     modules: &'a Modules,
     module: &'a Module,
-    /// Depth of the modules in the file itself.
+    /// Nesting depth of inline modules in the file.
     inline: usize,
     used: BTreeSet<Module>,
 }
@@ -112,7 +112,7 @@ impl Seen<'_> {
             Some("crate") => (at, rest) = (Module::new(), &path[1..]),
             Some("self") => rest = &path[1..],
             Some("super") => {}
-            // `use child::Name` in the file that declares the child.
+            // `use child::Name` in the file that declares `child`.
             Some(child) => {
                 let mut below = at.clone();
                 below.push(child.to_owned());
@@ -170,7 +170,7 @@ impl<'ast> Visit<'ast> for Seen<'_> {
         }
     }
 
-    // `pub(crate)` and `pub(in path)` name no module that is used.
+    // The paths in `pub(crate)` and `pub(in path)` are not uses of a module.
     fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
@@ -182,7 +182,7 @@ impl<'ast> Visit<'ast> for Seen<'_> {
     }
 }
 
-/// A way along arrows that ends where it begins.
+/// A path of dependencies that ends where it starts.
 fn circle(arrows: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
     fn follow(
         at: &Module,
@@ -222,7 +222,7 @@ fn a_crate_uses_those_before_it() {
     assert!(arrows >= 8, "only {arrows} arrows between crates were seen");
 }
 
-/// No file uses a file that uses it, directly or through others.
+/// No file uses a file that uses it in turn, directly or through others.
 #[test]
 fn files_form_no_circle() {
     let mut circles = Vec::new();
@@ -238,7 +238,8 @@ fn files_form_no_circle() {
     assert!(circles.is_empty(), "{circles:#?}");
 }
 
-/// In a library a module uses only modules that are declared above it, in `lib.rs` and in each folder.
+/// In a library a module uses only modules that are declared above it, in `lib.rs` and in each
+/// folder.
 #[test]
 fn a_module_uses_those_above_it() {
     let mut below = Vec::new();

@@ -1,6 +1,6 @@
-//! When maneuvers open and close, and what they hold.
+//! Tests of the start, the end and the contents of maneuvers.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are handed on keep every bit
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
 mod common;
 
@@ -24,7 +24,7 @@ fn four_seconds_of_straight_driving_close_a_maneuver() {
     road.hold(1, 0.0);
     assert_eq!(road.closed[0].end_us, turned_us + 4_000_000);
     road.hold(6000, 0.0);
-    assert_eq!(road.closed.len(), 1); // without a turn nothing opens
+    assert_eq!(road.closed.len(), 1); // no maneuver opens without a turn
 }
 
 #[test]
@@ -36,12 +36,13 @@ fn a_turn_is_cut_after_forty_seconds() {
     assert_eq!((road.closed[0].start_us, road.closed[0].end_us), (10_000, 40_010_000));
 }
 
-/// Straight rows count from 0.3 s on and half as much every 2 s: 171 rows, then 200, then 200.
+/// Straight rows are used from 0.3 s on, and their weight halves every 2 s: 171 rows, then 200,
+/// then 200.
 #[test]
 fn straight_driving_before_a_turn_fades() {
     let mut road = road();
     road.hold(600, 0.0);
-    road.turn(); // it is told after 1 s
+    road.turn(); // the turn is detected after 1 s
     let maneuver = road.finish();
     assert_eq!(maneuver.start_us, 6_010_000);
     let before = 171.0 / 8.0 + 200.0 / 4.0 + 200.0 / 2.0;
@@ -80,7 +81,7 @@ fn a_speed_that_changes_by_more_than_three_tenths_closes_a_maneuver() {
     }
 }
 
-/// While straight driving fades, the maneuver to come begins at the newer speed.
+/// During straight driving the reference speed of the next maneuver follows the speed.
 #[test]
 fn the_speed_of_straight_driving_long_ago_does_not_count() {
     let mut road = road();
@@ -92,12 +93,12 @@ fn the_speed_of_straight_driving_long_ago_does_not_count() {
     assert_eq!(road.finish().start_us, 20_010_000);
 }
 
-/// The mass is the mean over all rows with their weight, the speed that over the turning ones.
+/// The mass is the weighted mean of all rows, the speed the mean of the rows in the turn.
 #[test]
 fn a_maneuver_has_the_mean_mass_of_its_rows() {
     let mut road = road();
     road.trailer_mass_kg = 31e3;
-    road.hold(201, 0.0); // they have just faded
+    road.hold(201, 0.0); // their weight has just been halved
     (road.trailer_mass_kg, road.speed_mps) = (32e3, 11.0);
     road.turn();
     let maneuver = road.finish();
@@ -124,7 +125,8 @@ fn a_sample_is_absent_straight_or_turning() {
     assert_eq!(road.row(ROLL_RAD, ROLL_RAD), Status::Turning);
 }
 
-/// A scale that swings for less than 10 s, or by 5 %, is the same load on the same axles.
+/// A mass signal that oscillates for less than 10 s, or that changes by up to 5 %, is not another
+/// mass.
 #[test]
 fn another_mass_must_last() {
     let weighed = || {
@@ -155,7 +157,7 @@ fn another_mass_must_last() {
     }
 }
 
-/// The first weight is believed at once; so is any between two maneuvers.
+/// The first measured mass is used at once, and so is any mass between two maneuvers.
 #[test]
 fn a_mass_is_believed_at_once_before_a_maneuver() {
     let mut road = road();
@@ -168,6 +170,6 @@ fn a_mass_is_believed_at_once_before_a_maneuver() {
     road.trailer_mass_kg = 25e3;
     road.hold(400, ROLL_RAD);
     let outcomes = road.estimator.finish().unwrap().outcomes;
-    // Begun anew in a turn: rows count after 3 s.
+    // The identifiers were restarted in a turn, so rows are used after 3 s.
     assert_eq!(outcomes[0].fit.unwrap().rows, 100);
 }

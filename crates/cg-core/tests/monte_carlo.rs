@@ -1,5 +1,5 @@
-//! Statistical efficiency of the identifiers on the source's own reduced model:
-//! 201 samples at 0.05 s, rounded step a = 3, white noise on the roll.
+//! Statistical efficiency of the identifiers on the thesis's reduced model: 201 samples at 0.05 s,
+//! a rounded step with a = 3, white noise on the roll angle.
 #![allow(clippy::cast_precision_loss)]
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -39,16 +39,16 @@ fn score(prior: Prior<f64>, snr_db: f64, runs: u32) -> Score {
     }
 }
 
-/// No offset in the source's data, and the noise is known to be above any sensor's floor.
+/// The thesis's data have no offset, and the noise is above the floor of any sensor.
 fn without_offset(dynamics_sd: f64) -> Prior<f64> {
     Prior { dynamics_sd, noise_floor_rad: 1e-6, offset_sd_rad: 0.0, drift_sd_radps: 0.0 }
 }
 
 #[test]
 fn the_production_identifier_meets_its_targets() {
-    // Targets: RMSE 0.26 / 0.80 / 2.3 / 3.9 % at 30 / 20 / 10 / 5 dB, |bias| ≤ 0.3 RMSE
-    // (at 20 dB ≤ 0.25 %), 95 % intervals that hold the truth in 93–97 % of the runs.
-    // 1000 runs: the RMSE itself scatters by 1/√2000 = 2.2 %, the coverage by 0.7 %.
+    // Targets: RMSE 0.26 / 0.80 / 2.3 / 3.9 % at 30 / 20 / 10 / 5 dB, |bias| ≤ 0.3 RMSE (at 20 dB ≤
+    // 0.25 %), and 95 % intervals that contain the truth in 93–97 % of the runs. With 1000 runs the
+    // RMSE itself scatters by 1/√2000 = 2.2 %, the coverage by 0.7 %.
     for (snr_db, rmse, bias) in
         [(30.0, 0.26, 0.08), (20.0, 0.80, 0.25), (10.0, 2.3, 0.7), (5.0, 3.9, 1.2)]
     {
@@ -65,7 +65,7 @@ fn the_production_identifier_meets_its_targets() {
 
 #[test]
 fn with_nominal_dynamics_the_gain_alone_reaches_its_bound() {
-    // Cramér-Rao bound for the gain alone: 0.621 % at 20 dB; 4 % for the scatter of 1000 runs.
+    // The Cramér-Rao bound for the gain alone is 0.621 % at 20 dB; 1000 runs scatter by 4 %.
     let score = score(without_offset(0.0), 20.0, 1000);
     println!("gain only: bias {:+.3} % rmse {:.3} %", score.bias, score.rmse);
     assert!((0.59..=0.65).contains(&score.rmse), "{:.3}", score.rmse);

@@ -1,4 +1,4 @@
-//! A million samples through the whole pipeline, and not one allocation.
+//! A million samples pass through the estimator without a single allocation.
 
 mod common;
 
@@ -11,16 +11,16 @@ use cg_core::{Channel, Estimator, FilteredArx, Prior, Sample, Settings};
 struct Counting;
 
 thread_local! {
-    /// Allocations of this thread: the test harness has threads of its own.
+    /// Allocations of this thread only, because the test harness has its own threads.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
 
-#[allow(unsafe_code)] // an allocator cannot be written without
-// SAFETY: every call is handed on to the system allocator unchanged.
+#[allow(unsafe_code)] // an allocator requires unsafe code
+// SAFETY: every call is passed to the system allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's contract is the system allocator's.
+        // SAFETY: the caller fulfills the contract of the system allocator.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
@@ -40,7 +40,7 @@ fn a_million_samples_allocate_nothing() {
         Estimator::<f32, FilteredArx<f32>>::new(design, Settings::truck(), Prior::standard());
     let mut maneuvers = 0;
     for k in 0..1_000_000_u32 {
-        // Turns of both signs with straights between, some speed and a little noise.
+        // Turns to both sides with straight driving in between, changing speed and a little noise.
         let t = f64::from(k) * 0.01;
         let steer = 0.05 * (t / 7.0).sin().powi(3);
         let noise = f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 - 0.5;
@@ -55,9 +55,9 @@ fn a_million_samples_allocate_nothing() {
     }
     let height = black_box(estimator.height(Channel::Steer));
     assert_eq!(ALLOCATIONS.get() - before, 0);
-    // The counter counts.
+    // Check that the counter works.
     drop(black_box(Box::new(maneuvers)));
     assert_eq!(ALLOCATIONS.get() - before, 1);
-    // The run did what it should: hundreds of turns, and a height from them.
+    // Check that the run had hundreds of turns and gave a height.
     assert!(maneuvers > 100 && height.is_some(), "{maneuvers} maneuvers");
 }

@@ -1,5 +1,5 @@
-//! The identifiers against independent answers: nalgebra's SVD, the matrix exponential of
-//! eq. 5.12, and double precision against single.
+//! The identifiers compared with independent results: nalgebra's SVD, the matrix exponential of eq.
+//! 5.12, and double against single precision.
 #![allow(clippy::cast_precision_loss)]
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -16,7 +16,7 @@ const NO_PRIOR: Prior<f64> = Prior {
     drift_sd_radps: 0.0,
 };
 
-/// Steer that never settles: sum of three sines, as `(steer, roll)` of eq. 5.12.
+/// `(steer, roll)` of eq. 5.12 for a steer angle that is a sum of three sines and never settles.
 fn lively(n: usize, interval_s: f64) -> Vec<(f64, f64)> {
     let steer = |k: usize| {
         let t = interval_s * k as f64;
@@ -26,7 +26,7 @@ fn lively(n: usize, interval_s: f64) -> Vec<(f64, f64)> {
     (0..n).map(|k| (steer(k), if k == 0 { 0.0 } else { plant.push(steer(k)) })).collect()
 }
 
-/// Characteristic polynomial of exp(A Ts), descending, from nalgebra's matrix exponential.
+/// Characteristic polynomial of exp(A Ts), highest power first, from nalgebra's matrix exponential.
 fn discrete_denominator(model: &Reduced5<f64>, interval_s: f64) -> Vec<f64> {
     let mut a = SMatrix::<f64, 5, 5>::zeros();
     for k in 0..4 {
@@ -36,7 +36,7 @@ fn discrete_denominator(model: &Reduced5<f64>, interval_s: f64) -> Vec<f64> {
         a[(4, k)] = -model.denominator[k];
     }
     let phi = (a * interval_s).exp();
-    // Faddeev–LeVerrier
+    // Faddeev–LeVerrier algorithm
     let mut m = SMatrix::<f64, 5, 5>::identity();
     let mut coefficients = vec![1.0];
     for k in 1..=5 {
@@ -50,7 +50,7 @@ fn discrete_denominator(model: &Reduced5<f64>, interval_s: f64) -> Vec<f64> {
 
 #[test]
 fn shift_form_arx_recovers_equation_5_12() {
-    // With straight lines between samples the sampled eq. 5.12 is an ARX [5 6 0] exactly.
+    // With linear interpolation between samples, the sampled eq. 5.12 is exactly an ARX [5 6 0].
     let mut arx = Arx::<f64, 11>::new(5, 6, 0).unwrap();
     for (u, y) in lively(400, 0.05) {
         arx.push(u, y, true);
@@ -73,7 +73,7 @@ fn shift_form_arx_recovers_equation_5_12() {
 
 #[test]
 fn filtered_arx_recovers_every_coefficient_of_equation_5_12_through_other_filters() {
-    // The filters belong to another truck: slower and better damped.
+    // The filters are those of another truck, which is slower and better damped.
     let other = Reduced5 {
         numerator: [30.0, 20.0, 15.0, 1.0, 2.0, 0.1],
         denominator: [32.0, 80.0, 80.0, 40.0, 10.0], // (s + 2)^5
@@ -89,16 +89,17 @@ fn filtered_arx_recovers_every_coefficient_of_equation_5_12_through_other_filter
         .zip(&EQ_5_12.numerator)
         .chain(found.denominator.iter().zip(&EQ_5_12.denominator));
     for (ours, theirs) in pairs {
-        // The roll of eq. 5.12 is not a straight line between samples: its curvature costs
-        // (ω h)²/12 of each signal at the fastest sine, ω = 8.1 rad/s, and as much for the
-        // model's own fast mode; relative to the largest coefficient.
+        // The roll angle of eq. 5.12 is not linear between samples. Its curvature causes an error
+        // of (ω h)²/12 of each signal at the fastest sine, ω = 8.1 rad/s, and as much for the fast
+        // mode of the model itself, relative to the largest coefficient.
         let curvature = 2.0 * (8.1_f64 * 0.005).powi(2) / 12.0;
         println!("{ours:.4} {theirs:.4}");
         assert!((ours - theirs).abs() < curvature * 83.3, "{ours} {theirs}");
     }
     let Answer::Ready(fit) = identifier.fit() else { panic!("excited") };
     println!("DC ratio off by {:.2e}", fit.ratio.value / EQ_5_12.dc_gain() - 1.0);
-    assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-9); // holding keeps DC
+    // Linear interpolation does not change the DC gain.
+    assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -122,7 +123,7 @@ fn shift_form_arx_agrees_with_singular_values() {
     let covariance = (phi.transpose() * &phi).try_inverse().unwrap() * variance;
     let ours = (arx.coefficients().unwrap(), arx.covariance().unwrap());
     for i in 0..na + nb {
-        // Condition number below 1e4, squared in the oracle's normal equations: 1e8 ε.
+        // A condition number below 1e4, squared by the normal equations of the reference: 1e8 ε.
         assert!((ours.0[i] - theta[i]).abs() < 1e-10 * theta.norm());
         for j in 0..na + nb {
             assert!((ours.1[i][j] - covariance[(i, j)]).abs() < 1e-7 * covariance.norm());
@@ -130,7 +131,7 @@ fn shift_form_arx_agrees_with_singular_values() {
     }
 }
 
-/// The whole chain of filters and rotations in single precision.
+/// The complete chain of filters and rotations in single precision.
 #[test]
 fn single_precision_gives_the_same_height() {
     for (interval_s, n) in [(0.001, 10_001), (0.01, 1001), (0.05, 201), (0.1, 101)] {
@@ -146,7 +147,7 @@ fn single_precision_gives_the_same_height() {
                 let slim = Prior { dynamics_sd: narrow(dynamics_sd), ..Prior::<f32>::standard() };
                 let mut product = FilteredArx::new(&model, slim);
                 for &(u, y) in &data {
-                    // Both see the numbers that the product's sensors deliver.
+                    // Both use the values in single precision, as from the sensors.
                     let (u, y) = (narrow(u), narrow(y));
                     witness.push(f64::from(u), f64::from(y), interval_s, true);
                     product.push(u, y, narrow(interval_s), true);

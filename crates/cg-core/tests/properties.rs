@@ -1,4 +1,4 @@
-//! What holds for any input.
+//! Properties that hold for any input.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -12,7 +12,7 @@ fn estimator() -> Estimator<f32, FilteredArx<f32>> {
     Estimator::new(common::design().cast(), Settings::truck(), Prior::standard())
 }
 
-/// A log with one turn as samples, starting at `origin_us`.
+/// The samples of a log with one turn that starts at `origin_us`.
 fn one_turn(origin_us: u64) -> Vec<Sample<f32>> {
     let straight = vec![(0.0, 0.0); 200];
     let turn = rounded_step_response(1500, 0.01, 3.0);
@@ -40,9 +40,8 @@ fn height_of(samples: &[Sample<f32>]) -> Option<f32> {
 }
 
 proptest! {
-    /// Any bits in any field, any time order: a row is refused if its time does not follow and taken
-    /// otherwise, never with a panic, and no maneuver of it is left: the turn after it gives its height
-    /// as if it came alone.
+    /// Any bits in any field and any order of time: a row whose time does not follow is refused, every
+    /// other one is taken, and none panics. A clean turn afterwards gives the height that it gives alone.
     #[test]
     fn push_survives_anything(fields in prop::collection::vec((0..1_u64 << 50, any::<[u32; 7]>()), 1..60)) {
         let mut estimator = estimator();
@@ -78,13 +77,13 @@ proptest! {
         prop_assert!((after - alone).abs() < 1e-3 * alone, "{} {}", after, alone);
     }
 
-    /// Where the clock starts does not matter.
+    /// The origin of time does not matter.
     #[test]
     fn time_has_no_origin(origin_us in 0_u64..1_000_000_000_000_000) {
         prop_assert_eq!(height_of(&one_turn(0)), height_of(&one_turn(origin_us)));
     }
 
-    /// Roll in other units gives the ratio in those units.
+    /// The roll angle in another unit gives the ratio in that unit.
     #[test]
     fn the_ratio_scales_with_the_roll(scale in 0.01_f64..100.0, seed in any::<u64>()) {
         let data = with_noise(&rounded_step_response(201, 0.05, 3.0), 30.0, seed);
@@ -96,7 +95,7 @@ proptest! {
             let Answer::Ready(fit) = arx.fit() else { panic!("excited") };
             fit.ratio.value
         };
-        // Condition number near 1e4, times the scale where the columns differ in size.
+        // A condition number near 1e4, multiplied by the scale by which the columns differ.
         prop_assert!((ratio(scale) / scale / ratio(1.0) - 1.0).abs() < 1e-8);
     }
 }
@@ -133,12 +132,12 @@ fn a_sample_out_of_order_is_refused_and_changes_nothing() {
 #[test]
 fn a_hole_in_the_middle_of_a_turn_costs_accuracy_but_not_the_answer() {
     let mut samples = one_turn(0);
-    samples.drain(600..700); // one second, longer than a straight line may bridge
+    samples.drain(600..700); // one second, too long for interpolation
     let height = height_of(&samples).unwrap();
     assert!((height - 1.973).abs() < 0.02, "{height}");
 }
 
-/// Drives a turn with the roll angle scaled: another load.
+/// Drives a turn with the roll angle multiplied by `scale`, which means another load.
 fn drive(estimator: &mut Estimator<f32, FilteredArx<f32>>, origin_us: u64, scale: f32) {
     for mut sample in one_turn(origin_us) {
         sample.roll_rad *= scale;
@@ -167,7 +166,8 @@ fn a_restart_between_two_maneuvers_changes_no_bit() {
     assert_eq!(restarted.memory(), kept.memory());
 }
 
-/// After a restart one contradicting maneuver is another load; without, it waits for a second.
+/// After a restart one contradicting maneuver means another load; otherwise it waits for a second
+/// one.
 #[test]
 fn a_restart_counts_as_a_stop() {
     let mut kept = estimator();
@@ -180,7 +180,7 @@ fn a_restart_counts_as_a_stop() {
     };
     assert!((value(&kept) - 1.973).abs() < 0.002);
     assert!(value(&restarted) < 1.9);
-    // What waits is kept over the restart too.
+    // The waiting maneuver is also kept over a restart.
     let mut again = resumed(&kept);
     drive(&mut again, 0, 0.8);
     assert!((value(&again) - value(&restarted)).abs() < 1e-3, "{}", value(&again));
@@ -205,7 +205,8 @@ fn a_memory_that_cannot_be_is_refused() {
     assert!(with(&|memory| memory.waiting = Some([Some((nothing, 0.0)), None])).is_none());
 }
 
-/// A scale that speaks a second after the rest: the turn that follows is one maneuver, with its mass.
+/// The first mass arrives a second after the other signals. The turn that follows is one maneuver
+/// and has this mass.
 #[test]
 fn a_first_weight_that_comes_late_splits_no_turn() {
     let mut estimator = estimator();

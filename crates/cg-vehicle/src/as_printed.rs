@@ -1,7 +1,7 @@
-//! The source's linear model, term by term from eqs. 4.2–4.31 (appendix B, corrected).
+//! The thesis's linear model, term by term from eqs. 4.2–4.31 (appendix B, corrected).
 //!
-//! Written in the source's own signs (y right, z down: steer, yaw and lateral velocity positive
-//! to the right), turned to ISO 8855 at the end by changing the sign of those columns.
+//! It is written in the thesis's signs (y right, z down: steer, yaw and lateral velocity positive
+//! to the right). At the end the signs of these columns are changed to obtain ISO 8855.
 
 use nalgebra::DMatrix;
 
@@ -10,7 +10,7 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::{AsPrinted, PlacedAxle, Vehicle};
 
-/// A linear form in the source's unknowns `(V, Ψ1, Φ1, Ψ2, Φ2, Φu…)` whose coefficients are
+/// A linear form in the thesis's unknowns `(V, Ψ1, Φ1, Ψ2, Φ2, Φu…)` whose coefficients are
 /// polynomials `d0 + d1 s + d2 s²`.
 #[derive(Clone)]
 struct Form(Vec<[f64; 3]>);
@@ -29,7 +29,7 @@ impl Form {
         Self(vec![[0.0; 3]; column::AXLE + axles])
     }
 
-    /// Adds `coefficient s^power` times an unknown.
+    /// Adds `coefficient s^power` times the unknown with index `unknown`.
     fn plus(mut self, unknown: usize, power: usize, coefficient: f64) -> Self {
         self.0[unknown][power] += coefficient;
         self
@@ -45,7 +45,7 @@ impl Form {
         self
     }
 
-    /// Times s (a form without s²).
+    /// The form multiplied by s; it must not contain s².
     fn derivative(&self) -> Self {
         Self(self.0.iter().map(|[d0, d1, _]| [0.0, *d0, *d1]).collect())
     }
@@ -74,7 +74,7 @@ pub(crate) fn equations(
         VehicleError::AsPrinted("needs an [as_printed] table in the vehicle file".to_owned())
     })?;
     let known_kg = printed.trailer_mass_kg;
-    // Another mass would need other inertias, which the source does not give.
+    // Another mass would need other inertias, which the thesis does not give.
     if (load.trailer_mass_kg - known_kg).abs() > 1e-3 * known_kg {
         return Err(VehicleError::AsPrinted(format!(
             "is known at a trailer mass of {known_kg:.0} kg only, not at {:.0} kg",
@@ -112,13 +112,13 @@ pub(crate) fn equations(
     Ok(e)
 }
 
-/// Files a form as row `i`, with the columns of lateral and yaw motion turned to the left.
+/// Writes a form into row `i`; the signs of the columns of lateral and yaw motion are reversed.
 fn set_row(e: &mut Equations, i: usize, row: &Form) {
     let file = |matrix: &mut DMatrix<f64>, j: usize, value: f64| matrix[(i, j)] = value;
     let [d0, d1, _] = row.0[column::V];
     file(&mut e.damping, w::LATERAL, -d0);
     file(&mut e.mass, w::LATERAL, -d1);
-    // Ψ1 and Ψ2 appear undifferentiated only as their difference (after the correction of B.22).
+    // Without derivatives, Ψ1 and Ψ2 occur only as their difference (after the correction of B.22).
     for (from, to) in [(column::YAW_1, w::YAW_1), (column::YAW_2, w::YAW_2)] {
         let [_, d1, d2] = row.0[from];
         file(&mut e.damping, to, -d1);
@@ -173,7 +173,7 @@ impl Context<'_> {
             .plus(column::ROLL_2, 2, self.trailer_unit_above_m - self.trailer_above_m)
     }
 
-    /// Body velocity, yaw and roll columns, c.g. height and place of an axle's unit.
+    /// Velocity, yaw and roll columns, c.g. height and position of an axle's unit.
     fn unit(&self, placed: &PlacedAxle<'_>) -> (Form, usize, usize, f64, f64) {
         if placed.on_trailer {
             let ahead_m = self.hitch_ahead_m - placed.position_m;
@@ -253,13 +253,13 @@ impl Context<'_> {
             axle_rows.push(self.axle_row(placed, i, &reaction, &slip, roll));
             steer[own] = placed.axle.roll_center_height_m * tyres.cornering * delta;
         }
-        // In the order of C in appendix B: lateral, yaw 1, roll 1, yaw 2, roll 2, axles.
+        // The order of C in appendix B: lateral, yaw 1, roll 1, yaw 2, roll 2, axles.
         let mut rows = vec![lateral, yaw_1, roll_1, yaw_2, roll_2];
         rows.append(&mut axle_rows);
         (rows, steer)
     }
 
-    /// Slip angle without the steer angle: `v_axle / u`, eqs. 4.2 and 4.4.
+    /// Slip angle without the part of the steer angle: `v_axle / u`, eqs. 4.2 and 4.4.
     fn slip(
         &self,
         velocity: Form,
@@ -295,7 +295,7 @@ impl Context<'_> {
         self.zero().add(placed.axle.unsprung_mass_kg, &acceleration)
     }
 
-    /// Roll of an axle, eqs. 4.23–4.27.
+    /// The roll equation of an axle, eqs. 4.23–4.27.
     fn axle_row(
         &self,
         placed: &PlacedAxle<'_>,
@@ -326,7 +326,7 @@ impl Context<'_> {
     }
 }
 
-/// Sums over the tyres of an axle.
+/// Sums over all tires of an axle.
 struct Tyres {
     cornering: f64,
     aligning: f64,

@@ -1,10 +1,10 @@
 //! Static balance: axle and fifth-wheel loads (eqs. 2.1–2.4, 2.6).
 //!
-//! Each unit is a rigid body on its supports; axles of one load group are one support that
-//! shares its load equally. Tractor and trailer frames meet at the fifth wheel. With a support
-//! each at the front and rear of the tractor and one on the trailer, the loads follow from
-//! forces and moments alone; with more, from the stiffness of springs and tyres too. One linear
-//! system serves both cases.
+//! Each unit is a rigid body on its supports. The axles of one load group are one support and share
+//! its load equally. The frames of tractor and trailer are connected at the fifth wheel. If the
+//! tractor has two supports (front and rear) and the trailer one, the loads follow from forces and
+//! moments alone. With more supports they also depend on the stiffness of springs and tires. The
+//! same linear system covers both cases.
 
 use cg_core::AlignSettings;
 use nalgebra::{DMatrix, DVector};
@@ -21,20 +21,21 @@ pub struct StaticBalance {
     pub axle_load_n: Vec<f64>,
     /// Vertical load of the trailer on the fifth wheel.
     pub hitch_load_n: f64,
-    /// Moment balance left over about each unit's c.g.: rounding only.
+    /// Remaining moment about the c.g. of the units, which is due to rounding only.
     pub residual_nm: f64,
 }
 
 impl Vehicle {
-    /// Tare and payload as one body: the payload is the box that gives the load's mass and
-    /// height; its own height follows from its c.g. (0.6–2.4 m).
+    /// Tare and payload as one body. The payload is the box that gives the mass and the height of
+    /// the load; the height of the box follows from its c.g. (limited to 0.6–2.4 m).
     ///
     /// # Errors
     /// [`VehicleError::Load`] if the mass is below that of the empty trailer.
     pub fn trailer_sprung_mass(&self, load: Load) -> Result<SprungMass, VehicleError> {
         let (tare, bed) = (&self.trailer.tare, &self.trailer.payload);
         let mass_kg = load.trailer_mass_kg - self.trailer_unsprung_mass_kg();
-        // Weighbridges and rounding: half a per cent below empty still counts as empty.
+        // Because of weighing errors and rounding, half a percent below empty still counts as
+        // empty.
         if mass_kg < tare.sprung_mass_kg - 0.005 * load.trailer_mass_kg {
             return Err(VehicleError::Load {
                 trailer_mass_kg: load.trailer_mass_kg,
@@ -45,7 +46,8 @@ impl Vehicle {
         let share = payload_kg / (tare.sprung_mass_kg + payload_kg);
         let cg_behind_hitch_m =
             tare.cg_behind_hitch_m + share * (bed.behind_hitch_m - tare.cg_behind_hitch_m);
-        // The payload's c.g. that gives the height; a small payload cannot be arbitrarily high.
+        // The payload's c.g. that gives the height. The c.g. of a small payload cannot be
+        // arbitrarily high.
         let above_tare_m = (load.cg_height_m - tare.cg_height_m) / share.max(0.2);
         let above_floor_m = tare.cg_height_m + above_tare_m - bed.floor_height_m;
         let box_height_m = (2.0 * above_floor_m).clamp(0.6, 2.4);
@@ -69,7 +71,7 @@ impl Vehicle {
         })
     }
 
-    /// What turns the values of sensors into those of a sample.
+    /// Settings that convert the values of sensors to those of a sample.
     pub fn align_settings(&self) -> AlignSettings<f64> {
         let mass_of_axle_load = self.mass_of_axle_load().ok();
         let readings = self.trailer.suspension_pressure;
@@ -87,14 +89,15 @@ impl Vehicle {
         }
     }
 
-    /// The masses that a scale of this trailer can show: from a tenth below empty, as far as axle
-    /// weighing is off, to a quarter above the greatest mass of the [design](crate::design).
+    /// The masses that a scale on this trailer can show: from 10 % below empty, because of the
+    /// error of axle scales, to 25 % above the greatest mass of the [design](crate::design).
     fn trailer_mass_range_kg(&self) -> [f64; 2] {
         [0.9 * self.empty_trailer_mass_kg(), 1.25 * greatest_mass_kg(self)]
     }
 
-    /// Trailer mass (sprung and axles) from the load of the trailer's axles on the road, both in kg:
-    /// the mass at no axle load and its growth. A straight line, since payload stands at one place.
+    /// Trailer mass (sprung mass and axles) as a function of the load of the trailer's axles on the
+    /// road, both in kg: the mass at zero axle load, and its slope. The function is linear because
+    /// the position of the payload is fixed.
     ///
     /// # Errors
     /// As [`static_balance`].
@@ -115,17 +118,17 @@ impl Vehicle {
     }
 }
 
-/// The greatest payload of the grid.
+/// Greatest payload of the design's mass axis.
 const GREATEST_PAYLOAD_KG: f64 = 34_000.0;
 
-/// The greatest trailer mass that a design knows.
+/// The greatest trailer mass of a design.
 pub(crate) fn greatest_mass_kg(vehicle: &Vehicle) -> f64 {
     let empty_kg = vehicle.empty_trailer_mass_kg();
     (empty_kg + GREATEST_PAYLOAD_KG).max(vehicle.trailer.reference_mass_kg * 1.1)
 }
 
-/// How the tyres of an axle give under its load: its centre is at the height of the unloaded tyre,
-/// and `rise_m`, less `compliance_m_per_n` times the load.
+/// Deflection of the tires of an axle under its load. The height of the axle's center is that of
+/// the unloaded tire plus `rise_m`, minus `compliance_m_per_n` times the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Give {
     pub(crate) compliance_m_per_n: f64,
@@ -133,7 +136,7 @@ pub(crate) struct Give {
 }
 
 impl Give {
-    /// All tyres of an axle on the road.
+    /// The deflection with all tires of an axle on the road.
     fn upright(placed: &PlacedAxle<'_>) -> Self {
         let tyres_n_per_m = placed.tyres() * placed.tyre.vertical_stiffness_n_per_m;
         Self { compliance_m_per_n: 1.0 / tyres_n_per_m, rise_m: 0.0 }
@@ -146,9 +149,9 @@ struct Support {
     /// Ahead of the fifth wheel (tractor) or behind it (trailer).
     position_m: f64,
     axles: Vec<usize>,
-    /// Deflection of the frame per newton of suspension load.
+    /// Deflection of the frame per newton of load on the suspension.
     compliance_m_per_n: f64,
-    /// Height of the unloaded frame line at this support.
+    /// Height of the frame at this support without load.
     free_height_m: f64,
 }
 
@@ -174,7 +177,7 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<
     }
     let mut supports: Vec<Support> = supports.into_iter().map(|(_, support)| support).collect();
     for support in &mut supports {
-        // Group values are means over the axles, each of which carries 1/n of the load.
+        // The values of a group are means over its axles, each of which carries 1/n of the load.
         #[allow(clippy::cast_precision_loss)]
         let n = support.axles.len() as f64;
         for &i in &support.axles {
@@ -199,22 +202,22 @@ fn supports(vehicle: &Vehicle, axles: &[PlacedAxle<'_>], gives: &[Give]) -> Vec<
     supports
 }
 
-/// Static loads for a load of the trailer.
+/// The static loads for a load of the trailer.
 ///
 /// # Errors
-/// [`VehicleError`] if the vehicle tips (an axle or the fifth wheel is lifted), if the mass is
-/// below empty, or if stiffness decides the loads and a tyre has no `unloaded_radius_m`.
+/// [`VehicleError`] if the vehicle tips (an axle or the fifth wheel lifts), if the mass is below
+/// empty, or if the loads depend on stiffness and a tire has no `unloaded_radius_m`.
 pub fn static_balance(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
     let gives = upright(vehicle);
     balance_on(vehicle, load, &gives)
 }
 
-/// All tyres of all axles on the road.
+/// The deflections with all tires of all axles on the road.
 fn upright(vehicle: &Vehicle) -> Vec<Give> {
     vehicle.axles().iter().map(Give::upright).collect()
 }
 
-/// The same on tyres of which some have left the road.
+/// The static loads when some tires have left the road.
 pub(crate) fn balance_on(
     vehicle: &Vehicle,
     load: Load,
@@ -239,7 +242,7 @@ pub(crate) fn balance_on(
     Ok(balance)
 }
 
-/// The static loads, also those that would lift an axle.
+/// The static loads, including those with which an axle lifts.
 pub(crate) fn solved(vehicle: &Vehicle, load: Load) -> Result<StaticBalance, VehicleError> {
     solved_on(vehicle, load, &upright(vehicle))
 }
@@ -270,14 +273,15 @@ fn solved_on(vehicle: &Vehicle, load: Load, gives: &[Give]) -> Result<StaticBala
     Ok(StaticBalance { axle_load_n, hitch_load_n, residual_nm })
 }
 
-/// Whether forces and moments alone leave the static loads open.
+/// Whether the static loads do not follow from forces and moments alone.
 pub(crate) fn depends_on_stiffness(vehicle: &Vehicle) -> bool {
     let supports = supports(vehicle, &vehicle.axles(), &upright(vehicle));
     let on_trailer = supports.iter().filter(|support| support.on_trailer).count();
     !(on_trailer == 1 && supports.len() == 3)
 }
 
-/// Whether the file says enough for static loads; if not, key, value and what to do.
+/// Whether the file contains enough for the static loads; otherwise the key, its value and the
+/// problem.
 pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, String)> {
     let axles = vehicle.axles();
     let supports = supports(vehicle, &axles, &upright(vehicle));
@@ -296,7 +300,7 @@ pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, Strin
             format!("tyre[{i}].unloaded_radius_m"),
             "(missing)".to_owned(),
             format!(
-                "static balance: with this many axles the loads depend on stiffness; give tyre \
+                "static balance: with this many axles the loads depend on stiffness; give tire \
                  \"{}\" its unloaded_radius_m, or axles that share their load a load_group",
                 tyre.name
             ),
@@ -311,14 +315,14 @@ fn solve(
     sprung: &SprungMass,
     supports: &[Support],
 ) -> Result<DVector<f64>, VehicleError> {
-    // Unknowns: support forces F, hitch load H (on the tractor, down), frame height z at the
-    // hitch, slope of each frame (rise per metre away from the hitch).
+    // Unknowns: support forces F, hitch load H (on the tractor, downwards), height z of the frame
+    // at the hitch, slope of each frame (rise per meter of distance from the hitch).
     let n = supports.len();
     let (hitch, height, slope) = (n, n + 1, n + 2);
     let mut a = DMatrix::zeros(n + 4, n + 4);
     let mut b = DVector::zeros(n + 4);
     let g = vehicle.gravity_mps2;
-    // A force of 1 MN is as "large" as a deflection of 1 m: keeps the system well scaled.
+    // A force of 1 MN is weighted like a deflection of 1 m, so that the system is well scaled.
     let scale_n = 1e6;
     for (i, support) in supports.iter().enumerate() {
         // z + slope · position + compliance · F = free height
@@ -347,7 +351,7 @@ fn solve(
 mod tests {
     use super::*;
 
-    /// At any payload: the balance is linear in it.
+    /// For any payload, because the balance is linear in it.
     #[test]
     fn axle_loads_tell_the_mass() {
         for name in ["kraz", "baseline"] {

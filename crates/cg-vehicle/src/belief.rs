@@ -1,12 +1,12 @@
-//! What is not known of a vehicle: a few physical parameters with a Gaussian belief about them.
+//! The uncertainty of a vehicle: a Gaussian distribution of a few physical parameters.
 //!
-//! Nobody measures springs, roll centres, tyres and sensors of the very truck that carries the
-//! estimator. What the vehicle file says of them is the mean of a prior, whose standard
-//! deviations stand in its `[uncertainty]` table; calibration runs turn the prior into a
-//! posterior. The same propagation gives the uncertainty of the DC ratios in both cases.
+//! Springs, roll centers, tires and sensors are usually not measured on the individual truck that
+//! carries the estimator. Their values in the vehicle file are the mean of a prior, and its
+//! `[uncertainty]` table contains the standard deviations. Calibration runs turn the prior into a
+//! posterior. The uncertainty of the DC ratios is computed in the same way from either of them.
 //!
-//! Factors are beliefs about their logarithm, so that none becomes negative; the roll-centre
-//! height is shifted by metres.
+//! For a factor the distribution is that of its logarithm, so the factor is never negative. For a
+//! height it is a shift in meters.
 
 use cg_core::Channel;
 use nalgebra::{SMatrix, SVector};
@@ -18,15 +18,15 @@ use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
-/// How many parameters there are.
+/// Number of parameters.
 pub const PARAMETERS: usize = 12;
 
-/// Values of the parameters, as deviations from the vehicle file (logarithm of a factor, or metres).
+/// Deviations of the parameters from the vehicle file (logarithm of a factor, or meters).
 pub type Deviations = SVector<f64, PARAMETERS>;
-/// Their covariance.
+/// Covariance of the deviations.
 pub type Covariance = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// One uncertain property of a vehicle and its sensors.
+/// An uncertain parameter of a vehicle or its sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -35,30 +35,30 @@ pub enum Parameter {
     TrailerRollStiffness,
     /// Roll stiffness of the tractor's suspensions, factor.
     TractorRollStiffness,
-    /// Height of the suspensions' roll centres, shift in metres.
+    /// Height of the roll centers of the suspensions, shift in meters.
     RollCenterHeight,
-    /// Height of the tractor's sprung c.g., shift in metres.
+    /// Height of the tractor's sprung c.g., shift in meters.
     TractorCgHeight,
     /// Roll stiffness of the fifth wheel, factor.
     FifthWheelStiffness,
-    /// Vertical stiffness of the tyres, factor.
+    /// Vertical stiffness of the tires, factor.
     TyreVerticalStiffness,
-    /// Cornering stiffness of the steered axles' tyres, factor.
+    /// Cornering stiffness of the tires of the steered axles, factor.
     SteeredCorneringStiffness,
-    /// Cornering stiffness of the tractor's other tyres, factor.
+    /// Cornering stiffness of the tires of the tractor's other axles, factor.
     DriveCorneringStiffness,
-    /// Cornering stiffness of the trailer's tyres, factor.
+    /// Cornering stiffness of the tires of the trailer, factor.
     TrailerCorneringStiffness,
-    /// True steer angle over the measured one, factor.
+    /// True steer angle divided by the measured one, factor.
     SteeringGain,
-    /// True lateral acceleration over the measured one, factor.
+    /// True lateral acceleration divided by the measured one, factor.
     LateralAccelerationGain,
-    /// `R_c`: roll angle over what the model says (eq. 5.19), factor.
+    /// `R_c`: roll angle divided by that of the model (eq. 5.19), factor.
     Compensation,
 }
 
 impl Parameter {
-    /// All of them, in the order of [`Deviations`].
+    /// All parameters, in the order of [`Deviations`].
     pub const ALL: [Self; PARAMETERS] = [
         Self::TrailerRollStiffness,
         Self::TractorRollStiffness,
@@ -74,15 +74,15 @@ impl Parameter {
         Self::Compensation,
     ];
 
-    /// In words.
+    /// The name of the parameter in words.
     pub const fn words(self) -> &'static str {
         match self {
             Self::TrailerRollStiffness => "trailer suspension roll stiffness",
             Self::TractorRollStiffness => "tractor suspension roll stiffness",
-            Self::RollCenterHeight => "roll-centre height",
+            Self::RollCenterHeight => "roll-center height",
             Self::TractorCgHeight => "tractor c.g. height",
             Self::FifthWheelStiffness => "fifth-wheel roll stiffness",
-            Self::TyreVerticalStiffness => "vertical tyre stiffness",
+            Self::TyreVerticalStiffness => "vertical tire stiffness",
             Self::SteeredCorneringStiffness => "cornering stiffness, steered axles",
             Self::DriveCorneringStiffness => "cornering stiffness, drive axles",
             Self::TrailerCorneringStiffness => "cornering stiffness, trailer axles",
@@ -92,26 +92,26 @@ impl Parameter {
         }
     }
 
-    /// Whether the belief is about the logarithm of a factor (or else metres).
+    /// Whether the deviation is the logarithm of a factor; otherwise it is in meters.
     pub const fn is_factor(self) -> bool {
         !matches!(self, Self::RollCenterHeight | Self::TractorCgHeight)
     }
 }
 
-/// A Gaussian belief about the parameters.
+/// A Gaussian distribution of the parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Belief {
-    /// Mean.
+    /// Mean of the deviations.
     pub mean: Deviations,
-    /// Covariance.
+    /// Covariance of the deviations.
     pub covariance: Covariance,
-    /// Relative standard deviation of what the equations leave out, which is new in every
-    /// situation and which no calibration removes.
+    /// Relative standard deviation of the rest of the model error, which differs in every situation
+    /// and which no calibration removes.
     pub residual_sd: f64,
 }
 
 impl Belief {
-    /// What the vehicle file says before any calibration.
+    /// The prior, as given by the vehicle file.
     pub fn prior(vehicle: &Vehicle) -> Self {
         let u = &vehicle.uncertainty;
         let sd = |parameter| match parameter {
@@ -139,23 +139,23 @@ impl Belief {
         }
     }
 
-    /// The vehicle with its parameters moved to the mean.
+    /// The vehicle with its parameters at the mean.
     pub fn applied_to(&self, vehicle: &Vehicle) -> Vehicle {
         adjusted(vehicle, &self.mean)
     }
 
-    /// What the DC ratio of a channel is multiplied with: `R_c` and the gain of its sensor.
+    /// The factor of the DC ratio of a channel: `R_c` times the gain of its sensor.
     pub fn gain(&self, channel: Channel) -> f64 {
         log_gain(&self.mean, channel).exp()
     }
 
-    /// Roll angle over what the vehicle's parameters say: `R_c`.
+    /// `R_c`: the roll angle divided by that of the model at the mean of the parameters.
     pub(crate) fn roll_gain(&self) -> f64 {
         value(&self.mean, Parameter::Compensation).exp()
     }
 
-    /// Covariance of the logarithms of the two channels' DC ratios (in the order of
-    /// [`Channel::ALL`]) at a speed and load, the residual included.
+    /// Covariance of the logarithms of both channels' DC ratios at a speed and load, including the
+    /// residual. The order is that of [`Channel::ALL`].
     ///
     /// # Errors
     /// As [`ratio_line`].
@@ -178,7 +178,8 @@ impl Belief {
     }
 }
 
-/// Logarithms of both channels' DC ratios at a height, and their derivatives by the parameters.
+/// Logarithms of both channels' DC ratios at a height, and their derivatives with respect to the
+/// parameters.
 ///
 /// # Errors
 /// As [`ratio_line`]; also if a ratio is not positive.
@@ -196,7 +197,7 @@ pub(crate) fn log_ratios(
             let ratio = lines[channel.index()].ratio_at(load.cg_height_m);
             if !(ratio > 0.0) {
                 return Err(VehicleError::Model(format!(
-                    "at {:.2} m and {:.0} kg the model has no positive steady roll angle",
+                    "at {:.2} m and {:.0} kg the model has no positive steady-state roll angle",
                     load.cg_height_m, load.trailer_mass_kg
                 )));
             }
@@ -206,8 +207,8 @@ pub(crate) fn log_ratios(
     };
     let here = at(mean)?;
     let mut slopes = [Deviations::zeros(); 2];
-    // Central differences: the error of a step of 1e-4 is 1e-8 of the third derivative, its
-    // rounding 1e-12/1e-4.
+    // Central differences with a step of 1e-4: the error is 1e-8 of the third derivative, the
+    // rounding error 1e-12/1e-4.
     let step = 1e-4;
     for k in 0..PARAMETERS {
         let (mut above, mut below) = (*mean, *mean);
@@ -225,7 +226,8 @@ fn value(deviations: &Deviations, parameter: Parameter) -> f64 {
     deviations[parameter as usize]
 }
 
-/// Roll over *measured* input: a sensor that reads too low makes the ratio larger.
+/// Logarithm of the factor from the true input to the *measured* one: a sensor that reads too low
+/// makes the ratio larger.
 pub fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
     let sensor = match channel {
         Channel::Steer => Parameter::SteeringGain,
@@ -234,7 +236,7 @@ pub fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
     value(deviations, sensor) + value(deviations, Parameter::Compensation)
 }
 
-/// The vehicle with its parameters moved.
+/// The vehicle with these deviations of its parameters.
 pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     let factor = |parameter| value(deviations, parameter).exp();
     let mut moved = vehicle.clone();
@@ -245,13 +247,14 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     let vertical = factor(Parameter::TyreVerticalStiffness);
     let shift_m = value(deviations, Parameter::RollCenterHeight);
     let mut adjust = |axle: &mut Axle, stiffness: Parameter, cornering: Parameter| {
-        // As roll stiffness beside the springs, so that the static loads stay what they are.
+        // The change is added as roll stiffness that is separate from the springs, so that the
+        // static loads do not change.
         let half_spread_m = 0.5 * axle.spring_spread_m;
         let springs = 2.0 * axle.spring_stiffness_n_per_m * half_spread_m * half_spread_m;
         let total = springs + axle.auxiliary_roll_stiffness_nm_per_rad;
         axle.auxiliary_roll_stiffness_nm_per_rad = factor(stiffness) * total - springs;
         axle.roll_center_height_m += shift_m;
-        // Each axle its own tyre type, since types may be shared.
+        // Each axle gets its own tire type, because axles may share a type.
         if let Some(tyre) = find(axle) {
             axle.tyre = format!("{} {}", moved.tyre.len() + 1, tyre.name);
             let scaled = scaled_tyre(tyre, axle.tyre.clone(), vertical, factor(cornering));

@@ -1,16 +1,17 @@
-//! Compensation functions (section 5.4): the F(s) that turns one response into another.
+//! Compensation functions (section 5.4): the F(s) that transforms one response into another.
 //!
-//! The source feeds a rounded step to its model and to the vehicle, takes the model's roll angle
-//! as input and the vehicle's as output, and identifies
+//! The thesis applies a rounded step to its model and to the vehicle. With the model's roll angle
+//! as input and the vehicle's as output it identifies
 //!
 //! ```text
 //!     F(s) = (b_n sⁿ + … + b_0) / (sⁿ + a_(n−1) s^(n−1) + … + a_0),     G_c = F G
 //! ```
 //!
-//! Here: least squares on signals filtered by `sᵏ/E(s)`, `E` first a multiple pole, then the
-//! denominator found last (poles that became unstable are mirrored); from the best of these rounds,
-//! and from the function of the order below, the simulated response itself is fitted. So a higher
-//! order is never worse, as it is in the source, whose shift-form ARX has no such last step.
+//! Here the coefficients are determined by least squares on signals filtered by `sᵏ/E(s)`. `E` is a
+//! multiple pole at first and then the last denominator found (poles that become unstable are
+//! mirrored). From the best of these results, and from the function of the order below, the
+//! simulated response itself is fitted. A higher order is therefore never worse. In the thesis it
+//! can be, because its shift-form ARX has no such last step.
 //!
 //! **Reference.** Steiglitz and `McBride`, IEEE Trans. Autom. Control 10 (1965); Garnier and Wang,
 //! *Identification of Continuous-time Models from Sampled Data*, §1.3.
@@ -24,33 +25,34 @@ use crate::system::{Rational, polynomial};
 
 /// The greatest order.
 pub const GREATEST_ORDER: usize = 6;
-/// Rounds of filtering; each is one least-squares problem.
+/// Number of filtering rounds, each of which is one least-squares problem.
 const ROUNDS: usize = 30;
-/// Bandwidth of the first filter: that of a truck's roll.
+/// Pole of the first filter: the bandwidth of a truck's roll motion.
 const FIRST_POLE_RADPS: f64 = 3.0;
-/// Singular values below this share of the greatest carry no information.
+/// Singular values below this share of the greatest one carry no information.
 const RANK: f64 = 1e-12;
 
 /// An identified compensation function.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Compensation {
-    /// Order.
+    /// Its order.
     pub order: usize,
-    /// `F(s)`; stable.
+    /// The stable function `F(s)`.
     pub function: Rational,
     /// `R_c = F(0)` (eq. 5.19).
     pub dc_gain: f64,
-    /// Mean square of the compensated less the measured response, degree² (both in radians).
+    /// Mean square of the difference between the compensated and the measured response (both given
+    /// in radians), degree².
     pub squared_error_degree2: f64,
 }
 
-/// Identifies F(s) of an order between a model's response and the measured one, both from rest,
-/// in radians, `interval_s` apart.
+/// Identifies F(s) of a given order from a model's response to the measured one. Both responses
+/// start from rest and are given in radians, `interval_s` apart.
 ///
 /// # Errors
-/// [`VehicleError::Model`] if the order is not 1 to 6, the lengths differ, there are fewer than
-/// ten samples per coefficient, a sample is not a number, or nothing moves.
+/// [`VehicleError::Model`] if the order is not 1 to 6, the lengths differ, there are fewer than ten
+/// samples per coefficient, a sample is not a number, or a response is always zero.
 pub fn identify(
     model: &[f64],
     measured: &[f64],
@@ -65,7 +67,7 @@ pub fn identify(
     Ok(found)
 }
 
-/// The function of the order above `lower`, or of order 1.
+/// The function of the order above `lower`; without `lower`, that of order 1.
 fn one_more(
     model: &[f64],
     measured: &[f64],
@@ -123,7 +125,7 @@ fn check(
         return fault(format!("the interval {interval_s} s must be positive"));
     }
     if model.len() != measured.len() {
-        return fault(format!("{} samples beside {}", model.len(), measured.len()));
+        return fault(format!("the responses have {} and {} samples", model.len(), measured.len()));
     }
     if model.len() < 10 * (2 * order + 1) {
         return fault(format!("{} samples are too few for order {order}", model.len()));
@@ -132,7 +134,7 @@ fn check(
         return fault("a sample is not a number".to_owned());
     }
     if model.iter().all(|&value| value == 0.0) || measured.iter().all(|&value| value == 0.0) {
-        return fault("a response that stays zero says nothing".to_owned());
+        return fault("a response that is always zero contains no information".to_owned());
     }
     Ok(())
 }
@@ -154,7 +156,8 @@ fn round(
             |i, j| if j < n { -y[(i, j)] } else { u[(i, j - n)] },
         );
     let rhs = y.column(n).into_owned();
-    // Columns of one size: the derivatives of a fast filter are large numbers.
+    // The columns are scaled to equal size, because the derivatives of a fast filter are large
+    // numbers.
     let scale: Vec<f64> = rows.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
     for (mut column, scale) in rows.column_iter_mut().zip(&scale) {
         column /= *scale;
@@ -177,7 +180,8 @@ fn mirrored(function: Rational) -> Result<Rational, VehicleError> {
     if poles.iter().all(|pole| pole.0 < 0.0) {
         return Ok(function);
     }
-    // A pole on the axis is moved off it, or the filter would never forget.
+    // A pole on the imaginary axis is moved to the left, because the filter would not decay
+    // otherwise.
     let mirror = |(re, im): &(f64, f64)| (-re.abs().max(1e-3), *im);
     let mirrored: Vec<(f64, f64)> = poles.iter().map(mirror).collect();
     let mut denominator = polynomial(&mirrored, 1.0);
@@ -209,7 +213,7 @@ mod tests {
 
     const INPUT: StepInput = StepInput { amplitude_rad: 0.04, rate_per_s: 2.0, duration_s: 10.0 };
 
-    /// Order 3 of Table 5.1 is found again between a response and what it makes of it.
+    /// Order 3 of Table 5.1 is identified correctly from a response and its transformation by it.
     #[test]
     fn a_known_function_comes_back() {
         let known = Rational {
@@ -219,13 +223,13 @@ mod tests {
         let model = INPUT.samples();
         let measured = known.system().response(&model, StepInput::INTERVAL_S);
         let found = identify(&model, &measured, StepInput::INTERVAL_S, 3).unwrap();
-        // The filters take the responses as straight lines between samples: (0.01 s)² of a
-        // curvature of a few 1/s².
+        // The filters interpolate the responses linearly between samples. The error is (0.01 s)²
+        // times a curvature of a few 1/s².
         for (ours, known) in found.function.numerator.iter().zip(&known.numerator) {
             assert!((ours / known - 1.0).abs() < 1e-3, "{found:?}");
         }
         assert!((found.dc_gain / known.dc_gain() - 1.0).abs() < 1e-5, "{found:?}");
-        // A higher order has nothing to add, and does no harm.
+        // A higher order brings no improvement, but also no harm.
         let more = identify(&model, &measured, StepInput::INTERVAL_S, 5).unwrap();
         assert!(more.function.system().is_stable().unwrap());
         assert!((more.dc_gain / known.dc_gain() - 1.0).abs() < 1e-4, "{more:?}");
@@ -238,9 +242,9 @@ mod tests {
             identify(model, measured, 0.01, order).unwrap_err().to_string()
         };
         assert!(refuse(&model, &model, 7).contains("between 1 and 6"));
-        assert!(refuse(&model, &model[1..], 3).contains("beside"));
+        assert!(refuse(&model, &model[1..], 3).contains("1001 and 1000 samples"));
         assert!(refuse(&model[..20], &model[..20], 1).contains("too few"));
-        assert!(refuse(&vec![0.0; 500], &model[..500], 1).contains("stays zero"));
+        assert!(refuse(&vec![0.0; 500], &model[..500], 1).contains("always zero"));
         assert!(refuse(&vec![f64::NAN; 500], &model[..500], 1).contains("not a number"));
     }
 }

@@ -1,4 +1,4 @@
-//! From a vehicle to the constants that the estimator runs on.
+//! Computes the constants of the estimator (its design) from a vehicle.
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::rollover::HEIGHTS;
@@ -14,23 +14,23 @@ use crate::reduction::{ReducedModels, reduce};
 use crate::steady_turn::{rollover, threshold_line};
 use crate::vehicle::Vehicle;
 
-/// Speeds of the grid; one of them is replaced by the vehicle's nominal speed.
+/// Speed axis of a design; one of the speeds is replaced by the nominal speed of the vehicle.
 const GRID_MPS: [f64; SPEEDS] = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0, 23.0, 30.0];
 
-/// Computes the design of a vehicle as its file says.
+/// Computes the design of a vehicle from its file, without a calibration.
 ///
 /// # Errors
-/// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load.
+/// [`VehicleError`] if the model is unstable, or not known at the nominal speed and load.
 pub fn design(vehicle: &Vehicle, variant: Variant) -> Result<Design<f64>, VehicleError> {
     design_with(vehicle, variant, &Belief::prior(vehicle))
 }
 
-/// Computes the design of a vehicle with what is believed of its parameters: the prior, or a
-/// calibration.
+/// Computes the design of a vehicle with a distribution of its parameters: the prior, or the
+/// posterior of a calibration.
 ///
 /// # Errors
-/// [`VehicleError`] if the model is unstable or unknown at the nominal speed and load, with the keys
-/// of the vehicle file that are farthest from usual.
+/// [`VehicleError`] if the model is unstable, or not known at the nominal speed and load. The error
+/// names the least usual keys of the vehicle file.
 pub fn design_with(
     file: &Vehicle,
     variant: Variant,
@@ -55,7 +55,7 @@ fn computed(
         for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
             let trailer_mass_kg = match variant {
                 Variant::Complete => mass_kg,
-                Variant::AsPrinted => load.trailer_mass_kg, // known there only
+                Variant::AsPrinted => load.trailer_mass_kg, // the only known mass
             };
             let load = Load { trailer_mass_kg, ..load };
             let both = ratio_line(vehicle, variant, speed_mps, load)?;
@@ -92,12 +92,13 @@ fn computed(
         thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,
     };
     design.validate().map_err(|error| {
-        VehicleError::Model(format!("vehicle \"{}\" makes no usable design: {error}", vehicle.name))
+        VehicleError::Model(format!("vehicle \"{}\" gives no usable design: {error}", vehicle.name))
     })?;
     Ok(design)
 }
 
-/// The reduced models at each mass; that of the reference load where the vehicle is unstable.
+/// The reduced models at each mass. If the vehicle is unstable at a mass, the model at the
+/// reference load is used.
 fn models(
     vehicle: &Vehicle,
     variant: Variant,
@@ -134,14 +135,15 @@ fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {
 fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     let reference_kg = vehicle.trailer.reference_mass_kg;
     if variant == Variant::AsPrinted {
-        // 0.1 % either way: that load and no other.
+        // An axis of 0.1 % around the only load for which the printed model is known.
         return std::array::from_fn(|j| reference_kg * (1.0 + 4e-4 * (j as f64 - 2.5)));
     }
-    // From just below empty, so that a weighing error does not fall off the grid.
+    // The axis starts slightly below the empty mass, so that an empty trailer with a weighing error
+    // is still within it.
     let empty_kg = vehicle.empty_trailer_mass_kg();
     let least_kg = empty_kg * 0.996;
     let greatest_kg = greatest_mass_kg(vehicle);
-    // Closer together where the payload is small beside the trailer.
+    // The spacing is smaller where the payload is small compared with the trailer.
     let mut masses: [f64; MASSES] = std::array::from_fn(|j| {
         least_kg + (greatest_kg - least_kg) * (j as f64 / (MASSES - 1) as f64).powf(1.3)
     });
@@ -156,7 +158,7 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     masses
 }
 
-/// Rollover thresholds of each mass, at heights evenly over the vehicle's range.
+/// The rollover thresholds of each mass, at heights equally spaced over the vehicle's range.
 fn thresholds(
     vehicle: &Vehicle,
     variant: Variant,

@@ -1,12 +1,12 @@
 //! A design as text for firmware: JSON, Rust or C, in single precision.
 //!
-//! Numbers are the shortest that give the same bits again.
+//! Each number is written with the fewest digits that give the same bits when it is read.
 
 use std::fmt::Write;
 
 use cg_core::{ChannelDesign, Design, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine};
 
-/// The language of the text.
+/// The language of the emitted text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Language {
@@ -47,7 +47,7 @@ impl<E: Tree, const N: usize> Tree for [E; N] {
     }
 }
 
-/// Every field stands here: one that is forgotten does not compile.
+/// All fields are listed here. A missing field is a compile error.
 macro_rules! structures {
     ($($name:ident { $($field:ident),+ $(,)? })+) => {
         $(impl Tree for $name<f32> {
@@ -87,10 +87,10 @@ impl Node {
 
     fn write(&self, language: Language, depth: usize, out: &mut String) {
         let (open, close, items): (String, char, Vec<(String, &Self)>) = match self {
-            // `{:?}` of a float is the shortest that reads back as the same one.
+            // `{:?}` writes the fewest digits that give the same float when it is read.
             Self::Number(value) => {
                 let suffix = if language == Language::C { "f" } else { "" };
-                let _ = write!(out, "{value:?}{suffix}"); // a string takes everything
+                let _ = write!(out, "{value:?}{suffix}"); // writing to a string cannot fail
                 return;
             }
             Self::Array(items) => {
@@ -126,7 +126,7 @@ impl Node {
         if short {
             out.push_str(padding);
         } else {
-            // JSON knows no comma after the last.
+            // JSON does not allow a comma after the last item.
             out.push_str(if language == Language::Json { "\n" } else { ",\n" });
             out.push_str(&"    ".repeat(depth));
         }
@@ -134,7 +134,7 @@ impl Node {
     }
 }
 
-/// The text of `design` in a language, behind a comment of some lines.
+/// The text of `design` in a language, preceded by a comment of several lines.
 pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> String {
     let mut body = String::new();
     design.tree().write(language, 0, &mut body);
@@ -151,7 +151,7 @@ pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> Str
         ),
         Language::C => format!(
             "{}\n#include \"cg_height.h\"\n\nstatic const cg_design CG_DESIGN = {body};\n",
-            // A file name may end a comment of the other kind.
+            // Line comments, because a file name could end a block comment.
             lines("// ")
         ),
     }
@@ -180,7 +180,7 @@ mod tests {
     /// The numbers of the JSON text, by the fields of the design.
     fn read(node: &Node, json: &serde_json::Value, into: &mut Vec<u32>) {
         match node {
-            #[allow(clippy::cast_possible_truncation)] // to the type that it was written from
+            #[allow(clippy::cast_possible_truncation)] // the type from which it was written
             Node::Number(_) => into.push((json.as_f64().unwrap() as f32).to_bits()),
             Node::Array(items) => {
                 assert_eq!(json.as_array().unwrap().len(), items.len());
@@ -205,7 +205,7 @@ mod tests {
         numbers(&design.tree(), &mut before);
         read(&design.tree(), &json, &mut after);
         assert_eq!(before, after);
-        // Nothing but the comment beside the design, and nothing of the design left out.
+        // The text contains all of the design, and nothing else except the comment.
         assert_eq!(size_of::<Design<f32>>(), 4 * before.len());
         let Node::Struct(_, fields) = design.tree() else { panic!("a structure") };
         assert_eq!(json.as_object().unwrap().len(), 1 + fields.len());

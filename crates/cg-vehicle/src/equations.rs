@@ -1,18 +1,18 @@
-//! The equations of motion as matrices, and the responses that follow from them.
+//! The equations of motion as matrices, and their state-space form.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::response::StateSpace;
 
-/// Which equations.
+/// Version of the equations of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
-    /// All terms.
+    /// The complete equations, derived in this project.
     #[default]
     Complete,
-    /// Appendix B with its misprints corrected.
+    /// Appendix B of the thesis with its misprints corrected.
     AsPrinted,
 }
 
@@ -48,15 +48,15 @@ pub(crate) mod q {
 /// The equations of motion at one speed and load.
 #[derive(Clone, Debug)]
 pub struct Equations {
-    /// Forward speed.
+    /// Forward speed, m/s.
     pub speed_mps: f64,
     pub(crate) mass: DMatrix<f64>,
     pub(crate) damping: DMatrix<f64>,
     pub(crate) stiffness: DMatrix<f64>,
     pub(crate) steer: DVector<f64>,
-    /// Lateral acceleration of the trailer's sprung c.g. as `j ẇ + U r2-part`: row on ẇ.
+    /// Lateral acceleration of the trailer's sprung c.g.: its row on ẇ.
     pub(crate) lateral_rate: DVector<f64>,
-    /// The same: row on w.
+    /// The same: its row on w.
     pub(crate) lateral_bias: DVector<f64>,
 }
 
@@ -74,7 +74,7 @@ impl Equations {
         }
     }
 
-    /// First-order form with every response as an output.
+    /// The state-space form, with every response as an output.
     ///
     /// # Errors
     /// [`VehicleError::Model`] if the mass matrix is singular.
@@ -118,8 +118,8 @@ impl Equations {
         })
     }
 
-    /// The static system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…)`: no accelerations,
-    /// both units at one yaw rate.
+    /// The steady-state system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…)`, without
+    /// accelerations and with the same yaw rate of both units.
     pub(crate) fn steady(&self) -> DMatrix<f64> {
         let (nw, nq) = self.stiffness.shape();
         let mut s = DMatrix::zeros(nw, nw);

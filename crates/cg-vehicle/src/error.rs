@@ -1,71 +1,71 @@
-//! What can be wrong with a vehicle.
+//! Errors of a vehicle file or a model.
 
 use thiserror::Error;
 
 use crate::finding::{Finding, Unusual, plain};
 
-/// A vehicle file or a model that cannot be used.
+/// The reason why a vehicle file or a model cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum VehicleError {
     /// The file cannot be read.
     #[error("{file}: cannot be read ({source}); check that it is a text file and may be read")]
     Read {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// The system's reason.
+        /// Reason from the operating system.
         source: std::io::Error,
     },
-    /// Not TOML, an unknown key, a missing key or a value of the wrong type.
+    /// The text is not TOML, or it has an unknown key, a missing key or a value of the wrong type.
     #[error("{file}: {message}")]
     Syntax {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// What and where (line and column).
+        /// The fault and its position (line and column).
         message: String,
     },
-    /// Values that no vehicle can have, and what else the check found.
+    /// Some values are impossible. Contains all findings of the check.
     #[error("{}", told(file, findings))]
     Invalid {
-        /// The file.
+        /// Name of the file.
         file: String,
         /// All findings, errors first.
         findings: Vec<Finding>,
     },
-    /// The numbers of a vehicle are possible one by one, but the vehicle is not.
+    /// Each number of the vehicle is possible, but the vehicle as a whole is not.
     #[error("{message}; {}", farthest_words(farthest))]
     Unusable {
-        /// What fails.
+        /// The fault.
         message: String,
-        /// The keys farthest from usual, farthest first.
+        /// The keys with the least usual values, the least usual one first.
         farthest: Vec<Unusual>,
     },
-    /// A load that the trailer cannot have.
+    /// A load that the trailer cannot have, because it is lighter than empty.
     #[error(
         "trailer mass {trailer_mass_kg:.0} kg is below the empty trailer's {empty_mass_kg:.0} kg: \
          give the mass of the whole semitrailer as weighed (sprung mass and axles)"
     )]
     Load {
-        /// The mass asked for.
+        /// The trailer mass of the load.
         trailer_mass_kg: f64,
-        /// The empty trailer's.
+        /// Mass of the empty trailer.
         empty_mass_kg: f64,
     },
-    /// The printed model is known for one vehicle and load only.
+    /// The thesis's printed model is known for one vehicle and load only.
     #[error("the as-printed model {0}; use ⟨model complete⟩")]
     AsPrinted(String),
-    /// No such table of the source.
+    /// The thesis has no such table.
     #[error("no table `{name}` to reproduce; there are {known}")]
     UnknownTable {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// All names.
         known: String,
     },
-    /// No such study.
+    /// There is no such study.
     #[error("no study `{name}`; there are {known}")]
     UnknownStudy {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// All names.
         known: String,
@@ -76,7 +76,7 @@ pub enum VehicleError {
 }
 
 impl VehicleError {
-    /// A TOML file that is none, with line and column.
+    /// The error for invalid TOML, with line and column.
     pub fn syntax(file: &str, source: &toml::de::Error) -> Self {
         Self::Syntax { file: file.to_owned(), message: source.to_string().trim_end().to_owned() }
     }
@@ -93,5 +93,5 @@ fn farthest_words(farthest: &[Unusual]) -> String {
         format!("{key} = {} (usual: {usual})", plain(*value))
     };
     let words: Vec<String> = farthest.iter().map(one).collect();
-    format!("farthest from usual in the vehicle file: {}", words.join(", "))
+    format!("least usual values in the vehicle file: {}", words.join(", "))
 }

@@ -1,26 +1,26 @@
-//! What the check of a vehicle file finds: the words and numbers of an error or a warning.
+//! Findings of the check of a vehicle file: errors and warnings.
 
 use std::fmt;
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Severity {
-    /// No vehicle is like this: the file is refused.
+    /// No vehicle can have this value: the file is refused.
     Error,
-    /// Hardly any vehicle is like this: the file is used.
+    /// Hardly any vehicle has this value: the file is used.
     Warning,
 }
 
-/// Something wrong or unusual in a vehicle file.
+/// An impossible or unusual value in a vehicle file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Finding {
-    /// How bad it is.
+    /// Error or warning.
     pub severity: Severity,
-    /// Line, from 1.
+    /// Line in the file, from 1.
     pub line: usize,
-    /// Column, from 1.
+    /// Column in the file, from 1.
     pub column: usize,
     /// The key, such as `trailer.axle[1].spring_spread_m`.
     pub key: String,
@@ -28,14 +28,14 @@ pub struct Finding {
     pub value: String,
     /// What is wrong with it.
     pub problem: String,
-    /// What is usual; empty where only the problem can say it.
+    /// The usual values; empty if the problem contains them.
     pub usual: String,
-    /// What to do; empty where the problem says it.
+    /// How to correct it; empty if the problem contains it.
     pub remedy: String,
 }
 
 impl Finding {
-    /// A finding that has no place yet.
+    /// A finding whose position is not set yet.
     pub(crate) fn new(
         severity: Severity,
         key: impl Into<String>,
@@ -62,7 +62,7 @@ impl Finding {
         Self::new(Severity::Error, key, value, problem)
     }
 
-    /// The finding with its place in a file, as compilers write it.
+    /// The finding with its position in a file, in the form of compiler messages.
     pub fn in_file(&self, file: &str) -> String {
         let warning = if self.severity == Severity::Warning { "warning: " } else { "" };
         format!("{file}:{}:{}: {warning}{self}", self.line, self.column)
@@ -82,7 +82,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// A number of a vehicle and how far it is from usual.
+/// A number of a vehicle and its distance from the usual values.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Unusual {
@@ -90,9 +90,10 @@ pub struct Unusual {
     pub key: String,
     /// Its value.
     pub value: f64,
-    /// What is usual.
+    /// The usual values.
     pub usual: String,
-    /// [`Range::distance`](crate::check::Range::distance): above 1 it is beyond the usual range.
+    /// The value of [`Range::distance`](crate::check::Range::distance): above 1, the number is
+    /// outside the usual range.
     pub distance: f64,
 }
 
@@ -101,7 +102,7 @@ pub(crate) fn span([low, high]: [f64; 2], unit: &str) -> String {
     format!("{} to {} {unit}", plain(low), plain(high)).trim_end().to_owned()
 }
 
-/// A number as one would write it.
+/// A number in its usual notation.
 pub(crate) fn plain(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value.abs()) {
         value.to_string()

@@ -1,28 +1,29 @@
-//! A truck on paper: its file, the linear model of a tractor-semitrailer, its reduction and the design
-//! that the estimator runs on.
+//! Offline models of a tractor-semitrailer: its vehicle file, its linear model, the reduction of
+//! this model, and the design for the estimator.
 //!
-//! | module | what | source |
+//! | module | contents | reference |
 //! |---|---|---|
 //! | [`hint`] | the options that messages recommend | – |
-//! | [`finding`], [`error`] | what can be wrong with a vehicle file or a model | – |
-//! | [`files`], [`limits`] | small files, read with a limit; what no vehicle on a road exceeds | – |
+//! | [`finding`], [`error`] | findings and errors about a vehicle file or a model | – |
+//! | [`files`], [`limits`] | reading of small files up to a size limit; limits that no road vehicle exceeds | – |
 //! | [`load`], [`vehicle`] | loads of the trailer, the vehicle file | ch. 2 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
-//! | [`check`] | reads a vehicle file; whether its numbers are plausible | – |
-//! | [`tables`], [`characteristics`] | measured springs and tyres in it, and their evaluation | Tables 2.3–2.9 |
+//! | [`check`] | reads a vehicle file and checks whether its numbers are plausible | – |
+//! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
-//! | [`belief`], [`calibration`] | what is not known of a truck, and what runs say of it | eq. 5.19 |
+//! | [`belief`], [`calibration`] | uncertain parameters of a truck, and their estimation from runs | eq. 5.19 |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
-//! | [`compensation`] | F(s) between two responses | section 5.4 |
+//! | [`compensation`] | the compensation F(s) between two responses | section 5.4 |
 //! | [`steady_turn`] | the rollover threshold, axle by axle | section 1.2 |
-//! | [`design`], [`emit`] | the constants for `cg_core`; the same as JSON, Rust or C, for firmware | – |
+//! | [`design`], [`emit`] | the constants for `cg_core`; the same as JSON, Rust or C for firmware | – |
 //!
-//! Axes and signs are those of [`cg_core::signal::sample`] (ISO 8855).
+//! Axes and signs are those of [`cg_core::signal::sample`] (ISO 8855). The references are to the
+//! thesis (F. Yang, Concordia University, 2005).
 //!
 //! # Example
 //!
-//! The height that a DC ratio of roll over steer means, at 50 km/h:
+//! The height that follows from a DC ratio of roll angle to steer angle, at 50 km/h:
 //!
 //! ```
 //! use cg_core::Channel;

@@ -1,28 +1,28 @@
-//! What no vehicle on a road exceeds: numbers beyond are slips of the unit or of the keyboard.
+//! Limits that no road vehicle exceeds. Larger numbers are errors of the unit or of typing.
 
 use crate::error::VehicleError;
 
-/// C.g. height of a trailer's sprung mass.
+/// Height of the c.g. of a trailer's sprung mass.
 pub const GREATEST_HEIGHT_M: f64 = 6.0;
-/// Mass of a whole semitrailer, also of its payload: heavy haulage.
+/// Mass of a whole semitrailer or of its payload, including heavy haulage.
 pub const GREATEST_TRAILER_MASS_KG: f64 = 200e3;
 /// Forward speed.
 pub const GREATEST_SPEED_MPS: f64 = 60.0;
-/// Mean road-wheel steer angle.
+/// Mean steer angle of the road wheels.
 pub const GREATEST_STEER_RAD: f64 = 1.0;
-/// Rate of a rounded step.
+/// Rate `a` of a rounded step (eq. 5.3).
 pub const GREATEST_STEP_RATE_PER_S: f64 = 100.0;
-/// Samples per second.
+/// Number of samples per second.
 pub const GREATEST_RATE_HZ: f64 = 10_000.0;
-/// Length of a log: a day.
+/// Duration of a log: one day.
 pub const GREATEST_DURATION_S: f64 = 86_400.0;
-/// Rows of a simulated log.
+/// Number of rows of a simulated log.
 pub const GREATEST_ROWS: f64 = 1e7;
 
-/// Whether a number lies above zero and at most at its limit.
+/// Checks that a number is positive and not above its limit.
 ///
 /// # Errors
-/// [`VehicleError::Model`] with name, value and limit.
+/// [`VehicleError::Model`] with the name, the value and the limit.
 pub fn positive(name: &str, value: f64, greatest: f64) -> Result<(), VehicleError> {
     if value > 0.0 && value <= greatest {
         return Ok(());

@@ -1,7 +1,7 @@
 //! The linear yaw/roll model of a tractor-semitrailer at constant speed (chapters 3 and 4).
 //!
 //! Degrees of freedom: lateral velocity of the tractor, yaw of both units, roll of both sprung
-//! masses, roll of each axle about its suspension's roll centre. ISO 8855 signs.
+//! masses, and roll of each axle about the roll center of its suspension. Signs follow ISO 8855.
 //!
 //! ```text
 //!     w = (v, r1, r2, φ̇1, φ̇2, φ̇u…)      velocities
@@ -9,15 +9,15 @@
 //!     M ẇ + C w + K q = b δ
 //! ```
 //!
-//! * [`Variant::Complete`] (default): written from virtual power, each body with its own mass
-//!   and c.g. inertia, tyre forces at the road, the fifth wheel's lateral and vertical force
-//!   about each sprung c.g. included.
-//! * [`Variant::AsPrinted`]: appendix B with its misprints corrected. It lumps each unit's mass
-//!   for the lateral motion, counts `m Xc²` twice in yaw and leaves the fifth wheel's force out
-//!   of the roll equations; kept because it reproduces the source.
+//! * [`Variant::Complete`] (default) is derived from virtual power. Each body has its own mass and
+//!   c.g. inertia, tire forces act at the road, and the lateral and vertical force of the fifth
+//!   wheel acts about each sprung c.g.
+//! * [`Variant::AsPrinted`] is appendix B of the thesis with its misprints corrected. It lumps each
+//!   unit's mass for the lateral motion, counts `m Xc²` twice in yaw, and neglects the force of the
+//!   fifth wheel in the roll equations. It is kept because it reproduces the thesis's results.
 //!
-//! In the static equations the trailer's c.g. height enters one row only (trailer roll) and
-//! there linearly, which is what makes [`ratio_line`] exact.
+//! In the steady-state equations the height of the trailer's c.g. occurs in one row only (trailer
+//! roll), and linearly. [`ratio_line`] is therefore exact.
 
 use nalgebra::DVector;
 
@@ -32,11 +32,11 @@ use crate::response::StateSpace;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
 impl Equations {
-    /// The equations of a vehicle.
+    /// The equations of motion of a vehicle.
     ///
     /// # Errors
-    /// [`VehicleError`] if the load is impossible, or if the printed model is asked for where
-    /// it is not known.
+    /// [`VehicleError`] if the load is impossible, or if the printed model is not known for this
+    /// load.
     pub fn new(
         vehicle: &Vehicle,
         variant: Variant,
@@ -57,7 +57,8 @@ impl Equations {
 const STEADY_YAW_RATE: usize = 1;
 const STEADY_TRAILER_ROLL: usize = 2 + q::ROLL_2;
 
-/// `(N_φ, N_r, D)` of Cramer's rule: numerators of trailer roll and yaw rate, denominator.
+/// `(N_φ, N_r, D)` of Cramer's rule: the numerators of trailer roll and yaw rate, and the
+/// denominator.
 fn determinants(equations: &Equations) -> (f64, f64, f64) {
     let s = equations.steady();
     let replaced = |column: usize| {
@@ -68,8 +69,8 @@ fn determinants(equations: &Equations) -> (f64, f64, f64) {
     (replaced(STEADY_TRAILER_ROLL), replaced(STEADY_YAW_RATE), s.determinant())
 }
 
-/// The analytic DC ratios as functions of height (eq. 5.17): roll per steer angle, and roll
-/// per lateral acceleration (rad per m/s²), both scaled to `b0 + b1 h = 1` at the reference
+/// The analytic DC ratios as functions of the height (eq. 5.17): roll per steer angle (rad/rad),
+/// and roll per lateral acceleration (rad per m/s²). Both are scaled to `b0 + b1 h = 1` at the
 /// height of `load`.
 ///
 /// # Errors
@@ -84,7 +85,8 @@ pub fn ratio_line(
         Equations::new(vehicle, variant, speed_mps, Load { cg_height_m, ..load })
             .map(|equations| determinants(&equations))
     };
-    // Any two heights will do, since both are exactly linear; half a metre keeps rounding small.
+    // Any two heights are possible, because both determinants are exactly linear. With half a meter
+    // the rounding error is small.
     let step_m = 0.5;
     let here = at(load.cg_height_m)?;
     let above = at(load.cg_height_m + step_m)?;
@@ -102,12 +104,12 @@ pub fn ratio_line(
         }
     };
     let roll = (here.0, above.0);
-    // Steady lateral acceleration is speed times yaw rate.
+    // In steady state the lateral acceleration is speed times yaw rate.
     let lateral = (here.1 * speed_mps, above.1 * speed_mps);
     Ok([line(roll, (here.2, above.2)), line(roll, lateral)])
 }
 
-/// Lateral motion of a point: its velocity as a row on `w`, and whether it turns with the trailer.
+/// Lateral velocity of a point as a row on `w`, and whether it is on the trailer.
 #[derive(Clone)]
 struct Point {
     velocity: DVector<f64>,
@@ -128,7 +130,7 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     let axles = vehicle.axles();
     let mut e = Equations::zeros(axles.len(), speed_mps);
     let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
-    // A point z above a c.g. moves by −z φ̇ to the left; one x ahead of it by +x r.
+    // A point z above a c.g. moves to the left by −z φ̇; a point x ahead of it by +x r.
     let tractor_above_m = tractor.cg_height_m - hitch.height_m;
     let trailer_above_m = sprung.cg_height_m - hitch.height_m;
     let mut velocity = DVector::zeros(e.mass.nrows());
@@ -170,13 +172,13 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
         add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
     }
     e.lateral_rate.copy_from(&trailer_cg.velocity);
-    // d/dt of the lateral velocity in the turning frame: U r1 for both units, since the
-    // articulation rate is part of the trailer's lateral velocity.
+    // d/dt of the lateral velocity in the rotating frame: U r1 for both units, because the
+    // trailer's lateral velocity already contains the articulation rate.
     e.lateral_bias[w::YAW_1] = speed_mps;
     Ok(e)
 }
 
-/// Inertia of a mass at a point: `m j (jᵀẇ + U r)`.
+/// Adds the inertia of a mass at a point: `m j (jᵀẇ + U r)`.
 fn add_mass(e: &mut Equations, mass_kg: f64, point: &Point) {
     let j = &point.velocity;
     e.mass += mass_kg * j * j.transpose();
@@ -210,8 +212,8 @@ fn add_axle(
     e.mass[(own, own)] += axle.roll_inertia_kgm2;
     e.mass[(yaw, yaw)] += axle.roll_inertia_kgm2;
 
-    // Tyres: slip angle α = (velocity at the road)/U − δ (+ articulation for the trailer);
-    // force −C α at the road, aligning moment +M α.
+    // Tires: the slip angle is α = (velocity at the road)/U − δ (plus the articulation for the
+    // trailer). The force at the road is −C α, the aligning moment +M α.
     let (cornering, aligning) = placed.tyre.stiffness_at(load.total_n / placed.tyres());
     let mut force = -placed.tyres() * cornering * &contact;
     force[yaw] += placed.tyres() * aligning;
@@ -224,8 +226,9 @@ fn add_axle(
         e.steer -= &force;
     }
 
-    // Springs and dampers; the static loads act on lengthening arms (second-order geometry
-    // of the roll centre sliding along the axle, see the potential in docs/model.md).
+    // Springs and dampers. The static loads act on lever arms that grow with the roll angle
+    // (second-order geometry of the roll center that slides along the axle; see the potential in
+    // docs/model.md).
     let spring = placed.suspension_roll_stiffness_nm_per_rad();
     let tyres = placed.tyre_roll_stiffness_nm_per_rad();
     e.stiffness[(body, body_angle)] += spring - load.sprung_n * below_cg_m;
@@ -240,20 +243,20 @@ fn add_axle(
     e.damping[(own, own)] += damper;
 }
 
-/// Everything that a model at one speed and load says.
+/// The linear model at one speed and load, with its DC ratios and static loads.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LinearModel {
-    /// First-order form.
+    /// State-space form.
     pub state_space: StateSpace,
-    /// DC ratios over height, in the order of `cg_core::Channel::ALL`.
+    /// DC ratios over the height, in the order of `cg_core::Channel::ALL`.
     pub ratio: [RatioLine<f64>; 2],
     /// Static loads.
     pub balance: StaticBalance,
 }
 
 impl LinearModel {
-    /// Builds the model.
+    /// Builds the model of a vehicle.
     ///
     /// # Errors
     /// As [`Equations::new`].

@@ -1,4 +1,4 @@
-//! Loads of the trailer, and the one body that tare and payload make.
+//! Loads of the trailer, and the sprung mass of tare and payload together.
 
 use crate::error::VehicleError;
 use crate::limits::{GREATEST_HEIGHT_M, GREATEST_TRAILER_MASS_KG, positive};
@@ -13,7 +13,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// Whether this is a load that a road can see.
+    /// Checks that a load is possible on the road.
     ///
     /// # Errors
     /// [`VehicleError::Model`] with the number and its limit.
@@ -27,9 +27,9 @@ impl Load {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SprungMass {
-    /// Mass.
+    /// Total sprung mass.
     pub mass_kg: f64,
-    /// The part of it that is payload.
+    /// Mass of the payload, which is a part of it.
     pub payload_kg: f64,
     /// Distance of the c.g. behind the fifth wheel.
     pub cg_behind_hitch_m: f64,

@@ -1,7 +1,7 @@
-//! Fitting a rational function to a response: the last, exact step of compensation and reduction.
+//! Fits a rational function to a response, which is the last step of compensation and reduction.
 //!
-//! Minimises the mean square of `y − (B/A) u` over the coefficients by Levenberg-Marquardt. The
-//! sensitivities are the signals themselves, filtered:
+//! The mean square of `y − (B/A) u` is minimized over the coefficients by the Levenberg-Marquardt
+//! method. The sensitivities are filtered signals:
 //!
 //! ```text
 //!     ŷ = B/A u,     ∂ŷ/∂b_k = sᵏ/A u,     ∂ŷ/∂a_k = −sᵏ/A ŷ
@@ -15,15 +15,15 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::VehicleError;
 use crate::system::{Rational, Simulation, multiplied};
 
-/// Steps at most; a few dozen settle it.
+/// Greatest number of steps; a few dozen are usually enough.
 const STEPS: usize = 200;
-/// Relative gain below which a step is the last.
+/// Relative improvement below which the iteration ends.
 const SETTLED: f64 = 1e-9;
-/// Damping at the start, and beyond which no step helps.
+/// Initial damping, and the damping at which the iteration gives up.
 const DAMPING: (f64, f64) = (1e-3, 1e12);
 
-/// `sᵏ/E(s)` of a signal, k = 0 … n, one column each; `filter` holds `E` in ascending powers, its
-/// leading coefficient one.
+/// The signal filtered by `sᵏ/E(s)`, k = 0 … n, one column each. `filter` contains `E` in ascending
+/// powers, with a leading coefficient of one.
 pub(crate) fn filtered(signal: &[f64], interval_s: f64, filter: &[f64]) -> DMatrix<f64> {
     let n = filter.len() - 1;
     let system = Rational { numerator: vec![1.0], denominator: filter.to_vec() }.system();
@@ -45,11 +45,11 @@ pub(crate) fn filtered(signal: &[f64], interval_s: f64, filter: &[f64]) -> DMatr
     columns
 }
 
-/// The function near `start` that turns `input` into `output` best, from rest, and the sum of
-/// squares that is left. With `steady` the value at s = 0 stays that.
+/// The function near `start` that best turns `input` into `output`, from rest, and the remaining
+/// sum of squares. If `steady` is given, it is the fixed value at s = 0.
 ///
 /// # Errors
-/// If eigenvalues do not converge.
+/// If the eigenvalues do not converge.
 pub(crate) fn refine(
     start: &Rational,
     input: &[f64],
@@ -65,7 +65,8 @@ pub(crate) fn refine(
     if let Some(steady) = steady {
         best.numerator[0] = steady * best.denominator[0];
     }
-    // Samples say nothing of poles beyond half their rate: a fit would send them to infinity.
+    // Samples contain no information on poles beyond half the sampling rate, and a fit would move
+    // them towards infinity.
     let limit = fastest_pole(&best)?.max(std::f64::consts::PI / interval_s);
     let mut error = residual(&best);
     let mut damping = DAMPING.0;
@@ -103,13 +104,13 @@ pub(crate) fn refine(
     Ok((best, left))
 }
 
-/// The same function with one order more: a pole and a zero that cancel.
+/// The same function with its order increased by one: a pole and a zero that cancel.
 pub(crate) fn raised(function: &Rational, pole_radps: f64) -> Rational {
     let times = |list: &[f64]| multiplied(list, &[pole_radps, 1.0]);
     Rational { numerator: times(&function.numerator), denominator: times(&function.denominator) }
 }
 
-/// The magnitude of the fastest pole, infinity if one is unstable.
+/// The magnitude of the fastest pole; infinity if a pole is unstable.
 fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
     let poles = function.system().poles()?;
     if poles.iter().any(|pole| !(pole.0 < 0.0)) {
@@ -118,8 +119,8 @@ fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
     Ok(poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max))
 }
 
-/// Columns: denominator below the leading coefficient, then the numerator (without its constant
-/// where the steady value is given).
+/// Columns: the denominator without its leading coefficient, then the numerator (without its
+/// constant if the steady-state value is given).
 fn sensitivities(
     function: &Rational,
     input: &[f64],
@@ -134,7 +135,7 @@ fn sensitivities(
     DMatrix::from_fn(input.len(), 2 * n + 1 - first, |i, j| {
         if j < n {
             let own = -y[(i, j)];
-            // b0 follows a0.
+            // b0 is proportional to a0.
             if j == 0 { own + steady.unwrap_or(0.0) * u[(i, 0)] } else { own }
         } else {
             u[(i, j - n + first)]

@@ -1,16 +1,16 @@
-//! What the linear model answers: transfer functions, poles, zeros, steady values, time histories.
+//! Responses of the linear model: transfer functions, steady-state values and time histories.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::system::{Simulation, System};
 
-/// First-order form `ẋ = A x + b δ` with the responses as rows on `x`.
+/// State-space form `ẋ = A x + b δ`, with the responses as rows on `x`.
 #[derive(Clone, Debug)]
 pub struct StateSpace {
     /// `A`.
     pub a: DMatrix<f64>,
-    /// `b`: per radian of road-wheel steer angle.
+    /// `b`, per radian of road-wheel steer angle.
     pub b: DVector<f64>,
     /// Roll angle of the trailer's sprung mass, rad.
     pub trailer_roll: DVector<f64>,
@@ -20,7 +20,7 @@ pub struct StateSpace {
     pub trailer_yaw_rate: DVector<f64>,
     /// Yaw rate of the tractor, rad/s.
     pub tractor_yaw_rate: DVector<f64>,
-    /// Yaw angle of the tractor less that of the trailer, rad.
+    /// Yaw angle of the tractor minus that of the trailer, rad.
     pub articulation: DVector<f64>,
     /// Lateral velocity of the tractor's sprung c.g., m/s.
     pub tractor_lateral_velocity: DVector<f64>,
@@ -28,27 +28,28 @@ pub struct StateSpace {
     pub axle_roll: Vec<DVector<f64>>,
     /// Lateral acceleration of the trailer's sprung c.g., m/s².
     pub lateral_acceleration: DVector<f64>,
-    /// Its part that follows the steer angle at once, m/s² per rad.
+    /// The part of the lateral acceleration that follows the steer angle without delay, m/s² per
+    /// rad.
     pub lateral_feedthrough: f64,
 }
 
 impl StateSpace {
-    /// The system from steer to one response, given as a row on `x` and its feedthrough.
+    /// The system from the steer angle to one response, given as a row on `x` and its feedthrough.
     pub fn to(&self, row: &DVector<f64>, feedthrough: f64) -> System {
         System { a: self.a.clone(), b: self.b.clone(), c: row.clone(), d: feedthrough }
     }
 
-    /// The system from steer to the trailer's roll angle.
+    /// The system from the steer angle to the trailer's roll angle.
     pub fn to_trailer_roll(&self) -> System {
         self.to(&self.trailer_roll, 0.0)
     }
 
-    /// The system from steer to the lateral acceleration of the trailer's sprung c.g.
+    /// The system from the steer angle to the lateral acceleration of the trailer's sprung c.g.
     pub fn to_lateral_acceleration(&self) -> System {
         self.to(&self.lateral_acceleration, self.lateral_feedthrough)
     }
 
-    /// The steady value of a response per radian of steer.
+    /// The steady-state value of a response per radian of steer angle.
     ///
     /// # Errors
     /// If the model has a pole at zero.
@@ -56,7 +57,8 @@ impl StateSpace {
         Ok(self.to(row, feedthrough).moments(1)?[0])
     }
 
-    /// A simulation from rest, exact for steer angles that are straight lines between samples.
+    /// A simulation that starts from rest and is exact for steer angles that are linear between
+    /// samples.
     pub fn simulation(&self, interval_s: f64) -> Simulation {
         Simulation::new(&self.a, &self.b, interval_s)
     }

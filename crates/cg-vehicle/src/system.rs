@@ -1,4 +1,4 @@
-//! A linear system with one input and one output: what can be asked of it, whatever it stands for.
+//! Linear systems with one input and one output.
 
 use faer::c64;
 use nalgebra::{DMatrix, DVector};
@@ -10,7 +10,7 @@ use crate::error::VehicleError;
 pub struct TransferFunction {
     /// Coefficients in descending powers of s.
     pub numerator: Vec<f64>,
-    /// Coefficients in descending powers of s, the first is one.
+    /// Coefficients in descending powers of s; the first is one.
     pub denominator: Vec<f64>,
     /// Roots of the denominator, rad/s, `(re, im)`.
     pub poles: Vec<(f64, f64)>,
@@ -22,7 +22,7 @@ pub struct TransferFunction {
     pub dc_gain: f64,
 }
 
-/// `ẋ = A x + b u`, `y = c x + d u`.
+/// The state-space system `ẋ = A x + b u`, `y = c x + d u`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct System {
     /// `A`.
@@ -35,12 +35,12 @@ pub struct System {
     pub d: f64,
 }
 
-/// A rational function, ascending powers, `denominator[n] = 1`.
+/// A rational function in ascending powers of s, with `denominator[n] = 1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rational {
     /// Numerator coefficients, ascending.
     pub numerator: Vec<f64>,
-    /// Denominator coefficients, ascending, the last is one.
+    /// Denominator coefficients, ascending; the last is one.
     pub denominator: Vec<f64>,
 }
 
@@ -50,7 +50,8 @@ impl Rational {
         self.numerator[0] / self.denominator[0]
     }
 
-    /// As a system in companion form; the numerator may have the denominator's degree.
+    /// The state-space system in companion form. The numerator may have the same degree as the
+    /// denominator.
     pub fn system(&self) -> System {
         let n = self.denominator.len() - 1;
         let at = |k: usize| self.numerator.get(k).copied().unwrap_or(0.0);
@@ -79,14 +80,14 @@ fn pole_at_zero() -> VehicleError {
     VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
 }
 
-/// Largest real part first.
+/// Sorted by real part, the largest first.
 fn sorted(values: impl Iterator<Item = c64>) -> Vec<(f64, f64)> {
     let mut pairs: Vec<(f64, f64)> = values.map(|value| (value.re, value.im)).collect();
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
     pairs
 }
 
-/// Polynomial with these roots and leading coefficient, descending powers.
+/// The polynomial with these roots and this leading coefficient, in descending powers.
 pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
     let mut coefficients = vec![c64::new(leading, 0.0)];
     for &(re, im) in roots {
@@ -100,7 +101,7 @@ pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
     coefficients.into_iter().map(|c| c.re).collect()
 }
 
-/// The product of two polynomials, ascending powers.
+/// The product of two polynomials in ascending powers.
 pub fn multiplied(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; (a.len() + b.len()).saturating_sub(1)];
     for (i, a) in a.iter().enumerate() {
@@ -111,7 +112,7 @@ pub fn multiplied(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
-/// The numerator over `denominator` that matches a series in its first terms.
+/// The numerator for which the quotient with `denominator` has the first terms of `series`.
 pub(crate) fn matched_numerator(denominator: &[f64], series: &[f64]) -> Vec<f64> {
     (0..denominator.len()).map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum()).collect()
 }
@@ -135,7 +136,7 @@ impl System {
         Ok(sorted(a.eigenvalues().map_err(eigen_error)?.into_iter()))
     }
 
-    /// Whether all poles lie in the left half plane.
+    /// Whether all poles are in the left half plane.
     ///
     /// # Errors
     /// If the eigenvalues do not converge.
@@ -143,7 +144,7 @@ impl System {
         Ok(self.poles()?.iter().all(|pole| pole.0 < 0.0))
     }
 
-    /// The Taylor coefficients at s = 0 of the transfer function.
+    /// The first `count` Taylor coefficients of the transfer function at s = 0.
     ///
     /// # Errors
     /// If the model has a pole at zero.
@@ -161,7 +162,7 @@ impl System {
         Ok(moments)
     }
 
-    /// This system followed by another.
+    /// This system and another one in series.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let (n, m) = (self.order(), next.order());
@@ -178,7 +179,7 @@ impl System {
         Self { a, b, c, d: next.d * self.d }
     }
 
-    /// The difference to another system with the same input.
+    /// The difference between this system and another one with the same input.
     #[must_use]
     pub fn minus(&self, other: &Self) -> Self {
         let (n, m) = (self.order(), other.order());
@@ -194,7 +195,7 @@ impl System {
         Self { a, b, c, d: self.d - other.d }
     }
 
-    /// `|G(iω)|` at an angular frequency.
+    /// The magnitude `|G(iω)|` at an angular frequency.
     ///
     /// # Errors
     /// If there is a pole at this frequency.
@@ -216,8 +217,8 @@ impl System {
 
     /// The transfer function.
     ///
-    /// Poles are eigenvalues, zeros generalised eigenvalues; expanding the determinant of the
-    /// source's `D(s)` instead would lose all digits in double precision.
+    /// The poles are eigenvalues and the zeros generalized eigenvalues. The alternative, expanding
+    /// the determinant of the thesis's `D(s)`, loses all digits in double precision.
     ///
     /// # Errors
     /// If the eigenvalues do not converge.
@@ -226,7 +227,8 @@ impl System {
         let poles = self.poles()?;
         // det ┌ A − λI  b ┐ = 0
         //     └   c     d ┘
-        // Rows and columns of input and output are scaled to the size of A: zeros do not change.
+        // The row and column of input and output are scaled to the size of A, which does not change
+        // the zeros.
         let size = self.a.norm();
         let (input, output) = (size / self.b.norm(), size / self.c.norm());
         let pencil = faer::Mat::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
@@ -246,10 +248,11 @@ impl System {
                 .iter()
                 .zip(beta.column_vector().iter())
                 .map(|(a, b)| *a / *b)
-                // Zeros at infinity come out as ∞ or, perturbed, as ε^(−1/k) ≥ 1e5 of the size.
+                // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times
+                // the size.
                 .filter(|z| z.re.hypot(z.im) < 1e3 * fastest),
         );
-        // The first non-vanishing Markov parameter d, cb, cAb … is the leading coefficient.
+        // The leading coefficient is the first nonzero Markov parameter d, cb, cAb …
         let mut markov = self.b.clone();
         let gain = match n - zeros.len().min(n) {
             0 => self.d,
@@ -270,21 +273,21 @@ impl System {
         })
     }
 
-    /// As a rational function. Meant for reduced models: at high orders its coefficients spread
-    /// over more digits than there are.
+    /// The transfer function as a rational function. It is meant for reduced models: at high orders
+    /// the range of its coefficients exceeds double precision.
     ///
     /// # Errors
     /// If the eigenvalues do not converge.
     pub fn rational(&self) -> Result<Rational, VehicleError> {
         let mut denominator = polynomial(&self.poles()?, 1.0);
         denominator.reverse();
-        // The numerator from the moments: N = D (t0 + t1 s + …), up to the degree of D.
+        // The numerator follows from the moments: N = D (t0 + t1 s + …), up to the degree of D.
         let series = self.moments(denominator.len())?;
         Ok(Rational { numerator: matched_numerator(&denominator, &series), denominator })
     }
 
-    /// The response from rest to samples that are joined by straight lines; the input before the
-    /// first sample is zero and jumps to it.
+    /// The response from rest to an input that is linear between samples, `interval_s` apart. The
+    /// input is zero before the first sample and jumps to it.
     pub fn response(&self, input: &[f64], interval_s: f64) -> Vec<f64> {
         let mut simulation = Simulation::new(&self.a, &self.b, interval_s);
         let mut output = Vec::with_capacity(input.len());
@@ -300,20 +303,20 @@ impl System {
     }
 }
 
-/// A linear model sample by sample, from rest; exact for an input that is a straight line
-/// between samples.
+/// Simulation of a linear model sample by sample, starting from rest. It is exact for an input that
+/// is linear between samples.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     transition: DMatrix<f64>,
     held: DVector<f64>,
     ramp: DVector<f64>,
-    /// The state of the model now.
+    /// The present state of the model.
     pub state: DVector<f64>,
     input: f64,
 }
 
 impl Simulation {
-    /// `ẋ = A x + b u` at a fixed interval.
+    /// A simulation of `ẋ = A x + b u` with a fixed interval.
     pub fn new(a: &DMatrix<f64>, b: &DVector<f64>, interval_s: f64) -> Self {
         let n = a.nrows();
         let mut m = DMatrix::zeros(n + 2, n + 2);
@@ -330,19 +333,19 @@ impl Simulation {
         }
     }
 
-    /// Goes on with the equations of another model of the same states.
+    /// Continues with the equations of another model that has the same states.
     pub fn continue_as(&mut self, next: &Self) {
         self.transition.copy_from(&next.transition);
         self.held.copy_from(&next.held);
         self.ramp.copy_from(&next.ramp);
     }
 
-    /// The input at the first sample.
+    /// Sets the input at the first sample.
     pub fn start(&mut self, input: f64) {
         self.input = input;
     }
 
-    /// Advances one interval, to this input.
+    /// Advances one interval, at the end of which the input is `input`.
     pub fn push(&mut self, input: f64) {
         self.state = &self.transition * &self.state
             + &self.held * self.input

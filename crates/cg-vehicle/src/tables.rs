@@ -1,31 +1,33 @@
-//! Measured characteristics in the vehicle file: leaf springs with friction, tyres beyond the
-//! linear range. All optional; the nonlinear plant reads them, the linear model its stiffnesses beside them.
+//! Measured characteristics in the vehicle file: leaf springs with friction, and tires beyond the
+//! linear range. All are optional. The nonlinear plant uses them; the linear model uses the
+//! stiffnesses in the same file.
 
 use serde::{Deserialize, Serialize};
 
-/// A spring measured by loading it slowly up and down: two curves that enclose its friction.
+/// A spring measured under slow compression and release: two curves that enclose its friction.
 ///
-/// Between the curves the force moves from one to the other within about the friction
-/// deflection `β`: `dF/dx = (F_env − F)/β` (Fancher, Ervin, MacAdam and Winkler, SAE 800905).
+/// When the direction of motion changes, the force moves from one curve to the other within about
+/// the friction deflection `β`: `dF/dx = (F_env − F)/β` (Fancher, Ervin, MacAdam and Winkler, SAE
+/// 800905).
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spring {
-    /// Its name.
+    /// Name of the spring.
     pub name: String,
-    /// Compression of the spring, strictly increasing; only differences matter.
+    /// Compression of the spring, strictly increasing. Only differences matter.
     pub deflection_m: Vec<f64>,
-    /// Force while it is being compressed.
+    /// Force during compression.
     pub compression_n: Vec<f64>,
-    /// Force while it is being released, nowhere greater.
+    /// Force during release; nowhere greater than that during compression.
     pub extension_n: Vec<f64>,
-    /// `β`: how far the spring moves until the force has turned from one curve to the other.
+    /// `β`: deflection within which the force moves from one curve to the other.
     pub friction_deflection_m: f64,
 }
 
-/// Lateral force over load as a function of slip angle and load.
+/// Lateral force divided by the load, as a function of slip angle and load.
 ///
-/// Linear between the nodes and to zero at no slip; beyond the last slip angle, and below the
-/// first and above the last load, the coefficient stays.
+/// It is interpolated linearly between the nodes and to zero at zero slip. Beyond the last slip
+/// angle, and below the first and above the last load, the coefficient is constant.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -34,14 +36,14 @@ pub struct LateralForceTable {
     pub load_n: Vec<f64>,
     /// Slip angles of the rows, positive and strictly increasing.
     pub slip_rad: Vec<f64>,
-    /// Lateral force over load: one row per slip angle, one column per load.
+    /// Lateral force divided by the load: one row per slip angle, one column per load.
     pub coefficient: Vec<Vec<f64>>,
 }
 
 /// Aligning moment as a function of slip angle and load.
 ///
-/// Linear between the nodes, to zero at no slip and at no load; beyond the last row and column
-/// it stays.
+/// It is interpolated linearly between the nodes and to zero at zero slip and at zero load. Beyond
+/// the last row and column it is constant.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
@@ -50,7 +52,7 @@ pub struct AligningMomentTable {
     pub load_n: Vec<f64>,
     /// Slip angles of the rows, positive and strictly increasing.
     pub slip_rad: Vec<f64>,
-    /// Moment that turns the wheel into its direction of travel: one row per slip angle, one
+    /// Moment that turns the wheel towards its direction of travel: one row per slip angle, one
     /// column per load.
     pub moment_nm: Vec<Vec<f64>>,
 }

@@ -1,8 +1,9 @@
 //! The vehicle file: one tractor-semitrailer in SI units (TOML).
 //!
-//! Key names carry their units; unknown keys are refused. Heights are above ground at rest,
-//! other positions are distances whose name says from where. Inertias are about each sprung
-//! mass's own c.g. Any number of axles per unit; tyres and springs per axle.
+//! Key names contain their units, and unknown keys are refused. Heights are above the ground at
+//! rest. Other positions are distances whose name states the reference point. Inertias are about
+//! the c.g. of the respective sprung mass. A unit can have any number of axles, each with its own
+//! tires and springs.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,19 +15,19 @@ use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Vehicle {
-    /// What it is called in reports.
+    /// Name of the vehicle in reports.
     pub name: String,
     /// Acceleration of gravity.
     #[serde(default = "standard_gravity")]
     pub gravity_mps2: f64,
-    /// The speed taken when nothing else is said.
+    /// Speed that is used if no other one is given.
     pub nominal_speed_mps: f64,
-    /// Steering-wheel angle over mean road-wheel angle.
+    /// Steering-wheel angle divided by the mean road-wheel angle.
     #[serde(default)]
     pub steering_ratio: Option<f64>,
-    /// Heights that the trailer's sprung c.g. can have.
+    /// Possible heights of the trailer's sprung c.g.
     pub height: HeightRange,
-    /// How well the uncalibrated model is trusted.
+    /// Uncertainty of the model without calibration.
     pub uncertainty: Uncertainty,
     /// The fifth wheel.
     pub hitch: Hitch,
@@ -34,12 +35,12 @@ pub struct Vehicle {
     pub tractor: Tractor,
     /// The semitrailer.
     pub trailer: Trailer,
-    /// Tyre types, by name.
+    /// Tire types, identified by name.
     pub tyre: Vec<Tyre>,
-    /// Measured springs, by name; nonlinear plant only.
+    /// Measured springs, identified by name; nonlinear plant only.
     #[serde(default)]
     pub spring: Vec<Spring>,
-    /// What only the source's printed model knows.
+    /// Parameters that only the thesis's printed model uses.
     #[serde(default)]
     pub as_printed: Option<AsPrinted>,
 }
@@ -48,42 +49,42 @@ fn standard_gravity() -> f64 {
     9.806_65
 }
 
-/// Heights that the trailer's sprung c.g. can have.
+/// Possible heights of the trailer's sprung c.g.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct HeightRange {
-    /// The lowest.
+    /// The least height.
     pub least_m: f64,
-    /// The greatest.
+    /// The greatest height.
     pub greatest_m: f64,
 }
 
-/// How well the file is trusted: standard deviations of what calibration can change (see
-/// [`crate::belief`]), relative where no unit is named.
+/// Uncertainty of the file: standard deviations of the parameters that a calibration can change
+/// (see [`crate::belief`]). They are relative unless the name contains a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Uncertainty {
-    /// Roll stiffness of the suspensions, trailer and tractor each.
+    /// Roll stiffness of the suspensions, for trailer and tractor separately.
     pub roll_stiffness_sd: f64,
-    /// Height of the suspensions' roll centres.
+    /// Height of the roll centers of the suspensions.
     pub roll_center_height_sd_m: f64,
     /// Height of the tractor's sprung c.g.
     pub tractor_cg_height_sd_m: f64,
     /// Roll stiffness of the fifth wheel.
     pub fifth_wheel_stiffness_sd: f64,
-    /// Vertical stiffness of the tyres.
+    /// Vertical stiffness of the tires.
     pub tyre_vertical_stiffness_sd: f64,
-    /// Cornering stiffness of steered, drive and trailer tyres, each.
+    /// Cornering stiffness of the tires of steered, drive and trailer axles separately.
     pub cornering_stiffness_sd: f64,
-    /// Steer-angle sensor (or steering ratio).
+    /// Gain of the steer-angle sensor (or the steering ratio).
     pub steering_gain_sd: f64,
-    /// Lateral-acceleration sensor.
+    /// Gain of the lateral-acceleration sensor.
     pub lateral_acceleration_gain_sd: f64,
-    /// Roll sensor, and what the model gets wrong everywhere alike.
+    /// Gain of the roll sensor, and the error of the model that is the same everywhere.
     pub compensation_sd: f64,
-    /// What the model gets wrong otherwise: new at each speed, load and road.
+    /// The rest of the model error, which differs at each speed, load and road.
     pub residual_sd: f64,
 }
 
@@ -94,16 +95,16 @@ pub struct Uncertainty {
 pub struct Hitch {
     /// Height of the coupling.
     pub height_m: f64,
-    /// Roll stiffness between the units, frames and coupling in series.
+    /// Roll stiffness between the units: frames and coupling in series.
     pub roll_stiffness_nm_per_rad: f64,
     /// Roll damping between the units; nonlinear plant only.
     #[serde(default)]
     pub roll_damping_nms_per_rad: f64,
-    /// Moment at which the plates part on one side (about the load times half the plate's
-    /// width); without it they never do. Nonlinear plant only.
+    /// Moment at which the plates separate on one side (about the load times half the width of the
+    /// plate). Without it they never separate. Nonlinear plant only.
     #[serde(default)]
     pub separation_moment_nm: Option<f64>,
-    /// Angle through which the parted plates move freely until the kingpin locks; nonlinear
+    /// Angle through which the separated plates move freely until the kingpin locks; nonlinear
     /// plant only.
     #[serde(default)]
     pub lash_rad: f64,
@@ -122,7 +123,7 @@ pub struct Tractor {
     pub roll_inertia_kgm2: f64,
     /// Yaw inertia of the sprung mass about its c.g.
     pub yaw_inertia_kgm2: f64,
-    /// Pitch inertia about its c.g.; without it the yaw inertia. Nonlinear plant only.
+    /// Pitch inertia about its c.g.; if absent, the yaw inertia is used. Nonlinear plant only.
     #[serde(default)]
     pub pitch_inertia_kgm2: Option<f64>,
     /// Distance of the fifth wheel behind the sprung c.g.
@@ -137,10 +138,10 @@ pub struct Tractor {
 pub struct TractorAxle {
     /// Distance ahead of the sprung c.g. (negative behind it).
     pub ahead_of_cg_m: f64,
-    /// Whether the steer angle acts on it.
+    /// Whether the axle is steered.
     #[serde(default)]
     pub steered: bool,
-    /// The rest.
+    /// The parameters that every axle has.
     #[serde(flatten)]
     pub axle: Axle,
 }
@@ -150,15 +151,15 @@ pub struct TractorAxle {
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Trailer {
-    /// Mass of the whole semitrailer (sprung mass and axles) when nothing else is said.
+    /// Mass of the whole semitrailer (sprung mass and axles) if no other one is given.
     pub reference_mass_kg: f64,
-    /// Height of its sprung c.g. when nothing else is said.
+    /// Height of its sprung c.g. if no other one is given.
     pub reference_cg_height_m: f64,
     /// Sprung mass without payload.
     pub tare: Tare,
-    /// Where payload goes.
+    /// Position and size of the payload.
     pub payload: Payload,
-    /// What a gauge on the air suspension shows; without it a pressure says nothing.
+    /// Calibration of the pressure of the air suspension; without it a pressure is not used.
     #[serde(default)]
     pub suspension_pressure: Option<SuspensionPressure>,
     /// Axles, front to rear.
@@ -180,30 +181,31 @@ pub struct Tare {
     pub roll_inertia_kgm2: f64,
     /// Yaw inertia about its c.g.
     pub yaw_inertia_kgm2: f64,
-    /// Pitch inertia about its c.g.; without it the yaw inertia. Nonlinear plant only.
+    /// Pitch inertia about its c.g.; if absent, the yaw inertia is used. Nonlinear plant only.
     #[serde(default)]
     pub pitch_inertia_kgm2: Option<f64>,
 }
 
-/// Two readings of a gauge on the trailer's air suspension, such as empty and laden on a weighbridge:
-/// the load of the axles is a straight line over the pressure (area of the bellows, lever of the arms).
+/// Two readings of a gauge on the trailer's air suspension, for instance empty and laden on a
+/// weighbridge. The load of the axles is linear in the pressure (area of the bellows, lever of the
+/// arms).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SuspensionPressure {
-    /// Pressure above that of the air, mean of both sides.
+    /// Gauge pressure (above atmospheric), mean of both sides.
     pub gauge_pa: [f64; 2],
     /// Load of the trailer's axles on the road.
     pub axle_load_kg: [f64; 2],
 }
 
-/// The payload: a homogeneous box on the floor, whose mass and height are the load.
+/// The payload: a homogeneous box on the floor, whose mass and c.g. height follow from the load.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Payload {
     /// Distance of its c.g. behind the fifth wheel.
     pub behind_hitch_m: f64,
-    /// Height of the floor it stands on.
+    /// Height of the floor on which it stands.
     pub floor_height_m: f64,
     /// Length of the box.
     pub length_m: f64,
@@ -217,66 +219,66 @@ pub struct Payload {
 pub struct TrailerAxle {
     /// Distance behind the fifth wheel.
     pub behind_hitch_m: f64,
-    /// The rest.
+    /// The parameters that every axle has.
     #[serde(flatten)]
     pub axle: Axle,
 }
 
-/// What every axle has. Symmetric left and right.
+/// Parameters of every axle, which is symmetric left and right.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Axle {
     /// Mass of the axle with its wheels.
     pub unsprung_mass_kg: f64,
-    /// Roll (and yaw) inertia about its c.g.
+    /// Roll (and yaw) inertia about the axle's c.g.
     pub roll_inertia_kgm2: f64,
-    /// Height of its centre: c.g. and wheel centres.
+    /// Height of the axle's center: its c.g. and the wheel centers.
     pub center_height_m: f64,
-    /// Height of the suspension's roll centre.
+    /// Height of the roll center of the suspension.
     pub roll_center_height_m: f64,
     /// Distance between left and right springs.
     pub spring_spread_m: f64,
     /// Stiffness of one spring.
     pub spring_stiffness_n_per_m: f64,
-    /// Roll stiffness beside the springs (anti-roll bar).
+    /// Roll stiffness in addition to the springs (anti-roll bar).
     #[serde(default)]
     pub auxiliary_roll_stiffness_nm_per_rad: f64,
     /// Roll damping between body and axle.
     #[serde(default)]
     pub roll_damping_nms_per_rad: f64,
-    /// Distance between left and right damper, which makes bounce damping out of roll damping;
-    /// without it that of the springs. Nonlinear plant only.
+    /// Distance between left and right damper, from which bounce damping follows from roll damping.
+    /// If absent, that of the springs is used. Nonlinear plant only.
     #[serde(default)]
     pub damper_spread_m: Option<f64>,
-    /// Name of the measured spring; without it the spring is linear. Nonlinear plant only.
+    /// Name of the measured spring; if absent, the spring is linear. Nonlinear plant only.
     #[serde(default)]
     pub spring: Option<String>,
-    /// Steer angle of the axle per angle of roll between body and axle, positive where it steers
-    /// into the turn. Nonlinear plant only.
+    /// Steer angle of the axle per roll angle between body and axle, positive if it steers into the
+    /// turn. Nonlinear plant only.
     #[serde(default)]
     pub roll_steer_rad_per_rad: f64,
-    /// Axles of one unit with the same number share their load equally (walking beam,
-    /// four-spring tandem); without it an axle stands for itself.
+    /// Axles of one unit with the same number share their load equally (walking beam, four-spring
+    /// tandem). An axle without it is separate.
     #[serde(default)]
     pub load_group: Option<u32>,
-    /// How far the unloaded springs lift the frame above its design position; needed only
-    /// where the axle loads depend on stiffness (more than two supports).
+    /// Height by which the unloaded springs lift the frame above its design position. It is needed
+    /// only if the axle loads depend on stiffness (see [`crate::balance`]).
     #[serde(default)]
     pub spring_free_rise_m: f64,
-    /// Name of the tyre type.
+    /// Name of the tire type.
     pub tyre: String,
-    /// Distances of one side's tyres from the middle: one entry for single, two for dual tyres.
+    /// Distances of one side's tires from the middle: one entry for single, two for dual tires.
     pub tyre_positions_m: Vec<f64>,
 }
 
-/// A tyre type: stiffnesses as functions of load.
+/// A tire type, with stiffnesses as functions of the load.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Tyre {
-    /// Its name.
+    /// Name of the tire type.
     pub name: String,
-    /// Unloaded radius; needed only where the axle loads depend on stiffness.
+    /// Unloaded radius; needed only if the axle loads depend on stiffness.
     #[serde(default)]
     pub unloaded_radius_m: Option<f64>,
     /// Vertical stiffness.
@@ -293,22 +295,23 @@ pub struct Tyre {
     /// Vertical damping; nonlinear plant only.
     #[serde(default)]
     pub vertical_damping_ns_per_m: f64,
-    /// Distance rolled until about two thirds of a new slip angle act; nonlinear plant only.
+    /// Distance rolled until about two thirds of a new slip angle are effective; nonlinear plant
+    /// only.
     #[serde(default)]
     pub relaxation_length_m: f64,
-    /// Lateral force beyond the linear range; without it the cornering stiffness. Nonlinear
+    /// Lateral force beyond the linear range; if absent, the cornering stiffness is used. Nonlinear
     /// plant only.
     #[serde(default)]
     pub lateral_force: Option<LateralForceTable>,
-    /// Aligning moment beyond the linear range; without it the aligning stiffness. Nonlinear
-    /// plant only.
+    /// Aligning moment beyond the linear range; if absent, the aligning stiffness is used.
+    /// Nonlinear plant only.
     #[serde(default)]
     pub aligning_moment: Option<AligningMomentTable>,
 }
 
 impl Tyre {
-    /// Cornering stiffness (N/rad) and aligning stiffness (N m/rad) at `load_n`, linear between
-    /// the table's loads and along the end segments beyond them.
+    /// Cornering stiffness (N/rad) and aligning stiffness (N m/rad) at `load_n`. They are
+    /// interpolated linearly between the loads of the table, and extrapolated beyond them.
     pub fn stiffness_at(&self, load_n: f64) -> (f64, f64) {
         let last = self.load_n.len().saturating_sub(2);
         let i = self.load_n.iter().rposition(|&l| l <= load_n).unwrap_or(0).min(last);
@@ -318,12 +321,12 @@ impl Tyre {
     }
 }
 
-/// What only the source's printed model (appendix B) knows, at the reference load.
+/// Parameters at the reference load that only the thesis's printed model (appendix B) uses.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct AsPrinted {
-    /// `m1`: tractor with axles.
+    /// `m1`: tractor with its axles.
     pub tractor_mass_kg: f64,
     /// `Xc1`.
     pub tractor_cg_ahead_of_hitch_m: f64,
@@ -331,7 +334,7 @@ pub struct AsPrinted {
     pub tractor_cg_above_hitch_m: f64,
     /// `Iz1`.
     pub tractor_yaw_inertia_about_hitch_kgm2: f64,
-    /// `m2`: trailer with axles.
+    /// `m2`: trailer with its axles.
     pub trailer_mass_kg: f64,
     /// `Xc2`.
     pub trailer_cg_behind_hitch_m: f64,
@@ -349,7 +352,7 @@ pub struct AsPrinted {
     pub unsprung_weight_n: Vec<f64>,
 }
 
-/// Where an axle is and which unit carries it.
+/// An axle with its position and unit.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedAxle<'a> {
     /// Whether it belongs to the trailer.
@@ -360,27 +363,27 @@ pub struct PlacedAxle<'a> {
     pub steered: bool,
     /// The axle.
     pub axle: &'a Axle,
-    /// Its tyre.
+    /// Its tire type.
     pub tyre: &'a Tyre,
 }
 
 impl PlacedAxle<'_> {
-    /// Number of tyres, both sides.
+    /// Number of tires on both sides.
     pub fn tyres(&self) -> f64 {
-        // At most a few tyres: exact.
+        // The number of tires is small, so the conversion is exact.
         #[allow(clippy::cast_precision_loss)]
         let tyres = 2.0 * self.axle.tyre_positions_m.len() as f64;
         tyres
     }
 
-    /// Roll stiffness between body and axle: springs and auxiliary.
+    /// Roll stiffness between body and axle: springs and anti-roll bar.
     pub fn suspension_roll_stiffness_nm_per_rad(&self) -> f64 {
         let half_spread_m = 0.5 * self.axle.spring_spread_m;
         2.0 * self.axle.spring_stiffness_n_per_m * half_spread_m * half_spread_m
             + self.axle.auxiliary_roll_stiffness_nm_per_rad
     }
 
-    /// Roll stiffness between axle and road: tyres.
+    /// Roll stiffness between axle and road: the tires.
     pub fn tyre_roll_stiffness_nm_per_rad(&self) -> f64 {
         let squares: f64 = self.axle.tyre_positions_m.iter().map(|y| y * y).sum();
         2.0 * self.tyre.vertical_stiffness_n_per_m * squares
@@ -389,7 +392,7 @@ impl PlacedAxle<'_> {
 }
 
 impl Vehicle {
-    /// All axles, tractor first, front to rear.
+    /// All axles from front to rear, the tractor's first.
     pub fn axles(&self) -> Vec<PlacedAxle<'_>> {
         let tyre = |axle: &Axle| self.tyre.iter().find(|tyre| tyre.name == axle.tyre);
         let tractor = self.tractor.axle.iter().filter_map(|a| {

@@ -1,4 +1,4 @@
-//! The check of vehicle files.
+//! Tests of the check of vehicle files.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 #[path = "check/fixtures.rs"]
@@ -28,19 +28,19 @@ fn table(name: &str) -> Table {
     text(name).parse().unwrap()
 }
 
-/// Parses a changed file.
+/// Checks a changed file.
 fn parsed(root: &Table) -> Result<(Vehicle, Vec<cg_vehicle::finding::Finding>), VehicleError> {
     Vehicle::check(&toml::to_string(root).unwrap(), "truck.toml")
 }
 
-/// One step on the way to a value.
+/// One step of the path to a value.
 #[derive(Clone, Debug)]
 enum Step {
     Key(String),
     Index(usize),
 }
 
-/// The ways to all numbers of a file.
+/// The paths to all numbers of a file.
 fn numbers(value: &Value, way: &[Step], found: &mut Vec<Vec<Step>>) {
     let further = |step: Step| [way, &[step]].concat();
     match value {
@@ -68,7 +68,7 @@ fn at<'a>(root: &'a mut Table, way: &[Step]) -> &'a mut Value {
     })
 }
 
-/// `tyre[0].load_n[3]`.
+/// The path as text: `tyre[0].load_n[3]`.
 fn words(way: &[Step]) -> String {
     way.iter().fold(String::new(), |text, step| match step {
         Step::Key(key) if text.is_empty() => key.clone(),
@@ -77,7 +77,7 @@ fn words(way: &[Step]) -> String {
     })
 }
 
-/// A number of a list is named by its list too.
+/// The key without the index of a list entry.
 fn list_of(key: &str) -> &str {
     let last = key.rfind('.').map_or(0, |dot| dot + 1);
     key[last..].find('[').map_or(key, |bracket| &key[..last + bracket])

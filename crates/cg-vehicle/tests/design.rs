@@ -1,4 +1,4 @@
-//! Designs beside the models that they are made of.
+//! Tests that a design agrees with the models from which it is computed.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
@@ -9,13 +9,13 @@ use cg_vehicle::belief::Belief;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle};
 
-/// Three places in each interval of an axis.
+/// Three points in each interval of an axis.
 fn between(axis: &[f64]) -> Vec<f64> {
     let within = |pair: &[f64]| [0.25, 0.5, 0.75].map(|x| pair[0] + x * (pair[1] - pair[0]));
     axis.windows(2).flat_map(within).collect()
 }
 
-/// Relative errors of the heights that the design finds for the model's own ratios.
+/// Relative errors of the heights that a design gives for the exact ratios of the model.
 fn errors(vehicle: &Vehicle, design: &Design<f64>) -> Vec<f64> {
     let believed = Belief::prior(vehicle).applied_to(vehicle);
     let mut errors = Vec::new();
@@ -36,9 +36,10 @@ fn errors(vehicle: &Vehicle, design: &Design<f64>) -> Vec<f64> {
     errors
 }
 
-/// A calibration leaves 1 % at best. Beside it, in quadrature, 0.2 % add a fiftieth to the standard
-/// deviation: allowed on average. 0.7 % add a quarter: allowed in the worst corner, an empty trailer
-/// at 28 m/s or at walking pace.
+/// A calibration has an uncertainty of at least 1 %. Added to it in quadrature, an error of 0.2 %
+/// increases the standard deviation by 2 %; this is allowed as the rms error. An error of 0.7 %
+/// increases it by a quarter; this is allowed in the worst case, an empty trailer at 28 m/s or at
+/// walking speed.
 #[test]
 fn between_its_nodes_a_design_keeps_the_heights_of_the_model() {
     for name in ["baseline.toml", "baseline-tables.toml", "air.toml", "kraz.toml"] {

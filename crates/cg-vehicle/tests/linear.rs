@@ -1,4 +1,5 @@
-//! What the linear model promises, whatever the vehicle. The source's numbers: `reproduce.rs`.
+//! Tests of properties that the linear model has for any vehicle. `reproduce.rs` in cg-thesis tests
+//! the thesis's numbers.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 use cg_vehicle::equations::Equations;

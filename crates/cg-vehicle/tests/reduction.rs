@@ -1,5 +1,5 @@
-//! Reduction of the source's own compensated transfer function, and compensation of the printed
-//! model towards the complete one.
+//! Tests of the reduction of the thesis's compensated transfer function, and of the compensation of
+//! the printed model towards the complete one.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod common;
@@ -10,7 +10,7 @@ use cg_vehicle::reduction::{Keep, balanced, fitted, pade};
 use cg_vehicle::system::{Rational, System};
 use cg_vehicle::{LinearModel, Variant};
 
-/// The source's squared errors of orders 0 to 5 (Table 5.3).
+/// The thesis's squared errors of orders 0 to 5 (Table 5.3).
 const PRINTED_DEGREE2: [f64; 6] = [0.0334, 9.7715e-4, 9.7995e-4, 9.3233e-4, 7.2353e-4, 6.9315e-5];
 
 fn steer_to_roll(variant: Variant) -> System {
@@ -19,7 +19,7 @@ fn steer_to_roll(variant: Variant) -> System {
     LinearModel::new(&vehicle, variant, speed_mps, load).unwrap().state_space.to_trailer_roll()
 }
 
-/// As printed, times F(s) of order 3.
+/// The printed model in series with F(s) of order 3.
 fn compensated() -> System {
     let f = Rational {
         numerator: vec![29.55, 24.28, 16.5, 1.356],
@@ -28,8 +28,8 @@ fn compensated() -> System {
     steer_to_roll(Variant::AsPrinted).then(&f.system())
 }
 
-/// The source's input: rate a = 1 and ten seconds are what its six errors agree with; its
-/// amplitude, not printed, follows from the error of order 0.
+/// The thesis's input. Its six errors agree with a rate a = 1 and a duration of ten seconds. The
+/// amplitude is not printed and follows from the error of order 0.
 fn printed_input(whole: &System) -> StepInput {
     let unit = StepInput { amplitude_rad: 1.0, rate_per_s: 1.0, duration_s: 10.0 };
     let constant =
@@ -49,15 +49,17 @@ fn the_errors_of_table_5_3_come_out_in_the_sources_measure() {
         let error = step_error_degree2(&whole, &reduced, &input);
         let norm = h_infinity(&whole.minus(&reduced)).unwrap();
         println!("order {order}: {error:.4e}, printed {printed:.4e}, H-infinity {norm:.3}");
-        // F(s) is printed with three digits, the error of order 0 too (1.5e-3 of it): eq. 5.12
-        // moves by up to 0.3 % of a coefficient, the difference of two responses by ten times that.
+        // F(s) and the error of order 0 are printed with three digits (the latter within 1.5e-3).
+        // Eq. 5.12 therefore varies by up to 0.3 % of a coefficient, and the difference of two
+        // responses by ten times as much.
         assert!((error / printed - 1.0).abs() < 0.03, "order {order}: {error}");
     }
 }
 
-/// No model of order 5 can be ten times better than the source's 6.93e-5 degree²: the least
-/// possible on this input is 1.43e-5, found by variable projection from forty random starts.
-/// Order 6 is fifty times better, and balanced residualisation comes eight times nearer in H∞.
+/// No model of order 5 can be ten times better than the thesis's 6.93e-5 degree². The least
+/// possible error for this input is 1.43e-5, which was found by variable projection from forty
+/// random starts. Order 6 is fifty times better, and balanced residualization is eight times better
+/// in H∞.
 #[test]
 fn the_best_models_of_order_five_and_six() {
     let whole = compensated();
@@ -73,7 +75,7 @@ fn the_best_models_of_order_five_and_six() {
     };
     let (five, six) = (error(5), error(6));
     println!("order 5: {five:.3e} degree², order 6: {six:.3e} degree²");
-    // With the DC gain kept exactly, 6 % more than the least possible.
+    // With the exact DC gain, the error is 6 % above the least possible one.
     assert!(five < 1.6e-5 && five > 1.43e-5, "{five:e}");
     assert!(six < printed / 10.0, "{six:e}");
 
@@ -82,7 +84,7 @@ fn the_best_models_of_order_five_and_six() {
     let (residualised, sigma) = balanced(&whole, 5, Keep::SteadyState).unwrap();
     let (truncated, _) = balanced(&whole, 5, Keep::HighFrequency).unwrap();
     println!(
-        "order 5, H-infinity: Padé {:.3}, truncated {:.3}, residualised {:.3}",
+        "order 5, H-infinity: Padé {:.3}, truncated {:.3}, residualized {:.3}",
         norm(&source),
         norm(&truncated),
         norm(&residualised)
@@ -93,7 +95,7 @@ fn the_best_models_of_order_five_and_six() {
     assert!(step_error_degree2(&whole, &residualised, &input) < printed);
 }
 
-/// An unstable approximant is told as such; what is used instead is stable.
+/// An unstable approximant is detected, and the model that replaces it is stable.
 #[test]
 fn unstable_approximants_are_seen() {
     let whole = compensated();
@@ -108,8 +110,8 @@ fn unstable_approximants_are_seen() {
     }
 }
 
-/// Table 5.1 with the complete model in the place of the vehicle: orders 1 to 6, each at least as
-/// good as the one below.
+/// Table 5.1 with the complete model instead of the vehicle: orders 1 to 6, each at least as good
+/// as the one below.
 #[test]
 fn compensation_functions_of_order_one_to_six() {
     let input = StepInput { amplitude_rad: 0.05, rate_per_s: 2.0, duration_s: 10.0 };
@@ -126,11 +128,11 @@ fn compensation_functions_of_order_one_to_six() {
             found.order, found.squared_error_degree2, found.dc_gain, found.function
         );
         assert!(found.function.system().is_stable().unwrap());
-        // The fit of the order below is one of the starts: 1e-9 is where the steps end.
+        // The function of the order below is one of the starts; the iteration ends at 1e-9.
         assert!(found.squared_error_degree2 <= least * (1.0 + 1e-8), "order {}", found.order);
         least = found.squared_error_degree2;
     }
-    // Ten seconds after the step the response has settled to e^(−1.26·9), 1e-5.
+    // Ten seconds after the step, the response has settled within e^(−1.26·9) = 1e-5.
     let last = &table[5];
     assert!((last.dc_gain / expected - 1.0).abs() < 1e-3, "{} {expected}", last.dc_gain);
 }

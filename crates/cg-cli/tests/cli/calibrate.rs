@@ -43,7 +43,11 @@ fn one_run_fixes_the_compensation() {
     let file = scratch.path("c.toml");
     let runs = [format!("{}=1.90", fixture(LADEN))];
     let run = calibrate(&kraz(), &runs, &file).done();
-    assert!(run.out.contains("one run: the compensation of each channel is fixed"), "{}", run.out);
+    assert!(
+        run.out.contains("one run: it determines the compensation of each channel"),
+        "{}",
+        run.out
+    );
     for channel in ["steer", "lateral-acceleration"] {
         let arguments = ["--calibration", &file, "--channel", channel];
         let answer = estimate(&fixture(LADEN), &kraz(), &arguments).done().answer();

@@ -200,7 +200,7 @@ fn what_is_unusual_is_told_once_by_every_command() {
         &["rollover"],
     ] {
         let run = cg(&[arguments, &["--vehicle", &file]].concat());
-        let told = "warning: trailer.payload.floor_height_m = 1.75: is unusually much";
+        let told = "warning: trailer.payload.floor_height_m = 1.75: is unusually large";
         assert_eq!(run.err.matches(told).count(), 1, "{arguments:?} {run:?}");
         run.told(0, &[&format!("cg: {file}:"), "(usual: 0.6 to 1.7 m)"]);
     }

@@ -1,17 +1,19 @@
-//! From sensors to the two signals that the identification wants.
+//! From a sample to the two signals of the identification, the expected and the measured roll
+//! angle.
 //!
-//! * Roll is taken from the roll sensor, or from an inclinometer by taking off what it feels
-//!   of the lateral acceleration: `φ = tilt − a_y/g`.
-//! * Each input is multiplied by the roll angle that the design expects of it at the present
-//!   speed and mass (at the reference height). The scheduled input is thus "expected roll",
-//!   in radians; the ratio identified from it is near one, and a speed that changes slowly
-//!   does no harm.
-//! * The steer channel counts at steady speed only: traction and braking change how a truck
-//!   answers its steering (by some 60 % per m/s² on the independent truck), while the roll angle
-//!   that belongs to a lateral acceleration stays what it is.
-//! * What a quantity cannot be (NaN, infinite, beyond its [limits](crate::Quantity::limits)) counts as absent:
-//!   no state of the estimator ever holds such a number.
-//! * Turning and straight driving are told apart by lateral acceleration, with hysteresis.
+//! * The roll angle comes from the roll sensor, or from an inclinometer after its response to the
+//!   lateral acceleration is subtracted: `φ = tilt − a_y/g`.
+//! * Each input is multiplied by the roll angle that the design expects per unit of it at the
+//!   present speed and mass (at the reference height). The scaled input is the expected roll angle
+//!   in radians. The ratio identified from it is near one, and slow changes of the speed have no
+//!   effect on it.
+//! * The steer channel is used at steady speed only. Traction and braking change the response to
+//!   steering (by some 60 % per m/s² on the independent truck), but not the roll angle at a given
+//!   lateral acceleration.
+//! * Values that a quantity cannot have (NaN, infinite, or outside its
+//!   [limits](crate::Quantity::limits)) count as absent. The state of the estimator never contains
+//!   such a value.
+//! * The lateral acceleration, with hysteresis, decides between turning and straight driving.
 
 use core::fmt;
 
@@ -19,29 +21,29 @@ use crate::math::real::Real;
 use crate::signal::sample::Sample;
 use crate::truck::design::Design;
 
-/// Lateral acceleration above which the truck turns.
+/// Lateral acceleration above which the truck is in a turn.
 const TURNING_MPS2: f64 = 0.5;
-/// Lateral acceleration below which it drives straight.
+/// Lateral acceleration below which the truck drives straight again.
 const STRAIGHT_MPS2: f64 = 0.3;
-/// Lateral acceleration above which the linear model is not trusted.
+/// Lateral acceleration above which the linear model is not accurate.
 const LINEAR_MPS2: f64 = 3.5;
 
-/// Longitudinal acceleration above which steer says little about lateral acceleration: 3 % of
-/// the ratio at the sensitivity named above.
+/// Longitudinal acceleration above which the steer channel is not used. At the sensitivity given
+/// above, it changes the ratio by 3 %.
 const STEADY_MPS2: f64 = 0.05;
-/// Time constant of the filter of the lateral acceleration that tells turns: 0.3 m/s² of noise at
-/// 100 Hz become 0.04 m/s².
+/// Time constant of the filter of the lateral acceleration that detects turns. It reduces noise of
+/// 0.3 m/s² at 100 Hz to 0.04 m/s².
 const FELT_FILTER_S: f64 = 0.25;
-/// Time constant of the filter that differentiates the speed: 0.05 m/s of noise become 0.025 m/s².
+/// Time constant of the filter that differentiates the speed. Noise of 0.05 m/s becomes 0.025 m/s².
 const SPEED_FILTER_S: f64 = 2.0;
 
-/// A sample that the estimator refuses; its state is unchanged.
+/// The reason why the estimator refuses a sample. The state of the estimator is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SampleError {
-    /// Time does not increase.
+    /// The time stamp is not greater than the previous one.
     TimeOrder {
-        /// Time stamp of the sample before, µs.
+        /// Time stamp of the previous sample, µs.
         previous_us: u64,
         /// Time stamp of this sample, µs.
         time_us: u64,
@@ -60,46 +62,50 @@ impl fmt::Display for SampleError {
 
 impl core::error::Error for SampleError {}
 
-/// One conditioned sample.
+/// One conditioned sample, the input of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Row<T> {
     /// Time stamp, µs.
     pub time_us: u64,
-    /// Roll angle, rad.
+    /// Measured roll angle, rad.
     pub roll_rad: T,
-    /// Expected roll at the reference height from each channel's input, rad; NaN if absent.
+    /// Expected roll angle at the reference height from the input of each channel, rad; NaN if
+    /// absent.
     pub expected_rad: [T; 2],
-    /// Speed, the last one known.
+    /// Last known speed, m/s.
     pub speed_mps: T,
-    /// Trailer mass, the last one known.
+    /// Last known trailer mass, kg.
     pub trailer_mass_kg: T,
-    /// Lateral acceleration, measured or (if absent) expected from steer.
+    /// Lateral acceleration, m/s²: measured, or if absent, expected from the steer angle.
     pub lateral_acceleration_mps2: T,
-    /// Whether the truck turns.
+    /// Whether the truck is in a turn.
     pub turning: bool,
-    /// Whether the model of each channel holds here: speed and mass on the design's axes,
-    /// lateral acceleration small enough, for steer a steady speed.
+    /// Whether the model of each channel is valid: speed and mass are within the axes of the
+    /// design, the lateral acceleration is small enough, and for the steer channel the speed is
+    /// steady.
     pub usable: [bool; 2],
 }
 
-/// The stage from [`Sample`] to [`Row`].
+/// Converts each [`Sample`] to a [`Row`].
 #[derive(Clone, Copy, Debug)]
 pub struct Conditioner<T> {
     previous_us: Option<u64>,
     speed_mps: T,
-    /// The speed through a first-order lag of [`SPEED_FILTER_S`].
+    /// The speed after a first-order lag with the time constant [`SPEED_FILTER_S`].
     lagging_mps: Option<T>,
     trailer_mass_kg: T,
     turning: bool,
-    /// The lateral acceleration through a first-order lag of [`FELT_FILTER_S`], and its time stamp.
+    /// Time stamp and value of the lateral acceleration after a first-order lag with the time
+    /// constant [`FELT_FILTER_S`].
     smooth: Option<(u64, T)>,
-    /// Roll per unit of each input at the reference height, for the speed and mass beside it.
+    /// Expected roll angle per unit of each input, at the reference height and the present speed
+    /// and mass.
     gains: Option<[T; 2]>,
 }
 
 impl<T: Real> Conditioner<T> {
-    /// Before the first sample.
+    /// A conditioner that has seen no sample.
     pub fn new(design: &Design<T>) -> Self {
         let mut conditioner = Self {
             previous_us: None,
@@ -114,12 +120,12 @@ impl<T: Real> Conditioner<T> {
         conditioner
     }
 
-    /// The trailer mass last known.
+    /// Last known trailer mass.
     pub(crate) fn trailer_mass_kg(&self) -> T {
         self.trailer_mass_kg
     }
 
-    /// Begins with a trailer mass that is known already.
+    /// Sets the trailer mass if it is known before the first sample.
     pub(crate) fn weigh(&mut self, design: &Design<T>, trailer_mass_kg: T) {
         self.trailer_mass_kg = trailer_mass_kg;
         self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
@@ -128,7 +134,7 @@ impl<T: Real> Conditioner<T> {
     /// Conditions one sample; `None` if it has no roll angle or no input.
     ///
     /// # Errors
-    /// [`SampleError::TimeOrder`] if time does not increase.
+    /// [`SampleError::TimeOrder`] if the time stamp is not greater than the previous one.
     pub fn push(
         &mut self,
         design: &Design<T>,
@@ -178,7 +184,8 @@ impl<T: Real> Conditioner<T> {
         }))
     }
 
-    /// Lateral acceleration, smoothed; the last one where this row has none, zero before the first.
+    /// The filtered lateral acceleration: the last one if the sample has none, and zero before the
+    /// first.
     fn smooth_mps2(&mut self, time_us: u64, felt: T) -> T {
         if felt.present() {
             let (last_us, last) = self.smooth.unwrap_or((time_us, felt));
@@ -189,7 +196,7 @@ impl<T: Real> Conditioner<T> {
         self.smooth.map_or(T::zero(), |(_, smooth)| smooth)
     }
 
-    /// Longitudinal acceleration, smoothed; zero while the speed is not known.
+    /// The filtered longitudinal acceleration; zero while the speed is not known.
     fn acceleration_mps2(&mut self, interval_s: T) -> T {
         let filter_s = T::of(SPEED_FILTER_S);
         let lagging = self.lagging_mps.get_or_insert(self.speed_mps);
@@ -197,11 +204,11 @@ impl<T: Real> Conditioner<T> {
         (self.speed_mps - *lagging) / filter_s
     }
 
-    /// Keeps the last known speed and mass, and the gains that belong to them.
+    /// Stores the last known speed and mass, and the gains for them.
     fn schedule(&mut self, design: &Design<T>, sample: &Sample<T>) {
         let (speed, mass) = (sample.speed_mps, sample.trailer_mass_kg);
         let new_speed = speed.present() && speed != self.speed_mps;
-        // A scale that shows nothing has nothing to say yet.
+        // A scale that shows zero has not measured yet.
         let new_mass = mass > T::zero() && mass != self.trailer_mass_kg;
         if new_speed {
             self.speed_mps = speed;
@@ -217,6 +224,6 @@ impl<T: Real> Conditioner<T> {
 
 /// Microseconds to seconds.
 pub(crate) fn seconds<T: Real>(interval_us: u64) -> T {
-    // More than an hour is a hole of any length: 32 bits hold the rest exactly.
+    // An interval of more than an hour is a gap of any length. Shorter intervals fit into 32 bits.
     T::of(f64::from(u32::try_from(interval_us).unwrap_or(u32::MAX))) * T::of(1e-6)
 }

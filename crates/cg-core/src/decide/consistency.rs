@@ -1,57 +1,60 @@
-//! Whether the roll angle can be what the sensor says.
+//! Detects roll angles that cannot be true.
 //!
-//! A sensor at the end of its range, one that hangs, or one that says nothing of small angles shows
-//! the same number, but for a little noise, while the truck rolls on. A coarse one does so too, but
-//! only from one of its steps to the next.
+//! If a sensor is at the end of its range, is stuck, or has a dead band, its value is constant
+//! except for a little noise while the truck continues to roll. The value of a sensor with a coarse
+//! resolution is also constant, but only between two of its steps.
 
 use crate::decide::condition::seconds;
 use crate::math::real::Real;
 
-/// Share of the expected motion within which the roll angle counts as standing: a seventh of what it
-/// may stand for, where a roll angle that follows late still moves by a third.
+/// The roll angle counts as constant while it changes by less than this share of the expected
+/// motion. It is a seventh of the longest permitted standstill. During such a standstill, a roll
+/// angle that is merely late changes by a third.
 const STILL: f64 = 0.02;
-/// Time constant of a first-order lag of the input, about that of rolling trailers.
+/// Time constant of a first-order lag of the input, similar to that of the roll motion of trailers.
 const LAG_S: f64 = 0.5;
-/// How many of its own least steps a coarse sensor may stand still for.
+/// Number of its own smallest steps during which the value of a coarse sensor may be constant.
 const STEPS: f64 = 3.0;
 
-/// Why a maneuver cannot be believed.
+/// The reason why the roll angle of a maneuver is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Inconsistency<T> {
-    /// The reduced model, at the identified gain, misses the roll angle.
+    /// The reduced model does not explain the roll angle at the identified gain.
     Misfit {
-        /// Root mean square of what it misses, over that of the roll about its mean.
+        /// Root mean square of the unexplained part, divided by the standard deviation of the roll
+        /// angle.
         share: T,
     },
-    /// The roll angle falls behind the expected one as it grows: the sensor comes to the end of its
-    /// range.
+    /// The roll angle falls behind the expected one as it grows, because the sensor reaches the end
+    /// of its range.
     Bent {
-        /// What the bend takes from the roll angle at its greatest, as a share.
+        /// The part by which the greatest roll angle is too small, as a share of it.
         share: T,
     },
-    /// The roll angle stood still while the truck must have rolled on.
+    /// The roll angle was constant while the truck must have rolled further.
     Standstill {
-        /// Where it stood, radians.
+        /// The constant roll angle, radians.
         roll_rad: T,
     },
 }
 
-/// Watches the rows of a maneuver: the roll angle beside two views of what it must be, the reduced
-/// model's answer to the input and the input through a first-order lag.
+/// Compares the roll angle during a maneuver with two expected roll angles: the response of the
+/// reduced model to the input, and the input after a first-order lag.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watch<T> {
     time_us: u64,
     roll_rad: T,
     lagged_rad: T,
-    /// Since the roll angle has stood: its own least and greatest, and those of both views. A model
-    /// that is wrong overshoots where the truck does not, a lag is behind where the motion ends: the
-    /// mean of both ways counts.
+    /// Least and greatest values since the roll angle has been constant: of the roll angle and of
+    /// both expected angles. The mean of both expected ranges is used, because a wrong model
+    /// overshoots where the truck does not, and the lag is late where a motion ends.
     stood: [T; 2],
     standing: [[T; 2]; 2],
-    /// Least and greatest of the lagged input over the whole maneuver.
+    /// Least and greatest lagged input of the whole maneuver.
     all: [T; 2],
-    /// The longest way that was expected while the roll angle stood still, and where.
+    /// The greatest motion that was expected while the roll angle was constant, and that roll
+    /// angle.
     still_rad: T,
     still_at_rad: T,
     least_step_rad: T,
@@ -62,7 +65,7 @@ fn with<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
 }
 
 impl<T: Real> Watch<T> {
-    /// From the first row on.
+    /// Starts at the first row of a maneuver.
     pub(crate) fn new(time_us: u64, roll_rad: T, input_rad: T, model_rad: T) -> Self {
         Self {
             time_us,
@@ -77,7 +80,7 @@ impl<T: Real> Watch<T> {
         }
     }
 
-    /// Takes in the next row.
+    /// Adds the next row.
     pub(crate) fn push(&mut self, time_us: u64, roll_rad: T, input_rad: T, model_rad: T) {
         let interval_s: T = seconds(time_us.saturating_sub(self.time_us));
         self.time_us = time_us;
@@ -103,16 +106,18 @@ impl<T: Real> Watch<T> {
         }
     }
 
-    /// Standard deviation that the steps of a coarse sensor leave in its mean, as a share of the
-    /// expected motion, beside noise of `noise_sd_rad` (steps included).
+    /// The standard deviation of the mean roll angle due to the steps of a coarse sensor, as a
+    /// share of the expected motion. `noise_sd_rad` is the standard deviation of the noise, steps
+    /// included.
     ///
-    /// Where the roll angle rests, half a step either way cannot be told. Noise that is as great as a
-    /// step carries the angle over many of them, and their mean is right again: the error falls as
-    /// `exp(−2π² σ²/q²)`, here as the slower `(1 + 2π² σ²/q²)⁻²`.
+    /// While the roll angle is constant, its error can be up to half a step. If the noise is as
+    /// large as a step, the measured angle varies over many steps and its mean is correct. The
+    /// error then decreases as `exp(−2π² σ²/q²)`; here the slower `(1 + 2π² σ²/q²)⁻²` is used.
     pub(crate) fn step_share(&self, noise_sd_rad: T) -> T {
         let step = self.least_step_rad;
         let motion = self.all[1] - self.all[0];
-        // Written so that an angle that never moved, or nothing expected, has no steps.
+        // This form of the condition returns zero if the roll angle or the expected angle never
+        // changed.
         if !step.present() || !(motion > T::zero()) {
             return T::zero();
         }
@@ -123,12 +128,13 @@ impl<T: Real> Watch<T> {
         twelfth.root() / (carried * carried) / motion
     }
 
-    /// Where the roll angle stood still for more than `share` of the expected motion, if it did.
+    /// Returns the standstill if the roll angle was constant for more than `share` of the expected
+    /// motion.
     pub(crate) fn standstill(&self, share: T) -> Option<Inconsistency<T>> {
         let usual = share * (self.all[1] - self.all[0]);
         let long =
             self.still_rad > usual && !(self.still_rad <= T::of(STEPS) * self.least_step_rad);
-        // A sensor that never moved has no step.
+        // A sensor whose value never changed has no step.
         let hangs = self.still_rad > usual && !self.least_step_rad.present();
         (long || hangs).then_some(Inconsistency::Standstill { roll_rad: self.still_at_rad })
     }
@@ -138,7 +144,7 @@ impl<T: Real> Watch<T> {
 mod tests {
     use super::*;
 
-    /// A turn to 2.5 degrees in 5 s, as a sensor shows it.
+    /// A turn to 2.5 degrees in 5 s, measured by a sensor with this characteristic.
     fn shown(sensor: impl Fn(f64) -> f64) -> Option<Inconsistency<f64>> {
         let mut watch = Watch::new(0, sensor(0.0), 0.0, 0.0);
         for k in 1..=1000_u32 {
@@ -156,12 +162,13 @@ mod tests {
         }
     }
 
-    /// Rows so far apart that the lag does not count.
+    /// Time stamps so far apart that the lag has no effect.
     fn slow(k: u32) -> u64 {
         4_000_000_000 * u64::from(k)
     }
 
-    /// Steps of 0.5 in a motion of 2.5: 0.5/√12/2.5, unless noise carries the angle over them.
+    /// Steps of 0.5 in a motion of 2.5 give 0.5/√12/2.5, unless noise moves the angle over several
+    /// steps.
     #[test]
     fn coarse_steps_are_counted_unless_noise_carries_the_angle_over_them() {
         let mut watch = Watch::new(0, 0.0, 0.0, 0.0);
@@ -183,7 +190,7 @@ mod tests {
         let coarse = shown(|roll| ((roll / 0.1).round() * 0.1).min(1.5));
         assert!(matches!(coarse, Some(Inconsistency::Standstill { .. })));
         assert_eq!(shown(|_| 0.3), Some(Inconsistency::Standstill { roll_rad: 0.3 }));
-        // The same with a little noise on top, and a dead band.
+        // The end of a range with a little noise added, and a dead band.
         let noise = |roll: f64| 0.01 * (1e4 * roll).sin();
         for limit in [1.0, 1.7] {
             let noisy = shown(|roll| roll.min(limit) + noise(roll));
@@ -194,10 +201,10 @@ mod tests {
         assert_eq!(shown(|roll| roll + noise(roll)), None);
     }
 
-    /// An angle that stands while a share of the expected motion goes by, then follows it.
+    /// The angle is constant during a share of the expected motion and follows it otherwise.
     #[test]
     fn a_seventh_of_the_motion_is_the_longest_standstill() {
-        // Within 2 % of the motion it still counts as standing, before and after.
+        // Before and after, the angle also counts as constant within 2 % of the motion.
         for (share, hangs) in [(0.10, false), (0.16, true)] {
             let mut watch = Watch::new(0, -1.0, -1.0, -1.0);
             for k in 1..=2000_u32 {
@@ -214,8 +221,8 @@ mod tests {
         }
     }
 
-    /// Steps of a tenth of a motion from 0 to 1: between two of them go 0.1, and 0.4 where three are
-    /// left out.
+    /// Steps of a tenth in a motion from 0 to 1. The angle is constant for 0.1 between two steps,
+    /// and for 0.4 if three steps are left out.
     #[test]
     fn three_steps_are_the_longest_standstill_of_a_coarse_sensor() {
         for (left_out, hangs) in [(1, false), (3, true)] {
@@ -230,7 +237,8 @@ mod tests {
         }
     }
 
-    /// √(σ² − q²/12) beside the steps' own noise: with σ² = q²/12 + q²/(2π²) they count a quarter.
+    /// The noise is √(σ² − q²/12) in addition to that of the steps. With σ² = q²/12 + q²/(2π²) it
+    /// reduces the effect of the steps to a quarter.
     #[test]
     fn noise_of_a_step_carries_by_the_law_that_is_written_there() {
         let mut watch = Watch::new(0, 0.0, -1.0, -1.0);
@@ -241,7 +249,7 @@ mod tests {
         let q = 0.25_f64;
         let sd = q * (1.0 / 12.0 + 1.0 / (2.0 * core::f64::consts::PI.powi(2))).sqrt();
         let expected = q / 12.0_f64.sqrt() / 2.0 / 4.0;
-        // The lag leaves 1.2e-4 of the way out.
+        // The lag reduces the motion by 1.2e-4.
         assert!((watch.step_share(sd) / expected - 1.0).abs() < 1e-3);
     }
 }

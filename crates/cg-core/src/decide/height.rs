@@ -1,49 +1,50 @@
-//! Heights of maneuvers, fused into one.
+//! Fusion of the heights of all maneuvers and of both channels.
 
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 
-/// The trailer's c.g. height (sprung mass, above ground at rest).
+/// The height of the trailer's c.g. (sprung mass, above the ground, at rest).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Height<T> {
-    /// Height and total standard deviation, metres.
+    /// Height and its total standard deviation, meters.
     pub height_m: Measured<T>,
-    /// The part of the standard deviation that more maneuvers would reduce.
+    /// The part of the standard deviation that decreases with more maneuvers, meters.
     pub random_sd_m: T,
-    /// Maneuvers that went in.
+    /// Number of maneuvers used.
     pub maneuvers: u32,
 }
 
-/// χ² of one degree of freedom that chance exceeds once in a hundred, and in ten thousand.
+/// χ² of one degree of freedom that chance exceeds with a probability of 1 %, and of 0.01 %.
 const DOUBTFUL: f64 = 6.635;
 const CONTRADICTION: f64 = 15.137;
 
-/// What two channels say together.
+/// The result of comparing and combining the two channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Combined<T> {
-    /// Their heights agree within their joint uncertainty, or only one has a height.
+    /// The heights agree within their joint uncertainty, or only one channel has a height.
     Agreed(Height<T>),
-    /// They differ by more than chance explains once in a hundred: the height, with an interval
-    /// wider by the Birge ratio `√χ²`.
+    /// The heights differ by more than chance explains (probability 1 %). There is a height, with
+    /// an interval that is wider by the Birge ratio `√χ²`.
     Doubtful {
         /// The height.
         height: Height<T>,
-        /// Squared difference over its variance.
+        /// Squared difference divided by its variance.
         chi_square: T,
     },
-    /// They contradict each other (once in ten thousand): there is no height of both.
+    /// The heights contradict each other (probability 0.01 %). There is no combined height.
     Contradictory {
-        /// Squared difference over its variance.
+        /// Squared difference divided by its variance.
         chi_square: T,
     },
-    /// One channel's height is one that this trailer cannot have, and what the other one says does
-    /// not show its input to be at fault: the roll angle may be. There is no height.
+    /// One channel gives a height that this trailer cannot have, and the other channel does not
+    /// show that its input is wrong. The roll angle may be wrong. There is no height.
     Impossible,
 }
 
 impl<T: Real> Combined<T> {
-    /// The height, unless the channels contradict each other.
+    /// The combined height; `None` for [`Contradictory`](Self::Contradictory) and
+    /// [`Impossible`](Self::Impossible).
     pub fn height(&self) -> Option<Height<T>> {
         match *self {
             Self::Agreed(height) | Self::Doubtful { height, .. } => Some(height),
@@ -54,9 +55,9 @@ impl<T: Real> Combined<T> {
 
 /// Inverse-variance mean of the maneuvers' heights.
 ///
-/// Noise averages out; the uncertainty of compensation and model is common to all maneuvers
-/// and does not. If the maneuvers scatter more than their noise explains, the random part is
-/// widened by the Birge ratio `√(χ²/(n − 1))`.
+/// Noise averages out. The uncertainty of compensation and model is common to all maneuvers and
+/// does not. If the heights scatter more than their noise explains, the random part of the standard
+/// deviation is multiplied by the Birge ratio `√(χ²/(n − 1))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -69,7 +70,7 @@ pub struct Fusion<T> {
     scatter: T,
     /// Mean of the systematic standard deviations, m.
     systematic: T,
-    /// Maneuvers taken in.
+    /// Number of maneuvers.
     maneuvers: u32,
 }
 
@@ -80,14 +81,15 @@ impl<T: Real> Default for Fusion<T> {
 }
 
 impl<T: Real> Fusion<T> {
-    /// Before the first maneuver.
+    /// A fusion without maneuvers.
     pub const fn new() -> Self {
         let zero = T::ZERO;
         Self { weight: zero, mean: zero, scatter: zero, systematic: zero, maneuvers: 0 }
     }
 
-    /// Takes in one maneuver: its height with the noise's standard deviation, and the standard
-    /// deviation that compensation and model add.
+    /// Adds one maneuver: its height with the standard deviation due to noise, and the standard
+    /// deviation due to compensation and model. Heights without a finite value and a positive
+    /// standard deviation are ignored.
     pub fn push(&mut self, height_m: Measured<T>, systematic_sd_m: T) {
         let variance = height_m.sd * height_m.sd;
         if !(variance > T::zero()) || !variance.present() || !height_m.value.present() {
@@ -103,8 +105,8 @@ impl<T: Real> Fusion<T> {
         self.maneuvers = self.maneuvers.saturating_add(1);
     }
 
-    /// Whether every number can be what it says. The limits are far beyond any truck, and low enough
-    /// for squares and quotients of two fusions to stay finite in single precision too.
+    /// Whether every number is in its possible range. The limits are far beyond any truck. They are
+    /// low enough that squares and quotients of two fusions remain finite in single precision.
     pub(crate) fn is_sound(&self) -> bool {
         let Self { weight, mean, scatter, systematic, maneuvers } = *self;
         let (greatest_m, greatest_weight) = (T::of(1e6), T::of(1e24));
@@ -120,7 +122,7 @@ impl<T: Real> Fusion<T> {
             && within(systematic, greatest_m)
     }
 
-    /// The fused height, or `None` before the first maneuver.
+    /// The fused height; `None` before the first maneuver.
     pub fn height(&self) -> Option<Height<T>> {
         if self.maneuvers == 0 {
             return None;
@@ -140,9 +142,9 @@ impl<T: Real> Fusion<T> {
 }
 
 impl<T: Real> Height<T> {
-    /// Both channels' heights compared, and combined if they agree, given the correlation of what
-    /// model and calibration leave open in each. What noise of roll and inputs gives to their
-    /// difference counts as independent.
+    /// Compares the heights of both channels and combines them if they agree. `correlation` is that
+    /// of the uncertainty of model and calibration in both heights. For the comparison, the effects
+    /// of noise on the two heights are taken as independent.
     #[must_use]
     pub fn combined(&self, other: &Self, correlation: T) -> Combined<T> {
         let (mine, theirs) = (self.systematic_sd_m(), other.systematic_sd_m());
@@ -154,7 +156,7 @@ impl<T: Real> Height<T> {
         let difference = self.height_m.value - other.height_m.value;
         let chi_square = difference * difference / variance;
         let mut height = self.mean_with(other, correlation);
-        // Written so that two heights known without error (0/0) agree.
+        // This form of the comparison lets two heights without uncertainty (0/0) agree.
         if chi_square > T::of(CONTRADICTION) {
             Combined::Contradictory { chi_square }
         } else if chi_square > T::of(DOUBTFUL) {
@@ -165,16 +167,17 @@ impl<T: Real> Height<T> {
         }
     }
 
-    /// The part of the standard deviation that more maneuvers would not reduce.
+    /// The part of the standard deviation that does not decrease with more maneuvers.
     fn systematic_sd_m(&self) -> T {
         let total = self.height_m.sd * self.height_m.sd;
         (total - self.random_sd_m * self.random_sd_m).max(T::zero()).root()
     }
 
-    /// The best mean of the two.
+    /// The mean of both heights with the smallest variance.
     ///
-    /// Both channels see the same roll angle, so their noise counts as fully correlated; a
-    /// weight that would leave the interval from 0 to 1 to exploit that is not believed.
+    /// Both channels use the same roll angle, so their noise is taken as fully correlated. The
+    /// weight is limited to the interval from 0 to 1; a weight outside it would rely on that
+    /// correlation.
     fn mean_with(&self, other: &Self, correlation: T) -> Self {
         let variance = |height: &Self| height.height_m.sd * height.height_m.sd;
         let (mine, theirs) = (variance(self), variance(other));
@@ -205,7 +208,7 @@ impl<T: Real> Height<T> {
 mod tests {
     use super::*;
 
-    /// Numbers that are finite themselves, and whose height would not be.
+    /// All numbers are finite, but the height would not be.
     #[test]
     fn a_fusion_without_a_finite_height_is_not_sound() {
         let good = Fusion { weight: 4e4, mean: 1.7, scatter: 0.0, systematic: 0.2, maneuvers: 2 };
@@ -258,11 +261,11 @@ mod tests {
             maneuvers: 1,
         };
         let (a, b) = (height(1.9, 0.03), height(2.0, 0.04));
-        // Independent: weights 16/25 and 9/25, sd 0.03·0.04/0.05.
+        // Independent: the weights are 16/25 and 9/25, and the sd is 0.03·0.04/0.05.
         let combined = a.mean_with(&b, 0.0).height_m;
         assert!((combined.value - (1.9 * 16.0 + 2.0 * 9.0) / 25.0).abs() < 1e-12);
         assert!((combined.sd - 0.024).abs() < 1e-12);
-        // Beyond a correlation of sd/sd the worse one has nothing to add.
+        // If the correlation exceeds the ratio of the sd's, the worse height adds no information.
         assert_eq!(a.mean_with(&b, 0.8).height_m, a.height_m);
         assert_eq!(b.mean_with(&a, 0.8).height_m, a.height_m);
     }
@@ -274,7 +277,8 @@ mod tests {
             random_sd_m: random,
             maneuvers: 1,
         };
-        // Independent systematic parts of 0.03 and noise of 0.04 in one: sd of the difference.
+        // The standard deviation of the difference, for independent systematic parts of 0.03 and
+        // noise of 0.04 in one channel.
         let sd = (2.0 * 0.03_f64.powi(2) + 0.04_f64.powi(2)).sqrt();
         let beside =
             |deviations: f64| height(2.0, 0.0).combined(&height(2.0 + deviations * sd, 0.04), 0.0);
@@ -286,7 +290,7 @@ mod tests {
         assert!(beside(3.88).height().is_some());
         assert!(matches!(beside(-3.9), Combined::Contradictory { .. }));
         assert_eq!(beside(-3.9).height(), None);
-        // What both share does not explain a difference.
+        // An uncertainty that both channels share does not explain a difference.
         let shared = height(2.0, 0.0).combined(&height(2.01, 0.0), 0.999);
         assert!(matches!(shared, Combined::Contradictory { .. }));
     }
@@ -297,7 +301,7 @@ mod tests {
         fusion.push(Measured { value: 2.0, sd: 0.02 }, 0.03);
         fusion.push(Measured { value: 2.02, sd: 0.04 }, 0.08);
         let height = fusion.height().unwrap();
-        // Weights 4 : 1; scatter of 0.02²/(0.02² + 0.04²) = 0.2 is no more than noise explains.
+        // Weights 4 : 1. The scatter 0.02²/(0.02² + 0.04²) = 0.2 is not more than noise explains.
         assert!((height.height_m.value - 2.004).abs() < 1e-12);
         assert!((height.random_sd_m - 0.02 / 1.25_f64.sqrt()).abs() < 1e-12);
         let systematic: f64 = (4.0 * 0.03 + 0.08) / 5.0;
@@ -310,7 +314,8 @@ mod tests {
         assert_eq!(fusion.height(), Some(height));
     }
 
-    /// Three of standard deviation 0.01 at ±0.03 and 0: χ² = 18 with two degrees of freedom.
+    /// Three heights at ±0.03 and 0 with a standard deviation of 0.01: χ² = 18 with two degrees of
+    /// freedom.
     #[test]
     fn scatter_counts_per_degree_of_freedom() {
         let mut fusion = Fusion::<f64>::default();
@@ -347,8 +352,8 @@ mod tests {
         assert!(!Fusion { maneuvers: 1, ..empty }.is_sound());
     }
 
-    /// By hand, with noise and systematic parts in both: common = 0.02·0.01 + 0.5·0.03·0.04,
-    /// weight = (mine − common)/(mine + theirs − 2 common).
+    /// Calculated by hand, with noise and systematic parts in both channels: common = 0.02·0.01 +
+    /// 0.5·0.03·0.04 and weight = (mine − common)/(mine + theirs − 2 common).
     #[test]
     fn two_channels_with_noise_have_the_mean_that_is_best() {
         let height = |value: f64, random: f64, systematic: f64, maneuvers| Height {
@@ -365,7 +370,7 @@ mod tests {
         assert!((found.height_m.sd - best.sqrt()).abs() < 1e-12);
         assert!((found.random_sd_m - (0.02 - 0.01 * weight)).abs() < 1e-12);
         assert_eq!(found.maneuvers, 5);
-        // Their difference: independent noise, and 0.03² + 0.04² − 2·0.5·0.03·0.04 of the rest.
+        // The variance of the difference: independent noise, and 0.03² + 0.04² − 2·0.5·0.03·0.04.
         let variance = 0.0004 + 0.0001 + 0.0009 + 0.0016 - 0.0012_f64;
         let other =
             Height { height_m: Measured { value: 2.0 + 3.0 * variance.sqrt(), ..b.height_m }, ..b };

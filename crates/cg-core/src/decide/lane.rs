@@ -1,4 +1,4 @@
-//! One channel on its way: its identifier, the state of rest that it starts from, its heights.
+//! The state of one channel: its identifier, the initial steady state, and the fused heights.
 
 use crate::decide::condition::{Row, seconds};
 use crate::decide::height::Fusion;
@@ -6,7 +6,7 @@ use crate::decide::settings::Settings;
 use crate::identify::identifier::Identify;
 use crate::math::real::Real;
 
-/// One channel's identifier, the time of its last sample, and the heights that it gave.
+/// The state of one channel: its identifier, the time of its last sample, and its fused heights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lane<T: Real, I> {
     pub(crate) identifier: I,
@@ -14,13 +14,13 @@ pub(crate) struct Lane<T: Real, I> {
     settled_us: u64,
     rest: Rest<T>,
     pub(crate) fusion: Fusion<T>,
-    /// Whether its last height was one that this trailer cannot have, and the other channel says
-    /// nothing that would put the blame on this one's input.
+    /// Whether the last height of this channel is impossible for this trailer, and the other
+    /// channel does not show that this channel's input is wrong.
     pub(crate) impossible: bool,
 }
 
-/// The state of rest that an identifier starts from: the mean input of some straight driving,
-/// since the noise of a single sample would be taken for a turn that has just ended.
+/// The initial steady state of an identifier: the mean input of some straight driving. With a
+/// single sample, its noise would look like the end of a turn.
 #[derive(Clone, Copy, Debug)]
 struct Rest<T> {
     until_us: u64,
@@ -41,7 +41,7 @@ impl<T: Real> Rest<T> {
 }
 
 impl<T: Real, I: Identify<T>> Lane<T, I> {
-    /// Before the first row.
+    /// The state before the first row.
     pub(crate) const EMPTY: Self = Self {
         identifier: I::EMPTY,
         last_us: None,
@@ -51,7 +51,8 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         impossible: false,
     };
 
-    /// Hands a row to the identifier: roll expected of this channel's input, and whether it counts.
+    /// Gives a row to the identifier. `expected_rad` is the expected roll angle from this channel's
+    /// input; the row is used for the fit only if `usable` is true.
     pub(crate) fn identify(
         &mut self,
         row: &Row<T>,
@@ -67,7 +68,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
             Some(interval_us) if interval_us <= settings.gap_us => {}
             _ => {
                 self.identifier.restart();
-                // In a turn the filters start from a wrong state of rest.
+                // In a turn the filters start from a wrong steady state.
                 let wait = if row.turning { settings.settle_us } else { 0 };
                 self.settled_us = row.time_us.saturating_add(wait);
                 let rest_us = if row.turning { 0 } else { settings.rest_us };
@@ -86,7 +87,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         self.identifier.push(expected_rad, row.roll_rad, interval_s, use_row);
     }
 
-    /// Forgets the heights: the load is another one.
+    /// Deletes the heights after a change of the load.
     pub(crate) fn unload(&mut self) {
         self.fusion = Fusion::new();
         self.impossible = false;
@@ -100,7 +101,7 @@ mod tests {
     use crate::truck::ratio::Measured;
     use crate::truck::reduced::Reduced5;
 
-    /// Remembers what it was handed last, and how often it began anew.
+    /// Records the last input of `push`, and the number of restarts.
     #[derive(Clone, Copy)]
     struct Recorder {
         last: (f64, f64, bool),
@@ -127,7 +128,7 @@ mod tests {
         }
     }
 
-    /// Hands a usable row to a lane; what its identifier got of it.
+    /// Gives a usable row to a lane and returns what its identifier received.
     fn push(
         lane: &mut Lane<f64, Recorder>,
         time_us: u64,
@@ -157,7 +158,7 @@ mod tests {
         let restarts = lane.identifier.restarts;
         assert_eq!(push(&mut lane, 1_300_000, false, 7.0), (7.0, 1e-6, true));
         assert_eq!(lane.identifier.restarts, restarts);
-        // A turn ends the rest.
+        // A turn ends the averaging of the steady state.
         let mut lane = Lane::EMPTY;
         push(&mut lane, 0, false, 1.0);
         assert_eq!(push(&mut lane, 250_000, true, 5.0), (5.0, 0.25, true));
@@ -184,7 +185,7 @@ mod tests {
         assert_eq!(lane.identifier.restarts, 1);
         push(&mut lane, 1_000_001, true, 1.0);
         assert_eq!(lane.identifier.restarts, 2);
-        // An absent input is a hole too.
+        // An absent input also counts as a gap.
         push(&mut lane, 1_300_000, true, f64::NAN);
         push(&mut lane, 1_600_000, true, 1.0);
         assert_eq!((lane.identifier.restarts, lane.last_us), (3, Some(1_600_000)));

@@ -1,45 +1,47 @@
-//! Whether it is still the same load.
+//! Detects a change of the load.
 //!
-//! Maneuvers are fused for as long as the load stays. It has changed
+//! Maneuvers are fused as long as the load is the same. The load has changed
 //!
-//! * when the trailer's mass has;
-//! * after a stop, when the next maneuver contradicts the height so far;
-//! * on the road (cargo that shifts), when two maneuvers in a row contradict it and not each other.
-//!   The first of the two waits for the second.
+//! * if the mass of the trailer has changed;
+//! * after a stop, if the next maneuver contradicts the height so far;
+//! * while driving (cargo that shifts), if two successive maneuvers contradict the height so far
+//!   but agree with each other. The first of the two is kept until the second one.
 
 use crate::decide::height::Height;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 
-/// Below this speed the truck stands.
+/// Speed below which the truck counts as stopped.
 const STANDING_MPS: f64 = 0.5;
-/// Standing for this long, it may have been loaded.
+/// Duration of a stop after which the truck may have another load.
 const STOP_US: u64 = 60_000_000;
-/// Standard deviations that contradict on the road, and after a stop.
+/// Standard deviations of a contradiction while driving, and after a stop.
 const CONTRADICTION: f64 = 4.0;
 const AFTER_A_STOP: f64 = 3.0;
-/// Share of what model and calibration leave open that differs from one maneuver to the next, with
-/// speed and steering; the rest is common to all of a load.
+/// The share of the uncertainty of model and calibration that differs between maneuvers, because it
+/// depends on speed and steering. The rest is common to all maneuvers of a load.
 const NOT_COMMON: f64 = 0.3;
 
-/// What one channel says of a maneuver: height with its noise, and the systematic part.
+/// The result of a maneuver in one channel: the height with its standard deviation due to noise,
+/// and the systematic standard deviation. `None` if the channel has no height.
 pub(crate) type Said<T> = Option<(Measured<T>, T)>;
 
 /// What a maneuver means for the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict<T> {
-    /// The same load: fuse it.
+    /// The load is the same: fuse the maneuver.
     Same,
-    /// Perhaps another one: fuse nothing yet.
+    /// The load may have changed: do not fuse the maneuver yet.
     Wait,
-    /// Another load: forget the heights so far, then fuse what waited, then this one.
+    /// The load has changed: delete the heights so far, then fuse the waiting maneuver, then this
+    /// one.
     Changed {
-        /// What had waited.
+        /// The waiting maneuver; `None` in a channel without a height.
         waited: [Said<T>; 2],
     },
 }
 
-/// What is known of the load.
+/// The state of the detection of load changes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoadWatch<T> {
     mass_kg: Option<T>,
@@ -51,7 +53,8 @@ pub(crate) struct LoadWatch<T> {
 }
 
 impl<T: Real> LoadWatch<T> {
-    /// Before the first row; a relative change of the mass beyond `mass_change` is another load.
+    /// The state before the first row. A relative change of the mass by more than `mass_change`
+    /// means another load.
     pub(crate) fn new(mass_change: T) -> Self {
         Self {
             mass_kg: None,
@@ -63,7 +66,7 @@ impl<T: Real> LoadWatch<T> {
         }
     }
 
-    /// After a restart, which may have been a stop for loading.
+    /// The state after a restart, which may have been a stop for loading.
     pub(crate) fn resumed(
         mass_change: T,
         mass_kg: Option<T>,
@@ -77,12 +80,12 @@ impl<T: Real> LoadWatch<T> {
         self.mass_kg
     }
 
-    /// What the maneuver says that waits for another one.
+    /// The maneuver that waits for a second one that agrees with it.
     pub(crate) fn waiting(&self) -> Option<[Said<T>; 2]> {
         self.waiting
     }
 
-    /// Takes in the speed of a row.
+    /// Updates the state with the speed of a row.
     pub(crate) fn drive(&mut self, time_us: u64, speed_mps: T) {
         let interval_us = self.last_us.map_or(0, |last_us| time_us.saturating_sub(last_us));
         self.last_us = Some(time_us);
@@ -91,11 +94,12 @@ impl<T: Real> LoadWatch<T> {
         } else {
             0
         };
-        // A log that is switched off while the truck stands shows the stop as a hole.
+        // If the log is switched off while the truck stands, the stop is a gap in the log.
         self.stopped |= self.standing_us >= STOP_US || interval_us >= STOP_US;
     }
 
-    /// Judges a maneuver by what it says in each channel, beside the heights fused so far.
+    /// Compares the results of a maneuver (`said`, per channel) with the fused heights and decides
+    /// whether the load has changed.
     pub(crate) fn judge(
         &mut self,
         mass_kg: T,
@@ -131,7 +135,8 @@ impl<T: Real> LoadWatch<T> {
     }
 }
 
-/// Whether a channel is further from what is fused than `limit` standard deviations.
+/// Whether the height of a channel differs from the fused one by more than `limit` standard
+/// deviations.
 fn contradicts<T: Real>(said: &[Said<T>; 2], fused: &[Option<Height<T>>; 2], limit: T) -> bool {
     said.iter().zip(fused).any(|pair| match pair {
         (Some((height, systematic)), Some(fused)) => {
@@ -141,7 +146,7 @@ fn contradicts<T: Real>(said: &[Said<T>; 2], fused: &[Option<Height<T>>; 2], lim
     })
 }
 
-/// Whether two maneuvers say the same in every channel that both have.
+/// Whether two maneuvers agree in every channel in which both have a height.
 fn agree<T: Real>(one: &[Said<T>; 2], other: &[Said<T>; 2]) -> bool {
     one.iter().zip(other).all(|pair| match pair {
         (Some((height, systematic)), Some((other, _))) => {
@@ -209,8 +214,8 @@ mod tests {
         assert_eq!(watch.judge(3.4e4, said(2.0), fused(2.0)), changed);
     }
 
-    /// Noise of 0.02 and 0.005 m and 0.3 of 0.05 m: √ = 0.0255 m, of which 4 on the road and 3 after
-    /// a stop contradict.
+    /// Noise of 0.02 and 0.005 m and 0.3 of 0.05 m give 0.0255 m. A contradiction is 4 times that
+    /// while driving and 3 times that after a stop.
     #[test]
     fn four_standard_deviations_contradict_and_three_after_a_stop() {
         let sd = (0.02_f64.powi(2) + 0.005_f64.powi(2) + 0.015_f64.powi(2)).sqrt();
@@ -224,12 +229,12 @@ mod tests {
             let verdict = watch.judge(3e4, said(2.0 + deviations * sd), fused(2.0));
             let changed = Verdict::Changed { waited: [None; 2] };
             assert_eq!(verdict, if same { Verdict::Same } else { changed });
-            // The stop has been judged.
+            // The effect of the stop has ended.
             assert_eq!(watch.judge(3e4, said(2.0 + 3.5 * sd), fused(2.0)), Verdict::Same);
         }
     }
 
-    /// What waits has noise of its own: √(2 · 0.02² + 0.015²) = 0.032 m.
+    /// The waiting maneuver has its own noise: √(2 · 0.02² + 0.015²) = 0.032 m.
     #[test]
     fn two_maneuvers_agree_within_four_of_their_standard_deviations() {
         let sd = (2.0 * 0.02_f64.powi(2) + 0.015_f64.powi(2)).sqrt();
@@ -265,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Whether a maneuver that deviates by 3.5 standard deviations is taken for another load.
+    /// Whether a maneuver that deviates by 3.5 standard deviations counts as another load.
     fn stopped(rows: &[(u64, f64)]) -> bool {
         let mut watch = LoadWatch::new(0.05);
         for (time_s, speed_mps) in rows {
@@ -283,9 +288,9 @@ mod tests {
         };
         assert!(still(60, 0.0) && still(60, -0.49) && still(60, 0.49));
         assert!(!still(59, 0.0) && !still(60, 0.5) && !still(60, -0.51));
-        // Driving in between begins anew.
+        // Driving restarts the time of the stop.
         assert!(!stopped(&[(0, 0.0), (40, 0.0), (41, 9.0), (60, 9.0), (90, 0.0), (119, 0.0)]));
-        // A hole is a stop, whatever the speed at its ends.
+        // A gap counts as a stop at any speed before and after it.
         assert!(stopped(&[(0, 9.0), (60, 9.0)]) && !stopped(&[(0, 9.0), (59, 9.0)]));
     }
 }

@@ -1,4 +1,4 @@
-//! What the estimator says of a sample and of a maneuver.
+//! The results of the estimator for a sample and for a maneuver.
 
 use core::fmt;
 
@@ -7,22 +7,22 @@ use crate::identify::identifier::{Fit, Unexcited};
 use crate::math::real::Real;
 use crate::truck::ratio::{HeightError, Measured};
 
-/// What the estimator is doing.
+/// State of the estimator after a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// No roll angle or no input in this sample.
+    /// The sample has no roll angle or no input.
     Absent,
-    /// Driving straight: nothing to learn.
+    /// The truck drives straight; no maneuver is in progress.
     Straight,
-    /// In a turn.
+    /// The truck is in a turn.
     Turning,
 }
 
-/// Why a maneuver gave no height.
+/// The reason why a channel gives no height for a maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reject<T> {
-    /// The channel's signal was absent.
+    /// The input of the channel was absent.
     Absent,
     /// The data do not determine the ratio.
     Unexcited(Unexcited),
@@ -31,16 +31,16 @@ pub enum Reject<T> {
         /// Relative standard deviation of the ratio.
         ratio_sd_relative: T,
     },
-    /// Speed or trailer mass are not covered by the design.
+    /// Speed or trailer mass is outside the axes of the design.
     OutsideDesign {
-        /// Mean speed of the maneuver.
+        /// Mean speed of the maneuver, m/s.
         speed_mps: T,
-        /// Trailer mass.
+        /// Mean trailer mass of the maneuver, kg.
         trailer_mass_kg: T,
     },
-    /// No height, or none that can be, explains the ratio.
+    /// No height, or no physically possible height, explains the ratio.
     Height(HeightError<T>),
-    /// The roll angle does not fit the rest.
+    /// The roll angle cannot be true.
     Inconsistent(Inconsistency<T>),
 }
 
@@ -50,7 +50,7 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Absent => write!(f, "the signal is absent"),
             Self::Unexcited(reason) => reason.fmt(f),
             Self::Imprecise { ratio_sd_relative } => {
-                write!(f, "ratio uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
+                write!(f, "the ratio is uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
             }
             Self::OutsideDesign { speed_mps, trailer_mass_kg } => write!(
                 f,
@@ -61,59 +61,60 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Height(error) => error.fmt(f),
             Self::Inconsistent(Inconsistency::Misfit { share }) => write!(
                 f,
-                "inconsistent: the model misses {:.0} % of the roll angle; check the sensors' \
-                 times, signs and units",
+                "inconsistent: the model leaves {:.0} % of the roll angle unexplained; check the \
+                 sensors' times, signs and units",
                 share.as_f64() * 100.0
             ),
             Self::Inconsistent(Inconsistency::Bent { .. }) => f.write_str(
                 "inconsistent: the roll angle falls behind the expected one as it grows; the sensor \
-                 seems to come to the end of its range",
+                 seems to reach the end of its range",
             ),
             Self::Inconsistent(Inconsistency::Standstill { roll_rad }) => write!(
                 f,
                 "inconsistent: the roll angle stood still at {:.4} rad while the truck rolled on; \
-                 the sensor hangs, has a dead band or is at the end of its range",
+                 the sensor is stuck, has a dead band or is at the end of its range",
                 roll_rad.as_f64()
             ),
         }
     }
 }
 
-/// What one channel says of one maneuver.
+/// The result of one maneuver in one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Outcome<T> {
-    /// Quality of the identification, with `ratio` the DC ratio `R_i` in rad per unit of input.
+    /// Result of the identification. Its `ratio` is the DC ratio `R_i` in radians of roll per unit
+    /// of input. `None` if nothing was identified.
     pub fit: Option<Fit<T>>,
-    /// Height with the noise's standard deviation, or why there is none.
+    /// Height in meters with its standard deviation due to noise, or the reason why there is none.
     pub height_m: Result<Measured<T>, Reject<T>>,
-    /// Standard deviation of the height from compensation and model.
+    /// Standard deviation of the height due to compensation and model, meters.
     pub systematic_sd_m: T,
 }
 
-/// One closed maneuver.
+/// The results of one closed maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Maneuver<T> {
-    /// First time stamp.
+    /// First time stamp, µs.
     pub start_us: u64,
-    /// Last time stamp.
+    /// Last time stamp, µs.
     pub end_us: u64,
-    /// Mean speed of the rows used.
+    /// Mean speed in the turns, m/s.
     pub speed_mps: T,
-    /// Trailer mass.
+    /// Mean trailer mass, kg.
     pub trailer_mass_kg: T,
-    /// Per channel, in the order of [`Channel::ALL`](crate::Channel::ALL).
+    /// Results of both channels, in the order of [`Channel::ALL`](crate::Channel::ALL).
     pub outcomes: [Outcome<T>; 2],
-    /// Correlation of the two channels' systematic errors.
+    /// Correlation of the systematic errors of both channels.
     pub correlation: T,
 }
 
-/// The estimator's answer to one sample.
+/// The result of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<T> {
-    /// What it is doing.
+    /// State of the estimator after the sample.
     pub status: Status,
-    /// The maneuver that this sample closed.
+    /// The maneuver that this sample closed, if any.
     pub closed: Option<Maneuver<T>>,
 }

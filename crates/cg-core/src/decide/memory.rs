@@ -1,31 +1,32 @@
-//! What an estimator has learnt, as plain numbers: to be kept while the power is off.
+//! The learned state of an estimator as plain numbers, which can be stored while the power is off.
 
 use crate::decide::height::Fusion;
 use crate::decide::load::Said;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 
-/// Heights fused so far and what is known of the load. The maneuver under way is not part of it:
-/// a restart costs that maneuver.
+/// The fused heights and the state of the load. The open maneuver is not included, so it is lost at
+/// a restart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Memory<T> {
-    /// The maneuvers of each channel, in the order of [`Channel::ALL`](crate::Channel::ALL).
+    /// The fused maneuvers of each channel, in the order of [`Channel::ALL`](crate::Channel::ALL).
     pub fused: [Fusion<T>; 2],
-    /// Correlation of the two channels' systematic errors.
+    /// Correlation of the systematic errors of both channels.
     pub correlation: T,
-    /// The trailer mass last known.
+    /// Last known trailer mass.
     pub trailer_mass_kg: T,
-    /// The trailer mass of the last maneuver, if there was one.
+    /// Trailer mass of the last maneuver, if there was one.
     pub load_mass_kg: Option<T>,
-    /// A maneuver that contradicts the heights and waits for another one to agree with it: height
-    /// with its noise, and the systematic standard deviation, of each channel.
+    /// A maneuver that contradicts the fused heights and waits for a second one that agrees with
+    /// it. Per channel: the height with its standard deviation due to noise, and the systematic
+    /// standard deviation.
     pub waiting: Option<[Said<T>; 2]>,
 }
 
 impl<T: Real> Memory<T> {
-    /// Whether every number can be what it says.
+    /// Whether every number is in its possible range.
     pub fn is_sound(&self) -> bool {
         let positive = |x: T| x.present() && x > T::zero();
         let said = |(height, systematic_sd): &(Measured<T>, T)| {

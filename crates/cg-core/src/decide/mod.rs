@@ -1,5 +1,5 @@
-//! What counts, and what follows: which samples form a maneuver, whether their signals can be believed, whether the
-//! load is still the same, which height follows from all maneuvers, and when to warn.
+//! Decisions: which samples form a maneuver, whether the signals are plausible, whether the load
+//! has changed, which height follows from all maneuvers, and when to warn.
 
 pub mod condition;
 pub mod consistency;

@@ -1,46 +1,49 @@
-//! When maneuvers open and close, and what is good enough.
+//! The settings of the estimator: when maneuvers start and end, and which of them are used.
 
 use crate::math::real::Real;
 
-/// When maneuvers open and close, and what is good enough. Times in microseconds.
+/// Settings of the estimator: when maneuvers start and end, and which of them are used. Times are
+/// in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings<T> {
-    /// Straight driving that ends a maneuver.
+    /// Duration of straight driving that ends a maneuver.
     pub straight_us: u64,
-    /// The longest maneuver; a longer turn is cut.
+    /// Greatest duration of a maneuver; a longer turn is split.
     pub longest_us: u64,
-    /// The longest hole between two samples that a straight line may bridge.
+    /// Greatest gap between two samples that is bridged by linear interpolation.
     pub gap_us: u64,
-    /// Half-life of the straight driving before a maneuver.
+    /// Half-life of the weight of straight driving before a maneuver.
     pub fade_us: u64,
-    /// Straight driving at a beginning whose mean input is taken as the state of rest.
+    /// Duration of straight driving at the start whose mean input is the initial steady state.
     pub rest_us: u64,
-    /// After a hole in a turn: time until the filters have forgotten their wrong start.
+    /// Time after a gap in a turn until the wrong initial state of the filters has decayed.
     pub settle_us: u64,
-    /// The greatest relative deviation of speed from that at the maneuver's start.
+    /// Greatest relative deviation of the speed from that at the start of the maneuver.
     pub speed_spread: T,
-    /// The greatest relative standard deviation of a ratio that counts.
+    /// Greatest relative standard deviation of a ratio that is used.
     pub ratio_sd_relative: T,
-    /// The greatest share of the expected motion that the roll angle may stand still for; infinity = any.
-    /// The baseline truck's nonlinear plant stands for up to 0.11 where it settles in a turn, a sensor
-    /// whose range ends at two thirds of the turn's roll angle, with 20 dB of noise, for 0.17 and more.
+    /// Greatest share of the expected motion during which the roll angle may be constant; infinity
+    /// disables the test. On the baseline truck's nonlinear plant the share reaches 0.11 when the
+    /// truck settles in a turn. With a sensor whose range ends at two thirds of the turn's roll
+    /// angle, and 20 dB of noise, it is 0.17 or more.
     pub standstill: T,
-    /// The greatest share of the roll angle that the reduced model may miss. On the independent
-    /// truck's logs it misses up to 0.19 uncalibrated; of a sensor that is 1 s late, 0.39 and more.
+    /// Greatest share of the roll angle that the reduced model may leave unexplained. It is up to
+    /// 0.19 on the logs of the independent truck without calibration, and 0.39 or more if the
+    /// sensor is late by 1 s.
     pub misfit: T,
-    /// The greatest share of the roll angle, at its greatest, that may be a bend over the expected one:
-    /// dynamics that are not quite the model's look like up to 0.5 of it, the end of a range like
+    /// Greatest nonlinear part of the roll angle, as a share of the greatest angle. Dynamics that
+    /// differ from the model look like a part of up to 0.5; the end of a sensor's range gives
     /// several times the angle.
     pub bend: T,
-    /// How long another trailer mass must last.
+    /// Duration for which a different trailer mass must be measured before it is used.
     pub weighing_us: u64,
     /// Relative change of the trailer mass that means another load.
     pub mass_change: T,
 }
 
 impl<T: Real> Settings<T> {
-    /// For trucks on roads.
+    /// Settings for trucks on roads.
     pub fn truck() -> Self {
         Self {
             straight_us: 4_000_000,

@@ -1,4 +1,5 @@
-//! Rollover warning: how much of the rollover threshold the present turn uses, in levels with hysteresis.
+//! Rollover warning: the share of the rollover threshold that the present turn uses, in levels with
+//! hysteresis.
 
 use crate::decide::condition::seconds;
 use crate::math::real::Real;
@@ -7,23 +8,24 @@ use crate::truck::ratio::Measured;
 /// The greatest number of warning levels.
 pub const LEVELS: usize = 8;
 
-/// Time constant of the filter of the lateral acceleration: a bump is not a turn.
+/// Time constant of the filter of the lateral acceleration, so that a bump does not cause a
+/// warning.
 const FILTER_S: f64 = 0.2;
-/// Without a lateral acceleration for this long, the filter starts again.
+/// Greatest gap in the lateral acceleration; after a longer one, the filter starts again.
 const SILENT_US: u64 = 1_000_000;
 /// One-sided 95 % bound of the threshold, in standard deviations.
 const BOUND: f64 = 1.645;
-/// The bound is never below this share of the threshold, so that a height with a wide interval does not
-/// warn in every turn.
+/// Lower limit of the bound, as a share of the threshold. Without it, a height with a wide interval
+/// would cause a warning in every turn.
 const LEAST_SHARE: f64 = 0.5;
 
-/// The warning levels cannot be used.
+/// The reason why warning levels are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LevelError {
-    /// There are more than [`LEVELS`].
+    /// There are more than [`LEVELS`] levels.
     TooMany,
-    /// A level, or the hysteresis, is not a finite number of at least zero.
+    /// A level or the hysteresis is negative or not finite.
     NotAShare,
 }
 
@@ -32,7 +34,7 @@ impl core::fmt::Display for LevelError {
         match self {
             Self::TooMany => write!(f, "there can be at most {LEVELS} warning levels"),
             Self::NotAShare => {
-                f.write_str("warning levels and their hysteresis are shares of the threshold: finite and not negative")
+                f.write_str("warning levels and their hysteresis are shares of the threshold and must be finite and not negative")
             }
         }
     }
@@ -40,10 +42,10 @@ impl core::fmt::Display for LevelError {
 
 impl core::error::Error for LevelError {}
 
-/// Turns the lateral acceleration into a warning level, sample by sample.
+/// Computes a warning level from the lateral acceleration, sample by sample.
 #[derive(Clone, Debug)]
 pub struct Warner<T> {
-    /// Increasing; those that are not used are infinite.
+    /// In increasing order; unused levels are infinite.
     levels: [T; LEVELS],
     hysteresis: T,
     level: usize,
@@ -53,8 +55,8 @@ pub struct Warner<T> {
 }
 
 impl<T: Real> Warner<T> {
-    /// `levels` are shares of the threshold's lower bound, in any order. A level ends where the share falls
-    /// `hysteresis` below it.
+    /// `levels` are shares of the lower bound of the threshold, in any order. A level ends when the
+    /// share is `hysteresis` below it.
     ///
     /// # Errors
     ///
@@ -72,25 +74,26 @@ impl<T: Real> Warner<T> {
         Ok(Self { levels: sorted, hysteresis, level: 0, smooth_mps2: T::absent(), last_us: 0 })
     }
 
-    /// The present level: 0 is no warning, 1 the lowest level.
+    /// The present level: 0 means no warning, 1 is the lowest level.
     pub fn level(&self) -> usize {
         self.level
     }
 
-    /// The filtered lateral acceleration; `None` without a signal.
+    /// The filtered lateral acceleration in m/s²; `None` without a signal.
     pub fn lateral_mps2(&self) -> Option<T> {
         self.smooth_mps2.present().then_some(self.smooth_mps2)
     }
 
-    /// The lateral acceleration, in g, that counts as the threshold: its one-sided 95 % lower bound, but
-    /// never less than half of it.
+    /// The lateral acceleration, in g, that is used as the threshold: its one-sided 95 % lower
+    /// bound, but at least half the threshold.
     pub fn bound_g(threshold_g: Measured<T>) -> T {
         let bound = threshold_g.value - T::of(BOUND) * threshold_g.sd;
         bound.max(T::of(LEAST_SHARE) * threshold_g.value)
     }
 
-    /// Takes in a lateral acceleration (NaN: no signal) and returns the new level if it has changed.
-    /// Without a threshold (`None`), or without a signal for more than a second, there is no warning.
+    /// Adds a lateral acceleration in m/s² (NaN: no signal) and returns the new level if it has
+    /// changed. There is no warning without a threshold (`None`), or without a signal for more than
+    /// a second.
     pub fn push(
         &mut self,
         time_us: u64,
@@ -123,7 +126,8 @@ impl<T: Real> Warner<T> {
         self.change(level)
     }
 
-    /// Nothing is known of the present turn: the filter starts again, and a warning ends.
+    /// Ends the warning and restarts the filter, because there is no information on the present
+    /// turn.
     fn silence(&mut self) -> Option<usize> {
         self.smooth_mps2 = T::absent();
         self.change(0)
@@ -139,7 +143,7 @@ impl<T: Real> Warner<T> {
 mod tests {
     use super::*;
 
-    /// Settled at a share of a threshold of 0.4 g.
+    /// The level in a long turn at this share of a threshold of 0.4 g.
     fn settle(warner: &mut Warner<f64>, share: f64) -> usize {
         let threshold = Some(Measured { value: 0.4, sd: 0.0 });
         for _ in 0..200 {
@@ -159,8 +163,8 @@ mod tests {
         }
     }
 
-    /// A bump of a whole threshold, 20 ms long: 0.02/(0.2 + 0.02) = 0.09 of it comes through. The same for
-    /// 0.5 s: 1 − (0.2/0.22)^25 = 0.91 do.
+    /// A bump as high as the threshold for 20 ms: the filter passes 0.02/(0.2 + 0.02) = 0.09 of it.
+    /// After 0.5 s it passes 1 − (0.2/0.22)^25 = 0.91.
     #[test]
     fn a_bump_is_no_turn() {
         let threshold = Some(Measured { value: 0.4, sd: 0.0 });
@@ -200,8 +204,8 @@ mod tests {
         assert!(Warner::new(&[0.5; LEVELS], 0.0).is_ok());
     }
 
-    /// A hole of up to a second keeps filter and warning, a longer one ends both, however many samples without
-    /// a lateral acceleration arrive in it.
+    /// A gap of up to a second keeps filter and warning. A longer one ends both, also if samples
+    /// without a lateral acceleration arrive during the gap.
     #[test]
     fn a_long_hole_ends_the_warning() {
         let threshold = Some(Measured { value: 0.4, sd: 0.0 });

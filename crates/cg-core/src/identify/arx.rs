@@ -1,4 +1,4 @@
-//! Classical shift-form ARX least squares (eqs. 5.1, 5.2).
+//! ARX least squares in the classical shift form (eqs. 5.1, 5.2).
 
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::math::linalg::Triangle;
@@ -6,14 +6,15 @@ use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::{Reduced5, Simulation};
 
-/// Classical shift-form ARX `[na nb nk]` (eq. 5.1):
+/// ARX `[na nb nk]` in the classical shift form (eq. 5.1):
 ///
 /// ```text
 ///     y(t) + a1 y(t−1) + … = b1 u(t−nk) + … + b_nb u(t−nk−nb+1) + e(t)
 /// ```
 ///
-/// `na`: past outputs; `nb`: input terms; `nk`: samples until the input first acts.
-/// `N` is the room for unknowns, `na + nb ≤ N`; the unknowns are `a1 … a_na, b1 … b_nb`.
+/// `na` is the number of past outputs, `nb` the number of input terms, and `nk` the number of
+/// samples until the input first acts. The unknowns are `a1 … a_na, b1 … b_nb`; `N` is their
+/// greatest number, so `na + nb ≤ N`.
 ///
 /// ```
 /// use cg_core::{Answer, Arx};
@@ -42,8 +43,8 @@ pub struct Arx<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Arx<T, N> {
-    /// An empty identifier, or `None` unless `1 ≤ nb`, `na + nb ≤ N` and `nk + nb ≤ N + 1`
-    /// (the past input that fits in the object).
+    /// A new identifier; `None` unless `1 ≤ nb`, `na + nb ≤ N` and `nk + nb ≤ N + 1` (the number of
+    /// past inputs that are stored).
     pub fn new(na: usize, nb: usize, nk: usize) -> Option<Self> {
         let fits = nb >= 1 && na.checked_add(nb)? <= N && nk.checked_add(nb)? <= N + 1;
         fits.then(|| Self { na, nb, nk, ..Self::empty() })
@@ -63,16 +64,16 @@ impl<T: Real, const N: usize> Arx<T, N> {
         }
     }
 
-    /// The same with a constant as one more unknown (an offset of input or output);
-    /// `None` if there is no room for it.
+    /// The same with a constant as an additional unknown (an offset of input or output); `None` if
+    /// `N` is too small for it.
     #[must_use]
     pub fn with_constant(mut self) -> Option<Self> {
         self.with_constant = true;
         (self.unknowns() <= N).then_some(self)
     }
 
-    /// Takes in one sample of input and output, equally spaced in time; its row counts only
-    /// if `use_row` says so.
+    /// Adds one sample of input and output; samples are equally spaced in time. Its row is used for
+    /// the fit only if `use_row` is true.
     pub fn push(&mut self, input: T, output: T, use_row: bool) {
         if self.seen >= self.na.max(self.nb + self.nk - 1) {
             let mut row = [T::zero(); N];
@@ -104,12 +105,12 @@ impl<T: Real, const N: usize> Arx<T, N> {
         }
     }
 
-    /// Forgets the past samples but keeps the information: call it where the log has a gap.
+    /// Deletes the past samples but keeps the rows. Call it at a gap in the log.
     pub fn restart(&mut self) {
         self.seen = 0;
     }
 
-    /// The least-squares answer.
+    /// The least-squares solution.
     pub fn fit(&self) -> Answer<T> {
         let unknowns = self.unknowns();
         let rows = self.moments.rows;
@@ -154,7 +155,8 @@ impl<T: Real, const N: usize> Arx<T, N> {
         })
     }
 
-    /// Covariance of the coefficients, for the noise that [`fit`](Self::fit) reports.
+    /// Covariance of the coefficients, for the noise that [`fit`](Self::fit) returns; `None` if the
+    /// data do not determine them.
     pub fn covariance(&self) -> Option<[[T; N]; N]> {
         let Answer::Ready(fit) = self.fit() else { return None };
         let mut covariance = self.triangle.covariance(self.unknowns());
@@ -164,7 +166,8 @@ impl<T: Real, const N: usize> Arx<T, N> {
         Some(covariance)
     }
 
-    /// The coefficients `a1 … a_na, b1 … b_nb` (and the constant), if the data determine them.
+    /// The coefficients `a1 … a_na, b1 … b_nb` (and the constant); `None` if the data do not
+    /// determine them.
     pub fn coefficients(&self) -> Option<[T; N]> {
         self.triangle.solve(self.unknowns()).ok()
     }
@@ -174,23 +177,23 @@ impl<T: Real, const N: usize> Arx<T, N> {
     }
 }
 
-/// Steps of the reduced model between two samples at most: half a second at 200 Hz.
+/// Greatest number of steps of the reduced model between two samples: half a second at 200 Hz.
 const MOST_STEPS: u32 = 100;
 
 /// Settings of [`SampledArx`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArxOptions<T> {
-    /// Order: `na = nb = order`, `nk = 1`; at most [`SampledArx::GREATEST_ORDER`].
+    /// Model order, with `na = nb = order` and `nk = 1`; at most [`SampledArx::GREATEST_ORDER`].
     pub order: usize,
-    /// Sampling interval of the identification: faster logs are thinned out, seconds.
+    /// Sampling interval of the identification in seconds. Faster logs are downsampled.
     pub interval_s: T,
 }
 
-/// [`Arx`] behind the estimator: thins the log out to the identification's interval and
-/// carries a constant.
+/// [`Arx`] with a constant as an identifier of the estimator. It downsamples the log to the
+/// interval of the identification.
 ///
-/// For comparison with the source. Its DC ratio has a bias that more data do not remove and
-/// that grows with the sampling rate; prefer [`FilteredArx`](crate::FilteredArx).
+/// It is meant for comparison with the thesis. Its DC ratio has a bias that does not decrease with
+/// more data and that grows with the sampling rate. Prefer [`FilteredArx`](crate::FilteredArx).
 #[derive(Clone, Copy, Debug)]
 pub struct SampledArx<T: Real> {
     arx: Arx<T, 21>,
@@ -201,7 +204,7 @@ pub struct SampledArx<T: Real> {
 }
 
 impl<T: Real> SampledArx<T> {
-    /// The greatest order that fits.
+    /// The greatest order that is possible.
     pub const GREATEST_ORDER: usize = 10;
 }
 
@@ -230,14 +233,15 @@ impl<T: Real> Identify<T> for SampledArx<T> {
         self.elapsed_s += interval_s;
         let first = self.origin.is_none();
         let (input_0, roll_0) = *self.origin.get_or_insert((input, roll_rad));
-        // Within half a per cent of the interval counts as it: time stamps are rounded.
+        // A tolerance of half a percent of the interval allows for rounded time stamps.
         if first || self.elapsed_s >= self.interval_s * T::of(0.995) {
             self.arx.push(input - input_0, roll_rad - roll_0, use_row);
             if let Some(model) = &mut self.model {
                 if first {
                     model.rest(input);
                 }
-                // A log that is slower than the identification is many steps of the model.
+                // In a log that is slower than the identification, one sample is several steps of
+                // the model.
                 for _ in 0..MOST_STEPS {
                     if self.elapsed_s < self.interval_s * T::of(0.5) {
                         break;

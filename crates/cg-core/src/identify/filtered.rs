@@ -1,4 +1,4 @@
-//! ARX least squares on filtered signals: the production identifier.
+//! ARX least squares on filtered signals, the identifier used in production.
 
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
@@ -17,40 +17,41 @@ use crate::truck::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
 /// [`UNKNOWNS`] as a number.
 const UNKNOWNS_F64: f64 = 13.0;
 
-/// Doubt in the correction for a noisy input, as a share of it: the noise is measured to 15 % in
-/// 20 s, and what is of second order is a third of the first where the noise is as strong as an
-/// accelerometer's on a rough engine (0.3 m/s² at 100 Hz).
+/// Uncertainty of the correction for input noise, as a share of it. The noise is known within 15 %
+/// after 20 s. Terms of second order, which are neglected, are a third of the first-order term for
+/// noise as strong as that of an accelerometer on a rough engine (0.3 m/s² at 100 Hz).
 const INPUT_DOUBT: f64 = 0.35;
 
-/// Unit of time of the drift, so that its regressor is of the size of the others.
+/// Unit of time of the drift, chosen so that its regressor is of the size of the others.
 const DRIFT_S: f64 = 10.0;
-/// A drift is taken out of the ratio if it is greater than a third of a degree a minute, and than chance
-/// explains once in a thousand.
+/// The ratio is corrected for a drift if the drift is greater than a third of a degree per minute
+/// and significant (the probability that chance exceeds it is 0.1 %).
 const LEAST_DRIFT_RADPS: f64 = 1e-4;
 const SURE: f64 = 3.29;
-/// Unit of the roll angle in the bend's regressor, for the same reason.
+/// Unit of the roll angle in the regressor of the bend, chosen for the same reason.
 const BEND_RAD: f64 = 0.05;
-/// Weight of rows that hold the dynamics at the model's. The rows' own weight is the roll angle times
-/// the root of their number, 3 or so.
+/// Weight of prior rows that fix the dynamics to those of the model. The weight of the data is the
+/// roll angle times the root of the number of rows, which is about 3.
 const HELD: f64 = 1e3;
 
-/// ARX on filtered signals, with prior knowledge of the dynamics.
+/// ARX on filtered signals, with a prior on the dynamics.
 ///
-/// With `y_k`, `u_k` the roll and the input filtered by `sᵏ/B(s)` and `G = A/B` the reduced
-/// model, each sample gives one row in the *deviations* from that model,
+/// Let `y_k` and `u_k` be the roll angle and the input filtered by `sᵏ/B(s)`, and `G = A/B` the
+/// reduced model. Each sample gives one row in the *deviations* from that model,
 ///
 /// ```text
 ///     y − G u = −Σ δb_k y_k  +  γ (G u)  +  Σ_{k≥1} δa_k u_k  +  c + d t  +  e
 /// ```
 ///
-/// where `γ` scales the whole response and `δa_k`, `δb_k` change its shape; `c` and `d` are the offset
-/// of the roll sensor and its drift. The deviations are
-/// small numbers, which is what keeps `f32` accurate, and the prior on each is a row
-/// `δ = 0 ± sd`. The DC ratio is `A0 (1 + γ) / (B0 + δb_0)`. Time runs in units of
-/// `B0^(−1/5)` inside. With `dynamics_sd = 0` only `γ` (and the offset `c`, its drift `d`) are free.
+/// where `γ` scales the whole response, `δa_k` and `δb_k` change its shape, and `c` and `d` are the
+/// offset of the roll sensor and its drift. The deviations are small numbers, so `f32` is accurate
+/// enough. The prior of each deviation is a row `δ = 0 ± sd`. The DC ratio is
+/// `A0 (1 + γ) / (B0 + δb_0)`. Internally the unit of time is `B0^(−1/5)`. With `dynamics_sd = 0`
+/// only `γ`, `c` and `d` are free.
 ///
-/// One more column, `(G u)³`, is carried but not fitted: whether it would explain something tells a
-/// roll angle that is bent over the expected one, as by the end of a sensor's range.
+/// One additional column, `(G u)³`, is stored but not fitted. Its coefficient shows whether the
+/// measured roll angle is a nonlinear function of the expected one, for instance because the range
+/// of the sensor ends.
 #[derive(Clone, Copy, Debug)]
 pub struct FilteredArx<T: Real> {
     model: Reduced5<T>, // in scaled time
@@ -68,17 +69,18 @@ pub struct FilteredArx<T: Real> {
     reference_rad: T,
     /// Time since the origin of the drift, in units of [`DRIFT_S`].
     clock: T,
-    /// The greatest roll angle that the model expected, up or down.
+    /// The greatest magnitude of the expected roll angle.
     greatest_rad: T,
     newest_share: [T; ORDER],
     input_noise: InputNoise<T>,
-    /// What unit noise on the input leaves in the rows' products, and the interval it is for.
+    /// The bias of the rows' products per unit variance of the input noise, and the interval for
+    /// which it was computed.
     noise_products: [T; ORDER + 1],
     products_interval_s: T,
 }
 
 impl<T: Real> FilteredArx<T> {
-    /// An empty identifier around `model`.
+    /// A new identifier for the reduced model `model`.
     pub fn new(model: &Reduced5<T>, prior: Prior<T>) -> Self {
         let mut identifier = Self::EMPTY;
         identifier.begin(model, prior);
@@ -89,18 +91,18 @@ impl<T: Real> FilteredArx<T> {
         self.scale_radps = model.time_scale_radps();
         self.model = model.in_scaled_time(self.scale_radps);
         self.prior = prior;
-        // No interval yet: the first one makes the step.
+        // The first interval determines the step of the filters.
         (self.interval_s, self.products_interval_s) = (T::zero(), T::zero());
         self.reference_rad = T::zero();
         self.restart();
     }
 
-    /// Makes the filters' step for another interval.
+    /// Computes the step of the filters for another interval.
     #[inline(never)]
     fn discretise(&mut self, interval_s: T) {
         self.interval_s = interval_s;
         self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
-        // Noise need not be known to better than time stamps jitter.
+        // The bias due to noise does not have to be computed again when time stamps jitter.
         let change = (interval_s - self.products_interval_s).abs();
         if change > self.products_interval_s * T::of(0.25) {
             self.products_interval_s = interval_s;
@@ -141,14 +143,14 @@ impl<T: Real> FilteredArx<T> {
         self.input_noise.push(input, interval_s);
     }
 
-    /// Standard deviation of the expected roll angle over the rows, radians: how much the
-    /// input moves the vehicle.
+    /// Standard deviation of the expected roll angle over the rows, radians: the strength of the
+    /// excitation.
     pub fn excitation_rad(&self) -> T {
         self.moments.input_variance().root() * self.model.dc_gain().abs()
     }
 
-    /// Adds the prior rows for a residual of standard deviation `noise_sd`; with the dynamics held
-    /// at the model's, if `held` says so.
+    /// Adds the prior rows for a residual of standard deviation `noise_sd`. If `held` is true, the
+    /// dynamics are fixed to those of the model.
     #[inline(never)]
     fn add_prior(&self, triangle: &mut Equations<T>, noise_sd: T, held: bool) {
         for k in 0..UNKNOWNS {
@@ -160,7 +162,7 @@ impl<T: Real> FilteredArx<T> {
         }
     }
 
-    /// Weight of the prior row of unknown `k`; the gain has none.
+    /// Weight of the prior row of unknown `k`; the gain has no prior.
     fn prior_weight(&self, k: usize, noise_sd: T) -> Option<T> {
         let size =
             |coefficients: &[T], k: usize| coefficients.get(k).copied().unwrap_or(T::zero()).abs();
@@ -169,17 +171,19 @@ impl<T: Real> FilteredArx<T> {
             OFFSET => self.prior.offset_sd_rad,
             DRIFT => self.prior.drift_sd_radps * T::of(DRIFT_S),
             _ if k < ORDER => self.prior.dynamics_sd * size(&self.model.denominator, k),
-            // A numerator coefficient that happens to be small is not known better.
+            // A numerator coefficient that happens to be small is not known more accurately.
             _ => {
                 let least = self.model.dc_gain().abs() * T::of(0.2);
                 self.prior.dynamics_sd * size(&self.model.numerator, k - GAIN).max(least)
             }
         };
-        // A fixed unknown has a zero column: any weight keeps it at zero, a great one without doubt.
+        // The column of a fixed unknown is zero. Any weight keeps it at zero; a large one makes its
+        // variance negligible.
         Some(if sd > T::zero() { noise_sd / sd } else { T::of(HELD) })
     }
 
-    /// Covariance of the deviations (scaled time; see the type's documentation for their order).
+    /// Covariance of the deviations in scaled time, in the order of the type's documentation;
+    /// `None` if the data do not determine them.
     pub fn covariance(&self) -> Option<[[T; REGRESSORS]; REGRESSORS]> {
         let solution = self.settled()?;
         let mut covariance = solution.triangle.covariance(UNKNOWNS);
@@ -189,7 +193,7 @@ impl<T: Real> FilteredArx<T> {
         Some(covariance)
     }
 
-    /// The solution with what waits taken in; `self` stays as it is.
+    /// The solution including the rows in the buffer, without changing `self`.
     fn settled(&self) -> Option<Solution<T>> {
         let (mut settled, mut solution) = (*self, Solution::NONE);
         settled.pending.fold_into(&mut settled.triangle);
@@ -197,7 +201,7 @@ impl<T: Real> FilteredArx<T> {
         Some(solution)
     }
 
-    /// From the rows in the triangle.
+    /// Solves the rows in the triangle together with the prior.
     #[inline(never)]
     fn solve(&self, answer: &mut Solution<T>) -> Result<(), Unexcited> {
         let floor = self.prior.noise_floor_rad;
@@ -205,13 +209,13 @@ impl<T: Real> FilteredArx<T> {
         if (rows as usize) < UNKNOWNS {
             return Err(Unexcited::TooFewRows { rows });
         }
-        // Written so that NaN fails too.
+        // This form of the comparison also rejects NaN.
         if !(self.excitation_rad() > floor) {
             return Err(Unexcited::Input);
         }
         let freedom = (self.moments.weight - T::of(UNKNOWNS_F64)).max(T::one());
-        // The prior's weight depends on the noise and the noise on the answer: three rounds
-        // settle it, since the residual hardly depends on the prior.
+        // The weight of the prior depends on the noise, and the noise on the solution. Three
+        // iterations are sufficient, because the residual hardly depends on the prior.
         let data = &self.triangle;
         let mut residual_sd = floor;
         answer.slow_sd = floor;
@@ -239,12 +243,13 @@ impl<T: Real> FilteredArx<T> {
         Ok(())
     }
 
-    /// What noise of the roll angle and of the input takes from `Σ φ e`, because it sits in the
-    /// regressors as well, to first order.
+    /// The bias of `Σ φ e` due to noise in the regressors, with reversed sign and to first order:
+    /// for noise of the roll angle and for noise of the input.
     ///
-    /// White roll noise of variance σ² is in `−y_k` with the share that the newest sample has in
-    /// it and pulls by −σ² Σ share. White noise of variance v² on the input is in `G u` and `u_k`,
-    /// and in e as `−G v`, and pulls by −v² times the mean of `u_k · G u` a row.
+    /// White roll noise of variance σ² is contained in `−y_k` with the weight that the newest
+    /// sample has in it, which gives the bias −σ² Σ weight. White noise of variance v² on the input
+    /// is contained in `G u` and `u_k`, and in e as `−G v`. It gives the bias −v² times the mean of
+    /// `u_k · G u` per row.
     fn pulls(&self, residual_variance: T) -> ([T; REGRESSORS], [T; REGRESSORS]) {
         let input_variance = self.input_noise.variance();
         let mut gain = T::zero();
@@ -264,7 +269,7 @@ impl<T: Real> FilteredArx<T> {
         (roll, input)
     }
 
-    /// How many unknowns the data decided, not the prior: `Σ 1 − w² (RᵀR)⁻¹`.
+    /// Number of unknowns that are determined by the data and not by the prior: `Σ 1 − w² (RᵀR)⁻¹`.
     #[inline(never)]
     fn effective(&self, triangle: &Equations<T>, noise_sd: T) -> T {
         let mut effective = T::zero();
@@ -286,10 +291,10 @@ impl<T: Real> FilteredArx<T> {
         let mut gradient = [T::zero(); REGRESSORS];
         gradient[0] = -ratio / denominator;
         gradient[GAIN] = gain;
-        // The filtered sensor error is B0 + δb_0 over B0 of the sensor's own.
+        // A constant sensor error appears in the equation multiplied by (B0 + δb_0)/B0.
         let rest = theta[OFFSET] / denominator;
         let per_second = self.model.denominator[0] / denominator / T::of(DRIFT_S);
-        // (RᵀR)⁻¹ of the drift: how the ratio moves with it.
+        // The column of (RᵀR)⁻¹ for the drift: the covariance of the ratio with the drift.
         let mut unit = [T::zero(); REGRESSORS];
         unit[DRIFT] = T::one();
         let along = triangle.shift_for(&unit, UNKNOWNS);
@@ -299,8 +304,8 @@ impl<T: Real> FilteredArx<T> {
             sd: *slow_sd * along[DRIFT].root() * per_second,
         };
         let mut variance = *slow_sd * *slow_sd * triangle.variance_of(&gradient, UNKNOWNS);
-        // What the drift takes from the ratio. A small one is more likely slow dynamics: left out, it
-        // is doubt.
+        // The effect of the drift on the ratio. A small drift is more likely due to slow dynamics;
+        // the ratio is then not corrected, and the effect is added to its uncertainty.
         let taken = covariance / along[DRIFT] * theta[DRIFT];
         let drifts = drift_radps.value.abs() > T::of(LEAST_DRIFT_RADPS)
             && drift_radps.value.abs() > T::of(SURE) * drift_radps.sd;
@@ -327,14 +332,14 @@ impl<T: Real> FilteredArx<T> {
         }
     }
 
-    /// What a cubic in the expected roll angle would add at its greatest value, as a share of it.
+    /// The cubic part of the roll angle at the greatest expected angle, as a share of that angle.
     fn bend(&self, solution: &Solution<T>) -> Measured<T> {
         let Some((value, sd)) = solution.triangle.last_of(REGRESSORS) else {
             return Measured::exact(T::zero());
         };
         let greatest = self.greatest_rad / T::of(BEND_RAD);
         let share = greatest * greatest / (T::one() + solution.theta[GAIN]);
-        // Written so that an expected roll that never moved (0/0) has no bend.
+        // This form of the condition gives no bend if the expected roll angle is always zero (0/0).
         if value.present() && sd.present() {
             Measured { value: value * share, sd: (sd * share).abs() * solution.slow_sd }
         } else {
@@ -342,9 +347,9 @@ impl<T: Real> FilteredArx<T> {
         }
     }
 
-    /// What the nominal dynamics at the best gain, offset and drift leave over of the roll, beyond
-    /// what the identified ones do and noise explains: root mean square, over that of the roll about
-    /// its mean. The equations of the solution are lost.
+    /// The part of the roll angle that the nominal dynamics with the best gain, offset and drift do
+    /// not explain, but the identified dynamics do, without noise: its root mean square divided by
+    /// the standard deviation of the roll angle. Overwrites the triangle of `solution`.
     #[inline(never)]
     fn misfit(&self, solution: &mut Solution<T>) -> T {
         let data = &self.triangle;
@@ -352,13 +357,13 @@ impl<T: Real> FilteredArx<T> {
         self.add_prior(&mut solution.triangle, solution.slow_sd, true);
         let Ok(nominal) = solution.triangle.solve(UNKNOWNS) else { return T::zero() };
         let more = data.sum_of_squares_at(&nominal) - data.sum_of_squares_at(&solution.theta);
-        // Each unknown explains some noise: by chance up to five standard deviations of it.
+        // Each unknown explains some noise by chance: five standard deviations of it at most.
         let noise = T::of(25.0 * UNKNOWNS_F64) * solution.slow_sd * solution.slow_sd;
         let more = more - noise;
         (more.max(T::zero()) / self.moments.weight / self.moments.roll_variance()).root()
     }
 
-    /// The identified transfer function (time in seconds), if the data determine one.
+    /// The identified transfer function (time in seconds); `None` if the data do not determine one.
     pub fn model(&self) -> Option<Reduced5<T>> {
         let theta = self.settled()?.theta;
         let mut model = self.model;
@@ -406,13 +411,14 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         products_interval_s: T::ZERO,
     };
 
-    /// The estimator's input is the expected roll angle, so the model is taken at unit gain.
+    /// The input from the estimator is the expected roll angle, so the model is scaled to unit
+    /// gain.
     fn make_for(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
         self.begin(&model.at_unit_gain(), prior);
     }
 
-    /// Advances the filters to the next sample, `interval_s` after the one before, and takes
-    /// its row in if `use_row` says so.
+    /// Advances the filters to the next sample, `interval_s` after the previous one, and adds its
+    /// row if `use_row` is true.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
         if self.started {
             if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
@@ -423,8 +429,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
             self.roll.push(&self.step, roll_rad - self.reference_rad);
         } else {
             self.started = true;
-            // Roll from its first value on: a large constant would cost digits in f32. Without
-            // an offset regressor it must not move, though.
+            // The first roll angle is subtracted, because a large constant would cost digits in
+            // f32. This is not possible without an offset regressor.
             if self.prior.offset_sd_rad > T::zero() {
                 self.reference_rad = roll_rad;
             }
@@ -440,7 +446,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.model.response(&self.input.derivatives(&self.model))
     }
 
-    /// Forgets the rows, keeps the filters running.
+    /// Deletes the rows but not the states of the filters.
     fn clear(&mut self) {
         self.triangle = Triangle::new();
         self.pending = Pending::new();
@@ -451,16 +457,17 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         (self.clock, self.greatest_rad) = (T::zero(), T::zero());
     }
 
-    /// Forgets the filters too: the next sample is taken as a state of rest.
+    /// Also resets the filters: the next sample is assumed to be in steady state.
     fn restart(&mut self) {
         self.started = false;
         self.clear();
     }
 
-    /// Multiplies the weight of all rows so far by `factor` (forgetting).
+    /// Exponential forgetting: multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T) {
         self.pending.fold_into(&mut self.triangle);
-        // The drift counts from now on: a large number would cost digits in f32.
+        // The time of the drift starts again from zero, because a large number would cost digits in
+        // f32.
         self.triangle.shift(DRIFT, OFFSET, self.clock);
         self.long_run.shift(DRIFT, OFFSET, self.clock);
         self.clock = T::zero();

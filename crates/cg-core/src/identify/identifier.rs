@@ -1,12 +1,14 @@
-//! Identification of the input-to-roll transfer function by ARX least squares.
+//! The interface and the result of an identifier of the transfer function from an input to the roll
+//! angle.
 //!
-//! Two regressors on one kernel ([`Triangle`](crate::math::linalg::Triangle)):
+//! There are two identifiers, both based on recursive least squares
+//! ([`Triangle`](crate::math::linalg::Triangle)):
 //!
-//! * [`Arx`](crate::Arx): the classical shift form (eq. 5.1), for parity with the source, MATLAB
-//!   and Octave. Use it in `f64`: its regressors are nearly collinear.
-//! * [`FilteredArx`](crate::FilteredArx): the production form. Input and roll pass through the filters
-//!   `sᵏ/B(s)` of the reduced model, which makes the rows well conditioned (20–270
-//!   against 1e10 and more), so that `f32` suffices.
+//! * [`Arx`](crate::Arx): the classical shift form (eq. 5.1), for comparison with the thesis,
+//!   MATLAB and Octave. Use it in `f64`, because its regressors are nearly collinear.
+//! * [`FilteredArx`](crate::FilteredArx): the one used in production. Input and roll angle pass
+//!   through the filters `sᵏ/B(s)` of the reduced model. The rows are therefore well conditioned
+//!   (condition number 20–270 instead of 1e10 and more), and `f32` is sufficient.
 //!
 //! **Reference.** Ljung, *System Identification*, 2nd ed., §4.2 (ARX), §10.1 (QR);
 //! Garnier and Wang, *Identification of Continuous-time Models from Sampled Data*, §1.3.
@@ -17,21 +19,21 @@ use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::Reduced5;
 
-/// What cannot be told from the data.
+/// The reason why the data do not determine a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unexcited {
-    /// Fewer rows than unknowns.
+    /// There are fewer rows than unknowns.
     TooFewRows {
-        /// Rows seen.
+        /// Number of rows.
         rows: u32,
     },
-    /// The input hardly moved.
+    /// The input is nearly constant.
     Input,
-    /// The input moved, but the DC ratio stays undetermined (for an [`Arx`](crate::Arx): the
-    /// regressor with this index is a combination of the ones before it).
+    /// The input changes but does not determine the DC ratio. (For an [`Arx`](crate::Arx): the
+    /// regressor with this index is a linear combination of those before it.)
     Direction {
-        /// Index of the undetermined unknown.
+        /// Index of the unknown that is not determined.
         unknown: usize,
     },
 }
@@ -39,8 +41,10 @@ pub enum Unexcited {
 impl fmt::Display for Unexcited {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooFewRows { rows } => write!(f, "only {rows} rows: fewer than unknowns"),
-            Self::Input => write!(f, "the input hardly moves: no turn to learn from"),
+            Self::TooFewRows { rows } => {
+                write!(f, "only {rows} rows, fewer than the unknowns of the model")
+            }
+            Self::Input => write!(f, "the input hardly changes: there is no turn to identify from"),
             Self::Direction { unknown } => {
                 write!(f, "the input does not excite unknown {unknown} of the model")
             }
@@ -53,26 +57,29 @@ impl fmt::Display for Unexcited {
 pub struct Fit<T> {
     /// The DC ratio `R_i = A0/B0`, radians of roll per unit of input, and its standard deviation.
     pub ratio: Measured<T>,
-    /// Drift of the roll sensor's offset, radians per second. Zero where it is not identified.
+    /// Drift of the roll sensor's offset, radians per second. Zero if the identifier does not
+    /// estimate it.
     pub drift_radps: Measured<T>,
-    /// By how much the roll angle bends over the expected one, as a share of it at the greatest
-    /// expected angle: negative at the end of a sensor's range, positive for a dead band. Zero where
-    /// it is not identified.
+    /// Nonlinearity of the measured roll angle: the cubic part at the greatest expected angle, as a
+    /// share of that angle. It is negative if the range of the sensor ends below the roll angle,
+    /// and positive for a dead band. Zero if the identifier does not estimate it.
     pub bend: Measured<T>,
     /// Standard deviation of the residual, radians (not below the noise floor).
     pub noise_sd_rad: T,
-    /// Mean square of the roll response over the noise, dB.
+    /// Signal-to-noise ratio: mean square of the roll response divided by the noise variance, dB.
     pub snr_db: T,
     /// `100 (1 − ‖residual‖/‖roll − mean‖)`, %.
     pub fit_percent: T,
-    /// By how much the reduced model, at the identified gain, misses the roll angle: root mean
-    /// square over that of the roll about its mean, noise apart. Zero where there is no model.
+    /// Root mean square of the part of the roll angle that the reduced model does not explain at
+    /// the identified gain, without noise, divided by the standard deviation of the roll angle.
+    /// Zero if there is no model.
     pub misfit: T,
-    /// Rows used.
+    /// Number of rows used.
     pub rows: u32,
 }
 
-/// The identifier's answer: a state of the world, not an error.
+/// The result of an identifier. Data that do not determine a model are a normal result, not an
+/// error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer<T> {
     /// An identified model.
@@ -81,7 +88,7 @@ pub enum Answer<T> {
     Unexcited(Unexcited),
 }
 
-/// Sums over the rows for the mean squares.
+/// Weighted sums over the rows, for means and variances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moments<T> {
     pub(crate) weight: T,
@@ -132,8 +139,8 @@ impl<T: Real> Moments<T> {
         (self.roll_square / self.weight - mean * mean).max(T::zero())
     }
 
-    /// `(snr_db, fit_percent)` for a residual of variance `noise_variance`; the signal is
-    /// the roll about `rest`.
+    /// `(snr_db, fit_percent)` for a residual of variance `noise_variance`. The signal is the roll
+    /// angle minus `rest`.
     pub(crate) fn quality(&self, noise_variance: T, rest: T) -> (T, T) {
         let mean_square = self.roll_square / self.weight
             - T::of(2.0) * rest * self.roll / self.weight
@@ -150,36 +157,37 @@ impl<T: Real> Moments<T> {
     }
 }
 
-/// An identifier of the DC ratio, as the estimator uses it.
+/// An identifier of the DC ratio, as used by the estimator.
 ///
-/// It is made for a model where it lies: on its way there it would need the stack twice.
+/// [`make_for`](Self::make_for) initializes the identifier in place, which avoids a second copy on
+/// the stack.
 pub trait Identify<T: Real>: Copy {
     /// Settings of this identifier.
     type Options: Copy;
 
-    /// Without a model, and without an answer.
+    /// An identifier without a model and without rows.
     const EMPTY: Self;
 
-    /// Forgets everything and begins anew around the reduced model of a channel.
+    /// Deletes all rows and samples and starts again with the reduced model of a channel.
     fn make_for(&mut self, model: &Reduced5<T>, options: Self::Options);
-    /// An empty identifier around the reduced model of a channel.
+    /// A new identifier for the reduced model of a channel.
     fn for_model(model: &Reduced5<T>, options: Self::Options) -> Self {
         let mut identifier = Self::EMPTY;
         identifier.make_for(model, options);
         identifier
     }
-    /// Takes in the next sample, `interval_s` after the one before; its row counts only if
-    /// `use_row` says so.
+    /// Adds the next sample, `interval_s` after the previous one. Its row is used for the fit only
+    /// if `use_row` is true.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
-    /// The roll angle that the channel's reduced model makes of the input up to now, radians.
+    /// The roll angle that the reduced model gives for the input so far, radians.
     fn expected_roll_rad(&self) -> T;
-    /// Forgets the rows, keeps the memory of past samples.
+    /// Deletes the rows but keeps the past samples.
     fn clear(&mut self);
-    /// Forgets everything: the next sample is a new beginning.
+    /// Deletes rows and past samples, so that the next sample is a new start.
     fn restart(&mut self);
     /// Multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T);
-    /// The answer for all rows so far. Takes in what waits for more rows first.
+    /// The result for all rows so far, including rows that wait in a buffer.
     fn fit(&mut self) -> Answer<T>;
 }
 
@@ -206,7 +214,7 @@ mod tests {
             moments.scale(0.25);
         }
         assert!((moments.weight - 3.0 / 16.0).abs() < 1e-15);
-        // What comes after counts for more: weights 3/16 and 1.
+        // Newer rows have more weight: the weights are 3/16 and 1.
         moments.push(6.0, 8.0);
         let share = 16.0 / 19.0;
         let mean = 3.0 + 3.0 * share;
@@ -217,13 +225,13 @@ mod tests {
         assert!((moments.roll_variance() - (square - mean * mean)).abs() < 1e-12);
     }
 
-    /// About a rest of 1 the mean square is (1 + 9 + 64)/3 = 74/3.
+    /// About a rest angle of 1 the mean square is (1 + 9 + 64)/3 = 74/3.
     #[test]
     fn quality_is_the_signal_about_its_rest_over_the_noise() {
         let (snr_db, fit_percent) = moments().quality(2.0 / 3.0, 1.0);
         assert!((snr_db - 10.0 * 36.0_f64.log10()).abs() < 1e-9); // (74/3 − 2/3)/(2/3)
         assert!((fit_percent - 100.0 * (1.0 - (2.0_f64 / 26.0).sqrt())).abs() < 1e-9);
-        // Noise without a signal is 60 dB above it at the most.
+        // A signal that is much smaller than the noise gives at least −60 dB.
         let (snr_db, _) = moments().quality(1e3, 1.0);
         assert!((snr_db + 60.0).abs() < 1e-9);
         let mut still = Moments::new();

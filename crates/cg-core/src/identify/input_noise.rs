@@ -1,20 +1,21 @@
-//! How noisy the input is, at the frequencies that count.
+//! The noise of the input in the frequency range of the roll motion.
 
 use crate::math::real::Real;
 
-/// Rows are averaged over this time: what is faster (vibration, quantisation) does not count. A
-/// little less than a round number, so that rounding does not decide which row is the last.
+/// Rows are averaged over this time to suppress faster noise (vibration, quantization). It is
+/// slightly below a round number, so that rounding does not decide which row is the last.
 const MEAN_S: f64 = 0.0996;
 
-/// White noise beneath a signal, from second differences of its means over tenths of a second,
-/// one apart: `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, while motion slower than 1.6 Hz makes
-/// that product positive. So neither motion nor vibration is taken for noise.
+/// Estimates the variance of white noise in a signal from second differences of its means over
+/// tenths of a second. Products of consecutive second differences have the mean
+/// `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, whereas motion slower than 1.6 Hz makes them
+/// positive. Neither motion nor vibration is therefore mistaken for noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InputNoise<T> {
     sum: T,
     rows: T,
     elapsed_s: T,
-    /// The newest two means and the newest second difference.
+    /// The last two means, and below the last second difference.
     means: Option<[T; 2]>,
     difference: Option<T>,
     products: T,
@@ -35,7 +36,7 @@ impl<T: Real> InputNoise<T> {
         }
     }
 
-    /// Takes in the next row, `interval_s` after the one before.
+    /// Adds the next row, `interval_s` after the previous one.
     pub(crate) fn push(&mut self, input: T, interval_s: T) {
         self.sum += input;
         self.rows += T::one();
@@ -64,10 +65,10 @@ impl<T: Real> InputNoise<T> {
         self.count *= factor;
     }
 
-    /// Variance of the noise, row by row; zero where there is none to see.
+    /// Variance of the noise of single rows; zero if no noise is found.
     pub(crate) fn variance(&self) -> T {
         let variance = -self.products / (T::of(4.0) * self.count);
-        // Written so that no rows (0/0) give zero.
+        // This form of the comparison gives zero if there are no rows (0/0).
         if variance > T::zero() { variance } else { T::zero() }
     }
 }
@@ -76,7 +77,7 @@ impl<T: Real> InputNoise<T> {
 mod tests {
     use super::*;
 
-    /// Noise of this standard deviation on a swing of 0.5 Hz, at 100 Hz for 100 s.
+    /// The standard deviation found for noise added to a 0.5 Hz oscillation, at 100 Hz for 100 s.
     fn measured_sd(noise: impl Fn(u32) -> f64) -> f64 {
         let mut found = InputNoise::<f64>::new();
         for k in 0..10_000 {
@@ -86,7 +87,7 @@ mod tests {
         found.variance().root()
     }
 
-    /// Uniform, white: a multiplicative hash of the place.
+    /// Uniform white noise: a multiplicative hash of the index.
     fn white(k: u32) -> f64 {
         let mixed = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -95,7 +96,7 @@ mod tests {
 
     #[test]
     fn white_noise_is_measured_beneath_the_motion() {
-        // Uniform over ±0.5: variance 1/12. 1000 means scatter by some 7 % of it.
+        // Uniform over ±0.5: the variance is 1/12. With 1000 means its error is some 7 %.
         let sd = measured_sd(white);
         assert!((sd - (1.0_f64 / 12.0).sqrt()).abs() < 0.03, "{sd}");
     }
@@ -103,13 +104,14 @@ mod tests {
     #[test]
     fn motion_and_vibration_are_no_noise() {
         assert!(measured_sd(|_| 0.0) == 0.0);
-        // From row to row up and down: nothing of it is slow.
+        // The sign changes from row to row, so there is no slow part.
         let vibration = measured_sd(|k| if k % 2 == 0 { 0.5 } else { -0.5 });
         assert!(vibration < 0.01, "{vibration}");
     }
 
-    /// Ten rows of each value: means 0, 0, 4, 0, 0. Second differences 0, 0, 4, −8, 4: products
-    /// of neighbours 0, 0, −32, −32, ten rows each, over four times their number.
+    /// Ten rows of each value: means 0, 0, 4, 0, 0. The second differences are 0, 0, 4, −8, 4. The
+    /// products of neighbors are 0, 0, −32, −32, with ten rows each; their sum is divided by four
+    /// times their number.
     #[test]
     fn the_variance_is_that_of_the_means_by_hand() {
         let mut found = InputNoise::<f64>::new();
@@ -120,13 +122,14 @@ mod tests {
             }
         }
         assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
-        // Forgetting leaves the mean as it is, and new rows count for more.
+        // Forgetting does not change the estimate, and new rows have more weight.
         found.forget(0.25);
         assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
         for _ in 0..10 {
             found.push(0.0, 0.01);
         }
-        // The next second difference is 0: nothing joins the 160 of the products, one the count of 1.
+        // The next second difference is 0: it adds nothing to the 160 of the products and one to
+        // the count of 1.
         assert!((found.variance() - 160.0 / 8.0).abs() < 1e-9);
     }
 }

@@ -1,16 +1,17 @@
-//! How much slow noise a residual holds.
+//! The long-run variance of a residual, which accounts for slow noise.
 //!
-//! Least squares takes each row's error as new. That of a rough road, or of dynamics that are not
-//! quite the model's, lasts for many rows: they say less than they are many. What counts for a DC
-//! ratio is the residual's *long-run* variance, its sums over blocks of a second or two instead of
-//! its rows one by one:
+//! Least squares assumes that the errors of the rows are independent. Errors due to a rough road,
+//! or to dynamics that differ from the model, last for many rows. Correlated residuals carry less
+//! information than their number suggests. For a DC ratio the residual's *long-run* variance is
+//! decisive. It is computed from sums of the residual over blocks of 1.5 s instead of single rows,
+//! and divided by the variance σ² of single rows:
 //!
 //! ```text
-//!     Σ_b (Σ_{rows of b} e)²/m_b / (blocks − effective unknowns)  over  σ²
+//!     Σ_b (Σ_{rows of b} e)²/m_b / (blocks − effective unknowns)  /  σ²
 //! ```
 //!
-//! The sums of the regressors over each block go into a triangle of their own, so that the
-//! residual's sums are known for whatever unknowns come out in the end.
+//! The sums of the regressors over each block are stored in a separate triangle. The sums of the
+//! residual are then available for any value of the unknowns.
 //!
 //! **Reference.** Newey and West, *Econometrica* 55 (1987) 703; batch means: Law, *Simulation
 //! Modeling and Analysis*, §9.5.
@@ -18,11 +19,12 @@
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
-/// Length of a block: several times what a rolling trailer takes to settle. A little less than
-/// a round number, so that rounding does not decide which row is its last.
+/// Length of a block: several times the settling time of a trailer's roll motion. It is slightly
+/// below a round number, so that rounding does not decide which row is the last of a block.
 const BLOCK_S: f64 = 1.4996;
 
-/// White noise counts as this many blocks seen before: few blocks alone would scatter.
+/// White noise is assumed for this many additional blocks, because the result of a few blocks alone
+/// would vary too much.
 const BELIEVED_BLOCKS: f64 = 4.0;
 
 /// Sums of rows over blocks of time.
@@ -49,7 +51,7 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
         }
     }
 
-    /// Takes in a row that stands for `interval_s`.
+    /// Adds a row that represents the time `interval_s`.
     pub(crate) fn push(&mut self, regressors: &[T; N], observation: T, interval_s: T) {
         for (sum, value) in self.regressors.iter_mut().zip(regressors) {
             *sum += *value;
@@ -69,7 +71,7 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
         *self = Self { blocks, triangle, ..Self::new() };
     }
 
-    /// Takes `times` regressor `from` off regressor `column`, in every row so far.
+    /// Subtracts `times` the regressor `from` from the regressor `column`, in all rows so far.
     pub(crate) fn shift(&mut self, column: usize, from: usize, times: T) {
         self.triangle.shift(column, from, times);
         if let Some(&other) = self.regressors.get(from)
@@ -85,17 +87,19 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
         self.blocks *= factor;
     }
 
-    /// Long-run variance over `variance`, the residual's row by row, at the unknowns `theta`, of
-    /// which the data decided `effective`; one at least.
+    /// The long-run variance divided by `variance`, the variance of single residuals, for the
+    /// unknowns `theta`. `effective` is the number of unknowns that the data determine. The result
+    /// is at least one.
     pub(crate) fn inflation(&self, theta: &[T; N], effective: T, variance: T) -> T {
         let believed = T::of(BELIEVED_BLOCKS);
         let sum = self.triangle.sum_of_squares_at(theta) + believed * variance;
         let freedom = (self.blocks - effective).max(T::zero()) + believed;
         let excess = sum / (freedom * variance) - T::one();
-        // Twice what white noise scatters by, squared: an excess below that is hardly believed.
+        // The excess is shrunk if it is below twice its standard deviation for white noise (here
+        // squared).
         let scatter = T::of(8.0) / freedom;
         let shrunk = excess * excess * excess / (excess * excess + scatter);
-        // Written so that a residual of zero (0/0) gives one.
+        // This form of the comparison gives one for a residual of zero (0/0).
         if shrunk > T::zero() { T::one() + shrunk } else { T::one() }
     }
 }
@@ -104,7 +108,7 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
 mod tests {
     use super::*;
 
-    /// Inflation of a residual around a constant, 100 rows a second for a minute.
+    /// Inflation for a residual around a constant, 100 rows per second for one minute.
     fn inflation(error: impl Fn(u32) -> f64) -> f64 {
         let mut run = LongRun::<f64, 1>::new();
         let mut squares = 0.0;
@@ -117,14 +121,16 @@ mod tests {
 
     #[test]
     fn noise_that_lasts_counts_for_what_it_is() {
-        // Up and down from row to row: sums vanish.
+        // The sign changes from row to row: the sums vanish.
         assert!((inflation(|k| if k % 2 == 0 { 1.0 } else { -1.0 }) - 1.0).abs() < 1e-12);
-        // Up and down from block to block (150 rows): each counts as one, 40 blocks of 43 seen.
+        // The sign changes from block to block (150 rows): each block counts as one row. There are
+        // 40 blocks, with the assumed ones 43.
         let slow = inflation(|k| if (k / 150) % 2 == 0 { 1.0 } else { -1.0 });
         assert!((slow / 150.0 - 40.0 / 43.0).abs() < 0.05, "{slow}");
     }
 
-    /// By hand: six blocks of 150 rows with e = ±1 each, two of them halved by forgetting.
+    /// Calculated by hand: six blocks of 150 rows with e = ±1 each; forgetting halves the weight of
+    /// two.
     #[test]
     fn the_inflation_is_that_of_the_blocks_by_hand() {
         let mut run = LongRun::<f64, 1>::new();
@@ -139,7 +145,7 @@ mod tests {
         };
         block(&mut run, 1.0);
         block(&mut run, -1.0);
-        // (150)²/150 a block; four blocks of white noise are believed.
+        // (150)²/150 per block, and four assumed blocks of white noise.
         let found = run.inflation(&[2.0], 1.0, 0.5);
         assert!((found - law(300.0 + 4.0 * 0.5, 5.0, 0.5)).abs() < 1e-9, "{found}");
         run.forget(0.5);
@@ -148,13 +154,13 @@ mod tests {
         }
         let found = run.inflation(&[2.0], 1.5, 2.0);
         assert!((found - law(150.0 + 600.0 + 8.0, 5.0 - 1.5 + 4.0, 2.0)).abs() < 1e-9, "{found}");
-        // More unknowns than blocks: the believed ones are left.
+        // With more unknowns than blocks, only the assumed blocks count.
         let found = run.inflation(&[2.0], 9.0, 2.0);
         assert!((found - law(758.0, 4.0, 2.0)).abs() < 1e-9, "{found}");
         assert!((run.inflation(&[2.0], 1.0, 1e4) - 1.0).abs() < 1e-15);
     }
 
-    /// Rows against a clock that then begins anew: both in closed blocks and in the one under way.
+    /// Shifting the origin of time changes the closed blocks and the block that is not yet closed.
     #[test]
     fn a_shifted_clock_is_as_if_it_had_begun_later() {
         let (mut late, mut soon) = (LongRun::<f64, 2>::new(), LongRun::<f64, 2>::new());

@@ -1,12 +1,12 @@
-//! Rows of a regression on their way into a triangle.
+//! Buffer that collects rows of a regression into blocks.
 
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
-/// Rows taken into the triangle at once.
+/// Number of rows that are added to the triangle at once.
 pub(crate) const BLOCK: usize = 5;
 
-/// Rows that wait for their block to fill; the rest of it is zero and says nothing.
+/// Rows that wait until their block is full. The rest of the block is zero and has no effect.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pending<T, const N: usize> {
     pub(crate) rows: usize,
@@ -32,7 +32,7 @@ impl<T: Real, const N: usize> Pending<T, N> {
         }
     }
 
-    /// Takes the rows into a triangle; then none wait.
+    /// Adds the waiting rows to a triangle and empties the buffer.
     pub(crate) fn fold_into<R: Rows<T>>(&mut self, triangle: &mut Triangle<T, N, R>) {
         triangle.push_block(&mut self.columns, &mut self.observations);
         *self = Self::new();

@@ -1,35 +1,34 @@
-//! Least squares, one row at a time, in square-root form.
+//! Recursive least squares in square-root form.
 //!
-//! The triangular array
+//! The solution is stored as a triangular array:
 //!
 //! ```text
 //!     ┌ R  z ┐        R   N × N, upper triangular, RᵀR = Σ φ φᵀ
 //!     └ 0  ρ ┘        z   N,     R θ = z is the least-squares answer
 //! ```
 //!
-//! takes each new row `y = φᵀ θ + e` in with at most `N` Givens rotations.
-//! Nothing is ever squared, so `f32` loses half as many digits as the normal
-//! equations would. Rows that come in a stream are taken in blocks, with Householder
-//! reflections, which is three times as fast.
+//! Each new row `y = φᵀ θ + e` is added with at most `N` Givens rotations. The normal equations are
+//! never formed, so `f32` loses only half as many digits. Consecutive rows can be added in blocks
+//! with Householder reflections, which is three times as fast.
 //!
 //! **Reference.** Golub and Van Loan, *Matrix Computations*, 4th ed., §5.1.8 (rotation), §5.1.3
 //! (reflection) and §6.5.3 (appending a row).
 
 use crate::math::real::Real;
 
-/// Where the upper triangle `R` is kept: row `i` from its diagonal on.
+/// Storage of the upper triangle `R`. Row `i` starts at its diagonal element.
 pub trait Rows<T>: Copy {
-    /// All zero.
+    /// The triangle with all elements zero.
     const EMPTY: Self;
 
-    /// Row `i`, from its diagonal element to its last one; empty beyond the last row.
+    /// Row `i`, from its diagonal element to its last element; empty if `i` is beyond the last row.
     fn row(&self, i: usize) -> &[T];
 
-    /// The same, to be changed.
+    /// Row `i` as in [`row`](Self::row), mutable.
     fn row_mut(&mut self, i: usize) -> &mut [T];
 }
 
-/// A square of which the lower half is never touched.
+/// Stores the triangle in a square array, whose lower half is not used.
 impl<T: Real, const N: usize> Rows<T> for [[T; N]; N] {
     const EMPTY: Self = [[T::ZERO; N]; N];
 
@@ -44,13 +43,13 @@ impl<T: Real, const N: usize> Rows<T> for [[T; N]; N] {
     }
 }
 
-/// One row after the other with nothing between, `P = N (N + 1)/2` numbers: half the memory of a
-/// square.
+/// Stores the rows of the triangle one after the other in `P = N (N + 1)/2` numbers, which takes
+/// half the memory of a square array.
 #[derive(Clone, Copy, Debug)]
 pub struct Packed<T, const N: usize, const P: usize>([T; P]);
 
 impl<T, const N: usize, const P: usize> Packed<T, N, P> {
-    /// Where row `i` lies.
+    /// Index range of row `i`.
     const fn place(i: usize) -> core::ops::Range<usize> {
         let start = (i * (2 * N + 1 - i)) / 2;
         start..start + (N - i)
@@ -63,7 +62,7 @@ impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
         Self([T::ZERO; P])
     };
 
-    #[inline(never)] // once in the image of a microcontroller
+    #[inline(never)] // one copy in the firmware image
     fn row(&self, i: usize) -> &[T] {
         if i < N { self.0.get(Self::place(i)).unwrap_or(&[]) } else { &[] }
     }
@@ -74,11 +73,11 @@ impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
     }
 }
 
-/// A running least-squares problem with at most `N` unknowns.
+/// A least-squares problem with at most `N` unknowns, to which rows are added one at a time.
 ///
-/// All inline, no heap. One [`push`](Self::push) costs up to `N` square roots and
-/// about `5 N² / 2` multiplications; zeros in the row are free. `R` is kept as a square, or
-/// [`Packed`] where memory counts.
+/// It has a fixed size and uses no heap. One [`push`](Self::push) costs up to `N` square roots and
+/// about `5 N² / 2` multiplications; zeros in the row cost nothing. `R` is stored as a square
+/// array, or as [`Packed`] where memory is scarce.
 ///
 /// ```
 /// use cg_core::math::linalg::Triangle;
@@ -104,13 +103,13 @@ impl<T: Real, const N: usize, R: Rows<T>> Default for Triangle<T, N, R> {
 }
 
 impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
-    /// The empty problem.
+    /// A problem without any rows.
     pub const fn new() -> Self {
         Self { r: R::EMPTY, z: [T::ZERO; N], residual_sum_of_squares: T::ZERO }
     }
 
-    /// Takes in the row `regressors · θ = observation`.
-    #[inline(never)] // once in the image of a microcontroller, as all that follows
+    /// Adds the row `regressors · θ = observation`.
+    #[inline(never)] // one copy in the firmware image, like the functions below
     pub fn push(&mut self, mut regressors: [T; N], mut observation: T) {
         for (i, z) in self.z.iter_mut().enumerate() {
             let Some((x, right)) = regressors.get_mut(i..).and_then(<[T]>::split_first_mut) else {
@@ -124,7 +123,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             // └-s  c ┘ └ x ┘ = └     0      ┘
             let length = (*diagonal * *diagonal + *x * *x).root();
             if length == T::zero() {
-                continue; // x so small that its square underflows: no information
+                continue; // the square of x underflows, so the row contains no information on θ_i
             }
             let inverse = T::one() / length;
             let (c, s) = (*diagonal * inverse, *x * inverse);
@@ -137,11 +136,11 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         self.residual_sum_of_squares += observation * observation;
     }
 
-    /// Takes in `B` rows at once, column by column: `columns[j][b]` is regressor `j` of row `b`.
+    /// Adds `B` rows at once, given by columns: `columns[j][b]` is regressor `j` of row `b`.
     ///
-    /// The same answer as `B` calls of [`push`](Self::push), with one Householder reflection
-    /// per unknown in place of `B` rotations: a third of the time. Rows of zeros say nothing.
-    /// What stays in the block afterwards has no meaning.
+    /// The result is that of `B` calls of [`push`](Self::push), in a third of the time: it needs
+    /// one Householder reflection per unknown instead of `B` rotations. Rows of zeros have no
+    /// effect. The contents of both arrays are overwritten and have no meaning afterwards.
     #[inline(never)]
     pub fn push_block<const B: usize>(
         &mut self,
@@ -154,14 +153,14 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             };
             let Some((diagonal, upper)) = self.r.row_mut(j).split_first_mut() else { break };
             let tail = dot(v, v);
-            // (I − β u uᵀ) (r, v)ᵀ = (α, 0)ᵀ with u = (r − α, v); α has the sign that does not
-            // cancel.
+            // (I − β u uᵀ) (r, v)ᵀ = (α, 0)ᵀ with u = (r − α, v). The sign of α is chosen to avoid
+            // cancellation in r − α.
             let length = (*diagonal * *diagonal + tail).root();
             let alpha = if *diagonal > T::zero() { -length } else { length };
             let head = *diagonal - alpha;
             let beta = T::one() / (length * head.abs());
             if tail == T::zero() || !beta.present() {
-                continue; // nothing there, or so small that its square underflows
+                continue; // the column is zero, or so small that its square underflows
             }
             *diagonal = alpha;
             for (upper, column) in upper.iter_mut().zip(right) {
@@ -172,8 +171,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         self.residual_sum_of_squares += dot(observations, observations);
     }
 
-    /// Multiplies the weight of everything seen so far by `factor` (exponential
-    /// forgetting; `root_factor` is its square root).
+    /// Exponential forgetting: multiplies the weight of all rows so far by `root_factor²`.
     pub fn scale(&mut self, root_factor: T) {
         for i in 0..N {
             for element in self.r.row_mut(i) {
@@ -186,7 +184,8 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         self.residual_sum_of_squares *= root_factor * root_factor;
     }
 
-    /// Takes `times` regressor `from` off the later regressor `column`, in every row so far.
+    /// Subtracts `times` the regressor `from` from the later regressor `column`, in all rows so
+    /// far.
     pub fn shift(&mut self, column: usize, from: usize, times: T) {
         for i in 0..=from {
             let row = self.r.row_mut(i);
@@ -197,11 +196,11 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         }
     }
 
-    /// The least-squares answer for the first `n` unknowns (the others are zero),
-    /// or the index of the first one that no row determines.
+    /// The least-squares solution for the first `n` unknowns; the others are zero.
     ///
     /// # Errors
-    /// `Err(i)` if the `i`-th pivot vanishes against the largest one.
+    /// `Err(i)` if the rows do not determine unknown `i`: its pivot is negligible compared with the
+    /// largest one. `i` is the first such unknown.
     #[inline(never)]
     pub fn solve(&self, n: usize) -> Result<[T; N], usize> {
         self.pivots(n)?;
@@ -215,10 +214,10 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         for i in 0..n.min(N) {
             largest = largest.max(pivot(i));
         }
-        // A pivot below N ε of the largest is rounding, not information.
+        // A pivot below 8 ε of the largest one is due to rounding and carries no information.
         let least = largest * T::machine_epsilon() * T::of(8.0);
         for i in 0..n.min(N) {
-            // Written so that NaN fails too.
+            // This form of the comparison also rejects NaN.
             if !(pivot(i) > least) {
                 return Err(i);
             }
@@ -226,26 +225,27 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         Ok(())
     }
 
-    /// The last of the first `n` unknowns if they are all free, and its standard deviation for unit
-    /// noise: what it adds to a model without it.
+    /// The last of the first `n` unknowns in the solution for all of them, and its standard
+    /// deviation for noise of unit variance. It shows whether this unknown improves a model without
+    /// it.
     ///
-    /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
+    /// Only valid if [`solve`](Self::solve) succeeds with the same `n`.
     pub fn last_of(&self, n: usize) -> Option<(T, T)> {
         let i = n.checked_sub(1)?;
         let inverse = T::one() / self.r.row(i).first()?.abs();
         Some((*self.z.get(i)? / *self.r.row(i).first()?, inverse))
     }
 
-    /// `‖R⁻ᵀ g‖²`: the variance of `gᵀ θ` for unit noise.
+    /// `‖R⁻ᵀ g‖²`: the variance of `gᵀ θ` for noise of unit variance.
     ///
-    /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
+    /// Only valid if [`solve`](Self::solve) succeeds with the same `n`.
     pub fn variance_of(&self, gradient: &[T; N], n: usize) -> T {
         self.forward(gradient, n).iter().fold(T::zero(), |sum, w| sum + *w * *w)
     }
 
-    /// `(RᵀR)⁻¹ c`: how far a change `c` of `Σ φ y` moves the answer.
+    /// `(RᵀR)⁻¹ c`: the change of the solution due to a change `c` of `Σ φ y`.
     ///
-    /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
+    /// Only valid if [`solve`](Self::solve) succeeds with the same `n`.
     pub fn shift_for(&self, change: &[T; N], n: usize) -> [T; N] {
         self.backward(self.forward(change, n), n)
     }
@@ -293,9 +293,10 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
         w
     }
 
-    /// `(RᵀR)⁻¹`: the covariance of θ for unit noise (rows and columns beyond `n` are zero).
+    /// `(RᵀR)⁻¹`: the covariance of θ for noise of unit variance (rows and columns from `n` on are
+    /// zero).
     ///
-    /// Only valid when [`solve`](Self::solve) with the same `n` succeeds.
+    /// Only valid if [`solve`](Self::solve) succeeds with the same `n`.
     pub fn covariance(&self, n: usize) -> [[T; N]; N] {
         let mut covariance = [[T::zero(); N]; N];
         for (k, column) in covariance.iter_mut().enumerate().take(n) {
@@ -303,12 +304,12 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             if let Some(place) = unit.get_mut(k) {
                 *place = T::one();
             }
-            *column = self.shift_for(&unit, n); // symmetric: a column is a row
+            *column = self.shift_for(&unit, n); // the matrix is symmetric, so a column is a row
         }
         covariance
     }
 
-    /// The sum of squared residuals of all rows at the answer `theta`.
+    /// The sum of the squared residuals of all rows at `theta`.
     #[inline(never)]
     pub fn sum_of_squares_at(&self, theta: &[T; N]) -> T {
         let mut sum = self.residual_sum_of_squares;
@@ -323,8 +324,8 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     }
 }
 
-/// `Σ a b` in four interleaved sums: an order of summation that vector units can keep, the same
-/// on every target.
+/// `Σ a b` in four interleaved sums. This order of summation suits vector units and is the same on
+/// every target.
 #[inline]
 fn dot<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
     let mut lanes = [T::zero(); 4];
@@ -336,7 +337,7 @@ fn dot<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
-/// Reflects one column `(top, rest)`.
+/// Applies the reflection to one column `(top, rest)`.
 #[inline]
 fn reflect<T: Real, const B: usize>(head: T, v: &[T; B], beta: T, top: &mut T, rest: &mut [T; B]) {
     let share = (head * *top + dot(v, rest)) * beta;
@@ -363,7 +364,7 @@ mod tests {
         assert!((after.1 / before.1 - 4.0).abs() < 1e-12);
     }
 
-    /// Time counted from another origin: the same rows with `t − 3`, packed or not.
+    /// The same rows with the time origin shifted to `t − 3`, in a square and in a packed triangle.
     #[test]
     fn a_shifted_regressor_is_that_of_the_shifted_rows() {
         let (mut whole, mut later) = (Triangle::<f64, 3>::new(), Triangle::<f64, 3>::new());
@@ -424,7 +425,8 @@ mod tests {
         assert_eq!(square.solve(3), packed.solve(3));
         assert_eq!(square.solve(2), packed.solve(2));
         assert_eq!(square.covariance(3), packed.covariance(3));
-        // The last unknown, freed after the others, moves by what the full answer says of it.
+        // The last unknown and its standard deviation agree with the full solution and its
+        // covariance.
         let (value, sd) = packed.last_of(3).unwrap();
         assert!((value - square.solve(3).unwrap()[2]).abs() < 1e-14);
         assert!((sd * sd - square.covariance(3)[2][2]).abs() < 1e-14);
@@ -470,7 +472,7 @@ mod tests {
         assert!((quadratic / triangle.variance_of(&g, 3) - 1.0).abs() < 1e-10);
     }
 
-    /// Eight ε of the largest pivot are rounding.
+    /// Pivots up to eight ε of the largest one are treated as rounding.
     #[test]
     fn a_pivot_counts_from_eight_epsilon_on() {
         for (epsilons, found) in [(7.0, Err(1)), (9.0, Ok(()))] {

@@ -1,4 +1,4 @@
-//! Numbers and small matrices: the two floating-point types, packed triangles, Householder reflections.
+//! Numbers and small matrices: the floating-point types and recursive least squares.
 
 pub mod real;
 pub mod linalg;

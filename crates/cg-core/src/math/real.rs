@@ -1,19 +1,19 @@
-//! The two floating-point types that the pipeline runs in.
+//! The two floating-point types of the estimator, `f32` and `f64`.
 
 use core::fmt::{Debug, Display};
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 mod sealed {
-    /// Keeps the set of types closed, and the matrix library out of the public interface.
+    /// Closes the set of types, and keeps the matrix library out of the public interface.
     pub trait Sealed: nalgebra::RealField + Copy {}
     impl Sealed for f32 {}
     impl Sealed for f64 {}
 }
 
-/// `f32` (the product) or `f64` (its witness).
+/// A floating-point type: `f32` runs on the vehicle, and `f64` is used to check it.
 ///
-/// Square root and logarithm come from `libm` on every target, so a host and a
-/// Cortex-M4F give the same bits.
+/// Square root, power and logarithm come from `libm` on every target. A host and a Cortex-M4F
+/// therefore give the same bits.
 pub trait Real:
     sealed::Sealed
     + Copy
@@ -30,7 +30,7 @@ pub trait Real:
     + MulAssign
     + DivAssign
 {
-    /// Zero, where constants are wanted.
+    /// Zero as a constant.
     const ZERO: Self;
 
     /// The nearest value to `value`.
@@ -48,9 +48,9 @@ pub trait Real:
     fn decimal_log(self) -> Self;
     /// The machine epsilon.
     fn machine_epsilon() -> Self;
-    /// Not a number: in a [`Sample`](crate::Sample), an absent signal.
+    /// Not a number (NaN), which marks an absent signal in a [`Sample`](crate::Sample).
     fn absent() -> Self;
-    /// Whether the signal is there: neither NaN nor infinite.
+    /// Whether the value is neither NaN nor infinite, so that the signal is present.
     fn present(self) -> bool;
 }
 
@@ -117,7 +117,7 @@ impl Real for f32 {
 mod tests {
     use super::*;
 
-    /// What both types must agree on, to a few of their own ε.
+    /// Properties that both types have, to a few of their own ε.
     fn behaves<T: Real>() {
         let close = |a: T, b: f64| (a.as_f64() - b).abs() < 4.0 * T::machine_epsilon().as_f64();
         assert!(T::ZERO == T::zero() && close(T::of(0.75), 0.75));

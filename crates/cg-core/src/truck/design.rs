@@ -1,4 +1,4 @@
-//! The constants of one truck: what the offline model hands to the estimator.
+//! The constants of one truck, which are computed offline and used by the estimator.
 
 use core::fmt;
 
@@ -7,17 +7,17 @@ use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
 
-/// Speeds at which a design holds ratio lines.
+/// Number of speeds on the speed axis of a design.
 pub const SPEEDS: usize = 8;
-/// Trailer masses at which a design holds ratio lines.
+/// Number of trailer masses on the mass axis of a design.
 pub const MASSES: usize = 6;
 
-/// What drives the roll angle: the input of the identified transfer function.
+/// The input of the identified transfer function to the roll angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
-    /// Road-wheel steer angle (the source's choice): knows the tyres and the speed.
+    /// Road-wheel steer angle, as in the thesis. Its ratio depends on the tires and on the speed.
     Steer,
-    /// Lateral acceleration of the trailer: needs no tyre data.
+    /// Lateral acceleration of the trailer. Its ratio does not depend on the tires.
     LateralAcceleration,
 }
 
@@ -25,7 +25,7 @@ impl Channel {
     /// Both channels, in the order of [`Design::channels`].
     pub const ALL: [Self; 2] = [Self::Steer, Self::LateralAcceleration];
 
-    /// The other one.
+    /// The other channel.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {
@@ -34,7 +34,7 @@ impl Channel {
         }
     }
 
-    /// Its place in [`Channel::ALL`].
+    /// Its index in [`Channel::ALL`].
     pub const fn index(self) -> usize {
         match self {
             Self::Steer => 0,
@@ -52,29 +52,29 @@ words!(Channel {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ChannelDesign<T> {
-    /// The reduced models at the nominal speed and reference height, one for each mass on the axis
-    /// of the design: shape of the dynamics.
+    /// The reduced models at the nominal speed and reference height, one for each mass on the
+    /// design's mass axis. Only the shape of their dynamics is used.
     pub models: [Reduced5<T>; MASSES],
-    /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All
-    /// are scaled to `b0 + b1 h = 1` at the reference height, so that they can be blended.
+    /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All are
+    /// scaled to `b0 + b1 h = 1` at the reference height, so that they can be interpolated.
     pub lines: [[RatioLine<T>; MASSES]; SPEEDS],
     /// `R_c`, the DC ratio of the compensation (eq. 5.19).
     pub compensation: T,
 }
 
-/// How well the DC ratios of both channels are known at one speed and mass: what calibration
-/// and model leave open, which no amount of driving averages out.
+/// The uncertainty of the DC ratios of both channels at one speed and mass. It comes from the model
+/// and the calibration, so it does not average out over maneuvers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Spread<T> {
     /// Relative standard deviation of each channel's ratio, in the order of [`Channel::ALL`].
     pub sd: [T; 2],
-    /// Correlation of the two: springs and roll centres act on both.
+    /// Correlation of the two ratios, because springs and roll centers affect both.
     pub correlation: T,
 }
 
 impl<T: Real> Spread<T> {
-    /// `weight` of `other`, the rest of `self`.
+    /// Interpolates between `self` (`weight` 0) and `other` (`weight` 1).
     #[must_use]
     fn blend(&self, other: &Self, weight: T) -> Self {
         let mix = |a: T, b: T| a + (b - a) * weight;
@@ -83,9 +83,9 @@ impl<T: Real> Spread<T> {
     }
 }
 
-/// The constants of one truck, plain numbers, checked by [`Design::validate`].
+/// The constants of one truck: numbers only, checked by [`Design::validate`].
 ///
-/// Laid out as in C: a structure of numbers that firmware in any language can keep in flash.
+/// The memory layout is that of C, so firmware in any language can keep the structure in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Design<T> {
@@ -95,37 +95,37 @@ pub struct Design<T> {
     pub trailer_mass_kg: [T; MASSES],
     /// The two channels, in the order of [`Channel::ALL`].
     pub channels: [ChannelDesign<T>; 2],
-    /// Uncertainty of their ratios, `[speed][mass]`.
+    /// Uncertainty of the ratios of both channels, `[speed][mass]`.
     pub spread: [[Spread<T>; MASSES]; SPEEDS],
-    /// Speed used when a sample has none.
+    /// Speed that is used until a sample has one.
     pub nominal_speed_mps: T,
-    /// Trailer mass used when a sample has none.
+    /// Trailer mass that is used until a sample has one.
     pub nominal_trailer_mass_kg: T,
-    /// Height at which the models are taken and the ratio lines scaled.
+    /// Height for which the reduced models hold and at which the ratio lines are scaled.
     pub reference_height_m: T,
-    /// The lowest height that this trailer can have.
+    /// The least height of the sprung c.g. that this trailer can have.
     pub least_height_m: T,
-    /// The greatest height that this trailer can have.
+    /// The greatest height of the sprung c.g. that this trailer can have.
     pub greatest_height_m: T,
     /// Acceleration of gravity.
     pub gravity_mps2: T,
-    /// What the static stability factor needs.
+    /// Parameters of the static stability factor.
     pub rollover: RolloverDesign<T>,
-    /// Rollover thresholds over height, one line for each mass on the axis.
+    /// Rollover thresholds over the height, one line for each mass on the mass axis.
     pub thresholds: [ThresholdLine<T>; MASSES],
 }
 
-/// What is wrong with a design.
+/// The reason why a design is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DesignError {
-    /// A number is not finite; the field is named.
+    /// A number is not finite. Contains the name of the field.
     NotFinite(&'static str),
-    /// An axis is not strictly increasing; the field is named.
+    /// An axis is not strictly increasing. Contains the name of the field.
     NotIncreasing(&'static str),
-    /// A number that must be positive is not; the field is named.
+    /// A number that must be positive is not. Contains the name of the field.
     NotPositive(&'static str),
-    /// A correlation of the two channels lies outside −1 to 1.
+    /// A correlation of the two channels is outside −1 to 1.
     NotCorrelation,
     /// The reduced model of this channel is unstable.
     Unstable(Channel),
@@ -150,7 +150,7 @@ impl fmt::Display for DesignError {
 impl core::error::Error for DesignError {}
 
 impl<T: Real> Design<T> {
-    /// The same design in the other precision.
+    /// The same design in another precision.
     pub fn cast<U: Real>(&self) -> Design<U> {
         let to = |x: T| U::of(x.as_f64());
         Design {
@@ -191,10 +191,10 @@ impl<T: Real> Design<T> {
         }
     }
 
-    /// Checks every number once, so that the pipeline need not.
+    /// Checks every number once, so that the estimator does not have to.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first fault found.
     pub fn validate(&self) -> Result<(), DesignError> {
         increasing(&self.speed_mps, "speed_mps")?;
         increasing(&self.trailer_mass_kg, "trailer_mass_kg")?;
@@ -239,14 +239,14 @@ impl<T: Real> Design<T> {
 
     /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes.
     ///
-    /// Cubic in speed and in mass, coefficient by coefficient.
+    /// Each coefficient is interpolated cubically in speed and in mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let cell = self.cell(speed_mps, trailer_mass_kg)?;
         Some(cell.line(&self.channels[channel.index()].lines))
     }
 
-    /// The ratio of both channels at the reference height, with their compensation; `None` outside
-    /// the axes.
+    /// The compensated ratio of both channels at the reference height, in radians of roll per unit
+    /// of input; `None` outside the axes.
     pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; 2]> {
         let cell = self.cell(speed_mps, trailer_mass_kg)?;
         Some(Channel::ALL.map(|channel| {
@@ -255,8 +255,9 @@ impl<T: Real> Design<T> {
         }))
     }
 
-    /// The reduced model of a channel at a trailer mass: that between its neighbours on the axis,
-    /// the nearer one where that would be unstable, the last one beyond the axis.
+    /// The reduced model of a channel at a trailer mass, interpolated linearly between the
+    /// neighbors on the mass axis. If the interpolated model is unstable, it is the nearer
+    /// neighbor. Beyond the axis it is the last model.
     pub fn model(&self, channel: Channel, trailer_mass_kg: T) -> Reduced5<T> {
         let ends = (self.trailer_mass_kg.first(), self.trailer_mass_kg.last());
         let within_kg = match ends {
@@ -277,7 +278,8 @@ impl<T: Real> Design<T> {
         }
     }
 
-    /// The uncertainty of the ratios at a speed and trailer mass; `None` outside the axes.
+    /// The uncertainty of the ratios at a speed and trailer mass, interpolated linearly; `None`
+    /// outside the axes.
     pub fn spread(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Spread<T>> {
         let (i, u) = locate(&self.speed_mps, speed_mps)?;
         let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
@@ -288,8 +290,9 @@ impl<T: Real> Design<T> {
         Some(at(i)?.blend(&at(i + 1)?, u))
     }
 
-    /// The rollover measures at a height of the sprung c.g., a trailer mass and a speed (NaN = not
-    /// known: the least threshold of all); `None` if the mass lies outside the axis.
+    /// The rollover measures at a height of the sprung c.g., a trailer mass and a speed. If the
+    /// speed is NaN (not known), the smallest threshold applies. `None` if the mass is outside the
+    /// axis.
     pub fn rollover(
         &self,
         height: Measured<T>,
@@ -310,7 +313,7 @@ impl<T: Real> Design<T> {
     }
 }
 
-/// A point between the nodes of a table: on each axis the first of four nodes, and their weights.
+/// A point in a table. On each axis: the index of the first of four nodes, and their weights.
 struct Cell<T> {
     speed: (usize, [T; 4]),
     mass: (usize, [T; 4]),
@@ -353,7 +356,8 @@ fn positive<T: Real>(value: T, field: &'static str) -> Result<(), DesignError> {
     }
 }
 
-/// The interval of a strictly increasing axis that holds `value`, and how far into it.
+/// The interval of a strictly increasing axis that contains `value`, and the relative position in
+/// it.
 fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
     for (i, pair) in axis.windows(2).enumerate() {
         if let [low, high] = pair
@@ -366,8 +370,8 @@ fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
     None
 }
 
-/// Lagrange's weights of the four nodes around `value`, and the first of them; the last four or the
-/// first near an end.
+/// Index of the first of the four nodes around `value` (near an end of the axis: the first or last
+/// four), and the Lagrange weights of the four.
 fn cubic<T: Real>(axis: &[T], value: T) -> Option<(usize, [T; 4])> {
     let (interval, _) = locate(axis, value)?;
     let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
@@ -401,7 +405,7 @@ mod tests {
         assert_eq!(locate(&axis, f64::NAN), None);
     }
 
-    /// On any interval of an uneven axis; exact at the nodes.
+    /// In any interval of an axis with unequal spacing; exact at the nodes.
     #[test]
     fn a_cubic_is_met_by_its_nodes() {
         let axis = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0];

@@ -1,5 +1,5 @@
-//! The constants of one truck: reduced models, ratio lines over the height, rollover thresholds, and the design that
-//! holds them.
+//! The constants of one truck: reduced models, ratio lines over the height, rollover thresholds,
+//! and the design that contains them.
 
 pub mod reduced;
 pub mod ratio;

@@ -1,8 +1,8 @@
-//! The DC ratio as a function of height, and back.
+//! The DC ratio as a function of the height, and its inverse.
 //!
-//! The static equations of the vehicle are linear in the height `h` in one row
-//! only, so by Cramer's rule both the numerator and the denominator of the DC
-//! ratio are exactly linear in `h`:
+//! The height `h` occurs in one row only of the vehicle's steady-state equations, and linearly. By
+//! Cramer's rule both the numerator and the denominator of the DC ratio are therefore exactly
+//! linear in `h`:
 //!
 //! ```text
 //!     R_a(h) = (a1 h + a0) / (b1 h + b0)                    eq. 5.18
@@ -21,12 +21,12 @@ use crate::math::real::Real;
 pub struct Measured<T> {
     /// The value.
     pub value: T,
-    /// Its standard deviation, same unit.
+    /// Its standard deviation, in the same unit.
     pub sd: T,
 }
 
 impl<T: Real> Measured<T> {
-    /// A value known without error.
+    /// A value without uncertainty.
     pub fn exact(value: T) -> Self {
         Self { value, sd: T::zero() }
     }
@@ -38,18 +38,18 @@ impl<T: Real> Measured<T> {
     }
 }
 
-/// The DC ratio `(a1 h + a0) / (b1 h + b0)` of one channel at one speed and mass
-/// (eq. 5.17; only the ratios of the four numbers matter).
+/// The DC ratio `(a1 h + a0) / (b1 h + b0)` of one channel at one speed and mass (eq. 5.17). A
+/// common factor of the four numbers has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct RatioLine<T> {
     /// Numerator at zero height.
     pub a0: T,
-    /// Numerator per metre.
+    /// Increase of the numerator per meter of height.
     pub a1: T,
     /// Denominator at zero height.
     pub b0: T,
-    /// Denominator per metre.
+    /// Increase of the denominator per meter of height.
     pub b1: T,
 }
 
@@ -59,7 +59,7 @@ impl<T: Real> RatioLine<T> {
         (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
     }
 
-    /// Adds `weight` of `other`, coefficient by coefficient.
+    /// Adds `weight` times `other` to every coefficient.
     pub(crate) fn add(&mut self, other: &Self, weight: T) {
         self.a0 += other.a0 * weight;
         self.a1 += other.a1 * weight;
@@ -68,18 +68,18 @@ impl<T: Real> RatioLine<T> {
     }
 }
 
-/// Why a ratio has no height.
+/// The reason why a ratio gives no height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HeightError<T> {
-    /// The ratio is not a finite number, or no height gives it.
+    /// The ratio is not a finite number, or no height gives this ratio.
     NoSolution {
-        /// The identified ratio over the compensation.
+        /// The identified ratio divided by the compensation.
         ratio: T,
     },
-    /// A height explains the ratio, but no such vehicle exists.
+    /// A height gives this ratio, but it is outside the range that the trailer can have.
     OutOfRange {
-        /// The height that would explain it, metres.
+        /// The height that would give the ratio, in meters.
         height_m: T,
     },
 }
@@ -99,12 +99,14 @@ impl<T: Real> fmt::Display for HeightError<T> {
 
 impl<T: Real> core::error::Error for HeightError<T> {}
 
-/// Solves eq. 5.20 for the height, with the standard deviations of the identified
-/// ratio, of the compensation and of the model itself (relative, on the ratio)
-/// carried over to first order.
+/// Solves eq. 5.20 for the height.
+///
+/// The relative standard deviations of the identified ratio, of the compensation and of the model's
+/// ratio are propagated to the height to first order.
 ///
 /// # Errors
-/// [`HeightError::NoSolution`] if the ratio is not finite or the line is flat there.
+/// [`HeightError::NoSolution`] if the ratio is not finite or the line does not depend on the height
+/// there.
 pub fn solve_height<T: Real>(
     line: &RatioLine<T>,
     identified: Measured<T>,
@@ -114,7 +116,7 @@ pub fn solve_height<T: Real>(
     let x = identified.value / compensation.value;
     let slope = x * line.b1 - line.a1;
     let value = (line.a0 - x * line.b0) / slope;
-    // dh/dx = (a1 b0 − a0 b1) / (x b1 − a1)², each factor divided by the slope first:
+    // dh/dx = (a1 b0 − a0 b1) / (x b1 − a1)². Each factor is divided by the slope first, because
     // the coefficients of eq. 5.17 reach 1e272 and their products would overflow.
     let derivative = (line.a1 / slope) * (line.b0 / slope) - (line.a0 / slope) * (line.b1 / slope);
     let relative_variance = identified.relative_variance()
@@ -135,7 +137,7 @@ mod tests {
     const THESIS: RatioLine<f64> =
         RatioLine { a0: -1.9772e270, a1: -1.0268e270, b0: 1.6703e272, b1: -2.9656e269 };
 
-    /// Tables 5.6 and 5.7: printed four-digit ratio, printed height in inches.
+    /// Tables 5.6 and 5.7: the printed ratio of four digits gives the printed height in inches.
     #[test]
     fn tables_5_6_and_5_7_to_all_printed_decimals() {
         let to_four =
@@ -169,9 +171,9 @@ mod tests {
         let sd = solve_height(&THESIS, ratio, exact, 0.0).unwrap().sd;
         let at = |r| solve_height(&THESIS, Measured::exact(r), exact, 0.0).unwrap().value;
         let difference = (at(-0.8466) - at(-0.8446)).abs() / 2.0;
-        // Second-order terms of a 0.1 % step: about 1e-3 of the difference squared.
+        // The second-order terms of a 0.1 % step are about 1e-3 of the difference squared.
         assert!((sd / difference - 1.0).abs() < 1e-4);
-        // numerics: d ln R / d ln h = 1.136 at the baseline
+        // d ln R / d ln h = 1.136 for the baseline vehicle
         let h = at(-0.8456);
         assert!(((0.001 / 0.8456) / (sd / h) - 1.136).abs() < 1e-3);
     }
@@ -192,7 +194,7 @@ mod tests {
         assert_eq!(found, Err(HeightError::NoSolution { ratio: 2.0 }));
     }
 
-    /// The height is the ratio itself here: relative variances add.
+    /// In this line the height equals the ratio, so relative variances add.
     #[test]
     fn ratio_compensation_and_model_each_have_their_part() {
         let line = RatioLine { a0: 0.0, a1: 1.0, b0: 1.0, b1: 0.0 };

@@ -1,4 +1,4 @@
-//! The reduced 5th-order compensated model, and the filters that its denominator makes.
+//! The reduced 5th-order compensated model, and the filters with its denominator.
 //!
 //! ```text
 //!              A5 s⁵ + A4 s⁴ + A3 s³ + A2 s² + A1 s + A0
@@ -6,10 +6,10 @@
 //!                s⁵ + B4 s⁴ + B3 s³ + B2 s² + B1 s + B0
 //! ```
 //!
-//! One set of filters `sᵏ/B(s)`, k = 0…5, serves twice: weighted with the numerator
-//! it simulates the expected roll angle, and applied to input and roll it gives the
-//! regressors of [`FilteredArx`](crate::FilteredArx). Between samples the signals
-//! are taken as straight lines (first-order hold), for which the discretisation is exact.
+//! One set of filters `sᵏ/B(s)`, k = 0…5, serves two purposes. Weighted with the numerator, the
+//! filtered input is the expected roll angle. Applied to input and roll angle, the filters give the
+//! regressors of [`FilteredArx`](crate::FilteredArx). Signals are interpolated linearly between
+//! samples (first-order hold), and for such signals the discretization is exact.
 //!
 //! **Reference.** Franklin, Powell and Workman, *Digital Control of Dynamic Systems*,
 //! 3rd ed., §6.3.2 (first-order hold); Garnier and Wang, *Identification of
@@ -22,12 +22,12 @@ use crate::math::real::Real;
 /// The order of the reduced model.
 pub const ORDER: usize = 5;
 
-/// The reduced 5th-order compensated model (eq. 5.12), input to trailer roll angle.
+/// The reduced 5th-order compensated model (eq. 5.12) from the input to the trailer's roll angle.
 ///
 /// ```
 /// use cg_core::Reduced5;
 ///
-/// // eq. 5.12 with our signs (left-hand turns and their roll positive)
+/// // eq. 5.12 with this project's signs (left-hand turns and their roll are positive)
 /// let model = Reduced5::<f64> {
 ///     numerator: [51.7785, 27.8430, 24.3105, -0.9015, 2.6063, -0.2554],
 ///     denominator: [61.2322, 83.2666, 57.4175, 22.6413, 5.8858],
@@ -37,19 +37,19 @@ pub const ORDER: usize = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Reduced5<T> {
-    /// `A0 … A5`, ascending powers of s (1/s), radians of roll per unit of input.
+    /// `A0 … A5`, ascending powers of s (in 1/s); radians of roll per unit of input.
     pub numerator: [T; ORDER + 1],
-    /// `B0 … B4`, ascending powers of s; the coefficient of s⁵ is one.
+    /// `B0 … B4`, ascending powers of s (in 1/s); the coefficient of s⁵ is one.
     pub denominator: [T; ORDER],
 }
 
 impl<T: Real> Reduced5<T> {
-    /// The DC ratio `A0/B0`: steady roll angle per unit of input.
+    /// The DC ratio `A0/B0`: steady-state roll angle per unit of input.
     pub fn dc_gain(&self) -> T {
         self.numerator[0] / self.denominator[0]
     }
 
-    /// `weight` of `other`, the rest of `self`, coefficient by coefficient.
+    /// Interpolates every coefficient between `self` (`weight` 0) and `other` (`weight` 1).
     #[must_use]
     pub fn blend(&self, other: &Self, weight: T) -> Self {
         let mut blended = *self;
@@ -60,12 +60,13 @@ impl<T: Real> Reduced5<T> {
         blended
     }
 
-    /// `B0^(1/5)`, rad/s: the time scale in which the coefficients are near one.
+    /// `B0^(1/5)`, rad/s: with time scaled by it, the coefficients are near one.
     pub fn time_scale_radps(&self) -> T {
         self.denominator[0].power(T::of(0.2))
     }
 
-    /// The same model with a DC gain of one: for an input that is already the expected roll.
+    /// The same model with a DC gain of one, for an input that is already scaled to the expected
+    /// roll angle.
     #[must_use]
     pub fn at_unit_gain(&self) -> Self {
         let (mut model, gain) = (*self, self.dc_gain());
@@ -75,7 +76,7 @@ impl<T: Real> Reduced5<T> {
         model
     }
 
-    /// The same model in the time `τ = ω t`.
+    /// The same model in the scaled time `τ = ω t`, where `ω` is `scale_radps`.
     #[must_use]
     pub fn in_scaled_time(&self, scale_radps: T) -> Self {
         let mut scaled = *self;
@@ -90,8 +91,8 @@ impl<T: Real> Reduced5<T> {
         scaled
     }
 
-    /// Whether the denominator is a stable polynomial (Routh's criterion) and every
-    /// coefficient finite: an unstable reduction must not be used.
+    /// Whether the denominator is a stable polynomial (Routh's criterion) and every coefficient is
+    /// finite. A model reduction can be unstable and must then not be used.
     pub fn is_stable(&self) -> bool {
         let [b0, b1, b2, b3, b4] = self.denominator;
         // Routh array of s⁵ + b4 s⁴ + b3 s³ + b2 s² + b1 s + b0
@@ -108,7 +109,7 @@ impl<T: Real> Reduced5<T> {
             && self.numerator.iter().all(|a| a.present())
     }
 
-    /// The model's answer to filtered input: `Σ A_k (s^k/B) u`.
+    /// The output of the model for the filtered input: `Σ A_k (s^k/B) u`.
     pub fn response(&self, filtered: &[T; ORDER + 1]) -> T {
         let mut sum = T::zero();
         for k in 0..=ORDER {
@@ -123,24 +124,25 @@ const fn zeros<T: Real, const R: usize, const C: usize>() -> SMatrix<T, R, C> {
     SMatrix::from_array_storage(ArrayStorage([[T::ZERO; R]; C]))
 }
 
-/// Doublings of the sum for the noise in the filters: 2¹² samples are 4 s at 1 kHz.
+/// Number of doublings in the sum of the noise in the filters: 2¹² samples are 4 s at 1 kHz.
 const DOUBLINGS: u32 = 12;
 
-/// One step of the filters `sᵏ/B(s)` over a fixed sampling interval, exact for
-/// signals that are straight lines between samples.
+/// One step of the filters `sᵏ/B(s)` over a fixed sampling interval, exact for signals that are
+/// linear between samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepMatrices<T: Real> {
-    /// `exp(A h) − I`: kept without the identity, so that short steps lose nothing in `f32`.
+    /// `exp(A h) − I`, stored without the identity to avoid rounding errors of short steps in
+    /// `f32`.
     increment: SMatrix<T, ORDER, ORDER>,
     held: SVector<T, ORDER>,
     ramp: SVector<T, ORDER>,
 }
 
 impl<T: Real> StepMatrices<T> {
-    /// The step over no time.
+    /// The step over an interval of zero.
     pub(crate) const STANDING: Self = Self { increment: zeros(), held: zeros(), ramp: zeros() };
 
-    /// The step over `step` (in the time unit of `model`).
+    /// The step over an interval `step`, in the time unit of `model`.
     #[inline(never)]
     pub fn new(model: &Reduced5<T>, step: T) -> Self {
         // d/dt (x, u, u̇) with u̇ in units of one step:  M = step · ┌ A B 0 ┐ + ┌ 0 0 0 ┐
@@ -165,16 +167,16 @@ impl<T: Real> StepMatrices<T> {
 }
 
 impl<T: Real> StepMatrices<T> {
-    /// How much of the newest sample is in the signal filtered by `sᵏ/B(s)`, k = 0…4.
+    /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4.
     pub fn newest_share(&self) -> [T; ORDER] {
         self.ramp.into()
     }
 
-    /// What white noise of unit variance on the signal leaves in the products of the signals
-    /// filtered by `sᵏ/B(s)`, k = 0…5, with the response `A/B`: `E[u_k · G u]`.
+    /// The expected products `E[u_k · G u]` of the filtered signals `u_k = sᵏ/B(s) u`, k = 0…5,
+    /// with the response `G u = A/B u`, for white noise `u` of unit variance.
     ///
-    /// With `x⁺ = Φ x + Γ0 v + Γ1 v⁺` the covariance of the states is `W + Γ1 Γ1ᵀ`,
-    /// `W = Σ Φⁱ b bᵀ Φⁱᵀ` and `b = Φ Γ1 + Γ0`, summed by doubling.
+    /// With `x⁺ = Φ x + Γ0 v + Γ1 v⁺`, the covariance of the states is `W + Γ1 Γ1ᵀ`, where
+    /// `W = Σ Φⁱ b bᵀ Φⁱᵀ` and `b = Φ Γ1 + Γ0`. The sum is computed by doubling.
     #[inline(never)]
     pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
         let ramp = self.ramp;
@@ -200,7 +202,7 @@ impl<T: Real> StepMatrices<T> {
     }
 }
 
-/// `a b`: once in the image of a microcontroller, not at every use.
+/// `a b`, not inlined: one copy in the firmware image.
 #[inline(never)]
 fn product<T: Real, const N: usize>(
     a: &SMatrix<T, N, N>,
@@ -239,7 +241,7 @@ fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7>
     f
 }
 
-/// The filters `sᵏ/B(s)`, k = 0…5, running on one signal.
+/// The states of the filters `sᵏ/B(s)`, k = 0…5, for one signal.
 #[derive(Clone, Copy, Debug)]
 pub struct StateVariableFilter<T: Real> {
     state: SVector<T, ORDER>,
@@ -247,10 +249,10 @@ pub struct StateVariableFilter<T: Real> {
 }
 
 impl<T: Real> StateVariableFilter<T> {
-    /// Without a signal.
+    /// Filters with all states zero.
     pub(crate) const EMPTY: Self = Self { state: zeros(), input: T::ZERO };
 
-    /// Filters at rest under the constant signal `input`.
+    /// Filters in steady state at the constant signal `input`.
     pub fn at_rest(model: &Reduced5<T>, input: T) -> Self {
         let mut state = SVector::zeros();
         state[0] = input / model.denominator[0];
@@ -289,7 +291,7 @@ pub struct Simulation<T: Real> {
 }
 
 impl<T: Real> Simulation<T> {
-    /// Starts `model` at rest under the constant `input`, sampled every `interval_s`.
+    /// Starts `model` in steady state at the constant `input`, with samples every `interval_s`.
     pub fn new(model: &Reduced5<T>, interval_s: T, input: T) -> Self {
         let scale = model.time_scale_radps();
         let model = model.in_scaled_time(scale);
@@ -300,17 +302,17 @@ impl<T: Real> Simulation<T> {
         }
     }
 
-    /// Starts anew, at rest under the constant `input`.
+    /// Resets the simulation to the steady state at the constant `input`.
     pub fn rest(&mut self, input: T) {
         self.filter = StateVariableFilter::at_rest(&self.model, input);
     }
 
-    /// The present roll angle, radians.
+    /// The present roll angle, in radians.
     pub fn roll_rad(&self) -> T {
         self.model.response(&self.filter.derivatives(&self.model))
     }
 
-    /// Advances one interval to the next input sample; returns the roll angle there, radians.
+    /// Advances one interval to the next input sample and returns the roll angle there, in radians.
     pub fn push(&mut self, input: T) -> T {
         self.filter.push(&self.step, input);
         self.roll_rad()
@@ -321,7 +323,7 @@ impl<T: Real> Simulation<T> {
 mod tests {
     use super::*;
 
-    /// (s + 1)(s + 2)(s + 3)(s + 4)(s + 5) under 120: unit DC gain, known answers.
+    /// 120 / ((s + 1)(s + 2)(s + 3)(s + 4)(s + 5)): unit DC gain and known responses.
     fn five_lags() -> Reduced5<f64> {
         Reduced5 {
             numerator: [120.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -374,7 +376,8 @@ mod tests {
         assert!(!unstable.is_stable());
     }
 
-    /// White noise is a sum of single samples: what each leaves in a product over all time adds up.
+    /// White noise is a sequence of independent samples, so the expected product is the sum over
+    /// time of the products that one single sample leaves.
     #[test]
     fn the_products_of_noise_are_those_of_its_single_samples() {
         let model = Reduced5 { numerator: [120.0, 20.0, 30.0, 4.0, 5.0, 0.3], ..five_lags() };
@@ -393,7 +396,8 @@ mod tests {
             }
         }
         for (product, sum) in step.noise_products(&model).into_iter().zip(sums) {
-            // After 50 s nothing is left of the slowest lag of 1 s; rounding of sums of order one.
+            // After 50 s the slowest lag of 1 s has decayed; what remains is rounding of sums of
+            // order one.
             assert!((product - sum).abs() < 1e-12 * sums[ORDER].abs(), "{product} {sum}");
         }
     }
@@ -413,10 +417,11 @@ mod tests {
         }
     }
 
-    /// Each row of Routh's array alone: what makes its first element vanish or change its sign.
+    /// Each row of Routh's array separately: coefficients at which its first element vanishes or
+    /// changes its sign.
     #[test]
     fn every_row_of_routh_counts() {
-        // (s + 1)^5, then (s + 1)(s + 2)(s + 3)(s² + 9): an oscillation that neither grows nor fades.
+        // (s + 1)^5, then (s + 1)(s + 2)(s + 3)(s² + 9), which has an undamped oscillation.
         for (denominator, stable) in [
             ([1.0, 5.0, 10.0, 10.0, 5.0], true),
             ([54.0, 99.0, 60.0, 20.0, 6.0], false),
@@ -429,7 +434,7 @@ mod tests {
             let model = Reduced5 { denominator, ..five_lags() };
             assert_eq!(model.is_stable(), stable, "{denominator:?}");
         }
-        // (s + 1)(s + 2)(s + 3)(s² + 2 d s + 9): stable for any damping d above none.
+        // (s + 1)(s + 2)(s + 3)(s² + 2 d s + 9): stable for every damping d > 0.
         for damping in [0.01, -0.01] {
             let d = 2.0 * damping;
             let denominator = [54.0, 99.0 + 6.0 * d, 60.0 + 11.0 * d, 20.0 + 6.0 * d, 6.0 + d];

@@ -1,17 +1,19 @@
-//! From height to rollover: static stability factor, threshold, margin.
+//! The rollover threshold at a height: static stability factor, threshold and margin.
 //!
-//! A rigid trailer tips when the moment of the lateral force reaches that of the weight about the
-//! outer wheels: at `T/2` over the height of its c.g., the static stability factor. Springs, tyres,
-//! lash and axles that lift one after the other bring the real threshold far below: the greatest
-//! lateral acceleration of the trailer that the vehicle sustains in a steady turn; beyond it, it tips.
-//! Where it lies for each height and mass, in turns of 40 and of 90 km/h, is worked out offline and
-//! stands in the design.
+//! A rigid trailer tips when the moment of the lateral force about the outer wheels reaches the
+//! moment of the weight. The lateral acceleration is then `T/2` divided by the height of the c.g.,
+//! the static stability factor. Springs, tires, lash and axles that lift one after the other reduce
+//! the real threshold far below this value. The threshold is the greatest lateral acceleration of
+//! the trailer that the vehicle sustains in a steady turn; beyond it, the vehicle tips. It is
+//! computed offline for each height and mass, in turns at 40 and at 90 km/h, and stored in the
+//! design.
 //!
-//! At the same lateral acceleration a slower turn is tighter: it articulates the vehicle more and sets
-//! the axles of a group further apart in slip. Its curvature falls with the square of the speed, and what
-//! articulation costs is of second order in it (a cosine): the reciprocal of the threshold is taken as a
-//! straight line over `1/U⁴` between the two speeds, good to 1 % of the fixtures' vehicles at their
-//! reference load (2.5 % with little payload, low).
+//! At the same lateral acceleration a slower turn is tighter. The vehicle articulates more, and the
+//! slip angles within an axle group differ more. The curvature decreases with the square of the
+//! speed, and the effect of articulation is of second order in the curvature (a cosine). The
+//! reciprocal of the threshold is therefore interpolated linearly in `1/U⁴` between the two speeds.
+//! The error is at most 1 % for the vehicles in `fixtures` at their reference load (2.5 % with a
+//! small, low payload).
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19,
 //! ch. 2; Gillespie, *Fundamentals of Vehicle Dynamics*, ch. 9.
@@ -19,22 +21,25 @@
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 
-/// Heights at which a design holds thresholds, evenly from its least to its greatest height.
+/// Number of heights at which a design has thresholds, equally spaced from its least to its
+/// greatest height.
 pub const HEIGHTS: usize = 8;
 
-/// The speeds of a design's thresholds: 40 and 90 km/h. Beyond them the nearer one counts.
+/// The speeds at which a design has thresholds, 40 and 90 km/h. Beyond them the threshold of the
+/// nearer speed applies.
 pub const TURN_MPS: [f64; 2] = [40.0 / 3.6, 90.0 / 3.6];
 
-/// Rollover thresholds of one trailer mass over height.
+/// Rollover thresholds over the height, for one trailer mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ThresholdLine<T> {
-    /// Lateral acceleration beyond which the vehicle tips, in g: at each of [`TURN_MPS`], over height.
+    /// Lateral acceleration beyond which the vehicle tips, in g: `[speed][height]`, with the speeds
+    /// of [`TURN_MPS`].
     pub threshold_g: [[T; HEIGHTS]; 2],
 }
 
 impl<T: Real> ThresholdLine<T> {
-    /// `weight` of `other`, the rest of `self`.
+    /// Interpolates every threshold between `self` (`weight` 0) and `other` (`weight` 1).
     #[must_use]
     pub(crate) fn blend(&self, other: &Self, weight: T) -> Self {
         let mut blended = *self;
@@ -45,7 +50,8 @@ impl<T: Real> ThresholdLine<T> {
         blended
     }
 
-    /// The thresholds at a speed, over height; the least of both where the speed is not known.
+    /// The thresholds over the height at a speed. If the speed is not known (NaN), the smaller
+    /// threshold of both speeds applies.
     pub fn at_speed(&self, speed_mps: T) -> [T; HEIGHTS] {
         let [slow, fast] = TURN_MPS.map(T::of);
         let square = |x: T| x * x;
@@ -62,13 +68,13 @@ impl<T: Real> ThresholdLine<T> {
     }
 }
 
-/// Between two thresholds, part of the way to the second: the reciprocal is linear.
+/// Interpolates between two thresholds; the reciprocal is linear in `part`.
 fn between<T: Real>(from: T, to: T, part: T) -> T {
     T::one() / ((T::one() - part) / from + part / to)
 }
 
-/// The threshold at a share of the way from the least to the greatest height, which is kept within
-/// them. That its reciprocal is linear is exact for a rigid trailer.
+/// The threshold at a share of the way from the least to the greatest height; the share is limited
+/// to 0…1. The reciprocal is interpolated linearly, which is exact for a rigid trailer.
 fn at_height<T: Real>(threshold_g: &[T; HEIGHTS], share: T) -> T {
     #[allow(clippy::cast_precision_loss)] // a small constant
     let mut place = share.max(T::zero()).min(T::one()) * T::of(HEIGHTS as f64 - 1.0);
@@ -84,32 +90,35 @@ fn at_height<T: Real>(threshold_g: &[T; HEIGHTS], share: T) -> T {
     found
 }
 
-/// What the rollover measures need beside height and thresholds.
+/// The parameters of the static stability factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct RolloverDesign<T> {
-    /// Half the effective track: the lever of the outer wheels (their middle, if dual),
-    /// averaged over the axles that carry the trailer with the load that each carries.
+    /// Half the effective track: the lever arm of the outer wheels (the middle of dual wheels). It
+    /// is the mean over the axles that support the trailer, weighted with their loads.
     pub half_track_m: T,
     /// Mass of the trailer's axles.
     pub unsprung_mass_kg: T,
-    /// Height of their c.g.
+    /// Height of the c.g. of the axles.
     pub unsprung_height_m: T,
 }
 
-/// How near the vehicle is to rolling over.
+/// Rollover measures at one height, mass and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rollover<T> {
-    /// `T/2` over the height of the whole trailer's c.g., in g: the rigid-vehicle bound.
+    /// `T/2` divided by the height of the whole trailer's c.g., in g: the upper limit, for a rigid
+    /// vehicle.
     pub static_stability_factor_g: T,
     /// Lateral acceleration of the trailer beyond which the vehicle tips in a steady turn, in g.
     pub static_rollover_threshold_g: Measured<T>,
 }
 
 impl<T: Real> RolloverDesign<T> {
-    /// The rollover measures at height `height` of the sprung c.g., with the thresholds of this
-    /// trailer mass and speed between a least and a greatest height.
+    /// The rollover measures at height `height` of the sprung c.g.
+    ///
+    /// `threshold_g` contains the thresholds of this trailer mass and speed, equally spaced between
+    /// the least and the greatest height.
     pub fn at(
         &self,
         height: Measured<T>,
@@ -134,7 +143,8 @@ impl<T: Real> RolloverDesign<T> {
 }
 
 impl<T: Real> Rollover<T> {
-    /// Threshold less the present lateral acceleration, in g: zero is the point of tipping.
+    /// The threshold minus the magnitude of the present lateral acceleration, in g. The vehicle
+    /// tips at zero.
     pub fn margin_g(&self, lateral_acceleration_mps2: T, gravity_mps2: T) -> T {
         self.static_rollover_threshold_g.value - lateral_acceleration_mps2.abs() / gravity_mps2
     }
@@ -144,7 +154,7 @@ impl<T: Real> Rollover<T> {
 mod tests {
     use super::*;
 
-    /// A rigid trailer from 1 to 3 m: 1/h at every height.
+    /// A rigid trailer with heights from 1 to 3 m: the threshold is 1/h at every height.
     fn rigid() -> (RolloverDesign<f64>, [f64; HEIGHTS]) {
         let design =
             RolloverDesign { half_track_m: 1.0, unsprung_mass_kg: 0.0, unsprung_height_m: 0.5 };
@@ -180,7 +190,8 @@ mod tests {
         assert!((measures.static_rollover_threshold_g.value - 0.95 / 2.0).abs() < 1e-12);
     }
 
-    /// 0.4 g at 40 km/h, 0.5 g at 90: where `1/U⁴` is half way, 1/(1.25 + 1) of a g.
+    /// 0.4 g at 40 km/h and 0.5 g at 90 km/h. Halfway between them in `1/U⁴` it is 1/(1.25 + 1) of
+    /// a g.
     #[test]
     fn a_tighter_turn_tips_at_less() {
         let line = ThresholdLine { threshold_g: [[0.4; HEIGHTS], [0.5; HEIGHTS]] };
@@ -195,7 +206,7 @@ mod tests {
         assert!(turned.at_speed(f64::NAN).iter().all(|g| (g - 0.4).abs() < 1e-15));
     }
 
-    /// 27 t at 2 m and 3 t of axles at 0.5 m: 30 t at 1.85 m.
+    /// 27 t at 2 m and axles of 3 t at 0.5 m give 30 t at 1.85 m.
     #[test]
     fn the_axles_lower_the_whole_trailers_centre_of_gravity() {
         let (design, line) = rigid();

@@ -1,4 +1,4 @@
-//! The source's reduced model (eq. 5.12) as a plant, its rounded step, and white noise.
+//! The thesis's reduced model (eq. 5.12) as a plant, its rounded step, and white noise.
 #![allow(dead_code, clippy::cast_precision_loss, clippy::unwrap_used)] // each test file uses its part; indices are small
 
 pub(crate) mod told;
@@ -45,13 +45,13 @@ pub(crate) fn with_noise(clean: &[(f64, f64)], snr_db: f64, seed: u64) -> Vec<(f
     clean.iter().map(|&(u, y)| (u, y + normal.sample(&mut rng))).collect()
 }
 
-/// Height in inches and its standard deviation that a ratio means by eqs. 5.17–5.20.
+/// The height in inches that follows from a ratio (eqs. 5.17–5.20), and its standard deviation.
 pub(crate) fn height_in(ratio: Measured<f64>) -> Measured<f64> {
     solve_height(&EQ_5_17, ratio, Measured::exact(COMPENSATION), 0.0).unwrap()
 }
 
-/// A design whose both channels are eq. 5.12 (lateral acceleration: steady gain 34 m/s² per
-/// rad), with the baseline's ratio line at every speed and mass, in metres.
+/// A design in which both channels are eq. 5.12 (34 m/s² of lateral acceleration per rad of steer),
+/// with the baseline's ratio line at every speed and mass, in meters.
 pub(crate) fn design() -> Design<f64> {
     let steer_line = RatioLine { a0: 0.013_731, a1: 0.280_738, b0: 1.159_981, b1: -0.081_082 };
     let channel = |gain: f64| {
@@ -90,7 +90,7 @@ pub(crate) fn design() -> Design<f64> {
     design
 }
 
-/// To single precision.
+/// Converts to single precision.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn narrow(value: f64) -> f32 {
     value as f32

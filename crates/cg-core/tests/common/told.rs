@@ -1,4 +1,4 @@
-//! An estimator whose identifiers say what they are told, on a road at 100 Hz.
+//! An estimator whose identifiers return prescribed results, on a drive at 100 Hz.
 
 use cg_core::Outcome;
 use cg_core::{
@@ -6,7 +6,7 @@ use cg_core::{
     Settings, Status, Unexcited,
 };
 
-/// What the identifiers say beside the ratio, in the order of [`Channel::ALL`].
+/// The prescribed results besides the ratio, in the order of [`Channel::ALL`].
 #[derive(Clone, Copy)]
 pub(crate) struct Says {
     pub(crate) ratio_sd: [f64; 2],
@@ -19,7 +19,8 @@ impl Says {
         Self { ratio_sd: [0.01; 2], misfit: [0.0; 2], bend: [Measured { value: 0.0, sd: 0.0 }; 2] };
 }
 
-/// The ratio is the newest counted row's; as signal-to-noise ratio it gives the weight of its rows.
+/// An identifier that returns prescribed results. The ratio is that of the newest row used; the
+/// signal-to-noise ratio contains the weight of its rows.
 #[derive(Clone, Copy)]
 pub(crate) struct Told {
     says: Says,
@@ -43,7 +44,7 @@ impl Identify<f64> for Told {
     };
 
     fn make_for(&mut self, model: &Reduced5<f64>, says: Says) {
-        // A radian of steer makes more roll than a metre per second squared.
+        // One radian of steer gives more roll than one meter per second squared.
         let steer = model.dc_gain() > 0.1;
         let channel = if steer { Channel::Steer } else { Channel::LateralAcceleration };
         *self = Self { says, channel, ..Self::EMPTY };
@@ -94,10 +95,11 @@ impl Identify<f64> for Told {
     }
 }
 
-/// What the steady turns of [`Road`] roll to, rad: 1.6 m/s² at the reference height.
+/// Roll angle in the steady turns of [`Road`], rad: 1.6 m/s² at the reference height.
 pub(crate) const ROLL_RAD: f64 = 0.04;
 
-/// A truck whose trailer has one height as steer tells it and one as lateral acceleration does.
+/// A truck whose trailer has one height according to the steer channel and one according to the
+/// lateral-acceleration channel.
 pub(crate) struct Road {
     pub(crate) estimator: Estimator<f64, Told>,
     pub(crate) time_us: u64,
@@ -113,7 +115,7 @@ impl Road {
         Self::on(Estimator::new(super::design(), Settings::truck(), says))
     }
 
-    #[allow(clippy::large_types_passed_by_value)] // once in a test
+    #[allow(clippy::large_types_passed_by_value)] // called once per test
     pub(crate) fn on(estimator: Estimator<f64, Told>) -> Self {
         Self {
             estimator,
@@ -126,14 +128,15 @@ impl Road {
         }
     }
 
-    /// What each input expects of a roll angle at these heights, and the input that does so.
+    /// The input of a channel that gives this roll angle at the channel's height.
     fn input(&self, channel: Channel, roll_rad: f64) -> f64 {
         let design: &Design<f64> = self.estimator.design();
         let of = &design.channels[channel.index()];
         roll_rad / of.lines[0][0].ratio_at(self.heights_m[channel.index()]) / of.compensation
     }
 
-    /// One row, 10 ms after the one before: what the sensor shows while the trailer rolls.
+    /// One row, 10 ms after the previous one. The sensor shows `shown_rad` while the roll angle is
+    /// `roll_rad`.
     pub(crate) fn row(&mut self, shown_rad: f64, roll_rad: f64) -> Status {
         self.time_us += 10_000;
         let mut sample = Sample::absent(self.time_us);
@@ -150,14 +153,14 @@ impl Road {
         step.status
     }
 
-    /// Rows of one roll angle.
+    /// Rows with a constant roll angle.
     pub(crate) fn hold(&mut self, rows: u32, roll_rad: f64) {
         for _ in 0..rows {
             self.row(roll_rad, roll_rad);
         }
     }
 
-    /// Into a turn and out of it again, in 8 s.
+    /// Into a turn and out of it, in 8 s.
     pub(crate) fn turn(&mut self) {
         for k in 0..=800 {
             let roll_rad = ROLL_RAD * (f64::from(k) * core::f64::consts::PI / 800.0).sin();
@@ -165,14 +168,14 @@ impl Road {
         }
     }
 
-    /// Ends the maneuver; it is the only one since the last call.
+    /// Ends the maneuver, which must be the only one since the last call.
     pub(crate) fn finish(&mut self) -> Maneuver<f64> {
         self.closed.extend(self.estimator.finish());
         assert_eq!(self.closed.len(), 1);
         self.closed.remove(0)
     }
 
-    /// One maneuver after a second of straight driving, with what both channels say of it.
+    /// One maneuver after a second of straight driving; returns the results of both channels.
     pub(crate) fn maneuver(&mut self, heights_m: [f64; 2]) -> [Outcome<f64>; 2] {
         self.heights_m = heights_m;
         self.hold(100, 0.0);

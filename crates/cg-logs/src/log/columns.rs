@@ -202,31 +202,22 @@ impl Header<'_> {
     }
 }
 
-/// A name as the ear hears it: letters and digits only, none of them capital.
-fn plain(name: &str) -> Vec<char> {
+/// Letters and digits of a name, in lower case.
+fn plain(name: &str) -> String {
     name.chars().take(64).filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// How far two names are apart, if they are close: the edits from one to the other
-/// (Levenshtein), or one more than the edits allowed where one stands inside the other.
-fn distance(name: &[char], word: &[char]) -> Option<usize> {
-    const SLIPS: usize = 2;
-    let mut row: Vec<usize> = (0..=word.len()).collect();
-    for (length, &letter) in name.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = length + 1;
-        for (at, &other) in word.iter().enumerate() {
-            let kept = diagonal + usize::from(letter != other);
-            diagonal = row[at + 1];
-            row[at + 1] = kept.min(row[at] + 1).min(diagonal + 1);
-        }
-    }
-    let slips = row[word.len()];
+/// The distance of two names if they are close: the edits from one to the other (Levenshtein), or one
+/// more than the edits allowed if one contains the other.
+fn distance(name: &str, word: &str) -> Option<usize> {
+    const EDITS: usize = 2;
+    let edits = strsim::levenshtein(name, word);
     let (short, long) = if name.len() < word.len() { (name, word) } else { (word, name) };
-    if slips <= SLIPS && 2 * slips < short.len() {
-        Some(slips)
-    } else if short.len() > 2 && long.windows(short.len()).any(|part| part == short) {
-        Some(SLIPS + 1)
+    let letters = short.chars().count();
+    if edits <= EDITS && 2 * edits < letters {
+        Some(edits)
+    } else if letters > 2 && long.contains(short) {
+        Some(EDITS + 1)
     } else {
         None
     }

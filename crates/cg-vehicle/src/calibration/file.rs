@@ -1,5 +1,5 @@
-//! The calibration file: the posterior with its covariance, the runs behind it, and in words
-//! what they could and could not determine.
+//! The calibration file: the posterior with its covariance, the runs on which it is based, and a
+//! statement of what the runs determined.
 
 use std::path::Path;
 
@@ -14,13 +14,14 @@ use crate::files;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// Share of the prior variance that the runs must remove for a parameter to count as determined.
+/// Share of the prior variance that the runs must remove so that a parameter counts as determined.
 const DETERMINED: f64 = 0.5;
-/// Below this share the runs say next to nothing of it.
+/// Below this share a parameter counts as not determined.
 const UNDETERMINED: f64 = 0.1;
-/// How the line with the checksum of all before it begins; to TOML it is a comment.
+/// Start of the line with the checksum of all lines before it; a comment in TOML.
 const CHECKSUM: &str = "# crc32 ";
-/// Greatest relative difference between a model ratio in the file and the vehicle's now.
+/// Greatest relative difference between a model ratio in the file and that of the present vehicle
+/// file.
 const SAME_RATIO: f64 = 1e-6;
 
 /// A calibration of one vehicle.
@@ -30,23 +31,23 @@ const SAME_RATIO: f64 = 1e-6;
 pub struct Calibration {
     /// Name of the vehicle.
     pub vehicle: String,
-    /// Equations of the vehicle model.
+    /// Version of the equations of the vehicle model.
     pub model: Variant,
-    /// When it was made.
+    /// Date of the calibration.
     #[serde(default)]
     pub date: String,
-    /// How.
+    /// The method.
     pub procedure: Procedure,
-    /// What the runs could and could not determine.
+    /// Text lines on what the runs could and could not determine.
     pub statement: Vec<String>,
-    /// Relative standard deviation of what no calibration removes.
+    /// Relative standard deviation of the model error that no calibration removes.
     pub residual_sd: f64,
-    /// Misfit of the runs and shift of the parameters, each squared over its variance; about
-    /// the number of ratios if the vehicle file's `[uncertainty]` is true.
+    /// Sum of the squared residuals and squared parameter changes, each divided by its variance. It
+    /// is about the number of ratios if the vehicle file's `[uncertainty]` is correct.
     pub chi_square: f64,
-    /// `R_c` of each channel, sensor gain included.
+    /// `R_c` of each channel, including the gain of its sensor.
     pub compensation: Compensations,
-    /// Covariance of the parameters' deviations: logarithms of factors, metres.
+    /// Covariance of the deviations of the parameters (logarithms of factors, or meters).
     pub covariance: Vec<Vec<f64>>,
     /// The parameters, in the order of the covariance.
     pub parameter: Vec<ParameterEntry>,
@@ -58,9 +59,9 @@ pub struct Calibration {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Compensations {
-    /// Roll per steer angle.
+    /// For roll per steer angle.
     pub steer: f64,
-    /// Roll per lateral acceleration.
+    /// For roll per lateral acceleration.
     pub lateral_acceleration: f64,
 }
 
@@ -68,15 +69,15 @@ pub struct Compensations {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterEntry {
-    /// Which.
+    /// The parameter.
     pub name: Parameter,
-    /// `factor` on the vehicle file's value, or `m` added to it.
+    /// `factor` to multiply the value of the vehicle file with, or `m` to add to it.
     pub unit: Unit,
-    /// Its value.
+    /// Value of the factor or of the shift.
     pub value: f64,
-    /// Standard deviation (of a factor: relative).
+    /// Standard deviation (relative for a factor).
     pub sd: f64,
-    /// The same before calibration.
+    /// Standard deviation before the calibration.
     pub prior_sd: f64,
     /// Share of the prior variance that the runs removed.
     pub determined: f64,
@@ -86,9 +87,9 @@ pub struct ParameterEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
-    /// A factor on the vehicle file's value.
+    /// A factor of the value in the vehicle file.
     Factor,
-    /// Metres added to it.
+    /// A shift of the value in the vehicle file, in meters.
     M,
 }
 
@@ -96,19 +97,19 @@ pub enum Unit {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunEntry {
-    /// Its log.
+    /// Name of its log.
     pub log: String,
-    /// Known height.
+    /// Known height of the sprung c.g.
     pub height_m: f64,
     /// Trailer mass.
     pub trailer_mass_kg: f64,
-    /// Mean speed of its turns.
+    /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
-    /// What each channel said.
+    /// Results of the channels.
     pub channel: Vec<ChannelEntry>,
 }
 
-/// One ratio of a run.
+/// One identified ratio of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelEntry {
@@ -116,18 +117,18 @@ pub struct ChannelEntry {
     pub name: String,
     /// Identified DC ratio, rad per rad or rad per m/s².
     pub ratio: f64,
-    /// Its standard deviation from noise.
+    /// Its standard deviation due to noise.
     pub ratio_sd: f64,
-    /// The ratio of the vehicle file as it is.
+    /// The ratio of the model with the vehicle file, without calibration.
     pub model_ratio: f64,
-    /// Identified over model ratio less one, before calibration, %.
+    /// Identified ratio divided by the model's, minus one, before calibration, %.
     pub before_percent: f64,
-    /// The same after it.
+    /// The same after calibration.
     pub after_percent: f64,
 }
 
 impl Calibration {
-    /// Puts a fit into words and numbers; `date` is left to the caller.
+    /// The calibration file of a fit; the caller sets `date`.
     ///
     /// # Errors
     /// As [`crate::linear::ratio_line`].
@@ -160,10 +161,10 @@ impl Calibration {
         })
     }
 
-    /// Reads a calibration file and checks that it belongs to this vehicle as it is now.
+    /// Reads a calibration file and checks that it belongs to the present version of this vehicle.
     ///
     /// # Errors
-    /// [`VehicleError`] naming file, place and reason.
+    /// [`VehicleError`] with the file, the position and the reason.
     pub fn load(path: impl AsRef<Path>, vehicle: &Vehicle) -> Result<Self, VehicleError> {
         let path = path.as_ref();
         let file = path.display().to_string();
@@ -172,8 +173,8 @@ impl Calibration {
         Self::parse(&text, &file, vehicle)
     }
 
-    /// Checks the text of a calibration of `vehicle`; `file` is its name in messages. Its last line
-    /// must hold the checksum of all before it: a calibration that was edited or cut short is none.
+    /// Checks the text of a calibration of `vehicle`; `file` is its name in messages. The last line
+    /// must contain the checksum of all lines before it, so an edited or truncated file is refused.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -187,10 +188,10 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// As the text of a file.
+    /// The text of the calibration file.
     ///
     /// # Errors
-    /// If a number cannot be written, which is a bug.
+    /// If a number cannot be written, which would be a program error.
     pub fn to_toml(&self) -> Result<String, VehicleError> {
         let text = toml::to_string(self)
             .map_err(|error| VehicleError::Model(format!("calibration: {error}")))?;
@@ -203,7 +204,7 @@ impl Calibration {
         Ok(format!("{text}{CHECKSUM}{:08x}\n", checksum(&text)))
     }
 
-    /// The belief that it stands for.
+    /// The posterior distribution of the parameters.
     pub fn belief(&self) -> Belief {
         let mut mean = Deviations::zeros();
         for entry in &self.parameter {
@@ -228,7 +229,7 @@ impl Calibration {
         if !complete {
             return Err(format!(
                 "needs all {PARAMETERS} parameters in their order and a covariance of that size; \
-                 make it anew with cg calibrate"
+                 run cg calibrate again"
             ));
         }
         for entry in &self.parameter {
@@ -249,7 +250,7 @@ impl Calibration {
         self.check_model(vehicle)
     }
 
-    /// A vehicle file that was changed since makes another model.
+    /// Detects a change of the vehicle file since the calibration by its model ratios.
     fn check_model(&self, vehicle: &Vehicle) -> Result<(), String> {
         for run in &self.run {
             let load = Load { trailer_mass_kg: run.trailer_mass_kg, cg_height_m: run.height_m };
@@ -265,7 +266,7 @@ impl Calibration {
                 if !((now / entry.model_ratio - 1.0).abs() <= SAME_RATIO) {
                     return Err(format!(
                         "the vehicle file has changed since this calibration (its {channel} ratio \
-                         is {now:.6} in place of {:.6}); run cg calibrate again",
+                         is {now:.6} instead of {:.6}); run cg calibrate again",
                         entry.model_ratio
                     ));
                 }
@@ -275,12 +276,13 @@ impl Calibration {
     }
 }
 
-/// CRC-32 of a text; line ends of another system and empty lines at its end make no difference.
+/// CRC-32 of a text. Line endings of another operating system and empty lines at the end do not
+/// change it.
 fn checksum(text: &str) -> u32 {
     crc32fast::hash(text.trim_ascii_end().replace("\r\n", "\n").as_bytes())
 }
 
-/// Whether the text is as it was written.
+/// Whether the text is unchanged since it was written.
 fn check_sum(text: &str) -> Result<(), String> {
     let text = text.trim_ascii_end();
     let (content, last) = text.rsplit_once('\n').unwrap_or(("", text));
@@ -296,7 +298,7 @@ fn check_sum(text: &str) -> Result<(), String> {
     };
     Err(format!(
         "the calibration {what}; run cg calibrate again, or make \"{CHECKSUM}{now:08x}\" its last \
-         line if you stand by every number in it"
+         line if you have checked every number in it"
     ))
 }
 
@@ -353,11 +355,12 @@ fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
         named("determined", &|share| share >= DETERMINED),
         named("partly determined", &|share| (UNDETERMINED..DETERMINED).contains(&share)),
         named("not determined by these runs", &|share| share < UNDETERMINED),
-        "single parameters are known less well than the ratios that they make together:".to_owned(),
+        "single parameters are less certain than the ratios that they determine together:"
+            .to_owned(),
     ]
 }
 
-/// What the data could and could not determine.
+/// Text lines on what the runs could and could not determine.
 fn statement(
     vehicle: &Vehicle,
     variant: Variant,
@@ -367,9 +370,9 @@ fn statement(
 ) -> Result<Vec<String>, VehicleError> {
     let mut statement = match fitted.procedure {
         Procedure::Compensation => vec![
-            "one run: the compensation of each channel is fixed, no parameter of the truck; the \
-             further speed and load are from the run's, the more of the vehicle file's uncertainty \
-             comes back"
+            "one run: it determines the compensation of each channel but no parameter of the truck; \
+             the more speed and load differ from the run's, the more of the vehicle file's \
+             uncertainty remains"
                 .to_owned(),
         ],
         Procedure::MaximumAPosteriori => what_was_determined(parameter),

@@ -1,16 +1,17 @@
-//! Calibration: what runs with a known height say of the truck's uncertain parameters.
+//! Estimates the uncertain parameters of a truck from runs with a known height.
 //!
-//! One run fixes the compensation `R_c` of each channel, as in the source (section 5.4, eq. 5.19).
-//! More runs move the physical parameters of [`crate::belief`] to where prior knowledge and all
-//! runs agree best (maximum a posteriori, Gauss-Newton on the logarithms of the DC ratios):
+//! One run determines the compensation `R_c` of each channel, as in the thesis (section 5.4, eq.
+//! 5.19). Several runs determine the physical parameters of [`crate::belief`]: the values that
+//! agree best with the prior and with all runs (maximum a posteriori, Gauss-Newton on the
+//! logarithms of the DC ratios):
 //!
 //! ```text
 //!     y = f(x) + e,     x ~ N(0, P0),     e ~ N(0, R)
 //!     K = P0 Hᵀ (H P0 Hᵀ + R)⁻¹,     x = K (y − f(x) + H x),     P = (I − K H) P0 (I − K H)ᵀ + K R Kᵀ
 //! ```
 //!
-//! With one run `K` is not the optimal gain but the one that moves the sensors' gains only; the
-//! form of `P` holds for any gain, so that the uncertainty stays true.
+//! With one run, `K` is not the optimal gain but the one that changes the gains of the sensors
+//! only. The form of `P` is valid for any gain, so the covariance remains correct.
 //!
 //! **Reference.** Tarantola, *Inverse Problem Theory*, §3.2 (Gauss-Newton on a Gaussian prior);
 //! Gelb, *Applied Optimal Estimation*, §4.2 (covariance of a suboptimal gain).
@@ -24,37 +25,38 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// Gauss-Newton steps; the ratios are nearly linear in the parameters, so that three settle it.
+/// Greatest number of Gauss-Newton steps. The ratios are nearly linear in the parameters, so three
+/// are usually enough.
 const STEPS: usize = 12;
-/// A step below this (logarithm or metres) ends the iteration.
+/// A step below this (logarithm or meters) ends the iteration.
 const SETTLED: f64 = 1e-10;
 
-/// A run with known height: what was identified from it.
+/// The ratios that were identified from a run with known height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Name of its log.
     pub log: String,
     /// Known load.
     pub load: Load,
-    /// Mean speed of its turns.
+    /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
-    /// Identified DC ratios and the noise's standard deviations, in the order of [`Channel::ALL`];
-    /// `None` where the log has no such signal.
+    /// Identified DC ratios and their standard deviations due to noise, in the order of
+    /// [`Channel::ALL`]; `None` if the log does not have the signal.
     pub ratio: [Option<Measured<f64>>; 2],
 }
 
-/// How the parameters were found.
+/// The method by which the parameters were determined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Procedure {
-    /// One run: `R_c` of each channel.
+    /// One run: only `R_c` of each channel.
     Compensation,
-    /// More runs: all parameters.
+    /// Several runs: all parameters.
     MaximumAPosteriori,
 }
 
-/// One identified ratio beside the model's.
+/// An identified ratio compared with that of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Residual {
@@ -62,29 +64,30 @@ pub struct Residual {
     pub run: usize,
     /// The channel.
     pub channel: Channel,
-    /// Logarithm of identified over predicted ratio with the vehicle file as it is.
+    /// Logarithm of the identified ratio divided by the predicted one, for the vehicle file without
+    /// calibration.
     pub before: f64,
     /// The same after calibration.
     pub after: f64,
 }
 
-/// A fitted belief.
+/// The result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Fitted {
-    /// How it was found.
+    /// The method.
     pub procedure: Procedure,
     /// The posterior.
     pub belief: Belief,
-    /// What is left, one entry per run and channel.
+    /// Residuals, one for each run and channel.
     pub residuals: Vec<Residual>,
-    /// `rᵀ R⁻¹ r + xᵀ P0⁻¹ x` at the answer: distributed as χ² with one degree of freedom per
-    /// residual if priors and noise are what they claim to be.
+    /// `rᵀ R⁻¹ r + xᵀ P0⁻¹ x` at the solution. If the standard deviations of prior and noise are
+    /// correct, it is distributed as χ² with one degree of freedom per residual.
     pub chi_square: f64,
 }
 
 impl Fitted {
-    /// The value that [`chi_square`](Self::chi_square) exceeds by chance in 1 % of all cases
+    /// The value that [`chi_square`](Self::chi_square) exceeds by chance with a probability of 1 %
     /// (Wilson and Hilferty's approximation).
     pub fn chi_square_limit(&self) -> f64 {
         #[allow(clippy::cast_precision_loss)] // a count
@@ -94,10 +97,11 @@ impl Fitted {
     }
 }
 
-/// Fits the parameters of a vehicle to runs.
+/// Estimates the parameters of a vehicle from runs.
 ///
 /// # Errors
-/// [`VehicleError`] if there is no run, no ratio, or a load that the model does not know.
+/// [`VehicleError`] if there is no run, if there is no ratio, or if the load is impossible for the
+/// model.
 pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, VehicleError> {
     let prior = Belief::prior(vehicle);
     let observations = observations(runs)?;
@@ -136,7 +140,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
     }
     if !(step <= SETTLED.sqrt()) {
         return Err(VehicleError::Model(
-            "the calibration does not settle: the runs contradict the vehicle file; check heights, \
+            "the calibration does not converge: the runs contradict the vehicle file; check heights, \
              masses, units and signs"
                 .to_owned(),
         ));
@@ -154,7 +158,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
         .collect();
     let mut chi_square = (0..n).map(|k| after[k] * after[k] / noise[(k, k)]).sum::<f64>();
     if procedure == Procedure::MaximumAPosteriori {
-        // A parameter without prior variance has not moved.
+        // A parameter without prior variance does not change.
         let moved = (0..PARAMETERS).filter(|&k| p0[(k, k)] > 0.0);
         chi_square = moved.fold(chi_square, |sum, k| sum + mean[k] * mean[k] / p0[(k, k)]);
     }
@@ -196,7 +200,7 @@ fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
             if !(ratio.value > 0.0 && ratio.sd.is_finite()) {
                 return Err(VehicleError::Model(format!(
                     "{}: the identified ratio of the {channel} channel is {:.4}: roll and input \
-                     have opposite signs; turn a sensor round with ⟨flip⟩",
+                     have opposite signs; reverse the sign of a sensor with ⟨flip⟩",
                     run.log, ratio.value
                 )));
             }
@@ -214,7 +218,7 @@ fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
     Ok(observations)
 }
 
-/// Each channel's misfit goes into the gain of its sensor.
+/// The misfit of each channel changes the gain of its sensor only.
 fn sensors_only(observations: &[Observation]) -> DMatrix<f64> {
     let mut gain = DMatrix::zeros(PARAMETERS, observations.len());
     for (k, observation) in observations.iter().enumerate() {

@@ -1,11 +1,12 @@
-//! Calibration: from ratios identified at known height and mass to a belief about the truck.
+//! Calibration: estimates the uncertain parameters of a truck from ratios identified at known
+//! height and mass.
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
-//! | [`mod@fit`] | ratios of the runs to the parameters of [`crate::belief`] |
+//! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
 //! | [`mod@file`] | the calibration file |
 //!
-//! From logs to ratios: `cg_logs::calibrate`.
+//! `cg_logs::calibrate` identifies the ratios from logs.
 
 pub mod fit;
 pub mod file;

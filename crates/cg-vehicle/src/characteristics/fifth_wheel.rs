@@ -1,25 +1,25 @@
 //! The fifth wheel's roll moment.
 //!
-//! Beyond the separation moment one side lifts: the moment stays until the lash is used up and the
-//! kingpin locks.
+//! Beyond the separation moment one side lifts. The moment is then constant until the lash is used
+//! up and the kingpin locks.
 
 use crate::vehicle::Hitch;
 
-/// The fifth wheel in roll: a spring, then lash.
+/// The fifth wheel in roll: a spring with separation and lash.
 #[derive(Clone, Debug)]
 pub struct FifthWheel {
-    /// About the longitudinal axis.
+    /// Roll stiffness, about the longitudinal axis.
     pub stiffness_nm_per_rad: f64,
-    /// The same for the rate.
+    /// Roll damping, about the same axis.
     pub damping_nms_per_rad: f64,
-    /// Moment at which the plates part; infinite where the plates never part.
+    /// Moment at which the plates separate; infinite if they never do.
     pub separation_nm: f64,
-    /// Free angle beyond it, until the kingpin locks.
+    /// Free angle after the separation, until the kingpin locks.
     pub lash_rad: f64,
 }
 
 impl FifthWheel {
-    /// That of a vehicle file.
+    /// The fifth wheel of a vehicle file.
     pub fn of(hitch: &Hitch) -> Self {
         Self {
             stiffness_nm_per_rad: hitch.roll_stiffness_nm_per_rad,
@@ -29,7 +29,7 @@ impl FifthWheel {
         }
     }
 
-    /// Moment at a relative roll angle.
+    /// Moment at a relative roll angle between the units.
     #[inline]
     pub fn moment_nm(&self, angle_rad: f64) -> f64 {
         let linear = self.stiffness_nm_per_rad * angle_rad;

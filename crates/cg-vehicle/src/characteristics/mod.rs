@@ -1,6 +1,6 @@
-//! What springs, tyres and the fifth wheel do: their curves ready for evaluation.
+//! Characteristics of springs, tires and the fifth wheel, prepared for fast evaluation.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `springs` | measured springs with friction |
 //! | `tyres` | lateral force and aligning moment over slip angle and load |

@@ -1,17 +1,17 @@
-//! Measured springs: two curves that enclose the friction.
+//! Measured springs: two force curves that enclose the friction.
 
 use crate::tables::Spring;
 
-/// Two curves over common nodes, the end segments extended.
+/// Two curves with common nodes; the end segments are extended.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     deflection_m: Vec<f64>,
-    /// Of each segment: force at its start and slope, compression then extension.
+    /// For each segment: force at its start and slope, for compression and then for extension.
     segment: Vec<[f64; 4]>,
 }
 
 impl Envelope {
-    /// From a measured spring.
+    /// The curves of a measured spring.
     pub fn new(spring: &Spring) -> Self {
         let x = &spring.deflection_m;
         let segment = (0..x.len().saturating_sub(1))
@@ -33,20 +33,20 @@ impl Envelope {
         (x - self.deflection_m[i], &self.segment[i])
     }
 
-    /// Force on the curve that the spring moves towards.
+    /// Force on the curve towards which the spring moves.
     #[inline]
     pub fn towards(&self, x: f64, rate: f64) -> f64 {
         let (dx, s) = self.segment(x);
         if rate > 0.0 { s[0] + s[1] * dx } else { s[2] + s[3] * dx }
     }
 
-    /// Force midway between the curves and its slope.
+    /// Force midway between the curves, and its slope.
     pub fn middle(&self, x: f64) -> (f64, f64) {
         let (dx, s) = self.segment(x);
         (0.5 * (s[0] + s[2] + (s[1] + s[3]) * dx), 0.5 * (s[1] + s[3]))
     }
 
-    /// The greater slope of both curves.
+    /// The greater of the slopes of both curves.
     pub fn steepest(&self, x: f64) -> f64 {
         let (_, s) = self.segment(x);
         s[1].max(s[3])
@@ -58,7 +58,8 @@ impl Envelope {
         0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx)
     }
 
-    /// Deflection at which the middle force is `force_n` (the curves rise).
+    /// Deflection at which the force midway between the curves is `force_n`. The curves must be
+    /// increasing.
     pub fn deflection_at(&self, force_n: f64) -> f64 {
         let last = self.segment.len() - 1;
         let segment = |i: usize| self.middle(self.deflection_m[i]);

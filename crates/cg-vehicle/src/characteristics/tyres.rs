@@ -1,15 +1,15 @@
-//! Lateral force and aligning moment of a tyre over slip angle and load.
+//! Lateral force and aligning moment of a tire as functions of slip angle and load.
 
 use crate::tables::{AligningMomentTable, LateralForceTable};
 use crate::vehicle::Tyre;
 
 const BUCKETS: usize = 64;
 const LAST_BUCKET: f64 = 63.0;
-/// Increasing nodes from zero, found through equal buckets.
+/// Increasing nodes that start at zero, with a lookup table of equal buckets to find them.
 #[derive(Clone, Debug)]
 struct Nodes {
     at: Vec<f64>,
-    /// The same, and infinity.
+    /// The nodes after the first one, and infinity: the end of each interval.
     end: Vec<f64>,
     bucket: [u8; BUCKETS],
     buckets_per_unit: f64,
@@ -26,8 +26,8 @@ impl Nodes {
         let mut bucket = [0; BUCKETS];
         let mut start = 0.0;
         for place in &mut bucket {
-            // A little below the bucket, so that rounding cannot step over a node; the first 255
-            // nodes are found at once, others by searching on.
+            // The edge is slightly below the bucket, so that rounding cannot skip a node. The first
+            // 255 nodes are found directly, others by a further search.
             let edge = start / buckets_per_unit * (1.0 - 1e-9);
             let below = at.iter().rposition(|x| *x <= edge).unwrap_or(0);
             *place = u8::try_from(below).unwrap_or(u8::MAX);
@@ -37,16 +37,16 @@ impl Nodes {
         Self { at, end, bucket, buckets_per_unit }
     }
 
-    /// The last node at or below `x ≥ 0`.
+    /// Index of the last node at or below `x ≥ 0`.
     #[inline]
     fn below(&self, x: f64) -> usize {
-        // Within 0 and 63: a number that is none goes to the first bucket.
+        // The result is within 0 and 63; NaN goes to the first bucket.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let bucket = (x * self.buckets_per_unit).min(LAST_BUCKET) as i32 as usize % BUCKETS;
         self.search(x, usize::from(self.bucket[bucket]))
     }
 
-    /// The same, upwards from a node that is not above.
+    /// The same, searching upwards from node `i`, which must not be above `x`.
     #[inline]
     fn search(&self, x: f64, mut i: usize) -> usize {
         while x >= self.end[i] {
@@ -55,14 +55,14 @@ impl Nodes {
         i
     }
 
-    /// The same, where it is probably `guess`.
+    /// The same, if it is probably `guess`.
     #[inline]
     fn below_near(&self, x: f64, guess: usize) -> usize {
         if x >= self.at[guess] && x < self.end[guess] { guess } else { self.below(x) }
     }
 }
 
-/// Bilinear in slip and load from the cell's lower corner.
+/// Bilinear function of slip and load, measured from the lower corner of its cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Patch([f64; 4]);
 
@@ -72,8 +72,8 @@ impl Patch {
         self.0[0] + self.0[1] * slip + (self.0[2] + self.0[3] * slip) * load
     }
 
-    /// Through the values at the corners of the cell; an unbounded cell stays constant that way,
-    /// or goes on along the axis.
+    /// The bilinear function through the values at the corners of the cell. An unbounded cell
+    /// continues the function beyond the last node: constant, or linearly along the axis.
     fn through(f: impl Fn(f64, f64) -> f64, slip: (f64, f64), load: (f64, f64)) -> Self {
         let (da, dl) = (slip.1 - slip.0, load.1 - load.0);
         let corner = f(slip.0, load.0);
@@ -84,18 +84,19 @@ impl Patch {
     }
 }
 
-/// Lateral force and aligning moment of one tyre type.
+/// Lateral force and aligning moment of one tire type.
 #[derive(Clone, Debug)]
 pub struct Grip {
     by_slip: Nodes,
     by_load: Nodes,
-    /// Slip by slip; lateral force (over load where it comes from a table) and moment.
+    /// Ordered by slip, then load: the lateral force (divided by the load if it comes from a table)
+    /// and the aligning moment.
     cells: Vec<(Patch, Patch)>,
-    /// Force is the patch times this: 1, or the load.
+    /// The force is the patch times `scale.0 + scale.1 · load`: the factor is 1, or the load.
     scale: (f64, f64),
 }
 
-/// Position in a table: node below and share, held at the ends.
+/// Position in a table: the node below and the share of the interval, limited to the table.
 fn place(nodes: &[f64], x: f64) -> (usize, f64) {
     let last = nodes.len().saturating_sub(2);
     let i = nodes.iter().rposition(|&node| node <= x).unwrap_or(0).min(last);
@@ -105,7 +106,7 @@ fn place(nodes: &[f64], x: f64) -> (usize, f64) {
     (i, ((x - nodes[i]) / (nodes[i + 1] - nodes[i])).clamp(0.0, 1.0))
 }
 
-/// Bilinear with held edges; `first_row` at zero slip is all zeros.
+/// Bilinear interpolation with constant edges; at zero slip all values are zero.
 fn held(slip_rad: &[f64], load_n: &[f64], rows: &[Vec<f64>], slip: f64, load: f64) -> f64 {
     let (j, share) = place(load_n, load);
     let row = |i: usize| {
@@ -130,7 +131,8 @@ fn moment_nm(table: &AligningMomentTable, slip: f64, load: f64) -> f64 {
 }
 
 impl Grip {
-    /// From a tyre's tables, or its stiffnesses where it has none or `linear` is asked for.
+    /// From the tables of a tire, or from its stiffnesses if it has no tables or if `linear` is
+    /// true.
     pub fn new(tyre: &Tyre, linear: bool) -> Self {
         let force = tyre.lateral_force.as_ref().filter(|_| !linear);
         let moment = tyre.aligning_moment.as_ref().filter(|_| !linear);
@@ -145,7 +147,7 @@ impl Grip {
             loads.extend(&table.load_n);
         }
         let (by_slip, by_load) = (Nodes::new(slips), Nodes::new(loads));
-        // At no load a stiffness extended below its first load must not pull.
+        // A stiffness that is extrapolated below its first load must not become negative.
         let stiffness = |load: f64| tyre.stiffness_at(load);
         let force_at = |a: f64, l: f64| match force {
             Some(table) => coefficient(table, a, l),
@@ -169,20 +171,20 @@ impl Grip {
         Self { by_slip, by_load, cells, scale }
     }
 
-    /// Lateral force (opposite to the slip) and aligning moment (along it) at a slip angle and
-    /// a load above zero.
+    /// Lateral force (N, opposite to the slip) and aligning moment (N m, in the direction of the
+    /// slip) at a slip angle and a positive load.
     #[inline]
     pub fn at(&self, slip_rad: f64, load_n: f64) -> (f64, f64) {
         self.near(slip_rad, load_n, self.by_slip.below(slip_rad.abs()))
     }
 
-    /// The row of the table for a slip angle: a guess for [`near`](Self::near).
+    /// The row of the table for a slip angle, as a guess for [`near`](Self::near).
     #[inline]
     pub fn row(&self, slip_rad: f64) -> usize {
         self.by_slip.below(slip_rad.abs())
     }
 
-    /// The same, where the slip is probably in row `guess`.
+    /// The same as [`at`](Self::at), if the slip is probably in row `guess`.
     #[inline]
     pub fn near(&self, slip_rad: f64, load_n: f64, guess: usize) -> (f64, f64) {
         let size = slip_rad.abs();

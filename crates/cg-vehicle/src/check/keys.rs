@@ -1,15 +1,15 @@
-//! What a key of the vehicle file is: its meaning, unit, and the values that it can have.
+//! A key of the vehicle file: its meaning, its unit, and the values that it can have.
 
 use crate::finding::{plain, span};
 
-/// A table of the vehicle file, and the same table wherever it stands.
+/// A table of the vehicle file, which can occur at several places.
 #[derive(Clone, Copy, Debug)]
 pub struct Table {
-    /// Where it stands: `""` is the top, `[i]` any entry of a list of tables.
+    /// Its paths in the file: `""` is the top level, `[i]` any entry of a list of tables.
     pub paths: &'static [&'static str],
-    /// Whether a file without it is refused.
+    /// Whether the table must be present.
     pub required: bool,
-    /// What it is.
+    /// Its meaning, in one line.
     pub meaning: &'static str,
     /// Its keys.
     pub keys: &'static [Key],
@@ -19,19 +19,19 @@ pub struct Table {
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Key {
-    /// Its name.
+    /// Its name in the file.
     pub name: &'static str,
-    /// What it means, in one line.
+    /// Its meaning, in one line.
     pub meaning: &'static str,
-    /// Whether a file without it is refused.
+    /// Whether the key must be present.
     pub required: bool,
-    /// Its unit; empty where it has none.
+    /// Its unit; empty if it has none.
     pub unit: &'static str,
-    /// What stands there.
+    /// Type and range of its value.
     pub kind: Kind,
 }
 
-/// What stands at a key.
+/// Type of the value of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Kind {
@@ -39,7 +39,7 @@ pub enum Kind {
     Text,
     /// `true` or `false`.
     Flag,
-    /// A whole number from 0.
+    /// A whole number, zero or positive.
     Whole,
     /// A number.
     Number(Range),
@@ -49,24 +49,24 @@ pub enum Kind {
     Rows(Range),
 }
 
-/// The values that a number can have.
+/// The possible and the usual values of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Beyond it a value is an error: no road vehicle has it.
+    /// A value outside this range is an error, because no road vehicle has it.
     pub possible: [f64; 2],
-    /// Beyond it a value is a warning.
+    /// A value outside this range gives a warning.
     pub usual: [f64; 2],
-    /// One more value that is usual, and what it stands for.
+    /// One more usual value, and its meaning.
     pub also: Option<(f64, &'static str)>,
 }
 
 impl Range {
-    /// Whether a value is no error.
+    /// Whether a value is possible, so that it is not an error.
     pub fn is_possible(&self, value: f64) -> bool {
         (self.possible[0]..=self.possible[1]).contains(&value)
     }
 
-    /// Whether a value is no warning.
+    /// Whether a value is usual, so that it gives no warning.
     pub fn is_usual(&self, value: f64) -> bool {
         (self.usual[0]..=self.usual[1]).contains(&value) || self.is_also(value)
     }
@@ -75,8 +75,8 @@ impl Range {
         self.also.is_some_and(|(also, _)| value.total_cmp(&also).is_eq())
     }
 
-    /// Distance from the middle of the usual range in half its width, so that its ends are at 1;
-    /// of logarithms where the range is positive.
+    /// Distance from the middle of the usual range divided by half its width, so that it is 1 at
+    /// both ends. For positive ranges it is the distance of the logarithms.
     pub fn distance(&self, value: f64) -> f64 {
         if self.is_also(value) {
             return 0.0;
@@ -93,7 +93,7 @@ impl Range {
         (((value / low).ln() - half) / half).abs()
     }
 
-    /// The usual values in words: `0.5 to 1.5 m`.
+    /// The usual values as text: `0.5 to 1.5 m`.
     pub fn usual_in(&self, unit: &str) -> String {
         let text = span(self.usual, unit);
         match self.also {
@@ -103,7 +103,7 @@ impl Range {
     }
 }
 
-/// A number that has to be there.
+/// A number that must be present.
 pub(super) const fn number(
     name: &'static str,
     unit: &'static str,
@@ -115,13 +115,13 @@ pub(super) const fn number(
     Key { name, meaning, required: true, unit, kind }
 }
 
-/// A key without numbers.
+/// A required key without numbers.
 pub(super) const fn other(name: &'static str, kind: Kind, meaning: &'static str) -> Key {
     Key { name, meaning, required: true, unit: "", kind }
 }
 
 impl Key {
-    /// The range of its numbers, if it has any.
+    /// The range of its numbers; `None` for a key without numbers.
     pub const fn range(&self) -> Option<Range> {
         match self.kind {
             Kind::Number(range) | Kind::Numbers(range) | Kind::Rows(range) => Some(range),
@@ -133,7 +133,7 @@ impl Key {
         Self { required: false, ..self }
     }
 
-    /// One more usual value.
+    /// Adds one more usual value.
     pub(super) const fn or(self, value: f64, meaning: &'static str) -> Self {
         let also = Some((value, meaning));
         let kind = match self.kind {

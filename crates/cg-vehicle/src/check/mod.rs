@@ -1,14 +1,14 @@
-//! The check of a vehicle file: every number beside what is possible and what is usual, and the
-//! numbers beside each other. All findings at once.
+//! The check of a vehicle file: compares every number with its possible and usual range, and
+//! related numbers with each other. It reports all findings at once.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `table` | every key: meaning, unit, possible and usual range |
-//! | `keys` | what such an entry is |
-//! | `ranges` | numbers beyond their ranges; the numbers farthest from usual |
-//! | `shapes` | names, lengths of lists, orders |
+//! | `keys` | the types of the entries in `table` |
+//! | `ranges` | numbers outside their ranges; the least usual numbers |
+//! | `shapes` | names, lengths of lists, order of axles |
 //! | `relation`, `relations`, `tables` | numbers that contradict each other |
-//! | `place` | where in the file a finding is |
+//! | `place` | position of a finding in the file |
 //! | `read` | reads a vehicle file and runs all checks |
 
 mod keys;

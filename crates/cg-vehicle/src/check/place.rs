@@ -1,11 +1,11 @@
-//! The place of a finding in the text of a vehicle file.
+//! The position of a finding in the text of a vehicle file.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::finding::Finding;
 
-/// Gives findings their places and sorts them: errors first, then in the order of the file.
+/// Adds the positions to findings and sorts them: errors first, then in the order of the file.
 pub(super) fn located(mut findings: Vec<Finding>, text: &str) -> Vec<Finding> {
     if let Ok(root) = DeTable::parse(text) {
         for finding in &mut findings {
@@ -16,8 +16,8 @@ pub(super) fn located(mut findings: Vec<Finding>, text: &str) -> Vec<Finding> {
     findings
 }
 
-/// Line and column (from 1) of the value at `path` (`trailer.axle[1].tyre`), or of its nearest
-/// ancestor in the file.
+/// Line and column (from 1) of the value at `path` (`trailer.axle[1].tyre`). If the value is not in
+/// the file, those of its nearest ancestor.
 fn place(text: &str, root: &Spanned<DeTable<'_>>, path: &str) -> (usize, usize) {
     let mut offset = 0;
     let mut table = Some(root.get_ref());

@@ -1,4 +1,4 @@
-//! Every number of a vehicle file beside the range of its key.
+//! Compares every number of a vehicle file with the range of its key.
 
 use toml::{Table, Value};
 
@@ -7,16 +7,16 @@ use super::table;
 use crate::finding::{Finding, Severity};
 use crate::finding::{Unusual, plain, span};
 
-/// A number of the file.
+/// A number in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Number {
-    /// Where it stands: `tyre[0].load_n[3]`.
+    /// Its path: `tyre[0].load_n[3]`.
     pub(super) path: String,
     /// Its key: `tyre[0].load_n`.
     pub(super) key: String,
-    /// Its key in the table of keys: `tyre[i].load_n`.
+    /// Its key in the table of keys, with `[i]` for any index: `tyre[i].load_n`.
     pub(super) place: String,
-    /// The number.
+    /// Its value.
     pub(super) value: f64,
 }
 
@@ -39,7 +39,7 @@ fn in_table(entries: &Table, path: &str, place: &str, found: &mut Vec<Number>) {
 fn in_value(value: &Value, path: &str, key: &str, place: &str, found: &mut Vec<Number>) {
     let number = match value {
         Value::Float(number) => *number,
-        #[allow(clippy::cast_precision_loss)] // rounded as serde rounds it
+        #[allow(clippy::cast_precision_loss)] // rounded in the same way as by serde
         Value::Integer(number) => *number as f64,
         Value::Table(entries) => return in_table(entries, path, place, found),
         Value::Array(items) => {
@@ -59,8 +59,8 @@ fn in_value(value: &Value, path: &str, key: &str, place: &str, found: &mut Vec<N
     found.push(Number { path, key, place, value: number });
 }
 
-/// Numbers beyond their key's ranges. Of a list only the first of each severity is told, with how
-/// many more there are.
+/// Numbers outside the ranges of their keys. Of a list, only the first one of each severity is
+/// reported, with the number of the others.
 pub(super) fn findings(numbers: &[Number]) -> Vec<Finding> {
     let mut told: Vec<Finding> = Vec::new();
     let mut of: Vec<(&str, usize)> = Vec::new(); // key and number of values of each finding
@@ -79,7 +79,11 @@ pub(super) fn findings(numbers: &[Number]) -> Vec<Finding> {
     }
     for (finding, (_, values)) in told.iter_mut().zip(of) {
         if values > 1 {
-            finding.remedy = format!("{}; so are {} more of the list", finding.remedy, values - 1);
+            finding.remedy = format!(
+                "{}; the same applies to {} more values of the list",
+                finding.remedy,
+                values - 1
+            );
         }
     }
     told
@@ -93,7 +97,7 @@ fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
     let severity = if range.is_possible(value) { Severity::Warning } else { Severity::Error };
     let [least, greatest] = range.possible;
     let problem = if severity == Severity::Warning {
-        let much = if value < range.usual[0] { "little" } else { "much" };
+        let much = if value < range.usual[0] { "small" } else { "large" };
         format!("is unusually {much}")
     } else if !value.is_finite() {
         "must be a finite number".to_owned()
@@ -102,7 +106,7 @@ fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
     } else if least == 0.0 && value < 0.0 {
         "must not be negative".to_owned()
     } else {
-        format!("is impossible, only {} can be", span([least, greatest], key.unit))
+        format!("is impossible (possible: {})", span([least, greatest], key.unit))
     };
     Some(Finding {
         usual: range.usual_in(key.unit),
@@ -111,7 +115,7 @@ fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
     })
 }
 
-/// Units that people have in place of those of the file, and their size in these.
+/// Units that are often used by mistake instead of those of the file, and their conversion factors.
 const UNITS: [(&str, &[(&str, f64)]); 13] = [
     ("m", &[("mm", 1e-3), ("cm", 1e-2), ("inch", 0.0254)]),
     ("kg", &[("t", 1e3), ("lb", 0.453_592_37), ("N", 0.102)]),
@@ -142,7 +146,7 @@ fn remedy(value: f64, unit: &str, range: Range) -> String {
     }
 }
 
-/// The numbers farthest from usual, farthest first, one of each key.
+/// The least usual numbers, one for each key, the least usual one first.
 pub(super) fn farthest(numbers: &[Number], most: usize) -> Vec<Unusual> {
     let mut all: Vec<(&str, Unusual)> = numbers
         .iter()

@@ -1,4 +1,4 @@
-//! Reads a vehicle file and checks it.
+//! Reads a vehicle file and runs all checks.
 
 use std::path::Path;
 
@@ -10,19 +10,19 @@ use crate::files;
 use crate::finding::{Finding, Severity};
 use crate::vehicle::Vehicle;
 
-/// How many of the keys farthest from usual an error names.
+/// Number of the least usual keys that an error names.
 const NAMED: usize = 3;
 
 impl Vehicle {
     /// Reads and checks a vehicle file.
     ///
     /// # Errors
-    /// [`VehicleError`] naming file, line, column, key and value of all that is wrong.
+    /// [`VehicleError`] with file, line, column, key and value of everything that is wrong.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, VehicleError> {
         Ok(Self::load_checked(path)?.0)
     }
 
-    /// The same, with what is unusual in the file beside the vehicle.
+    /// Reads and checks a vehicle file; returns the vehicle and the warnings.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -42,7 +42,7 @@ impl Vehicle {
         Ok(Self::check(text, file)?.0)
     }
 
-    /// The same, with what is unusual in the file beside the vehicle.
+    /// Checks the text of a vehicle file; returns the vehicle and the warnings.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -51,14 +51,15 @@ impl Vehicle {
     }
 }
 
-/// Reads the text of a vehicle file; warnings stand beside the vehicle.
+/// Checks the text of a vehicle file; returns the vehicle and the warnings.
 fn checked(text: &str, file: &str) -> Result<(Vehicle, Vec<Finding>), VehicleError> {
     let located = |findings| place::located(findings, text);
     let refused =
         |findings| VehicleError::Invalid { file: file.to_owned(), findings: located(findings) };
     let syntax = |source| VehicleError::syntax(file, &source);
     let root: Table = toml::from_str(text).map_err(syntax)?;
-    // Unknown keys first: a misspelt key is also a missing one, and its place says more.
+    // Unknown keys are reported first, because a misspelled key is also a missing one, and its
+    // position is more useful.
     let unknown = shapes::axle_keys(&root);
     if !unknown.is_empty() {
         return Err(refused(unknown));
@@ -75,7 +76,7 @@ fn checked(text: &str, file: &str) -> Result<(Vehicle, Vec<Finding>), VehicleErr
 }
 
 impl VehicleError {
-    /// A model that fails says which numbers of the vehicle are farthest from usual.
+    /// Adds the least usual numbers of the vehicle to an error of a model.
     #[must_use]
     pub fn of_vehicle(self, vehicle: &Vehicle) -> Self {
         match self {

@@ -1,17 +1,18 @@
-//! A quantity that several numbers of a vehicle file make, next to what is possible and usual.
+//! A quantity that follows from several numbers of a vehicle file, compared with its possible and
+//! usual range.
 
 use std::collections::HashSet;
 
 use crate::finding::{Finding, Severity, plain, span};
 
-/// A quantity that several numbers make.
+/// A quantity that follows from several numbers.
 pub(super) struct Relation {
-    /// The key that is named first, and its value.
+    /// The key that the message names first, and its value.
     pub(super) key: String,
     pub(super) value: f64,
-    /// The other keys.
+    /// The other keys on which the quantity depends.
     pub(super) with: Vec<String>,
-    /// What they make, in words.
+    /// Name of the quantity in the message.
     pub(super) what: &'static str,
     pub(super) quantity: f64,
     pub(super) unit: &'static str,
@@ -19,9 +20,9 @@ pub(super) struct Relation {
     pub(super) possible: [f64; 2],
 }
 
-/// Collects what contradicts each other among numbers that are themselves possible.
+/// Collects contradictions between numbers that are possible by themselves.
 pub(super) struct Relations {
-    /// Keys with an error of their own, lists without index.
+    /// Keys that already have an error, for lists without index.
     pub(super) bad: HashSet<String>,
     pub(super) found: Vec<Finding>,
 }

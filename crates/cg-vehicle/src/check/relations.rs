@@ -1,4 +1,4 @@
-//! Numbers of a vehicle file that contradict each other.
+//! Detects numbers of a vehicle file that contradict each other.
 
 use std::collections::HashSet;
 
@@ -9,7 +9,7 @@ use crate::finding::{Finding, Severity};
 use crate::load::Load;
 use crate::vehicle::{Axle, Vehicle};
 
-/// What the numbers of a vehicle make together, apart from those that are refused already.
+/// Findings about related numbers, except those with a number that already has an error.
 pub(super) fn findings(v: &Vehicle, known: &[Finding]) -> Vec<Finding> {
     let refused = known.iter().filter(|finding| finding.severity == Severity::Error);
     let bad: HashSet<String> = refused.map(|finding| list_of(&finding.key).to_owned()).collect();
@@ -40,7 +40,7 @@ fn axles(v: &Vehicle) -> Vec<(String, &Axle)> {
         .collect()
 }
 
-/// Radii of gyration: a body's inertia follows from its mass and size.
+/// Radii of gyration, because the inertia of a body follows from its mass and size.
 fn inertias(v: &Vehicle, relations: &mut Relations) {
     let (t, s) = (&v.tractor, &v.trailer.tare);
     let tractor = ("tractor", t.sprung_mass_kg, "sprung_mass_kg");
@@ -135,7 +135,7 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / n
 }
 
-/// Where axles, fifth wheel and bodies stand along the vehicle.
+/// Positions of axles, fifth wheel and bodies along the vehicle.
 fn positions(v: &Vehicle, relations: &mut Relations) {
     let tractor = &v.tractor.axle;
     let ahead = |i: usize| format!("tractor.axle[{i}].ahead_of_cg_m");
@@ -143,7 +143,7 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
         relations.check(Relation { key, value, with, what, quantity, unit: "m", usual, possible });
     };
     for (i, axle) in tractor.iter().enumerate() {
-        // A second steered axle may stand under the c.g.
+        // A second steered axle may be under the c.g.
         let value = axle.ahead_of_cg_m;
         let usual = if i == 0 { [0.3, 3.2] } else { [-8.0, -0.2] };
         let possible = if i == 0 { [-1.0, 6.0] } else { [-12.0, 3.0] };
@@ -154,7 +154,7 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
         let (one, two) = (pair[0].ahead_of_cg_m, pair[1].ahead_of_cg_m);
         let wheelbase = pair[0].steered && !pair[1].steered;
         let usual = if wheelbase { [2.2, 7.5] } else { [1.0, 4.0] };
-        let what = "the distance of two axles";
+        let what = "the distance between two axles";
         metres(ahead(i + 1), two, vec![ahead(i)], what, one - two, usual, [0.4, 15.0]);
     }
     let driven: Vec<usize> = (0..tractor.len()).filter(|&i| !tractor[i].steered).collect();
@@ -169,7 +169,7 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
     let behind = |i: usize| format!("trailer.axle[{i}].behind_hitch_m");
     for (i, pair) in trailer.windows(2).enumerate() {
         let (one, two) = (pair[0].behind_hitch_m, pair[1].behind_hitch_m);
-        let what = "the distance of two axles";
+        let what = "the distance between two axles";
         metres(behind(i + 1), two, vec![behind(i)], what, two - one, [1.0, 4.0], [0.4, 10.0]);
     }
     if trailer.is_empty() {
@@ -192,7 +192,7 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
     metres(key, bed.length_m, with, what, front_m, [-2.0, 8.0], [-6.0, 20.0]);
 }
 
-/// Springs, dampers and tyres across an axle.
+/// Springs, dampers and tires across an axle.
 fn widths(path: &str, axle: &Axle, relations: &mut Relations) {
     let tyres = format!("{path}.tyre_positions_m");
     let inner_m = axle.tyre_positions_m.iter().copied().fold(f64::INFINITY, f64::min);
@@ -206,7 +206,7 @@ fn widths(path: &str, axle: &Axle, relations: &mut Relations) {
             key: format!("{path}.{key}"),
             value: spread_m,
             with: vec![tyres.clone()],
-            what: "the distance from half of it to the inner tyre",
+            what: "the distance from half of it to the inner tire",
             quantity: inner_m - 0.5 * spread_m,
             unit: "m",
             usual,
@@ -218,7 +218,7 @@ fn widths(path: &str, axle: &Axle, relations: &mut Relations) {
             key: format!("{tyres}[1]"),
             value: two,
             with: vec![format!("{tyres}[0]")],
-            what: "the distance of dual tyres",
+            what: "the distance between dual tires",
             quantity: (two - one).abs(),
             unit: "m",
             usual: [0.25, 0.45],
@@ -227,7 +227,8 @@ fn widths(path: &str, axle: &Axle, relations: &mut Relations) {
     }
 }
 
-/// An axle's centre beside the radius of its tyres, or beside other axles on the same tyres.
+/// Compares the height of an axle's center with the radius of its tires, or with the other axles
+/// that have the same tires.
 fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
     let Some((i, tyre)) = v.tyre.iter().enumerate().find(|(_, tyre)| tyre.name == axle.tyre) else {
         return;
@@ -238,11 +239,12 @@ fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
             key,
             value: center_m,
             with: vec![format!("tyre[{i}].unloaded_radius_m")],
-            what: "the deflection of its tyre",
+            what: "the deflection of its tire",
             quantity: radius_m - center_m,
             unit: "m",
             usual: [0.003, 0.09],
-            // A wheel's centre is nowhere above the tyre's radius; 3 mm for rounded numbers.
+            // The center of a wheel is never higher than the tire's radius; 3 mm allow for rounded
+            // numbers.
             possible: [-0.003, 0.25],
         });
         return;
@@ -256,7 +258,7 @@ fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
             key,
             value: center_m,
             with: vec![format!("{other}.center_height_m")],
-            what: "its height above that of an axle with the same tyres",
+            what: "its height above that of an axle with the same tires",
             quantity: center_m - first.center_height_m,
             unit: "m",
             usual: [-0.05, 0.05],
@@ -265,8 +267,8 @@ fn deflection(path: &str, axle: &Axle, v: &Vehicle, relations: &mut Relations) {
     }
 }
 
-/// Neighbouring axles that are not steered are built alike: one has no anti-roll bar if the other
-/// has one.
+/// Neighboring axles that are not steered are similar: either both or none of them have an
+/// anti-roll bar.
 fn anti_roll(v: &Vehicle, relations: &mut Relations) {
     let driven = v.tractor.axle.iter().filter(|axle| !axle.steered).count();
     let all = axles(v);
@@ -282,7 +284,7 @@ fn anti_roll(v: &Vehicle, relations: &mut Relations) {
             key: format!("{path}.{key}"),
             value,
             with: vec![format!("{before}.{key}")],
-            what: "the smaller over the greater",
+            what: "the smaller value divided by the greater one",
             quantity: if more > 0.0 { less / more } else { 1.0 },
             unit: "",
             usual: [0.1, 1.0],
@@ -291,7 +293,8 @@ fn anti_roll(v: &Vehicle, relations: &mut Relations) {
     }
 }
 
-/// Springs of one unit lift its frame about equally, or its axles carry very different loads.
+/// The springs of one unit lift its frame by similar heights; otherwise the loads of its axles
+/// would differ greatly.
 fn free_rises(v: &Vehicle, relations: &mut Relations) {
     if !balance::depends_on_stiffness(v) {
         return;
@@ -305,7 +308,7 @@ fn free_rises(v: &Vehicle, relations: &mut Relations) {
             key: format!("{path}.spring_free_rise_m"),
             value: two.spring_free_rise_m,
             with: vec![format!("{before}.spring_free_rise_m")],
-            what: "the difference of two axles",
+            what: "the difference between two axles",
             quantity: two.spring_free_rise_m - one.spring_free_rise_m,
             unit: "m",
             usual: [-0.05, 0.05],
@@ -314,7 +317,8 @@ fn free_rises(v: &Vehicle, relations: &mut Relations) {
     }
 }
 
-/// Static loads of axles, fifth wheel, tyres and springs, empty and at the reference load.
+/// Static loads of axles, fifth wheel, tires and springs, for the empty trailer and at the
+/// reference load.
 fn loads(v: &Vehicle, relations: &mut Relations) {
     if let Err((key, value, problem)) = balance::determined(v) {
         relations.found.push(Finding::error(key, value, problem));

@@ -1,4 +1,4 @@
-//! Names, lengths of lists, and orders that the program needs.
+//! Checks names, lengths of lists, and the order of axles.
 
 use toml::{Table, Value};
 
@@ -8,13 +8,13 @@ use crate::finding::{Finding, Severity};
 use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
-/// The most axles of one unit: heavy-haulage modules have fewer.
+/// Greatest number of axles of one unit; heavy-haulage modules have fewer.
 const MOST_AXLES: usize = 20;
-/// The longest name, in bytes: it stands in reports and in file heads.
+/// Greatest length of a name in bytes, because names are printed in reports and file headers.
 const LONGEST_NAME: usize = 200;
 
-/// Unknown keys of axles, and values of the wrong type: where a struct is flattened into another,
-/// serde refuses neither with its place.
+/// Unknown keys of axles, and values of the wrong type. The structure of an axle is flattened into
+/// another one, and then serde reports neither of them with its position.
 pub(super) fn axle_keys(root: &Table) -> Vec<Finding> {
     let mut found = Vec::new();
     for unit in ["tractor", "trailer"] {
@@ -66,7 +66,7 @@ const fn type_of(kind: Kind) -> &'static str {
     }
 }
 
-/// Everything that is no number out of its range.
+/// All findings except numbers outside their ranges.
 pub(super) fn findings(v: &Vehicle) -> Vec<Finding> {
     let mut found = Vec::new();
     names(v, &mut found);
@@ -130,7 +130,7 @@ fn heights_and_masses(v: &Vehicle, found: &mut Vec<Finding>) {
     }
     if v.hitch.lash_rad > 0.0 && v.hitch.separation_moment_nm.is_none() {
         let problem =
-            "needs hitch.separation_moment_nm: the plates are free only once they have parted";
+            "needs hitch.separation_moment_nm: the plates are free only after they have separated";
         found.push(Finding::error("hitch.lash_rad", v.hitch.lash_rad, problem));
     }
     let Some(readings) = v.trailer.suspension_pressure else { return };
@@ -176,7 +176,8 @@ fn axles(v: &Vehicle, found: &mut Vec<Finding>) {
     }
 }
 
-/// Axles of a unit, by their distances backwards: so many, and one behind the other.
+/// Checks the number of axles of a unit and their order from front to rear, given their positions
+/// backwards.
 fn in_order(unit: &str, key: &str, backwards_m: &[f64], found: &mut Vec<Finding>) {
     let (axles, n) = (format!("{unit}.axle"), backwards_m.len());
     if n == 0 {
@@ -192,7 +193,7 @@ fn in_order(unit: &str, key: &str, backwards_m: &[f64], found: &mut Vec<Finding>
     if let Some(i) = backwards_m.windows(2).position(|pair| !(pair[1] > pair[0])) {
         let given = |i: usize| if unit == "tractor" { -backwards_m[i] } else { backwards_m[i] };
         let problem = format!(
-            "must lie behind {axles}[{i}].{key} = {}: axles stand from front to rear",
+            "must lie behind {axles}[{i}].{key} = {}: axles are listed from front to rear",
             given(i)
         );
         let key = format!("{axles}[{}].{key}", i + 1);
@@ -214,12 +215,12 @@ fn axle(path: &str, a: &Axle, v: &Vehicle, found: &mut Vec<Finding>) {
         found.push(Finding::error(
             format!("{path}.tyre_positions_m"),
             format!("{:?}", a.tyre_positions_m),
-            "needs one entry (single tyres) or two (dual)",
+            "needs one entry (single tires) or two (dual tires)",
         ));
     }
 }
 
-/// Whether `values` are two or more, each greater than the one before.
+/// Whether `values` has at least two entries, each greater than the previous one.
 fn increasing(path: &str, values: &[f64], found: &mut Vec<Finding>) -> bool {
     let sound = values.len() >= 2 && values.windows(2).all(|pair| pair[0] < pair[1]);
     if !sound {
@@ -229,7 +230,7 @@ fn increasing(path: &str, values: &[f64], found: &mut Vec<Finding>) -> bool {
     sound
 }
 
-/// Whether a list has the length of another.
+/// Whether a list has the expected length.
 fn as_long(path: &str, list: usize, of: usize, what: &str, found: &mut Vec<Finding>) -> bool {
     if list != of {
         let problem = format!("needs one {what}: {of}");
@@ -284,10 +285,10 @@ fn spring_table(path: &str, spring: &Spring, found: &mut Vec<Finding>) {
         if !as_long(&path, force.len(), deflections, "force per deflection", found) {
             sound = false;
         } else if let Some(j) = force.windows(2).position(|pair| !(pair[0] <= pair[1])) {
-            let problem = format!("must not fall with deflection, from {}", force[j]);
+            let problem = format!("must not decrease with deflection, from {}", force[j]);
             found.push(Finding::error(format!("{path}[{}]", j + 1), force[j + 1], problem));
         } else if force.first() == force.last() {
-            let problem = "must rise with deflection";
+            let problem = "must increase with deflection";
             found.push(Finding::error(path, format!("{force:?}"), problem));
         }
     }

@@ -1,18 +1,18 @@
-//! The keys of the vehicle file: the one table behind its checks.
+//! The table of all keys of the vehicle file, on which the checks are based.
 //!
 //! Usual ranges are those of road tractors of 4 to 12 t and of semitrailers up to 60 t (UMTRI's
-//! parameter studies of heavy vehicles, makers' data, the trucks in fixtures/vehicles); possible
-//! ranges leave room for heavy haulage and light vans. A possible range spans less than a factor
-//! of 1000 wherever it can, so that a number in mm, kN or t is always an error.
+//! parameter studies of heavy vehicles, manufacturers' data, the trucks in fixtures/vehicles).
+//! Possible ranges include heavy haulage and light vans. If possible, a possible range spans less
+//! than a factor of 1000, so that a number in mm, kN or t is always an error.
 
 use super::keys::{Key, Kind, Table, number, other};
 use crate::limits::{GREATEST_HEIGHT_M, GREATEST_TRAILER_MASS_KG};
 
-/// Every table of the vehicle file.
+/// All tables of the vehicle file.
 pub static TABLES: &[Table] = &[
     table(&[""], "the vehicle", TOP),
-    table(&["height"], "heights that the trailer's sprung c.g. can have", HEIGHT),
-    table(&["uncertainty"], "how well the file is trusted: standard deviations", UNCERTAINTY),
+    table(&["height"], "possible heights of the trailer's sprung c.g.", HEIGHT),
+    table(&["uncertainty"], "uncertainty of the file: standard deviations", UNCERTAINTY),
     table(&["hitch"], "the fifth wheel", HITCH),
     table(&["tractor"], "the tractor's sprung mass", TRACTOR),
     table(&["tractor.axle[i]"], "an axle of the tractor, front to rear", TRACTOR_AXLE),
@@ -21,11 +21,15 @@ pub static TABLES: &[Table] = &[
     table(&["trailer.payload"], "the payload, a homogeneous box", PAYLOAD),
     Table {
         required: false,
-        ..table(&["trailer.suspension_pressure"], "two readings of a gauge", PRESSURE)
+        ..table(
+            &["trailer.suspension_pressure"],
+            "two readings of a gauge on the air suspension",
+            PRESSURE,
+        )
     },
     table(&["trailer.axle[i]"], "an axle of the trailer, front to rear", TRAILER_AXLE),
-    table(&["tractor.axle[i]", "trailer.axle[i]"], "what every axle has", AXLE),
-    table(&["tyre[i]"], "a tyre type", TYRE),
+    table(&["tractor.axle[i]", "trailer.axle[i]"], "parameters of every axle", AXLE),
+    table(&["tyre[i]"], "a tire type", TYRE),
     Table {
         required: false,
         ..table(&["tyre[i].lateral_force"], "lateral force over slip angle and load", LATERAL)
@@ -37,7 +41,7 @@ pub static TABLES: &[Table] = &[
     Table { required: false, ..table(&["spring[i]"], "a measured spring", SPRING) },
     Table {
         required: false,
-        ..table(&["as_printed"], "what only the source's printed model knows", AS_PRINTED)
+        ..table(&["as_printed"], "parameters that only the thesis's printed model uses", AS_PRINTED)
     },
 ];
 
@@ -49,7 +53,7 @@ const fn table(
     Table { paths, required: true, meaning, keys }
 }
 
-/// The key at a place such as `tyre[i].load_n`.
+/// The key with a path such as `tyre[i].load_n`; `None` if there is no such key.
 pub fn key(place: &str) -> Option<&'static Key> {
     let (path, name) = place.rsplit_once('.').unwrap_or(("", place));
     let mut tables = TABLES.iter().filter(|table| table.paths.contains(&path));
@@ -61,39 +65,39 @@ const HIGHEST_M: f64 = GREATEST_HEIGHT_M;
 
 #[rustfmt::skip] // one line for each key
 const TOP: &[Key] = &[
-    other("name", Kind::Text, "what the vehicle is called in reports"),
+    other("name", Kind::Text, "name of the vehicle in reports"),
     number("gravity_mps2", "m/s²", [9.76, 9.84], [9.5, 10.1], "acceleration of gravity").optional(),
-    number("nominal_speed_mps", "m/s", [5.0, 28.0], [1.0, 45.0], "speed taken when nothing else is said"),
-    number("steering_ratio", "", [12.0, 32.0], [5.0, 80.0], "steering-wheel angle over mean road-wheel angle").optional(),
+    number("nominal_speed_mps", "m/s", [5.0, 28.0], [1.0, 45.0], "speed that is used if no other one is given"),
+    number("steering_ratio", "", [12.0, 32.0], [5.0, 80.0], "steering-wheel angle divided by the mean road-wheel angle").optional(),
 ];
 
 #[rustfmt::skip]
 const HEIGHT: &[Key] = &[
-    number("least_m", "m", [0.6, 1.8], [0.3, 4.0], "the lowest"),
-    number("greatest_m", "m", [1.8, 4.5], [1.0, HIGHEST_M], "the greatest"),
+    number("least_m", "m", [0.6, 1.8], [0.3, 4.0], "the least height"),
+    number("greatest_m", "m", [1.8, 4.5], [1.0, HIGHEST_M], "the greatest height"),
 ];
 
 #[rustfmt::skip]
 const UNCERTAINTY: &[Key] = &[
-    number("roll_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "roll stiffness of the suspensions, trailer and tractor each, relative"),
-    number("roll_center_height_sd_m", "m", [0.005, 0.2], [0.0, 1.0], "height of the suspensions' roll centres"),
+    number("roll_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "roll stiffness of the suspensions, for trailer and tractor separately, relative"),
+    number("roll_center_height_sd_m", "m", [0.005, 0.2], [0.0, 1.0], "height of the roll centers of the suspensions"),
     number("tractor_cg_height_sd_m", "m", [0.01, 0.4], [0.0, 1.0], "height of the tractor's sprung c.g."),
     number("fifth_wheel_stiffness_sd", "", [0.02, 1.0], [0.0, 1.0], "roll stiffness of the fifth wheel, relative"),
-    number("tyre_vertical_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "vertical stiffness of the tyres, relative"),
-    number("cornering_stiffness_sd", "", [0.01, 0.5], [0.0, 1.0], "cornering stiffness of steered, drive and trailer tyres, each, relative"),
-    number("steering_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "steer-angle sensor or steering ratio, relative"),
-    number("lateral_acceleration_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "lateral-acceleration sensor, relative"),
-    number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "roll sensor, and what the model gets wrong everywhere alike, relative"),
-    number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "what the model gets wrong otherwise, relative"),
+    number("tyre_vertical_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "vertical stiffness of the tires, relative"),
+    number("cornering_stiffness_sd", "", [0.01, 0.5], [0.0, 1.0], "cornering stiffness of the tires of steered, drive and trailer axles separately, relative"),
+    number("steering_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the steer-angle sensor, or steering ratio, relative"),
+    number("lateral_acceleration_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the lateral-acceleration sensor, relative"),
+    number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the roll sensor, and the error of the model that is the same everywhere, relative"),
+    number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "the rest of the model error, relative"),
 ];
 
 #[rustfmt::skip]
 const HITCH: &[Key] = &[
     number("height_m", "m", [0.9, 1.5], [0.5, 2.2], "height of the coupling"),
-    number("roll_stiffness_nm_per_rad", "N m/rad", [1e5, 8e6], [2e4, 1e10], "roll stiffness between the units, frames and coupling in series").or(1e10, "rigid"),
+    number("roll_stiffness_nm_per_rad", "N m/rad", [1e5, 8e6], [2e4, 1e10], "roll stiffness between the units: frames and coupling in series").or(1e10, "rigid"),
     number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between the units").optional().or(0.0, "none"),
-    number("separation_moment_nm", "N m", [1e4, 2e5], [2e3, 1e6], "moment at which the plates part on one side").optional(),
-    number("lash_rad", "rad", [0.002, 0.12], [0.0, 0.35], "angle through which the parted plates move freely").optional().or(0.0, "none"),
+    number("separation_moment_nm", "N m", [1e4, 2e5], [2e3, 1e6], "moment at which the plates separate on one side").optional(),
+    number("lash_rad", "rad", [0.002, 0.12], [0.0, 0.35], "angle through which the separated plates move freely").optional().or(0.0, "none"),
 ];
 
 #[rustfmt::skip]
@@ -109,13 +113,13 @@ const TRACTOR: &[Key] = &[
 #[rustfmt::skip]
 const TRACTOR_AXLE: &[Key] = &[
     number("ahead_of_cg_m", "m", [-7.0, 3.2], [-12.0, 6.0], "distance ahead of the sprung c.g.; negative behind it"),
-    other("steered", Kind::Flag, "whether the steer angle acts on it").optional(),
+    other("steered", Kind::Flag, "whether the axle is steered").optional(),
 ];
 
 #[rustfmt::skip]
 const TRAILER: &[Key] = &[
-    number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer when nothing else is said"),
-    number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of its sprung c.g. when nothing else is said"),
+    number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer if no other one is given"),
+    number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of its sprung c.g. if no other one is given"),
 ];
 
 #[rustfmt::skip]
@@ -131,14 +135,14 @@ const TARE: &[Key] = &[
 #[rustfmt::skip]
 const PAYLOAD: &[Key] = &[
     number("behind_hitch_m", "m", [2.0, 11.0], [0.3, 20.0], "distance of its c.g. behind the fifth wheel"),
-    number("floor_height_m", "m", [0.6, 1.7], [0.2, 3.0], "height of the floor that it stands on"),
+    number("floor_height_m", "m", [0.6, 1.7], [0.2, 3.0], "height of the floor on which it stands"),
     number("length_m", "m", [3.0, 16.0], [0.5, 40.0], "length of the box"),
     number("width_m", "m", [1.8, 2.7], [0.5, 6.0], "width of the box"),
 ];
 
 #[rustfmt::skip]
 const PRESSURE: &[Key] = &[
-    number("gauge_pa", "Pa", [1e4, 1.2e6], [3e3, 2.5e6], "pressure above that of the air, mean of both sides").list(),
+    number("gauge_pa", "Pa", [1e4, 1.2e6], [3e3, 2.5e6], "gauge pressure (above atmospheric), mean of both sides").list(),
     number("axle_load_kg", "kg", [1e3, 4e4], [300.0, HEAVIEST_KG], "load of the trailer's axles on the road").list(),
 ];
 
@@ -151,19 +155,19 @@ const TRAILER_AXLE: &[Key] = &[
 const AXLE: &[Key] = &[
     number("unsprung_mass_kg", "kg", [300.0, 1800.0], [80.0, 5e3], "mass of the axle with its wheels"),
     number("roll_inertia_kgm2", "kg m²", [150.0, 1200.0], [30.0, 5e3], "roll inertia of the axle about its c.g."),
-    number("center_height_m", "m", [0.35, 0.62], [0.2, 1.0], "height of its centre: c.g. and wheel centres"),
-    number("roll_center_height_m", "m", [0.25, 1.1], [0.02, 1.6], "height of the suspension's roll centre"),
+    number("center_height_m", "m", [0.35, 0.62], [0.2, 1.0], "height of the axle's center: its c.g. and the wheel centers"),
+    number("roll_center_height_m", "m", [0.25, 1.1], [0.02, 1.6], "height of the roll center of the suspension"),
     number("spring_spread_m", "m", [0.5, 1.5], [0.3, 2.5], "distance between left and right springs"),
     number("spring_stiffness_n_per_m", "N/m", [8e4, 4e6], [2e4, 1.5e7], "stiffness of one spring"),
-    number("auxiliary_roll_stiffness_nm_per_rad", "N m/rad", [5e3, 1.5e6], [0.0, 5e6], "roll stiffness beside the springs").optional().or(0.0, "none"),
+    number("auxiliary_roll_stiffness_nm_per_rad", "N m/rad", [5e3, 1.5e6], [0.0, 5e6], "roll stiffness in addition to the springs (anti-roll bar)").optional().or(0.0, "none"),
     number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between body and axle").optional().or(0.0, "none"),
     number("damper_spread_m", "m", [0.4, 1.9], [0.2, 2.6], "distance between left and right dampers").optional(),
     other("spring", Kind::Text, "name of the measured spring").optional(),
-    number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per angle of roll between body and axle").optional(),
+    number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per roll angle between body and axle").optional(),
     other("load_group", Kind::Whole, "axles of one unit with the same number share their load equally").optional(),
-    number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "how far the unloaded springs lift the frame").optional().or(0.0, "none"),
-    other("tyre", Kind::Text, "name of the tyre type"),
-    number("tyre_positions_m", "m", [0.6, 1.3], [0.3, 2.0], "distances of one side's tyres from the middle").list(),
+    number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "height by which the unloaded springs lift the frame").optional().or(0.0, "none"),
+    other("tyre", Kind::Text, "name of the tire type"),
+    number("tyre_positions_m", "m", [0.6, 1.3], [0.3, 2.0], "distances of one side's tires from the middle").list(),
 ];
 
 #[rustfmt::skip]
@@ -176,14 +180,14 @@ const TYRE: &[Key] = &[
     number("cornering_stiffness_n_per_rad", "N/rad", [2e3, 1e6], [0.0, 3e6], "lateral force per slip angle at each load").list().or(0.0, "no load"),
     number("aligning_stiffness_nm_per_rad", "N m/rad", [120.0, 1e5], [0.0, 5e5], "aligning moment per slip angle at each load").list().or(0.0, "none"),
     number("vertical_damping_ns_per_m", "N s/m", [100.0, 2e4], [0.0, 2e5], "vertical damping").optional().or(0.0, "none"),
-    number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle act").optional().or(0.0, "none"),
+    number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle are effective").optional().or(0.0, "none"),
 ];
 
 #[rustfmt::skip]
 const LATERAL: &[Key] = &[
     number("load_n", "N", [500.0, 1e5], [300.0, 2e5], "loads of the columns").list(),
     number("slip_rad", "rad", [0.001, 0.7], [2e-4, 1.6], "slip angles of the rows").list(),
-    number("coefficient", "", [0.005, 1.3], [0.0, 3.0], "lateral force over load: a row for each slip angle").rows(),
+    number("coefficient", "", [0.005, 1.3], [0.0, 3.0], "lateral force divided by load: a row for each slip angle").rows(),
 ];
 
 #[rustfmt::skip]
@@ -197,9 +201,9 @@ const ALIGNING: &[Key] = &[
 const SPRING: &[Key] = &[
     other("name", Kind::Text, "its name"),
     number("deflection_m", "m", [-0.5, 0.6], [-1.5, 1.5], "compression of the spring").list(),
-    number("compression_n", "N", [-2.5e5, 5e5], [-1e6, 1e6], "force while it is being compressed").list(),
-    number("extension_n", "N", [-2.5e5, 5e5], [-1e6, 1e6], "force while it is being released").list(),
-    number("friction_deflection_m", "m", [2e-4, 0.03], [5e-5, 0.2], "deflection until the force has turned from one curve to the other"),
+    number("compression_n", "N", [-2.5e5, 5e5], [-1e6, 1e6], "force during compression").list(),
+    number("extension_n", "N", [-2.5e5, 5e5], [-1e6, 1e6], "force during release").list(),
+    number("friction_deflection_m", "m", [2e-4, 0.03], [5e-5, 0.2], "deflection within which the force moves from one curve to the other"),
 ];
 
 #[rustfmt::skip]

@@ -1,10 +1,10 @@
-//! Tables of tyres and springs beside each other and beside the loads that they carry.
+//! Compares the tables of tires and springs with each other and with the static loads.
 
 use super::relation::{Relation, Relations};
 use crate::tables::Spring;
 use crate::vehicle::{AsPrinted, Tyre, Vehicle};
 
-/// What tables say by themselves.
+/// Relations that do not depend on the static loads.
 pub(super) fn relations(v: &Vehicle, relations: &mut Relations) {
     for (i, tyre) in v.tyre.iter().enumerate() {
         stiffness(&format!("tyre[{i}]"), tyre, relations);
@@ -19,7 +19,7 @@ pub(super) fn relations(v: &Vehicle, relations: &mut Relations) {
             key: format!("{path}.gauge_pa"),
             value: pa[0],
             with: vec![format!("{path}.axle_load_kg")],
-            what: "the load for each bar",
+            what: "the load per bar",
             quantity: (kg[1] - kg[0]) / (pa[1] - pa[0]) * 1e5,
             unit: "kg",
             usual: [500.0, 3e4],
@@ -31,7 +31,8 @@ pub(super) fn relations(v: &Vehicle, relations: &mut Relations) {
     }
 }
 
-/// Cornering stiffness beside the load, aligning stiffness beside the cornering stiffness.
+/// Compares the cornering stiffness with the load, and the aligning stiffness with the cornering
+/// stiffness.
 fn stiffness(path: &str, tyre: &Tyre, relations: &mut Relations) {
     let (cornering, aligning) =
         (&tyre.cornering_stiffness_n_per_rad, &tyre.aligning_stiffness_nm_per_rad);
@@ -42,7 +43,7 @@ fn stiffness(path: &str, tyre: &Tyre, relations: &mut Relations) {
             key: key.clone(),
             value: stiffness,
             with: vec![format!("{path}.load_n[{j}]")],
-            what: "the cornering stiffness over the load",
+            what: "the cornering stiffness divided by the load",
             quantity: stiffness / load_n,
             unit: "per rad",
             usual: [3.0, 15.0],
@@ -62,7 +63,7 @@ fn stiffness(path: &str, tyre: &Tyre, relations: &mut Relations) {
     }
 }
 
-/// Slopes of a measured spring, and its friction.
+/// The slopes of a measured spring, and its friction.
 fn spring(path: &str, spring: &Spring, relations: &mut Relations) {
     let greatest_n = spring.compression_n.last().copied().unwrap_or_default();
     for (key, force) in
@@ -102,7 +103,7 @@ fn spring(path: &str, spring: &Spring, relations: &mut Relations) {
     }
 }
 
-/// The static loads (all axles, tractor first) beside tyres and springs.
+/// Compares the static loads (all axles, the tractor's first) with tires and springs.
 pub(super) fn loaded(v: &Vehicle, axle_load_n: &[f64], relations: &mut Relations) {
     for (k, (placed, &load_n)) in v.axles().iter().zip(axle_load_n).enumerate() {
         let tractor = v.tractor.axle.len();
@@ -116,7 +117,7 @@ pub(super) fn loaded(v: &Vehicle, axle_load_n: &[f64], relations: &mut Relations
             key: format!("{path}.spring_stiffness_n_per_m"),
             value: placed.axle.spring_stiffness_n_per_m,
             with: vec!["trailer.reference_mass_kg".to_owned()],
-            what: "the static load over the stiffness of its springs",
+            what: "the static load divided by the stiffness of its springs",
             quantity: sprung_n / (2.0 * placed.axle.spring_stiffness_n_per_m),
             unit: "m",
             usual: [0.002, 0.4],
@@ -129,7 +130,7 @@ pub(super) fn loaded(v: &Vehicle, axle_load_n: &[f64], relations: &mut Relations
     }
 }
 
-/// A tyre under its static load.
+/// The deflection of a tire under its static load, and the range of loads in its tables.
 fn tyre(path: &str, tyre: &Tyre, load_n: f64, relations: &mut Relations) {
     let stiffness = tyre.vertical_stiffness_n_per_m;
     let reference = || vec!["trailer.reference_mass_kg".to_owned()];
@@ -157,7 +158,7 @@ fn tyre(path: &str, tyre: &Tyre, load_n: f64, relations: &mut Relations) {
             (
                 end,
                 greatest_n,
-                "the static load over it",
+                "the static load divided by it",
                 load_n / greatest_n,
                 [0.05, 1.05],
                 [0.0, 10.0],
@@ -178,7 +179,7 @@ fn tyre(path: &str, tyre: &Tyre, load_n: f64, relations: &mut Relations) {
     }
 }
 
-/// What the printed model was given beside what the rest of the file says.
+/// Compares the parameters of the printed model with the rest of the file.
 fn as_printed(v: &Vehicle, printed: &AsPrinted, relations: &mut Relations) {
     let (t, g) = (&v.tractor, v.gravity_mps2);
     let unsprung_kg: f64 = t.axle.iter().map(|axle| axle.axle.unsprung_mass_kg).sum();
@@ -205,7 +206,7 @@ fn as_printed(v: &Vehicle, printed: &AsPrinted, relations: &mut Relations) {
             key: format!("as_printed.{key}"),
             value,
             with: Vec::new(),
-            what: "its share of what the rest of the file says",
+            what: "its ratio to the value that follows from the rest of the file",
             quantity: value / expected,
             unit: "",
             usual: [0.95, 1.05],

@@ -1,4 +1,4 @@
-//! Balanced truncation: keep the states that are both easily reached and easily seen.
+//! Balanced truncation: keeps the states that are both easily reachable and easily observable.
 //!
 //! With the Gramians `P` (reachability) and `Q` (observability),
 //!
@@ -6,11 +6,11 @@
 //!     A P + P Aᵀ + b bᵀ = 0,     Aᵀ Q + Q A + c cᵀ = 0
 //! ```
 //!
-//! the square roots of the eigenvalues of `P Q` (Hankel singular values σ) say what each
-//! balanced state contributes. The reduced model of order r is stable, and its error stays
-//! below `2 (σ_(r+1) + … + σ_n)` at every frequency. [`Keep::SteadyState`] lets the states left out settle
-//! instead of dropping them: same bound, and the DC gain stays exactly what it is, which is what the
-//! height hangs on.
+//! the square roots of the eigenvalues of `P Q` (Hankel singular values σ) are the contributions of
+//! the balanced states. The reduced model of order r is stable, and its error is below
+//! `2 (σ_(r+1) + … + σ_n)` at every frequency. With [`Keep::SteadyState`] the other states are set
+//! to their steady state instead of being deleted. The error has the same bound, and the DC gain,
+//! on which the height depends, is exact.
 //!
 //! **Reference.** Moore, IEEE Trans. Autom. Control 26 (1981); Liu and Anderson, *Singular perturbation
 //! approximation of balanced systems*, Int. J. Control 50 (1989); Antoulas, *Approximation of
@@ -21,17 +21,17 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::VehicleError;
 use crate::system::System;
 
-/// What a reduced model has exactly as the full one.
+/// The property of the full model that a reduced model has exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Keep {
-    /// The response at once (truncation).
+    /// The instantaneous response (truncation).
     HighFrequency,
-    /// The steady value (residualisation).
+    /// The steady-state value (residualization).
     SteadyState,
 }
 
-/// Reduces a stable system to `order` states; the Hankel singular values stand beside.
+/// Reduces a stable system to `order` states; also returns the Hankel singular values.
 ///
 /// # Errors
 /// [`VehicleError::Model`] if the system is unstable or has no more than `order` states.
@@ -56,7 +56,7 @@ pub fn balanced(
         return Err(VehicleError::Model("the Gramians cannot be balanced".to_owned()));
     };
     let sigma: Vec<f64> = svd.singular_values.iter().copied().collect();
-    // States that contribute nothing cannot be scaled to equal size: they are left out at once.
+    // States without any contribution cannot be scaled to equal size, so they are deleted first.
     let kept = sigma.iter().take_while(|&&s| s > sigma[0] * f64::EPSILON).count();
     if kept < order {
         return Err(VehicleError::Model(format!("the model has only {kept} effective states")));
@@ -87,14 +87,14 @@ fn truncated(whole: &System, order: usize) -> System {
     }
 }
 
-/// The fast states set to where they settle: `x2 = −A22⁻¹ (A21 x1 + b2 u)`.
+/// Sets the fast states to their steady state: `x2 = −A22⁻¹ (A21 x1 + b2 u)`.
 fn residualised(whole: &System, order: usize) -> Result<System, VehicleError> {
     let rest = whole.order() - order;
     if rest == 0 {
         return Ok(whole.clone());
     }
     let fast = whole.a.view((order, order), (rest, rest)).into_owned().lu();
-    let singular = || VehicleError::Model("the fast states do not settle".to_owned());
+    let singular = || VehicleError::Model("the fast states have no steady state".to_owned());
     let a21 = whole.a.view((order, 0), (rest, order)).into_owned();
     let settled_state = fast.solve(&a21).ok_or_else(singular)?;
     let settled_input = fast.solve(&whole.b.rows(order, rest).into_owned()).ok_or_else(singular)?;
@@ -123,8 +123,8 @@ fn lyapunov(a: &DMatrix<f64>, b: &DVector<f64>) -> Result<DMatrix<f64>, VehicleE
     Ok(0.5 * (&x + x.transpose()))
 }
 
-/// `L` with `L Lᵀ = X` for a symmetric, positive semidefinite matrix: rounding may have made
-/// tiny eigenvalues negative.
+/// `L` with `L Lᵀ = X` for a symmetric, positive semidefinite matrix. Small eigenvalues can be
+/// negative due to rounding and are set to zero.
 fn root(x: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = x.clone().symmetric_eigen();
     let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());

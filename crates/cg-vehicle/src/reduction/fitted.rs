@@ -1,4 +1,4 @@
-//! The best model of an order: fitted to the response itself.
+//! The best model of an order, fitted to the response itself.
 
 use crate::error::VehicleError;
 use crate::output_error::{raised, refine};
@@ -6,9 +6,11 @@ use crate::reduction::balanced::{Keep, balanced};
 use crate::reduction::pade::pade;
 use crate::system::{Rational, System};
 
-/// For each order from 1 to `greatest_order`: the stable model whose response to `samples` is nearest in mean square to that
-/// of the system, with the same value at s = 0. Started from balanced residualisation, from the
-/// Padé approximant where that is stable, and from the order below; the best end counts.
+/// For each order from 1 to `greatest_order`, the stable model whose response to `samples` is
+/// closest to that of the system in the mean square, with the same value at s = 0.
+///
+/// The fit starts from balanced residualization, from the Padé approximant if it is stable, and
+/// from the model of the order below. The best result is returned.
 ///
 /// # Errors
 /// As [`balanced()`].
@@ -43,7 +45,7 @@ fn one_order(
     }
     if let Some(lower) = lower {
         let n = lower.denominator.len() - 1;
-        // A pole of middling speed, where there is none yet.
+        // An additional pole of medium speed.
         #[allow(clippy::cast_precision_loss)] // an order
         let pole_radps = 2.0 * lower.denominator[0].abs().powf(1.0 / n as f64);
         starts.push(raised(lower, pole_radps));

@@ -1,12 +1,12 @@
 //! Reduction of the linear model (section 5.5).
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
-//! | [`pade`](mod@pade) | the source's reduction, of any order |
-//! | [`balanced`](mod@balanced) | balanced truncation and residualisation, of any order |
-//! | [`fitted`](mod@fitted) | the best of any order, for one input |
-//! | [`reduce`](mod@reduce) | the models of order 5 that the estimator runs on |
-//! | [`quality`] | error of a reduced model: step response, H∞ |
+//! | [`pade`](mod@pade) | the reduction of the thesis, for any order |
+//! | [`balanced`](mod@balanced) | balanced truncation and residualization, for any order |
+//! | [`fitted`](mod@fitted) | the best model of any order for one input |
+//! | [`reduce`](mod@reduce) | the models of order 5 for the estimator |
+//! | [`quality`] | error of a reduced model: step response, H∞ norm |
 
 pub mod balanced;
 pub mod pade;

@@ -1,6 +1,7 @@
-//! The source's reduction: Padé approximants at s = 0.
+//! The reduction of the thesis: Padé approximants at s = 0.
 //!
-//! Cauer's second continued fraction cut after `2n + 1` quotients is the `[n/n]` approximant.
+//! Cauer's second continued fraction, truncated after `2n + 1` quotients, is the `[n/n]`
+//! approximant.
 //!
 //! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
@@ -9,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::system::{Rational, matched_numerator};
 
-/// The `[n/n]` Padé approximant of a series `t0 + t1 s + …` with `2n + 1` terms or more; `None`
-/// if it does not exist.
+/// The `[n/n]` Padé approximant of a series `t0 + t1 s + …` with at least `2n + 1` terms; `None` if
+/// it does not exist.
 pub fn pade(series: &[f64], order: usize) -> Option<Rational> {
     if series.len() < 2 * order + 1 {
         return None;
@@ -18,7 +19,8 @@ pub fn pade(series: &[f64], order: usize) -> Option<Rational> {
     if order == 0 {
         return Some(Rational { numerator: vec![series[0]], denominator: vec![1.0] });
     }
-    // In the time scale in which the terms are of one size, or the system is ill-conditioned.
+    // Time is scaled so that the terms are of similar size; otherwise the system is
+    // ill-conditioned.
     let scale = time_scale(series, order);
     let mut power = 1.0;
     let t: Vec<f64> = series

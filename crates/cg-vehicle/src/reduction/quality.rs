@@ -1,4 +1,4 @@
-//! How far a reduced model is from the full one.
+//! The error of a reduced model compared with the full one.
 
 use crate::error::VehicleError;
 use crate::system::System;
@@ -13,24 +13,24 @@ pub fn rounded_step(t_s: f64, rate_per_s: f64) -> f64 {
     if t_s <= 0.0 { 0.0 } else { 2.0 * ((-(-rate_per_s * t_s).exp()).exp2() - 0.5) }
 }
 
-/// The input of the source's comparisons: a rounded step (eq. 5.3).
+/// The input of the thesis's comparisons: a rounded step (eq. 5.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepInput {
     /// Amplitude, rad.
     pub amplitude_rad: f64,
     /// Rate `a`, 1/s.
     pub rate_per_s: f64,
-    /// Length, s.
+    /// Duration, s.
     pub duration_s: f64,
 }
 
 impl StepInput {
-    /// Interval of [`samples`](Self::samples).
+    /// Interval of [`samples`](Self::samples), s.
     pub const INTERVAL_S: f64 = 1.0 / RATE_HZ;
 
-    /// The input sample by sample.
+    /// The samples of the input.
     pub fn samples(&self) -> Vec<f64> {
-        // A few thousand samples of a checked, positive length.
+        // The duration is checked and positive, and gives a few thousand samples.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let count = (self.duration_s * RATE_HZ).round().max(0.0) as u32 + 1;
         (0..count)
@@ -39,7 +39,7 @@ impl StepInput {
     }
 }
 
-/// Mean square of the difference of two responses given in radians, in the source's unit
+/// Mean square of the difference of two responses, which are given in radians, in the thesis's unit
 /// (degree²).
 pub fn mean_square_degree2(one: &[f64], other: &[f64]) -> f64 {
     #[allow(clippy::cast_precision_loss)]
@@ -48,19 +48,21 @@ pub fn mean_square_degree2(one: &[f64], other: &[f64]) -> f64 {
     sum / n
 }
 
-/// Mean square over a step of what separates two systems, in degree².
+/// Mean square of the difference between the step responses of two systems, in degree².
 pub fn step_error_degree2(one: &System, other: &System, input: &StepInput) -> f64 {
     let samples = input.samples();
     let respond = |system: &System| system.response(&samples, StepInput::INTERVAL_S);
     mean_square_degree2(&respond(one), &respond(other))
 }
 
-/// The H∞ norm, `max |G(iω)|`: searched on a logarithmic grid a hundred times wider than the
-/// poles on either side, the greatest grid point refined by golden sections. A resonance narrower
-/// than a sixtieth of a decade could be missed; a vehicle has none.
+/// The H∞ norm, `max |G(iω)|`.
+///
+/// It is searched on a logarithmic grid that extends a factor of 100 beyond the poles on both
+/// sides, and the greatest value is refined by golden-section search. A resonance narrower than a
+/// sixtieth of a decade could be missed, but a vehicle has none.
 ///
 /// # Errors
-/// If the system is unstable (it has no norm) or its eigenvalues do not converge.
+/// If the system is unstable, because it has no norm, or if its eigenvalues do not converge.
 pub fn h_infinity(system: &System) -> Result<f64, VehicleError> {
     if !system.is_stable()? {
         return Err(VehicleError::Model("an unstable model has no H-infinity norm".to_owned()));

@@ -1,12 +1,12 @@
-//! The models of order 5 that the estimator runs on.
+//! The reduced models of order 5 for the estimator.
 //!
-//! [`reduce`] makes the models of order 5 that the estimator runs on. The source expands the transfer function into a continued fraction about s = 0 (Cauer's
-//! second form, eqs. 5.9–5.11) and keeps `2n + 1` quotients. That truncation is the `[n/n]` Padé
+//! The thesis expands the transfer function into a continued fraction about s = 0 (Cauer's second
+//! form, eqs. 5.9–5.11) and keeps `2n + 1` quotients. This truncation is the `[n/n]` Padé
 //! approximant at s = 0, which is computed here directly from the Taylor coefficients.
 //!
-//! A Padé approximant of a stable model can be unstable. It is then not used: the five slowest
-//! poles of the model take its place as denominator, and the numerator matches the first six
-//! Taylor coefficients.
+//! The Padé approximant of a stable model can be unstable and is then not used. The denominator
+//! instead has the five slowest poles of the model, and the numerator matches the first six Taylor
+//! coefficients.
 //!
 //! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
@@ -19,16 +19,16 @@ use crate::reduction::pade::pade;
 use crate::response::StateSpace;
 use crate::system::{Rational, matched_numerator, multiplied};
 
-/// How a reduced model came about.
+/// The method by which a reduced model was obtained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Padé approximant at s = 0.
     Pade,
-    /// The model's own slowest poles, numerator matched at s = 0.
+    /// The model's own slowest poles, with the numerator matched at s = 0.
     SlowestPoles,
 }
 
-/// The first terms of `numerator / denominator`, both series in s.
+/// The first terms of `numerator / denominator`, both given as series in s.
 pub(super) fn divided(numerator: &[f64], denominator: &[f64]) -> Vec<f64> {
     let mut quotient: Vec<f64> = Vec::with_capacity(numerator.len());
     for k in 0..numerator.len() {
@@ -45,8 +45,8 @@ fn fixed(rational: &Rational) -> Reduced5<f64> {
     reduced
 }
 
-/// Denominator with the five slowest poles: pairs stay together, so where a sixth pole would
-/// have to come along, its pair is replaced by one real pole of the same magnitude.
+/// The denominator with the five slowest poles. Complex pairs stay together; if a pair would give a
+/// sixth pole, it is replaced by one real pole of the same magnitude.
 fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
     let mut upper: Vec<(f64, f64)> = poles.iter().copied().filter(|pole| pole.1 >= 0.0).collect();
     upper.sort_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)));
@@ -63,24 +63,25 @@ fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
     denominator
 }
 
-/// Reduced models of order 5 of a vehicle model.
+/// The reduced models of order 5 of a vehicle model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ReducedModels {
-    /// Steer angle to trailer roll angle.
+    /// From the steer angle to the trailer's roll angle.
     pub steer: Reduced5<f64>,
-    /// Lateral acceleration to trailer roll angle. The exact transfer function can be unstable
-    /// (the lateral acceleration may have zeros in the right half plane), so this one has the
-    /// denominator of the other and matches the first six Taylor coefficients.
+    /// From the lateral acceleration to the trailer's roll angle. The exact transfer function can
+    /// be unstable, because the lateral acceleration may have zeros in the right half-plane. This
+    /// model therefore has the denominator of the other one, and it matches the first six Taylor
+    /// coefficients.
     pub lateral_acceleration: Reduced5<f64>,
-    /// How the first came about.
+    /// The method by which the model for the steer angle was obtained.
     pub method: Method,
 }
 
-/// Reduces a model.
+/// Reduces a vehicle model to order 5.
 ///
 /// # Errors
-/// [`VehicleError::Model`] if the model itself is unstable.
+/// [`VehicleError::Model`] if the vehicle model itself is unstable.
 pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
     let system = model.to_trailer_roll();
     let poles = system.poles()?;

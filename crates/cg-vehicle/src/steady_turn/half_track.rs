@@ -1,4 +1,4 @@
-//! What a rigid trailer's static stability needs: half track and unsprung mass.
+//! Parameters of the static stability factor of a rigid trailer: half track and unsprung mass.
 
 use cg_core::RolloverDesign;
 
@@ -7,14 +7,15 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// The trailer rests on its own axles and, over the fifth wheel, on the tractor's rear axles:
-/// the effective half track is their mean, weighted with what each carries of the trailer.
+/// The trailer is supported by its own axles and, through the fifth wheel, by the tractor's rear
+/// axles. The effective half track is the mean of these axles, weighted with the trailer load that
+/// each carries.
 pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f64>, VehicleError> {
     let balance = static_balance(vehicle, load)?;
     let axles = vehicle.axles();
     let hitch_behind_m = vehicle.tractor.hitch_behind_cg_m;
     let middle_m = |positions_m: &[f64]| {
-        #[allow(clippy::cast_precision_loss)] // one or two tyres
+        #[allow(clippy::cast_precision_loss)] // one or two tires
         let n = positions_m.len() as f64;
         positions_m.iter().sum::<f64>() / n
     };

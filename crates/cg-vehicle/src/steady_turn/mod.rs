@@ -1,10 +1,10 @@
 //! The rollover threshold in a steady turn, axle by axle.
 //!
-//! | file | what | from |
+//! | file | contents | based on |
 //! |---|---|---|
 //! | `roll_plane` | the threshold: balance of moments until the last inner wheel lifts | static equilibrium |
-//! | `yaw_plane` | its lateral forces and the articulation | steady yaw plane |
-//! | `support` | its springs and tyres | vehicle file |
+//! | `yaw_plane` | lateral forces in the turn and the articulation | steady yaw plane |
+//! | `support` | springs and tires in the roll plane | vehicle file |
 //! | `half_track` | half track and unsprung mass for the static stability factor | vehicle file |
 //! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::truck::rollover` |
 //!

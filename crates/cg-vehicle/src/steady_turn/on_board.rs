@@ -1,4 +1,4 @@
-//! The rollover threshold in a steady turn, at one speed and as the estimator on board has it.
+//! The rollover threshold in a steady turn, at one speed and as the estimator on board computes it.
 
 use cg_core::truck::rollover::{HEIGHTS, TURN_MPS};
 use cg_core::{Measured, Rollover, ThresholdLine};
@@ -9,8 +9,8 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// The thresholds of a load in turns of [`TURN_MPS`] at several heights, in units of gravity.
-/// `compliance` scales every roll angle: the compensation `R_c` of a calibration.
+/// The thresholds of a load, in g, at several heights and in turns at [`TURN_MPS`]. Every roll
+/// angle is multiplied by `compliance`, the compensation `R_c` of a calibration.
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.
@@ -28,9 +28,9 @@ pub(crate) fn threshold_line(
     Ok(line)
 }
 
-/// Static stability factor and threshold of a load in a steady turn at a speed as the estimator on
-/// board has them of a known height, with the vehicle file's numbers, nothing calibrated: between the
-/// thresholds at 40 and at 90 km/h.
+/// The static stability factor and the threshold of a load in a steady turn at a speed, as the
+/// estimator on board computes them for a known height. They are based on the vehicle file without
+/// calibration, and the threshold is interpolated between 40 and 90 km/h.
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.
@@ -39,7 +39,7 @@ pub fn on_board(
     load: Load,
     speed_mps: f64,
 ) -> Result<Rollover<f64>, VehicleError> {
-    // On board the effective track is that of the vehicle file's reference load.
+    // The estimator on board uses the effective track at the reference load of the vehicle file.
     let design = rollover(vehicle, vehicle.reference_load())?;
     let line = threshold_line(vehicle, load, 1.0, [load.cg_height_m; HEIGHTS])?;
     let height = Measured::exact(load.cg_height_m);
@@ -47,8 +47,8 @@ pub fn on_board(
     Ok(design.at(height, load.trailer_mass_kg, &line.at_speed(speed_mps), span_m))
 }
 
-/// The greatest lateral acceleration of the trailer that the vehicle sustains in a steady turn at a
-/// speed, in units of gravity: beyond it, it tips.
+/// The rollover threshold: the greatest lateral acceleration of the trailer, in g, that the vehicle
+/// sustains in a steady turn at a speed. Beyond it, the vehicle tips.
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.

@@ -1,24 +1,26 @@
-//! The steady roll plane: how much lateral acceleration a load withstands, axle by axle.
+//! The roll plane of a steady turn: the greatest lateral acceleration with a load, axle by axle.
 //!
-//! Tractor and trailer roll about the roll centres of their axles and share a moment at the fifth
-//! wheel; each axle rolls on its tyres. With `α` the lateral acceleration of the trailer in units of
-//! gravity and `γ` the articulation:
+//! Tractor and trailer roll about the roll centers of their axles and are coupled by a moment at
+//! the fifth wheel. Each axle rolls on its tires. Let `α` be the lateral acceleration of the
+//! trailer in g and `γ` the articulation:
 //!
 //! ```text
-//!     trailer   A2 α + B2 φ2 = Σ Ms + M5 cos γ        A: lateral forces per α times height over
-//!     tractor   A1 α + B1 φ1 = Σ Ms − M5                 the points that carry them
-//!     axle      Ms + S α + C φu = Mt(φu)              B, C: weights in their place
-//!     springs   Ms of a load group from the mean of its axles' leans
+//!     trailer   A2 α + B2 φ2 = Σ Ms + M5 cos γ        A, S: lateral forces per α times their heights
+//!     tractor   A1 α + B1 φ1 = Σ Ms − M5                    above the points that support them
+//!     axle      Ms + S α + C φu = Mt(φu)              B, C: the same with weights
+//!     springs   Ms of a load group from the mean roll angle of the body relative to its axles
 //! ```
 //!
-//! `Ms` knows spring curves with friction, `Mt` wheels that lift, `M5 (φ2 cos γ − φ1)` plates that
-//! part: axles give up one after the other, and with the first axle of a group the springs that it
-//! shares. The lateral forces are those of a steady turn at the given speed (`turn`). The trailer's
-//! roll angle is raised in small steps and the rest solved by Newton's method; the greatest `α` on
-//! the way is the threshold. Supports carry the weight that they carry at rest.
+//! `Ms` includes spring curves with friction, `Mt` wheels that lift, and `M5 (φ2 cos γ − φ1)`
+//! plates that separate. The axles therefore lift one after the other, and when the first axle of a
+//! load group lifts, the springs that it shares yield as well. The lateral forces are those of a
+//! steady turn at the given speed (`yaw_plane`). The trailer's roll angle is increased in small
+//! steps, and the other unknowns are solved by Newton's method. The greatest `α` on this path is
+//! the threshold. The supports carry their static loads; if these depend on stiffness, axles that
+//! lift change them.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19, ch. 2 (the
-//! diagram of moment over roll angle, here with its corners computed).
+//! diagram of moment over roll angle, whose corners are computed here).
 
 use super::support::{Springs, Tyres};
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
@@ -30,14 +32,15 @@ use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Step of the trailer's roll angle.
 const STEP_RAD: f64 = 1e-3;
-/// Where the search ends: any trailer has tipped by then.
+/// Roll angle at which the search ends, because any trailer has tipped by then.
 const END_RAD: f64 = 0.6;
-/// Steps of Newton's method (g, rad) below which nothing is left to gain.
+/// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
-/// Share of the greatest lateral acceleration below which the vehicle is on its way over.
+/// When the lateral acceleration falls below this share of its greatest value, the vehicle is
+/// tipping.
 const FALLEN: f64 = 0.8;
-/// The lateral acceleration from which the first distribution of forces is taken: they grow in
-/// proportion.
+/// Lateral acceleration (g) at which the first distribution of forces is computed. Small forces
+/// grow in proportion to it.
 const FIRST: f64 = 0.01;
 
 struct Axle {
@@ -51,14 +54,13 @@ struct Axle {
     own_n: f64,
 }
 
-/// A pair of springs and the axles that share it.
+/// A pair of springs, and the axles that share it.
 struct Group {
     springs: Springs,
     axles: Vec<usize>,
 }
 
-/// What the roll plane of a vehicle under a trailer mass at a speed consists of; the height is left
-/// open.
+/// The roll plane of a vehicle with a trailer mass at a speed, for any height.
 pub(crate) struct RollPlane<'a> {
     vehicle: &'a Vehicle,
     load: Load,
@@ -68,13 +70,14 @@ pub(crate) struct RollPlane<'a> {
     turn: Turn,
     hitch: FifthWheel,
     hitch_height_m: f64,
-    /// Of the tractor's sprung mass about the road.
+    /// Moment of the weight of the tractor's sprung mass about the road.
     tractor_own_nm: f64,
-    /// Roll angle of the true vehicle over that of the file's.
+    /// Roll angle of the real vehicle divided by that of the vehicle file.
     compliance: f64,
 }
 
-/// Lateral acceleration, the tractor's roll and those of the axles, and the turn.
+/// A state: the lateral acceleration, the roll angles of the tractor and of the axles, the loads,
+/// and the solution of the yaw plane.
 struct Point {
     alpha: f64,
     tractor_rad: f64,
@@ -85,13 +88,13 @@ struct Point {
     drift: Drift,
 }
 
-/// Moments of a body about the points that carry it: by `α` and by its roll.
+/// Moments of a body about the points that support it: per `α` and per roll angle.
 struct Held {
     side_nm: f64,
     weight_nm: f64,
 }
 
-/// The equation of an axle: its stiffness, what is left over, and its moment per `α`.
+/// The linearized equation of an axle: its stiffness, its residual, and its moment per `α`.
 struct Follows {
     stiffness: f64,
     residual: f64,
@@ -99,7 +102,7 @@ struct Follows {
 }
 
 impl<'a> RollPlane<'a> {
-    /// `compliance` scales every roll angle: the compensation `R_c` of a calibration.
+    /// Every roll angle is multiplied by `compliance`, the compensation `R_c` of a calibration.
     ///
     /// # Errors
     /// As [`static_balance`].
@@ -129,7 +132,7 @@ impl<'a> RollPlane<'a> {
         })
     }
 
-    /// The rollover threshold at a height of the trailer's sprung c.g., in units of gravity.
+    /// The rollover threshold at a height of the trailer's sprung c.g., in g.
     pub(crate) fn threshold_g(&self, cg_height_m: f64) -> f64 {
         let Some(mut point) = self.start() else { return 0.0 };
         let (mut roll_rad, mut greatest) = (0.0, 0.0_f64);
@@ -163,8 +166,9 @@ impl<'a> RollPlane<'a> {
         self.turn_on(0.0, &mut point).then_some(point)
     }
 
-    /// The turn at the lateral acceleration found; where the tyres do not hold it, the vehicle slides
-    /// before it tips, and the distribution of forces stays as it last was.
+    /// Solves the yaw plane at the present lateral acceleration. If the tires cannot hold the
+    /// vehicle, it slides before it tips; the distribution of forces then remains the last one, and
+    /// the result is `false`.
     fn turn_on(&self, roll_rad: f64, point: &mut Point) -> bool {
         let standing: Vec<_> = self
             .axles
@@ -187,12 +191,13 @@ impl<'a> RollPlane<'a> {
         holds
     }
 
-    /// An axle rises as its inner wheels leave the road, and takes load from others that do not
-    /// share theirs with it. Half of the shift is taken at each step: an axle with more load also
-    /// rolls less, nearly as much, and the whole would overshoot.
+    /// Shifts loads between axles. An axle rises when its inner wheels leave the road, and takes
+    /// load from axles that do not share their load with it. Only half of the shift is made in each
+    /// step, because an axle with more load also rolls less, by nearly as much, and the full shift
+    /// would overshoot.
     fn shift(&self, point: &mut Point) {
         if self.groups.len() <= 3 {
-            return; // Forces and moments alone decide.
+            return; // the loads follow from forces and moments alone
         }
         let gives: Vec<_> = (0..self.axles.len())
             .map(|i| {
@@ -208,8 +213,8 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// What the axles of a body carry of it, side forces and weights, times the heights of their roll
-    /// centres.
+    /// Lateral forces and weights on the axles of a body: their sums, and the sums multiplied by
+    /// the heights of the roll centers.
     fn carried(&self, on_trailer: bool, point: &Point) -> [Held; 2] {
         let none = || Held { side_nm: 0.0, weight_nm: 0.0 };
         let (mut force, mut moment) = (none(), none());
@@ -245,14 +250,15 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// Newton's method from the point before: axles and springs eliminated, two equations are left.
-    /// The curves are straight almost everywhere, so a few steps end in rounding.
+    /// Newton's method, started from the previous state. Axles and springs are eliminated, which
+    /// leaves two equations. The curves are linear almost everywhere, so a few steps reach the
+    /// rounding error.
     fn solve(&self, cg_height_m: f64, roll_rad: f64, point: &mut Point) {
         let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
         let cos = point.sides.cos;
         for _ in 0..12 {
             let (fifth, fifth_slope) = self.fifth_wheel(roll_rad * cos - point.tractor_rad);
-            // Columns: by α, by φ1; residual.
+            // Columns: derivatives with respect to α and φ1, and the residual.
             let mut trailer = [
                 of_trailer.side_nm,
                 cos * fifth_slope,
@@ -289,8 +295,9 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// The steps of a group's axles, by `α`, by the body's roll and at once; returned are the same of
-    /// the moment on the body, and that moment.
+    /// The Newton steps of a group's axles: per step of `α`, per step of the body's roll angle, and
+    /// a constant part. Returns the same three parts of the moment on the body, and the moment
+    /// itself.
     fn group(
         &self,
         group: &Group,
@@ -320,7 +327,8 @@ impl<'a> RollPlane<'a> {
                 side,
             }
         };
-        // How the springs' compression goes: by α, by the body, at once; and by itself.
+        // The step of the springs' compression: per α, per body roll and constant; and its feedback
+        // on itself.
         let (mut moves, mut itself) = ([0.0; 3], 1.0);
         for &i in &group.axles {
             let (axle, f) = (&self.axles[i], follow(i));
@@ -366,7 +374,7 @@ fn axle(vehicle: &Vehicle, placed: &PlacedAxle<'_>) -> Axle {
     }
 }
 
-/// The pairs of springs: one for each load group, one for each axle without.
+/// The pairs of springs: one for each load group, and one for each axle without a group.
 fn groups(vehicle: &Vehicle, placed: &[PlacedAxle<'_>], sprung_n: &[f64]) -> Vec<Group> {
     let mut members: Vec<Vec<usize>> = Vec::new();
     for (i, axle) in placed.iter().enumerate() {

@@ -1,26 +1,27 @@
-//! What carries the bodies in the roll plane: springs that axles share, and tyres that leave the
+//! Supports of the bodies in the roll plane: springs that axles may share, and tires that leave the
 //! road one after the other.
 
 use crate::balance::Give;
 use crate::characteristics::Envelope;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
-/// Distance of the nodes of a spring's curve, and their number: beyond 0.2 m it goes on straight.
+/// Spacing and number of the nodes of a spring's curve. Beyond 0.2 m it is extrapolated linearly.
 const NODE_M: f64 = 2.5e-4;
 const NODES: usize = 800;
-/// Steps of Newton's method (m) below which nothing is left to gain.
+/// A step of Newton's method (m) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
 
-/// The pair of springs of an axle, or of the axles of a load group, which are pressed alike: outer
-/// less inner force over half the difference of their compressions, the sum of both held.
+/// The pair of springs of an axle, or of the axles of a load group, which are compressed equally:
+/// outer minus inner force as a function of half the difference of their compressions, at a
+/// constant sum of both forces.
 pub(super) enum Springs {
     Linear(f64),
-    /// Odd, linear between its nodes.
+    /// An odd function, linear between its nodes.
     Measured(Vec<f64>),
 }
 
 impl Springs {
-    /// Those of axles that carry `sprung_n` each. Friction builds up as the springs move.
+    /// The springs of axles that carry `sprung_n` each. Friction builds up as the springs deflect.
     pub(super) fn of(vehicle: &Vehicle, axles: &[&PlacedAxle<'_>], sprung_n: f64) -> Self {
         #[allow(clippy::cast_precision_loss)] // a few axles
         let count = axles.len() as f64;
@@ -56,13 +57,13 @@ impl Springs {
         Self::Measured((0..NODES).map(|k| k as f64 * NODE_M).map(difference).collect())
     }
 
-    /// Force and slope.
+    /// Force (N) and slope (N/m).
     pub(super) fn at(&self, apart_m: f64) -> (f64, f64) {
         let nodes = match self {
             Self::Linear(stiffness) => return (stiffness * apart_m, *stiffness),
             Self::Measured(nodes) => nodes,
         };
-        // In range: some tenths of a metre.
+        // The index is in range, because the deflection is some tenths of a meter.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let k = ((apart_m.abs() / NODE_M) as usize).min(NODES - 2);
         let slope = (nodes[k + 1] - nodes[k]) / NODE_M;
@@ -72,9 +73,9 @@ impl Springs {
     }
 }
 
-/// The tyres of an axle.
+/// The tires of an axle.
 pub(super) struct Tyres {
-    /// Distances from the middle to the outer side, the outermost first.
+    /// Distances from the middle to the outer side, the outermost tire first.
     levers_m: Vec<f64>,
     stiffness_n_per_m: f64,
     overturning_nm_per_rad: f64,
@@ -92,12 +93,12 @@ impl Tyres {
         }
     }
 
-    /// Tyres leave the road from the inside: how many carry a load at an angle of the axle, and how
-    /// far its middle is pressed down.
+    /// The tires leave the road from the inner side on. Returns the number of tires that carry load
+    /// at a roll angle of the axle, and the deflection at the axle's middle.
     fn standing(&self, load_n: f64, angle_rad: f64) -> (usize, f64) {
         let mut count = self.levers_m.len();
         loop {
-            #[allow(clippy::cast_precision_loss)] // a few tyres
+            #[allow(clippy::cast_precision_loss)] // a few tires
             let n = count as f64;
             let sum: f64 = self.levers_m[..count].iter().sum();
             let pressed_m = (load_n / self.stiffness_n_per_m - angle_rad * sum) / n;
@@ -113,14 +114,14 @@ impl Tyres {
         self.standing(load_n, angle_rad).0 <= self.levers_m.len() / 2
     }
 
-    /// Load of each tyre that stands.
+    /// Load of each tire on the road.
     pub(super) fn loads_n(&self, load_n: f64, angle_rad: f64) -> impl Iterator<Item = f64> {
         let (count, pressed_m) = self.standing(load_n, angle_rad);
         let each_n = move |lever| self.stiffness_n_per_m * (pressed_m + angle_rad * lever);
         self.levers_m[..count].iter().map(each_n)
     }
 
-    /// How they give at an angle of the axle.
+    /// Deflection of the tires at a roll angle of the axle.
     pub(super) fn give(&self, load_n: f64, angle_rad: f64) -> Give {
         let (count, _) = self.standing(load_n, angle_rad);
         #[allow(clippy::cast_precision_loss)]
@@ -129,7 +130,7 @@ impl Tyres {
         Give { compliance_m_per_n: 1.0 / (n * self.stiffness_n_per_m), rise_m: angle_rad * sum / n }
     }
 
-    /// Righting moment and its slope over the angle of the axle.
+    /// Righting moment, and its slope over the roll angle of the axle.
     pub(super) fn moment(&self, load_n: f64, angle_rad: f64) -> (f64, f64) {
         let (count, pressed_m) = self.standing(load_n, angle_rad);
         let levers_m = &self.levers_m[..count];

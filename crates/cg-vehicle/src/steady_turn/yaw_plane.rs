@@ -1,7 +1,7 @@
-//! The yaw plane of a steady turn: which lateral forces the axles and the fifth wheel carry, and how
-//! far the trailer is articulated.
+//! The yaw plane of a steady turn: the lateral forces of the axles and the fifth wheel, and the
+//! articulation angle.
 //!
-//! With the yaw rate `r`, the tractor's speed `U` and the trailer's `U2`, both along their own
+//! Let `r` be the yaw rate, `U` and `U2` the speeds of tractor and trailer, each along its own
 //! heading, and `v` the lateral velocity of a point:
 //!
 //! ```text
@@ -12,33 +12,35 @@
 //!     accelerations                   a1 = r U,  a2 = r U2
 //! ```
 //!
-//! `F` and `M` are those of every tyre at its own load. In a tight turn the axles of a group differ
-//! in slip by their distance over the radius: the rear one carries more and lifts first.
+//! `F` and `M` are the forces and aligning moments of every tire at its own load. In a tight turn
+//! the slip angles of the axles in a group differ by their distance divided by the radius. The rear
+//! axle therefore carries more lateral force and lifts first.
 
 use super::support::Tyres;
 use crate::characteristics::Grip;
 use crate::load::SprungMass;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
-/// Newton's steps each time: the last solution is never further than a milliradian of roll.
+/// Number of Newton steps. The start is the last solution, which differs by at most one milliradian
+/// of roll.
 const STEPS: usize = 4;
-/// Part of a velocity below which a step is rounding.
+/// A step below this share of the velocity is due to rounding.
 const ROUNDING: f64 = 1e-9;
-/// Step of velocity for a slope.
+/// Step of the velocity for a numerical derivative.
 const PROBE_MPS: f64 = 1e-4;
 
-/// An axle as the yaw plane sees it.
+/// An axle in the yaw plane.
 struct Rolling {
     on_trailer: bool,
     steered: bool,
-    /// Ahead of the tractor's c.g.; behind the fifth wheel on the trailer.
+    /// Position ahead of the tractor's c.g., or behind the fifth wheel for the trailer.
     position_m: f64,
     own_kg: f64,
     roll_steer: f64,
     kind: usize,
 }
 
-/// The yaw plane of a vehicle under a load at a speed.
+/// The yaw plane of a vehicle with a load at a speed.
 pub(super) struct Turn {
     kinds: Vec<Grip>,
     axles: Vec<Rolling>,
@@ -48,27 +50,27 @@ pub(super) struct Turn {
     hitch_behind_cg_m: f64,
     trailer_kg: f64,
     trailer_cg_m: f64,
-    /// Where the steered axles are, in the middle.
+    /// Mean position of the steered axles.
     front_m: f64,
 }
 
-/// Lateral forces per lateral acceleration of the trailer in units of gravity.
+/// Lateral forces divided by the lateral acceleration of the trailer in g.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sides {
-    /// Through the roll centre of each axle.
+    /// Force through the roll center of each axle.
     pub(super) axle_n: Vec<f64>,
-    /// Inertia of each axle.
+    /// Inertia force of each axle.
     pub(super) own_n: Vec<f64>,
-    /// At the fifth wheel, across the trailer and across the tractor.
+    /// Force at the fifth wheel, lateral to the trailer and lateral to the tractor.
     pub(super) hitch_n: [f64; 2],
-    /// The tractor's lateral acceleration over the trailer's.
+    /// Lateral acceleration of the tractor divided by that of the trailer.
     pub(super) tractor: f64,
     /// Cosine of the articulation.
     pub(super) cos: f64,
 }
 
-/// A solution: lateral velocities of the tractor's c.g. and of the fifth wheel across the trailer,
-/// and the articulation.
+/// The unknowns of the solution: the lateral velocities of the tractor's c.g. and of the fifth
+/// wheel (lateral to the trailer), and the articulation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Drift {
     tractor_mps: f64,
@@ -76,16 +78,17 @@ pub(super) struct Drift {
     articulation_rad: f64,
 }
 
-/// How fast the vehicle turns.
+/// Motion of the vehicle in the turn.
 struct Pace {
-    /// Of the trailer.
+    /// Lateral acceleration of the trailer, m/s².
     acceleration: f64,
     radps: f64,
-    /// Along the trailer's heading.
+    /// Speed along the trailer's heading.
     trailer_mps: f64,
 }
 
-/// How an axle stands: the angle and load of its tyres, and how far the body leans over it.
+/// State of an axle: its tires, their load, its roll angle, and the roll angle of the body relative
+/// to it.
 pub(super) struct Standing<'a> {
     pub(super) tyres: &'a Tyres,
     pub(super) load_n: f64,
@@ -126,21 +129,21 @@ impl Turn {
         }
     }
 
-    /// Force and aligning moment of an axle's tyres at a slip angle.
+    /// Force and aligning moment of an axle's tires at a slip angle.
     fn grip(&self, axle: &Rolling, slip_rad: f64, on: &Standing<'_>) -> (f64, f64) {
         let grip = &self.kinds[axle.kind];
         on.tyres.loads_n(on.load_n, on.angle_rad).filter(|load_n| *load_n > 0.0).fold(
             (0.0, 0.0),
             |sum, load_n| {
                 let (force_n, moment_nm) = grip.at(slip_rad, load_n);
-                // The grip's force is against the slip.
+                // The force of the tires is opposite to the slip.
                 (sum.0 - force_n, sum.1 + moment_nm)
             },
         )
     }
 
-    /// Forces at a lateral acceleration, from axles as they stand; `None` where their tyres do not
-    /// hold the vehicle in the turn.
+    /// The forces at a lateral acceleration, for the present state of the axles; `None` if the
+    /// tires cannot hold the vehicle in the turn.
     pub(super) fn sides(
         &self,
         alpha: f64,
@@ -149,7 +152,8 @@ impl Turn {
     ) -> Option<Sides> {
         let (sin, cos) = drift.articulation_rad.sin_cos();
         let acceleration = alpha * self.gravity_mps2;
-        // `U2 = U cos γ − (v1 − r x5) sin γ` with the last articulation and drift.
+        // `U2 = U cos γ − (v1 − r x5) sin γ`, with the articulation and the velocities of the last
+        // solution.
         let along_mps = self.speed_mps * cos - drift.tractor_mps * sin;
         let hitch_m = self.hitch_behind_cg_m;
         let radps = acceleration / (along_mps + acceleration / along_mps * hitch_m * sin);
@@ -184,7 +188,8 @@ impl Turn {
         self.grip(axle, slip_rad + axle.roll_steer * on.lean_rad, on)
     }
 
-    /// The trailer's axles; forces on the trailer at the fifth wheel, across it and from ahead.
+    /// Solves for the forces of the trailer's axles. Returns the lateral and the longitudinal force
+    /// on the trailer at the fifth wheel.
     fn trailer(
         &self,
         pace: &Pace,
@@ -212,12 +217,14 @@ impl Turn {
             axle_n[i] = held(i, drift.trailer_mps).0 - self.axles[i].own_kg * pace.acceleration;
             across_n -= axle_n[i];
         }
-        // A c.g. ahead of the foot of the turn's centre is held back by the tractor.
+        // If the c.g. is ahead of the foot of the perpendicular from the center of the turn, the
+        // tractor holds it back with a longitudinal force.
         let ahead_m = drift.trailer_mps / pace.radps - inertia_kgm / mass_kg;
         Some([across_n, mass_kg * pace.radps * pace.radps * ahead_m])
     }
 
-    /// The tractor's axles under a force of the trailer across it; the steered ones carry the rest.
+    /// Solves for the forces of the tractor's axles, given the lateral force of the trailer on it.
+    /// The steered axles carry the remaining force.
     fn tractor(
         &self,
         pace: &Pace,
@@ -259,7 +266,7 @@ impl Turn {
     }
 }
 
-/// A root near a velocity, if the slope leads to one.
+/// A root near a velocity; `None` if the slope does not lead to one.
 fn newton(mut v: f64, residual: impl Fn(f64) -> f64) -> Option<f64> {
     for _ in 0..STEPS {
         let here = residual(v);

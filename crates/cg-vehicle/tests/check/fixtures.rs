@@ -12,7 +12,7 @@ fn the_fixtures_are_usual() {
     }
 }
 
-/// A file of the greatest size is read, one byte more is refused.
+/// A file of the greatest size is read, and a file with one byte more is refused.
 #[test]
 fn a_file_beyond_its_limit_is_refused() {
     let folder = tempfile::tempdir().unwrap();

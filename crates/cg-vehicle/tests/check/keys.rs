@@ -1,4 +1,4 @@
-//! The table of keys beside the structure that is read.
+//! Tests that the table of keys agrees with the structure of the vehicle.
 
 use cg_vehicle::VehicleError;
 use cg_vehicle::check::{Key, Kind, Range, TABLES, key};
@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use crate::{numbers, parsed, table, words};
 
-/// A file that has every table.
+/// A file that contains every table.
 fn complete() -> Table {
     let mut root = table("baseline-tables");
     let printed = table("baseline").remove("as_printed").unwrap();
@@ -17,7 +17,7 @@ fn complete() -> Table {
     root
 }
 
-/// The first table at a path of the table of keys.
+/// The first table of the file at a path of the table of keys.
 fn first<'a>(root: &'a mut Table, path: &str) -> &'a mut Table {
     path.split('.').filter(|step| !step.is_empty()).fold(root, |table, step| {
         let name = step.trim_end_matches("[i]");
@@ -26,7 +26,7 @@ fn first<'a>(root: &'a mut Table, path: &str) -> &'a mut Table {
     })
 }
 
-/// A value in the middle of what is usual.
+/// A value in the middle of the usual range.
 fn usual(key: &Key) -> Value {
     let middle = |range: Range| {
         let [low, high] = range.usual;
@@ -52,7 +52,7 @@ fn every_key_of_the_table_is_read_and_only_the_required_ones_must_be_there() {
                 let mut written = Table::try_from(&vehicle).unwrap();
                 let written = first(&mut written, path).get(key.name);
                 let same = match value {
-                    // As text: a whole number is read as a float.
+                    // Compared as text, because a whole number is read as a float.
                     Value::Integer(n) => written.is_some_and(|w| {
                         *w == value || *w == Value::Float(f64::from(i32::try_from(n).unwrap()))
                     }),
@@ -106,7 +106,7 @@ fn every_key_says_what_it_means_and_its_ranges_hold_each_other() {
             let ([least, greatest], [low, high]) = (range.possible, range.usual);
             assert!(least <= low && low < high && high <= greatest, "{}", key.name);
             assert!(range.also.is_none_or(|(also, _)| range.is_possible(also)), "{}", key.name);
-            // A factor of 1000 leads out of the usual range from anywhere in it.
+            // A factor of 1000 leaves the usual range from any value in it.
             assert!(low <= 0.0 || high / low < 1000.0, "{}", key.name);
             assert!(range.distance(low) <= 1.0 + 1e-9 && range.distance(high * 1.01) > 1.0);
         }

@@ -1,5 +1,5 @@
-//! Every number of every vehicle file made a thousand times too small or too large, turned round,
-//! zero, huge and no number.
+//! Tests with every number of every vehicle file changed: multiplied by 0.001 or 1000, negated,
+//! zero, huge, or not finite.
 
 use cg_core::RatioLine;
 use cg_vehicle::check;
@@ -11,8 +11,8 @@ use toml::Value;
 
 use crate::{at, list_of, numbers, parsed, table, words};
 
-/// How far a height may move by a slip that is not told: half the least uncertainty of a height
-/// that is not calibrated (`compensation_sd` of the files, 2 %).
+/// Greatest change of a height by an error in the file that is not reported: half the least
+/// uncertainty of a height without calibration (`compensation_sd` of the files, 2 %).
 const UNTOLD: f64 = 0.01;
 
 fn mutated(value: &Value) -> Vec<Value> {
@@ -27,7 +27,7 @@ fn mutated(value: &Value) -> Vec<Value> {
     }
 }
 
-/// What the linear model reads; the rest decides nothing in a design.
+/// The vehicle without the parameters that the linear model and the design do not use.
 fn linear(vehicle: &Vehicle) -> Vehicle {
     let mut vehicle = vehicle.clone();
     vehicle.spring.clear();
@@ -42,13 +42,13 @@ fn lines(vehicle: &Vehicle) -> [RatioLine<f64>; 2] {
     ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap()
 }
 
-/// The height that a model says for a ratio.
+/// The height that follows from a ratio of the model.
 fn height_m(line: RatioLine<f64>, ratio: f64) -> f64 {
     (ratio * line.b0 - line.a0) / (line.a1 - ratio * line.b1)
 }
 
-/// A refusal names the key; what is accepted makes a design or says which keys are unusual; what
-/// moves a height is told.
+/// A refusal names the key. A file that is accepted gives a design, or an error with the least
+/// usual keys. A change that affects a height is reported.
 fn survey(name: &str) {
     let root = table(name);
     let original = parsed(&root).unwrap().0;
@@ -71,7 +71,7 @@ fn survey(name: &str) {
                     let last = list_of(&key).rsplit('.').next().unwrap();
                     let syntax = matches!(error, VehicleError::Syntax { .. });
                     let named = if syntax { last } else { list_of(&key) };
-                    // An axle that leaves its load group makes the loads depend on the tyres.
+                    // If an axle leaves its load group, the loads depend on the tires.
                     let named = if last == "load_group" { last } else { named };
                     assert!(text.contains(named), "{case}: {text}");
                     refused += 1;
@@ -132,7 +132,7 @@ fn worn_tyres() {
     survey("worn-tyres-third");
 }
 
-/// A list in kN, mm or degrees, as one writes it.
+/// A whole list in kN, mm or degrees, as people might write it.
 #[test]
 fn whole_lists_in_another_unit_are_refused_or_warned_of() {
     for name in crate::NAMES {

@@ -1,11 +1,11 @@
-//! Slips that people make, and vehicles that cannot be.
+//! Tests of typical mistakes in vehicle files, and of impossible vehicles.
 
 use cg_vehicle::design::design;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
 use crate::text;
 
-/// A vehicle file with some of its text replaced.
+/// A vehicle file in which some text is replaced.
 fn changed(name: &str, pairs: &[(&str, &str)]) -> String {
     pairs.iter().fold(text(name), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
@@ -72,10 +72,10 @@ fn an_axle_above_the_radius_of_its_tyre_is_refused_with_both_keys() {
     refused(
         "kraz",
         &[("center_height_m = 0.507", "center_height_m = 0.56")],
-        &["trailer.axle[1].center_height_m = 0.56: the deflection of its tyre is -0.024 m, with \
+        &["trailer.axle[1].center_height_m = 0.56: the deflection of its tire is -0.024 m, with \
              tyre[1].unloaded_radius_m (usual: 0.003 to 0.09 m)"],
     );
-    // Without a radius the other axles on the same tyre tell.
+    // Without a radius, the axle is compared with other axles that have the same tires.
     let from = "center_height_m = 0.508\nroll_center_height_m = 0.8382";
     let to = "center_height_m = 0.608\nroll_center_height_m = 0.8382";
     let text = text("baseline").replacen(from, to, 1);
@@ -107,7 +107,7 @@ fn all_findings_are_told_at_once_with_their_places_errors_first() {
         assert!(text.lines().nth(number - 1).unwrap().starts_with(name), "{line}");
         assert!(line.contains(&format!(": {key} = ")), "{line} {key}");
     }
-    assert!(lines[5].contains("warning: hitch.height_m = 1.7: is unusually much"), "{error}");
+    assert!(lines[5].contains("warning: hitch.height_m = 1.7: is unusually large"), "{error}");
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn bodies_of_impossible_size_are_refused_with_mass_and_inertia() {
         ["tractor.roll_inertia_kgm2 = 90000: the radius of gyration is 3 m", "sprung_mass_kg"];
     refused("kraz", &[inertia], &parts);
     let inertia = ("roll_inertia_kgm2 = 3441.0", "roll_inertia_kgm2 = 11500.0");
-    // 1.07 m is usual, 1.3 m of a lighter tractor is not.
+    // A radius of 1.07 m is usual; 1.3 m, with a lighter tractor, is not.
     let lighter = ("sprung_mass_kg = 10000.0", "sprung_mass_kg = 6800.0");
     warned("kraz", &[inertia, lighter], &["tractor.roll_inertia_kgm2 = 11500: the radius"]);
 }
@@ -127,7 +127,8 @@ fn axles_out_of_order_and_loads_beyond_the_tyres_are_told() {
     let parts = ["trailer.axle[1].behind_hitch_m = 6.2: must lie behind trailer.axle[0]"];
     refused("kraz", &[("behind_hitch_m = 7.59", "behind_hitch_m = 6.2")], &parts);
     let heavy = ("reference_mass_kg = 18684.0", "reference_mass_kg = 90000.0");
-    let parts = ["trailer.reference_mass_kg = 90000: is unusually much", "the static load over it"];
+    let parts =
+        ["trailer.reference_mass_kg = 90000: is unusually large", "the static load divided by it"];
     warned("kraz", &[heavy], &parts);
     let tipping = ("\nbehind_hitch_m = 5.96", "\nbehind_hitch_m = 9.5");
     warned("kraz", &[tipping], &["trailer.payload.behind_hitch_m = 9.5: its distance ahead"]);
@@ -144,8 +145,8 @@ fn names_are_one_line_and_their_own() {
     refused("kraz", &[twice], &["tyre[1].name = \"tractor\": another [[tyre]] has this name"]);
 }
 
-/// Soft springs under a high load, and a fifth wheel that does not hold it: each number can be, the
-/// vehicle falls over.
+/// Soft springs under a high load, and a fifth wheel that is too soft: each number is possible, but
+/// the vehicle tips over.
 #[test]
 fn a_vehicle_that_falls_over_says_which_keys_are_unusual() {
     let pairs = [
@@ -153,11 +154,11 @@ fn a_vehicle_that_falls_over_says_which_keys_are_unusual() {
         ("roll_stiffness_nm_per_rad = 1.0e10", "roll_stiffness_nm_per_rad = 1.0e5"),
         ("reference_cg_height_m = 1.70", "reference_cg_height_m = 2.8"),
     ];
-    let parts = ["warning: trailer.axle[2].spring_stiffness_n_per_m = 25000: is unusually little"];
+    let parts = ["warning: trailer.axle[2].spring_stiffness_n_per_m = 25000: is unusually small"];
     let vehicle = warned("kraz", &pairs, &parts);
     let error = design(&vehicle, Variant::Complete).unwrap_err();
     assert!(matches!(error, VehicleError::Unusable { .. }), "{error}");
-    let ranked = "farthest from usual in the vehicle file: trailer.axle[";
+    let ranked = "least usual values in the vehicle file: trailer.axle[";
     let named = "].spring_stiffness_n_per_m = 25000 (usual: 80000 to 4000000 N/m), ";
     let text = error.to_string();
     assert!(text.contains(ranked) && text.contains(named), "{text}");

@@ -1,4 +1,4 @@
-//! Vehicles of the fixtures.
+//! Vehicles from the fixtures.
 #![allow(dead_code, clippy::unwrap_used)] // each test file uses its part
 
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ pub(crate) fn vehicle(name: &str) -> Vehicle {
     Vehicle::load(fixtures().join("vehicles").join(name)).unwrap()
 }
 
-/// The rigid truck: springs, tyres and fifth wheel that hardly give, single tyres at 1 m.
+/// A rigid truck: springs, tires and fifth wheel are very stiff, and single tires are at 1 m.
 pub(crate) fn rigid_truck() -> Vehicle {
     let mut vehicle = vehicle("baseline.toml");
     for tyre in &mut vehicle.tyre {
