@@ -24,13 +24,15 @@ def simulated(count: int, *, duration_s: float, rate_hz: float) -> list[cgheight
         height_m, payload_kg = loads[seed]
         return cgheight.simulate(
             truck,
-            "drive",
-            height_m=height_m,
-            payload_kg=payload_kg,
-            duration_s=duration_s,
-            rate_hz=rate_hz,
-            snr_db=20,
-            seed=seed + 1,
+            cgheight.Scenario(
+                "drive",
+                height_m=height_m,
+                payload_kg=payload_kg,
+                duration_s=duration_s,
+                rate_hz=rate_hz,
+                sensors=cgheight.Sensors(snr_db=20),
+                seed=seed + 1,
+            ),
         )
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:

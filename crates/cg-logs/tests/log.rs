@@ -100,7 +100,7 @@ fn unknown_columns_are_ignored_whatever_they_hold() {
 
 #[test]
 fn one_of_our_columns_in_an_unknown_unit_or_without_one_is_an_error() {
-    let words = ["line 2", "column 3 `roll_grad`", "unknown unit", "rad, deg", "--column roll="];
+    let words = ["line 2", "column 3 `roll_grad`", "unknown unit", "rad, deg", "⟨columns roll="];
     refused("#\ntime_s,steer_rad,roll_grad\n0,0,0\n", &words);
     refused("time_s,steer_rad,roll_rad,speed\n0,0,0,0\n", &["column 4 `speed`", "mps, kmh"]);
     refused("time_s,steer_kmh,roll_rad\n0,0,0\n", &["column 2 `steer_kmh`", "rad, deg"]);
@@ -136,10 +136,10 @@ fn windows_line_ends_marks_quotes_spaces_and_an_open_last_line_are_tolerated() {
 #[test]
 fn a_missing_column_is_an_error_that_lists_what_was_found_and_proposes_an_option() {
     let words =
-        ["line 1", "roll_rad or tilt_rad", "time_s, steer_rad, a", "--column roll=NAME[deg]"];
+        ["line 1", "roll_rad or tilt_rad", "time_s, steer_rad, a", "⟨columns roll=NAME[deg]"];
     refused("time_s,steer_rad,a\n0,0,0\n", &words);
-    refused("t,steer_rad,roll_rad\n0,0,0\n", &["time_s", "--column time=NAME[s]"]);
-    refused("time_s,a,roll_rad\n0,0,0\n", &["steer_rad or steering_wheel_rad", "--column steer="]);
+    refused("t,steer_rad,roll_rad\n0,0,0\n", &["time_s", "⟨columns time=NAME[s]"]);
+    refused("time_s,a,roll_rad\n0,0,0\n", &["steer_rad or steering_wheel_rad", "⟨columns steer="]);
 }
 
 #[test]
@@ -151,10 +151,10 @@ fn any_input_will_do() {
 
 #[test]
 fn the_nearest_name_is_proposed_for_the_signal_it_is_near_to() {
-    refused("time_s,steer_rad,Rol_rad\n0,0,0\n", &["--column roll=Rol_rad[deg]"]);
-    refused("time_s,steer_rad,Trailer Tilt\n0,0,0\n", &["--column 'tilt=Trailer Tilt[deg]'"]);
+    refused("time_s,steer_rad,Rol_rad\n0,0,0\n", &["⟨columns roll=Rol_rad[deg]"]);
+    refused("time_s,steer_rad,Trailer Tilt\n0,0,0\n", &["⟨columns tilt=Trailer Tilt[deg]⟩"]);
     refused("time_s,SteeringWheelAngle,roll_rad\n0,0,0\n", &["steering_wheel=SteeringWheelAngle"]);
-    refused("Timestamp,steer_rad,roll_rad\n0,0,0\n", &["--column time=Timestamp[s]"]);
+    refused("Timestamp,steer_rad,roll_rad\n0,0,0\n", &["⟨columns time=Timestamp[s]"]);
 }
 
 #[test]

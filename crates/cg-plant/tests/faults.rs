@@ -47,9 +47,9 @@ fn faults() -> Vec<Fault> {
 /// A sign, a unit, a gain or a column is wrong.
 fn wrong_signals() -> Vec<Fault> {
     vec![
-        fault("roll reversed", &["--flip roll"], |_, row| row.roll_rad *= -1.0),
-        fault("steer reversed", &["--flip steer"], |_, row| row.steer_rad *= -1.0),
-        fault("lateral acceleration reversed", &["--flip lateral_acceleration"], |_, row| {
+        fault("roll reversed", &["⟨flip roll⟩"], |_, row| row.roll_rad *= -1.0),
+        fault("steer reversed", &["⟨flip steer⟩"], |_, row| row.steer_rad *= -1.0),
+        fault("lateral acceleration reversed", &["⟨flip lateral_acceleration⟩"], |_, row| {
             row.lateral_acceleration_mps2 *= -1.0;
         }),
         fault("roll twice", &["left out", "gain of the roll sensor"], |_, row| row.roll_rad *= 2.0),

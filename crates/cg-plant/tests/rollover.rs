@@ -179,7 +179,8 @@ fn axles_of_their_own_tip_where_their_steady_turn_says() {
 fn the_independent_truck_has_all_measures() {
     let all = all("kraz");
     let none: Vec<_> = all.measures.iter().filter(|m| m.value.is_none()).collect();
-    println!("{none:?}");
+    assert!(none.is_empty(), "{none:?}");
+    assert!(all.measures.len() > 10, "{}", all.measures.len());
     let of = |name: &str| all.get(name).unwrap();
     assert!(of("static_rollover_threshold_g") < of("static_stability_factor_g"));
     let (steady, ramp) =

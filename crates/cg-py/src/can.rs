@@ -148,9 +148,13 @@ impl FrameTable {
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         let TableState { frames, values, rows, .. } = &mut *state;
+        let mut values = std::mem::take(values);
         values.sort_by_key(|(time_us, ..)| *time_us);
-        for (time_us, quantity, value) in values.drain(..) {
-            frames.push_value(quantity, time_us, value);
+        // All values of an instant are heard before it makes a row.
+        for instant in values.chunk_by(|one, other| one.0 == other.0) {
+            for &(time_us, quantity, value) in instant {
+                frames.push_value(quantity, time_us, value);
+            }
             rows.extend(std::iter::from_fn(|| frames.next_row()));
         }
         rows.extend(std::iter::from_fn(|| frames.rest()));

@@ -98,8 +98,8 @@ def test_nothing_cannot_be_estimated(kraz, turn):
     ({"method": "magic"}, 'method is "magic": it must be "filtered", "arx" or "gain"'),
     ({"channel": "yaw"}, 'channel is "yaw"'),
     ({"model": "simple"}, 'model is "simple"'),
-    ({"order": 0}, "order is 0: it must be from 1 to 10"),
-    ({"order": 11}, "order is 11"),
+    ({"method": cgheight.Arx(0)}, "order is 0: it must be from 1 to 10"),
+    ({"method": cgheight.Arx(11)}, "order is 11"),
     ({"speed_mps": -1.0}, "speed_mps is -1: it must be positive"),
     ({"speed_mps": "fast"}, "speed_mps is no number"),
     ({"trailer_mass_kg": np.nan}, "trailer_mass_kg is NaN: it must be positive"),
@@ -121,6 +121,14 @@ def test_a_calibration_that_is_none_is_refused_by_every_way_in(kraz, turn, tmp_p
         cgheight.estimate_log(FIXTURES / "logs" / ONE_TURN, vehicle=kraz, calibration=nowhere)
     with pytest.raises(FileNotFoundError, match=r"nowhere\.toml"):
         cgheight.Estimator(kraz, calibration=nowhere)
+
+
+def test_a_signal_that_there_is_not_is_refused_with_those_there_are(kraz, turn):
+    with pytest.raises(TypeError, match=r"rol_rad is no signal; the signals are time_s, steer_rad"):
+        cgheight.estimate(**turn, rol_rad=turn["roll_rad"], vehicle=kraz)
+    with pytest.raises(TypeError, match="rol_rad is no signal"):
+        cgheight.Estimator(kraz).push(0.0, 0.0, 0.0, rol_rad=0.1)
+    assert list(cgheight.SIGNALS)[:3] == ["time_s", "steer_rad", "steering_wheel_rad"]
 
 
 def test_a_missing_log_is_file_not_found(kraz, tmp_path):
@@ -255,7 +263,6 @@ def test_an_endless_file_is_refused_at_once(kraz, tmp_path):
         cgheight.Vehicle.load("/dev/zero")
     with pytest.raises(OSError, match=r"/dev/zero: cannot be read \(it has more than the 1 MiB"):
         kraz.calibrated("/dev/zero")
-    pytest.importorskip("cantools")
     (tmp_path / "a.log").write_text("")
-    with pytest.raises(ValueError, match="/dev/zero: has more than the 16 MiB"):
+    with pytest.raises(OSError, match=r"/dev/zero: cannot be read: it has more than the 16 MiB"):
         cgheight.can.read_log(tmp_path / "a.log", dbc="/dev/zero", signals={"roll": "Roll"})

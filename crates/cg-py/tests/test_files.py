@@ -39,7 +39,8 @@ def test_no_output_replaces_an_input(truck, tmp_path, force):
 
 def test_a_foreign_file_needs_force_and_ours_keeps_its_mode(truck, tmp_path):
     def simulated(path, force=False):
-        cgheight.simulate(truck, "sine", duration_s=5, output=path, force=force)
+        sine = cgheight.Scenario("sine", duration_s=5)
+        cgheight.simulate(truck, sine, output=path, force=force)
 
     def written(path, force=False):
         cgheight.write_log(RUN, path, force=force)
@@ -64,7 +65,7 @@ def test_a_foreign_file_needs_force_and_ours_keeps_its_mode(truck, tmp_path):
 
 def test_frames_of_another_format_always_need_force(truck, tmp_path):
     pytest.importorskip("can")
-    log = cgheight.simulate(truck, "sine", duration_s=3)
+    log = cgheight.simulate(truck, cgheight.Scenario("sine", duration_s=3))
     path = tmp_path / "drive.asc"
     cgheight.write_log(log, path)
     before = path.read_bytes()
@@ -77,7 +78,9 @@ def test_frames_of_another_format_always_need_force(truck, tmp_path):
 
 def test_a_folder_that_is_not_there_is_an_error_of_the_system(truck, tmp_path):
     with pytest.raises(FileNotFoundError, match="cannot be written"):
-        cgheight.simulate(truck, "sine", duration_s=3, output=tmp_path / "none" / "a.csv")
+        cgheight.simulate(
+            truck, cgheight.Scenario("sine", duration_s=3), output=tmp_path / "none" / "a.csv"
+        )
 
 
 def test_an_edited_calibration_is_refused(truck, tmp_path):

@@ -93,7 +93,7 @@ def test_what_is_not_available_is_absent(
 def test_the_compensation_bits_tell_roll_from_tilt(
     identifier: int, at: int, merit_at: int, bits: int, expected: list[str | None]
 ) -> None:
-    data = bytearray.fromhex("00007D00007DFFFF")
+    data = bytearray.fromhex("0000007D007DFFFF")  # close to zero degrees in both
     data[6] = 0xFF & ~(3 << at) | bits << at
     for word, column in zip(["bit", "inverted-bit", "yes", "no"], expected, strict=True):
         found = row_of(identifier, bytes(data), "roll_rad", word)

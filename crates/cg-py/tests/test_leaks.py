@@ -30,7 +30,7 @@ WORK = {
     "read": lambda *_: cgheight.read_log(LOG),
     "arx": lambda _, turn: cgheight.arx(turn["steer_rad"], turn["roll_rad"], 5, 5, 1, 0.01),
     "predict": lambda truck, turn: cgheight.predict_roll(turn, 1.7, vehicle=truck),
-    "simulate": lambda truck, _: cgheight.simulate(truck, "sine", rate_hz=85),
+    "simulate": lambda truck, _: cgheight.simulate(truck, cgheight.Scenario("sine", rate_hz=85)),
     "decode": lambda *_: [_native.decode_j1939(0x18F0090B, bytes(8)) for _ in range(100)],
     "vehicle": lambda *_: cgheight.Vehicle.load(FIXTURES / "vehicles" / "kraz.toml"),
     "refused": lambda truck, turn: _refused(truck, turn),

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import doctest
+import graphlib
 import importlib.resources
 import inspect
 import pickle
 import re
 import subprocess
 import sys
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 import cgheight
 from cgheight import _native, can, plot, spark
-from conftest import FIXTURES
+from conftest import FIXTURES, ONE_TURN
 
 PUBLIC = [name for name in cgheight.__all__ if name != "__version__"]
 MODULES = [cgheight, can, plot, spark]
@@ -159,7 +162,8 @@ def test_version_and_types_are_there():
 
 def test_the_public_names_are_sorted_and_there():
     for module in MODULES:
-        assert sorted(module.__all__) == module.__all__
+        in_order = sorted(module.__all__, key=lambda name: (not name.isupper(), name))
+        assert in_order == module.__all__
     contract = {"Vehicle", "estimate", "estimate_log", "Estimator", "arx", "linear_model",
                 "simulate", "calibrate", "reproduce"}  # fmt: skip
     assert contract <= set(PUBLIC)
@@ -221,3 +225,72 @@ def test_vehicles_pickle_with_their_calibration(kraz, tmp_path):
         assert repr(again) == repr(one)
         expected = cgheight.estimate_log(log, vehicle=one)
         assert cgheight.estimate_log(log, vehicle=again) == expected
+
+
+def test_no_function_has_more_than_ten_parameters():
+    seen = 0
+    for module in MODULES:
+        for name in module.__all__:
+            thing = getattr(module, name)
+            callables = [(name, thing)] if inspect.isroutine(thing) else []
+            if inspect.isclass(thing):
+                callables = [member for member in members(thing) if callable(member[1])]
+                # What an option object or a result holds are its fields.
+                if not dataclasses.is_dataclass(thing):
+                    callables.append((name, thing))
+            for called, function in callables:
+                parameters = inspect.signature(function).parameters
+                assert len(parameters) <= 10, (called, list(parameters))
+                seen += 1
+    assert seen > 40
+
+
+def imported(path, modules):
+    """Return the modules of the package that a file imports, anywhere in it."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                below = f"{node.module}.{alias.name}"
+                # The compiled half is no module of ours to look into.
+                found |= {below if below in modules else node.module} - {
+                    node.module if alias.name == "_native" else None
+                }
+    return found & modules
+
+
+def test_the_modules_of_the_package_use_each_other_one_way():
+    root = Path(cgheight.__file__).parent
+    names = {}
+    for path in root.rglob("*.py"):
+        parts = path.relative_to(root.parent).with_suffix("").parts
+        names[".".join(parts).removesuffix(".__init__")] = path
+    arrows = {name: imported(path, set(names)) for name, path in names.items()}
+    assert sum(map(len, arrows.values())) > 40
+    # Raises CycleError with the way round, if there is one.
+    graphlib.TopologicalSorter(arrows).prepare()
+
+
+def test_an_estimate_of_many_is_an_estimate(kraz):
+    many = cgheight.estimate_logs([FIXTURES / "logs" / ONE_TURN] * 2, vehicle=kraz)
+    assert type(many[0]) is cgheight.Estimate
+    assert many[-1].height_m == many[0].height_m > 0
+    assert many[:1] == (many[0],)
+    assert len(many.to_frame()) == len(many) == 2
+
+
+def test_every_option_that_a_message_names_is_a_keyword():
+    sources = Path(__file__).parents[2]
+    text = "".join(path.read_text() for path in sources.glob("cg-*/src/**/*.rs"))
+    named = set(re.findall("\u27e8([a-z_]+)", text)) - {"flip_roll"}
+    assert len(named) > 15
+    keywords = set()
+    for module in MODULES:
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if inspect.isroutine(thing) or inspect.isclass(thing):
+                keywords |= set(inspect.signature(thing).parameters)
+    # `bus` is the command line's: python-can opens one bus at a time.
+    assert named - keywords == {"bus"}

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import json
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import cgheight
+from cgheight import Scenario, Sensors
 from conftest import FIXTURES
 
 
 def test_a_simulated_log_gives_its_height_back_whichever_way_it_is_read(baseline, tmp_path):
     path = tmp_path / "turn.csv"
-    log = cgheight.simulate(baseline, "steady-turn", height_m=1.85, payload_kg=12e3, output=path)
+    log = cgheight.simulate(
+        baseline, Scenario("steady-turn", height_m=1.85, payload_kg=12e3), output=path
+    )
     assert log.truth["height_m"] == 1.85
     assert log.truth["trailer_mass_kg"] == baseline.empty_trailer_mass_kg + 12e3
     answer = cgheight.estimate(**log.signals, vehicle=baseline)
@@ -31,10 +35,10 @@ def test_a_simulated_log_gives_its_height_back_whichever_way_it_is_read(baseline
 
 
 def test_sensors_do_what_their_keywords_say(baseline):
-    perfect = cgheight.simulate(baseline, "sine", duration_s=10).signals
-    noisy = cgheight.simulate(
-        baseline, "sine", duration_s=10, snr_db=20, roll_offset_rad=0.01, drop_out=0.1, seed=3
-    )
+    sine = Scenario("sine", duration_s=10)
+    perfect = cgheight.simulate(baseline, sine).signals
+    sensors = Sensors(snr_db=20, roll_offset_rad=0.01, drop_out=0.1)
+    noisy = cgheight.simulate(baseline, replace(sine, sensors=sensors, seed=3))
     there = np.isfinite(noisy.signals["roll_rad"])
     # Binomial: 1001 rows, 4 sd.
     assert abs(np.mean(~there) - 0.1) < 4 * np.sqrt(0.1 * 0.9 / 1001)
@@ -44,7 +48,7 @@ def test_sensors_do_what_their_keywords_say(baseline):
     assert sd == pytest.approx(0.1 * np.sqrt(np.mean(perfect["roll_rad"] ** 2)), rel=1e-9)
     assert np.mean(error) == pytest.approx(0.01, abs=4 * sd / np.sqrt(len(error)))
     assert np.std(error) == pytest.approx(sd, rel=4 / np.sqrt(2 * len(error)))
-    tilt = cgheight.simulate(baseline, "sine", duration_s=10, inclinometer=True).signals
+    tilt = cgheight.simulate(baseline, replace(sine, sensors=Sensors(inclinometer=True))).signals
     file = tomllib.loads((FIXTURES / "vehicles" / "baseline.toml").read_text())
     felt = perfect["roll_rad"] + perfect["lateral_acceleration_mps2"] / file["gravity_mps2"]
     # One rounding of each of two angles below 1 rad.
@@ -53,15 +57,12 @@ def test_sensors_do_what_their_keywords_say(baseline):
 
 
 def test_the_driver_and_the_nonlinear_plant(baseline):
-    log = cgheight.simulate(
-        baseline, "steady-turn", plant="nonlinear", turn_rad=0.7, radius_m=120, rate_hz=50
-    )
+    turn = Scenario("steady-turn", plant="nonlinear", turn_rad=0.7, radius_m=120, rate_hz=50)
+    log = cgheight.simulate(baseline, turn)
     yaw = np.trapezoid(log.signals["yaw_rate_radps"], log.signals["time_s"])
     # The trailer follows the tractor through the turn and comes to rest within the 5 s after it.
     assert yaw == pytest.approx(0.7, rel=0.02)
-    right = cgheight.simulate(
-        baseline, "steady-turn", plant="nonlinear", turn_rad=-0.7, radius_m=120, rate_hz=50
-    )
+    right = cgheight.simulate(baseline, replace(turn, turn_rad=-0.7))
     assert right.signals["roll_rad"].min() < -0.5 * log.signals["roll_rad"].max()
 
 
@@ -78,20 +79,32 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
         ({"gate_m": 20.0}, 'gate_m for "lane-change"'),
         ({"turn_rad": 1.0, "maneuver": "steady-turn"}, 'need plant="nonlinear"'),
         ({"speed_change": 0.2}, 'for maneuver="drive"'),
-        ({"drop_out": 2.0}, "drop-out"),
+        ({"sensors": {"drop_out": 2.0}}, "drop-out"),
+        ({"sensors": {"delay_s": "late"}}, "delay_s is no number"),
         ({"output": "log.txt"}, r"log\.txt: a log ends in \.csv, \.csv\.gz or \.log"),
     ],
 )
 def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, message):
-    arguments = {"maneuver": "sine"} | keywords
+    scenario = {"maneuver": "sine"} | keywords
+    output, sensors = scenario.pop("output", None), scenario.pop("sensors", {})
+
+    def simulated():
+        asked = Scenario(**scenario, sensors=Sensors(**sensors))
+        return cgheight.simulate(baseline, asked, output=output)
+
     with pytest.raises(ValueError, match=message) as raised:
-        cgheight.simulate(baseline, **arguments)
+        simulated()
     assert "--" not in str(raised.value)
 
 
 def test_an_accuracy_map_follows_the_noise(baseline):
     table = cgheight.accuracy_map(
-        baseline, [1.8, 2.1], [10, 30], runs=40, duration_s=10, rate_hz=50, jobs=2
+        baseline,
+        [1.8, 2.1],
+        [10, 30],
+        scenario=Scenario("rounded-step", duration_s=10, rate_hz=50),
+        runs=40,
+        jobs=2,
     )
     assert list(table.height_m) == [1.8, 1.8, 2.1, 2.1]
     assert (table.answered == 40).all()
@@ -101,8 +114,8 @@ def test_an_accuracy_map_follows_the_noise(baseline):
     assert np.all((ratio > 10 * 0.36) & (ratio < 10 * 1.64))
     # No estimator beats the bound; that of a root mean square of 40 by 4 sd.
     assert (table.rmse_percent > table.bound_percent * (1 - 4 * 0.11)).all()
-    with pytest.raises(TypeError, match="wheels is no keyword of a scenario"):
-        cgheight.accuracy_map(baseline, [1.8], [10], wheels=3)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'wheels'"):
+        Scenario("sine", wheels=3)
     with pytest.raises(ValueError, match="runs is 0"):
         cgheight.accuracy_map(baseline, [1.8], [10], runs=0)
 
@@ -121,7 +134,7 @@ def test_the_tables_of_the_thesis_as_a_frame():
 
 
 def test_a_simulated_log_shows_itself(baseline):
-    log = cgheight.simulate(baseline, "sine", duration_s=5)
+    log = cgheight.simulate(baseline, Scenario("sine", duration_s=5))
     assert repr(log).startswith("SimulatedLog(true height ")
     assert "noise_sd_rad" in log._repr_html_()
     json.dumps(log.truth)

@@ -46,12 +46,14 @@ def trips(baseline, tmp_path_factory):
     for k in range(TRIPS):
         log = cgheight.simulate(
             baseline,
-            "steady-turn",
-            height_m=random.uniform(1.6, 2.2),
-            payload_kg=random.uniform(5e3, 2e4),
-            snr_db=20,
-            rate_hz=20,
-            seed=k,
+            cgheight.Scenario(
+                "steady-turn",
+                height_m=random.uniform(1.6, 2.2),
+                payload_kg=random.uniform(5e3, 2e4),
+                rate_hz=20,
+                sensors=cgheight.Sensors(snr_db=20),
+                seed=k,
+            ),
         )
         logs.append(log.to_frame().assign(trip=f"trip-{k:03d}"))
     for part in range(6):

@@ -13,19 +13,9 @@
 //!
 //! A header of names with units, then one row of numbers for each instant:
 //!
-//! | signal | column | also accepted | needed |
-//! |---|---|---|---|
-//! | time | `time_s` | `_ms`, `_us` | yes |
-//! | mean road-wheel angle | `steer_rad` | `_deg` | this … |
-//! | steering-wheel angle | `steering_wheel_rad` | `_deg` | … or this |
-//! | roll angle | `roll_rad` | `_deg` | this … |
-//! | accelerometer inclinometer | `tilt_rad` | `_deg` | … or this |
-//! | forward speed | `speed_mps` | `_kmh` | |
-//! | lateral acceleration | `lateral_acceleration_mps2` | `_g` | |
-//! | yaw rate | `yaw_rate_radps` | `_degps` | |
-//! | whole semitrailer as weighed | `trailer_mass_kg` | `_t` | |
-//! | load of its axles on the road | `trailer_axle_load_kg` | `_t` | |
-//! | pressure in its air suspension | `trailer_suspension_pressure_pa` | `_kpa`, `_bar` | |
+//! `time_s` and the quantities of [`cg_core::quantities!`], each in SI (`roll_rad`) or another unit of
+//! its dimension (`roll_deg`, [`cg_core::Dimension`]). Time is needed, a roll angle (`roll` or `tilt`) and
+//! an input (`steer`, `steering_wheel`, `lateral_acceleration` or `yaw_rate`); everything else is optional.
 //!
 //! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are passed over, but one of
 //! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a

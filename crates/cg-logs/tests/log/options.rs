@@ -20,7 +20,7 @@ fn foreign_names_are_read_with_the_unit_given_or_meant_by_the_name() {
 #[test]
 fn a_column_asked_for_that_is_not_there_is_an_error_with_the_nearest_name() {
     let error = read_as(FOREIGN, &options(&["time=Cloak"], &[])).unwrap_err();
-    says(&error, &["line 1", "time=Cloak", "Gyro_deg", "--column time=Clock[s]"]);
+    says(&error, &["line 1", "time=Cloak", "Gyro_deg", "⟨columns time=Clock[s]"]);
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn a_flipped_sensor_changes_sign_and_no_other_does() {
 #[test]
 fn flipping_what_is_not_there_or_has_no_direction_is_an_error() {
     let error = read_as(ONE, &options(&[], &[Signal::Tilt])).unwrap_err();
-    says(&error, &["tilt cannot be flipped", "no such signal", "--flip"]);
+    says(&error, &["tilt cannot be flipped", "no such signal", "⟨flip⟩"]);
     let error = read_as(ONE, &options(&[], &[Signal::Time])).unwrap_err();
     says(&error, &["time cannot be flipped", "no direction"]);
 }

@@ -147,10 +147,11 @@ def estimate_log(
 ) -> Estimate:
     """Estimate the height of the trailer's c.g. from a log.
 
-    Columns are found by name, those of `cgheight.SIGNALS`: ``time_s``, a roll angle (``roll_rad`` or
-    ``tilt_rad``), an input (``steer_rad``, ``steering_wheel_rad``, ``lateral_acceleration_mps2`` or
-    ``yaw_rate_radps``) and whatever else is there; units by suffix, also ``_deg``, ``_degps``,
-    ``_kmh``, ``_g``, ``_ms``, ``_t``, ``_bar``, …. The same rules hold for files and data frames.
+    Columns are found by name, those of `cgheight.SIGNALS`: ``time_s``, a roll angle (``roll_rad``
+    or ``tilt_rad``), an input (``steer_rad``, ``steering_wheel_rad``,
+    ``lateral_acceleration_mps2`` or ``yaw_rate_radps``) and whatever else is there; units by
+    suffix, also ``_deg``, ``_degps``, ``_kmh``, ``_g``, ``_ms``, ``_t``, ``_bar``, …. The same
+    rules hold for files and data frames.
     A CAN log is read as `cg run` reads it; where it needs a DBC file, read it with
     `cgheight.can.read_log` first.
 

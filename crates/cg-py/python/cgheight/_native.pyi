@@ -95,9 +95,7 @@ class Stream:
 class FrameStream:
     """Frames to an estimate, with its answer at any time."""
 
-    def __new__(
-        cls, vehicle: Vehicle, reading: dict[str, Any], options: dict[str, Any], /
-    ) -> Self:
+    def __new__(cls, vehicle: Vehicle, reading: dict[str, Any], options: dict[str, Any], /) -> Self:
         """Begin a drive."""
     def push(
         self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
@@ -223,14 +221,14 @@ def predict_roll(
 
 def simulate_log(
     vehicle: Vehicle,
-    scenario: Scenario,
+    request: Scenario,
     /,
 ) -> tuple[dict[str, NDArray[np.float64]], str]:
     """Simulate a log: columns, and the truth as JSON."""
 
 def score_accuracy(
     vehicle: Vehicle,
-    scenario: Scenario,
+    request: Scenario,
     truck: str,
     channel: str,
     method: str,

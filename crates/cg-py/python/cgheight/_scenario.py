@@ -13,7 +13,7 @@ PlantName = Literal["linear", "reduced", "nonlinear"]
 
 
 def _numbers(options: Any) -> None:
-    """Make numbers of the fields that are to be numbers; ValueError that names the one that is not."""
+    """Make numbers of the fields that are to be; ValueError names the one that cannot."""
     for each in fields(options):
         value = getattr(options, each.name)
         if "float" in str(each.type) and value is not None:

@@ -21,6 +21,7 @@ from cgheight._scenario import Scenario
 if TYPE_CHECKING:
     import pandas as pd
 
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SimulatedLog:
     """A simulated log and what is true of it.

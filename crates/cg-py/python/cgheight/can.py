@@ -15,7 +15,15 @@ from typing import TYPE_CHECKING, Any, Unpack
 from cgheight import _native
 from cgheight._estimate import EstimatorOptions, calibrated, stream_options
 from cgheight._extras import need
-from cgheight._frames import CAN_SUFFIXES, framed, is_can, read_channels, read_frames, reading, suffix
+from cgheight._frames import (
+    CAN_SUFFIXES,
+    framed,
+    is_can,
+    read_channels,
+    read_frames,
+    reading,
+    suffix,
+)
 from cgheight._results import Estimate
 
 if TYPE_CHECKING:
@@ -48,8 +56,8 @@ def read_log(
         A DBC file with signals that are not J1939's.
     signals : dict of str to str, optional
         With `dbc` or measured channels: signal of the log to name in the file, such as
-        ``{"roll": "RollAngle", "steering_wheel": "EBC1.Angle[deg]"}``, in place of what J1939 has of
-        it. Signals are those of `cgheight.SIGNALS` without their units. A unit in brackets
+        ``{"roll": "RollAngle", "steering_wheel": "EBC1.Angle[deg]"}``, in place of what J1939 has
+        of it. Signals are those of `cgheight.SIGNALS` without their units. A unit in brackets
         overrides the file's; for a DBC file a factor and an offset may follow
         (``"TILT.Angle[deg]*-1+0.3"``).
     flip : iterable of str
