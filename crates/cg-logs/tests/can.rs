@@ -115,6 +115,7 @@ proptest! {
     #[test]
     fn any_text_is_a_mapping_or_an_explanation(text in "[a-z_]{0,8}=?\\PC{0,20}") {
         if let Err(message) = text.parse::<SignalMap>() {
+            let message = message.to_string();
             prop_assert!(message.contains("expected") || message.contains("no quantity"), "{message}");
         }
     }

@@ -350,7 +350,13 @@ BO_ 291 PLAIN: 8 TILT
         let found = values(&decoder, j1939::ROLL_FINE.identifier(0xE5), &data);
         assert!((found[0].1 + 0.1).abs() < 1e-6);
         assert!("roll=0xFF".parse::<DeviceFilter>().is_err());
-        assert!("rol=1".parse::<DeviceFilter>().unwrap_err().to_string().contains("lateral_acceleration"));
+        assert!(
+            "rol=1"
+                .parse::<DeviceFilter>()
+                .unwrap_err()
+                .to_string()
+                .contains("lateral_acceleration")
+        );
     }
 
     #[test]
