@@ -141,6 +141,9 @@ impl<T: Real> Warner<T> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    extern crate std;
+    use std::string::ToString;
+
     use super::*;
 
     /// The level in a long turn at this share of a threshold of 0.4 g.
@@ -219,5 +222,23 @@ mod tests {
         assert_eq!(changes, [None, None, Some(0), None]);
         assert_eq!(push(SILENT_US + 40_000, 1.5), None);
         assert_eq!(warner.lateral_mps2(), Some(1.5));
+    }
+
+    /// The filter is the backward difference of a lag of 0.2 s: after rest, 20 ms of 3 m/s² give
+    /// 3 × 0.02/(0.2 + 0.02).
+    #[test]
+    fn the_filter_has_its_time_constant() {
+        let mut warner = Warner::new(&[0.5], 0.05).unwrap();
+        settle(&mut warner, 0.0);
+        let time_us = warner.last_us + 20_000;
+        warner.push(time_us, 3.0, None, 9.81);
+        let expected = 3.0 * 0.02 / 0.22;
+        assert!((warner.lateral_mps2().unwrap() / expected - 1.0_f64).abs() < 1e-12);
+    }
+
+    #[test]
+    fn errors_say_what_is_allowed() {
+        assert!(LevelError::TooMany.to_string().contains(&LEVELS.to_string()));
+        assert!(LevelError::NotAShare.to_string().contains("not negative"));
     }
 }
