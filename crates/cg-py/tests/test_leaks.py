@@ -10,6 +10,7 @@ import pytest
 
 import cgheight
 from cgheight import _native
+from cgheight._frames import reading
 from conftest import FIXTURES, ONE_TURN
 
 LOG = FIXTURES / "logs" / ONE_TURN
@@ -31,7 +32,7 @@ WORK = {
     "arx": lambda _, turn: cgheight.arx(turn["steer_rad"], turn["roll_rad"], 5, 5, 1, 0.01),
     "predict": lambda truck, turn: cgheight.predict_roll(turn, 1.7, vehicle=truck),
     "simulate": lambda truck, _: cgheight.simulate(truck, cgheight.Scenario("sine", rate_hz=85)),
-    "decode": lambda *_: [_native.decode_j1939(0x18F0090B, bytes(8)) for _ in range(100)],
+    "frames": lambda *_: _rows_of_frames(),
     "vehicle": lambda *_: cgheight.Vehicle.load(FIXTURES / "vehicles" / "kraz.toml"),
     "refused": lambda truck, turn: _refused(truck, turn),
 }
@@ -50,3 +51,10 @@ def test_nothing_is_kept(name, kraz, turn):
     for _ in range(ROUNDS):
         WORK[name](kraz, turn)
     assert resident_bytes() - before < ALLOWED_BYTES
+
+
+def _rows_of_frames():
+    table = _native.FrameTable(reading())
+    for k in range(100):
+        table.push((0.01 * k, 0), 0x0CF029E4, True, bytes.fromhex("FFFFFF00007DCFFF"))
+    assert len(table.finish()["roll_rad"]) == 100
