@@ -86,3 +86,8 @@ pub use real::Real;
 pub use reduced::Reduced5;
 pub use rollover::{Rollover, RolloverDesign, ThresholdLine};
 pub use sample::{Quantity, Sample};
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

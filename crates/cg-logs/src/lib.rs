@@ -34,3 +34,8 @@ pub mod log;
 pub mod state;
 pub mod estimate;
 pub mod calibrate;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -62,3 +62,8 @@ pub mod limits;
 pub use error::VehicleError;
 pub use linear::{LinearModel, Variant};
 pub use vehicle::{Load, Vehicle};
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -239,7 +239,7 @@ struct Equation517 {
 
 impl Baseline {
     fn new() -> Result<Self, VehicleError> {
-        let text = include_str!("../../../../fixtures/vehicles/baseline.toml");
+        let text = include_str!("../../fixtures/vehicles/baseline.toml");
         let vehicle = Vehicle::parse(text, "fixtures/vehicles/baseline.toml")?;
         let model = |variant| {
             LinearModel::new(&vehicle, variant, vehicle.nominal_speed_mps, vehicle.reference_load())
