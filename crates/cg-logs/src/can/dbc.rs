@@ -10,10 +10,12 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+#[cfg(feature = "dbc")]
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::j1939::pgn_of;
 
+#[cfg(feature = "dbc")]
 use crate::log::Signal;
 use cg_vehicle::files;
 
@@ -40,6 +42,15 @@ pub enum DbcError {
         file: String,
         /// Where and why.
         message: String,
+    },
+    /// A DBC file, and a build that cannot read it.
+    #[error(
+        "{file}: this program was built without the feature `dbc`; build it with that feature, or \
+         record the signals as J1939's"
+    )]
+    LeftOut {
+        /// The file.
+        file: String,
     },
     /// The mapping does not fit the file.
     #[error("--signal {map}: {message}")]
@@ -146,6 +157,7 @@ impl MappedSignal {
     ///
     /// # Errors
     /// As [`load`](Self::load).
+    #[cfg(feature = "dbc")]
     pub fn parse(file: &str, text: &str, maps: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
         let dbc = Dbc::try_from(text).map_err(|error| DbcError::Syntax {
             file: file.to_owned(),
@@ -154,6 +166,16 @@ impl MappedSignal {
         maps.iter().map(|map| Self::find(file, &dbc, map)).collect()
     }
 
+    /// The same in a build that cannot read DBC files.
+    ///
+    /// # Errors
+    /// [`DbcError::LeftOut`], always.
+    #[cfg(not(feature = "dbc"))]
+    pub fn parse(file: &str, _: &str, _: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
+        Err(DbcError::LeftOut { file: file.to_owned() })
+    }
+
+    #[cfg(feature = "dbc")]
     fn find(file: &str, dbc: &Dbc, map: &SignalMap) -> Result<Self, DbcError> {
         let fail = |message: String| DbcError::Map { map: map.text.clone(), message };
         let message = dbc.messages.iter().find(|m| m.name == map.message).ok_or_else(|| {
@@ -271,6 +293,7 @@ impl MappedSignal {
 }
 
 /// Units that a DBC file may name, with their size in SI.
+#[cfg(feature = "dbc")]
 const fn units(quantity: Quantity) -> [(&'static str, f64); 4] {
     const DEGREE: f64 = std::f64::consts::PI / 180.0;
     match quantity {
@@ -293,6 +316,7 @@ const fn units(quantity: Quantity) -> [(&'static str, f64); 4] {
     }
 }
 
+#[cfg(feature = "dbc")]
 fn scale(quantity: Quantity, unit: &str) -> Option<f64> {
     units(quantity).into_iter().find(|(name, _)| *name == unit.trim()).map(|(_, size)| size)
 }

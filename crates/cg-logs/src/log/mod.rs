@@ -35,6 +35,7 @@
 //! it is, a number that the truck [cannot have](cg_core::AlignSettings::believes). Time must be
 //! there and increase.
 
+#[cfg_attr(not(feature = "parquet"), path = "no_batches.rs")]
 mod batches;
 mod candump;
 mod cell;
