@@ -229,7 +229,11 @@ fn files_form_no_circle() {
     for name in CRATES.iter().chain(&DOORS) {
         let arrows = Modules::of(name).arrows();
         let seen: usize = arrows.values().map(BTreeSet::len).sum();
-        assert!(seen + 1 >= arrows.len(), "{name}: only {seen} arrows between {} files", arrows.len());
+        assert!(
+            seen + 1 >= arrows.len(),
+            "{name}: only {seen} arrows between {} files",
+            arrows.len()
+        );
         if let Some(way) = circle(&arrows) {
             let way: Vec<String> = way.iter().map(|module| module.join("::")).collect();
             circles.push(format!("{name}: {}", way.join(" -> ")));

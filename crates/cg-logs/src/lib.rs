@@ -38,3 +38,8 @@ pub mod can;
 pub mod log;
 pub mod estimate;
 pub mod calibrate;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -2,6 +2,7 @@
 //!
 //! `PROPTEST_CASES=1000000` runs more of the same.
 
+#![cfg(feature = "dbc")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use cg_core::Quantity;

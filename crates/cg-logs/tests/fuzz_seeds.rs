@@ -1,6 +1,7 @@
 //! The targets of `make fuzz` on their kept seeds and on some hundreds of changes of each: what
 //! coverage-guided fuzzing has found stays found.
 
+#![cfg(feature = "dbc")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests
 
 #[allow(unreachable_pub, reason = "a library of its own")]

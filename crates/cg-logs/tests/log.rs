@@ -12,6 +12,7 @@ use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 mod files;
 #[path = "log/options.rs"]
 mod options;
+#[cfg(feature = "parquet")]
 #[path = "log/parquet.rs"]
 mod parquet;
 #[path = "log/writer.rs"]

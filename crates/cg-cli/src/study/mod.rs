@@ -7,15 +7,18 @@
 //! | `axes` | ranges, ticks, grid |
 //! | `canvas` | lines and words on an SVG page |
 
+#[cfg(feature = "plots")]
 mod axes;
+#[cfg(feature = "plots")]
 mod canvas;
+#[cfg_attr(not(feature = "plots"), path = "no_figure.rs")]
 mod figure;
 mod table;
 
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_thesis::study::{Recorded, Study, replay, studies, study};
@@ -33,11 +36,17 @@ use crate::truck;
 /// The study that takes logs.
 const REPLAY: &str = "replay";
 
+/// Why a build without `plots` has no studies.
+const LEFT_OUT: &str = "this program was built without the feature `plots`, which draws the figures of a study; \
+                        build it with that feature";
+
 /// Width of the printed summary.
 const WIDTH: u16 = 120;
 
 pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome> {
     let Some(name) = &arguments.name else { return list() };
+    // Before a study is computed, not after it.
+    ensure!(cfg!(feature = "plots"), LEFT_OUT);
     let folder = &arguments.output;
     if folder.exists() && !folder.is_dir() {
         return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));

@@ -19,6 +19,7 @@
 //! | `run` | recorded drives replayed as if live, restarts, full disks, a service manager |
 //! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs in the memory of short ones |
+//! | `left_out` | a build without features, where they are needed (`make package`) |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 mod calibrate;
@@ -28,6 +29,8 @@ mod consistent;
 mod design;
 #[cfg(unix)]
 mod files;
+#[cfg(not(any(feature = "dbc", feature = "parquet", feature = "plots")))]
+mod left_out;
 mod logs;
 mod memory;
 mod model;

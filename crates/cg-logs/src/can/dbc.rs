@@ -10,6 +10,7 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+#[cfg(feature = "dbc")]
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::signal::j1939::pgn_of;
@@ -41,6 +42,15 @@ pub enum DbcError {
         file: String,
         /// Where and why.
         message: String,
+    },
+    /// A DBC file, and a build that cannot read it.
+    #[error(
+        "{file}: this program was built without the feature `dbc`; build it with that feature, or \
+         record the signals as J1939's"
+    )]
+    LeftOut {
+        /// The file.
+        file: String,
     },
     /// The mapping does not fit the file.
     #[error("⟨signals {map}⟩: {message}")]
@@ -204,6 +214,7 @@ impl MappedSignal {
     ///
     /// # Errors
     /// As [`load`](Self::load).
+    #[cfg(feature = "dbc")]
     pub fn parse(file: &str, text: &str, maps: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
         let dbc = Dbc::try_from(text).map_err(|error| DbcError::Syntax {
             file: file.to_owned(),
@@ -212,6 +223,16 @@ impl MappedSignal {
         maps.iter().map(|map| Self::find(file, &dbc, map)).collect()
     }
 
+    /// The same in a build that cannot read DBC files.
+    ///
+    /// # Errors
+    /// [`DbcError::LeftOut`], always.
+    #[cfg(not(feature = "dbc"))]
+    pub fn parse(file: &str, _: &str, _: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
+        Err(DbcError::LeftOut { file: file.to_owned() })
+    }
+
+    #[cfg(feature = "dbc")]
     fn find(file: &str, dbc: &Dbc, map: &SignalMap) -> Result<Self, DbcError> {
         let fail = |message: String| DbcError::Map { map: map.text.clone(), message };
         let (message, signal) = place(file, dbc, map).map_err(fail)?;

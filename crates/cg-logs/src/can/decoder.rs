@@ -178,6 +178,7 @@ const fn bus_bits(bus: u8) -> u32 {
 }
 
 #[cfg(test)]
+#[cfg(feature = "dbc")]
 mod tests {
     use super::*;
     use crate::can::SignalMap;
@@ -283,13 +284,10 @@ BO_ 291 PLAIN: 8 TILT
     /// The signal of a group mapped itself: only what the mapping says comes out.
     #[test]
     fn the_native_signal_mapped_as_a_tilt_is_a_tilt_only() {
-        let dbc = include_str!("../../../../fixtures/can/j1939.dbc");
+        let dbc = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/can/j1939.dbc");
         let map = ["tilt=SSI2.RollAngle".parse().unwrap()];
-        let decoder = Decoder::new(
-            MappedSignal::parse("j1939.dbc", dbc, &map).unwrap(),
-            Vec::new(),
-            Vec::new(),
-        );
+        let decoder =
+            Decoder::new(MappedSignal::load(dbc.as_ref(), &map).unwrap(), Vec::new(), Vec::new());
         let (identifier, data) = sent(j1939::ROLL_FINE, 0.1);
         let found = values(&decoder, identifier, &data);
         assert_eq!(found.len(), 1);

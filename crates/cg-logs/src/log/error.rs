@@ -49,6 +49,12 @@ pub enum LogError {
     /// Not a parquet file, or a damaged one.
     #[error("{place}: not a readable parquet file ({message}); copy or export it again")]
     Parquet { place: Place, message: Box<str> },
+    /// A parquet file, and a build that cannot read it.
+    #[error(
+        "{place}: this program was built without the feature `parquet`; build it with that feature, \
+         or export the log as CSV"
+    )]
+    ParquetLeftOut { place: Place },
     /// A parquet file on a stream, which cannot be rewound.
     #[error("{place}: parquet cannot be read from a stream; give the path of the file")]
     ParquetStream { place: Place },

@@ -33,6 +33,7 @@ mod candump;
 mod options;
 mod columns;
 mod cell;
+#[cfg_attr(not(feature = "parquet"), path = "no_batches.rs")]
 mod batches;
 mod frames;
 mod rows;

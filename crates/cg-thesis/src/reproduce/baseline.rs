@@ -49,7 +49,7 @@ pub(super) struct Equation517 {
 
 impl Baseline {
     pub(super) fn new() -> Result<Self, VehicleError> {
-        let text = include_str!("../../../../fixtures/vehicles/baseline.toml");
+        let text = include_str!("../../fixtures/vehicles/baseline.toml");
         let vehicle = Vehicle::parse(text, "fixtures/vehicles/baseline.toml")?;
         let model = |variant| {
             LinearModel::new(&vehicle, variant, vehicle.nominal_speed_mps, vehicle.reference_load())

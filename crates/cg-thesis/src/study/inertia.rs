@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_shape_gives_the_inertia_asked_for_and_no_other_mass() {
-        let text = include_str!("../../../../fixtures/vehicles/baseline-tables.toml");
+        let text = include_str!("../../fixtures/vehicles/baseline-tables.toml");
         let vehicle = Vehicle::parse(text, "baseline-tables.toml").unwrap();
         let load = vehicle.reference_load();
         let ranges = [10_000.0, 21_500.0].map(|kgm2| shaped(&vehicle, kgm2).unwrap());

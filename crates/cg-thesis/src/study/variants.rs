@@ -50,7 +50,7 @@ fn slope_deg(series: &Series) -> f64 {
 
 /// Fig. 2.30.
 pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
-    let text = include_str!("../../../../fixtures/vehicles/air.toml");
+    let text = include_str!("../../fixtures/vehicles/air.toml");
     let air = Vehicle::parse(text, "fixtures/vehicles/air.toml")?;
     let base = &setting.vehicle;
     let mut lines = scenario(setting, &Drive::turn(base));
