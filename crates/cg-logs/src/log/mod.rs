@@ -13,19 +13,10 @@
 //!
 //! A header with names and units, then one row of numbers for each time stamp:
 //!
-//! | signal | column | also accepted | needed |
-//! |---|---|---|---|
-//! | time | `time_s` | `_ms`, `_us` | yes |
-//! | mean road-wheel angle | `steer_rad` | `_deg` | this … |
-//! | steering-wheel angle | `steering_wheel_rad` | `_deg` | … or this |
-//! | roll angle | `roll_rad` | `_deg` | this … |
-//! | accelerometer-type inclinometer | `tilt_rad` | `_deg` | … or this |
-//! | forward speed | `speed_mps` | `_kmh` | |
-//! | lateral acceleration | `lateral_acceleration_mps2` | `_g` | |
-//! | yaw rate | `yaw_rate_radps` | `_degps` | |
-//! | mass of the whole semitrailer as weighed | `trailer_mass_kg` | `_t` | |
-//! | load of its axles on the road | `trailer_axle_load_kg` | `_t` | |
-//! | gauge pressure in its air suspension | `trailer_suspension_pressure_pa` | `_kpa`, `_bar` | |
+//! The columns are `time_s` and the quantities of [`cg_core::quantities!`], in SI units
+//! (`roll_rad`) or in another unit of their dimension (`roll_deg`, [`cg_core::Dimension`]). The
+//! time, a roll angle (`roll` or `tilt`) and an input (`steer`, `steering_wheel`,
+//! `lateral_acceleration` or `yaw_rate`) are required; all other columns are optional.
 //!
 //! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are ignored, except that a column
 //! with one of these names and an unknown unit, or without a unit, is an error. The delimiter is a

@@ -34,7 +34,7 @@ pub enum OutputError {
     },
     /// The file exists and was not written by cg.
     #[error(
-        "{path}: exists already and is not a {kind} written by cg; give {output} another file, or ⟨force⟩ to replace it"
+        "{path}: exists already and is not a {kind} written by cg-height; give {output} another file, or ⟨force⟩ to replace it"
     )]
     Foreign {
         /// The path.
