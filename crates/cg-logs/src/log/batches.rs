@@ -1,4 +1,4 @@
-//! The rows of a parquet log, one record batch at a time.
+//! Rows of a parquet log, read one record batch at a time.
 
 use std::fs::File;
 
@@ -26,7 +26,7 @@ pub(super) struct Batches {
     reader: ParquetRecordBatchReader,
     names: Box<[Box<str>]>,
     columns: Box<[Column]>,
-    /// The columns of the batch at hand, as the file numbers them, and the next row in it.
+    /// The columns of the current batch in the order of the file, and the next row in it.
     batch: Vec<(Slot, Float64Array)>,
     next: usize,
     length: usize,
@@ -91,14 +91,14 @@ impl Batches {
         Place { file: self.file.clone(), position: self.position() }
     }
 
-    /// The bytes of a file of this size that stand for the rows read so far.
+    /// The share of a file of this size that corresponds to the rows read so far, bytes.
     pub(super) fn share(&self, total_bytes: u64) -> u64 {
         let rows = u128::from(self.rows.max(1));
         let read = u128::from(total_bytes) * u128::from(self.row.min(self.rows)) / rows;
         u64::try_from(read).unwrap_or(total_bytes)
     }
 
-    /// Reads the signals of the next row into `values`. `false` at the end.
+    /// Reads the signals of the next row into `values`. Returns `false` at the end.
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
         while self.next == self.length {
             if self.over || !self.load()? {

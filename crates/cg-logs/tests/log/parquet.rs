@@ -1,4 +1,4 @@
-//! Parquet logs.
+//! Logs in the parquet format.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -25,7 +25,7 @@ fn floats(values: Vec<Option<f64>>) -> ArrayRef {
     Arc::new(Float64Array::from(values))
 }
 
-/// Time, steer and roll as given, saved and read again.
+/// Saves time, steer and roll as parquet and reads the file.
 fn through(time_s: Vec<Option<f64>>, roll: (&str, ArrayRef)) -> Result<Vec<LogRow>, LogError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.parquet");
@@ -70,9 +70,9 @@ fn parquet_is_streamed_and_counts_its_rows_and_bytes() {
 fn parquet_errors_name_the_row() {
     let roll = |values| ("roll_deg", floats(values));
     let error = through(vec![Some(1.0), Some(1.0)], roll(vec![None; 2])).unwrap_err();
-    says(&error, &["drive.parquet, row 2", "column 1 `time_s`", "does not come after"]);
+    says(&error, &["drive.parquet, row 2", "column 1 `time_s`", "does not increase after"]);
     let error = through(vec![Some(1.0), None], roll(vec![None; 2])).unwrap_err();
-    says(&error, &["row 2", "column 1 `time_s`", "absent"]);
+    says(&error, &["row 2", "column 1 `time_s`", "missing"]);
     let error = through(vec![Some(1.0)], roll(vec![Some(f64::INFINITY)])).unwrap_err();
     says(&error, &["row 1", "column 2 `roll_deg`", "`inf`", "not finite"]);
     let text: ArrayRef = Arc::new(StringArray::from(vec!["a"]));
