@@ -41,11 +41,7 @@ fn an_unknown_unit_is_named_with_its_column_and_the_units_there_are() {
 fn time_that_runs_backwards_is_named_with_both_times() {
     let text = format!("{HEADER}\n0.00,0,0\n0.02,0,0\n0.01,0,0\n");
     let place = ", line 4, column 1 `time_s`";
-    refused(
-        "log.csv",
-        text,
-        &[place, "0.01 s does not increase after 0.02 s", "sort the log by time"],
-    );
+    refused("log.csv", text, &[place, "0.01 s does not come after 0.02 s", "sort the log by time"]);
 }
 
 #[test]
