@@ -34,7 +34,7 @@ fn within(text: &str, least: f64, greatest: f64) -> Result<f64, String> {
         if (least..=greatest).contains(&value) {
             Ok(value)
         } else {
-            Err(format!("must be between {least} and {greatest}"))
+            Err(format!("must lie between {least} and {greatest}"))
         }
     })
 }

@@ -28,7 +28,7 @@ pub(super) const RANK: u8 = 0;
 #[non_exhaustive]
 pub enum DbcError {
     /// The file cannot be read.
-    #[error("{file}: cannot be read ({source}); check the path and its permissions")]
+    #[error("{file}: cannot be read: {source}; check the path and its permissions")]
     Read {
         /// The file.
         file: String,

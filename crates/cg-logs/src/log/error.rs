@@ -127,7 +127,7 @@ pub enum LogError {
     AbsentTime { place: Place, column: ColumnName },
     /// The time does not increase.
     #[error(
-        "{place}, {column}: time {time_s} s does not increase after {previous_s} s; \
+        "{place}, {column}: time {time_s} s does not come after {previous_s} s; \
          sort the log by time, or remove the duplicate row"
     )]
     TimeOrder { place: Place, column: ColumnName, previous_s: f64, time_s: f64 },

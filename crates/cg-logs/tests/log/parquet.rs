@@ -70,7 +70,7 @@ fn parquet_is_streamed_and_counts_its_rows_and_bytes() {
 fn parquet_errors_name_the_row() {
     let roll = |values| ("roll_deg", floats(values));
     let error = through(vec![Some(1.0), Some(1.0)], roll(vec![None; 2])).unwrap_err();
-    says(&error, &["drive.parquet, row 2", "column 1 `time_s`", "does not increase after"]);
+    says(&error, &["drive.parquet, row 2", "column 1 `time_s`", "does not come after"]);
     let error = through(vec![Some(1.0), None], roll(vec![None; 2])).unwrap_err();
     says(&error, &["row 2", "column 1 `time_s`", "missing"]);
     let error = through(vec![Some(1.0)], roll(vec![Some(f64::INFINITY)])).unwrap_err();

@@ -68,10 +68,7 @@ fn what_the_reader_would_refuse_is_not_written() {
         says(&written(&["c"], &COLUMNS, rows).unwrap_err(), words);
     };
     refuse(&[row(f64::NAN, 0.0, 0.0)], &["line 3", "`time_s`", "missing"]);
-    refuse(
-        &[row(1.0, 0.0, 0.0), row(1.000_000_1, 0.0, 0.0)],
-        &["line 4", "does not increase after"],
-    );
+    refuse(&[row(1.0, 0.0, 0.0), row(1.000_000_1, 0.0, 0.0)], &["line 4", "does not come after"]);
     refuse(&[row(1.0, 0.0, f64::INFINITY)], &["line 3", "column 3 `roll_rad`", "not finite"]);
     let columns = |columns: &[Signal]| written(&[], columns, &[]).unwrap_err();
     says(&columns(&COLUMNS[..2]), &["roll_rad or tilt_rad"]);
