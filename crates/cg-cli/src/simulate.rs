@@ -1,4 +1,4 @@
-//! `cg simulate`: logs with known truth.
+//! `cg simulate`: writes simulated logs with known truth.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `cg rollover`.
+//! `cg rollover`: every measure has a value, a unit and a meaning.
 
 use crate::common::{cg, fixture};
 

@@ -1,4 +1,4 @@
-//! A continuous time from time stamps.
+//! Computes a continuous time from time stamps.
 //!
 //! The estimator needs a time that only increases. Time stamps of frames are wall-clock time, which
 //! is set now and then: by a time server, by a GPS receiver, or at the first start, when it is

@@ -1,4 +1,4 @@
-//! Processing of the rows of a log.
+//! Processes the rows of a log.
 
 use cg_core::Maneuver;
 use cg_core::{AlignSettings, Design, Measured, Sample, SampleError, Status};

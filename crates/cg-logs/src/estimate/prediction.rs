@@ -64,7 +64,7 @@ impl Prediction {
     pub fn push(&mut self, row: &LogRow) -> Result<f64, SampleError> {
         let mut sample = self.intake.sample(row);
         if sample.roll_rad.is_nan() {
-            sample.roll_rad = 0.0; // the input alone is asked for
+            sample.roll_rad = 0.0; // only the input is used
         }
         let Some(conditioned) = self.conditioner.push(&self.design, &sample)? else {
             return Ok(self.running.as_ref().map_or(f64::NAN, |running| running.roll_rad));

@@ -1,4 +1,4 @@
-//! Rows of a parquet log, read one record batch at a time.
+//! Reads the rows of a parquet log, one record batch at a time.
 
 use std::fs::File;
 

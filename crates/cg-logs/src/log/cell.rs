@@ -1,4 +1,4 @@
-//! Numbers in the cells of a CSV row.
+//! Reads the numbers in the cells of a CSV row.
 
 use super::columns::Column;
 use super::error::{ColumnName, LogError, Place, shown_bytes};

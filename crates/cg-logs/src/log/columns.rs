@@ -1,4 +1,4 @@
-//! Selection of the columns to read from the names in a header.
+//! Finds the columns to read from the names in a header.
 
 use std::cmp::Reverse;
 

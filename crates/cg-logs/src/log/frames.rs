@@ -1,4 +1,4 @@
-//! Rows of a CAN log: the samples that its frames form, as in `cg run`.
+//! Reads the rows of a CAN log: the samples that its frames form, as in `cg run`.
 
 use std::io::{BufReader, Read};
 

@@ -1,4 +1,4 @@
-//! Splitting of a stream into lines, in constant memory.
+//! Splits a stream into lines, in constant memory.
 //!
 //! ```text
 //!     buffer   …… done │ start ── line ── stop ⏎ next ── not searched ── end │ free ……

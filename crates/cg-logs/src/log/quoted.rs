@@ -1,4 +1,4 @@
-//! Splitting of rows with quotes (RFC 4180) with csv-core.
+//! Splits rows with quotes (RFC 4180) by csv-core.
 
 use csv_core::{ReadRecordResult, ReaderBuilder, Terminator};
 

@@ -1,4 +1,4 @@
-//! Rows of a CSV log.
+//! Reads the rows of a CSV log.
 
 use std::io::{self, Read};
 
