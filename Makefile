@@ -141,7 +141,7 @@ semver:
 	@cargo semver-checks --version >/dev/null 2>&1 || cargo install cargo-semver-checks --locked
 	cargo semver-checks --baseline-rev $(SEMVER_BASE)
 
-# Licences, sources and double versions of the dependencies; known defects where their database can be reached.
+# Licenses, sources and double versions of the dependencies; known defects where their database can be reached.
 deny:
 	@cargo deny --version >/dev/null 2>&1 || cargo install cargo-deny --locked
 	cargo deny check bans licenses sources

@@ -23,13 +23,13 @@ pub(crate) fn shown(unit: Unit) -> Shown {
         Unit::One => own("percent", "%", 100.0),
         Unit::Radian => listed(DEG),
         Unit::RadianPerSecond => listed(DEGPS),
-        Unit::Metre => own("m", "m", 1.0),
-        Unit::MetrePerSecond => listed(KMH),
-        Unit::MetrePerSecondSquared => listed(G),
+        Unit::Meter => own("m", "m", 1.0),
+        Unit::MeterPerSecond => listed(KMH),
+        Unit::MeterPerSecondSquared => listed(G),
         Unit::Second => listed(Dimension::Time.si()),
         Unit::Decibel => own("db", "dB", 1.0),
         Unit::Kilogram => listed(TONNE),
-        Unit::KilogramSquareMetre => own("kgm2", "kg m²", 1.0),
+        Unit::KilogramSquareMeter => own("kgm2", "kg m²", 1.0),
     }
 }
 
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn a_column_has_its_unit_and_an_axis_its_symbol() {
-        let speed = Quantity { name: "speed", label: "Speed", unit: Unit::MetrePerSecond };
+        let speed = Quantity { name: "speed", label: "Speed", unit: Unit::MeterPerSecond };
         assert_eq!((column(speed).as_str(), axis(speed).as_str()), ("speed_kmh", "Speed (km/h)"));
         assert!((13.888_888_888_9 * shown(speed.unit).factor - 50.0).abs() < 1e-9);
     }

@@ -28,7 +28,7 @@ pub(super) fn resolve(
         header.claim(map)?;
     }
     for index in 0..names.len() {
-        header.recognise(index)?;
+        header.recognize(index)?;
     }
     header.refuse_bare_names()?;
     header.require(&[Signal::Time])?;
@@ -112,7 +112,7 @@ impl Header<'_> {
     }
 
     /// Uses a column because it has the standard name of a signal.
-    fn recognise(&mut self, index: usize) -> Result<(), LogError> {
+    fn recognize(&mut self, index: usize) -> Result<(), LogError> {
         let Some((stem, suffix)) = self.names[index].rsplit_once('_') else { return Ok(()) };
         let Ok(signal) = stem.parse::<Signal>() else { return Ok(()) };
         let taken = self.columns.iter().any(|column| column.index == index);

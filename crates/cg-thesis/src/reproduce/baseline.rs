@@ -8,7 +8,7 @@ use cg_vehicle::error::VehicleError;
 use cg_vehicle::{LinearModel, Variant, Vehicle};
 
 /// Meters per inch, the thesis's unit of height.
-pub(super) const METRES_PER_INCH: f64 = 0.0254;
+pub(super) const METERS_PER_INCH: f64 = 0.0254;
 
 /// Options of [`table`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

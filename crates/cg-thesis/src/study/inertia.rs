@@ -11,7 +11,7 @@ use cg_vehicle::error::VehicleError;
 const INERTIA: Quantity = Quantity {
     name: "payload_roll_inertia",
     label: "Roll inertia of the payload about its own c.g.",
-    unit: Unit::KilogramSquareMetre,
+    unit: Unit::KilogramSquareMeter,
 };
 
 /// The thesis's range of the payload's own roll inertia, in steps.
