@@ -353,7 +353,7 @@ fn an_impossible_number_costs_its_own_cell() {
     let text = std::fs::read_to_string(&drive.csv).unwrap();
     let header = text.lines().find(|line| !line.starts_with('#')).unwrap();
     let roll = header.split(',').position(|name| name == "roll_rad").unwrap();
-    let spoilt: Vec<String> = text
+    let damaged: Vec<String> = text
         .lines()
         .enumerate()
         .map(|(k, line)| {
@@ -364,8 +364,8 @@ fn an_impossible_number_costs_its_own_cell() {
             cells.join(",")
         })
         .collect();
-    let log = drive.path("spoilt.csv");
-    std::fs::write(&log, spoilt.join("\n") + "\n").unwrap();
+    let log = drive.path("damaged.csv");
+    std::fs::write(&log, damaged.join("\n") + "\n").unwrap();
     let run = |log: &str| lines(&cg(&["run", "--vehicle", &drive.truck, "--csv", log]).done());
     let (whole, found) = (run(&drive.csv), run(&log));
     // One row of 12 000.

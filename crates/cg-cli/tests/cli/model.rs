@@ -74,8 +74,8 @@ fn the_printed_model_gives_table_4_1_and_equation_5_17() {
     // Heights are printed in inches.
     for (what, ours, printed) in [
         ("A0/B0 at h = 0", line("a0") / line("b0"), 0.011_837_4),
-        ("a1/a0 per metre", line("a1") / line("a0"), 0.519_32 / 0.0254),
-        ("b1/b0 per metre", line("b1") / line("b0"), -1.775_489_4e-3 / 0.0254),
+        ("a1/a0 per meter", line("a1") / line("a0"), 0.519_32 / 0.0254),
+        ("b1/b0 per meter", line("b1") / line("b0"), -1.775_489_4e-3 / 0.0254),
     ] {
         // Five to eight digits are printed.
         assert!((ours / printed - 1.0).abs() < 1e-4, "{what}: {ours} {printed}");

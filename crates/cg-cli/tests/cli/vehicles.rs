@@ -37,8 +37,8 @@ fn a_wrong_key_at_the_top_is_named_with_the_keys_there_are() {
 
 #[test]
 fn a_wrong_key_in_an_axle_is_named_with_the_keys_there_are() {
-    let parts = ["tractor.axle[0].colour", "unknown key; expected one of", "spring_spread_m"];
-    refused("steered = true", "steered = true\ncolour = \"red\"", "\"red\"", &parts);
+    let parts = ["tractor.axle[0].paint", "unknown key; expected one of", "spring_spread_m"];
+    refused("steered = true", "steered = true\npaint = \"red\"", "\"red\"", &parts);
     // A misspelled key is unknown, and the correct key is missing.
     let parts =
         ["tractor.axle[0].spring_spred_m", "unknown key; expected one of", "spring_spread_m"];
