@@ -103,7 +103,7 @@ dist-clean:
 	rm -rf dist
 
 dist-crates:
-	cargo package --quiet
+	CARGO_TARGET_DIR=target/verify cargo package --quiet
 
 dist-program:
 	@mkdir -p dist
