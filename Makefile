@@ -1,15 +1,21 @@
-# `make test` is what CI runs: everything except the long benches.
-# It needs Rust from rustup, Python 3.11 or later with venv, gcc and make, and installs the rest.
+# `make test` is what CI runs: everything except the long benches. `make dist` builds and checks what is published.
+# Both need Rust from rustup, Python 3.11 or later with venv, gcc and make, and install the rest.
 
 SHELL := /bin/bash
 PYTHON ?= python3
 VENV := .venv
+TOOLS := target/tools
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+STATIC := x86_64-unknown-linux-musl
+CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint rust docs firmware firmware-tools firmware-budgets cg guest fuzz fuzz-tools mutants mutants-short mutants-tool soak rollover-table venv python bench bench-short demo clean
+.PHONY: test tools fmt lint package rust docs firmware firmware-tools firmware-budgets cg guest venv python bench-short \
+  dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
+  fuzz fuzz-tools mutants mutants-short mutants-tool soak rollover-table bench demo clean
 
-test: tools fmt lint rust docs firmware guest python bench-short
+test: tools fmt lint package rust docs firmware guest python bench-short
 	@echo "all checks passed"
 
 tools:
@@ -26,8 +32,19 @@ tools:
 fmt:
 	cargo fmt --all --check
 
-lint:
+lint: $(TOOLS)
 	cargo clippy --workspace --all-targets -- -D warnings
+	$(TOOLS)/bin/typos
+
+$(TOOLS):
+	$(PYTHON) -m venv $(TOOLS)
+	$(TOOLS)/bin/python -m pip install --quiet 'typos>=1.38' 'maturin>=1.9,<2' || { rm -rf $(TOOLS); exit 1; }
+
+# The crates as crates.io would get them, not compiled (`make dist` does); and `cg` without its features, which must
+# compile and name the feature that is missing.
+package:
+	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
+	cargo test --quiet --package cg-cli --no-default-features --test cli left_out
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
 rust: firmware-tools
@@ -73,9 +90,69 @@ python: venv cg
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
-	rm -rf $(VENV)/clean && $(PYTHON) -m venv $(VENV)/clean
-	$(VENV)/clean/bin/python -m pip install --quiet ./crates/cg-py
+	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
+	$(VENV)/bin/maturin build --quiet --release --out target/wheels -m crates/cg-py/Cargo.toml
+	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
+
+# All that is handed out, made and tried, in dist (RELEASING.md): from a clean tree, the crates compiled from their packages.
+dist: dist-clean dist-crates dist-program dist-python dist-c dist-firmware
+	cd dist && sha256sum cg* firmware* > SHA256SUMS && ls -l
+
+dist-clean:
+	rm -rf dist
+
+dist-crates:
+	CARGO_TARGET_DIR=target/verify cargo package --quiet
+
+dist-program:
+	@mkdir -p dist
+	rustup target add $(STATIC)
+	@command -v musl-gcc >/dev/null || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes musl-tools; }
+	cargo build --profile dist --package cg-cli --target $(STATIC)
+	! readelf --program-headers target/$(STATIC)/dist/cg | grep INTERP # nothing is loaded at run time
+	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
+	tar -czf dist/cg-$(VERSION)-$(STATIC).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C target/$(STATIC)/dist cg
+
+# Wheel and source distribution, each installed in an empty environment.
+dist-python: $(TOOLS)
+	@mkdir -p dist
+	$(TOOLS)/bin/maturin build --quiet --profile dist --out dist -m crates/cg-py/Cargo.toml
+	$(TOOLS)/bin/maturin sdist --quiet --out dist -m crates/cg-py/Cargo.toml
+	set -e; for made in dist/cgheight-$(VERSION)*; do rm -rf target/clean; $(PYTHON) -m venv target/clean; \
+	  CARGO_TARGET_DIR=$(CURDIR)/target target/clean/bin/python -m pip install --quiet $$made; \
+	  target/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py; done
+
+dist-c:
+	@mkdir -p dist
+	cargo build --profile dist --package cg-ffi
+	cargo build --profile dist --package cg-ffi --target $(CHIP)
+	rm -rf target/c && mkdir -p target/c/lib/$(CHIP)
+	cp target/dist/libcg_ffi.a target/c/lib && cp target/$(CHIP)/dist/libcg_ffi.a target/c/lib/$(CHIP)
+	tar -czf dist/cg-height-c-$(VERSION).tar.gz -C target/c lib -C $(CURDIR)/crates/cg-ffi include examples README.md LICENSE-MIT LICENSE-APACHE
+
+dist-firmware: firmware-tools
+	@mkdir -p dist
+	$(PYTHON) firmware/check.py --markdown > dist/firmware-$(VERSION).md
+
+# The interface of the published crates beside that of the last release; as long as there is none, of the commit from which on it is kept.
+SEMVER_BASE := $(or $(shell git describe --tags --abbrev=0 --match 'v*' 2>/dev/null),48b7725)
+semver:
+	@cargo semver-checks --version >/dev/null 2>&1 || cargo install cargo-semver-checks --locked
+	cargo semver-checks --baseline-rev $(SEMVER_BASE)
+
+# Licenses, sources and double versions of the dependencies; known defects where their database can be reached.
+deny:
+	@cargo deny --version >/dev/null 2>&1 || cargo install cargo-deny --locked
+	cargo deny check bans licenses sources
+	@if cargo deny fetch db; then cargo deny check --disable-fetch advisories; \
+	else echo "the database of known defects cannot be reached: not checked"; fi
+
+# The oldest compiler that the published crates promise (rust-version in Cargo.toml).
+MSRV := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+msrv:
+	@rustup run $(MSRV) rustc --version || rustup toolchain install $(MSRV) --profile minimal
+	cargo +$(MSRV) check --locked
 
 # Coverage-guided fuzzing of all code that reads foreign input, one minute each. Findings are in fuzz/artifacts:
 # fix the code, then keep the input in fuzz/seeds. `make test` runs the kept seeds and hundreds of mutations of each.

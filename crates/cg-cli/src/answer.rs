@@ -1,17 +1,17 @@
-//! The answer for one log.
+//! The result for one log.
 
 use cg_logs::estimate::LogEstimate;
 
 use crate::report::trace::Trace;
 
-/// The answer for one log and what is known of it.
+/// The result for one log with its known height and its signals.
 pub(crate) struct Answer {
-    /// The log's name as given.
+    /// Name of the log as given.
     pub(crate) log: String,
-    /// The answer.
+    /// The result.
     pub(crate) estimate: LogEstimate,
-    /// Known height, if `--truth` has one.
+    /// Known height, if the file of `--truth` contains it.
     pub(crate) known_m: Option<f64>,
-    /// Its signals, if there is to be a report.
+    /// Signals of the log, if a report is written.
     pub(crate) trace: Option<Trace>,
 }

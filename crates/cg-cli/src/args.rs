@@ -6,13 +6,13 @@ use clap::{Args, ValueEnum};
 
 use crate::numbers::{height_m, payload_kg, trailer_mass_kg};
 
-/// How the columns of logs are read.
+/// How to read the columns of logs.
 #[derive(Debug, Args)]
 pub(crate) struct ColumnArgs {
-    /// Read a signal from a foreign column: `roll=MyName[deg]`; may be repeated
+    /// Read a signal from a column with another name, such as `roll=MyName[deg]`; may be repeated
     #[arg(long, value_name = "SIGNAL=NAME[UNIT]")]
     column: Vec<ColumnMap>,
-    /// Sensors mounted the other way round: `roll,steer`
+    /// Reverse the sign of sensors that are mounted the other way round, such as `roll,steer`
     #[arg(long, value_name = "SIGNALS", value_delimiter = ',')]
     flip: Vec<Signal>,
 }
@@ -26,13 +26,13 @@ impl ColumnArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct LoadArgs {
-    /// C.g. height of the trailer's sprung mass [default: the vehicle file's]
+    /// Height of the c.g. of the trailer's sprung mass, m [default: from the vehicle file]
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = height_m)]
     pub(crate) height_m: Option<f64>,
-    /// Mass of the whole semitrailer [default: the vehicle file's]
+    /// Mass of the whole semitrailer, kg [default: from the vehicle file]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg, conflicts_with = "payload_kg")]
     pub(crate) trailer_mass_kg: Option<f64>,
-    /// Payload, in place of the mass of the whole semitrailer
+    /// Payload, kg; can be given instead of the mass of the whole semitrailer
     #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = payload_kg)]
     pub(crate) payload_kg: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! `cg calibrate`: runs with known height to a calibration file.
+//! `cg calibrate`: a calibration file from logs with known height.
 
 use std::io::Write;
 use std::path::Path;
@@ -19,7 +19,7 @@ use crate::estimate::feed;
 use crate::outcome::{Outcome, tell};
 use crate::truck;
 
-/// Errors of logs beside those of the model.
+/// Errors of reading logs and errors of the model.
 struct Failure(anyhow::Error);
 
 impl From<VehicleError> for Failure {
@@ -58,7 +58,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     Ok(Outcome::Done)
 }
 
-/// Standard input has no name to be read by twice.
+/// Standard input can be read only once, but a calibration reads each log twice.
 pub(crate) fn refuse_standard_input(logs: &[KnownLog]) -> anyhow::Result<()> {
     if logs.iter().any(|known| known.log == "-") {
         return Err(anyhow!("--run -: standard input cannot be read twice; give a file"));
@@ -70,7 +70,10 @@ fn check_output(output: &Path) -> anyhow::Result<()> {
     if output.extension().is_some_and(|extension| extension == "toml") {
         Ok(())
     } else {
-        Err(anyhow!("{}: a calibration ends in .toml; give --output such a name", output.display()))
+        Err(anyhow!(
+            "{}: the name of a calibration ends in .toml; change --output",
+            output.display()
+        ))
     }
 }
 

@@ -1,4 +1,4 @@
-//! How CAN frames are understood, for every command that reads them.
+//! Arguments for reading CAN frames, shared by all commands that read them.
 
 use std::path::PathBuf;
 
@@ -12,26 +12,26 @@ use clap::Args;
 use crate::args::ColumnArgs;
 use crate::words::word;
 
-/// How frames become signals.
+/// How to decode CAN frames.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "CAN frames")]
 pub(crate) struct CanArgs {
-    /// A DBC file with signals that are not J1939's
+    /// DBC file with signals that are not part of J1939
     #[arg(long, value_name = "FILE", requires = "signal")]
     pub(crate) dbc: Option<PathBuf>,
-    /// Take a quantity from a signal of the DBC file, in place of J1939's; unit, factor and offset
-    /// may follow: `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
+    /// Read a quantity from a signal of the DBC file instead of J1939; unit, factor and offset may
+    /// follow, as in `roll=TILT.Angle[deg]*-1+0.3`; may be repeated
     #[arg(long, value_name = "QUANTITY=MESSAGE.SIGNAL", requires = "dbc")]
     signal: Vec<SignalMap>,
-    /// Take a J1939 quantity from one source address only: `roll=0xE4`; may be repeated
+    /// Accept a J1939 quantity from one source address only, such as `roll=0xE4`; may be repeated
     #[arg(long, value_name = "QUANTITY=ADDRESS")]
     source_of: Vec<DeviceFilter>,
-    /// Whether a J1939 slope sensor (SSI, SSI2) takes the vehicle's accelerations off its angle,
-    /// which is a roll angle then, and a tilt otherwise
+    /// Whether a J1939 slope sensor (SSI, SSI2) compensates its angle for the vehicle's
+    /// accelerations; a compensated angle is a roll angle, an uncompensated one a tilt
     #[arg(long, value_name = "WORD", value_parser = word::<Compensation>(), default_value_t = Compensation::Bits)]
     roll_compensated: Compensation,
-    /// Listen to one bus only of a log with several [default: each signal from the bus that has it
-    /// first]
+    /// Use only this bus of a log with several buses [default: each signal from the bus on which it
+    /// appears first]
     #[arg(long, value_name = "NAME")]
     pub(crate) bus: Option<String>,
 }
@@ -50,7 +50,7 @@ impl CanArgs {
         })
     }
 
-    /// How logs of this vehicle are read, CSV or frames.
+    /// The options for reading logs of this vehicle, CSV or CAN frames.
     pub(crate) fn log_options(
         &self,
         columns: &ColumnArgs,
@@ -60,7 +60,7 @@ impl CanArgs {
         Ok(LogOptions { can: self.options()?, settings, ..columns.options() })
     }
 
-    /// Refuses these flags where there are no frames.
+    /// Refuses these options for a source without CAN frames.
     pub(crate) fn refuse(&self, source: &str) -> anyhow::Result<()> {
         let given = [
             ("--dbc", self.dbc.is_some()),
@@ -70,8 +70,8 @@ impl CanArgs {
         ];
         match given.into_iter().find(|(_, given)| *given) {
             Some((flag, _)) => Err(anyhow!(
-                "{flag} is for CAN frames and {source} has none: remove it, or give --candump or \
-                 --can in place of {source}"
+                "{flag} is for CAN frames, but {source} has none; remove it, or give --candump or \
+                 --can instead of {source}"
             )),
             None => Ok(()),
         }

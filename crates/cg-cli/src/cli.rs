@@ -1,4 +1,4 @@
-//! The arguments.
+//! The commands of `cg` and their arguments.
 
 use std::path::PathBuf;
 
@@ -23,21 +23,21 @@ use crate::sensors::SensorArgs;
 use crate::truck::TruckArgs;
 use crate::words::word;
 
-/// The most logs read at the same time.
+/// Maximum number of logs that are read at the same time.
 const GREATEST_JOBS: usize = 256;
 
-/// The most draws in a cell: an hour of them.
+/// Maximum number of draws in a cell, which take about an hour.
 const GREATEST_RUNS: u32 = 1_000_000;
 
-/// Centre-of-gravity height of a semitrailer from steer angle and trailer roll angle.
+/// Center-of-gravity height of a semitrailer from steer angle and trailer roll angle.
 #[derive(Debug, Parser)]
 #[command(name = "cg", version, about, arg_required_else_help = true)]
 #[command(override_usage = "cg <COMMAND>")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// Replace files that this program did not write; one that is an input of the same call is
-    /// never replaced
+    /// Replace existing files that cg did not write, or that are write-protected; inputs of the
+    /// same call are never replaced
     #[arg(long, global = true)]
     pub(crate) force: bool,
 }
@@ -46,72 +46,75 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Estimate the c.g. height from logs
     Estimate(EstimateArgs),
-    /// Calibrate a vehicle with logs of known height
+    /// Calibrate a vehicle with logs of known c.g. height
     Calibrate(CalibrateArgs),
-    /// Write the constants of a vehicle for firmware, as Rust, C or JSON
+    /// Write the constants of a vehicle for firmware as Rust, C or JSON
     Design(DesignArgs),
-    /// Print what the vehicle model says: transfer function, ratio, reduced model, loads
+    /// Print properties of the vehicle model: transfer function, DC ratio, reduced model, static
+    /// loads
     Model(ModelArgs),
-    /// Write a log with known truth
+    /// Simulate a drive and write a log with known c.g. height
     Simulate(SimulateArgs),
-    /// Print rollover measures: thresholds, load transfer, rearward amplification, damping
+    /// Compute rollover measures: thresholds, load transfer, rearward amplification, damping
     Rollover(RolloverArgs),
-    /// Compute the source's tables anew and set ours beside them
+    /// Recompute the thesis's tables and print them next to the printed values
     Reproduce(ReproduceArgs),
-    /// Estimate live from a CAN interface, or replay a recorded drive the same way
+    /// Estimate live from a CAN interface, or replay a recorded drive in the same way
     Run(RunArgs),
-    /// Run a study of the source's chapter 2 on the nonlinear plant: a CSV file and a figure
+    /// Run a study of the thesis's chapter 2 on the nonlinear plant; writes a CSV file and a figure
     Study(StudyArgs),
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateArgs {
-    /// Logs: .csv, .csv.gz, .parquet, or what candump has recorded (with time stamps: -L, -l, -ta);
-    /// `-` reads CSV or candump from standard input
+    /// Logs: .csv, .csv.gz, .parquet, or candump logs (with time stamps: -L, -l, -ta); `-` reads
+    /// CSV or a candump log from standard input
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) truck: TruckArgs,
-    /// Output format; JSON is one object per line
+    /// Output format; JSON has one object per line
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
-    /// How the DC ratio is identified
+    /// Method by which the DC ratio is identified
     #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
     pub(crate) method: Method,
-    /// What drives the roll angle; `auto` combines both by what each knows
+    /// Input from which the height is estimated
     #[arg(long, value_parser = word::<ChannelChoice>(), default_value_t = ChannelChoice::Auto)]
     pub(crate) channel: ChannelChoice,
-    /// Order of the classical ARX (with --method arx)
+    /// Order of the classical ARX (for --method arx)
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
     pub(crate) order: usize,
-    /// Forward speed, whatever the log says
+    /// Forward speed in m/s; replaces the speed in the log
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
-    /// Mass of the whole semitrailer as weighed, whatever the log says
+    /// Mass of the whole semitrailer as weighed, kg; replaces the mass in the log
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
     #[command(flatten)]
     pub(crate) frames: CanArgs,
-    /// Print the known heights of this JSON file beside (the estimator never reads it)
+    /// Show the true heights from this JSON file next to the estimates (the estimator never reads
+    /// them)
     #[arg(long, value_name = "TRUTH.json")]
     pub(crate) truth: Option<PathBuf>,
-    /// Also write a page with table, pictures and messages, in one file that needs no network
+    /// Also write an HTML page with table, plots and messages: one file that needs no network
     #[arg(long, value_name = "OUT.html")]
     pub(crate) report: Option<PathBuf>,
-    /// Logs read at the same time
+    /// Number of logs that are read at the same time [default: number of processors]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = jobs)]
     pub(crate) jobs: usize,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
-    /// The vehicle file
+    /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// A log with turns at steady speed and its known height; may be repeated. One run fixes the
-    /// compensation, more (an empty and a laden one) the truck's parameters
+    /// A log with turns at steady speed and its known c.g. height; may be repeated. One run
+    /// determines the compensation; several runs (an empty and a laden one) also determine
+    /// parameters of the truck
     #[arg(
         long,
         required = true,
@@ -119,7 +122,7 @@ pub(crate) struct CalibrateArgs {
         value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]"
     )]
     pub(crate) run: Vec<KnownLog>,
-    /// The calibration file to write
+    /// Calibration file to write; its name ends in .toml
     #[arg(short, long, value_name = "C.toml")]
     pub(crate) output: PathBuf,
     /// Equations of the vehicle model
@@ -135,23 +138,23 @@ pub(crate) struct CalibrateArgs {
 pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) truck: TruckArgs,
-    /// The language
+    /// Language of the output
     #[arg(long, value_parser = word::<Language>())]
     pub(crate) emit: Language,
-    /// The file to write
+    /// File to write
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ModelArgs {
-    /// The vehicle file
+    /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
     /// Equations of the vehicle model
     #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
     pub(crate) model: Variant,
-    /// Forward speed [default: the vehicle file's]
+    /// Forward speed, m/s [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     #[command(flatten)]
@@ -163,13 +166,13 @@ pub(crate) struct ModelArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
-    /// The vehicle file
+    /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// What the driver does
+    /// Maneuver of the driver
     #[arg(long, value_parser = word::<Maneuver>())]
     pub(crate) maneuver: Maneuver,
-    /// What moves
+    /// Simulated vehicle
     #[arg(long, value_parser = word::<Plant>(), default_value_t = Plant::Linear)]
     pub(crate) plant: Plant,
     /// Equations of the vehicle model
@@ -177,73 +180,73 @@ pub(crate) struct SimulateArgs {
     pub(crate) model: Variant,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
-    /// Forward speed [default: the vehicle file's]
+    /// Forward speed, m/s [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
-    /// Road-wheel steer amplitude [default: for 0.17 g]
+    /// Amplitude of the road-wheel angle, rad [default: the angle for 0.17 g]
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = steer_rad)]
     pub(crate) steer_rad: Option<f64>,
-    /// Samples per second
+    /// Samples per second, Hz
     #[arg(long, value_name = "F", default_value_t = 100.0, allow_negative_numbers = true, value_parser = rate_hz)]
     pub(crate) rate_hz: f64,
-    /// Straight driving before the maneuver
+    /// Straight driving before the maneuver, s
     #[arg(long, value_name = "T", default_value_t = 2.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) start_s: f64,
-    /// Length of the log, from time 0 [default: 20, a drive 300, a driver's
-    /// path as long as it takes]
+    /// Duration of the log from time 0, s [default: 20; 300 for a drive; as long as necessary for
+    /// a driver on a path]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = duration_s)]
     pub(crate) duration_s: Option<f64>,
     /// Rate of rounded steps, 1/s
     #[arg(long, value_name = "A", default_value_t = Histories::STEP_RATE_PER_S, allow_negative_numbers = true, value_parser = step_rate)]
     pub(crate) step_rate: f64,
-    /// With steady-turn and the nonlinear plant: a driver turns by this angle (right if negative)
-    /// on a radius of --radius-m [default with --radius-m: 90]
+    /// Angle of a turn by a driver, degrees, to the right if negative; for steady-turn with the
+    /// nonlinear plant [default with --radius-m: 90]
     #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = turn_deg)]
     pub(crate) turn_deg: Option<f64>,
-    /// Radius of that turn [default with --turn-deg: 100]
+    /// Radius of that turn, m [default with --turn-deg: 100]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius_m)]
     pub(crate) radius_m: Option<f64>,
-    /// With lane-change and the nonlinear plant: a driver changes the lane (3.65 m) over this gate
-    /// length (the source: 20 and 30)
+    /// Gate length in m for a driver who changes the lane by 3.65 m (the thesis uses 20 and 30);
+    /// for lane-change with the nonlinear plant
     #[arg(long, value_name = "L", allow_negative_numbers = true, value_parser = gate_m)]
     pub(crate) gate_m: Option<f64>,
-    /// With drive: the speed changes by up to this share either way [default: 0.3 with the
-    /// nonlinear plant, else 0]
+    /// Greatest relative change of the speed, up and down; for drive [default: 0.3 with the
+    /// nonlinear plant, otherwise 0]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = speed_change)]
     pub(crate) speed_change: Option<f64>,
-    /// With the nonlinear plant: the log ends where the vehicle rolls over; the default steer
-    /// amplitude is then that of 1.2 g
+    /// End the log at the rollover of the vehicle; for the nonlinear plant. The default steer
+    /// amplitude is then that for 1.2 g
     #[arg(long)]
     pub(crate) to_rollover: bool,
     #[command(flatten)]
     pub(crate) sensors: SensorArgs,
-    /// Seed of the sensors and of the drive
+    /// Seed of the random numbers of the sensors and of the drive
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// The log to write: .csv, .csv.gz or .log (J1939 frames as candump writes them); `-` writes CSV
+    /// Log to write: .csv, .csv.gz or .log (J1939 frames in the format of candump); `-` writes CSV
     /// to standard output
     #[arg(short, long, value_name = "LOG.csv")]
     pub(crate) output: PathBuf,
-    /// Also write the truth as JSON
+    /// Also write the truth (height, parameters, sensor errors) as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct RolloverArgs {
-    /// The vehicle file
+    /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
-    /// Speed of the ramps and of the lane change; measures that are defined at a speed keep it
-    /// [default: the vehicle file's]
+    /// Speed of the ramps and of the lane change, m/s; measures that are defined at a certain speed
+    /// keep it [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
-    /// Lateral acceleration of the load transfer, in g
+    /// Lateral acceleration at which the load transfer is computed, g
     #[arg(long, value_name = "A", default_value_t = 0.15, allow_negative_numbers = true, value_parser = lateral_g)]
     pub(crate) lateral_acceleration_g: f64,
-    /// Gate length of the lane change (the source: 20 and 30)
+    /// Gate length of the lane change, m (the thesis uses 20 and 30)
     #[arg(long, value_name = "L", default_value_t = 20.0, allow_negative_numbers = true, value_parser = gate_m)]
     pub(crate) gate_m: f64,
     /// Output format
@@ -253,14 +256,14 @@ pub(crate) struct RolloverArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArgs {
-    /// One table, equation or figure, such as 5.11, "eq. 5.12" or C; an unknown one lists all
-    /// [default: all]
+    /// Only this table, equation or figure, such as 5.11, "eq. 5.12" or C; an unknown name lists
+    /// all [default: all]
     #[arg(long, value_name = "N")]
     pub(crate) table: Option<String>,
-    /// Output format; JSON is one object per line
+    /// Output format; JSON has one object per line
     #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
     pub(crate) format: ModelFormat,
-    /// Draws of the noise in each cell of a Monte-Carlo table
+    /// Number of noise draws in each cell of a Monte-Carlo table
     #[arg(long, value_name = "N", default_value_t = Options::default().runs, value_parser = runs)]
     pub(crate) runs: u32,
     /// Seed of the first draw
@@ -270,29 +273,30 @@ pub(crate) struct ReproduceArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct StudyArgs {
-    /// Which one; an unknown one lists all
+    /// Name of the study; an unknown name lists all
     #[arg(required_unless_present = "list")]
     pub(crate) name: Option<String>,
     /// List all studies
     #[arg(long, conflicts_with_all = ["name", "vehicle", "output", "run", "calibration"])]
     pub(crate) list: bool,
-    /// The vehicle file, in place of the source's baseline with its measured springs and tyres
+    /// Vehicle file [default: the thesis's baseline with its measured springs and tires]
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: Option<PathBuf>,
-    /// With `replay`: a recorded log and its known load; may be repeated
+    /// For `replay`: a recorded log with its known load; may be repeated
     #[arg(long, allow_hyphen_values = true, value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]")]
     pub(crate) run: Vec<KnownLog>,
-    /// With `replay`: a calibration of this vehicle (from `cg calibrate`)
+    /// For `replay`: calibration of this vehicle (from `cg calibrate`)
     #[arg(long, value_name = "C.toml")]
     pub(crate) calibration: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
-    /// Where NAME.csv and NAME.svg go; made if it does not exist
+    /// Folder for NAME.csv and NAME.svg; it is created if it does not exist [default: current
+    /// folder]
     #[arg(short, long, value_name = "FOLDER", default_value = ".", hide_default_value = true)]
     pub(crate) output: PathBuf,
 }
 
-/// Zero means as many as there are processors; each costs a thread, so there is an end to them.
+/// Zero means the number of processors. Each job needs a thread, so their number is limited.
 fn jobs(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(jobs) if jobs <= GREATEST_JOBS => Ok(jobs),

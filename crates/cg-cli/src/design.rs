@@ -1,4 +1,4 @@
-//! `cg design`: the constants of one truck, for firmware.
+//! `cg design`: the constants of one truck for firmware.
 
 use std::path::Path;
 
@@ -14,14 +14,15 @@ pub(crate) fn run(arguments: &DesignArgs, files: Files) -> anyhow::Result<Outcom
     let target = arguments.truck.read(files).writes("--output", &arguments.output, Kind::Design)?;
     let vehicle = arguments.truck.load()?;
     let design = arguments.truck.design(&vehicle)?.cast();
-    // Single precision narrows ranges and joins neighbours: checked as the firmware would.
+    // In single precision, ranges are narrower and neighboring values may become equal. The check
+    // is the same as in the firmware.
     design.validate().context("in single precision")?;
     let text = emit(&design, arguments.emit, &comment(arguments, &vehicle));
     target.write(&text)?.map_or(Ok(()), Draft::publish)?;
     Ok(Outcome::Done)
 }
 
-/// What it is of, and how to make it again.
+/// A comment with the source of the design and the command that writes it.
 fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
     let option = |flag: &str, path: Option<&Path>| {
         path.map_or_else(String::new, |path| format!(" {flag} {}", path.display()))

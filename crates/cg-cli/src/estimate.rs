@@ -1,4 +1,4 @@
-//! `cg estimate`: logs to heights, in parallel, memory independent of their length.
+//! `cg estimate`: heights from logs, in parallel, with memory that does not depend on their length.
 
 use std::collections::HashMap;
 use std::io::IsTerminal;
@@ -23,7 +23,7 @@ use crate::report::trace::Trace;
 use crate::report::{self, About};
 use crate::sink;
 
-/// Rows between two updates of the progress bar.
+/// Number of rows between two updates of the progress bar.
 const ROWS_PER_TICK: u32 = 8192;
 
 pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outcome> {
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     let design = arguments.truck.design(&vehicle)?;
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
     if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
-        return Err(anyhow!("standard input (-) can be read once only"));
+        return Err(anyhow!("standard input (-) can be read only once"));
     }
     let estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
     let log_options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
@@ -82,7 +82,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     Ok(outcome)
 }
 
-/// Where the report goes, if there is to be one.
+/// The file of the report, if one is written.
 fn report_target(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Option<Target>> {
     let mut files = arguments.truck.read(files).reads_some("--truth", arguments.truth.as_deref());
     for log in &arguments.logs {
@@ -93,15 +93,15 @@ fn report_target(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Optio
     Ok(target.transpose()?)
 }
 
-/// What became of all logs.
+/// The results of all logs.
 struct Batch {
     answers: Vec<Answer>,
-    /// Logs that could not be read, and why.
+    /// Logs that could not be read, with the reason.
     unreadable: Vec<(String, String)>,
     outcome: Outcome,
 }
 
-/// Answers beside what is known; errors are told.
+/// Collects the results with the known heights, and reports errors.
 fn gathered(
     logs: &[PathBuf],
     results: Vec<anyhow::Result<Estimated>>,
@@ -132,7 +132,7 @@ fn gathered(
     batch
 }
 
-/// The answer for a log, and its signals if there is room for them.
+/// The result for a log, and its signals if they fit into memory.
 type Estimated = (LogEstimate, Option<Trace>);
 
 fn estimate_log(
@@ -158,7 +158,7 @@ fn estimate_log(
     Ok((estimate, trace))
 }
 
-/// Hands out the rows of a log; what is to be told of it.
+/// Passes the rows of a log to `take` and returns the messages of the reader.
 pub(crate) fn feed(
     log: &Path,
     options: &LogOptions,
@@ -176,7 +176,7 @@ pub(crate) fn feed(
     while let Some(row) = reader.next_row()? {
         take(&row).with_context(|| {
             let line = reader.line();
-            format!("{name}, line {line}: time stamps must be a microsecond apart or more")
+            format!("{name}, line {line}: time stamps must be at least a microsecond apart")
         })?;
         rows += 1;
         if rows % ROWS_PER_TICK == 0 {
@@ -188,7 +188,7 @@ pub(crate) fn feed(
     Ok(reader.remarks())
 }
 
-/// A bar over the bytes of all logs, on a terminal only.
+/// A progress bar over the bytes of all logs, shown only on a terminal.
 fn progress_bar(logs: &[PathBuf]) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -198,7 +198,7 @@ fn progress_bar(logs: &[PathBuf]) -> ProgressBar {
     ProgressBar::new(bytes).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// Known heights, by the file name of the log.
+/// Known heights by the file name of the log.
 struct Truth(HashMap<String, f64>);
 
 #[derive(Deserialize)]
@@ -223,7 +223,7 @@ impl Truth {
     }
 }
 
-/// The last part of a path.
+/// The last component of a path.
 pub(crate) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -1,12 +1,12 @@
-//! Flags in the messages of the libraries, which name options by their neutral names.
+//! Flags in the messages of the libraries, which contain neutral names of options.
 
 use cg_vehicle::hint;
 
-/// A message of a library with its options as flags.
+/// A message of a library with its options written as flags.
 pub(crate) fn told(message: &str) -> String {
     hint::told(message, |name, value| {
         let flag = flag(name);
-        // What a shell would take apart goes in quotes.
+        // A value with characters that a shell interprets is quoted.
         match value.contains(|c: char| !c.is_alphanumeric() && !"_=[].*+-".contains(c)) {
             _ if value.is_empty() => flag,
             false => format!("{flag} {value}"),
@@ -48,8 +48,8 @@ mod tests {
         entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
     }
 
-    /// Every option that a library's message names is a flag of some command, and no library names a
-    /// flag itself.
+    /// Every option in a message of a library is a flag of some command, and no library contains a
+    /// flag.
     #[test]
     fn every_option_that_a_library_names_is_a_flag() {
         let command = crate::cli::Cli::command();

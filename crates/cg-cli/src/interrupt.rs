@@ -1,5 +1,5 @@
-//! SIGINT, SIGTERM and SIGHUP: the program ends as the system would end it, and leaves nothing
-//! half-written.
+//! Handling of SIGINT, SIGTERM and SIGHUP: the program ends with the signal's status and leaves no
+//! incomplete files.
 
 use std::io;
 use std::sync::Arc;
@@ -11,11 +11,11 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
-/// Ends the program at a signal. With a flag the first signal sets it and the second one ends the
+/// Ends the program at a signal. With a flag, the first signal sets it, and the second one ends the
 /// program.
 pub(crate) fn watch(flag: Option<Arc<AtomicBool>>) -> io::Result<()> {
     let mut wanted = vec![SIGINT, SIGTERM];
-    // `nohup` has it ignored, and so it stays.
+    // If `nohup` has set SIGHUP to be ignored, it remains ignored.
     if !ignores(SIGHUP) {
         wanted.push(SIGHUP);
     }
@@ -26,14 +26,14 @@ pub(crate) fn watch(flag: Option<Arc<AtomicBool>>) -> io::Result<()> {
                 continue;
             }
             let _abandoned = abandon();
-            // It ends the process, with the status of the signal.
+            // This ends the process with the status of the signal.
             let _ = emulate_default_handler(signal);
         }
     })?;
     Ok(())
 }
 
-/// Whether this process was started with a signal ignored, where the system tells.
+/// Whether this process was started with a signal ignored; `false` if the system does not tell.
 fn ignores(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -1,28 +1,28 @@
-//! `cg`: the centre-of-gravity height of a semitrailer, from logs.
+//! `cg`: the command-line program that estimates the center-of-gravity height of a semitrailer.
 //!
 //! | file | what |
 //! |---|---|
 //! | `cli`, `args` | the arguments; those that several commands share |
-//! | `outcome`, `answer` | how a command ended; the answer for one log |
-//! | `estimate` | `cg estimate`: logs to heights, in parallel |
-//! | `calibrate` | `cg calibrate`: logs with known height to a calibration |
-//! | `sink` | their output as table, JSON Lines or CSV |
-//! | `report` | the same as a page (`--report`) |
-//! | `design` | `cg design`: the constants of a vehicle, for firmware |
-//! | `model` | `cg model`: what the vehicle model says |
-//! | `simulate`, `sensors` | `cg simulate`: logs with known truth, what sensors make of it |
-//! | `rollover` | `cg rollover`: rollover measures of a vehicle under a load |
-//! | `run` | `cg run`: live from CAN, or a recorded drive through the same stages |
-//! | `reproduce` | `cg reproduce`: the source's tables beside ours |
-//! | `truck` | the arguments that say which truck |
+//! | `outcome`, `answer` | the exit status of a command; the result for one log |
+//! | `estimate` | `cg estimate`: heights from logs, in parallel |
+//! | `calibrate` | `cg calibrate`: a calibration from logs with known height |
+//! | `sink` | output of heights as table, JSON Lines or CSV |
+//! | `report` | output of heights as an HTML page (`--report`) |
+//! | `design` | `cg design`: the constants of a vehicle for firmware |
+//! | `model` | `cg model`: properties of the vehicle model |
+//! | `simulate`, `sensors` | `cg simulate`: logs with known truth; errors of the sensors |
+//! | `rollover` | `cg rollover`: rollover measures of a loaded vehicle |
+//! | `run` | `cg run`: live estimates from CAN, or a replay of a recorded drive |
+//! | `reproduce` | `cg reproduce`: the thesis's tables, recomputed |
+//! | `truck` | the arguments that select the truck |
 //! | `numbers` | arguments that are numbers, and their limits |
-//! | `study` | `cg study`: chapter 2 as CSV files and figures |
+//! | `study` | `cg study`: the studies of chapter 2 as CSV files and figures |
 //! | `words`, `flags` | arguments that are words of a library; flags in the libraries' messages |
-//! | `units` | SI to the units of its columns and axes |
-//! | `interrupt` | SIGINT and SIGTERM: nothing half-written stays |
+//! | `units` | conversion from SI to the units of columns and axes |
+//! | `interrupt` | SIGINT and SIGTERM, without incomplete files |
 //!
-//! Exit status: 0 every log has a height, 1 some log has none, 2 bad usage, unreadable input or an
-//! output that may not be written; after a signal that of the signal.
+//! Exit status: 0 every log has a height; 1 some log has no height; 2 wrong usage, an input that
+//! cannot be read, or an output that may not be written. After a signal it is that of the signal.
 
 mod answer;
 mod args;
@@ -71,7 +71,7 @@ fn main() -> ExitCode {
 }
 
 fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
-    // `cg run` ends in order, in its own time.
+    // `cg run` handles signals itself, so that it can save its state.
     #[cfg(unix)]
     if !matches!(cli.command, Command::Run(_)) {
         interrupt::watch(None)?;
@@ -90,7 +90,7 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
     }
 }
 
-/// The reader of our output has seen enough (`cg … | head`): not an error.
+/// Whether the reader of standard output has closed it (`cg … | head`), which is not an error.
 fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| {
         cause

@@ -34,7 +34,7 @@ struct Description {
     static_balance: Balance,
 }
 
-/// `R_a(h) = (a1 h + a0)/(b1 h + b0)`, h in metres.
+/// `R_a(h) = (a1 h + a0)/(b1 h + b0)` with h in meters.
 #[derive(Serialize)]
 struct Line {
     a0: f64,
@@ -139,7 +139,10 @@ fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
             }
         }
     }
-    writeln!(out, "\nDC ratio over height, R = (a1 h + a0) / (b1 h + b0), h in metres")?;
+    writeln!(
+        out,
+        "\nDC ratio as a function of height, R = (a1 h + a0) / (b1 h + b0), h in meters"
+    )?;
     for (name, line) in
         [("steer", &d.ratio), ("lateral acceleration", &d.lateral_acceleration_ratio)]
     {

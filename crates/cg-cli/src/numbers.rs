@@ -28,7 +28,7 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     })
 }
 
-/// Between these, both included.
+/// A number between these limits, both included.
 fn within(text: &str, least: f64, greatest: f64) -> Result<f64, String> {
     number(text).and_then(|value| {
         if (least..=greatest).contains(&value) {
@@ -71,7 +71,7 @@ pub(crate) fn duration_s(text: &str) -> Result<f64, String> {
     at_most(positive(text)?, limits::GREATEST_DURATION_S)
 }
 
-/// A lateral acceleration or a gate length: positive, and nothing beyond reason.
+/// A positive number up to 1 g.
 pub(crate) fn lateral_g(text: &str) -> Result<f64, String> {
     at_most(positive(text)?, 1.0)
 }
@@ -88,10 +88,14 @@ pub(crate) fn speed_change(text: &str) -> Result<f64, String> {
     within(text, 0.0, 0.5)
 }
 
-/// Not zero: a turn has a side.
+/// An angle of at least one degree in either direction, because a turn has a side.
 pub(crate) fn turn_deg(text: &str) -> Result<f64, String> {
     within(text, -360.0, 360.0).and_then(|value| {
-        if value.abs() >= 1.0 { Ok(value) } else { Err("must be at least 1 either way".to_owned()) }
+        if value.abs() >= 1.0 {
+            Ok(value)
+        } else {
+            Err("must be at least 1 or at most -1".to_owned())
+        }
     })
 }
 
@@ -111,7 +115,7 @@ pub(crate) fn delay_s(text: &str) -> Result<f64, String> {
     within(text, 0.0, sensors::GREATEST_DELAY_S)
 }
 
-/// Its upper limit depends on the sampling rate and is the library's.
+/// The upper limit depends on the sampling rate; the library checks it.
 pub(crate) fn jitter_s(text: &str) -> Result<f64, String> {
     not_negative(text)
 }

@@ -1,21 +1,22 @@
-//! How a command ended, and errors on standard error.
+//! The outcome of a command, and errors on standard error.
 
 use std::io::Write;
 
 use crate::flags;
 
-/// What a command that ran has to say.
+/// The outcome of a command that ran.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Outcome {
-    /// Everything asked for.
+    /// The command did everything.
     Done,
-    /// It ran, but some log gave no height.
+    /// Some log gave no height.
     NoAnswer,
-    /// Some input could not be read (already reported).
+    /// Some input could not be read; the error has been reported.
     Unreadable,
 }
 
-/// An error and its causes, each once: a library's message may hold its cause already.
+/// An error with its causes. A cause that the message of a library already contains is not
+/// repeated.
 pub(crate) fn told(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
@@ -27,8 +28,8 @@ pub(crate) fn told(error: &anyhow::Error) -> String {
     flags::told(&text)
 }
 
-/// Tells an error on standard error.
+/// Prints an error to standard error.
 pub(crate) fn tell(error: &anyhow::Error) {
-    // A closed standard error leaves nobody to tell; `eprintln!` would panic.
+    // Standard error may be closed, and `eprintln!` would then panic.
     let _ = writeln!(std::io::stderr(), "cg: {}", told(error));
 }

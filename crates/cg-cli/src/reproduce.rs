@@ -1,4 +1,4 @@
-//! `cg reproduce`: the source's tables beside ours.
+//! `cg reproduce`: the thesis's tables with the printed and the recomputed values.
 
 use std::io::Write;
 
@@ -36,14 +36,14 @@ pub(crate) fn run(arguments: &ReproduceArgs) -> anyhow::Result<Outcome> {
 
 fn json(out: &mut impl Write, rows: &[Row]) -> anyhow::Result<()> {
     for row in rows {
-        // To a string first: a line is written whole or not at all.
+        // The line is formatted first, so that it is written completely or not at all.
         writeln!(out, "{}", serde_json::to_string(row)?)
             .context("standard output: cannot be written")?;
     }
     Ok(())
 }
 
-/// Title, one line for each number, and the notes below, each once.
+/// Prints the title, one line for each number, and each note once below.
 fn print(out: &mut impl Write, title: &str, rows: &[Row]) -> std::io::Result<()> {
     let mut notes: Vec<&str> = Vec::new();
     let mut table = Table::new();
@@ -82,22 +82,22 @@ fn print(out: &mut impl Write, title: &str, rows: &[Row]) -> std::io::Result<()>
     Ok(())
 }
 
-/// A relative difference in per cent, with enough decimals to be seen.
+/// A relative difference in percent, with enough decimals to show it.
 fn difference(relative: f64) -> String {
     let percent = 100.0 * relative;
     if percent.abs() < 0.000_05 { "0.0000 %".to_owned() } else { format!("{percent:+.4} %") }
 }
 
-/// A number with the digits that the source prints and `more`; five digits if it prints none.
+/// A number with the digits that the thesis prints plus `more`; five digits if it prints none.
 fn digits(value: f64, rounding: Option<f64>, more: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let magnitude = power_of_ten(value.abs());
-    // The place of the last digit: −2 for hundredths.
+    // Decimal place of the last digit: −2 for hundredths.
     let last = match rounding {
         None => magnitude - 4,
-        // Ours can be so small beside it that the same place shows nothing.
+        // A recomputed value may be so small that this decimal place shows nothing.
         Some(rounding) if more > 0 && value.abs() > rounding => {
             (power_of_ten(2.5 * rounding) - more).min(magnitude - 3)
         }

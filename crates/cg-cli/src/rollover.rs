@@ -1,4 +1,4 @@
-//! `cg rollover`: rollover measures of a vehicle under a load.
+//! `cg rollover`: rollover measures of a loaded vehicle.
 
 use std::io::Write;
 
@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {
             object.insert("height_m".into(), json!(load.cg_height_m));
             object.insert("trailer_mass_kg".into(), json!(load.trailer_mass_kg));
             describe(&mut object, &all);
-            // To a string first: a line is written whole or not at all.
+            // The line is formatted first, so that it is written completely or not at all.
             writeln!(out, "{}", Value::Object(object))
         }
         ModelFormat::Table => {

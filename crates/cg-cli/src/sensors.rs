@@ -1,4 +1,4 @@
-//! The arguments that say what sensors make of a simulated log.
+//! Arguments for the sensor errors of a simulated log.
 
 use cg_plant::sensors::Sensors;
 use clap::Args;
@@ -10,47 +10,48 @@ use crate::numbers::{
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sensors")]
 pub(crate) struct SensorArgs {
-    /// Noise on the roll angle, decibels below its mean square
+    /// Signal-to-noise ratio of the roll angle, dB [default: no noise]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = decibels)]
     snr_db: Option<f64>,
-    /// Time constant of that noise, as a rough road makes it; 0 for white noise
+    /// Time constant of that noise, s, as from a rough road; 0 for white noise
     #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     noise_lag_s: f64,
-    /// Standard deviation of white noise on the steer angle, at the road wheels
+    /// Standard deviation of white noise on the steer angle, at the road wheels, rad
     #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     steer_noise_rad: f64,
-    /// Standard deviation of white noise on the lateral acceleration
+    /// Standard deviation of white noise on the lateral acceleration, m/s²
     #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     lateral_noise_mps2: f64,
-    /// Play between the measured steer angle and the road wheels, from end to end
+    /// Play between the measured steer angle and the road wheels, from end to end, rad
     #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     steer_play_rad: f64,
-    /// Greatest angle that the roll sensor can show, either way [default: any]
+    /// Greatest angle of the roll sensor in both directions, rad [default: unlimited]
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = not_negative)]
     roll_limit_rad: Option<f64>,
-    /// Constant offset of the roll sensor
+    /// Constant offset of the roll sensor, rad
     #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = offset_rad)]
     roll_offset_rad: f64,
-    /// Constant offset of the steer angle, at the road wheels
+    /// Constant offset of the steer angle, at the road wheels, rad
     #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = offset_rad)]
     steer_offset_rad: f64,
-    /// Step of the roll sensor (0.05 degrees are 0.00087); 0 for none
+    /// Resolution of the roll sensor, rad (0.05 degrees are 0.00087); 0 for unlimited
     #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = quantisation_rad)]
     quantisation_rad: f64,
-    /// By how much the roll sensor is late
+    /// Delay of the roll sensor, s
     #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true, value_parser = delay_s)]
     delay_s: f64,
-    /// An inclinometer that feels lateral acceleration, in place of the roll sensor: column
-    /// `tilt_rad`, roll plus lateral acceleration over g
+    /// Simulate an inclinometer instead of the roll sensor; its column `tilt_rad` is the roll angle
+    /// plus the lateral acceleration divided by g
     #[arg(long)]
     inclinometer: bool,
-    /// Time stamps lie up to this much beside the sample, at random; less than half an interval
+    /// Greatest random error of the time stamps, s; less than half a sampling interval
     #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true, value_parser = jitter_s)]
     jitter_s: f64,
-    /// Share of the rows whose roll angle is lost (an empty cell), at random
+    /// Share of the rows whose roll angle is lost at random (an empty cell), from 0 to 0.95
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, allow_negative_numbers = true, value_parser = share)]
     drop_out: f64,
-    /// The steering-wheel angle in place of that of the road wheels, by the vehicle file's ratio
+    /// Write the steering-wheel angle instead of the road-wheel angle, with the vehicle file's
+    /// ratio
     #[arg(long)]
     steering_wheel: bool,
 }

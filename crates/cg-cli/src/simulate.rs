@@ -1,4 +1,4 @@
-//! `cg simulate`: logs with known truth.
+//! `cg simulate`: writes simulated logs with known truth.
 
 use std::path::Path;
 
@@ -75,7 +75,8 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
         .flatten()
         .map(|(key, value)| format!("truth {key} = {value}"))
         .collect();
-    // The truth is on the disk before the log is begun: if it cannot be, there is no log either.
+    // The truth is written to the disk before the log is begun. If this fails, there is no log
+    // either.
     let draft = match &truth_target {
         Some(target) => target.write(&serde_json::to_string_pretty(&truth)?)?,
         None => None,
@@ -110,7 +111,7 @@ fn is_candump(output: &Path) -> bool {
     output.extension().is_some_and(|extension| extension == "log")
 }
 
-/// J1939 knows the steering wheel only: without a steering ratio there is no steer angle to send.
+/// J1939 has only the steering-wheel angle, so without a steering ratio no steer angle is sent.
 fn write_candump(
     simulation: &LogSimulation,
     vehicle: &Vehicle,
@@ -123,14 +124,15 @@ fn write_candump(
     writer.finish()?;
     if vehicle.steering_ratio.is_none() {
         tell(&anyhow!(
-            "{}: without a steering angle: J1939 has that of the steering wheel, and the vehicle \
-             file no steering_ratio",
+            "{}: the log has no steering angle, because J1939 has only the steering-wheel angle \
+             and the vehicle file has no steering_ratio",
             output.display()
         ));
     }
     if lost > 0 {
         tell(&anyhow!(
-            "{}: {lost} values beyond the range of their J1939 signal are \"not available\"",
+            "{}: {lost} values are outside the range of their J1939 signal and were written as \
+             \"not available\"",
             output.display()
         ));
     }
@@ -143,7 +145,7 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
         Ok(())
     } else {
         Err(anyhow!(
-            "{name}: a log ends in .csv, .csv.gz or .log (CAN frames); give --output such a name"
+            "{name}: the name of a log ends in .csv, .csv.gz or .log (CAN frames); change --output"
         ))
     }
 }

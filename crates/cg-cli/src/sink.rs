@@ -1,4 +1,4 @@
-//! Answers as a table, JSON Lines or CSV on standard output.
+//! Output of results as a table, JSON Lines or CSV on standard output.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ use crate::args::Format;
 
 pub(crate) fn write(format: Format, answers: &[Answer]) -> anyhow::Result<()> {
     if answers.is_empty() {
-        return Ok(()); // every log was unreadable, which has been said
+        return Ok(()); // no log could be read, which has been reported
     }
     match format {
         Format::Table => table(answers),
@@ -37,7 +37,7 @@ fn json(answers: &[Answer]) -> anyhow::Result<()> {
     for answer in answers {
         let line =
             Line { log: &answer.log, estimate: &answer.estimate, known_height_m: answer.known_m };
-        // To a string first: a line is written whole or not at all.
+        // The line is formatted first, so that it is written completely or not at all.
         writeln!(out, "{}", serde_json::to_string(&line)?)?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Which truck: vehicle file, calibration, equations.
+//! Arguments that select the truck: vehicle file, calibration, equations.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,13 +14,13 @@ use clap::Args;
 
 use crate::words::word;
 
-/// The truck, and what is believed of it.
+/// The truck and its calibration.
 #[derive(Debug, Args)]
 pub(crate) struct TruckArgs {
-    /// The vehicle file
+    /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// A calibration of this vehicle (from `cg calibrate`)
+    /// Calibration of this vehicle (from `cg calibrate`)
     #[arg(long, value_name = "C.toml")]
     pub(crate) calibration: Option<PathBuf>,
     /// Equations of the vehicle model
@@ -28,19 +28,19 @@ pub(crate) struct TruckArgs {
     pub(crate) model: Variant,
 }
 
-/// Reads a vehicle file; what is unusual in it goes to standard error.
+/// Reads a vehicle file and prints warnings about unusual values to standard error.
 pub(crate) fn load(path: &Path) -> anyhow::Result<Vehicle> {
     let (vehicle, warnings) = Vehicle::load_checked(path)?;
     let file = path.display().to_string();
     for warning in warnings {
-        // A closed standard error leaves nobody to tell; `eprintln!` would panic.
+        // Standard error may be closed, and `eprintln!` would then panic.
         let _ = writeln!(std::io::stderr(), "cg: {}", warning.in_file(&file));
     }
     Ok(vehicle)
 }
 
 impl TruckArgs {
-    /// Tells what is read.
+    /// Registers the files that are read.
     pub(crate) fn read(&self, files: Files) -> Files {
         files
             .reads("--vehicle", &self.vehicle)
@@ -51,7 +51,7 @@ impl TruckArgs {
         load(&self.vehicle)
     }
 
-    /// The design of the loaded vehicle, as its file says or as the calibration does.
+    /// The design of the vehicle, with the calibration if there is one.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
         let variant = self.model;
         let belief = match &self.calibration {
@@ -59,7 +59,8 @@ impl TruckArgs {
                 let calibration = Calibration::load(path, vehicle)?;
                 if calibration.model != variant {
                     return Err(anyhow!(
-                        "{}: made for the other model; give the same --model as to cg calibrate",
+                        "{}: the calibration is for the other model; give the same --model as to \
+                         cg calibrate",
                         path.display()
                     ));
                 }

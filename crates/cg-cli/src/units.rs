@@ -1,21 +1,21 @@
-//! SI to the units of the source's figures: for columns and axes only.
+//! Conversion from SI to the units of the thesis's figures, for columns and axes only.
 
 use cg_core::Dimension;
 use cg_core::signal::unit::{DEG, DEGPS, G, KMH, TONNE};
 use cg_thesis::study::{Quantity, Unit};
 
-/// How a quantity is shown.
+/// How a unit is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shown {
-    /// At the end of a column's name.
+    /// Suffix of a column's name.
     pub(crate) suffix: &'static str,
-    /// Beside an axis.
+    /// Symbol in the label of an axis.
     pub(crate) symbol: &'static str,
-    /// Shown value over SI value.
+    /// Shown value divided by SI value.
     pub(crate) factor: f64,
 }
 
-/// How a unit is shown: as one of the table of units, or one that only figures have.
+/// How a unit is shown. Some units occur only in figures and are not in the table of units.
 pub(crate) fn shown(unit: Unit) -> Shown {
     let own = |suffix, symbol, factor| Shown { suffix, symbol, factor };
     let listed = |unit: cg_core::Unit| own(unit.suffix, unit.spellings[0], unit.per / unit.times);
@@ -23,22 +23,22 @@ pub(crate) fn shown(unit: Unit) -> Shown {
         Unit::One => own("percent", "%", 100.0),
         Unit::Radian => listed(DEG),
         Unit::RadianPerSecond => listed(DEGPS),
-        Unit::Metre => own("m", "m", 1.0),
-        Unit::MetrePerSecond => listed(KMH),
-        Unit::MetrePerSecondSquared => listed(G),
+        Unit::Meter => own("m", "m", 1.0),
+        Unit::MeterPerSecond => listed(KMH),
+        Unit::MeterPerSecondSquared => listed(G),
         Unit::Second => listed(Dimension::Time.si()),
         Unit::Decibel => own("db", "dB", 1.0),
         Unit::Kilogram => listed(TONNE),
-        Unit::KilogramSquareMetre => own("kgm2", "kg m²", 1.0),
+        Unit::KilogramSquareMeter => own("kgm2", "kg m²", 1.0),
     }
 }
 
-/// A column's name.
+/// The name of a column.
 pub(crate) fn column(quantity: Quantity) -> String {
     format!("{}_{}", quantity.name, shown(quantity.unit).suffix)
 }
 
-/// The words beside an axis.
+/// The label of an axis.
 pub(crate) fn axis(quantity: Quantity) -> String {
     format!("{} ({})", quantity.label, shown(quantity.unit).symbol)
 }
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn a_column_has_its_unit_and_an_axis_its_symbol() {
-        let speed = Quantity { name: "speed", label: "Speed", unit: Unit::MetrePerSecond };
+        let speed = Quantity { name: "speed", label: "Speed", unit: Unit::MeterPerSecond };
         assert_eq!((column(speed).as_str(), axis(speed).as_str()), ("speed_kmh", "Speed (km/h)"));
         assert!((13.888_888_888_9 * shown(speed.unit).factor - 50.0).abs() < 1e-9);
     }

@@ -87,3 +87,8 @@ pub use truck::ratio::{HeightError, Measured, RatioLine};
 pub use truck::reduced::Reduced5;
 pub use truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
 pub use word::{UnknownWord, Word};
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

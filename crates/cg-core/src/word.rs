@@ -1,11 +1,12 @@
-//! Options whose values are words: one table for reading, writing and explaining them.
+//! Options whose values are words: one table from which they are read, printed and explained.
 
 use core::fmt;
 use core::marker::PhantomData;
 
-/// A type whose values are words, such as `steer`. [`words!`](crate::words) writes it from a table.
+/// A type whose values are written as words, such as `steer`. [`words!`](crate::words) implements
+/// it from a table.
 pub trait Word: Copy + PartialEq + 'static {
-    /// Each value, its word and what it means.
+    /// Each value with its word and its meaning.
     const WORDS: &'static [(Self, &'static str, &'static str)];
 
     /// The word of this value.
@@ -16,14 +17,14 @@ pub trait Word: Copy + PartialEq + 'static {
     /// The value of a word.
     ///
     /// # Errors
-    /// [`UnknownWord`], which lists the words there are.
+    /// [`UnknownWord`] if no value has this word. Its message lists the possible words.
     fn of_word(text: &str) -> Result<Self, UnknownWord<Self>> {
         let found = Self::WORDS.iter().find(|(_, word, _)| *word == text);
         found.map(|(value, ..)| *value).ok_or(UnknownWord(PhantomData))
     }
 }
 
-/// A text that is none of the words of `T`. Its message lists them.
+/// The error for a text that is not a word of `T`. Its message lists the possible words.
 pub struct UnknownWord<T>(PhantomData<T>);
 
 impl<T: Word> fmt::Display for UnknownWord<T> {

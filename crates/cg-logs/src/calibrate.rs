@@ -1,7 +1,7 @@
-//! Calibration from logs of known height.
+//! Calibration from logs with a known height.
 //!
-//! The runs are identified with the design that estimation will use, which the calibration itself
-//! changes a little, so that it is done twice.
+//! The runs are identified with the design, and the calibration changes the design. The calibration
+//! is therefore done twice.
 
 use std::str::FromStr;
 
@@ -13,22 +13,21 @@ use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use crate::estimate::{EstimateOptions, LogEstimator};
 use crate::malformed::Malformed;
 
-/// Identification changes the design and the design changes identification, by less than a
-/// tenth of a per cent: twice is enough.
+/// Number of passes. A further pass would change the result by less than 0.1 %.
 const PASSES: usize = 2;
 
-/// A log whose height is known.
+/// A log with a known height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownLog {
-    /// Its name.
+    /// Name of the log.
     pub log: String,
-    /// C.g. height of the trailer's sprung mass.
+    /// Height of the c.g. of the trailer's sprung mass, m.
     pub height_m: f64,
-    /// Mass of the whole semitrailer; `None` takes the log's.
+    /// Mass of the whole semitrailer, kg; `None` uses the mass in the log.
     pub trailer_mass_kg: Option<f64>,
 }
 
-/// `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
+/// Reads `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
 impl FromStr for KnownLog {
     type Err = Malformed;
 
@@ -57,12 +56,11 @@ impl FromStr for KnownLog {
     }
 }
 
-/// Calibrates a vehicle with logs. `feed` hands the rows of a log to the estimator that it is
-/// given.
+/// Calibrates a vehicle with logs. `feed` passes the rows of a log to the given estimator.
 ///
 /// # Errors
-/// Those of `feed`; [`VehicleError`] if a log is given twice, has no turn, no trailer mass, or a
-/// load that the vehicle cannot have.
+/// The errors of `feed`, and [`VehicleError`] if a log is given twice, if it has no turn or no
+/// trailer mass, or if its load is impossible for the vehicle.
 pub fn calibrate<E: From<VehicleError>>(
     vehicle: &Vehicle,
     variant: Variant,
@@ -74,7 +72,7 @@ pub fn calibrate<E: From<VehicleError>>(
     let mut outcome = None;
     for _ in 0..PASSES {
         let mut design = design_with(vehicle, variant, &belief)?;
-        // The height is known; what is wanted is the ratio, however wrong the height behind it.
+        // The height is known and only the ratio is needed, so no height is rejected.
         design.least_height_m = -1e3;
         design.greatest_height_m = 1e3;
         let mut runs = Vec::with_capacity(logs.len());
@@ -97,7 +95,7 @@ pub fn calibrate<E: From<VehicleError>>(
     Ok(Calibration::new(vehicle, variant, &runs, &fitted)?)
 }
 
-/// What can be refused before a log is read.
+/// Checks what can be checked before a log is read.
 fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
     let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
     for (i, known) in logs.iter().enumerate() {

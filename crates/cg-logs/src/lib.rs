@@ -1,15 +1,15 @@
-//! Logs: from files and CAN frames to samples and back, and the height that a log tells.
+//! Log files and CAN frames: reading, writing, height estimation and calibration from logs.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`output`] | what a call may write, and how it is written whole |
-//! | [`place`] | places in logs, for messages |
-//! | [`malformed`] | the error of options with a form of their own |
-//! | [`can`] | candump logs, J1939 and DBC signals, samples of one clock |
-//! | [`log`] | CSV, gzip, Parquet and candump logs in and out |
-//! | [`estimate`] | the height of a log, with reasons and likely causes |
-//! | [`state`] | what is learnt, as the text of a state file |
-//! | [`calibrate`] | calibration from logs of known height |
+//! | [`output`] | checks which files may be written, and writes them completely or not at all |
+//! | [`place`] | positions in logs for messages |
+//! | [`malformed`] | the error for options that do not have their form |
+//! | [`can`] | candump logs, J1939 and DBC signals, samples with a continuous time |
+//! | [`log`] | reading and writing of CSV, gzip, Parquet and candump logs |
+//! | [`estimate`] | the height of a log, with messages and likely causes of contradictions |
+//! | [`state`] | the text of a state file, which keeps the estimator's memory over a restart |
+//! | [`calibrate`] | calibration from logs with a known height |
 //!
 //! # Example
 //!
@@ -38,3 +38,8 @@ pub mod can;
 pub mod log;
 pub mod estimate;
 pub mod calibrate;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

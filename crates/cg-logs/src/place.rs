@@ -1,22 +1,22 @@
-//! Places in logs, for messages.
+//! Positions in log files for messages.
 
 use std::fmt;
 
-/// A place in a log.
+/// A file and a position in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The file as it was named by the caller.
+    /// The name of the file as given by the caller.
     pub file: Box<str>,
-    /// Where in the file.
+    /// The position in the file.
     pub position: Position,
 }
 
-/// A position in a log. Both counts start at one.
+/// A position in a log file. Lines and rows are counted from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Position {
-    /// The file as a whole.
+    /// The whole file.
     File,
-    /// A line of text, comments and blank lines counted.
+    /// A line of text; comments and blank lines are counted.
     Line(u64),
     /// A row of a parquet file.
     Row(u64),

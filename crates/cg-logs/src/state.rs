@@ -1,4 +1,4 @@
-//! What is learnt, as the text of a state file, checked when it is read.
+//! The text of a state file, which keeps the estimator's memory over a restart, and its checks.
 //!
 //! ```text
 //!     {"format":"cg-height state","version":1,"design_crc32":…,"memory":{…},…}
@@ -11,7 +11,7 @@ use thiserror::Error;
 
 const FORMAT: &str = "cg-height state";
 const VERSION: u32 = 1;
-/// How the line with the checksum of the line before it begins.
+/// Beginning of the second line, which contains the checksum of the first line.
 const CHECKSUM: &str = "crc32 ";
 
 /// The content of a state file.
@@ -21,48 +21,49 @@ const CHECKSUM: &str = "crc32 ";
 pub struct State {
     format: String,
     version: u32,
-    /// Checksum of the design it was learnt with: vehicle file and calibration.
+    /// Checksum of the design (vehicle file and calibration) that the estimator used.
     design_crc32: u32,
-    /// When it was written, Unix time of the source.
+    /// Time of saving, s, in the time of the frames (usually Unix time).
     pub saved_s: f64,
-    /// Since when the load has been this one, if it was noticed.
+    /// Time of the last detected change of the load, s; `None` if no change was detected.
     pub load_since_s: Option<f64>,
-    /// What was learnt.
+    /// The memory of the estimator.
     pub memory: Memory<f64>,
 }
 
-/// Why a text is not the state that is wanted.
+/// The reason why a text is not a usable state.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StateError {
-    /// Not UTF-8.
+    /// It is not UTF-8.
     #[error("it is not text")]
     NotText,
-    /// Cut short, or something else.
+    /// It is cut off, or it is another kind of file.
     #[error("it has no checksum")]
     NoChecksum,
-    /// Damaged.
+    /// It is damaged.
     #[error("its checksum is wrong")]
     WrongChecksum,
-    /// Of something else.
-    #[error("it is no state of cg run")]
+    /// It is another kind of file.
+    #[error("it is not a state file of cg run")]
     Foreign,
-    /// Of an older or newer program.
-    #[error("it is of version {0}, this program reads {VERSION}")]
+    /// It was written by an older or newer version.
+    #[error("it has version {0}, but this program reads version {VERSION}")]
     Version(u64),
-    /// A key that is missing, unknown or of the wrong type.
+    /// A key is missing, unknown or of the wrong type.
     #[error("{0}")]
     Content(String),
-    /// Of another truck, or of the same one with another calibration.
-    #[error("it was learnt with another vehicle file or calibration")]
+    /// It belongs to another truck, or to another calibration of the same truck.
+    #[error("it was saved with another vehicle file or calibration")]
     OtherDesign,
-    /// Numbers that no estimator learns.
-    #[error("its numbers cannot be")]
+    /// It contains numbers that are impossible for an estimator.
+    #[error("it contains impossible numbers")]
     Unsound,
 }
 
 impl State {
-    /// What was learnt with a design of this [checksum](design_crc32).
+    /// A state for the design with this [checksum](design_crc32). `saved_s` and `load_since_s` are
+    /// in seconds.
     pub fn new(
         design_crc32: u32,
         memory: &Memory<f64>,
@@ -79,19 +80,20 @@ impl State {
         }
     }
 
-    /// The text of its file.
+    /// The text of the state file.
     ///
     /// # Errors
-    /// If a number cannot be written, which is a bug.
+    /// A number cannot be written. This would be a bug.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
         let json = serde_json::to_string(self)?;
         Ok(format!("{json}\n{CHECKSUM}{:08x}\n", crc32fast::hash(json.as_bytes())))
     }
 
-    /// Reads a state, if it is whole and belongs to the design of this [checksum](design_crc32).
+    /// Reads a state and checks that it is complete and belongs to the design with this
+    /// [checksum](design_crc32).
     ///
     /// # Errors
-    /// [`StateError`] that says what it is instead.
+    /// [`StateError`] with the reason.
     pub fn parse(bytes: &[u8], design_crc32: u32) -> Result<Self, StateError> {
         let text = std::str::from_utf8(bytes).map_err(|_| StateError::NotText)?;
         let (json, rest) = text.split_once('\n').ok_or(StateError::NoChecksum)?;
@@ -119,8 +121,9 @@ impl State {
     }
 }
 
-/// The checksum that tells designs apart.
+/// The checksum that distinguishes designs.
 pub fn design_crc32(design: &Design<f64>) -> u32 {
-    // Numbers print as the shortest text that gives them again: equal designs, equal text.
+    // Numbers are printed as the shortest text that is read back as the same number. Therefore
+    // equal designs have equal texts.
     crc32fast::hash(format!("{design:?}").as_bytes())
 }

@@ -1,5 +1,5 @@
-//! Calibration: on the independent truck, on trucks of our own whose parameters are known, and
-//! the file that carries it.
+//! Calibration on the independent truck and on simulated trucks with known parameters, and the
+//! calibration file.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod common;
@@ -15,9 +15,10 @@ use common::{calibrated, known, largest, rms, vehicle};
 
 use cg_core::Measured;
 
-/// Empty and one laden run, then all the others: payload 0-20 t, 40-67 km/h, both sides, slow
-/// steering, a banked road, a whole drive. Targets: 0.7 % rms, 1.5 % at worst for the estimate
-/// that a user gets (both channels combined), whichever laden run was the calibration's.
+/// Calibration with the empty and one laden run. All other runs are estimated: payload 0–20 t,
+/// 40–67 km/h, both sides, slow steering, a banked road, a whole drive. The targets for the final
+/// estimate (both channels combined) are 0.7 % rms and 1.5 % at worst, for every choice of the
+/// laden run.
 #[test]
 fn two_runs_calibrate_the_independent_truck() {
     let vehicle = vehicle("kraz.toml");
@@ -39,8 +40,8 @@ fn two_runs_calibrate_the_independent_truck() {
                 let (h, sd) = (estimate.height_m.unwrap(), estimate.height_sd_m.unwrap());
                 let error = h / truth_m - 1.0;
                 print!("  {:+.2} ± {:.2} %", 100.0 * error, 100.0 * sd / truth_m);
-                // The drive's steer channel has low speeds and load changes of the drive line
-                // that no calibration at 50 km/h has seen: three standard deviations.
+                // The drive has low speeds and load changes of the drive line in its steer channel,
+                // which no calibration at 50 km/h contains: three standard deviations.
                 assert!((h - truth_m).abs() <= 3.0 * sd, "{}: {h:.3} ± {sd:.3} m", known.log);
                 errors.push(error);
             }
@@ -52,12 +53,12 @@ fn two_runs_calibrate_the_independent_truck() {
         }
         let [_, lateral, combined] = &errors;
         assert!(rms(combined) <= 0.007 && largest(combined) <= 0.015, "{laden}");
-        // Steady gains calibrated with four parameters: 1.2 % rms, 2.4 % at worst.
+        // Steady-state gains calibrated with four parameters give 1.2 % rms and 2.4 % at worst.
         assert!(rms(lateral) <= 0.02 && largest(lateral) <= 0.03, "{laden}");
     }
 }
 
-/// A truck whose parameters differ from its file, as exact ratios at some loads and speeds.
+/// Runs of a truck whose parameters differ from its file, as exact ratios at some loads and speeds.
 fn runs_of(vehicle: &Vehicle, truth: &Deviations, loads: &[(f64, f64, f64)]) -> Vec<Run> {
     let belief = Belief { mean: *truth, ..Belief::prior(vehicle) };
     let truck = belief.applied_to(vehicle);
@@ -76,8 +77,8 @@ fn runs_of(vehicle: &Vehicle, truth: &Deviations, loads: &[(f64, f64, f64)]) -> 
         .collect()
 }
 
-/// The posterior is true: over trucks drawn from the prior, the error of a predicted ratio in its
-/// own standard deviations has mean square one.
+/// The posterior is correct: over trucks drawn from the prior, the mean square of the error of a
+/// predicted ratio, divided by its standard deviation, is one.
 #[test]
 fn the_posterior_covers_trucks_drawn_from_the_prior() {
     use rand::{SeedableRng, rngs::StdRng};
@@ -113,8 +114,8 @@ fn the_posterior_covers_trucks_drawn_from_the_prior() {
     }
     println!("mean square of error over sd {squares:?}, sd after over before {improved:?}");
     for c in 0..2 {
-        // χ² of 60 draws: 1 ± √(2/60) = 0.18; three of them, and as much again for the
-        // curvature of the model over 15 % of cornering stiffness.
+        // χ² of 60 draws: 1 ± √(2/60) = 0.18. Three times this, and as much again for the
+        // nonlinearity of the model over 15 % of cornering stiffness.
         assert!((0.45..=1.9).contains(&squares[c]), "{squares:?}");
         assert!(improved[c] < 0.5, "{improved:?}");
     }
@@ -139,10 +140,11 @@ fn one_run_fixes_the_compensation_and_nothing_else() {
         let ratio = fitted.belief.gain(channel).ln();
         assert!((ratio - residual.before).abs() < 1e-12);
     }
-    // At the run itself the ratio is known to noise and residual; the priors do not matter there.
+    // At the run itself, noise and residual determine the uncertainty of the ratio, and the priors
+    // have no effect.
     let after =
         fitted.belief.ratio_covariance(&vehicle, Variant::Complete, loads[0].2, load).unwrap();
-    // Residual of the run and residual of the prediction.
+    // Residual of the run plus residual of the prediction.
     let expected = 2.0 * vehicle.uncertainty.residual_sd.powi(2) + 1e-8;
     assert!((after[0][0] / expected - 1.0).abs() < 1e-6, "{} {expected}", after[0][0]);
 }
@@ -159,7 +161,7 @@ fn the_file_gives_the_same_belief_back() {
     std::fs::write(&path, calibration.to_toml().unwrap()).unwrap();
     let read = Calibration::load(&path, &vehicle).unwrap();
     assert_eq!(read, calibration);
-    // A factor goes through its logarithm and back: rounding only.
+    // A factor is converted to its logarithm and back, so there is only rounding.
     assert!((read.belief().mean - fitted.belief.mean).amax() < 1e-15);
     assert_eq!(read.belief().covariance, fitted.belief.covariance);
 
@@ -171,8 +173,8 @@ fn the_file_gives_the_same_belief_back() {
     assert!(error.to_string().contains("belongs to the vehicle \"kraz\""), "{error}");
 }
 
-/// In a drive the two channels learn from different turns; both ratios are told at one speed, so
-/// that each means its own height there.
+/// In a drive, the two channels use different turns. Both ratios refer to one speed, at which each
+/// of them corresponds to its own height.
 #[test]
 fn both_ratios_of_a_drive_are_told_at_one_speed() {
     let vehicle = vehicle("kraz.toml");

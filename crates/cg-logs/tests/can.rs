@@ -1,7 +1,8 @@
-//! CAN text and frames that nobody made with care, and two decoders against each other.
+//! Random and damaged CAN text and frames, and the two decoders compared with each other.
 //!
-//! `PROPTEST_CASES=1000000` runs more of the same.
+//! `PROPTEST_CASES=1000000` runs more cases.
 
+#![cfg(feature = "dbc")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use cg_core::Quantity;
@@ -13,7 +14,7 @@ use proptest::prelude::*;
 
 const DBC: &str = include_str!("../../../fixtures/can/j1939.dbc");
 
-/// The signals of the core's table under their names in the DBC file, SSI's once as tilt.
+/// The signals of the core's table with their names in the DBC file; SSI also as tilt.
 const NAMES: [(&str, Quantity, u32); 9] = [
     ("VDC2.SteeringWheelAngle", Quantity::SteeringWheel, 61449),
     ("VDC2.YawRate", Quantity::YawRate, 61449),
@@ -32,8 +33,8 @@ fn mapped(signal: &str, quantity: Quantity) -> MappedSignal {
 }
 
 proptest! {
-    /// Every signal of the table, read by the DBC file and by the table, in any frame: both have a
-    /// value or neither, and the same to rounding.
+    /// Every signal of the table, decoded by the DBC file and by the table, in any frame: either
+    /// both have a value or neither, and the values are equal except for rounding.
     #[test]
     fn the_table_and_the_dbc_file_say_the_same(
         data in any::<[u8; 8]>(),
@@ -51,7 +52,7 @@ proptest! {
                 }
             });
             let by_dbc = mapped(signal, quantity).decode(&frame).filter(|_| {
-                // A slope sensor's figure of merit counts beside the value.
+                // The figure of merit of a slope sensor also decides whether there is a value.
                 Slope::of(identifier, frame.data()).is_none_or(|slope| slope.merit != 2)
             });
             match (by_table, by_dbc) {
@@ -61,8 +62,8 @@ proptest! {
         }
     }
 
-    /// A good line with some bytes changed, cut out or put in: read or refused, never a panic, and
-    /// what is read is a frame that can be.
+    /// A valid line with some bytes changed, removed or inserted is read or refused without a
+    /// panic. If it is read, the frame is possible.
     #[test]
     fn a_damaged_line_is_read_or_refused(
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0_u8..3), 0..6),
@@ -88,7 +89,7 @@ proptest! {
         }
     }
 
-    /// A DBC file with some bytes changed or a part cut off: parsed or refused.
+    /// A DBC file with some bytes changed or a part cut off is parsed or refused.
     #[test]
     fn a_damaged_dbc_file_is_read_or_refused(
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),

@@ -1,9 +1,10 @@
-//! The targets of `make fuzz` on their kept seeds and on some hundreds of changes of each: what
-//! coverage-guided fuzzing has found stays found.
+//! The targets of `make fuzz`, run on their kept seeds and on some hundred variations of each seed.
+//! Faults that coverage-guided fuzzing has found are thus detected again.
 
+#![cfg(feature = "dbc")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests
 
-#[allow(unreachable_pub, reason = "a library of its own")]
+#[allow(unreachable_pub, reason = "it is a separate library")]
 #[path = "../../../fuzz/src/lib.rs"]
 mod fuzz;
 
@@ -27,7 +28,8 @@ fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
     seeds
 }
 
-/// Bit flips, other bytes, cuts, splices with another seed, repeated blocks: one to four of them.
+/// One to four variations: bit flips, other bytes, cuts, splices with another seed, repeated
+/// blocks.
 fn changed(seed: &[u8], other: &[u8], random: &mut StdRng) -> Vec<u8> {
     let mut bytes = seed.to_vec();
     for _ in 0..random.random_range(1..=4) {
@@ -53,8 +55,8 @@ fn changed(seed: &[u8], other: &[u8], random: &mut StdRng) -> Vec<u8> {
     bytes
 }
 
-/// Runs a target on its seeds, one of which at least it must take for what it reads, and on
-/// changes of each. An input that fails is kept in the folder for temporary files.
+/// Runs a target on its seeds and on variations of each seed. The target must accept at least one
+/// seed as valid. An input that fails is kept in the folder for temporary files.
 fn run(name: &str, target: fn(&[u8]) -> bool, changes: u32) {
     let seeds = seeds(name);
     let mut random = StdRng::seed_from_u64(u64::from(crc32fast::hash(name.as_bytes())));
@@ -66,7 +68,7 @@ fn run(name: &str, target: fn(&[u8]) -> bool, changes: u32) {
         })
     };
     let taken = seeds.iter().filter(|(path, bytes)| survives(path, bytes)).count();
-    assert!(taken > 0, "{name} takes none of its seeds for what it reads");
+    assert!(taken > 0, "{name} accepts none of its seeds");
     for (path, bytes) in &seeds {
         for change in 0..changes {
             let (_, other) = &seeds[random.random_range(0..seeds.len())];

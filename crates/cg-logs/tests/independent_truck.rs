@@ -1,5 +1,5 @@
-//! The independent multibody truck, nothing calibrated: its documented data make the vehicle
-//! file, its logs are estimated, its known heights are the truth.
+//! Estimation on the independent multibody truck without any calibration: the vehicle file comes
+//! from its documented data, and the estimates from its logs are compared with its known heights.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod common;
@@ -11,20 +11,20 @@ use cg_vehicle::balance::static_balance;
 use cg_vehicle::design::design;
 use common::{known, rms, vehicle};
 
-/// Axle loads of six independently sprung axles: springs, tyres and frame pitch decide.
+/// Axle loads of six independently sprung axles. They depend on springs, tires and frame pitch.
 #[test]
 fn static_loads_agree_with_the_multibody_model() {
     for known in known() {
         let ours = static_balance(&vehicle("kraz.toml"), known.load).unwrap();
         for (ours, theirs) in ours.axle_load_n.iter().zip(&known.axle_load_n) {
-            // Positions and masses are documented to about 1 cm of 5 m and 10 kg of 10 t; the
-            // frame pitches by 0.7 degrees, which the flat lever arms here leave out (1 %).
+            // Positions and masses are documented to about 1 cm of 5 m and 10 kg of 10 t. The frame
+            // pitches by 0.7 degrees, which the lever arms of the balance do not include (1 %).
             assert!((ours / theirs - 1.0).abs() < 0.01, "{}: {ours:.0} {theirs:.0}", known.log);
         }
     }
 }
 
-/// Error of the height of every log, relative.
+/// Relative error of the height of every log.
 fn errors(channel: Channel) -> Vec<f64> {
     let design = design(&vehicle("kraz.toml"), Variant::Complete).unwrap();
     let mut errors = Vec::new();
@@ -38,31 +38,31 @@ fn errors(channel: Channel) -> Vec<f64> {
             known.log,
             100.0 * error
         );
-        // The truth within two standard deviations: the vehicle file says how far the
-        // uncalibrated model is trusted.
+        // The true height is within two standard deviations, which contain the uncertainty of the
+        // uncalibrated model from the vehicle file.
         assert!((height_m - truth_m).abs() <= 2.0 * sd_m, "{}", known.log);
         errors.push(error);
     }
     errors
 }
 
-/// Steady gains of the same model give 3.5 % rms, 9.8 % at worst (the empty trailer, whose roll
-/// is a fifth of a degree per m/s²); identification may add a half of that on its own.
+/// Steady-state gains of the same model give 3.5 % rms and 9.8 % at worst (the empty trailer, whose
+/// roll angle is a fifth of a degree per m/s²). Identification may add half of that.
 #[test]
 fn heights_from_lateral_acceleration_without_calibration() {
     let errors = errors(Channel::LateralAcceleration);
     assert!(rms(&errors) < 0.05, "{:.3}", rms(&errors));
 }
 
-/// The steer channel knows the tyres, and they are those of another maker: 15 % rms with steady
-/// gains. Only calibration mends that.
+/// The steer channel depends on the tires, and the vehicle file has those of another manufacturer.
+/// The error is 15 % rms with steady-state gains. Only calibration reduces it.
 #[test]
 fn heights_from_steer_without_calibration() {
     let errors = errors(Channel::Steer);
     assert!(rms(&errors) < 0.18, "{:.3}", rms(&errors));
 }
 
-/// The thesis's own form and the gain-only form run on the same logs.
+/// The classical ARX of the thesis and the gain-only method on the same logs.
 #[test]
 fn every_method_answers() {
     let design = design(&vehicle("kraz.toml"), Variant::Complete).unwrap();
@@ -73,7 +73,7 @@ fn every_method_answers() {
         let options = EstimateOptions { method, ..Default::default() };
         let height_m = laden.estimate(&design, channel, options).height_m.unwrap();
         println!("{method:?}: {height_m:.3} m");
-        // The model's own error (3 %) and that of the least exact method (3 %).
+        // The error of the model itself is 3 %, and that of the least accurate method is 3 %.
         assert!((height_m / laden.load.cg_height_m - 1.0).abs() < 0.06, "{method:?}: {height_m}");
     }
 }

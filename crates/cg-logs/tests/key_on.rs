@@ -1,4 +1,5 @@
-//! A recorded drive that begins with the ignition key, as CSV, as CAN frames and in single precision.
+//! A recorded drive that begins with the ignition key, as CSV, as CAN frames and in single
+//! precision.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 mod common;
@@ -11,7 +12,7 @@ use cg_vehicle::design::design;
 use cg_vehicle::{Variant, Vehicle};
 
 const STEERING_RATIO: f64 = 20.0;
-/// Standing before the drive.
+/// Duration of standing before the drive.
 const STANDING_S: f64 = 30.0;
 
 fn truck() -> Vehicle {
@@ -20,8 +21,8 @@ fn truck() -> Vehicle {
     truck
 }
 
-/// Standing with sensors that appear one after the other and a steering angle that ramps up, then
-/// half a minute at which the truck gathers speed, then the recorded drive.
+/// The truck stands while the sensors start one after the other and the steering angle increases.
+/// It then accelerates for half a minute, and the recorded drive follows.
 fn from_the_key_on(drive: &[LogRow]) -> Vec<LogRow> {
     let first = drive[0];
     let standing = (0..3000).map(|k| {
@@ -59,7 +60,7 @@ fn estimate(rows: &[LogRow]) -> LogEstimate {
     estimator.finish()
 }
 
-/// A row as a chip takes it.
+/// A row as a sample in single precision, as on a microcontroller.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn single(row: &LogRow) -> Sample<f32> {
     let wide = row.sample((row.time_s * 1e6).round() as u64, &AlignSettings::NONE);
@@ -88,15 +89,15 @@ fn the_height_is_that_of_the_drive() {
         assert!((found_m / expected_m - 1.0).abs() < share, "{name}: {found_m} for {expected_m}");
     };
     let whole = estimate(&rows);
-    // The steering angle that ramps up as the truck stands is a turn to nobody but the clock.
+    // The increasing steering angle of the standing truck is not a turn.
     let good = |answer: &LogEstimate| {
         answer.maneuvers.iter().filter(|one| one.status == Verdict::Ok).count()
     };
     assert_eq!(good(&whole), good(&plain));
-    // Nothing of the beginning goes into a maneuver but two seconds of straight driving.
+    // Of the beginning, only two seconds of straight driving are part of a maneuver.
     same("in memory", whole.height_m.unwrap(), 2e-3);
 
-    // CSV: the numbers come back as they are.
+    // CSV: the numbers are read back unchanged.
     let folder = tempfile::tempdir().unwrap();
     let mut files = Files::new(false);
     let csv = folder.path().join("drive.csv");
@@ -121,7 +122,7 @@ fn the_height_is_that_of_the_drive() {
     let of_csv = estimate(&read).height_m.unwrap();
     assert!((of_csv / whole.height_m.unwrap() - 1.0).abs() < 1e-9);
 
-    // CAN frames: each signal at its own time, rounded to its bits.
+    // CAN frames: each signal has its own time stamps and is rounded to its resolution.
     let log = folder.path().join("drive.log");
     let target = files.writes("--output", &log, Kind::Log).unwrap();
     let mut writer = CandumpWriter::create(&target, STEERING_RATIO).unwrap();
@@ -133,7 +134,7 @@ fn the_height_is_that_of_the_drive() {
     let read: Vec<LogRow> = LogReader::open(&log, &options).unwrap().map(Result::unwrap).collect();
     same("as CAN frames", estimate(&read).height_m.unwrap(), 1e-2);
 
-    // As on the chip.
+    // As on the microcontroller.
     let design = design(&truck(), Variant::Complete).unwrap().cast::<f32>();
     let mut chip: Estimator<f32, FilteredArx<f32>> =
         Estimator::new(design, Settings::truck(), Prior::standard());

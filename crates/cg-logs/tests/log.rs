@@ -1,7 +1,7 @@
-//! Logs, read and written: one test for each promise of the format.
+//! The log format: one test for each of its rules.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-#![allow(clippy::float_cmp, reason = "numbers come through exactly")]
+#![allow(clippy::float_cmp, reason = "numbers are read exactly")]
 
 use std::io;
 
@@ -12,6 +12,7 @@ use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 mod files;
 #[path = "log/options.rs"]
 mod options;
+#[cfg(feature = "parquet")]
 #[path = "log/parquet.rs"]
 mod parquet;
 #[path = "log/writer.rs"]
@@ -161,7 +162,7 @@ fn the_nearest_name_is_proposed_for_the_signal_it_is_near_to() {
 fn an_empty_cell_or_na_is_absent_except_in_time() {
     for absent in ["", " ", "NaN", "nan", "NA", "na", "-nan", "\"\"", "\"NaN\""] {
         assert!(pair(format!("time_s,roll_rad,steer_rad\n0,-0.2,{absent}\n")).0.is_nan());
-        let words = ["line 2", "column 1 `time_s`", "absent", "remove the row"];
+        let words = ["line 2", "column 1 `time_s`", "missing", "remove the row"];
         refused(format!("time_s,roll_rad,steer_rad\n{absent},-0.2,1\n"), &words);
     }
 }
@@ -207,17 +208,17 @@ fn time_that_does_not_increase_is_an_error_with_both_times() {
 fn after_a_bad_row_the_next_call_goes_on_with_the_row_after_it() {
     let log = open(format!("{ONE}1,x,0\n2,0\n1,0,0\n-1,0,0\n3,7,7"), &LogOptions::default());
     let rows: Vec<_> = log.unwrap().filter_map(Result::ok).map(|row| row.time_s).collect();
-    // The clock was set back at -1 s: what follows is in order again.
+    // The clock was set back at −1 s. The rows after it are in order again.
     assert_eq!(rows, [0.0, 1.0, 3.0]);
 }
 
-/// Neither a slip of one cell nor a clock that was set costs more than its own row.
+/// A wrong cell or a clock that was set loses only its own row.
 #[test]
 fn a_number_that_cannot_be_is_absent_and_told() {
     let csv = format!("{ONE}1,0.1,1e308\n2,0.1,0.02\n3,-45,0.02\n4,0.1,1.5\n");
     let settings = Some(AlignSettings::NONE);
     let options = LogOptions { settings, ..LogOptions::default() };
-    // Without a truck the values stay as they stand.
+    // Without the truck's settings, the values are unchanged.
     assert!(read_as(&csv, &LogOptions::default()).unwrap()[1].roll_rad >= 1e308);
     let mut log = open(csv, &options).unwrap();
     let rows: Vec<_> = log.by_ref().map(Result::unwrap).collect();
@@ -226,13 +227,13 @@ fn a_number_that_cannot_be_is_absent_and_told() {
     assert!(rows[3].steer_rad.is_nan() && (rows[1].steer_rad - 0.1).abs() < 1e-15);
     assert_eq!(log.implausible_values(), 3);
     let remarks = log.remarks();
-    assert!(remarks[0].contains("line 5: steer_rad -45 cannot be"), "{remarks:?}");
+    assert!(remarks[0].contains("line 5: steer_rad -45 is impossible"), "{remarks:?}");
     assert!(remarks[1].contains("line 3: roll_rad 1") && remarks[1].contains("2 in all"));
     assert_eq!(log.news().len(), 2);
     assert!(log.news().is_empty());
 }
 
-/// A scale that cannot be right is told by the vehicle file's masses.
+/// The vehicle file's range of masses detects an impossible value of a scale.
 #[test]
 fn a_mass_that_the_trailer_cannot_have_is_absent() {
     let settings = AlignSettings { mass_range_kg: Some([5400.0, 51_000.0]), ..AlignSettings::NONE };
@@ -241,7 +242,10 @@ fn a_mass_that_the_trailer_cannot_have_is_absent() {
     let mut log = open(csv, &options).unwrap();
     let masses: Vec<f64> = log.by_ref().map(|row| row.unwrap().trailer_mass_kg).collect();
     assert!(masses[0].is_nan() && masses[1].eq(&2e4) && masses[2].is_nan(), "{masses:?}");
-    assert!(log.remarks()[0].contains("trailer_mass_kg 0 cannot be (5400 to 51000 kg"));
+    assert!(
+        log.remarks()[0]
+            .contains("trailer_mass_kg 0 is impossible (the vehicle file allows 5400 to 51000 kg)")
+    );
 }
 
 #[test]
@@ -250,5 +254,5 @@ fn a_log_without_header_or_rows_is_an_error() {
         refused(csv, &["empty", "time_s,steer_rad,roll_rad"]);
     }
     refused("time_s,steer_rad,roll_rad\n# end\n", &["no rows", "export it again"]);
-    refused("0,0.1,0.2\n", &["line 1", "numbers where the header should be"]);
+    refused("0,0.1,0.2\n", &["line 1", "numbers instead of a header"]);
 }

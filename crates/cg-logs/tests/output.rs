@@ -1,8 +1,8 @@
-//! Files that appear whole, in place of what they may replace, or not at all.
+//! Output files: they appear completely or not at all, and replace only what they may replace.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
-#![allow(clippy::panic, reason = "one of them is about panics")]
+#![allow(clippy::panic, reason = "one test causes a panic")]
 
 use std::fs;
 use std::io::Write;
@@ -35,7 +35,7 @@ fn a_panic_leaves_nothing() {
         let (draft, mut file) = target(&path).unwrap().open().unwrap();
         file.write_all(b"half").unwrap();
         assert_eq!(names(path.parent().unwrap()).len(), 1);
-        assert!(draft.is_none(), "there is a draft, and this ends in a panic");
+        assert!(draft.is_none(), "there is a draft, and this assertion panics");
     });
     assert!(panicked.is_err());
     assert!(names(folder.path()).is_empty());
@@ -48,7 +48,10 @@ fn a_file_that_came_in_the_meantime_is_not_replaced() {
     let draft = target(&path).unwrap().write(OURS).unwrap().unwrap();
     fs::write(&path, "precious").unwrap();
     let error = draft.publish().unwrap_err().to_string();
-    assert!(error.contains("no metrics file of ours") && error.contains("--metrics"), "{error}");
+    assert!(
+        error.contains("not a metrics file written by cg-height") && error.contains("--metrics"),
+        "{error}"
+    );
     assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
     assert_eq!(names(folder.path()), ["cg.prom"]);
 }
@@ -67,7 +70,7 @@ fn files_that_belong_together_appear_both_or_none() {
     assert_eq!(names(folder.path()), ["one", "two"]);
 }
 
-/// While it is written, too, nobody reads it who may not read what it replaces.
+/// The draft is no more readable than the file that it replaces, also while it is being written.
 #[test]
 fn a_draft_is_as_secret_as_the_file_that_it_replaces() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,8 +96,8 @@ fn the_longest_name_that_a_file_can_have_is_written() {
     assert_eq!(names(folder.path()).len(), 1);
 }
 
-/// By its lock and by its process: a draft of a process that lives stays.
-#[cfg(target_os = "linux")] // it looks into /proc
+/// A draft is kept if its lock is held or if its process is running.
+#[cfg(target_os = "linux")] // it reads /proc
 #[test]
 fn only_drafts_of_processes_that_are_no_more_are_removed() {
     let folder = tempfile::tempdir().unwrap();
@@ -103,23 +106,23 @@ fn only_drafts_of_processes_that_are_no_more_are_removed() {
     let mut child = Command::new("sleep").arg("60").spawn().unwrap();
     let (living, own) = (child.id(), std::process::id());
     fs::write(draft(living), "").unwrap();
-    // Of a process of the same number in another container, or before the last start.
+    // A draft of a process with the same number in another container, or before the last restart.
     fs::write(draft(own), "").unwrap();
     let (ours, _file) = target(&path).unwrap().open().unwrap();
     let kept = names(folder.path());
     assert!(kept.len() == 2 && !draft(own).exists() && draft(living).exists(), "{kept:?}");
-    // This process's own draft stays, whoever asks.
+    // The own draft of this process is kept when the same file is requested again.
     target(&path).unwrap();
     assert_eq!(names(folder.path()), kept);
     child.kill().unwrap();
-    // Dead and not yet waited for.
+    // The process has ended, but its exit status has not been read.
     while !fs::read_to_string(format!("/proc/{living}/stat")).unwrap().contains(") Z ") {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     let locked = fs::File::open(draft(living)).unwrap();
     locked.lock().unwrap();
     target(&path).unwrap();
-    assert!(draft(living).exists(), "somebody elsewhere holds it");
+    assert!(draft(living).exists(), "another process holds its lock");
     drop(locked);
     target(&path).unwrap();
     assert!(!draft(living).exists());

@@ -18,3 +18,8 @@ pub mod plant;
 pub mod sensors;
 pub mod rollover;
 pub mod simulate;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

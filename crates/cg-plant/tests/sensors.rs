@@ -145,7 +145,7 @@ fn offsets_are_added_and_nothing_else() {
 }
 
 #[test]
-fn quantised_angles_are_whole_steps_within_half_a_step() {
+fn quantized_angles_are_whole_steps_within_half_a_step() {
     let step_rad = 0.05 * PI / 180.0;
     let sensors = Sensors { quantisation_rad: step_rad, ..Sensors::default() };
     let (rows, truth) = sine(&vehicle("kraz"), sensors);

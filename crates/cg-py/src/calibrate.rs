@@ -9,8 +9,9 @@ use cg_vehicle::VehicleError;
 use pyo3::prelude::*;
 
 use crate::error::{log_error, output_error, vehicle_error};
-use crate::log::{log_options, push_some};
+use crate::log::push_some;
 use crate::options::word;
+use crate::reading::log_options;
 use crate::vehicle::Vehicle;
 
 /// An error of the library on its way through `calibrate`.

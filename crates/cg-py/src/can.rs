@@ -1,51 +1,23 @@
 //! Frames from Python to rows and answers, through the decoder and the aligner that `cg run` uses.
 
-use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use cg_core::Quantity;
-use cg_core::signal::j1939::Compensation;
-use cg_logs::can::{Frame, MappedSignal, SignalMap};
+use cg_logs::can::Frame;
 use cg_logs::estimate::LogEstimator;
-use cg_logs::log::{CanOptions, FrameRows, LogOptions, LogRow};
+use cg_logs::log::{FrameRows, LogOptions, LogRow};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
-use crate::error::{dbc_error, in_python, value_error, vehicle_error};
-use crate::log::{log_options, table};
+use crate::error::{in_python, value_error, vehicle_error};
+use crate::log::table;
 use crate::options::{Options, word};
+use crate::reading::Reading;
 use crate::results;
 use crate::signals::slice;
 use crate::vehicle::Vehicle;
-
-/// How frames are understood, as Python hands it over: a dict with these keys.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct Reading {
-    dbc: Option<PathBuf>,
-    signals: Vec<String>,
-    flip: Vec<String>,
-    roll_compensated: String,
-}
-
-impl Reading {
-    pub(crate) fn options(&self) -> PyResult<LogOptions> {
-        let compensation: Compensation = word("roll_compensated", &self.roll_compensated)?;
-        let maps: Vec<SignalMap> = self
-            .signals
-            .iter()
-            .map(|text| text.parse().map_err(|error| value_error(format!("signals: {error}"))))
-            .collect::<PyResult<_>>()?;
-        let mapped = match &self.dbc {
-            Some(path) => MappedSignal::load(path, &maps).map_err(dbc_error)?,
-            None => Vec::new(),
-        };
-        let can = CanOptions { mapped, compensation, ..CanOptions::default() };
-        Ok(LogOptions { can, ..log_options(&[], &self.flip)? })
-    }
-}
 
 /// Time stamps in seconds as the frames' microseconds.
 fn microseconds(time_s: f64) -> PyResult<u64> {

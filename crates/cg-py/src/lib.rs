@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `vehicle` | `Vehicle`, `restore_vehicle` |
 //! | `options` | the options that every estimate shares |
+//! | `reading` | how logs and frames are read |
 //! | `signals` | `estimate_arrays`, `predict_roll`: arrays in, answer or roll angle out |
 //! | `log` | `estimate_file`, `read_file`, `read_frames`, `resolve_columns`, `signals`: logs and the names of their columns |
 //! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
@@ -26,6 +27,7 @@ mod error;
 mod vehicle;
 mod options;
 mod results;
+mod reading;
 mod signals;
 mod log;
 mod stream;

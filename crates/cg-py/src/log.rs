@@ -3,28 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use cg_logs::estimate::LogEstimator;
-use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal, UnknownSignal};
+use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::can::Reading;
-use crate::error::{in_python, log_error, option_error, value_error, vehicle_error};
+use crate::error::{in_python, log_error, value_error, vehicle_error};
 use crate::options::Options;
+use crate::reading::{Reading, log_options};
 use crate::results;
 use crate::signals::ROWS_BETWEEN_LOOKS;
 use crate::vehicle::Vehicle;
-
-/// `columns` in text form (`roll=MyName[deg]`), `flip` names of signals (`roll`).
-pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
-    let columns = columns.iter().map(|text| text.parse()).collect::<Result<_, _>>();
-    let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, UnknownSignal>>();
-    Ok(LogOptions {
-        columns: columns.map_err(option_error)?,
-        flip: flip.map_err(|error| value_error(format!("flip: {error}")))?,
-        ..LogOptions::default()
-    })
-}
 
 /// Estimate from a log file (CSV, CSV in gzip, parquet, candump).
 #[pyfunction]

@@ -157,9 +157,9 @@ def test_a_missing_column_comes_with_a_remedy_in_python(kind, kraz, turn, tmp_pa
         cgheight.estimate_log(log, vehicle=kraz)
     assert 'columns={"roll": "Roll rate[deg]"}' in str(caught.value)
     assert "--" not in str(caught.value)
-    with pytest.raises(ValueError, match="`Roll` is no signal"):
+    with pytest.raises(ValueError, match="`Roll` is not a signal"):
         cgheight.estimate_log(log, vehicle=kraz, columns={"Roll": "Roll rate"})
-    with pytest.raises(ValueError, match="`kmh` is no unit of roll"):
+    with pytest.raises(ValueError, match="`kmh` is not a unit of roll"):
         cgheight.estimate_log(log, vehicle=kraz, columns={"roll": "Roll rate[kmh]"})
     options = {"columns": {"roll": "Roll rate[rad]"}, "flip": ["time"]}
     with pytest.raises(ValueError, match="time cannot be flipped"):
@@ -169,7 +169,7 @@ def test_a_missing_column_comes_with_a_remedy_in_python(kind, kraz, turn, tmp_pa
 def test_a_frame_must_be_one(kraz, turn):
     with pytest.raises(ValueError, match="log is of type list: give a path or a data frame"):
         cgheight.estimate_log(list(turn.values()), vehicle=kraz)
-    with pytest.raises(ValueError, match="unknown unit; roll may come in rad, deg"):
+    with pytest.raises(ValueError, match="unknown unit; the units of roll are rad, deg"):
         cgheight.estimate_log(
             pd.DataFrame(turn).rename(columns={"roll_rad": "roll_grad"}), vehicle=kraz
         )

@@ -52,7 +52,7 @@ def test_a_foreign_file_needs_force_and_ours_keeps_its_mode(truck, tmp_path):
                         (written, "w.csv"), (calibrated, "c.toml")]:  # fmt: skip
         path = tmp_path / name
         path.write_text("precious")
-        with pytest.raises(FileExistsError, match=r"is there already.*force=True to replace it"):
+        with pytest.raises(FileExistsError, match=r"exists already.*force=True to replace it"):
             write(path)
         assert path.read_text() == "precious"
         write(path, force=True)
@@ -69,7 +69,7 @@ def test_frames_of_another_format_always_need_force(truck, tmp_path):
     path = tmp_path / "drive.asc"
     cgheight.write_log(log, path)
     before = path.read_bytes()
-    with pytest.raises(FileExistsError, match="no CAN log of ours"):
+    with pytest.raises(FileExistsError, match="not a CAN log written by cg-height"):
         cgheight.write_log(log, path)
     assert path.read_bytes() == before
     cgheight.write_log(log, path, force=True)

@@ -166,9 +166,9 @@ def test_light_and_dark_can_both_be_read(page):
             driver.quit()
 
 
-def luminance(colour: str) -> float:
+def luminance(color: str) -> float:
     """Return WCAG's relative luminance of `rgb(r, g, b)`."""
-    parts = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+    parts = [int(part) / 255 for part in re.findall(r"\d+", color)[:3]]
     linear = [
         part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
     ]

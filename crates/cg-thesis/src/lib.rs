@@ -10,3 +10,8 @@
 pub mod accuracy;
 pub mod study;
 pub mod reproduce;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

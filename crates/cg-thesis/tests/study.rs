@@ -149,7 +149,7 @@ fn only_the_lane_change_feels_the_payloads_shape() {
 
 /// Fig. 2.26: 4.1 degrees per meter, not linear.
 #[test]
-fn peak_roll_grows_by_four_degrees_per_metre_of_height() {
+fn peak_roll_grows_by_four_degrees_per_meter_of_height() {
     let study = run("height");
     assert_eq!(agreeing(&study), [true, true]);
     let peaks = &study.panels[0].series[0];

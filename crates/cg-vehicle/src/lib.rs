@@ -68,3 +68,8 @@ pub use error::VehicleError;
 pub use linear::LinearModel;
 pub use load::Load;
 pub use vehicle::Vehicle;
+
+// The example of the page on crates.io is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

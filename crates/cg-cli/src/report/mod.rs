@@ -1,7 +1,8 @@
-//! `cg estimate --report`: one page that holds everything, and asks no network for more.
+//! `cg estimate --report`: an HTML page that contains everything and loads nothing from the
+//! network.
 //!
-//! The page is a template with its style, its script and the answers as JSON; the script draws. All
-//! text of logs reaches the page as text, never as markup.
+//! The page is a template with its style, its script and the results as JSON; the script draws the
+//! plots. Texts from logs are inserted as text, never as markup.
 
 pub(crate) mod trace;
 
@@ -20,22 +21,22 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// Points of all logs together: a few hundred KiB.
+/// Maximum number of points of all logs together: a few hundred KiB.
 const POINTS: usize = 24_000;
-/// Points of one log, at most and at least.
+/// Maximum and minimum number of points of one log.
 const MOST_POINTS: usize = 240;
 const LEAST_POINTS: usize = 24;
 
-/// How many points each of so many logs may have.
+/// The number of points of each log, for this number of logs.
 pub(crate) fn room(logs: usize) -> usize {
     (POINTS / logs.max(1)).clamp(LEAST_POINTS, MOST_POINTS)
 }
 
-/// What the batch was.
+/// The data of the batch.
 pub(crate) struct About<'a> {
     pub(crate) vehicle: &'a str,
     pub(crate) calibration: Option<&'a Path>,
-    /// Logs that could not be read, and why.
+    /// Logs that could not be read, with the reason.
     pub(crate) unreadable: &'a [(String, String)],
 }
 
@@ -56,14 +57,14 @@ struct Log<'a> {
     #[serde(flatten)]
     estimate: Option<&'a LogEstimate>,
     known_height_m: Option<f64>,
-    /// Why it could not be read.
+    /// The reason why the log could not be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     unreadable: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     signals: Option<trace::Signals>,
 }
 
-/// Makes the page beside its place; it appears with [`Draft::publish`].
+/// Writes a draft of the page; [`Draft::publish`] gives it its name.
 pub(crate) fn write(
     target: &Target,
     about: &About,
@@ -91,12 +92,12 @@ pub(crate) fn write(
         version: env!("CARGO_PKG_VERSION"),
         logs: read.chain(unread).collect(),
     };
-    // No `<` in the data: nothing in it can end the script element or begin a comment.
+    // The data contain no `<`, so they cannot end the script element or begin a comment.
     let data = serde_json::to_string(&page)?.replace('<', "\\u003c");
     Ok(target.write(&fill(&data))?)
 }
 
-/// The template with its parts; what is put in is not looked at again.
+/// Inserts the parts into the template. Inserted text is not searched for marks.
 fn fill(data: &str) -> String {
     let mut page = String::with_capacity(PAGE.len() + STYLE.len() + SCRIPT.len() + data.len());
     let mut rest = PAGE;

@@ -3,7 +3,7 @@ const page = JSON.parse(document.getElementById("data").textContent);
 const NONE = "–";
 const G = 9.80665, DEGREES = 180 / Math.PI;
 
-// Elements: every text is set as text, so that no name or message can become markup.
+// Creation of elements. All texts are inserted as text, so no name or message can become markup.
 function make(name, attributes = {}, ...children) {
   const node = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
@@ -18,14 +18,14 @@ function draw(name, attributes = {}, text = null) {
 }
 const present = (value) => value !== null && value !== undefined;
 const fixed = (value, digits, unit = "") => present(value) ? value.toFixed(digits) + unit : NONE;
-// Names without the folders that all logs share.
+// The folder that all logs have in common; it is not shown in their names.
 const folder = page.logs.map((log) => log.log.slice(0, log.log.lastIndexOf("/") + 1)).reduce((shared, one) => {
   while (!one.startsWith(shared)) shared = shared.length > 1 ? shared.slice(0, shared.lastIndexOf("/", shared.length - 2) + 1) : "";
   return shared;
 });
 const short = (log) => log.log.slice(folder.length);
 
-// A map from data to picture, with round marks.
+// A linear map from data to plot coordinates, with round tick values.
 function scale(low, high, from, to) {
   if (!(high > low)) { low -= 0.5; high += 0.5; }
   const at = (value) => from + (value - low) / (high - low) * (to - from);
@@ -73,7 +73,7 @@ function shade(svg, x, log, height) {
   }
 }
 
-// The pictures of a log.
+// The plots of a log.
 function signalPictures(log) {
   const { time_s: times, steer_rad: steer, lateral_acceleration_mps2: lateral, roll_rad: roll } = log.signals;
   const known = times.filter(present), x = scale(Math.min(...known), Math.max(...known), LEFT, WIDTH - RIGHT);
@@ -120,7 +120,7 @@ function diamond(svg, x, y) {
   svg.append(draw("path", { class: "known", d: `M${x - 5} ${y}L${x} ${y - 5}L${x + 5} ${y}L${x} ${y + 5}Z` }));
 }
 
-// Everything that is known of a log, below its row.
+// The details of a log, shown below its row.
 function detail(log) {
   const cell = make("td", { colspan: COLUMNS.length });
   if (present(log.unreadable)) {
@@ -129,14 +129,14 @@ function detail(log) {
   }
   if (log.messages.length) cell.append(make("ul", {}, ...log.messages.map((text) => make("li", {}, text))));
   const facts = `Speed ${fixed(log.speed_mps, 1, " m/s")}, trailer ${fixed(log.trailer_mass_kg, 0, " kg")}, `
-    + `channel ${log.channel || NONE}, method ${log.method}, signal to noise ${fixed(log.snr_db, 1, " dB")}, fit ${fixed(log.fit_percent, 1, " %")}.`;
+    + `channel ${log.channel || NONE}, method ${log.method}, signal-to-noise ratio ${fixed(log.snr_db, 1, " dB")}, fit ${fixed(log.fit_percent, 1, " %")}.`;
   cell.append(make("p", { class: "quiet" }, facts));
   const pair = make("div", { class: "pair" });
   if (log.signals && log.signals.time_s.length) {
-    pair.append(make("div", {}, make("h3", {}, "Signals (shaded: maneuvers)"), ...signalPictures(log)));
+    pair.append(make("div", {}, make("h3", {}, "Signals (shaded areas: maneuvers)"), ...signalPictures(log)));
   }
   if (log.maneuvers.some((one) => present(one.height_m))) {
-    pair.append(make("div", {}, make("h3", {}, "Height of each maneuver (bar: 95 % of its noise; band: answer)"), heightPicture(log)));
+    pair.append(make("div", {}, make("h3", {}, "Height of each maneuver (bar: 95 % interval due to noise; band: 95 % interval of the result)"), heightPicture(log)));
   }
   cell.append(pair);
   if (log.maneuvers.length) {
@@ -145,7 +145,7 @@ function detail(log) {
       make("td", {}, present(one.height_m) ? `${one.height_m.toFixed(3)} ± ${one.height_sd_m.toFixed(3)} m` : NONE),
       make("td", { class: "wide" }, fixed(one.snr_db, 1, " dB")),
       make("td", one.reason ? { class: "bad" } : {}, one.reason || one.status)));
-    const head = ["Maneuver", "Height ± noise", "SNR", "Status"].map((text, k) => make("th", k === 2 ? { class: "wide" } : {}, text));
+    const head = ["Maneuver", "Height ± sd due to noise", "SNR", "Status"].map((text, k) => make("th", k === 2 ? { class: "wide" } : {}, text));
     cell.append(make("table", {}, make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...rows)));
   }
   return make("tr", { class: "detail" }, cell);
@@ -164,7 +164,7 @@ const COLUMNS = [
   { name: "95 % interval", wide: true, sort: (log) => log.height_ci95_m ? log.height_ci95_m[0] : null,
     text: (log) => log.height_ci95_m ? `${log.height_ci95_m[0].toFixed(2)} to ${log.height_ci95_m[1].toFixed(2)} m` : NONE },
   { name: "Rollover", sort: (log) => log.static_rollover_threshold_g, text: (log) => fixed(log.static_rollover_threshold_g, 2, " g") },
-  { name: "Turns", wide: true, sort: (log) => log.maneuvers ? log.maneuvers.length : null,
+  { name: "Maneuvers", wide: true, sort: (log) => log.maneuvers ? log.maneuvers.length : null,
     text: (log) => log.maneuvers ? `${log.maneuvers.filter((one) => one.status === "ok").length} of ${log.maneuvers.length}` : NONE },
   ...(knowing ? [
     { name: "Known", wide: true, sort: (log) => log.known_height_m, text: (log) => fixed(log.known_height_m, 3, " m") },
@@ -209,7 +209,7 @@ function sort(place) {
   heads.forEach((head, k) => head.setAttribute("aria-sort", k === place ? (down ? "descending" : "ascending") : "none"));
   const key = page.logs.map((log) => COLUMNS[place].sort(log));
   const order = page.logs.map((_, k) => k).sort((a, b) => {
-    if (!present(key[a]) || !present(key[b])) return present(key[b]) - present(key[a]); // absent ones last
+    if (!present(key[a]) || !present(key[b])) return present(key[b]) - present(key[a]); // absent values are last
     const less = typeof key[a] === "string" ? key[a].localeCompare(key[b], "en", { numeric: true }) : key[a] - key[b];
     return down ? -less : less;
   });
@@ -217,13 +217,13 @@ function sort(place) {
 }
 body.replaceChildren(...rows);
 
-// Head, totals, overview.
+// Heading, totals, overview.
 document.title = page.title;
 document.getElementById("title").textContent = page.title;
 document.getElementById("about").textContent =
-  `${page.calibration ? `Calibrated with ${page.calibration}` : "Not calibrated: the intervals are those of the vehicle file's [uncertainty]"}. Written ${page.written}.${folder ? ` Logs in ${folder}` : ""}`;
+  `${page.calibration ? `Calibrated with ${page.calibration}` : "Not calibrated: the intervals follow from [uncertainty] in the vehicle file"}. Written ${page.written}.${folder ? ` Logs in ${folder}` : ""}`;
 document.getElementById("foot").textContent =
-  `cg ${page.version}. Heights are of the trailer's sprung mass above ground at rest; rollover: lateral acceleration beyond which the vehicle tips in a steady turn.`;
+  `cg ${page.version}. Height: center of gravity of the trailer's sprung mass above the ground at rest. Rollover: lateral acceleration above which the vehicle rolls over in a steady turn.`;
 function median(values) {
   const sorted = values.filter(present).sort((a, b) => a - b), n = sorted.length;
   return n ? (sorted[(n - 1) >> 1] + sorted[n >> 1]) / 2 : null;

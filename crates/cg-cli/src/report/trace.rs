@@ -1,12 +1,12 @@
-//! What a report shows of a log's signals: a bounded number of points, whatever its length.
+//! Signals of a log for the report, with a bounded number of points.
 
 use cg_logs::log::LogRow;
 use serde::Serialize;
 
-/// Signals of a log, thinned out while it is read.
+/// Signals of a log, downsampled while it is read.
 ///
-/// Each point is the mean of a block of rows. When the room is full, neighbours are merged and the
-/// blocks become twice as long.
+/// Each point is the mean of a block of rows. When the space is full, neighboring blocks are merged
+/// and the blocks become twice as long.
 #[derive(Clone, Debug)]
 pub(crate) struct Trace {
     points: Vec<Block>,
@@ -15,7 +15,7 @@ pub(crate) struct Trace {
     open: Block,
 }
 
-/// Sums of the rows of a block; absent values are left out.
+/// Sums over the rows of a block; absent values are not included.
 #[derive(Clone, Copy, Debug, Default)]
 struct Block {
     rows: u32,
@@ -23,7 +23,7 @@ struct Block {
     counts: [u32; SIGNALS],
 }
 
-/// Time, steer angle (or steering wheel), lateral acceleration, roll (or tilt).
+/// Number of signals: time, steer angle (or steering wheel), lateral acceleration, roll (or tilt).
 const SIGNALS: usize = 4;
 
 impl Block {
@@ -50,7 +50,7 @@ impl Block {
     }
 }
 
-/// The points of a trace, by signal; units in the names.
+/// The points of a trace by signal; the names contain the units.
 #[derive(Debug, Serialize)]
 pub(super) struct Signals {
     time_s: Vec<Option<f64>>,
@@ -60,14 +60,14 @@ pub(super) struct Signals {
 }
 
 impl Trace {
-    /// With room for so many points, at least two.
+    /// A trace with space for this number of points, at least two.
     pub(crate) fn new(room: usize) -> Self {
         let room = room.max(2);
         let points = Vec::with_capacity(room);
         Self { points, room, rows_per_block: 1, open: Block::default() }
     }
 
-    /// Takes in a row.
+    /// Adds a row.
     pub(crate) fn push(&mut self, row: &LogRow) {
         let or = |first: f64, second: f64| if first.is_nan() { second } else { first };
         self.open.add([
@@ -97,7 +97,8 @@ impl Trace {
         self.rows_per_block *= 2;
     }
 
-    /// What to show, rounded to what a picture resolves; signals that the log lacks are empty.
+    /// The points to show, rounded to the resolution of a plot; signals that the log does not have
+    /// are empty.
     pub(super) fn signals(&self) -> Signals {
         let rounded = |signal: usize, per_unit: f64| {
             let blocks = self.points.iter().chain((self.open.rows > 0).then_some(&self.open));
@@ -128,7 +129,7 @@ mod tests {
         let signals = trace.signals();
         assert!((50..=100).contains(&signals.time_s.len()), "{}", signals.time_s.len());
         assert!(signals.time_s.windows(2).all(|pair| pair[0] < pair[1]));
-        // Every block but the last holds as many zeros as ones.
+        // Every block except the last one contains as many zeros as ones.
         let (_, whole) = signals.roll_rad.split_last().unwrap();
         assert!(whole.iter().all(|mean| *mean == Some(0.5)));
         assert!(signals.steer_rad.is_empty());

@@ -1,4 +1,4 @@
-//! The arguments of `cg run`.
+//! Arguments of `cg run`.
 
 use std::path::PathBuf;
 
@@ -9,52 +9,54 @@ use crate::can::CanArgs;
 use crate::numbers::{not_negative, trailer_mass_kg};
 use crate::truck::TruckArgs;
 
-/// Where the signals come from, what is known of the truck, where results go.
+/// Source of the signals, truck, and outputs.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("source").required(true)))]
 pub(crate) struct RunArgs {
-    /// Listen to a CAN interface (J1939, and the signals of --dbc)
+    /// Read from this CAN interface (J1939, and the signals of --dbc)
     #[arg(long, group = "source", value_name = "IFACE")]
     pub(crate) can: Option<String>,
-    /// Replay what candump has recorded, with time stamps (`candump -L`, -l, or -ta, -td, -tz); `-`
-    /// reads standard input
+    /// Replay a candump log with time stamps (`candump -L`, -l, -ta, -td or -tz); `-` reads
+    /// standard input
     #[arg(long, group = "source", value_name = "FILE")]
     pub(crate) candump: Option<PathBuf>,
     /// Replay a CSV log; `-` reads standard input
     #[arg(long, group = "source", value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
-    /// Replay as fast as it was recorded, instead of as fast as possible
+    /// Replay at the recorded speed, instead of as fast as possible
     #[arg(long, conflicts_with = "can")]
     pub(crate) realtime: bool,
     #[command(flatten)]
     pub(crate) truck: TruckArgs,
-    /// Mass of the whole semitrailer, whatever the bus says
+    /// Mass of the whole semitrailer, kg; replaces the mass from the bus
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
     #[command(flatten)]
     pub(crate) frames: CanArgs,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
-    /// Keep what is learnt in this file, over restarts
+    /// Keep the estimator's memory in this file over restarts
     #[arg(long, value_name = "FILE")]
     pub(crate) state: Option<PathBuf>,
-    /// Write counters and results for Prometheus (a text file for its node exporter)
+    /// Write counters and results to this file for Prometheus (textfile collector of its node
+    /// exporter)
     #[arg(long, value_name = "FILE")]
     pub(crate) metrics: Option<PathBuf>,
-    /// Send height, threshold, margin and warning level on the interface, as Proprietary B (see
-    /// `fixtures/can/cg_height.dbc`)
+    /// Send height, threshold, margin and warning level on the interface as a Proprietary B message
+    /// (see `fixtures/can/cg_height.dbc`)
     #[arg(long, requires = "can")]
     pub(crate) transmit: bool,
-    /// Source address of what is sent
+    /// Source address of the sent frames
     #[arg(long, value_name = "ADDRESS", default_value = "0xD0", value_parser = address)]
     pub(crate) transmit_address: u8,
-    /// Warning levels: shares of the rollover threshold's lower bound, increasing
+    /// Warning levels, increasing, as shares of the lower bound of the rollover threshold
     #[arg(long, value_name = "SHARES", value_delimiter = ',', default_value = "0.6,0.75,0.9", value_parser = share)]
     pub(crate) warn: Vec<f64>,
-    /// How far below its level a warning ends
+    /// Hysteresis of the warning, as a share of the threshold: how far below its level a warning
+    /// ends
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
     pub(crate) warn_hysteresis: f64,
-    /// Time between two status lines; 0 writes none
+    /// Time between two status lines, s; 0 writes none
     #[arg(long, value_name = "T", default_value_t = 1.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) status_s: f64,
 }

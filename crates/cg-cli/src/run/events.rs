@@ -1,5 +1,7 @@
-//! What is said on standard output: JSON Lines, each with `event` and `time_s`, the time stamp of
-//! the frame or row that it belongs to (Unix time, if the source has it).
+//! The events on standard output, as JSON Lines.
+//!
+//! Each line has `event` and `time_s`, the time stamp of the frame or row that caused it (Unix
+//! time, if the source has it).
 
 use std::io::{self, Write};
 
@@ -10,7 +12,7 @@ use serde::Serialize;
 /// Two-sided 95 % quantile of the normal distribution.
 const QUANTILE_95: f64 = 1.959_964;
 
-/// A line.
+/// A line of the output.
 #[derive(Debug, Serialize)]
 pub(crate) struct Line<'a> {
     pub(crate) time_s: f64,
@@ -21,25 +23,25 @@ pub(crate) struct Line<'a> {
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub(crate) enum Event<'a> {
-    /// The program listens.
+    /// The program has started.
     Start { version: &'a str, vehicle: &'a str, source: &'a str, restored: bool },
-    /// Straight driving, a turn, or no signals.
+    /// The driving state has changed: straight driving, a turn, or no signals.
     State { state: &'a str, missing: Vec<&'a str> },
     /// A maneuver has ended.
     Maneuver(Box<ManeuverLine>),
-    /// Another load: heights begin anew.
+    /// The load has changed; the estimation of the height starts again.
     LoadChanged { message: &'a str },
-    /// From time to time.
+    /// Periodic status.
     Status(Box<Status>),
     /// The warning level has changed.
     Warning { level: usize, margin_g: Option<f64> },
-    /// Something about source, state file or output that somebody should know.
+    /// A message about the source, the state file or an output.
     Notice { subject: &'a str, message: String },
-    /// The end.
+    /// The program ends.
     Stop { reason: &'a str, frames: u64, frames_lost: u64, latency_ms: Option<Latency> },
 }
 
-/// A maneuver and the heights after it.
+/// A maneuver and the height after it.
 #[derive(Debug, Serialize)]
 pub(crate) struct ManeuverLine {
     pub(crate) speed_mps: f64,
@@ -49,14 +51,14 @@ pub(crate) struct ManeuverLine {
     pub(crate) result: Result,
 }
 
-/// Where the trailer's mass comes from.
+/// Where the trailer mass comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum MassSource {
-    /// The vehicle file: nobody has weighed this load.
+    /// The vehicle file; the load has not been weighed.
     #[default]
     Nominal,
-    /// The state file: weighed before the restart.
+    /// The state file; the load was weighed before the restart.
     Kept,
     /// A signal of the truck.
     Signal,
@@ -64,7 +66,7 @@ pub(crate) enum MassSource {
     Given,
 }
 
-/// What is known of the load.
+/// The result for the present load.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Result {
     pub(crate) status: Verdict,
@@ -83,7 +85,8 @@ pub(crate) struct Result {
 }
 
 impl Result {
-    /// From the fused height, if there is one; the threshold comes with the [speed](Self::at_speed).
+    /// The result from the fused height, if there is one. [`at_speed`](Self::at_speed) sets the
+    /// threshold.
     pub(crate) fn new(
         combined: Option<Combined<f64>>,
         channel: Option<Channel>,
@@ -108,7 +111,7 @@ impl Result {
         }
     }
 
-    /// The rollover threshold in a turn at this speed.
+    /// Sets the rollover threshold in a turn at this speed.
     pub(crate) fn at_speed(&mut self, design: &Design<f64>, speed_mps: f64) {
         self.threshold_g = self
             .measured_m
@@ -117,13 +120,13 @@ impl Result {
         self.static_rollover_threshold_g = self.threshold_g.map(|threshold| threshold.value);
     }
 
-    /// Threshold less a lateral acceleration, in g.
+    /// The threshold minus the absolute lateral acceleration, g.
     pub(crate) fn margin_g(&self, lateral_g: Option<f64>) -> Option<f64> {
         Some(self.static_rollover_threshold_g? - lateral_g?.abs())
     }
 }
 
-/// The periodic line.
+/// The periodic status.
 #[derive(Debug, Serialize)]
 pub(crate) struct Status {
     pub(crate) state: &'static str,
@@ -142,25 +145,25 @@ pub(crate) struct Status {
 /// Counters of the source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Counters {
-    /// Frames or rows taken in.
+    /// Frames or rows received.
     pub(crate) frames: u64,
-    /// Frames that the kernel had to drop.
+    /// Frames dropped by the kernel.
     pub(crate) frames_lost: u64,
-    /// Values of a device that is not listened to, because another one sends the same.
+    /// Values ignored because another device sends the same quantity.
     pub(crate) values_of_other_sources: u64,
-    /// Lines or frames that could not be understood.
+    /// Lines or frames that are not valid.
     pub(crate) malformed: u64,
-    /// Error frames of the bus.
+    /// Error frames on the bus.
     pub(crate) error_frames: u64,
-    /// Values that the truck cannot have: they count as absent.
+    /// Values that the truck cannot have; they count as absent.
     pub(crate) values_implausible: u64,
-    /// Roll angles that their sensor calls degraded: they are used.
+    /// Roll angles that their sensor reports as degraded; they are used.
     pub(crate) values_degraded: u64,
-    /// Roll angles that their sensor calls wrong: they count as absent.
+    /// Roll angles that their sensor reports as wrong; they count as absent.
     pub(crate) values_in_error: u64,
 }
 
-/// Time from the frame's time stamp to its last effect, ms.
+/// Delay from the time stamp of a frame to the end of its processing, ms.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Latency {
     pub(crate) p50: f64,
@@ -168,7 +171,7 @@ pub(crate) struct Latency {
     pub(crate) greatest: f64,
 }
 
-/// Writes a line and hands it on at once.
+/// Writes a line and flushes it at once.
 pub(crate) fn write(out: &mut impl Write, time_s: f64, event: Event<'_>) -> io::Result<()> {
     serde_json::to_writer(&mut *out, &Line { time_s, event })?;
     out.write_all(b"\n")?;

@@ -1,4 +1,4 @@
-//! Frames to samples, and which signals are there.
+//! Conversion of CAN frames to samples, and detection of missing signals.
 
 use std::io::{self, Write};
 
@@ -10,16 +10,16 @@ use super::pace::too_slow;
 use super::presence::Presence;
 use super::session::Session;
 
-/// Between two looks for missing signals, µs.
+/// Time between two checks for missing signals, µs.
 const LOOK_US: u64 = 100_000;
 
-/// The way of a frame.
+/// Converts frames to samples for a session.
 pub(crate) struct Frames {
     sampler: Sampler,
     presence: Presence,
     heard: Vec<Quantity>,
     looked_us: u64,
-    /// Whether time passes while frames come in, or as fast as a log is read.
+    /// Whether frames arrive in real time, and not as fast as a log is read.
     live: bool,
 }
 
@@ -36,8 +36,8 @@ impl Frames {
         Self { sampler, presence, heard: Vec::new(), looked_us: 0, live }
     }
 
-    /// Takes in a frame that was received about now by the monotonic clock, if it is live; gives its
-    /// stream time.
+    /// Adds a frame and returns its stream time. `monotonic_us` is the monotonic clock at
+    /// reception, if the frame is live.
     pub(crate) fn take<W: Write>(
         &mut self,
         frame: &Frame,
@@ -66,7 +66,7 @@ impl Frames {
         Ok(instant.stream_us)
     }
 
-    /// Hands on the samples that are complete, and does what is due.
+    /// Passes complete samples to the session and performs what is due.
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.next_sample() {
             session.push(sample)?;
@@ -80,7 +80,7 @@ impl Frames {
         session.due(self.live)
     }
 
-    /// Lets time pass without a frame.
+    /// Advances the time without a frame.
     pub(crate) fn idle<W: Write>(
         &mut self,
         raw_us: u64,
@@ -93,7 +93,7 @@ impl Frames {
         self.pass(session)
     }
 
-    /// Hands on the samples that still wait for other signals, at the end of a log.
+    /// Passes on the samples that still wait for other signals, at the end of a log.
     pub(crate) fn flush<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.rest() {
             session.push(sample)?;
@@ -101,7 +101,7 @@ impl Frames {
         Ok(())
     }
 
-    /// What a kernel filter must let pass.
+    /// Identifiers and masks of the frames that a kernel filter must pass.
     pub(crate) fn wanted(&self) -> Vec<(u32, bool, u32)> {
         self.sampler.decoder().frames()
     }

@@ -1,12 +1,12 @@
-//! A histogram of delays in fixed memory.
+//! A histogram of delays in constant memory.
 
 use super::events::Latency;
 
-/// Classes within each power of two: a percentile is right to 6 %.
+/// Number of classes per power of two. The error of a percentile is at most 6 %.
 const CLASSES: usize = 16;
 const OCTAVES: usize = 32;
 
-/// Delays in microseconds, counted in classes that grow with them.
+/// Delays in microseconds, counted in classes whose width grows with the delay.
 #[derive(Debug)]
 pub(crate) struct Histogram {
     counts: Vec<u64>,
@@ -28,7 +28,7 @@ impl Histogram {
         self.greatest_us = self.greatest_us.max(delay_us);
     }
 
-    /// The delay that a share of them does not exceed, µs.
+    /// The delay that this share of the delays does not exceed, µs.
     fn quantile_us(&self, share: f64) -> f64 {
         #[allow(
             clippy::cast_precision_loss,
@@ -58,7 +58,7 @@ impl Histogram {
     }
 }
 
-/// Linear up to 16 µs, then sixteen classes to each power of two.
+/// One class per microsecond up to 16 µs, then sixteen classes per power of two.
 fn class(us: u64) -> usize {
     let octave = us.max(1).ilog2().saturating_sub(3) as usize;
     if octave == 0 {

@@ -1,4 +1,4 @@
-//! Listening to a CAN interface for months.
+//! Reading from a CAN interface for an unlimited time.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -11,39 +11,40 @@ use super::session::Session;
 use super::signals::Stop;
 use super::socket::{Bus, Received, wall_us};
 
-/// The longest wait for a frame; signals and watchdog are looked after in between.
+/// Longest wait for a frame. Requests to stop and the watchdog are handled in between.
 const WAIT: Duration = Duration::from_millis(50);
-/// Between two tries to open an interface that is not there.
+/// Time between two attempts to open a missing interface.
 const RETRY: Duration = Duration::from_secs(1);
-/// Rest after reading all there was: on a full bus some frames come at once, at a fraction of the cost.
+/// Pause after all frames were read. On a full bus, several frames are then read at once, which
+/// takes less processor time.
 const REST: Duration = Duration::from_millis(1);
-/// Frames read in a row before anything else.
+/// Maximum number of frames read in a row.
 const BATCH: usize = 256;
 
-/// What the interface is doing.
+/// State of the interface.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Link {
     Up,
-    /// Since when, on the wall clock; frames that are older waited in the queue.
+    /// Time of the loss on the wall clock, µs. Older frames waited in the queue.
     Down {
         since_us: u64,
     },
 }
 
-/// The loop's own state.
+/// State of the loop.
 struct Live<'a> {
     interface: &'a str,
     transmit_address: Option<u8>,
     began: Instant,
     link: Link,
     error: &'static str,
-    /// Frames lost on sockets that are closed.
+    /// Number of frames lost on closed sockets.
     lost_before: u64,
     watchdog: Option<Duration>,
     alive: Instant,
 }
 
-/// Listens until somebody asks for the end.
+/// Reads frames until the program is asked to stop.
 pub(crate) fn run<W: Write>(
     interface: &str,
     transmit_address: Option<u8>,
@@ -73,7 +74,7 @@ pub(crate) fn run<W: Write>(
     Ok("signal")
 }
 
-/// Without systemd nobody listens, which is no error.
+/// Notifies systemd. Without systemd this has no effect and is not an error.
 fn notify(states: &[NotifyState<'_>]) {
     let _ = sd_notify::notify(states);
 }
@@ -138,7 +139,7 @@ impl Live<'_> {
         }
     }
 
-    /// Reads until the interface is gone, and then what has come before.
+    /// Reads until the interface is lost, and then the frames that arrived before.
     fn listen<W: Write>(
         &mut self,
         mut bus: Bus,
@@ -161,7 +162,8 @@ impl Live<'_> {
                     Ok(None) => break,
                     Err(error) => {
                         self.down(session, &error)?;
-                        // Only down: the socket stays and hears again when it is up.
+                        // If the interface is only down, the socket remains open and receives again
+                        // when it is up.
                         gone = error.raw_os_error() != Some(Errno::ENETDOWN as i32);
                         if gone {
                             session.outputs.sender = None;

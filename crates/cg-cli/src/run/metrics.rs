@@ -1,4 +1,4 @@
-//! Counters and results as a text file for Prometheus' node exporter.
+//! Counters and results as a text file for the node exporter of Prometheus.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -7,7 +7,7 @@ use cg_logs::output::{Draft, Target};
 
 use super::events::{Latency, Status};
 
-/// Writes the file anew, whole.
+/// Writes a new file, which replaces the previous one completely.
 pub(crate) fn write(target: &Target, status: &Status, latency: Option<Latency>) -> io::Result<()> {
     let (draft, mut file) = target.open()?;
     file.write_all(text(status, latency).as_bytes())?;
@@ -21,20 +21,20 @@ fn text(status: &Status, latency: Option<Latency>) -> String {
     let present = if status.missing.is_empty() { 1.0 } else { 0.0 };
     let rows: [(&str, &str, &str, Option<f64>); 16] = [
         ("height_metres", "gauge", "c.g. height of the trailer's sprung mass", result.height_m),
-        ("height_sd_metres", "gauge", "its standard deviation", result.height_sd_m),
+        ("height_sd_metres", "gauge", "standard deviation of the height", result.height_sd_m),
         (
             "rollover_threshold_g",
             "gauge",
-            "static rollover threshold at that height",
+            "static rollover threshold at this height",
             result.static_rollover_threshold_g,
         ),
-        ("margin_g", "gauge", "threshold less the present lateral acceleration", status.margin_g),
-        ("warning_level", "gauge", "rollover warning", Some(status.warning_level as f64)),
-        ("trailer_mass_kilograms", "gauge", "trailer mass taken", Some(result.trailer_mass_kg)),
-        ("maneuvers", "gauge", "maneuvers behind the height", Some(f64::from(result.maneuvers))),
-        ("signals_present", "gauge", "one while no signal is missing", Some(present)),
-        ("samples_total", "counter", "samples estimated from", Some(status.samples as f64)),
-        ("frames_total", "counter", "frames taken in", Some(counters.frames as f64)),
+        ("margin_g", "gauge", "threshold minus the present lateral acceleration", status.margin_g),
+        ("warning_level", "gauge", "rollover warning level", Some(status.warning_level as f64)),
+        ("trailer_mass_kilograms", "gauge", "trailer mass used", Some(result.trailer_mass_kg)),
+        ("maneuvers", "gauge", "maneuvers used for the height", Some(f64::from(result.maneuvers))),
+        ("signals_present", "gauge", "1 if no signal is missing, otherwise 0", Some(present)),
+        ("samples_total", "counter", "samples processed", Some(status.samples as f64)),
+        ("frames_total", "counter", "frames received", Some(counters.frames as f64)),
         (
             "frames_lost_total",
             "counter",
@@ -44,13 +44,13 @@ fn text(status: &Status, latency: Option<Latency>) -> String {
         (
             "malformed_total",
             "counter",
-            "frames or lines not understood",
+            "frames or lines that are not valid",
             Some(counters.malformed as f64),
         ),
         (
             "error_frames_total",
             "counter",
-            "error frames of the bus",
+            "error frames on the bus",
             Some(counters.error_frames as f64),
         ),
         ("latency_p50_seconds", "gauge", "median delay of a frame", of(|latency| latency.p50)),

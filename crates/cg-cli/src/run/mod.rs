@@ -1,16 +1,16 @@
-//! `cg run`: live, from a CAN interface, or a recorded drive through the same stages.
+//! `cg run`: live estimates from a CAN interface, or a replay of a recorded drive.
 //!
 //! | file | what |
 //! |---|---|
 //! | `args` | the arguments |
-//! | `live`, `socket` | a CAN interface: frames with the kernel's time stamps, errors, coming and going |
+//! | `live`, `socket` | a CAN interface: frames with kernel time stamps, errors, loss of the interface |
 //! | `replay` | candump and CSV logs |
-//! | `frames` | frames to samples |
-//! | `presence`, `pace` | which signals are there, and often enough |
-//! | `session` | samples to events |
+//! | `frames` | conversion of frames to samples |
+//! | `presence`, `pace` | checks that signals are present and frequent enough |
+//! | `session` | processing of samples to events |
 //! | `events` | the lines on standard output |
-//! | `outputs`: `state`, `metrics`, `transmit`, `latency` | what else goes out |
-//! | `signals` | the wish to stop |
+//! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
+//! | `signals` | requests to stop |
 
 pub(crate) mod args;
 mod events;
@@ -90,11 +90,11 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         _ => "no source",
     };
     session.stop(reason)?;
-    // Live, an end without a height is an end like any other.
+    // A live run without a height ends normally.
     Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
 }
 
-/// State and metrics, where they are wanted.
+/// The files of state and metrics, if they are written.
 fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>; 2]> {
     let mut files = arguments
         .truck
@@ -111,13 +111,13 @@ fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>;
     ])
 }
 
-/// How the source is read; flags that are not for it are refused.
+/// The options for reading the source. Options that do not apply to it are refused.
 fn log_options(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<LogOptions> {
     if arguments.csv.is_some() {
         arguments.frames.refuse("--csv")?;
     }
     if arguments.can.is_some() && arguments.frames.bus.is_some() {
-        bail!("--bus chooses a bus of a log: with --can the interface is the bus, remove --bus");
+        bail!("--bus selects a bus of a log, but --can names the interface; remove --bus");
     }
     arguments.frames.log_options(&arguments.columns, vehicle)
 }

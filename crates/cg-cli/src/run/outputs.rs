@@ -1,5 +1,6 @@
-//! Everything that goes out beside the events: state file, metrics, frames. A failure there is told
-//! once and tried again later; it never stops the estimation.
+//! All outputs except the events: state file, metrics, frames.
+//!
+//! A failure of an output is reported once and tried again later. It never stops the estimation.
 
 use std::io::{self, Write};
 
@@ -12,16 +13,16 @@ use super::metrics;
 use super::state::{Found, StateFile};
 use super::transmit;
 
-/// Sends a frame: identifier and data.
+/// Sends a frame with this identifier and these data.
 pub(crate) type Sender = Box<dyn FnMut(u32, [u8; 8])>;
 
-/// Where results go.
+/// The outputs.
 pub(crate) struct Outputs<W: Write> {
-    /// The lines.
+    /// The stream of event lines.
     pub(crate) lines: W,
     pub(crate) state: Option<StateFile>,
     pub(crate) metrics: Option<Target>,
-    /// With its source address.
+    /// The sender of frames and its source address.
     pub(crate) sender: Option<(Sender, u8)>,
     pub(crate) latency: Histogram,
     state_failed: bool,
@@ -39,12 +40,12 @@ impl<W: Write> Outputs<W> {
         Self { lines, state, metrics, sender, latency, state_failed: false, metrics_failed: false }
     }
 
-    /// What the state file holds, if there is to be one.
+    /// The content of the state file, if there is one.
     pub(crate) fn load(&self) -> Option<io::Result<Found>> {
         self.state.as_ref().map(StateFile::load)
     }
 
-    /// Writes the state; what is to be said of it.
+    /// Writes the state; returns a message if writing starts to fail or works again.
     pub(crate) fn save(
         &mut self,
         memory: &Memory<f64>,
@@ -55,7 +56,7 @@ impl<W: Write> Outputs<W> {
         changed(&mut self.state_failed, result)
     }
 
-    /// Writes the metrics; what is to be said of it.
+    /// Writes the metrics; returns a message if writing starts to fail or works again.
     pub(crate) fn measure(&mut self, status: &Status) -> Option<String> {
         let result = metrics::write(self.metrics.as_ref()?, status, self.latency.summary());
         changed(&mut self.metrics_failed, result)
@@ -73,7 +74,7 @@ impl<W: Write> Outputs<W> {
     }
 }
 
-/// The message where success turns into failure or back.
+/// The message when success changes to failure or back.
 fn changed(failed: &mut bool, result: io::Result<()>) -> Option<String> {
     let before = std::mem::replace(failed, result.is_err());
     match result {

@@ -1,27 +1,28 @@
-//! Whether samples come often enough to be a motion.
+//! Checks that samples are frequent enough to represent a motion.
 
 use cg_core::{Quantity, Sample};
 
-/// Samples further apart belong to no common motion: the estimator ends a maneuver there.
+/// Greatest interval between samples of the same motion, µs. The estimator ends a maneuver at a
+/// longer one.
 const GREATEST_US: u64 = 500_000;
-/// Further apart they are no slow signal but one that comes and goes.
+/// At longer intervals a signal is not slow but intermittent, µs.
 const PAUSE_US: u64 = 10_000_000;
-/// Slow steps in a row that make a slow signal.
+/// Number of consecutive long intervals that make a signal slow.
 const SLOW_STEPS: u32 = 3;
 
-/// How often something comes.
+/// The rate of a signal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cadence {
     last_us: Option<u64>,
     slow_steps: u32,
-    /// Whether the last value came too late after the one before.
+    /// Whether the last value came too late after the previous one.
     pub(crate) late: bool,
     told: bool,
 }
 
 impl Cadence {
-    /// A value has come; the step in seconds if that is too long, has been so for some values, and
-    /// was not told before.
+    /// Adds a value. Returns the interval in seconds if the signal is too slow, this lasts for some
+    /// values, and it has not been reported.
     pub(crate) fn push(&mut self, now_us: u64) -> Option<f64> {
         let step_us = self.last_us.replace(now_us).map(|last_us| now_us.saturating_sub(last_us));
         self.late = step_us.is_some_and(|step_us| step_us > GREATEST_US);
@@ -37,24 +38,25 @@ impl Cadence {
     }
 }
 
-/// What is to be told of a signal that comes too slowly.
+/// The message about a signal that is too slow.
 pub(crate) fn too_slow(step_s: f64) -> String {
     format!(
-        "a value comes every {step_s:.2} s only, too slow to be used: at least two a second are \
-         needed, ten or more are good; set the sensor or the logger faster"
+        "one value every {step_s:.2} s is too slow to be used: at least two per second are needed, \
+         ten or more are better; increase the rate of the sensor or the logger"
     )
 }
 
-/// Lets samples pass that have another one near.
+/// Passes on only samples that are close to another sample.
 #[derive(Debug, Default)]
 pub(crate) struct Pace {
     cadence: Cadence,
-    /// A sample after a pause: it counts when another one follows.
+    /// A sample after a pause. It is used if another sample follows soon.
     lone: Option<Sample<f64>>,
 }
 
 impl Pace {
-    /// Takes in a sample: those that count now, and the step in seconds if it is to be told.
+    /// Adds a sample. Returns the samples that can be used now, and the interval in seconds if it
+    /// is to be reported.
     pub(crate) fn push(&mut self, sample: Sample<f64>) -> ([Option<Sample<f64>>; 2], Option<f64>) {
         let first = self.cadence.last_us.is_none();
         let told = self.cadence.push(sample.time_us);
@@ -67,7 +69,7 @@ impl Pace {
     }
 }
 
-/// The quantities that say how the truck moves at an instant; the others change slowly.
+/// The quantities that determine the motion of the truck at an instant. All others change slowly.
 pub(crate) const MOTION: [Quantity; 6] = [
     Quantity::Steer,
     Quantity::SteeringWheel,

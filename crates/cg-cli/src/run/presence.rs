@@ -1,14 +1,15 @@
-//! Which signals are there.
+//! Detection of missing signals.
 
 use cg_core::{AlignSettings, Quantity};
 use cg_logs::log::Signal;
 
 use super::pace::{Cadence, MOTION};
 
-/// So long after the beginning every signal should have come (a weight once a second).
+/// Time after the beginning within which every signal should have arrived (a mass is sent once a
+/// second).
 const BEGUN_US: u64 = 3_000_000;
 
-/// Signals that serve one purpose: any of them is enough.
+/// Groups of signals of which one is enough.
 const PURPOSES: [&[Quantity]; 5] = [
     &[Quantity::SteeringWheel, Quantity::Steer],
     &[Quantity::Roll, Quantity::Tilt],
@@ -17,10 +18,10 @@ const PURPOSES: [&[Quantity]; 5] = [
     &[Quantity::TrailerMass, Quantity::TrailerAxleLoad, Quantity::TrailerSuspensionPressure],
 ];
 
-/// What has been seen, and what should be.
+/// The signals that have been received and those that are expected.
 #[derive(Debug, Default)]
 pub(crate) struct Presence {
-    /// For each purpose the signal that is named if there is none.
+    /// For each group, the signal that is named if none of the group is present.
     expected: [Option<Quantity>; PURPOSES.len()],
     seen: [bool; Quantity::COUNT],
     cadence: [Cadence; Quantity::COUNT],
@@ -28,8 +29,8 @@ pub(crate) struct Presence {
 }
 
 impl Presence {
-    /// Expects what the truck can use: the steering wheel with a steering ratio, a weight unless
-    /// the mass is given. A signal that is mapped is expected by its own name.
+    /// Expects the signals that the truck can use: the steering wheel if there is a steering ratio,
+    /// and a mass unless it is given. A mapped signal is expected under its own name.
     pub(crate) fn new(
         settings: &AlignSettings<f64>,
         mass_is_given: bool,
@@ -47,7 +48,8 @@ impl Presence {
         Self { expected, ..Self::default() }
     }
 
-    /// A value has come; what is to be told of its rate.
+    /// Registers a value. Returns the interval in seconds if the signal is too slow and this has
+    /// not been reported.
     pub(crate) fn saw(&mut self, quantity: Quantity, now_us: u64) -> Option<f64> {
         let index = quantity.index();
         if let Some(seen) = self.seen.get_mut(index) {
@@ -55,11 +57,11 @@ impl Presence {
         }
         let cadence = self.cadence.get_mut(index).filter(|_| MOTION.contains(&quantity))?;
         let slow = cadence.push(now_us);
-        // Roll angles make the samples, whose rate is looked after by themselves.
+        // Roll angles become samples, and the rate of samples is checked separately.
         slow.filter(|_| !matches!(quantity, Quantity::Roll | Quantity::Tilt))
     }
 
-    /// Names of the signals that are missing: gone, too slow, or never seen.
+    /// Names of the signals that are missing: lost, too slow, or never received.
     pub(crate) fn missing(
         &mut self,
         now_us: u64,
@@ -100,13 +102,13 @@ mod tests {
         let all = ["steering_wheel", "roll", "speed", "lateral_acceleration", "trailer_mass"];
         assert_eq!(missing(&ratio, false, &[], &[]), all);
         assert_eq!(missing(&AlignSettings::NONE, true, &[], &[]), all[1..4]);
-        // Others serve the same purpose; a mapped one is expected by its name.
+        // Other signals of the same group are enough; a mapped signal is expected under its name.
         let seen = [Quantity::Tilt, Quantity::YawRate, Quantity::TrailerAxleLoad, Quantity::Steer];
         assert_eq!(missing(&ratio, false, &[], &seen), ["speed"]);
         assert_eq!(missing(&ratio, true, &[Quantity::Tilt], &[])[1], "tilt");
     }
 
-    /// A signal of one value a second is missing, and not missing and back with every value.
+    /// A signal with one value per second is missing all the time, not only between its values.
     #[test]
     fn a_slow_signal_is_missing_steadily() {
         let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);

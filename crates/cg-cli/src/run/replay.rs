@@ -1,4 +1,4 @@
-//! Recorded drives: candump logs and CSV, as fast as possible or in real time.
+//! Replay of recorded drives: candump logs and CSV, as fast as possible or in real time.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
@@ -44,7 +44,7 @@ fn open(path: &Path) -> anyhow::Result<(String, Box<dyn Read + Send>)> {
     Ok((name, Box::new(file)))
 }
 
-/// Replays a candump log. Lines that are none are counted and told once; all the rest counts.
+/// Replays a candump log. Invalid lines are skipped, counted and reported once.
 pub(crate) fn candump<W: Write>(
     path: &Path,
     bus: Option<String>,
@@ -74,7 +74,7 @@ pub(crate) fn candump<W: Write>(
     Ok("end of log")
 }
 
-/// Replays a CSV log. Bad rows are counted and told once; all the rest counts.
+/// Replays a CSV log. Invalid rows are skipped, counted and reported once.
 pub(crate) fn csv<W: Write>(
     path: &Path,
     realtime: bool,
@@ -91,7 +91,7 @@ pub(crate) fn csv<W: Write>(
     };
     let mut reader = reader.over_bad_rows();
     if reader.is_of_frames() {
-        bail!("{name} is a log of CAN frames: give it with --candump in place of --csv");
+        bail!("{name}: the log contains CAN frames; give it with --candump instead of --csv");
     }
     let settings = options.settings.unwrap_or_default();
     let mut clock = Clock::default();
@@ -100,7 +100,7 @@ pub(crate) fn csv<W: Write>(
         if stop.asked() {
             return Ok("signal");
         }
-        // The reader lets no time be absent; microseconds since 1970 fit.
+        // The reader ensures that there is a time; microseconds since 1970 fit.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let raw_us = (row.time_s.max(0.0) * 1e6).round() as u64;
         let instant = clock.stream(raw_us, None);
@@ -125,7 +125,7 @@ pub(crate) fn csv<W: Write>(
     Ok("end of log")
 }
 
-/// The next row that is one.
+/// The next valid row.
 fn next_row<W: Write>(
     reader: &mut LogReader,
     session: &mut Session<W>,
@@ -136,7 +136,7 @@ fn next_row<W: Write>(
             Err(error) if error.is_of_a_row() => {
                 session.counters.malformed += 1;
                 if session.counters.malformed == 1 {
-                    let message = format!("{error}; bad rows are passed over and counted");
+                    let message = format!("{error}; invalid rows are skipped and counted");
                     session.notice("source", message)?;
                 }
             }

@@ -1,4 +1,4 @@
-//! Samples to events: the estimator, what is known of the load, warnings, and what goes out.
+//! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
 use std::io::{self, Write};
 
@@ -17,35 +17,35 @@ use super::outputs::Outputs;
 use super::pace::{Pace, too_slow};
 use super::state::Found;
 
-/// Between two writes of the state while nothing happens, stream time.
+/// Time between two writes of the state without an event, in stream time, µs.
 const SAVE_US: u64 = 60_000_000;
-/// Between two writes of the metrics.
+/// Time between two writes of the metrics, µs.
 const METRICS_US: u64 = 5_000_000;
-/// Without a sample for this long there are no signals.
+/// Time without a sample after which the state is "no signals", µs.
 const SILENT_US: u64 = 1_000_000;
 
-/// A weight should have come by then; else the nominal mass is told to be taken.
+/// Time within which a mass should arrive, µs. After it, the use of the nominal mass is reported.
 const WEIGHED_US: u64 = 5_000_000;
 
-/// What is on the way from the signals to the answers.
+/// The processing of samples of one run.
 pub(crate) struct Session<W: Write> {
     estimator: Estimator<f64, FilteredArx<f64>>,
     trailer_mass_kg: Option<f64>,
     mass_source: MassSource,
-    /// Stream time since which samples come; `None` once the nominal mass is told or not taken.
+    /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
     told_nominal: bool,
     pace: Pace,
     warner: Warner<f64>,
     known: Known,
-    /// The last speed; NaN before there is one.
+    /// Last speed, m/s; NaN before the first one.
     speed_mps: f64,
     load_since_s: Option<f64>,
     driving: &'static str,
     missing: Vec<&'static str>,
     samples: u64,
     pub(crate) counters: Counters,
-    /// Time stamp less stream time, s.
+    /// Time stamp minus stream time, s.
     offset_s: f64,
     now_us: u64,
     sampled_us: u64,
@@ -54,9 +54,9 @@ pub(crate) struct Session<W: Write> {
     pub(crate) outputs: Outputs<W>,
 }
 
-/// When things are done next, stream time.
+/// Stream times of the next periodic actions.
 #[derive(Default)]
-#[allow(clippy::struct_field_names, reason = "units stand in names")]
+#[allow(clippy::struct_field_names, reason = "names contain units")]
 struct Due {
     status_us: u64,
     save_us: u64,
@@ -101,7 +101,7 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// Takes up what was learnt before a restart, if there is something.
+    /// Restores the memory that was saved before a restart. Returns whether there was one.
     pub(crate) fn restore(&mut self) -> io::Result<bool> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
@@ -111,7 +111,7 @@ impl<W: Write> Session<W> {
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 self.load_since_s = state.load_since_s;
-                // The nominal mass itself says that nobody has weighed the load.
+                // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
                 let weighed = (state.memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
                 if weighed && self.mass_source == MassSource::Nominal {
@@ -121,7 +121,7 @@ impl<W: Write> Session<W> {
                 Ok(true)
             }
             Some(Ok(Found::PutAside(path, reason))) => {
-                let message = format!("put aside as {}: {reason}", path.display());
+                let message = format!("not used and renamed to {}: {reason}", path.display());
                 self.notice("state", message).map(|()| false)
             }
             Some(Err(error)) => {
@@ -131,14 +131,14 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// The time of a frame or row: its time stamp and stream time.
+    /// Sets the time of a frame or row: its time stamp and its stream time.
     pub(crate) fn tick(&mut self, stamp_s: f64, stream_us: u64) {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let stream_s = stream_us as f64 * 1e-6;
         (self.offset_s, self.now_us) = (stamp_s - stream_s, stream_us);
     }
 
-    /// The same, and whether the time stamps have jumped.
+    /// Sets the time from a time stamp and reports a jump of the time stamps.
     pub(crate) fn at(&mut self, stamp_us: u64, instant: Instant) -> io::Result<()> {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         self.tick(stamp_us as f64 * 1e-6, instant.stream_us);
@@ -147,7 +147,7 @@ impl<W: Write> Session<W> {
         }
         #[allow(clippy::cast_precision_loss)]
         let jump_s = instant.jump_us as f64 * 1e-6;
-        self.notice("clock", format!("the time stamps have jumped by {jump_s:.3} s"))
+        self.notice("clock", format!("the time stamps jumped by {jump_s:.3} s"))
     }
 
     pub(crate) fn say(&mut self, event: Event<'_>) -> io::Result<()> {
@@ -164,7 +164,8 @@ impl<W: Write> Session<W> {
         self.offset_s + stream_us as f64 * 1e-6
     }
 
-    /// Takes in a sample. One that has no other near it says nothing of a motion and is left out.
+    /// Processes a sample. A sample without another one close to it is not part of a motion and is
+    /// not used.
     pub(crate) fn push(&mut self, mut sample: Sample<f64>) -> io::Result<()> {
         self.samples += 1;
         self.sampled_us = sample.time_us;
@@ -181,7 +182,7 @@ impl<W: Write> Session<W> {
     fn estimate(&mut self, sample: &Sample<f64>) -> io::Result<()> {
         let step = match self.estimator.push(sample) {
             Ok(step) => step,
-            // The clock and the aligner let no time go back; should one, it is passed over.
+            // Clock and aligner prevent decreasing times. If there is one, the sample is not used.
             Err(SampleError::TimeOrder { .. } | _) => return Ok(()),
         };
         if let Some(maneuver) = step.closed {
@@ -194,7 +195,7 @@ impl<W: Write> Session<W> {
         })
     }
 
-    /// Gives the sample the mass that counts, and tells where it comes from.
+    /// Sets the mass of the sample, and reports its source.
     fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
         if let Some(mass_kg) = self.trailer_mass_kg {
             sample.trailer_mass_kg = mass_kg;
@@ -204,7 +205,7 @@ impl<W: Write> Session<W> {
             self.mass_source = MassSource::Signal;
             if self.told_nominal {
                 let message = format!(
-                    "the trailer weighs {:.0} kg by its signals: from now on that counts",
+                    "a signal gives a trailer mass of {:.0} kg, which is used from now on",
                     sample.trailer_mass_kg
                 );
                 return self.notice("mass", message);
@@ -213,7 +214,7 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Tells once that the vehicle file's mass is taken for that of the trailer.
+    /// Reports once that the vehicle file's mass is used as that of the trailer.
     fn tell_nominal(&mut self) -> io::Result<()> {
         let nominal = self.mass_source == MassSource::Nominal && self.unweighed_us.is_some();
         if !nominal || std::mem::replace(&mut self.told_nominal, true) {
@@ -221,8 +222,8 @@ impl<W: Write> Session<W> {
         }
         let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
         let message = format!(
-            "no signal tells the trailer's mass: {nominal_kg:.0} kg of the vehicle file are taken; \
-             mass and height are confounded, so give --trailer-mass-kg or a weight"
+            "no signal gives the trailer mass: {nominal_kg:.0} kg from the vehicle file is used; a \
+             wrong mass gives a wrong height, so give --trailer-mass-kg or a signal of the mass"
         );
         self.notice("mass", message)
     }
@@ -234,7 +235,7 @@ impl<W: Write> Session<W> {
             sample.lateral_acceleration_mps2
         };
         let gravity_mps2 = self.estimator.design().gravity_mps2;
-        // Without a speed the last one counts.
+        // Without a speed, the last one is used.
         if sample.speed_mps.is_finite() {
             self.speed_mps = sample.speed_mps;
             self.known.at_speed(self.estimator.design(), self.speed_mps);
@@ -259,7 +260,7 @@ impl<W: Write> Session<W> {
         self.say(Event::State { state, missing })
     }
 
-    /// What is missing now that was there before.
+    /// Reports changes of the missing signals.
     pub(crate) fn missing(&mut self, missing: Vec<&'static str>) -> io::Result<()> {
         if missing == self.missing {
             return Ok(());
@@ -274,7 +275,7 @@ impl<W: Write> Session<W> {
         let since_s = since_us.map(|us| self.time_s(us));
         if since_us == Some(maneuver.end_us) {
             self.load_since_s = since_s;
-            let message = "the heights so far were of another load and are forgotten";
+            let message = "the heights so far belong to another load and were discarded";
             self.say(Event::LoadChanged { message })?;
         }
         let before = self.known.status;
@@ -293,7 +294,7 @@ impl<W: Write> Session<W> {
         self.save()
     }
 
-    /// Looks up what the estimator knows.
+    /// Updates the result from the estimator.
     fn update(&mut self, trailer_mass_kg: f64) {
         let heights = Channel::ALL.map(|channel| self.estimator.height(channel));
         let channel = match heights {
@@ -307,23 +308,23 @@ impl<W: Write> Session<W> {
         self.known.at_speed(self.estimator.design(), self.speed_mps);
     }
 
-    /// Tells that the channels begin to contradict each other.
+    /// Reports the beginning of a contradiction between the channels.
     fn compare(&mut self, before: Verdict) -> io::Result<()> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
         let told = Channel::ALL.map(|channel| match self.estimator.height(channel) {
             Some(height) => {
-                format!("{channel} says {:.2} ± {:.2} m", height.height_m.value, height.height_m.sd)
+                format!(
+                    "{channel} channel {:.2} ± {:.2} m",
+                    height.height_m.value, height.height_m.sd
+                )
             }
-            None => format!("{channel} has no possible height"),
+            None => format!("{channel} channel without a possible height"),
         });
         self.notice(
             "channels",
-            format!(
-                "inconsistent, so there is no height: {}; a sensor is at fault",
-                told.join(", ")
-            ),
+            format!("inconsistent, so there is no height: {}; check the sensors", told.join(", ")),
         )
     }
 
@@ -347,14 +348,15 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// What is due by now: silence noticed, status, metrics, frames, the state file.
+    /// Performs what is due: detection of silence, status, metrics, frames, state file.
     pub(crate) fn due(&mut self, live: bool) -> io::Result<()> {
         let now_us = self.now_us;
         if self.unweighed_us.is_some_and(|since| now_us.saturating_sub(since) >= WEIGHED_US) {
             self.tell_nominal()?;
         }
         if self.driving != "waiting" && now_us.saturating_sub(self.sampled_us) > SILENT_US {
-            // The hole ends the maneuver in any case; whoever parks now has its height at once.
+            // The gap would end the maneuver anyway. Ending it now gives a parking truck its height
+            // at once.
             if let Some(maneuver) = self.estimator.finish() {
                 self.maneuver(&maneuver)?;
             }
@@ -372,7 +374,7 @@ impl<W: Write> Session<W> {
             let status = self.status();
             self.outputs.transmit(&status);
         }
-        // A replay at log speed writes them at its end.
+        // A replay as fast as possible writes them only at its end.
         if live && now_us >= self.due.metrics_us {
             self.due.metrics_us = now_us + METRICS_US;
             self.measure()?;
@@ -401,7 +403,7 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// Ends the last maneuver, keeps everything, says so.
+    /// Ends the last maneuver, writes all outputs, and reports the end.
     pub(crate) fn stop(&mut self, reason: &str) -> io::Result<()> {
         if let Some(maneuver) = self.estimator.finish() {
             self.maneuver(&maneuver)?;

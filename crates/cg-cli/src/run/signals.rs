@@ -1,4 +1,4 @@
-//! SIGTERM and SIGINT: the wish to stop, in order.
+//! Requests to stop, by SIGTERM and SIGINT.
 
 use std::io;
 use std::sync::Arc;
@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::interrupt;
 
-/// Whether somebody has asked for the end.
+/// Whether the program was asked to stop.
 #[derive(Clone, Debug)]
 pub(crate) struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Listens to the signals. A second one ends the program at once.
+    /// Handles the signals. A second signal ends the program at once.
     pub(crate) fn listen() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
         interrupt::watch(Some(Arc::clone(&flag)))?;

@@ -1,5 +1,5 @@
-//! A CAN interface through SocketCAN: filters and time stamps of the kernel, its count of dropped
-//! frames, error frames, and interfaces that go and come.
+//! A CAN interface through SocketCAN: kernel filters and time stamps, the kernel's count of dropped
+//! frames, error frames, and loss and return of the interface.
 
 use std::cell::Cell;
 use std::io::{self, IoSliceMut};
@@ -15,23 +15,23 @@ use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg, setsockopt};
 use nix::sys::time::TimeSpec;
 use socketcan::{CanFilter, CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, SocketOptions};
 
-/// Bytes for frames that wait: some seconds of a full bus, while a disk is slow.
+/// Size of the receive buffer in bytes: some seconds of a full bus, while a disk is slow.
 const BUFFER: usize = 8 << 20;
 const EXTENDED_FLAG: u32 = 0x8000_0000;
 const REMOTE_FLAG: u32 = 0x4000_0000;
 const ERROR_FLAG: u32 = 0x2000_0000;
 const EXTENDED_MASK: u32 = 0x1FFF_FFFF;
-/// Size of a classic frame as the kernel hands it over: identifier, length, 3 bytes, 8 data.
+/// Size of a classic frame from the kernel: identifier, length, 3 bytes, 8 data bytes.
 const FRAME_SIZE: usize = 16;
 
-/// What has come in.
+/// What was received.
 #[derive(Debug)]
 pub(crate) enum Received {
     /// A data frame.
     Frame(Frame),
-    /// An error frame, in words.
+    /// An error frame, as text.
     Error(&'static str),
-    /// A remote frame or one of no use.
+    /// A remote frame or another frame that is not used.
     Nothing,
 }
 
@@ -42,8 +42,8 @@ pub(crate) struct Bus {
     dropped: u32,
 }
 
-/// The socket, read and written. The kernel tells the loss of an interface once, to whoever asks next:
-/// what the writing side hears is kept for the reading side.
+/// The socket for reading and writing. The kernel reports the loss of an interface only once, to
+/// the next call. If the writing side receives this report, it is stored for the reading side.
 struct Shared {
     can: CanSocket,
     fault: Cell<Option<Errno>>,
@@ -57,7 +57,8 @@ impl Shared {
         }
     }
 
-    /// After a full queue the next frame is a tenth of a second away; a loss is for the reader.
+    /// Handles an error of sending. After a full queue, the next frame follows a tenth of a second
+    /// later; the loss of the interface is reported by the reader.
     fn heard(&self, code: Option<i32>) {
         let errno = Errno::from_raw(code.unwrap_or(0));
         if matches!(errno, Errno::ENETDOWN | Errno::ENODEV | Errno::ENXIO) {
@@ -67,7 +68,8 @@ impl Shared {
 }
 
 impl Bus {
-    /// Opens an interface for frames of these identifiers (with 29 bits, and mask) and for errors.
+    /// Opens an interface for frames with these identifiers (whether they have 29 bits, and masks)
+    /// and for error frames.
     pub(crate) fn open(interface: &str, frames: &[(u32, bool, u32)]) -> io::Result<Self> {
         let socket = CanSocket::open(interface)?;
         let filters: Vec<CanFilter> = frames
@@ -82,7 +84,7 @@ impl Bus {
         socket.set_recv_timestamp(true)?;
         socket.set_nonblocking(true)?;
         setsockopt(&*Rc::new(socket.as_fd()), RxqOvfl, &1)?;
-        // Beyond the system's limit with the right to, up to it without.
+        // With the necessary right the size may exceed the system's limit, otherwise not.
         if setsockopt(&socket.as_fd(), RcvBufForce, &BUFFER).is_err() {
             setsockopt(&socket.as_fd(), RcvBuf, &BUFFER)?;
         }
@@ -94,7 +96,7 @@ impl Bus {
         Self { socket: Rc::new(Shared { can, fault: Cell::new(None) }), control, dropped: 0 }
     }
 
-    /// Waits for a frame; whether there is something to read.
+    /// Waits for a frame; returns whether there is something to read.
     pub(crate) fn wait(&self, longest: Duration) -> io::Result<bool> {
         let mut files = [PollFd::new(self.socket.can.as_fd(), PollFlags::POLLIN)];
         let timeout = PollTimeout::try_from(longest).unwrap_or(PollTimeout::MAX);
@@ -105,8 +107,8 @@ impl Bus {
         }
     }
 
-    /// The next thing that has come in; `None` if there is nothing. The loss of the interface is an error,
-    /// once; frames that came before it can still be read.
+    /// The next item received; `None` if there is none. The loss of the interface is returned once
+    /// as an error. Frames that arrived before can still be read.
     pub(crate) fn read(&mut self) -> io::Result<Option<Received>> {
         if let Some(errno) = self.socket.fault.take() {
             return Err(errno.into());
@@ -137,12 +139,13 @@ impl Bus {
         Ok(Some(frame(&bytes, length, time_us)))
     }
 
-    /// Frames that the kernel had to drop since the socket was opened.
+    /// Number of frames that the kernel has dropped since the socket was opened.
     pub(crate) fn dropped(&self) -> u32 {
         self.dropped
     }
 
-    /// Sends frames over the same socket; one that finds no room is left out.
+    /// A function that sends frames over the same socket. A frame is discarded if the queue is
+    /// full.
     pub(crate) fn sender(&self) -> impl FnMut(u32, [u8; 8]) + use<> {
         let socket = Rc::clone(&self.socket);
         move |identifier, data| socket.send(identifier, data)
@@ -164,7 +167,7 @@ fn frame(bytes: &[u8; FRAME_SIZE], length: usize, time_us: u64) -> Received {
         .map_or(Received::Nothing, Received::Frame)
 }
 
-/// The gravest thing that an error frame says (linux/can/error.h).
+/// The most serious error that an error frame reports (linux/can/error.h).
 fn error(class: u32, data: [u8; 8]) -> &'static str {
     let [_, controller, ..] = data;
     if class & 0x40 != 0 {
@@ -174,11 +177,11 @@ fn error(class: u32, data: [u8; 8]) -> &'static str {
     } else if class & 0x4 != 0 && controller & 0x30 != 0 {
         "error passive: too many errors on the bus"
     } else if class & 0x4 != 0 && controller & 0x3 != 0 {
-        "the controller's buffer has overflown"
+        "a buffer of the controller has overflowed"
     } else if class & 0x4 != 0 && controller & 0xC != 0 {
         "error warning: many errors on the bus"
     } else if class & 0x20 != 0 {
-        "nobody acknowledges frames"
+        "no node acknowledges frames"
     } else {
         "an error on the bus"
     }
@@ -220,7 +223,7 @@ mod tests {
         assert!(!found.extended);
         assert!(matches!(frame(&raw(0x4000_0123, &data), 16, 7), Received::Nothing));
         assert!(matches!(frame(&raw(0x123, &data), 8, 7), Received::Nothing));
-        // A length that cannot be.
+        // An impossible length.
         let mut long = raw(0x123, &data);
         long[4] = 200;
         let Received::Frame(found) = frame(&long, 16, 7) else { panic!("frame") };
@@ -239,7 +242,7 @@ mod tests {
                 bus.read().err().and_then(|e| e.raw_os_error()),
                 lost.then_some(code as i32)
             );
-            assert!(bus.read().unwrap().is_none(), "told once");
+            assert!(bus.read().unwrap().is_none(), "reported once");
         }
     }
 
@@ -250,7 +253,7 @@ mod tests {
             (0x100, 0, "restarted"),
             (0x4, 0x20, "error passive"),
             (0x4, 0x08, "error warning"),
-            (0x4, 0x01, "overflown"),
+            (0x4, 0x01, "overflowed"),
             (0x20, 0, "acknowledges"),
             (0x80, 0, "an error"),
         ] {

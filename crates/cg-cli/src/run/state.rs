@@ -1,8 +1,9 @@
-//! What is learnt, kept over restarts: one file, whole or not at all, checked when it is read
-//! (its text: [`cg_logs::state`]).
+//! The state file, which keeps the estimator's memory over restarts. Its text is that of
+//! [`cg_logs::state`].
 //!
-//! A file that is damaged, of another version or of another vehicle is put aside under a name of
-//! its own and never overwritten: somebody may want to know.
+//! The file is written completely or not at all, and is checked when it is read. A file that is
+//! damaged or belongs to another version or vehicle is renamed and never overwritten, so that it
+//! can be examined.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -12,24 +13,24 @@ use cg_core::{Design, Memory};
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{State, StateError, design_crc32};
 
-/// A state is shorter, bytes.
+/// Maximum size of a state file, bytes.
 const LONGEST: u64 = 1 << 20;
 
-/// Where the state is kept.
+/// The state file.
 #[derive(Debug)]
 pub(crate) struct StateFile {
     target: Target,
     design_crc32: u32,
 }
 
-/// What a state file held.
+/// The content of a state file.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Found {
-    /// Nothing yet.
+    /// There is no state yet.
     Nothing,
-    /// A state.
+    /// A valid state.
     State(Box<State>),
-    /// Something else, which has been put aside here, and why.
+    /// Another content. The file was renamed to this path, for this reason.
     PutAside(PathBuf, StateError),
 }
 
@@ -38,7 +39,7 @@ impl StateFile {
         Self { target, design_crc32: design_crc32(design) }
     }
 
-    /// Writes a state in place of the one before.
+    /// Writes a state; it replaces the previous one.
     pub(crate) fn save(
         &self,
         memory: &Memory<f64>,
@@ -49,21 +50,21 @@ impl StateFile {
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
         draft.map_or(Ok(()), Draft::publish)?;
-        // The new name is on the disk only when its folder is.
+        // The new name is on the disk only after its folder is written.
         let folder = self.target.path().parent().filter(|folder| !folder.as_os_str().is_empty());
         File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
     }
 
-    /// Reads the state, if it is one and belongs to this design.
+    /// Reads the state if it is valid and belongs to this design.
     pub(crate) fn load(&self) -> io::Result<Found> {
         let file = match File::open(self.target.path()) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
             Err(error) => return Err(error),
         };
-        // A device or a folder is nobody's state and stays where it is.
+        // A device or a folder cannot contain a state and is not renamed.
         if !file.metadata()?.is_file() {
-            return Err(io::Error::other("it is no regular file"));
+            return Err(io::Error::other("it is not a regular file"));
         }
         let mut bytes = Vec::new();
         file.take(LONGEST).read_to_end(&mut bytes)?;
@@ -84,7 +85,7 @@ impl StateFile {
                 return Ok(aside);
             }
         }
-        Err(io::Error::other("a thousand damaged states beside it; remove some"))
+        Err(io::Error::other("there are a thousand renamed states already; remove some"))
     }
 }
 
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// Every single bit of it, and every shorter file.
+    /// Every single bit is changed, and the file is cut off at every length.
     #[test]
     fn a_damaged_state_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
@@ -131,7 +132,7 @@ mod tests {
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
             bad[bit / 8] ^= 1 << (bit % 8);
-            // White space at the end and the case of the checksum's digits do not matter.
+            // White space at the end and the case of the checksum's digits have no effect.
             let harmless = bad.trim_ascii_end().eq_ignore_ascii_case(good.trim_ascii_end());
             assert!(harmless || State::parse(&bad, file.design_crc32).is_err(), "bit {bit}");
         }

@@ -1,4 +1,4 @@
-//! Results on the bus: one frame of Proprietary B (`fixtures/can/cg_height.dbc`).
+//! Results on the CAN bus as one Proprietary B frame (`fixtures/can/cg_height.dbc`).
 
 use cg_core::signal::j1939::{
     CG_HEIGHT, CG_HEIGHT_SD, CG_MANEUVERS, CG_MARGIN, CG_STATUS, CG_THRESHOLD, CG_WARNING_LEVEL,
@@ -10,7 +10,7 @@ use super::events::Status;
 /// Time between two frames, µs.
 pub(crate) const CYCLE_US: u64 = 100_000;
 
-/// Identifier and data of the frame that says this.
+/// Identifier and data of the frame with this status.
 pub(crate) fn frame(status: &Status, source: u8) -> (u32, [u8; 8]) {
     let mut data = NOT_AVAILABLE;
     let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -24,7 +24,8 @@ pub(crate) fn frame(status: &Status, source: u8) -> (u32, [u8; 8]) {
     let level = status.warning_level as f64;
     for (signal, value) in [
         (CG_HEIGHT, known(status.result.height_m)),
-        // A greater one is the greatest that fits, not unknown.
+        // A standard deviation above the range of the signal is sent as the greatest value, not as
+        // unknown.
         (CG_HEIGHT_SD, known(status.result.height_sd_m.map(|sd| sd.min(1.25)))),
         (
             CG_THRESHOLD,

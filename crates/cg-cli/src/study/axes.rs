@@ -1,12 +1,12 @@
-//! Ranges, ticks and the grid of a panel.
+//! Ranges, ticks and grid of a panel.
 
 use super::canvas::{Anchor, Canvas, GRID, INK, Words};
 
-/// Size of the numbers at the ticks and of the words beside an axis.
+/// Font sizes of the numbers at the ticks and of the label of an axis.
 const TICK: f64 = 12.0;
 const LABEL: f64 = 13.0;
 
-/// One axis: values from `least` to `most`, ticks among them.
+/// One axis with values from `least` to `most` and its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scale {
     least: f64,
@@ -14,14 +14,14 @@ pub(super) struct Scale {
     step: f64,
 }
 
-/// How much room an axis leaves around its values.
+/// The space between an axis's ends and its values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Room {
-    /// None: a history fills its axis.
+    /// No space, for time histories.
     None,
-    /// Some on both sides.
+    /// Some space on both sides.
     Around,
-    /// Up to the next tick.
+    /// Space up to the next tick.
     ToTicks,
 }
 
@@ -34,7 +34,8 @@ impl Scale {
         if least > most {
             (least, most) = (0.0, 1.0);
         }
-        // What hardly changes is drawn as hardly changing: one per cent fills the axis at least.
+        // The axis covers at least one percent of the values, so that a small change is drawn
+        // small.
         let short = 0.01 * most.abs().max(1e-9) - (most - least);
         if short > 0.0 {
             (least, most) = (least - 0.5 * short, most + 0.5 * short);
@@ -48,7 +49,7 @@ impl Scale {
             }
             Room::ToTicks => {
                 let touching = 0.15 * step;
-                // A little below zero counts as zero.
+                // A value slightly below zero counts as zero.
                 let zero = least >= -0.02 * most;
                 least = ((least - touching) / step).floor() * step;
                 most = ((most + touching) / step).ceil() * step;
@@ -60,21 +61,21 @@ impl Scale {
         Self { least, most, step }
     }
 
-    /// Between given ends.
+    /// An axis with these ends.
     pub(super) fn between(least: f64, most: f64, ticks: f64) -> Self {
         Self { least, most, step: nice((most - least) / ticks) }
     }
 
-    /// Share of the axis at a value.
+    /// The position of a value on the axis, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         (value - self.least) / (self.most - self.least)
     }
 
-    /// Values at the ticks.
+    /// The values at the ticks.
     fn ticks(&self) -> Vec<f64> {
         let first = (self.least / self.step - 1e-6).ceil();
         let count = (self.most / self.step + 1e-6).floor() - first;
-        // A dozen; negative if there is no room for one.
+        // There are about a dozen ticks; the number is negative if there is no space for one.
         #[allow(clippy::cast_possible_truncation)]
         let count = count as i32;
         (0..=count).map(|k| (first + f64::from(k)) * self.step).collect()
@@ -88,20 +89,20 @@ impl Scale {
                 (scaled - scaled.round()).abs() < 1e-6 * scaled
             })
             .unwrap_or(6);
-        // No negative zero.
+        // This avoids a negative zero.
         let value = if value.abs() < 1e-9 * self.step { 0.0 } else { value };
         format!("{value:.*}", usize::from(decimals)).replace('-', "−")
     }
 }
 
-/// The next greater of 1, 2, 2.5, 5 times a power of ten.
+/// The next greater number of 1, 2, 2.5, 5 times a power of ten.
 fn nice(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let times = [1.0, 2.0, 2.5, 5.0, 10.0].into_iter().find(|times| times * power >= step * 0.999);
     times.unwrap_or(10.0) * power
 }
 
-/// A rectangle of the page with a scale on both sides.
+/// A rectangle of the page with a horizontal and a vertical axis.
 #[derive(Clone, Debug)]
 pub(super) struct Axes {
     pub(super) left: f64,
@@ -113,7 +114,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Where a point lies on the page.
+    /// The position of a point on the page.
     pub(super) fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             self.left + self.x.share(x) * (self.right - self.left),
@@ -121,7 +122,7 @@ impl Axes {
         ]
     }
 
-    /// Grid lines and numbers of the horizontal axis, and its words.
+    /// Draws grid lines, numbers and label of the horizontal axis.
     pub(super) fn draw_x(&self, canvas: &Canvas<'_>, label: &str) -> anyhow::Result<()> {
         for value in self.x.ticks() {
             let x = self.place([value, 0.0])[0];
@@ -133,7 +134,7 @@ impl Axes {
         canvas.words(label, middle, Words::of(LABEL, Anchor::Middle))
     }
 
-    /// The same of the vertical axis.
+    /// Draws grid lines, numbers and label of the vertical axis.
     pub(super) fn draw_y(&self, canvas: &Canvas<'_>, label: &str) -> anyhow::Result<()> {
         for value in self.y.ticks() {
             let y = self.place([0.0, value])[1];
@@ -145,7 +146,7 @@ impl Axes {
         canvas.words(label, middle, Words { upright: true, ..Words::of(LABEL, Anchor::Middle) })
     }
 
-    /// Left and lower edge.
+    /// Draws the left and the lower edge.
     pub(super) fn frame(&self, canvas: &Canvas<'_>) -> anyhow::Result<()> {
         let corner = [self.left, self.bottom];
         canvas.line(&[[self.left, self.top], corner, [self.right, self.bottom]], INK, 1.0)

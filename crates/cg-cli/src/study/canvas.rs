@@ -1,4 +1,4 @@
-//! Lines, circles and words on an SVG page, in its pixels.
+//! Lines, circles and text on an SVG page, in pixels.
 
 use plotters::backend::SVGBackend;
 use plotters::coord::Shift;
@@ -7,12 +7,13 @@ use plotters::element::{Circle, PathElement, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
 
-/// The backend counts whole pixels; drawn this much larger, curves are smooth.
+/// Scale of the drawing. The backend uses whole pixels, and a larger drawing gives smooth curves.
 const FINE: f64 = 8.0;
-/// The backend shrinks every font by it.
+/// Factor by which the backend shrinks every font.
 const FONT: f64 = 1.24;
 const FAMILY: &str = "Helvetica, Arial, sans-serif";
-/// Mean width of a letter over its size, on the safe side for sans-serif fonts; bold ones.
+/// Upper estimate of the mean letter width divided by the font size, for sans-serif fonts; then for
+/// bold ones.
 const LETTER: f64 = 0.6;
 const BOLD: f64 = 0.66;
 
@@ -21,7 +22,7 @@ pub(super) const FAINT: RGBColor = RGBColor(0x70, 0x70, 0x70);
 pub(super) const GRID: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
 pub(super) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
 
-/// Where a word's position lies in it.
+/// The part of a text that is placed at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Left,
@@ -29,14 +30,14 @@ pub(super) enum Anchor {
     Right,
 }
 
-/// Words.
+/// Style of a text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
     pub(super) size: f64,
     pub(super) color: RGBColor,
     pub(super) anchor: Anchor,
     pub(super) bold: bool,
-    /// Read from below.
+    /// Whether the text is rotated and read from bottom to top.
     pub(super) upright: bool,
 }
 
@@ -46,7 +47,7 @@ impl Words {
     }
 }
 
-/// About how wide a text is.
+/// Approximate width of a text.
 pub(super) fn width(text: &str, words: Words) -> f64 {
     #[allow(clippy::cast_precision_loss)] // a line of it
     let letters = text.chars().count() as f64;
@@ -66,7 +67,7 @@ fn pixel([x, y]: [f64; 2]) -> (i32, i32) {
 }
 
 impl Canvas<'_> {
-    /// A page of this size, drawn by `draw`, with a comment at its head.
+    /// The SVG text of a page of this size, drawn by `draw`, with a comment at its beginning.
     pub(super) fn page(
         size: [f64; 2],
         comment: &str,
@@ -81,7 +82,7 @@ impl Canvas<'_> {
             draw(&canvas)?;
             canvas.0.present()?;
         }
-        // Shown at its proper size; the view box keeps the fine pixels.
+        // The page is shown at its proper size; the view box keeps the finer pixels.
         let drawn = format!("<svg width=\"{wide}\" height=\"{high}\"");
         let shown = format!("<svg width=\"{:.0}\" height=\"{:.0}\"", size[0], size[1]);
         let head = format!(">\n<!-- {comment} -->\n");
@@ -99,7 +100,7 @@ impl Canvas<'_> {
         Ok(self.0.draw(&PathElement::new(points, style))?)
     }
 
-    /// Dashes of 6 with gaps of 4 along the points.
+    /// Draws dashes of 6 with gaps of 4 along the points.
     pub(super) fn dashes(
         &self,
         points: &[[f64; 2]],
@@ -112,7 +113,7 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    /// A dot; a ring if `open`.
+    /// Draws a dot, or a ring if `open`.
     pub(super) fn dot(&self, at: [f64; 2], color: RGBColor, open: bool) -> anyhow::Result<()> {
         self.0.draw(&Circle::new(pixel(at), fine(3.6), color.filled()))?;
         if open {
@@ -125,7 +126,7 @@ impl Canvas<'_> {
         Ok(self.0.draw(&Rectangle::new(corners.map(pixel), color.filled()))?)
     }
 
-    /// A line of text, its middle at the height of `at`.
+    /// Draws a line of text; its middle is at the height of `at`.
     pub(super) fn words(&self, text: &str, at: [f64; 2], words: Words) -> anyhow::Result<()> {
         let anchor = match words.anchor {
             Anchor::Left => HPos::Left,

@@ -1,4 +1,4 @@
-//! A study as a page: one sentence on top, panels, the scenario below.
+//! A study as a page: its main finding on top, panels, and the scenario below.
 
 use cg_logs::output::kind::STUDY_COMMENT;
 use cg_thesis::study::{Abscissa, Panel, Response, Series, Study};
@@ -13,14 +13,14 @@ const PANEL_TITLE: f64 = 14.0;
 const LEGEND: f64 = 13.0;
 const NOTE: f64 = 11.0;
 const MARGIN: f64 = 24.0;
-/// Height of a panel, titles and axes included.
+/// Height of a panel with titles and axes.
 const PANEL_HIGH: f64 = 400.0;
-/// Of it below the axes: numbers, words, and some air.
+/// Height of the part below the axes: numbers, label, and space.
 const BELOW: f64 = 68.0;
-/// Series with more points than this are curves without dots.
+/// Number of points above which a series is drawn as a curve without dots.
 const DOTS: usize = 40;
 
-/// Colours that the colour-blind can tell apart (Okabe and Ito).
+/// Colors that color-blind people can distinguish (Okabe and Ito).
 const COLORS: [RGBColor; 6] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
@@ -78,14 +78,14 @@ pub(super) fn svg(study: &Study) -> anyhow::Result<String> {
     })
 }
 
-/// Two panels beside each other; the first of an odd number has a row of its own.
+/// Rows of two panels; if their number is odd, the first panel has its own row.
 fn rows(panels: &[Panel]) -> Vec<&[Panel]> {
     let (first, rest) = panels.split_at(panels.len() % 2);
     let alone = (!first.is_empty()).then_some(first);
     alone.into_iter().chain(rest.chunks(2)).collect()
 }
 
-/// Lines of text from the height `top` on.
+/// Draws lines of text below the position `top`.
 fn paragraph(canvas: &Canvas<'_>, lines: &[String], top: f64, words: Words) -> anyhow::Result<()> {
     let mut y = top + 0.65 * words.size;
     for line in lines {
@@ -95,7 +95,7 @@ fn paragraph(canvas: &Canvas<'_>, lines: &[String], top: f64, words: Words) -> a
     Ok(())
 }
 
-/// Breaks a text between words; a sign stays with its number.
+/// Breaks a text between words. A percent sign stays with its number.
 fn wrap(text: &str, words: Words, wide: f64) -> Vec<String> {
     let text = text.replace(" %", "\u{a0}%");
     let mut lines: Vec<String> = Vec::new();
@@ -128,7 +128,7 @@ fn draw(canvas: &Canvas<'_>, panel: &Panel, part: Part) -> anyhow::Result<()> {
     }
 }
 
-/// Names of the series in rows beneath the panel's title; where the axes may begin.
+/// Draws the names of the series in rows below the panel's title; returns where the axes may begin.
 fn legend(canvas: &Canvas<'_>, panel: &Panel, part: Part, top: f64) -> anyhow::Result<f64> {
     if panel.series.len() < 2 {
         return Ok(top + 4.0);
@@ -173,7 +173,7 @@ fn curves(
     let all = || panel.series.iter().flat_map(|series| series.points.iter().copied());
     let curve = panel.series.iter().any(|series| !dotted(series));
     let room = if curve { Room::None } else { Room::Around };
-    // A few peaks to compare stand on zero, as bars do.
+    // A few peak values for comparison are drawn from zero, like bars.
     let few = panel.series.iter().all(|series| series.points.len() <= 3);
     let zero = few.then_some([0.0, 0.0]);
     let axes = Axes {
@@ -199,7 +199,7 @@ fn curves(
     axes.frame(canvas)
 }
 
-/// Leaves out points that lie within a pixel and a half of the one before.
+/// Removes points that are within 1.5 pixels of the previous one.
 fn thinned(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept: Vec<[f64; 2]> = Vec::new();
     for place in places {
@@ -212,7 +212,7 @@ fn thinned(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
     kept
 }
 
-/// One bar for each response, its change and its values at the end.
+/// Draws one bar for each response, with its change and its values at the end.
 fn bars(
     canvas: &Canvas<'_>,
     panel: &Panel,
@@ -230,13 +230,13 @@ fn bars(
         top: part.top,
         right: part.right - 16.0,
         bottom: part.bottom - BELOW,
-        // A third of the width for the values beside the longest bar.
+        // A third of the width is for the values next to the longest bar.
         x: Scale::between(1.1 * least, 1.5 * most, 8.0),
         y: Scale::between(rows, 0.0, 1.0),
     };
     axes.draw_x(canvas, &axis(panel.y))?;
     for point in panel.series.iter().flat_map(|series| &series.points) {
-        // A point counts the responses.
+        // The x value of a point is the index of a response.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let Some(response) = responses.get(point[0] as usize) else { continue };
         let middle = point[0] + 0.5;
@@ -252,7 +252,7 @@ fn bars(
         canvas.words(response.name, name, Words::of(LEGEND, Anchor::Right))?;
         let (text, words) = (values(response), Words::of(12.0, Anchor::Left));
         let start = corners[1][0].max(axes.place([0.0, 0.0])[0]) + 8.0;
-        // No grid line through the numbers.
+        // No grid line crosses the numbers.
         let end = start + 0.85 * width(&text, words);
         canvas.bar([[start - 4.0, y - 8.0], [end, y + 8.0]], PAPER)?;
         canvas.words(&text, [start, y], words)?;
@@ -261,7 +261,7 @@ fn bars(
     canvas.line(&[zero, [zero[0], axes.bottom]], INK, 1.0)
 }
 
-/// `+21.8 % (2.63 → 3.20°)`.
+/// The text at a bar, such as `+21.8 % (2.63 → 3.20°)`.
 fn values(response: &Response) -> String {
     let shown = shown(response.unit);
     let [before, after] = [response.before, response.after].map(|v| v * shown.factor);

@@ -1,4 +1,4 @@
-//! `cg study`: chapter 2 computed again; a CSV file and a figure of each study.
+//! `cg study`: the studies of the thesis's chapter 2, each as a CSV file and a figure.
 //!
 //! | file | what |
 //! |---|---|
@@ -7,15 +7,18 @@
 //! | `axes` | ranges, ticks, grid |
 //! | `canvas` | lines and words on an SVG page |
 
+#[cfg(feature = "plots")]
 mod axes;
+#[cfg(feature = "plots")]
 mod canvas;
+#[cfg_attr(not(feature = "plots"), path = "no_figure.rs")]
 mod figure;
 mod table;
 
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_thesis::study::{Recorded, Study, replay, studies, study};
@@ -30,26 +33,34 @@ use crate::estimate::file_name;
 use crate::outcome::Outcome;
 use crate::truck;
 
-/// The study that takes logs.
+/// The study that reads logs.
 const REPLAY: &str = "replay";
 
-/// Width of the printed summary.
+/// The reason why a build without `plots` has no studies.
+const LEFT_OUT: &str = "this program was built without the feature `plots`, which draws the figures of a study; \
+                        build it with that feature";
+
+/// Width of the printed summary in characters.
 const WIDTH: u16 = 120;
 
 pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome> {
     let Some(name) = &arguments.name else { return list() };
+    // Before a study is computed, not after it.
+    ensure!(cfg!(feature = "plots"), LEFT_OUT);
     let folder = &arguments.output;
     if folder.exists() && !folder.is_dir() {
-        return Err(anyhow!("{}: is a file; give --output a folder", folder.display()));
+        return Err(anyhow!("{}: is a file; give a folder with --output", folder.display()));
     }
     refuse_standard_input(&arguments.run)?;
     let targets = targets(arguments, name, files)?;
     let vehicle = arguments.vehicle.as_deref().map(truck::load).transpose()?;
     let study = match (name.as_str(), vehicle) {
         (REPLAY, Some(vehicle)) => replayed(arguments, &vehicle)?,
-        (REPLAY, None) => return Err(anyhow!("replay: give the recorded --vehicle")),
+        (REPLAY, None) => {
+            return Err(anyhow!("replay: give the file of the recorded vehicle with --vehicle"));
+        }
         _ if !arguments.run.is_empty() || arguments.calibration.is_some() => {
-            return Err(anyhow!("--run and --calibration go with the study `{REPLAY}` only"));
+            return Err(anyhow!("--run and --calibration are for the study `{REPLAY}` only"));
         }
         (name, vehicle) => study(name, vehicle.as_ref())?,
     };
@@ -59,7 +70,7 @@ pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome
     Ok(Outcome::Done)
 }
 
-/// Recorded logs driven again.
+/// The study of recorded logs that are simulated again.
 fn replayed(arguments: &StudyArgs, vehicle: &Vehicle) -> anyhow::Result<Study> {
     if arguments.run.is_empty() {
         return Err(anyhow!("replay: give at least one --run LOG=HEIGHT_M[,TRAILER_MASS_KG]"));
@@ -84,13 +95,17 @@ fn list() -> anyhow::Result<Outcome> {
     for listed in studies() {
         table.add_row([listed.name, listed.about, listed.figures]);
     }
-    table.add_row([REPLAY, "Recorded logs (--run) driven again, beside what was recorded.", ""]);
+    table.add_row([
+        REPLAY,
+        "Recorded logs (--run), simulated again and compared with the recording.",
+        "",
+    ]);
     writeln!(std::io::stdout().lock(), "{}", table.trim_fmt())
         .context("standard output: cannot be written")?;
     Ok(Outcome::Done)
 }
 
-/// The table and the figure.
+/// The files of the table and the figure.
 fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[Target; 2]> {
     let mut files = files
         .reads_some("--vehicle", arguments.vehicle.as_deref())
@@ -105,19 +120,20 @@ fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[T
     ])
 }
 
-/// Both files or none; their names.
+/// Writes both files or none; returns their names.
 fn write(study: &Study, folder: &Path, targets: &[Target; 2]) -> anyhow::Result<[String; 2]> {
     let (table, figure) = (table::csv(study)?, figure::svg(study)?);
     if !folder.exists() {
-        std::fs::create_dir(folder)
-            .with_context(|| format!("{}: cannot be made; give a folder", folder.display()))?;
+        std::fs::create_dir(folder).with_context(|| {
+            format!("{}: cannot be created; give another folder", folder.display())
+        })?;
     }
     let drafts = [targets[0].write(&table)?, targets[1].write(&figure)?];
     Draft::publish_all(drafts.into_iter().flatten())?;
     Ok(targets.each_ref().map(|target| target.path().display().to_string()))
 }
 
-/// What is seen, and each statement of the source beside ours.
+/// Prints the finding, and each statement of the thesis next to the computed result.
 fn print(out: &mut impl Write, study: &Study, files: &[String; 2]) -> std::io::Result<()> {
     let mut table = Table::new();
     table.load_preset(NOTHING);

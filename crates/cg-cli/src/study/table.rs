@@ -1,5 +1,5 @@
-//! One row for each point: figure, series, and the point's two quantities; the columns of other
-//! panels stay empty.
+//! The table of a study: one row for each point, with figure, series and the two quantities of the
+//! point. The columns of other panels are empty.
 
 use anyhow::Context;
 use cg_logs::output::kind::STUDY_COMMENT;
@@ -7,7 +7,7 @@ use cg_thesis::study::{Abscissa, Panel, Study};
 
 use crate::units::{column, shown};
 
-/// Columns of panels whose bars are responses.
+/// Columns of panels with bars for responses.
 const RESPONSE: [&str; 4] = ["response", "before", "after", "unit"];
 
 /// The CSV file: the scenario as comments, then the points.
@@ -32,7 +32,7 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
             }
         }
     }
-    let rows = String::from_utf8(writer.into_inner().context("the table is cut short")?)?;
+    let rows = String::from_utf8(writer.into_inner().context("the table is not complete")?)?;
     let made = format!("{STUDY_COMMENT} {}", study.name);
     let told = [&made, &study.finding].into_iter().chain(&study.scenario);
     // A line break in a vehicle's name would end the comment.
@@ -41,7 +41,7 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
     Ok(comments + &rows)
 }
 
-/// Each quantity once.
+/// The columns of all quantities, each once.
 fn columns(study: &Study) -> Vec<String> {
     let mut columns = vec!["figure".to_owned(), "series".to_owned()];
     for panel in &study.panels {
@@ -58,7 +58,7 @@ fn columns(study: &Study) -> Vec<String> {
     columns
 }
 
-/// The cells of a point by their columns.
+/// The cells of a point with their columns.
 fn cells(panel: &Panel, [x, y]: [f64; 2]) -> Vec<(String, String)> {
     let number = |value: f64| format!("{value:.6}");
     let mut cells = match &panel.x {
@@ -66,7 +66,7 @@ fn cells(panel: &Panel, [x, y]: [f64; 2]) -> Vec<(String, String)> {
             vec![(column(*quantity), number(x * shown(quantity.unit).factor))]
         }
         Abscissa::Responses(responses) => {
-            // A point counts the responses.
+            // The x value of a point is the index of a response.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let response = responses.get(x as usize);
             let texts = response.map(|response| {

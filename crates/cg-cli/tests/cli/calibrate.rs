@@ -1,4 +1,4 @@
-//! `cg calibrate`, and `cg estimate --calibration`.
+//! `cg calibrate` and `cg estimate --calibration`.
 
 use crate::common::{Run, Scratch, baseline, cg, estimate, fixture, height_m, kraz};
 
@@ -30,7 +30,7 @@ pub(crate) fn two_runs_make_a_calibration_that_mends_another_log() {
     let before = estimate(&other, &kraz(), &[]).done().answer();
     let after = estimate(&other, &kraz(), &["--calibration", &file]).done().answer();
     let error = |answer| (height_m(answer) / 1.70 - 1.0).abs();
-    // Both figures from the library's own test of the same runs: 4.7 % and 0.4 %.
+    // Both figures are from the library's test of the same runs: 4.7 % and 0.4 %.
     assert!(error(&before) > 0.03 && error(&after) < 0.015, "{before} {after}");
     let sd = |answer: &serde_json::Value| answer["height_sd_m"].as_f64().unwrap();
     assert!(sd(&after) < 0.25 * sd(&before), "{before} {after}");
@@ -51,7 +51,7 @@ fn one_run_fixes_the_compensation() {
     for channel in ["steer", "lateral-acceleration"] {
         let arguments = ["--calibration", &file, "--channel", channel];
         let answer = estimate(&fixture(LADEN), &kraz(), &arguments).done().answer();
-        // The very log: identification with the calibrated design is what made it.
+        // The calibration uses this log, identified with the calibrated design.
         assert!((height_m(&answer) / 1.90 - 1.0).abs() < 1e-3, "{answer}");
     }
 }
@@ -84,7 +84,7 @@ fn a_log_without_a_turn_or_a_mass_makes_no_calibration() {
     let more = ["--maneuver", "rounded-step", "--steer-rad", "0.0001"];
     let straight = scratch.simulate("straight.csv", &baseline(), &more);
     calibrate(&baseline(), &[format!("{straight}=1.97")], &file)
-        .refused(&["no ratio", "drive a curve"]);
+        .refused(&["no ratio", "record a drive with turns"]);
     let text = std::fs::read_to_string(fixture(LADEN)).unwrap();
     let unweighed = scratch.file("log.csv", text.replace("trailer_mass_kg", "something"));
     calibrate(&kraz(), &[format!("{unweighed}=1.9")], &file)
@@ -113,7 +113,7 @@ fn an_edited_calibration_is_noticed() {
     let body = edited.rsplit_once("# crc32 ").unwrap().0;
     with(&format!("{body}{sum}")).done();
     with(&text.replace('\n', "\r\n")).done();
-    // Cut short after a whole table, or at any line: never taken.
+    // A file cut off after a complete table, or at any line, is never accepted.
     with(body).refused(&["has no checksum"]);
     let lines: Vec<&str> = text.lines().collect();
     for count in (0..lines.len()).step_by(7) {
@@ -133,7 +133,7 @@ fn a_vehicle_of_any_name_gives_a_calibration_that_can_be_read_back() {
     let runs = [format!("{}=1.90", fixture(LADEN))];
     calibrate(&vehicle, &runs, &file).done();
     estimate(&fixture(LADEN), &vehicle, &["--calibration", &file]).done();
-    // And over itself: it is still known as ours.
+    // The calibration replaces itself, because it is still recognized as written by cg.
     calibrate(&vehicle, &runs, &file).done();
     // A line break in a name is refused before anything is written.
     let broken = scratch.file("w.toml", text.replace("name = \"kraz\"", r#"name = "a\nb""#));

@@ -1,5 +1,5 @@
-//! CAN logs as people have them: candump's forms, several buses, sensors that say what they are,
-//! scales that cannot be right, signals that are missing or slow.
+//! CAN logs as they occur in practice: candump formats, several buses, slope sensors with state
+//! bits, impossible masses, missing or slow signals.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::common::{Run, cg, cg_fed, fixture};
 use crate::run::{Drive, drive, events, last_height, lines};
 
-/// The log with its lines changed, or left out.
+/// The log with some lines changed or removed.
 fn changed(drive: &Drive, name: &str, change: impl FnMut(&str) -> Option<String>) -> String {
     let text = std::fs::read_to_string(&drive.candump).unwrap();
     let changed: Vec<String> = text.lines().filter_map(change).collect();
@@ -44,7 +44,8 @@ fn plain(stamp: &str, line: &str) -> String {
 /// The name of a log, and its time stamps.
 type Stamped<'a> = (&'a str, Box<dyn FnMut(u64) -> String>);
 
-/// The drive with the plain time stamps of `-ta`, `-td`, `-tz` and `-tA`: the same to the last bit.
+/// The drive with the plain time stamps of `-ta`, `-td`, `-tz` and `-tA` gives the same result to
+/// the last bit.
 #[test]
 fn every_form_of_candump_gives_the_same_height() {
     let drive = drive();
@@ -79,7 +80,7 @@ fn a_log_without_time_stamps_is_refused_with_the_flag_that_mends_it() {
     estimate.told(2, &["none.log", "line 1", "candump -L"]);
 }
 
-/// Error frames are counted and told once.
+/// Error frames are counted and reported once.
 #[test]
 fn error_frames_of_a_log_are_counted() {
     let drive = drive();
@@ -95,7 +96,7 @@ fn error_frames_of_a_log_are_counted() {
     assert!(told.len() == 1 && told[0].contains("line 100: an error frame"), "{told:?}");
 }
 
-/// SSI2 with other compensation bits: 7.5 and 7.6, 11 00 1111 in the simulated log.
+/// SSI2 with other compensation bits: 7.5 and 7.6; they are 11 00 1111 in the simulated log.
 fn compensated(drive: &Drive, name: &str, byte: &str) -> String {
     changed(drive, name, |line| {
         let Some((head, data)) = line.split_once("0CF029E4#") else { return Some(line.to_owned()) };
@@ -104,8 +105,8 @@ fn compensated(drive: &Drive, name: &str, byte: &str) -> String {
     })
 }
 
-/// A roll angle that says to be a tilt makes no height, and one that is told to be a roll angle
-/// makes that of the drive.
+/// A roll angle that is marked as tilt gives no height. If an option declares it a roll angle, the
+/// height is that of the drive.
 #[test]
 fn the_compensation_bits_of_a_slope_sensor_count() {
     let drive = drive();
@@ -118,7 +119,7 @@ fn the_compensation_bits_of_a_slope_sensor_count() {
     assert!(same(drive.replay(&off, &["--roll-compensated", "inverted-bit"])));
     assert!(same(drive.replay(&off, &["--dbc", &dbc, "--signal", "roll=SSI2.RollAngle"])));
     assert_eq!(drive.replay(&drive.candump, &["--roll-compensated", "no"]).code, Some(1));
-    // The same roll angle mapped as a tilt: J1939's does not come back by itself.
+    // The same roll angle mapped as a tilt: the J1939 roll angle is not used in addition.
     let as_tilt = ["--dbc", &dbc, "--signal", "tilt=SSI2.RollAngle"];
     assert_eq!(drive.replay(&drive.candump, &as_tilt).code, Some(1));
 
@@ -145,13 +146,13 @@ fn the_nominal_mass_is_told() {
     let log = changed(&drive, "unweighed.log", |line| (!weight(line)).then(|| line.to_owned()));
     let found = lines(&drive.replay(&log, &[]));
     let told = notices(&found, "mass");
-    assert!(told.len() == 1 && told[0].contains("of the vehicle file"), "{told:?}");
+    assert!(told.len() == 1 && told[0].contains("from the vehicle file"), "{told:?}");
     let status = last_status(&found);
     assert_eq!(status["trailer_mass_source"], "nominal");
     assert_eq!(status["missing"], serde_json::json!(["trailer_mass"]));
     let kg = status["trailer_mass_kg"].as_f64().unwrap();
     assert!(told[0].contains(&format!("{kg:.0} kg")), "{told:?}");
-    // Told before the first maneuver uses it.
+    // It is reported before the first maneuver uses the mass.
     let place = |event: &str| found.iter().position(|line| line["event"] == event).unwrap();
     assert!(place("notice") < place("maneuver"));
 
@@ -170,8 +171,8 @@ fn the_nominal_mass_is_told() {
     assert_eq!(last_status(&csv)["missing"], serde_json::json!(["trailer_mass"]));
 }
 
-/// A scale that shows 0 kg (0 steps of 2 kg) is told once; the axle load serves in its place, and
-/// without one the vehicle file.
+/// A scale that shows 0 kg (0 steps of 2 kg) is reported once. The axle load is used instead, or
+/// without it the mass of the vehicle file.
 #[test]
 fn a_scale_that_cannot_be_right_is_not_trusted() {
     let drive = drive();
@@ -221,7 +222,7 @@ fn signals_that_never_come_are_missing() {
     assert_eq!(whole["missing"], serde_json::json!([]));
 }
 
-/// A roll angle a second: one diagnosis.
+/// One roll angle per second gives one message.
 #[test]
 fn a_slow_roll_signal_is_diagnosed_once() {
     let drive = drive();
@@ -252,7 +253,7 @@ fn a_slow_roll_signal_is_diagnosed_once() {
     }
 }
 
-/// A second bus with another truck's roll angle on it.
+/// A second bus carries the roll angle of another truck.
 #[test]
 fn a_log_of_two_buses_is_narrowed_to_one() {
     let drive = drive();
@@ -260,7 +261,7 @@ fn a_log_of_two_buses_is_narrowed_to_one() {
     let log = changed(&drive, "two.log", |line| {
         let other = line.replace(") can0 ", ") can1 ");
         let still = match line.split_once("0CF029E4#") {
-            // Raw 8192000: no roll angle.
+            // Raw 8192000 means a roll angle of zero.
             Some((head, _)) => format!("{head}0CF029E4#FFFFFF00007DCFFF"),
             None => line.to_owned(),
         };
@@ -284,8 +285,8 @@ fn a_log_of_two_buses_is_narrowed_to_one() {
     assert!(messages.contains("can0, can1"), "{messages}");
 }
 
-/// `cg estimate` and `cg calibrate` take a candump log where they take CSV, and by the same way as
-/// `cg run`.
+/// `cg estimate` and `cg calibrate` accept a candump log instead of CSV and process it like `cg
+/// run`.
 #[test]
 fn candump_logs_are_estimated_and_calibrated_from() {
     let drive = drive();
@@ -301,7 +302,7 @@ fn candump_logs_are_estimated_and_calibrated_from() {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let fed = cg_fed(&arguments, &std::fs::read(&drive.candump).unwrap()).done().answer();
     assert_eq!(fed["height_m"], answer["height_m"]);
-    // The flags of the frames are those of `cg run`.
+    // The options for frames are those of `cg run`.
     let off = compensated(&drive, "off.log", "DF");
     let arguments = estimate(&off);
     let mut arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -316,8 +317,8 @@ fn candump_logs_are_estimated_and_calibrated_from() {
     assert!(calibrated.out.contains("lateral"), "{}", calibrated.out);
 }
 
-/// Bad rows among good ones, in a gzip log too: told with line and column, counted, and the height
-/// is that of the good ones.
+/// Invalid rows among valid ones, also in a gzip log. They are reported with line and column and
+/// counted, and the height is that of the valid rows.
 #[test]
 fn bad_rows_do_not_end_a_drive() {
     let drive = drive();
@@ -345,14 +346,14 @@ fn bad_rows_do_not_end_a_drive() {
     replay(&drive.path("head.csv")).told(2, &["head.csv", "time_s"]);
 }
 
-/// A cell of 1e308 costs itself: told, counted, absent.
+/// A cell of 1e308 loses only its own value: it is reported, counted and absent.
 #[test]
 fn an_impossible_number_costs_its_own_cell() {
     let drive = drive();
     let text = std::fs::read_to_string(&drive.csv).unwrap();
     let header = text.lines().find(|line| !line.starts_with('#')).unwrap();
     let roll = header.split(',').position(|name| name == "roll_rad").unwrap();
-    let spoilt: Vec<String> = text
+    let damaged: Vec<String> = text
         .lines()
         .enumerate()
         .map(|(k, line)| {
@@ -363,8 +364,8 @@ fn an_impossible_number_costs_its_own_cell() {
             cells.join(",")
         })
         .collect();
-    let log = drive.path("spoilt.csv");
-    std::fs::write(&log, spoilt.join("\n") + "\n").unwrap();
+    let log = drive.path("damaged.csv");
+    std::fs::write(&log, damaged.join("\n") + "\n").unwrap();
     let run = |log: &str| lines(&cg(&["run", "--vehicle", &drive.truck, "--csv", log]).done());
     let (whole, found) = (run(&drive.csv), run(&log));
     // One row of 12 000.
@@ -395,7 +396,7 @@ fn flags_of_frames_are_refused_where_there_are_none() {
         cg(&[&csv, more].concat()).told(2, &parts);
     }
     let can = ["run", "--vehicle", &drive.truck, "--can", "can0", "--bus", "can1"];
-    cg(&can).told(2, &["--bus chooses a bus of a log", "--can"]);
+    cg(&can).told(2, &["--bus selects a bus of a log", "--can"]);
     let swapped = ["run", "--vehicle", &drive.truck, "--csv", &drive.candump];
-    cg(&swapped).told(2, &["CAN frames", "--candump in place of --csv"]);
+    cg(&swapped).told(2, &["CAN frames", "--candump instead of --csv"]);
 }

@@ -1,4 +1,4 @@
-//! Scratch folders, runs of the binary, and what every refusal has in common.
+//! Temporary folders, runs of the binary, and common checks of errors.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A file of the repository's fixtures.
+/// The path of a file in the repository's fixtures.
 pub(crate) fn fixture(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name).display().to_string()
 }
@@ -20,7 +20,7 @@ pub(crate) fn kraz() -> String {
     fixture("vehicles/kraz.toml")
 }
 
-/// What one run of the binary did.
+/// The result of one run of the binary.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Run {
     pub(crate) code: Option<i32>,
@@ -45,7 +45,7 @@ pub(crate) fn cg(arguments: &[&str]) -> Run {
     command(arguments).stdin(Stdio::null()).output().unwrap().into()
 }
 
-/// The same with something on standard input.
+/// Runs the binary with this text on standard input.
 pub(crate) fn cg_fed(arguments: &[&str], input: &[u8]) -> Run {
     let piped = |command: &mut Command| {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -53,14 +53,14 @@ pub(crate) fn cg_fed(arguments: &[&str], input: &[u8]) -> Run {
     let mut child = piped(&mut command(arguments));
     let mut pipe = child.stdin.take().unwrap();
     std::thread::scope(|scope| {
-        // A child that has seen enough closes the pipe.
+        // A child that reads no further closes the pipe.
         scope.spawn(move || pipe.write_all(input).is_ok());
         child.wait_with_output().unwrap().into()
     })
 }
 
 impl Run {
-    /// It did all that was asked and complained of nothing.
+    /// Checks that the run succeeded without a message on standard error.
     #[track_caller]
     pub(crate) fn done(self) -> Self {
         assert_eq!(self.code, Some(0), "{self:?}");
@@ -68,14 +68,14 @@ impl Run {
         self.whole()
     }
 
-    /// Its exit status is `code`, its message holds all of `parts`, it did not panic, and what
-    /// is on standard output is whole.
+    /// Checks that the exit status is `code`, that standard error contains all `parts`, that there
+    /// was no panic, and that standard output is complete.
     #[track_caller]
     pub(crate) fn told(self, code: i32, parts: &[&str]) -> Self {
         assert_eq!(self.code, Some(code), "{self:?}");
         assert!(!self.err.contains("panicked"), "{self:?}");
         assert!(self.err.is_empty() || self.err.ends_with('\n'), "{self:?}");
-        // What the system said stands there once, not with every layer it came through.
+        // An error of the system is printed once, not by every layer.
         assert!(self.err.matches("os error").count() <= self.err.lines().count(), "{self:?}");
         for part in parts {
             assert!(self.err.contains(part), "no {part:?} in {}", self.err);
@@ -83,7 +83,7 @@ impl Run {
         self.whole()
     }
 
-    /// The same with exit status 2 and nothing on standard output.
+    /// Checks for exit status 2 with these parts, and nothing on standard output.
     #[track_caller]
     pub(crate) fn refused(self, parts: &[&str]) {
         let run = self.told(2, parts);
@@ -102,7 +102,7 @@ impl Run {
         self.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
     }
 
-    /// The one object of JSON Lines.
+    /// The only object of JSON Lines.
     #[track_caller]
     pub(crate) fn answer(&self) -> Value {
         let mut answers = self.json();
@@ -111,13 +111,13 @@ impl Run {
     }
 }
 
-/// The height of an answer that has one.
+/// The height of an answer, which must have one.
 #[track_caller]
 pub(crate) fn height_m(answer: &Value) -> f64 {
     answer["height_m"].as_f64().unwrap_or_else(|| panic!("no height in {answer}"))
 }
 
-/// A folder that goes away with its test.
+/// A folder that is removed after its test.
 pub(crate) struct Scratch(TempDir);
 
 impl Scratch {
@@ -129,14 +129,14 @@ impl Scratch {
         self.0.path().join(name).display().to_string()
     }
 
-    /// Makes a file and gives its path.
+    /// Creates a file and returns its path.
     pub(crate) fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
         let path = self.path(name);
         std::fs::write(&path, content).unwrap();
         path
     }
 
-    /// Simulates a log of 20 s in this folder and gives its path.
+    /// Simulates a log of 20 s in this folder and returns its path.
     #[track_caller]
     pub(crate) fn simulate(&self, name: &str, vehicle: &str, more: &[&str]) -> String {
         let path = self.path(name);
@@ -147,7 +147,7 @@ impl Scratch {
         path
     }
 
-    /// The names of all files, hidden and half-written ones too.
+    /// The names of all files, including hidden and incomplete ones.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.0.path()).unwrap();
         let mut names: Vec<String> =
@@ -157,7 +157,7 @@ impl Scratch {
     }
 }
 
-/// `cg estimate LOG --vehicle V --format json` and more.
+/// Runs `cg estimate LOG --vehicle V --format json` with more arguments.
 pub(crate) fn estimate(log: &str, vehicle: &str, more: &[&str]) -> Run {
     let mut arguments = vec!["estimate", log, "--vehicle", vehicle, "--format", "json"];
     arguments.extend(more);

@@ -1,10 +1,12 @@
-//! Channels that contradict each other: no height, both heights in the answer, the likely cause.
+//! Channels that contradict each other: no combined height, the heights of both, and the likely
+//! cause.
 
 use crate::calibrate::two_runs;
 use crate::common::{Scratch, cg, fixture, kraz};
 use crate::run::{events, lines};
 
-/// The laden log with a steering angle 1.3 times its true value, and the truck's calibration.
+/// The laden log with a steering angle that is 1.3 times its true value, and the calibration of the
+/// truck.
 fn faulty(scratch: &Scratch) -> [String; 2] {
     let text = std::fs::read_to_string(fixture("logs/A_p20_h190_v50_L.csv")).unwrap();
     let mut place = None;
@@ -51,13 +53,13 @@ fn a_log_whose_channels_contradict_has_no_height_but_both_of_theirs() {
     let channels = answer["channels"].as_array().unwrap();
     assert_eq!(channels.len(), 2);
     assert!(channels.iter().all(|channel| channel["height_m"].as_f64().is_some()), "{answer}");
-    // The lateral acceleration is right: 1.900 m.
+    // The lateral acceleration is correct and gives 1.900 m.
     let lateral = channels.iter().find(|one| one["channel"] == "lateral-acceleration").unwrap();
     assert!((lateral["height_m"].as_f64().unwrap() - 1.9).abs() < 0.05, "{answer}");
     let messages = answer["messages"].to_string();
-    assert!(messages.contains("inconsistent: steer says"), "{messages}");
+    assert!(messages.contains("inconsistent: steer channel "), "{messages}");
     assert!(messages.contains("likely cause: the steer angle is 1.3"), "{messages}");
-    // One channel can be asked for.
+    // A single channel can be selected.
     let asked = ["estimate", &log, "--format", "json", "--channel", "lateral-acceleration"];
     let answer = &cg(&[&asked[..], &truck].concat()).done().json()[0];
     assert!((answer["height_m"].as_f64().unwrap() - 1.9).abs() < 0.05, "{answer}");

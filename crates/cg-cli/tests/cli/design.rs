@@ -1,4 +1,4 @@
-//! `cg design`: what firmware is built with is what the command line estimates with.
+//! `cg design`: the design for firmware equals the one with which the command line estimates.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use cg_vehicle::{Variant, Vehicle};
 
 use crate::common::{Scratch, cg, kraz};
 
-/// The text behind the comment.
+/// The text after the comment.
 fn emitted(arguments: &[&str], output: &str) -> String {
     let run = cg(&[&["design", "-o", output], arguments].concat()).done();
     assert!(run.out.is_empty(), "{run:?}");
@@ -55,7 +55,7 @@ fn a_calibration_goes_in_and_is_named() {
     assert!(text.contains(&format!("calibrated by {calibration}")), "{text}");
 }
 
-/// The firmware's own copy must be made again when the model changes.
+/// The firmware's copy of the design must be renewed when the model changes.
 #[test]
 fn the_firmware_runs_on_the_design_of_today() {
     let scratch = Scratch::new();
@@ -71,8 +71,9 @@ fn the_firmware_runs_on_the_design_of_today() {
     let (now, kept) = (numbers(&text), numbers(&kept));
     assert!(now.len() > 600 && now.len() == kept.len(), "{} {}", now.len(), kept.len());
     for (now, kept) in now.iter().zip(&kept) {
-        // Another processor's order of summation: 1e-9 in double precision, at worst one unit of
-        // single precision (6e-8 to 1.2e-7) then. Small differences of large terms: ten of them.
+        // Another processor may sum in another order, which gives 1e-9 in double precision and at
+        // most one unit in the last place of single precision (6e-8 to 1.2e-7). Ten units for small
+        // differences of large terms.
         assert!(
             (now - kept).abs() <= 1.2e-6 * now.abs(),
             "{now} {kept}: see crates/cg-core/examples/kraz/design.rs"

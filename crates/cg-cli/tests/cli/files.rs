@@ -1,4 +1,5 @@
-//! Files are never lost: what may be written, what an interrupt leaves, what a mode becomes.
+//! No file is lost: which files may be written, what an interrupt leaves, and which mode a file
+//! gets.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -11,7 +12,7 @@ use crate::common::{Run, Scratch, cg, command, fixture, kraz};
 
 const LOG: &str = "logs/A_p20_h190_v50_L.csv";
 
-/// A folder with a vehicle file and two logs, and a look at whether they are as they were.
+/// A folder with a vehicle file and two logs, and a check that they are unchanged.
 struct Inputs {
     scratch: Scratch,
     vehicle: String,
@@ -28,7 +29,8 @@ impl Inputs {
         Self { scratch, vehicle, log, other }
     }
 
-    /// Exit status 2, both options named, nothing printed, nothing changed; forced or not.
+    /// Checks for exit status 2 with both options named, no output and no change, with and without
+    /// `--force`.
     #[track_caller]
     fn clash(&self, arguments: &[&str], flags: [&str; 2]) {
         let before = self.scratch.names();
@@ -77,7 +79,8 @@ fn no_output_replaces_an_input_of_the_same_call_even_if_forced() {
     assert_eq!(fs::read(table).unwrap(), fs::read(fixture(LOG)).unwrap());
 }
 
-/// However it is spelled: by a link, another folder, the shell's redirection.
+/// The path may also be a link, lead through another folder, or come from a redirection by the
+/// shell.
 #[test]
 fn a_file_is_known_under_all_its_names() {
     let inputs = Inputs::new();
@@ -104,7 +107,7 @@ fn two_outputs_of_a_call_are_two_files() {
     let inputs = Inputs::new();
     let (v, a) = (inputs.vehicle.as_str(), inputs.log.as_str());
     let x = inputs.scratch.path("x.csv");
-    // A link to a file that is not there yet.
+    // A link to a file that does not exist yet.
     let link = inputs.scratch.path("link");
     symlink("x.csv", &link).unwrap();
     for other in [&x, &link] {
@@ -113,12 +116,13 @@ fn two_outputs_of_a_call_are_two_files() {
         let simulate = ["simulate", "--vehicle", v, "--maneuver", "sine", "-o", &x];
         inputs.clash(&[&simulate[..], &["--truth", other]].concat(), ["--output", "--truth"]);
     }
-    // A device is no file: it takes anything.
+    // A device can be given several times.
     let null = ["--state", "/dev/null", "--metrics", "/dev/null", "--status-s", "0"];
     cg(&[&["run", "--vehicle", v, "--csv", a][..], &null].concat()).told(0, &[]);
 }
 
-/// `/dev/stdout` is what the shell has made it: a new file is filled, an old one stays.
+/// `/dev/stdout` is the file that the shell has opened. A new file is filled, an existing one is
+/// kept.
 #[test]
 fn standard_output_is_a_file_like_any_other() {
     let inputs = Inputs::new();
@@ -132,11 +136,11 @@ fn standard_output_is_a_file_like_any_other() {
     run(&page, fs::File::create(&page).unwrap()).refused(&["standard output", "--report"]);
     fs::write(&page, "precious").unwrap();
     let append = || fs::File::options().append(true).open(&page).unwrap();
-    run("/dev/stdout", append()).refused(&["no report of ours"]);
+    run("/dev/stdout", append()).refused(&["not a report written by cg-height"]);
     assert_eq!(fs::read_to_string(&page).unwrap(), "precious");
 }
 
-/// Each command, and the files that it writes.
+/// Each command with the files that it writes.
 fn writers(inputs: &Inputs) -> Vec<(Vec<String>, Vec<String>)> {
     let path = |name: &str| inputs.scratch.path(name);
     let run = format!("{}=1.9", inputs.log);
@@ -176,7 +180,8 @@ fn call(arguments: &[String], more: &[&str]) -> Run {
     cg(&arguments.iter().map(String::as_str).chain(more.iter().copied()).collect::<Vec<_>>())
 }
 
-/// What is ours is replaced and keeps its mode; what is not stays, unless forced.
+/// A file written by cg is replaced and keeps its mode. Another file is kept unless `--force` is
+/// given.
 #[test]
 fn a_foreign_file_is_replaced_only_if_forced_and_ours_keeps_its_mode() {
     let inputs = Inputs::new();
@@ -184,7 +189,7 @@ fn a_foreign_file_is_replaced_only_if_forced_and_ours_keeps_its_mode() {
         let (last, name) = (files.last().unwrap(), arguments.join(" "));
         let foreign = fs::read(&inputs.vehicle).unwrap();
         fs::write(last, &foreign).unwrap();
-        call(&arguments, &[]).refused(&["is there already", "of ours", "--force"]);
+        call(&arguments, &[]).refused(&["exists already", "written by cg-height", "--force"]);
         assert_eq!(fs::read(last).unwrap(), foreign, "{name}");
         assert!(files.len() == 1 || !fs::exists(&files[0]).unwrap(), "{name}");
 
@@ -197,7 +202,7 @@ fn a_foreign_file_is_replaced_only_if_forced_and_ours_keeps_its_mode() {
         replaced(call(&arguments, &["--force"]));
         for (mode, empty) in [(0o600, false), (0o640, true)] {
             for file in &files {
-                // An empty state is a damaged one, and put aside.
+                // An empty state file is damaged and is renamed.
                 if empty && !file.ends_with("state.json") {
                     fs::write(file, "").unwrap();
                 }
@@ -234,14 +239,18 @@ fn a_new_file_has_the_usual_mode_and_a_protected_one_stays() {
 fn a_state_that_is_none_is_refused_at_the_start_and_stays_where_it_is() {
     let inputs = Inputs::new();
     let run = ["run", "--vehicle", &inputs.vehicle, "--csv", &inputs.log, "--state"];
-    cg(&[&run[..], &[&inputs.other]].concat()).refused(&["b.csv", "no state", "--force"]);
+    cg(&[&run[..], &[&inputs.other]].concat()).refused(&["b.csv", "not a state file", "--force"]);
     assert_eq!(inputs.scratch.names(), ["a.csv", "b.csv", "v.toml"]);
     cg(&[&run[..], &[&inputs.other, "--force"]].concat()).told(0, &[]);
     let aside = fs::read(inputs.scratch.path("b.csv.aside-1")).unwrap();
-    assert_eq!(aside, fs::read(fixture(LOG)).unwrap(), "put aside, not lost");
+    assert_eq!(aside, fs::read(fixture(LOG)).unwrap(), "renamed, not lost");
     cg(&[&run[..], &[&inputs.scratch.path("")]].concat()).refused(&["is a folder", "--state"]);
-    // A device's name with a slip of the finger.
-    cg(&[&run[..], &["/dev/nul"]].concat()).refused(&["/dev/nul", "no device", "--state"]);
+    // A mistyped name of a device.
+    cg(&[&run[..], &["/dev/nul"]].concat()).refused(&[
+        "/dev/nul",
+        "not an existing device",
+        "--state",
+    ]);
 }
 
 fn begin(arguments: &[&str]) -> Child {
@@ -253,7 +262,7 @@ fn send(signal: &str, child: &Child) {
     assert!(sent.unwrap().success());
 }
 
-/// A simulation of a day, and the name of the file that it writes before it is whole.
+/// Starts the simulation of a day; returns the name of the draft that it writes.
 fn begun(scratch: &Scratch, log: &str) -> (Child, String) {
     let before = scratch.names();
     let day = ["--maneuver", "drive", "--duration-s", "86400", "-o", log];
@@ -269,7 +278,7 @@ fn begun(scratch: &Scratch, log: &str) -> (Child, String) {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    panic!("nothing is written");
+    panic!("no draft appeared");
 }
 
 #[test]
@@ -299,7 +308,7 @@ fn what_a_killed_run_left_is_removed_by_the_next_and_what_a_living_one_writes_is
     assert_eq!(scratch.names(), [left.as_str()]);
     let (mut living, part) = begun(&scratch, &log);
     assert_eq!(scratch.names(), [part.as_str()]);
-    // Of another file, and of nobody: not to be touched.
+    // A draft of another file, and a file that is not a draft, must be kept.
     let others = [".day.log.999999999-a.part", ".day.csv.notes.part"];
     for other in others {
         scratch.file(other, "precious");
@@ -315,13 +324,13 @@ fn what_a_killed_run_left_is_removed_by_the_next_and_what_a_living_one_writes_is
     assert_eq!(scratch.names(), expected);
 }
 
-/// The second signal ends `cg run` at once, and leaves nothing either.
+/// The second signal ends `cg run` at once and leaves no draft.
 #[test]
 fn a_second_signal_ends_a_live_run_at_once() {
     let scratch = Scratch::new();
     let fifo = scratch.path("frames");
     assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
-    // Nobody writes to it: the first signal is heard and not acted upon.
+    // Nothing writes to this pipe, so the first signal has no effect yet.
     let mut child = command(&["run", "--vehicle", &kraz(), "--candump", &fifo])
         .stdout(Stdio::piped())
         .spawn()

@@ -1,4 +1,4 @@
-//! Logs that are no logs, and logs that hold no answer.
+//! Files that are not logs, and logs without a result.
 
 use std::io::Write;
 
@@ -10,7 +10,7 @@ use crate::common::{Scratch, baseline, cg, estimate, fixture, height_m, kraz};
 
 const HEADER: &str = "time_s,steer_rad,roll_rad";
 
-/// The log is refused with these words, in every format, and nothing is left beside it.
+/// Checks that the log is refused with these words in every format, and that no other file is left.
 #[track_caller]
 fn refused(name: &str, content: impl AsRef<[u8]>, parts: &[&str]) {
     let scratch = Scratch::new();
@@ -47,7 +47,7 @@ fn time_that_runs_backwards_is_named_with_both_times() {
 #[test]
 fn time_that_steps_by_less_than_a_microsecond_is_named_with_its_line() {
     let text = format!("{HEADER}\n0,0,0\n0.0000001,0,0\n");
-    refused("log.csv", text, &[", line 3:", "a microsecond apart or more"]);
+    refused("log.csv", text, &[", line 3:", "at least a microsecond apart"]);
 }
 
 #[test]
@@ -91,11 +91,11 @@ fn a_truncated_gzip_is_refused_with_the_way_to_save_what_is_whole() {
     let packed = gzip.finish().unwrap();
     let parts = [", line ", "truncated or corrupt", "copy it again", "gzip -dc"];
     refused("log.csv.gz", &packed[..packed.len() / 2], &parts);
-    // The name does not matter, and what follows the last byte of data is missed too.
+    // The name of the file has no effect. A missing end is detected although it contains no data.
     refused("log.csv", &packed[..packed.len() - 4], &parts);
 }
 
-/// The simulated log with the cells of one column emptied in some rows.
+/// Sets the cells of one column to absent in some rows of the simulated log.
 fn emptied(text: &str, column: usize, rows: std::ops::Range<usize>) -> String {
     let mut row = 0;
     let mut out = String::new();
@@ -121,14 +121,16 @@ fn a_stretch_without_roll_angle_is_left_out_and_counted() {
     let scratch = Scratch::new();
     let log = scratch.simulate("whole.csv", &baseline(), &["--maneuver", "steady-turn"]);
     let text = std::fs::read_to_string(log).unwrap();
-    // 0.3 s are bridged by a straight line, 2 s end one maneuver and begin another.
+    // A gap of 0.3 s is bridged by a straight line; a gap of 2 s ends one maneuver and begins
+    // another.
     for (rows, count) in [(800..830, 30), (800..1000, 200)] {
         let log = scratch.file("holed.csv", emptied(&text, 2, rows));
         let answer = estimate(&log, &baseline(), &["--channel", "steer"]).done().answer();
         assert_eq!(answer["status"], "ok");
         let said = format!("{count} of 2001 rows have no roll angle or no input and were left out");
         assert!(messages(&answer).contains(&said), "{answer}");
-        // Half of the log or more is untouched and free of noise: as good as a whole one.
+        // At least half of the log is unchanged and free of noise, so the height is as accurate as
+        // from the whole log.
         assert!((height_m(&answer) / 1.973_072 - 1.0).abs() < 0.01, "{answer}");
     }
 }
@@ -155,7 +157,7 @@ fn straight_driving_is_rejected_and_told_to_drive_a_curve() {
         let answer = estimate(&log, &kraz(), &[]).told(1, &[]).answer();
         assert_eq!((&answer["status"], &answer["height_m"]), (&"rejected".into(), &Value::Null));
         assert!(messages(&answer).contains("rejected: unexcited"), "{answer}");
-        assert!(messages(&answer).contains("drive a curve"), "{answer}");
+        assert!(messages(&answer).contains("record a drive with turns"), "{answer}");
     }
 }
 

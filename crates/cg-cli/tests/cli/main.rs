@@ -1,24 +1,26 @@
-//! The command line as its users meet it: the built binary, its exit status, both its streams
-//! and the files it leaves.
+//! Tests of the command line with the built binary: exit status, both output streams and files.
 //!
 //! | file | what |
 //! |---|---|
-//! | `common` | scratch folders, runs, and what every refusal has in common |
-//! | `calibrate` | calibrations made, used and refused |
-//! | `logs` | logs that are no logs, and logs that hold no answer |
-//! | `streams` | lines without end, standard input, closed pipes |
+//! | `common` | temporary folders, runs of the binary, and common checks of errors |
+//! | `calibrate` | calibrations that are written, used and refused |
+//! | `can` | CAN logs: candump formats, several buses, masses, slow or missing signals |
+//! | `consistent` | channels that contradict each other |
+//! | `logs` | files that are not logs, and logs without a result |
+//! | `streams` | endless lines, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
-//! | `usage` | arguments that make no sense |
+//! | `usage` | wrong arguments |
 //! | `output` | the formats of `cg estimate` |
 //! | `design` | designs for firmware |
-//! | `files` | what may be written, and what an interrupt leaves |
-//! | `model` | `cg model` beside the printed numbers |
-//! | `simulate` | logs with known truth, there and back |
+//! | `files` | which files may be written, and what an interrupt leaves |
+//! | `model` | `cg model` compared with the printed numbers |
+//! | `simulate` | logs with known truth |
 //! | `rollover` | every measure with its unit and its meaning |
-//! | `reproduce` | the source's tables beside ours |
-//! | `run` | recorded drives replayed as if live, restarts, full disks, a service manager |
+//! | `reproduce` | the thesis's tables with recomputed values |
+//! | `run` | replays of recorded drives, restarts, full disks, a service manager |
 //! | `study` | chapter 2 as tables and figures |
-//! | `memory` | long logs in the memory of short ones |
+//! | `memory` | long logs need no more memory than short ones |
+//! | `left_out` | a build without optional features names the feature that is needed (`make package`) |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 mod calibrate;
@@ -28,6 +30,8 @@ mod consistent;
 mod design;
 #[cfg(unix)]
 mod files;
+#[cfg(not(any(feature = "dbc", feature = "parquet", feature = "plots")))]
+mod left_out;
 mod logs;
 mod memory;
 mod model;

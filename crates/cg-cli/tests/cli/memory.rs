@@ -1,4 +1,4 @@
-//! Long logs in the memory of short ones.
+//! Long logs need no more memory than short ones.
 #![cfg(target_os = "linux")]
 
 use std::io::Write;
@@ -6,15 +6,15 @@ use std::process::Stdio;
 
 use crate::common::{Scratch, command, kraz};
 
-/// The greatest resident size of a process so far (`VmHWM`).
+/// The largest resident size of a process so far (`VmHWM`), in kB.
 fn peak_kb(id: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{id}/status")).unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
     line.trim().trim_end_matches(" kB").parse().unwrap()
 }
 
-/// The peak when all of a log but what the pipe holds (64 KiB) has been read. The child cannot
-/// end before the pipe is closed, so there is always a process to ask.
+/// The peak memory when all of a log except the content of the pipe (64 KiB) has been read. The
+/// process cannot end before the pipe is closed, so it still exists.
 fn peak_of_reading_kb(log: &str) -> u64 {
     let vehicle = kraz();
     let arguments = ["estimate", "-", "--vehicle", &vehicle, "--format", "json", "--jobs", "1"];
@@ -45,12 +45,13 @@ fn memory_does_not_grow_with_the_log() {
         [&short, &long].map(|log| std::fs::metadata(log).unwrap().len());
     let [short_kb, long_kb] = [&short, &long].map(|log| peak_of_reading_kb(log));
     println!("{short_bytes} bytes: {short_kb} kB, {long_bytes} bytes: {long_kb} kB");
-    // Fewer than 200 more maneuvers of less than 1 kB each, and the pages the allocator rounds to.
+    // Fewer than 200 more maneuvers of less than 1 kB each, and whole pages of the allocator.
     assert!(long_kb < short_kb + 400, "{short_kb} kB, then {long_kb} kB");
     assert!(long_bytes - short_bytes > 20 * 400 * 1024, "{short_bytes} {long_bytes}");
 }
 
-/// Two million rows a second apart, with turns: no maneuver for each, and hardly any memory.
+/// Two million rows at intervals of one second, with turns. They give no maneuvers and need little
+/// memory.
 #[test]
 fn two_million_rows_a_second_apart_take_little() {
     let vehicle = kraz();
@@ -78,9 +79,9 @@ fn two_million_rows_a_second_apart_take_little() {
     assert!(answer["messages"].to_string().contains("most rows are more than 0.5 s apart"));
 }
 
-/// Thirty days, each with some drives of two minutes and parking in between: `cg run` at the end is as
-/// large as after the first day, but for pages that the allocator rounds to. `make soak` drives an
-/// hour a day.
+/// Thirty days, each with some drives of two minutes and parking in between. At the end, `cg run`
+/// is as large as after the first day, except for whole pages of the allocator. `make soak` drives
+/// one hour per day.
 #[test]
 fn a_month_in_the_memory_of_a_day() {
     let scratch = Scratch::new();

@@ -1,4 +1,4 @@
-//! `cg model` beside the printed numbers.
+//! `cg model` compared with the printed numbers.
 
 use serde_json::Value;
 
@@ -60,7 +60,8 @@ fn the_dc_gain_is_the_same_from_polynomials_line_and_reduced_model() {
             last(&model["reduced"], "numerator") / last(&model["reduced"], "denominator"),
             (line("a1") * h + line("a0")) / (line("b1") * h + line("b0")),
         ] {
-            // The product of 18 poles of up to 1e2 rad/s, each known to about 1e-12.
+            // The product of 18 poles of up to 1e2 rad/s, each with a relative error of about
+            // 1e-12.
             assert!((other / dc_gain - 1.0).abs() < 1e-9, "{other} {dc_gain}");
         }
     }
@@ -73,14 +74,15 @@ fn the_printed_model_gives_table_4_1_and_equation_5_17() {
     // Heights are printed in inches.
     for (what, ours, printed) in [
         ("A0/B0 at h = 0", line("a0") / line("b0"), 0.011_837_4),
-        ("a1/a0 per metre", line("a1") / line("a0"), 0.519_32 / 0.0254),
-        ("b1/b0 per metre", line("b1") / line("b0"), -1.775_489_4e-3 / 0.0254),
+        ("a1/a0 per meter", line("a1") / line("a0"), 0.519_32 / 0.0254),
+        ("b1/b0 per meter", line("b1") / line("b0"), -1.775_489_4e-3 / 0.0254),
     ] {
         // Five to eight digits are printed.
         assert!((ours / printed - 1.0).abs() < 1e-4, "{what}: {ours} {printed}");
     }
     for (what, key, printed) in [("A0", "numerator", 4.5839e25), ("B0", "denominator", 8.0754e25)] {
-        // The source's steer is positive to the right: its A0 is negative. Five digits.
+        // In the thesis, the steer angle is positive to the right, so its A0 is negative. Five
+        // digits.
         let ours = *numbers(&model[key]).last().unwrap();
         assert!((ours / printed - 1.0).abs() < 1e-4, "{what}: {ours:e} {printed:e}");
     }
@@ -90,7 +92,8 @@ fn the_printed_model_gives_table_4_1_and_equation_5_17() {
 fn the_static_loads_carry_the_whole_truck() {
     let model = model(&kraz(), &[]);
     let loads_n: f64 = numbers(&model["static_balance"]["axle_load_n"]).iter().sum();
-    // Sprung tractor, its axles, and the semitrailer as weighed, times gravity of the file.
+    // Sprung mass and axles of the tractor, and the semitrailer as weighed, times the file's
+    // gravity.
     let weight_n = (10_000.0 + 996.0 + 2.0 * 1226.0 + 18_684.0) * 9.81;
     assert!((loads_n / weight_n - 1.0).abs() < 1e-9, "{loads_n} {weight_n}");
 }

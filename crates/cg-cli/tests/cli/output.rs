@@ -1,4 +1,4 @@
-//! The formats of `cg estimate`, and what must not change its answers.
+//! The formats of `cg estimate`, and options that must not change its results.
 
 use serde_json::Value;
 
@@ -42,7 +42,7 @@ pub(crate) fn keys(value: &Value) -> Vec<&str> {
     keys
 }
 
-/// A log with a height, one without, one turned to the other side.
+/// A log with a height, one without a height, and one with a turn to the other side.
 fn logs(scratch: &Scratch) -> [String; 3] {
     let straight = ["--maneuver", "sine", "--steer-rad", "0"];
     [
@@ -58,7 +58,7 @@ fn estimate_all(logs: &[String], more: &[&str]) -> crate::common::Run {
     let vehicle = kraz();
     arguments.extend(["--vehicle", &vehicle]);
     arguments.extend(more);
-    // One of the logs holds no answer.
+    // One of the logs gives no height.
     cg(&arguments).told(1, &[])
 }
 
@@ -121,7 +121,7 @@ fn csv_has_one_row_of_the_same_numbers_for_each_log() {
                 Value::Null => assert_eq!(cell, "", "{column}"),
                 Value::String(text) => assert_eq!(cell, text, "{column}"),
                 value => {
-                    // The JSON reader of this test may miss the last bit.
+                    // The JSON reader of this test may be off by one in the last bit.
                     let (a, b) = (cell.parse::<f64>().unwrap(), value.as_f64().unwrap());
                     assert!((a - b).abs() <= 1e-15 * b.abs(), "{column}: {a} {b}");
                 }
@@ -155,7 +155,7 @@ fn the_table_has_one_line_for_each_log_and_its_messages_below() {
 fn answers_come_in_the_order_of_the_arguments_whatever_the_number_of_jobs() {
     let scratch = Scratch::new();
     let [a, straight, c] = logs(&scratch);
-    // The longest first, so that it is not the first to be done.
+    // The longest log is first, so that it is not finished first.
     let long = fixture("logs/F_drive1_p15_h155.csv.gz");
     let logs = [long, a.clone(), straight, c, a];
     let [one, two] =
@@ -177,7 +177,7 @@ fn known_heights_stand_beside_and_change_nothing() {
     assert_eq!(with, without);
 }
 
-/// The simulated log as another maker's instrument would have written it.
+/// The simulated log in the format of another manufacturer's instrument.
 fn foreign(text: &str) -> String {
     let mut out = "Zeit [ms];Lenk;Wank;v_kmh;aq;Gier;Masse\n".to_owned();
     let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
@@ -218,7 +218,7 @@ fn foreign_columns_in_other_units_and_flipped_give_the_same_height() {
             more.extend(["--column", column]);
         }
         let theirs = estimate(&other, &baseline(), &more).done().answer();
-        // There and back costs each number a few units in the last place, 1e-15.
+        // Converting units twice changes each number by some units in the last place, 1e-15.
         let error = height_m(&theirs) / height_m(&ours) - 1.0;
         assert!(error.abs() < 1e-9, "{channel}: {error:e}");
         assert_eq!(theirs["messages"], ours["messages"]);

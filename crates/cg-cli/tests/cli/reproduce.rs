@@ -1,4 +1,4 @@
-//! `cg reproduce`: the source's tables beside ours. How near they are: `cg-vehicle`.
+//! `cg reproduce`: the thesis's tables. The tests of `cg-thesis` check how close the values are.
 
 use std::collections::BTreeSet;
 
@@ -40,7 +40,8 @@ fn a_table_has_a_title_aligned_columns_and_each_note_once() {
     let lines: Vec<&str> = run.out.lines().collect();
     assert_eq!(lines[0], "Table 4.1: coefficients of the transfer function");
     assert_eq!(lines.len(), 1 + 1 + 35 + 1);
-    // "A0 … thesis … ours … difference … same digits … [1]": all end in one column.
+    // In "A0 … thesis … ours … difference … same digits … [1]", the cells of each column end at the
+    // same place.
     let width = lines[1].chars().count();
     for line in &lines[2..37] {
         assert_eq!(line.chars().count(), width, "{line}");

@@ -1,4 +1,4 @@
-//! `cg rollover`.
+//! `cg rollover`: every measure has a value, a unit and a meaning.
 
 use crate::common::{cg, fixture};
 
@@ -13,7 +13,8 @@ fn every_measure_has_a_value_and_a_meaning() {
         assert!(meaning.as_str().unwrap().ends_with('.'), "{meaning}");
     }
     assert_eq!(answer["rearward_amplification_over_hz"].as_array().unwrap().len(), 20);
-    // Linear springs: the measured ones are refused under a light load (their friction there).
+    // Linear springs. The measured springs are refused under a light load because of their friction
+    // there.
     let truck = fixture("vehicles/kraz.toml");
     let threshold = |height_m: &str, payload_kg: &str| {
         let base = ["rollover", "--vehicle", &truck, "--format", "json"];

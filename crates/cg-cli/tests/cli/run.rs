@@ -1,5 +1,5 @@
-//! `cg run` on recorded drives, its state file, and what a service manager sees. Real SocketCAN is
-//! the guest test's (`make guest`).
+//! `cg run` on recorded drives: results, state file, and notifications of a service manager. `make
+//! guest` tests real SocketCAN.
 
 use std::fmt::Write as _;
 use std::io::Read;
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use crate::common::{Run, cg, cg_fed, command, fixture, kraz};
 
-/// A truck with a steering ratio, since J1939 has the angle of the steering wheel.
+/// A truck with a steering ratio, because J1939 has the angle of the steering wheel.
 pub(crate) struct Drive {
     folder: TempDir,
     pub(crate) truck: String,
@@ -61,8 +61,9 @@ pub(crate) fn last_height(lines: &[Value]) -> f64 {
     events(lines, "maneuver").last().unwrap()["height_m"].as_f64().unwrap()
 }
 
-/// CSV through the same stages is the same to the last bit; J1939 rounds the signals (steer angle
-/// 5e-5 rad, acceleration 5e-4 m/s²: 3e-4 of a turn's), which thousands of rows average out.
+/// CSV gives the same result to the last bit. J1939 rounds the signals (steer angle 5e-5 rad,
+/// acceleration 5e-4 m/s², which is 3e-4 of that in a turn), and thousands of rows average this
+/// out.
 #[test]
 fn a_drive_gives_one_height_however_it_comes() {
     let drive = drive();
@@ -87,8 +88,8 @@ fn a_drive_gives_one_height_however_it_comes() {
     assert!((last_height(&lines(&fed.done())) - last_height(&candump)).abs() < 1e-15);
 }
 
-/// Two halves of a drive, with a restart between them, know what the whole one knows, but for the
-/// maneuver that was cut.
+/// Two halves of a drive with a restart between them give the same result as the whole drive,
+/// except for the maneuver that was interrupted.
 #[test]
 fn a_restart_forgets_nothing() {
     let drive = drive();
@@ -110,7 +111,7 @@ fn a_restart_forgets_nothing() {
     }
     let count = |lines: &[Value]| events(lines, "maneuver").last().unwrap()["maneuvers"].as_u64();
     assert_eq!(count(&last), count(&whole));
-    // The cut begins with filters at rest in the midst of straight driving: noise only.
+    // After the cut, the filters start at rest during straight driving, so there is only noise.
     assert!((last_height(&last) / last_height(&whole) - 1.0).abs() < 2e-3);
     assert_eq!(std::fs::read_dir(drive.folder.path()).unwrap().count(), 6);
 }
@@ -128,7 +129,7 @@ fn a_damaged_state_is_said_and_kept() {
     assert_eq!(again[0]["restored"], true);
 }
 
-/// As if the scale were wrong: the option counts, not the bus.
+/// As if the scale were wrong: the mass of the option is used, not that of the bus.
 #[test]
 fn a_given_mass_is_taken_whatever_the_bus_says() {
     let drive = drive();
@@ -138,12 +139,12 @@ fn a_given_mass_is_taken_whatever_the_bus_says() {
         events(lines, "maneuver").last().unwrap()[key].as_f64().unwrap()
     };
     assert!((last(&given, "trailer_mass_kg") - 25e3).abs() < 1e-9);
-    // Mass and height are confounded: a trailer taken for heavier is taken for lower.
+    // A mass that is too large gives a height that is too small.
     assert!(last(&told, "trailer_mass_kg") < 20e3);
     assert!(last(&given, "height_m") < 0.95 * last(&told, "height_m"));
 }
 
-/// A full disk costs the file, not the estimate; it is said once.
+/// A full disk prevents writing the file but not the estimation. It is reported once.
 #[test]
 fn a_full_disk_stops_nothing() {
     let drive = drive();
@@ -155,8 +156,8 @@ fn a_full_disk_stops_nothing() {
         notices.iter().filter(of).map(|line| line["message"].to_string()).collect::<Vec<_>>()
     };
     assert!(told("metrics").len() == 1 && told("metrics")[0].contains("No space left"));
-    // A device is no state: neither read nor moved.
-    assert!(told("state")[0].contains("no regular file"));
+    // A device is not a state file and is neither read nor renamed.
+    assert!(told("state")[0].contains("not a regular file"));
     assert!(told("state")[1].contains("No space left") && told("state").len() == 2);
     assert!(Path::new("/dev/full").exists());
     assert!(last_height(&found) > 1.0);
@@ -180,7 +181,8 @@ fn metrics_hold_the_result() {
     }
 }
 
-/// Garbage lines, a clock set back by an hour and forward again: all said, height as before.
+/// Invalid lines, and a clock set back by an hour and forward again. All are reported, and the
+/// height is the same.
 #[test]
 fn garbage_and_clock_jumps_are_survived() {
     let drive = drive();
@@ -204,11 +206,11 @@ fn garbage_and_clock_jumps_are_survived() {
     let malformed = events(&found, "status").last().unwrap()["malformed"].as_u64().unwrap();
     assert_eq!(malformed, 3 * (text.lines().count() as u64 - 500).div_ceil(1000));
     let whole = lines(&drive.replay(&drive.candump, &[]).done());
-    // The jump ends a maneuver early, perhaps in a turn: that one alone is another.
+    // The jump ends a maneuver early, possibly in a turn. Only this maneuver differs.
     assert!((last_height(&found) / last_height(&whole) - 1.0).abs() < 5e-3);
 }
 
-/// A roll sensor that is no J1939 device, mounted the other way round.
+/// A roll sensor that is not a J1939 device and is mounted the other way round.
 #[test]
 fn a_sensor_of_a_dbc_file_takes_the_place_of_j1939() {
     let drive = drive();
@@ -244,7 +246,7 @@ fn a_sensor_of_a_dbc_file_takes_the_place_of_j1939() {
         if turn.is_empty() {
             assert_eq!(run.code, Some(1), "a roll sensor the wrong way round gives no height");
         } else {
-            // Rounded to a thousandth of a degree, 1e-4 of the roll angle.
+            // Rounded to a thousandth of a degree, which is 1e-4 of the roll angle.
             let height = last_height(&lines(&run.done()));
             assert!((height / last_height(&whole) - 1.0).abs() < 1e-3);
         }
@@ -280,8 +282,8 @@ fn ask_to_stop(child: &Child) {
     assert!(kill.unwrap().success());
 }
 
-/// An interface that is not there is waited for; systemd is told that the program is ready, that it
-/// is alive, and that it stops; SIGTERM ends it in order.
+/// The program waits for a missing interface. It notifies systemd that it is ready, alive, and
+/// stopping. SIGTERM ends it normally.
 #[test]
 fn a_service_manager_sees_a_living_program() {
     let folder = tempfile::tempdir().unwrap();
@@ -325,6 +327,6 @@ fn a_replay_in_real_time_can_be_stopped() {
     let found = lines(&run);
     let stop = found.last().unwrap();
     assert_eq!(stop["reason"], "signal");
-    // Not more rows than the time that has passed allows (17 s in all).
+    // The number of rows is not larger than the elapsed time allows (17 s in all).
     assert!(stop["frames"].as_u64().unwrap() < 1700, "{stop}");
 }

@@ -1,4 +1,4 @@
-//! Logs with known truth, there and back.
+//! Simulation of logs with known truth, and estimation from them.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use crate::common::{Scratch, baseline, cg, estimate, height_m, kraz};
 const MANEUVERS: [&str; 6] =
     ["rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"];
 
-/// Relative error of the height that the steer channel finds in each maneuver's noise-free log.
+/// Relative error of the height from the steer channel for each maneuver's noise-free log.
 fn errors(vehicle: &str, plant: &str) -> Vec<(&'static str, f64)> {
     let scratch = Scratch::new();
     MANEUVERS
@@ -29,8 +29,9 @@ fn errors(vehicle: &str, plant: &str) -> Vec<(&'static str, f64)> {
 fn a_log_of_the_linear_plant_gives_back_its_height_within_one_per_cent() {
     for vehicle in [baseline(), kraz()] {
         for (maneuver, error) in errors(&vehicle, "linear") {
-            // The contract. Order 5 misses what orders 18 and 20 do besides; without noise the
-            // free dynamics take that up, even in the lane change, which has no steady part.
+            // The requirement. Order 5 does not represent everything that orders 18 and 20 do.
+            // Without noise, the free dynamics compensate for this, even in the lane change, which
+            // has no steady part.
             assert!(error.abs() < 0.01, "{vehicle} {maneuver}: {error:e}");
         }
     }
@@ -40,8 +41,9 @@ fn a_log_of_the_linear_plant_gives_back_its_height_within_one_per_cent() {
 fn a_log_of_the_reduced_plant_gives_back_its_height_almost_exactly() {
     for vehicle in [baseline(), kraz()] {
         for (maneuver, error) in errors(&vehicle, "reduced") {
-            // The plant is the prior's own model: what is left is its sampling, (dt w)^2 / 12 of
-            // the part of the input that a first-order hold does not follow: 0.01 s, 1 rad/s.
+            // The plant is the model of the prior. The remaining error is due to sampling: (dt w)^2
+            // / 12 of the part of the input that a first-order hold does not follow, with 0.01 s
+            // and 1 rad/s.
             assert!(error.abs() < 1e-5, "{vehicle} {maneuver}: {error:e}");
         }
     }
@@ -83,7 +85,7 @@ fn the_truth_stands_at_the_head_of_the_log_and_is_not_read() {
     let more = ["--maneuver", "steady-turn", "--snr-db", "20", "--truth", &truth];
     let log = scratch.simulate("log.csv", &kraz(), &more);
     let text = std::fs::read_to_string(&log).unwrap();
-    // As text: the digits are the same in both places.
+    // Compared as text: the digits are the same in both places.
     let json = std::fs::read_to_string(truth).unwrap();
     let truth: Vec<&str> = json.lines().filter_map(|line| line.strip_prefix("  ")).collect();
     assert!(truth.len() >= 7, "{json}");
@@ -98,7 +100,7 @@ fn the_truth_stands_at_the_head_of_the_log_and_is_not_read() {
     let lies = "# truth height_m = 9.9\n# truth trailer_mass_kg = 1\n# truth speed_mps = 99\n";
     for head in [lies, ""] {
         scratch.file("log.csv", format!("{head}{}\n", body.join("\n")));
-        // Same name, same bytes: nothing of the head got through.
+        // The answer has the same bytes, so the comments at the head of the log have no effect.
         assert_eq!(estimate(&log, &kraz(), &[]).done().out, right);
     }
 }
@@ -136,7 +138,8 @@ fn a_simulation_that_fails_keeps_the_log_that_was_there() {
     assert_eq!((scratch.names(), bytes(&log)), (vec!["log.csv".to_owned()], before));
 }
 
-/// A candump log has the frames of the same drive's CSV log, and its truth in the sidecar only.
+/// A candump log contains the frames of the same drive as the CSV log. Its truth is only in the
+/// JSON file.
 #[test]
 fn a_log_of_can_frames_is_the_same_drive() {
     let scratch = Scratch::new();
@@ -148,12 +151,12 @@ fn a_log_of_can_frames_is_the_same_drive() {
     let log = scratch.simulate("drive.log", &vehicle, &more);
     let frames = std::fs::read_to_string(log).unwrap();
     let of = |group: &str| frames.lines().filter(|line| line.contains(group)).count();
-    // 1001 samples at 100 Hz; speed ten times a second, the trailer's weight once.
+    // 1001 samples at 100 Hz; the speed ten times per second, the trailer mass once.
     assert_eq!((of("18F0090B#"), of("0CF029E4#")), (1001, 1001));
     assert_eq!((of("18FEF100#"), of("18FEEAC8#")), (101, 11));
     assert!(frames.lines().all(|line| line.starts_with('(') && line.contains(" can0 ")));
     assert!(std::fs::read_to_string(truth).unwrap().contains("height_m"));
-    // The last roll angle of the frames is that of the CSV log at ten seconds, to half a bit.
+    // The last roll angle of the frames equals that of the CSV log at ten seconds, to half a bit.
     let last = frames.lines().rev().find(|line| line.contains("0CF029E4#")).unwrap();
     let bytes = &last[last.len() - 16..];
     let byte = |k: usize| u32::from_str_radix(&bytes[2 * k..2 * k + 2], 16).unwrap();
@@ -165,13 +168,13 @@ fn a_log_of_can_frames_is_the_same_drive() {
     assert!((roll_rad - expected).abs() <= (0.5_f64 / 32768.0).to_radians(), "{roll_rad} {row}");
 }
 
-/// Without a steering ratio the rest is sent, and it is said.
+/// Without a steering ratio, the other signals are written, and a message reports it.
 #[test]
 fn a_log_of_can_frames_without_a_steering_ratio_says_so() {
     let scratch = Scratch::new();
     let log = scratch.path("drive.log");
     let arguments = ["simulate", "--vehicle", &kraz(), "--maneuver", "sine", "-o", &log];
-    cg(&arguments).told(0, &["without a steering angle", "no steering_ratio"]);
+    cg(&arguments).told(0, &["no steering angle", "no steering_ratio"]);
     assert_eq!(scratch.names(), ["drive.log"]);
 }
 
@@ -238,7 +241,7 @@ fn paths_without_their_maneuver_or_plant_are_refused() {
     refused(&["--maneuver", "sine", "--gate-m", "20"], &["--gate-m for lane-change"]);
     refused(&["--maneuver", "lane-change", "--turn-deg", "60"], &["for --maneuver steady-turn"]);
     refused(&["--maneuver", "lane-change", "--gate-m", "20"], &["need --plant nonlinear"]);
-    refused(&["--maneuver", "steady-turn", "--turn-deg", "0"], &["at least 1 either way"]);
+    refused(&["--maneuver", "steady-turn", "--turn-deg", "0"], &["at least 1 or at most -1"]);
     refused(&["--maneuver", "sine", "--to-rollover"], &["need --plant nonlinear"]);
     refused(&["--maneuver", "sine", "--steering-wheel"], &["no steering_ratio"]);
     refused(&["--maneuver", "sine", "--jitter-s", "0.1"], &["jitter (s) 0.1", "0.0049"]);

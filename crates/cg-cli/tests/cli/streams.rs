@@ -1,4 +1,4 @@
-//! Lines without end, standard input, closed pipes.
+//! Endless lines, standard input, closed pipes.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use crate::common::{Run, Scratch, cg_fed, command, estimate, kraz};
 /// 2 GiB.
 const ENDLESS_BYTES: usize = 2 << 30;
 
-/// The binary with less room than a quarter of such a line (`ulimit -v` counts kilobytes).
+/// The binary with less memory than a quarter of such a line (`ulimit -v` is in kilobytes).
 fn cramped(arguments: &[&str]) -> Command {
     let mut command = Command::new("sh");
     command.args(["-c", "ulimit -v 524288 && exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_cg")]);
@@ -32,7 +32,7 @@ fn a_line_of_two_gigabytes_on_standard_input_is_refused_at_once() {
     });
     let run: Run = child.wait_with_output().unwrap().into();
     run.refused(&["standard input, line 1: the line is longer than 65536 bytes", "line feeds"]);
-    // What was not taken cannot be held: the line costs at most this much memory.
+    // The line needs at most this much memory, because the rest is not read.
     let taken_bytes = writer.join().unwrap();
     assert!(taken_bytes < 4 << 20, "{taken_bytes} bytes were taken");
 }
@@ -69,7 +69,7 @@ fn what_is_wrong_on_standard_input_is_called_by_that_name() {
     run.refused(&["standard input, line 2, column 2 `steer_rad`: `x` is not a number"]);
 }
 
-/// Reads one line of the output, closes it and gives the exit status and the complaints.
+/// Reads one line of the output, closes the stream, and returns exit status and standard error.
 fn head(arguments: &[&str]) -> (String, Option<i32>, String) {
     let mut child = command(arguments)
         .stdin(Stdio::null())
@@ -88,7 +88,7 @@ fn head(arguments: &[&str]) -> (String, Option<i32>, String) {
 fn a_pipe_closed_by_its_reader_is_no_error() {
     let scratch = Scratch::new();
     let log = scratch.simulate("log.csv", &kraz(), &["--maneuver", "steady-turn"]);
-    // Many answers, more than a pipe holds (64 KiB), so that some of them find it closed.
+    // More answers than a pipe holds (64 KiB), so that some of them find it closed.
     let mut arguments = vec!["estimate", "--vehicle"];
     let vehicle = kraz();
     arguments.extend([&vehicle, "--format", "json"]);
@@ -121,7 +121,7 @@ fn a_full_disk_behind_standard_output_is_an_error_that_says_so() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // The commands that read nothing close the pipe.
+        // Commands that do not read standard input close the pipe.
         let _ = child.stdin.take().unwrap().write_all(log.as_bytes());
         let run: Run = child.wait_with_output().unwrap().into();
         run.refused(&["standard output", "No space left on device"]);

@@ -1,4 +1,5 @@
-//! `cg study`: both files or none. What the studies find: `cg-vehicle`.
+//! `cg study`: it writes both files or none. The tests of `cg-thesis` check the results of the
+//! studies.
 
 use crate::common::{Run, Scratch, cg, fixture};
 
@@ -18,7 +19,7 @@ const NAMES: [&str; 13] = [
     "accuracy",
 ];
 
-/// A short one.
+/// A short study.
 const SHORT: &str = "height-lane-change";
 
 fn study(more: &[&str]) -> Run {
@@ -74,7 +75,7 @@ fn a_study_writes_a_table_and_a_figure_and_says_what_it_found() {
     for part in ["semitrailer roll", "Change of the peak (%)", "viewBox"] {
         assert!(figure.contains(part), "no {part}");
     }
-    // The same once more, over what is there: to the byte.
+    // A second run replaces the files with the same bytes.
     study(&[SHORT, "-o", &folder]).done();
     assert_eq!(read(&scratch, "new/height-lane-change.csv"), table);
     assert_eq!(read(&scratch, "new/height-lane-change.svg"), figure);
@@ -93,15 +94,15 @@ fn a_study_of_another_vehicle_says_so() {
 fn a_study_that_cannot_be_written_leaves_nothing() {
     let scratch = Scratch::new();
     let file = scratch.file("file", "precious");
-    study(&[SHORT, "-o", &file]).refused(&["is a file", "give --output a folder"]);
-    study(&[SHORT, "-o", &scratch.path("a/b")]).refused(&["cannot be made"]);
-    // A folder in the place of the second file: the first is not written either.
+    study(&[SHORT, "-o", &file]).refused(&["is a file", "give a folder with --output"]);
+    study(&[SHORT, "-o", &scratch.path("a/b")]).refused(&["cannot be created"]);
+    // A folder has the name of the second file, so the first file is not written either.
     std::fs::create_dir(scratch.path("height-lane-change.svg")).unwrap();
     study(&[SHORT, "-o", &scratch.path("")]).refused(&["height-lane-change.svg", "is a folder"]);
     assert_eq!(scratch.names(), ["file", "height-lane-change.svg"]);
 }
 
-/// The truck's own log: what the plant says stands beside it, dashed.
+/// A log of the truck itself: the simulated roll angle is drawn dashed next to the recorded one.
 #[test]
 fn a_recorded_log_is_driven_again() {
     let scratch = Scratch::new();
@@ -114,7 +115,7 @@ fn a_recorded_log_is_driven_again() {
     let table = read(&scratch, "replay.csv");
     let column = "figure,series,time_s,roll_deg,lateral_acceleration_g";
     assert!(table.lines().any(|line| line == column), "{table:.300}");
-    // A right turn: the vehicle leans to the left, in the log and in the plant.
+    // A right turn: the vehicle rolls to the left in the log and in the simulation.
     for series in ["\"C_p15_h185_v50_R.csv, 1.85 m\"", "plant"] {
         let last = table.lines().filter_map(|l| l.strip_prefix(&format!(",{series},"))).next_back();
         let last = last.unwrap();

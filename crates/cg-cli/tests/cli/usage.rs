@@ -1,4 +1,4 @@
-//! Arguments that make no sense: exit status 2, the argument and the remedy, nothing written.
+//! Wrong arguments: exit status 2, a message with the argument and the remedy, and no output files.
 
 use crate::common::{Scratch, cg, estimate, fixture, kraz};
 
@@ -6,7 +6,7 @@ fn log() -> String {
     fixture("logs/A_p20_h190_v50_L.csv")
 }
 
-/// `cg estimate` of a good log refuses these arguments.
+/// Checks that `cg estimate` of a valid log refuses these arguments.
 #[track_caller]
 fn refused(more: &[&str], parts: &[&str]) {
     estimate(&log(), &kraz(), more).refused(parts);
@@ -55,26 +55,26 @@ fn a_speed_or_a_mass_that_is_no_positive_number_is_refused() {
 
 #[test]
 fn standard_input_twice_is_refused() {
-    cg(&["estimate", "-", "-", "--vehicle", &kraz()]).refused(&["(-)", "once only"]);
+    cg(&["estimate", "-", "-", "--vehicle", &kraz()]).refused(&["(-)", "only once"]);
 }
 
 #[test]
 fn a_bad_column_is_refused_with_the_form_it_should_have() {
     let column = |text| ["--column", text];
-    refused(&column("roll"), &["`roll` names no column", "roll=NAME[deg]"]);
-    refused(&column("roll="), &["roll=", "names no column"]);
-    refused(&column("bank=X[deg]"), &["`bank` is no signal", "roll, tilt"]);
-    refused(&column("roll=X[kmh]"), &["`kmh` is no unit of roll", "rad, deg"]);
-    refused(&column("roll=X_kmh"), &["no unit of roll", "roll=X_kmh[rad]"]);
-    // Only the log can tell that it has no such column.
-    let parts = [&log(), ", line 1:", "no column for --column roll=X", "found are time_s"];
+    refused(&column("roll"), &["`roll` is not of the form", "SIGNAL=NAME[UNIT]"]);
+    refused(&column("roll="), &["roll=", "is not of the form"]);
+    refused(&column("bank=X[deg]"), &["`bank` is not a signal", "roll, tilt"]);
+    refused(&column("roll=X[kmh]"), &["`kmh` is not a unit of roll", "rad, deg"]);
+    refused(&column("roll=X_kmh"), &["not a unit of roll", "roll=X_kmh[rad]"]);
+    // Only reading the log shows that it has no such column.
+    let parts = [&log(), ", line 1:", "no column for --column roll=X", "the columns are time_s"];
     refused(&column("roll=X[deg]"), &parts);
 }
 
 #[test]
 fn a_bad_flip_is_refused_with_the_reason() {
-    refused(&["--flip", "bank"], &["`bank` is no signal", "roll, tilt"]);
-    refused(&["--flip", "roll,bank"], &["`bank` is no signal"]);
+    refused(&["--flip", "bank"], &["`bank` is not a signal", "roll, tilt"]);
+    refused(&["--flip", "roll,bank"], &["`bank` is not a signal"]);
     refused(&["--flip", "time"], &[&log(), "time cannot be flipped", "remove it from --flip"]);
     refused(&["--flip", "tilt"], &[&log(), "no such signal", "remove it from --flip"]);
 }

@@ -2,8 +2,8 @@
 
 use crate::common::{Scratch, baseline, cg, estimate, fixture, kraz};
 
-/// The baseline with one line changed is refused by both commands that read it; the message
-/// says all of `parts` and this place in the changed file, given as the text that stands there.
+/// Checks that the baseline with one changed line is refused by both commands that read it. The
+/// message contains all `parts` and the position of `place` in the changed file.
 #[track_caller]
 fn refused(from: &str, to: &str, place: &str, parts: &[&str]) {
     let text = std::fs::read_to_string(baseline()).unwrap();
@@ -37,9 +37,9 @@ fn a_wrong_key_at_the_top_is_named_with_the_keys_there_are() {
 
 #[test]
 fn a_wrong_key_in_an_axle_is_named_with_the_keys_there_are() {
-    let parts = ["tractor.axle[0].colour", "unknown key; expected one of", "spring_spread_m"];
-    refused("steered = true", "steered = true\ncolour = \"red\"", "\"red\"", &parts);
-    // Misspelt, it is not only unknown: the right one is missing too.
+    let parts = ["tractor.axle[0].paint", "unknown key; expected one of", "spring_spread_m"];
+    refused("steered = true", "steered = true\npaint = \"red\"", "\"red\"", &parts);
+    // A misspelled key is unknown, and the correct key is missing.
     let parts =
         ["tractor.axle[0].spring_spred_m", "unknown key; expected one of", "spring_spread_m"];
     refused("spring_spread_m = 0.8128", "spring_spred_m = 0.8128", "0.8128", &parts);
@@ -179,7 +179,7 @@ fn all_that_is_wrong_is_told_at_once() {
     ]);
 }
 
-/// Every command that reads a vehicle file tells what is unusual in it, once.
+/// Every command that reads a vehicle file reports unusual values once.
 #[test]
 fn what_is_unusual_is_told_once_by_every_command() {
     let scratch = Scratch::new();
@@ -206,7 +206,7 @@ fn what_is_unusual_is_told_once_by_every_command() {
     }
 }
 
-/// Too much for a small file: refused at once, also where the file never ends.
+/// A file that is too large is refused at once, also if it is endless.
 #[cfg(unix)]
 #[test]
 fn an_endless_file_is_refused_at_once() {

@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn a_minute_below_half_a_metre_per_second_is_a_stop() {
+    fn a_minute_below_half_a_meter_per_second_is_a_stop() {
         let still = |seconds: u64, speed_mps: f64| {
             let rows: [(u64, f64); 70] =
                 core::array::from_fn(|k| (1000 + (k as u64).min(seconds), speed_mps));

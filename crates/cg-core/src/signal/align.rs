@@ -1,42 +1,44 @@
-//! From signals that arrive each at its own rate to samples.
+//! Alignment of signals with different rates and time stamps to samples.
 //!
-//! A sample is taken at each time stamp of the roll angle (of the tilt, while there is no roll):
-//! nothing is put on a grid. Steer angle, lateral acceleration and yaw rate are interpolated to
-//! that instant as soon as their next values are there, or held when those do not come; speed and
-//! mass hold their last values. A value that is too old is absent.
+//! A sample is taken at each time stamp of the roll angle (or of the tilt, as long as there is no
+//! roll angle); no fixed grid is used. Steer angle, lateral acceleration and yaw rate are
+//! interpolated to that time as soon as their next values have arrived. If these do not arrive, the
+//! last values are held. Speed and mass keep their last values. A value that is too old is absent.
 //!
-//! Several devices may send the same quantity: the first one seen is kept for as long as it lives,
-//! unless a preferred signal appears.
+//! If several devices send the same quantity, the first one is used until it stops sending or a
+//! signal with a better rank appears.
 
 use crate::math::real::Real;
 use crate::signal::sample::{Quantity, Sample};
 
-/// Roll angles that may wait for the other signals.
+/// Maximum number of roll angles that wait for the other signals.
 const ROOM: usize = 32;
-/// How long they wait.
+/// Maximum waiting time of a roll angle.
 const PATIENCE_US: u64 = 100_000;
-/// After this time without a value, a signal that comes many times a second is gone.
+/// Time without a value after which a frequently sent signal counts as lost.
 const STALE_US: u64 = Quantity::Roll.serves_us();
-/// After this time without a value of its device, another one is listened to at last.
+/// Longest silence of a device after which another device with the same quantity is used.
 const GONE_US: u64 = 30_000_000;
 
-/// What turns sensor values into those of a sample.
+/// The vehicle data that convert sensor values to the values of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlignSettings<T> {
-    /// Steering-wheel angle over road-wheel angle; without it the wheel's angle says nothing.
+    /// Steering-wheel angle divided by the mean road-wheel angle. Without it, the steering-wheel
+    /// angle is not used.
     pub steering_ratio: Option<T>,
-    /// Trailer mass at no axle load, and its growth with the axle load: the trailer's balance on
-    /// fifth wheel and axles.
+    /// Trailer mass in kg as a linear function of the axle load: the value at no load (kg), and the
+    /// slope (kg/kg). It follows from the trailer's static balance on fifth wheel and axles.
     pub mass_of_axle_load: Option<[T; 2]>,
-    /// The same over the pressure in its air suspension.
+    /// Trailer mass in kg as a linear function of the gauge pressure in its air suspension: the
+    /// value at zero (kg), and the slope (kg/Pa).
     pub mass_of_suspension_pressure: Option<[T; 2]>,
-    /// The least and the greatest mass that the trailer can have: a scale that says another one is
-    /// not believed.
+    /// The smallest and the greatest possible mass of the trailer, kg. Masses outside this range
+    /// are ignored.
     pub mass_range_kg: Option<[T; 2]>,
 }
 
 impl<T: Real> AlignSettings<T> {
-    /// Nothing is known.
+    /// No vehicle data.
     pub const NONE: Self = Self {
         steering_ratio: None,
         mass_of_axle_load: None,
@@ -44,7 +46,8 @@ impl<T: Real> AlignSettings<T> {
         mass_range_kg: None,
     };
 
-    /// Mean road-wheel angle: as measured, or else of the steering wheel's.
+    /// Mean road-wheel angle, rad: the measured one or, if it is absent, the one that follows from
+    /// the steering-wheel angle.
     pub fn steer_rad(&self, steer_rad: T, steering_wheel_rad: T) -> T {
         match self.steering_ratio {
             Some(ratio) if !steer_rad.present() => steering_wheel_rad / ratio,
@@ -52,8 +55,9 @@ impl<T: Real> AlignSettings<T> {
         }
     }
 
-    /// Trailer mass: as weighed, or else of its axle load, or else of the pressure in its
-    /// suspension. What is not [believed](Self::believes) is passed over.
+    /// Trailer mass, kg: the measured one or, if it is absent, the one that follows from the axle
+    /// load or from the suspension pressure, in this order. Values that fail
+    /// [`believes`](Self::believes) are skipped.
     pub fn trailer_mass_kg(&self, trailer_mass_kg: T, axle_load_kg: T, pressure_pa: T) -> T {
         [
             (Quantity::TrailerMass, trailer_mass_kg),
@@ -67,7 +71,7 @@ impl<T: Real> AlignSettings<T> {
         .unwrap_or_else(T::absent)
     }
 
-    /// The trailer mass that a value means; absent if it says none.
+    /// The trailer mass that follows from a value of this quantity, kg; absent if none follows.
     pub fn mass_kg(&self, quantity: Quantity, value: T) -> T {
         let along = |line: Option<[T; 2]>| match line {
             Some([at_zero, slope]) => at_zero + slope * value,
@@ -81,8 +85,8 @@ impl<T: Real> AlignSettings<T> {
         }
     }
 
-    /// Whether this truck can have this value: [plausible](Quantity::plausible), and of what
-    /// weighs the trailer a mass that it can have. Absent values are not believed.
+    /// Whether the value is [plausible](Quantity::plausible) and, if a trailer mass follows from
+    /// it, whether the trailer can have that mass. Absent values return `false`.
     pub fn believes(&self, quantity: Quantity, value: T) -> bool {
         let mass_kg = self.mass_kg(quantity, value);
         let possible = match self.mass_range_kg {
@@ -99,16 +103,16 @@ impl<T: Real> Default for AlignSettings<T> {
     }
 }
 
-/// What became of a value.
+/// What the aligner did with a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// It counts.
+    /// The value is used.
     Yes,
-    /// Another device that sends the same quantity is listened to.
+    /// The value is ignored because another device with the same quantity is in use.
     OtherSource,
-    /// Its time does not follow that of the value before.
+    /// The value is ignored because its time stamp is not later than that of the previous value.
     OutOfOrder,
-    /// The truck [cannot have](AlignSettings::believes) this value: it counts as absent.
+    /// The value is ignored because the truck [cannot have](AlignSettings::believes) it.
     Implausible,
 }
 
@@ -148,13 +152,13 @@ impl<T: Real> Track<T> {
         self.age_us(now_us).is_some_and(|age_us| age_us <= stale_us)
     }
 
-    /// The value at an instant: between the last two, or the last one held.
+    /// The value at a time: interpolated between the last two values, or the last value.
     fn at(&self, time_us: u64, stale_us: u64) -> T {
         match (self.before, self.last) {
             (Some((before_us, before)), Some((last_us, last)))
                 if time_us < last_us && last_us - before_us <= stale_us =>
             {
-                // Waiting takes less than an hour: 32 bits hold microseconds exactly.
+                // Waiting times are below one hour, and 32 bits hold such times in microseconds.
                 let span = |us: u64| T::of(f64::from(u32::try_from(us).unwrap_or(u32::MAX)));
                 let share = span(time_us.saturating_sub(before_us)) / span(last_us - before_us);
                 before + (last - before) * share
@@ -165,16 +169,16 @@ impl<T: Real> Track<T> {
     }
 }
 
-/// Values of single signals in, samples out. Fixed size, no heap.
+/// Converts values of single signals to samples. It has a fixed size and uses no heap.
 ///
 /// ```
 /// use cg_core::{AlignSettings, Aligner, Quantity};
 ///
 /// let mut aligner = Aligner::<f32>::new(AlignSettings::NONE);
-/// let sensor = (0x0B, 0); // a source address, and the rank of the signal
+/// let sensor = (0x0B, 0); // source address and rank of the signal
 /// aligner.push(Quantity::LateralAcceleration, sensor, 10_000, 1.0);
 /// aligner.push(Quantity::Roll, sensor, 15_000, 0.02);
-/// assert!(aligner.next(15_000).is_none()); // the next lateral acceleration is still to come
+/// assert!(aligner.next(15_000).is_none()); // the next lateral acceleration has not arrived
 /// aligner.push(Quantity::LateralAcceleration, sensor, 20_000, 2.0);
 /// let sample = aligner.next(20_000).unwrap();
 /// assert_eq!((sample.time_us, sample.lateral_acceleration_mps2), (15_000, 1.5));
@@ -183,7 +187,7 @@ impl<T: Real> Track<T> {
 pub struct Aligner<T> {
     settings: AlignSettings<T>,
     tracks: [Track<T>; Quantity::COUNT],
-    /// Roll angles that wait: time stamp, value, whether it is a tilt.
+    /// Roll angles that wait for other signals: time stamp (µs), value, and whether it is a tilt.
     waiting: [(u64, T, bool); ROOM],
     first: usize,
     count: usize,
@@ -191,7 +195,7 @@ pub struct Aligner<T> {
 }
 
 impl<T: Real> Aligner<T> {
-    /// Before the first value.
+    /// An aligner without values.
     pub fn new(settings: AlignSettings<T>) -> Self {
         Self {
             settings,
@@ -203,8 +207,9 @@ impl<T: Real> Aligner<T> {
         }
     }
 
-    /// Takes in a value of a device (any number that tells it from others) with the rank of its
-    /// signal, the least being preferred. Then ask for [samples](Self::next) until there is none.
+    /// Takes the value of a signal. `device` is the number of the sending device and the rank of
+    /// its signal; the smallest rank is preferred. Call [`next`](Self::next) afterwards until it
+    /// returns `None`.
     pub fn push(&mut self, quantity: Quantity, device: (u32, u8), time_us: u64, value: T) -> Taken {
         if !value.present() {
             return Taken::Yes;
@@ -224,7 +229,7 @@ impl<T: Real> Aligner<T> {
         taken
     }
 
-    /// The next sample, if all its signals are there or no longer waited for at this time.
+    /// The next sample, if all its signals have arrived or the waiting time has passed.
     pub fn next(&mut self, now_us: u64) -> Option<Sample<T>> {
         loop {
             let (time_us, value, tilt) =
@@ -242,18 +247,18 @@ impl<T: Real> Aligner<T> {
         }
     }
 
-    /// How long ago a quantity was last heard of; `None` if never.
+    /// Time since the last value of a quantity, microseconds; `None` if there was none.
     pub fn age_us(&self, quantity: Quantity, now_us: u64) -> Option<u64> {
         self.track(quantity).age_us(now_us)
     }
 
-    /// Whether a quantity is missing that was there before.
+    /// Whether the last value of a quantity is older than [`serves_us`](Quantity::serves_us).
     pub fn is_stale(&self, quantity: Quantity, now_us: u64) -> bool {
         self.age_us(quantity, now_us).is_some_and(|age_us| age_us > quantity.serves_us())
     }
 
-    /// What a quantity was at the time of a sample just taken: between its last two values, or the
-    /// last one as long as it [serves](Quantity::serves_us).
+    /// The value of a quantity at the time of a sample, SI units: interpolated between its last two
+    /// values, or its last value as long as it is [valid](Quantity::serves_us).
     pub fn value(&self, quantity: Quantity, time_us: u64) -> T {
         let track = self.track(quantity);
         match quantity.serves_us() {
@@ -263,7 +268,7 @@ impl<T: Real> Aligner<T> {
     }
 
     fn track(&self, quantity: Quantity) -> &Track<T> {
-        // The index is that of the quantity itself: in range.
+        // `index` is below the number of tracks for every quantity.
         self.tracks.get(quantity.index()).unwrap_or(&Track::EMPTY)
     }
 
@@ -279,7 +284,7 @@ impl<T: Real> Aligner<T> {
         }
     }
 
-    /// Whether a living input has yet to come past this instant.
+    /// Whether the next value of an active input is needed for this time stamp and has not arrived.
     fn is_awaited(&self, time_us: u64, now_us: u64) -> bool {
         const INPUTS: [Quantity; 4] = [
             Quantity::Steer,
@@ -304,7 +309,7 @@ impl<T: Real> Aligner<T> {
             at(Quantity::TrailerSuspensionPressure),
         );
         let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
-        // Without a speed neither steer angle nor yaw rate say how fast the truck turns.
+        // Without a speed, steer angle and yaw rate do not determine the lateral acceleration.
         let with_speed = |x: T| if speed_mps.present() { x } else { T::absent() };
         Sample {
             time_us,
@@ -333,11 +338,11 @@ mod tests {
         Aligner::new(settings)
     }
 
-    /// Devices: roll sensor and brakes.
+    /// Devices: the roll sensor and the brake controller.
     const ROLL_SENSOR: (u32, u8) = (0xE4, 0);
     const BRAKES: (u32, u8) = (0x0B, 0);
 
-    /// A ramp sent every 7 ms by one device and every 10 ms by another is one ramp.
+    /// The same ramp is sent every 7 ms by one device and every 10 ms by another.
     #[test]
     fn signals_of_different_rates_meet_at_the_roll_angle() {
         let mut aligner = aligner();
@@ -371,14 +376,14 @@ mod tests {
         let mut values = [0.0; 3];
         for (value, us) in values.iter_mut().zip([200_000, 450_000, 700_000]) {
             aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.0);
-            assert_eq!(aligner.next(us).is_none(), us < STALE_US); // waited for while it lives
+            assert_eq!(aligner.next(us).is_none(), us < STALE_US); // waits while it is active
             *value =
                 aligner.next(us + PATIENCE_US).map_or(f64::NAN, |s| s.lateral_acceleration_mps2);
         }
         assert_eq!(values[..2], [1.0, 1.0]);
         assert!(values[2].is_nan());
         assert!(aligner.is_stale(Quantity::LateralAcceleration, 700_000));
-        assert!(!aligner.is_stale(Quantity::YawRate, 700_000)); // never there
+        assert!(!aligner.is_stale(Quantity::YawRate, 700_000)); // never received
     }
 
     #[test]
@@ -423,7 +428,8 @@ mod tests {
         close(mass_kg(Quantity::TrailerSuspensionPressure, 4e5, 4000), 19_500.0);
     }
 
-    /// A scale that says nothing possible is passed over, be it the first value or a later one.
+    /// A scale with an impossible value is skipped, no matter if it is the first value or a later
+    /// one.
     #[test]
     fn the_next_scale_serves_where_one_is_not_believed() {
         let mut aligner = aligner();
@@ -440,7 +446,7 @@ mod tests {
             assert!((mass_kg(mass, bad, us, Taken::Implausible) - of_load).abs() < 1e-9);
         }
         assert!((mass_kg(mass, 20_000.0, 6000, Taken::Yes) - 20_000.0).abs() < 1e-9);
-        // An empty load of the axles is a mass of 4 t: below the least.
+        // With no axle load the mass would be 4 t, which is below the minimum.
         assert!((mass_kg(load, 0.0, 7000, Taken::Implausible) - 20_000.0).abs() < 1e-9);
     }
 

@@ -1,10 +1,10 @@
-//! J1939 parameter groups: from frames to signals in SI units and back.
+//! J1939 parameter groups: decoding of CAN frames into signals in SI units, and encoding.
 //!
 //! A signal is a little-endian field of one to three bytes, `value = scale · raw + offset`. Raw
-//! values whose highest byte lies above `0xFA` say "not available", "error" or something
-//! reserved: such a signal is absent, never a number. Signs are J1939's, which are ISO 8855's
-//! for steering, yaw rate and lateral acceleration (positive to the left); a roll sensor's sign
-//! depends on how it is mounted.
+//! values whose highest byte is above `0xFA` mean "not available", "error" or are reserved; such a
+//! signal is absent. Signs are those of J1939. For steering, yaw rate and lateral acceleration
+//! (positive to the left) they agree with ISO 8855. The sign of a roll sensor depends on its
+//! mounting.
 //!
 //! **Reference.** SAE J1939-71 (signals), J1939-21 (identifiers), J1939-71 §5.1.4 (absent values).
 
@@ -17,20 +17,20 @@ const KMH: f64 = unit::KMH.times / unit::KMH.per;
 /// Highest byte of the greatest valid raw value.
 const GREATEST_BYTE: u32 = 0xFA;
 
-/// A signal of a parameter group.
+/// Position and scaling of a signal in its parameter group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Signal {
     /// Parameter group number.
     pub pgn: u32,
-    /// Priority that the group is sent with.
+    /// Priority with which the group is sent.
     pub priority: u8,
-    /// First byte, from 0.
+    /// Index of the first byte, from 0.
     pub first_byte: u8,
-    /// Bytes, 1 to 3.
+    /// Number of bytes, 1 to 3.
     pub bytes: u8,
     /// SI units per bit.
     pub scale: f64,
-    /// SI value of raw zero.
+    /// SI value of the raw value 0.
     pub offset: f64,
 }
 
@@ -56,29 +56,30 @@ pub const ROLL_RATE: Signal = signal(61482, 3, (2, 2), DEGREE / 128.0, -250.0 * 
 pub const SPEED: Signal = signal(65265, 6, (1, 2), KMH / 256.0, 0.0);
 /// EBC2: speed of the front axle (SPN 904), m/s.
 pub const FRONT_AXLE_SPEED: Signal = signal(65215, 6, (0, 2), KMH / 256.0, 0.0);
-/// VW: weight of the trailer (SPN 180), kg.
+/// VW: mass of the trailer (SPN 180), kg.
 pub const TRAILER_MASS: Signal = signal(65258, 6, (3, 2), 2.0, 0.0);
 /// EBS22 (ISO 11992): sum of the trailer's axle loads, kg.
 pub const TRAILER_AXLE_LOAD: Signal = signal(65220, 6, (4, 2), 2.0, 0.0);
 
-/// Ours, Proprietary B: c.g. height of the trailer's sprung mass, m.
+/// Proprietary B group of this project: c.g. height of the trailer's sprung mass, m.
 pub const CG_HEIGHT: Signal = signal(65296, 6, (0, 2), 0.001, 0.0);
-/// Ours: its standard deviation, m.
+/// The same group: standard deviation of the height, m.
 pub const CG_HEIGHT_SD: Signal = signal(65296, 6, (2, 1), 0.005, 0.0);
-/// Ours: static rollover threshold, g.
+/// The same group: static rollover threshold, g.
 pub const CG_THRESHOLD: Signal = signal(65296, 6, (3, 1), 0.005, 0.0);
-/// Ours: threshold less the present lateral acceleration, g.
+/// The same group: threshold minus the present lateral acceleration, g.
 pub const CG_MARGIN: Signal = signal(65296, 6, (4, 1), 0.01, -1.25);
-/// Ours: rollover warning, 0 is none.
+/// The same group: level of the rollover warning, 0 for none.
 pub const CG_WARNING_LEVEL: Signal = signal(65296, 6, (5, 1), 1.0, 0.0);
-/// Ours: 0 no height yet, 1 height, 2 height but a signal is missing, 3 neither.
+/// The same group: 0 no height yet, 1 height, 2 height but a signal is missing, 3 no height and a
+/// signal is missing.
 pub const CG_STATUS: Signal = signal(65296, 6, (6, 1), 1.0, 0.0);
-/// Ours: maneuvers behind the height, at most 250.
+/// The same group: number of maneuvers used for the height, at most 250.
 pub const CG_MANEUVERS: Signal = signal(65296, 6, (7, 1), 1.0, 0.0);
 
-/// Which signals are taken, what they measure and, where several measure the same, which is
-/// preferred: the least rank. The angle of a slope sensor (SSI, SSI2) is a roll angle or a tilt:
-/// [`Slope`] tells.
+/// The signals that are decoded, their quantities and their ranks. If several signals measure the
+/// same quantity, the one with the smallest rank is preferred. The angle of a slope sensor (SSI,
+/// SSI2) is a roll angle or a tilt, depending on [`Slope`].
 pub const TABLE: [(Signal, Quantity, u8); 10] = [
     (STEERING_WHEEL_ANGLE, Quantity::SteeringWheel, 0),
     (YAW_RATE, Quantity::YawRate, 0),
@@ -92,31 +93,32 @@ pub const TABLE: [(Signal, Quantity, u8); 10] = [
     (TRAILER_AXLE_LOAD, Quantity::TrailerAxleLoad, 0),
 ];
 
-/// How it is known whether a slope sensor takes the vehicle's accelerations off its angle, which
-/// is a roll angle then; otherwise it is a tilt, as of an inclinometer.
+/// How to decide whether a slope sensor compensates its angle for the accelerations of the vehicle.
+/// A compensated angle is a roll angle, an uncompensated one is the tilt of an inclinometer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compensation {
-    /// From its compensation bits (SPN 3326, 4980) as J1939-71 has them: 0 on, 1 off. One that
-    /// does not say is taken for an inclinometer: a roll angle taken for a tilt makes no height, a
-    /// tilt taken for a roll angle makes a wrong one.
+    /// By the compensation bits (SPN 3326, 4980) as defined by J1939-71: 0 on, 1 off. If the bits
+    /// contain no information, the angle counts as tilt. The reason: a roll angle used as tilt
+    /// gives no height, but a tilt used as roll angle gives a wrong one.
     #[default]
     Bits,
-    /// The same with 0 off and 1 on, as some makers have them.
+    /// By the compensation bits with inverted meaning, 0 off and 1 on, as some manufacturers use
+    /// them.
     InvertedBits,
-    /// It does, whatever the bits say.
+    /// The angle is compensated; the bits are ignored.
     On,
-    /// It does not, whatever the bits say.
+    /// The angle is not compensated; the bits are ignored.
     Off,
 }
 
 words!(Compensation {
-    Bits => "bit", "As its compensation bits say (SPN 3326, 4980: 0 on, 1 off); if they say nothing, it is not";
-    InvertedBits => "inverted-bit", "The same for a sensor with 0 off and 1 on";
-    On => "yes", "It is, whatever the bits say";
-    Off => "no", "It is not, whatever the bits say";
+    Bits => "bit", "Use the compensation bits (SPN 3326, 4980: 0 on, 1 off); without valid bits it is not compensated";
+    InvertedBits => "inverted-bit", "Use the bits with inverted meaning: 0 off, 1 on";
+    On => "yes", "It is compensated; ignore the bits";
+    Off => "no", "It is not compensated; ignore the bits";
 });
 
-/// What a slope sensor (SSI, SSI2) says of its roll angle beside the value.
+/// State of the roll angle of a slope sensor (SSI, SSI2), sent together with its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slope {
     /// Compensation (SPN 3326, 4980): 0 on, 1 off, 2 error, 3 not available.
@@ -126,15 +128,15 @@ pub struct Slope {
 }
 
 impl Slope {
-    /// What a frame says; `None` if it is not of a slope sensor. What is not in a short frame is
-    /// not available.
+    /// Reads the state from a frame; `None` if the frame is not from a slope sensor. Bits that a
+    /// short frame does not contain count as not available.
     pub fn of(identifier: u32, data: &[u8]) -> Option<Self> {
         let [compensation, merit] = slope_bits(pgn_of(identifier))?;
         let byte = data.get(6).copied().unwrap_or(0xFF);
         Some(Self { compensation: byte >> compensation & 3, merit: byte >> merit & 3 })
     }
 
-    /// What the angle is; `None` if the sensor says that something of it is wrong.
+    /// The quantity that the angle measures; `None` if the sensor reports an error.
     pub const fn quantity(self, rule: Compensation) -> Option<Quantity> {
         if self.merit == 2 {
             return None;
@@ -149,8 +151,8 @@ impl Slope {
     }
 }
 
-/// Where in the seventh byte a slope sensor's group has compensation and figure of merit of the
-/// roll angle.
+/// Bit positions of compensation and figure of merit of the roll angle in the seventh byte of a
+/// slope sensor's group.
 const fn slope_bits(pgn: u32) -> Option<[u8; 2]> {
     match pgn {
         61459 => Some([6, 2]),
@@ -159,7 +161,8 @@ const fn slope_bits(pgn: u32) -> Option<[u8; 2]> {
     }
 }
 
-/// What a frame measures: each present signal of [`TABLE`] as quantity, rank and SI value.
+/// Decodes a frame: calls `found` with quantity, rank and SI value of each present signal of
+/// [`TABLE`].
 pub fn decode<T: Real>(
     identifier: u32,
     data: &[u8],
@@ -179,23 +182,23 @@ pub fn decode<T: Real>(
     }
 }
 
-/// All bits set: nothing available.
+/// Data of a frame in which every signal is not available: all bits are set.
 pub const NOT_AVAILABLE: [u8; 8] = [0xFF; 8];
 
-/// The parameter group of a 29-bit identifier: for groups below 240 the destination does not
-/// belong to it.
+/// The parameter group of a 29-bit identifier. Below format 240, the destination address is not
+/// part of the group number.
 pub const fn pgn_of(identifier: u32) -> u32 {
     let format = (identifier >> 16) & 0xFF;
     if format < 240 { (identifier >> 8) & 0x3_FF00 } else { (identifier >> 8) & 0x3_FFFF }
 }
 
 impl Signal {
-    /// The 29-bit identifier of its group from a source address.
+    /// The 29-bit identifier of the signal's group with this source address.
     pub const fn identifier(&self, source: u8) -> u32 {
         ((self.priority as u32) << 26) | (self.pgn << 8) | source as u32
     }
 
-    /// The value in a frame of its group; `None` if it is absent.
+    /// The value in a frame of its group, SI units; `None` if it is absent.
     pub fn decode<T: Real>(&self, data: &[u8]) -> Option<T> {
         let (first, bytes) = (usize::from(self.first_byte), usize::from(self.bytes));
         let field = data.get(first..first + bytes)?;
@@ -204,26 +207,27 @@ impl Signal {
         if highest > GREATEST_BYTE {
             return None;
         }
-        // At most 24 bits: exact in single precision too.
+        // At most 24 bits, which single precision represents exactly.
         Some(T::of(f64::from(raw)) * T::of(self.scale) + T::of(self.offset))
     }
 
-    /// Says in a frame of a slope sensor whether its roll angle is compensated; other groups have
-    /// no such bits.
+    /// Sets the compensation bits of the roll angle in a frame of a slope sensor. Other groups have
+    /// no such bits and are unchanged.
     pub const fn set_compensated(&self, compensated: bool, data: &mut [u8; 8]) {
         if let Some([place, _]) = slope_bits(self.pgn) {
             data[6] = data[6] & !(3 << place) | (!compensated as u8) << place;
         }
     }
 
-    /// Puts a value, rounded to the nearest raw one, into a frame of its group; "not available" if
-    /// it is not a number or out of the signal's range (then `false`).
+    /// Writes a value (SI units), rounded to the nearest raw value, into a frame of its group. If
+    /// the value is not finite or outside the range of the signal, writes "not available" and
+    /// returns `false`.
     pub fn encode(&self, value: f64, data: &mut [u8; 8]) -> bool {
         let greatest = (GREATEST_BYTE << (8 * (u32::from(self.bytes) - 1)))
             | ((1 << (8 * (u32::from(self.bytes) - 1))) - 1);
         let raw = libm::round((value - self.offset) / self.scale);
         let fits = raw >= 0.0 && raw <= f64::from(greatest);
-        // In range: the cast is exact.
+        // The value is in range, so the cast is exact.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let raw = if fits { raw as u32 } else { u32::MAX };
         for (k, byte) in raw.to_le_bytes().into_iter().take(usize::from(self.bytes)).enumerate() {
@@ -286,7 +290,8 @@ mod tests {
         assert_eq!(YAW_RATE.decode::<f64>(&data), None);
     }
 
-    /// Steering straight ahead is raw 32126.976; raw 32127 is 0.024/1024 rad left of it.
+    /// Straight-ahead steering is raw 32126.976. The nearest raw value 32127 is 0.024/1024 rad to
+    /// the left.
     #[test]
     fn steering_zero_lies_between_two_raw_values() {
         let mut data = NOT_AVAILABLE;
@@ -296,8 +301,9 @@ mod tests {
         assert!((back - 0.024 / 1024.0).abs() < 1e-9);
     }
 
-    /// The seventh byte of both groups, bits 1-based: SSI has the figure of merit of roll at 7.3
-    /// and the compensation at 7.7, SSI2 the compensation at 7.5 and the figure of merit at 7.7.
+    /// Bits of the seventh byte, counted from 1. In SSI the figure of merit of the roll angle is at
+    /// 7.3 and the compensation at 7.7. In SSI2 the compensation is at 7.5 and the figure of merit
+    /// at 7.7.
     #[test]
     fn a_slope_sensor_says_whether_its_angle_is_a_roll_angle() {
         use Compensation::{Bits, InvertedBits, Off, On};
@@ -317,7 +323,8 @@ mod tests {
             let mut data = [0xFF; 8];
             signal.encode(0.05, &mut data);
             for ((compensation, merit), expected) in meant {
-                // The bits beside are an error: those of the pitch angle do not count.
+                // The bits of the pitch angle in the same byte report an error and must have no
+                // effect.
                 data[6] = 0b1010_1010 & !(3 << compensation_bit) & !(3 << merit_bit)
                     | compensation << compensation_bit
                     | merit << merit_bit;
@@ -331,7 +338,7 @@ mod tests {
                     assert_eq!(seen, expected, "{signal:?} {compensation} {merit} {rule:?}");
                 }
             }
-            // Without a seventh byte nothing is said.
+            // A frame without a seventh byte contains no state.
             let short = Slope::of(signal.identifier(0xE4), &data[..6]);
             assert_eq!(short, Some(Slope { compensation: 3, merit: 3 }));
             for compensated in [true, false] {
@@ -348,10 +355,10 @@ mod tests {
         assert_eq!(STEERING_WHEEL_ANGLE.identifier(0x3E), 0x18F0_093E);
         assert_eq!(pgn_of(0x18F0_093E), 61449);
         assert_eq!(pgn_of(0x0CF0_29E4), 61481);
-        assert_eq!(pgn_of(0x18EA_FF00), 0xEA00); // addressed: the destination is left out
+        assert_eq!(pgn_of(0x18EA_FF00), 0xEA00); // the destination address is not included
     }
 
-    /// Raw zero and one bit as J1939-71 prints them: degrees, km/h, kg and SI units.
+    /// Values for raw 0 and per bit as printed in J1939-71: degrees, km/h, kg and SI units.
     #[test]
     fn every_signal_has_the_scale_and_the_offset_of_its_standard() {
         let (rad, deg, kmh) = (1.0, core::f64::consts::PI / 180.0, 1.0 / 3.6);
@@ -380,7 +387,7 @@ mod tests {
         }
     }
 
-    /// 0xFA and all bits below it: 250, 64255 and 16449535.
+    /// 0xFA and all lower bits set: 250, 64255 and 16449535.
     #[test]
     fn the_greatest_raw_value_is_a_value_and_the_next_is_none() {
         for (signal, greatest) in [(CG_MANEUVERS, 250), (SPEED, 0xFAFF), (ROLL_FINE, 0xFA_FFFF)] {
@@ -413,7 +420,7 @@ mod tests {
         assert_eq!(seen(CG_HEIGHT.identifier(0x0B), Quantity::Speed), (0, None));
     }
 
-    /// Groups of the second kind begin at format 240; their identifiers have 18 bits of group.
+    /// From format 240 on, the group number has 18 bits.
     #[test]
     fn groups_below_240_leave_their_destination_out() {
         assert_eq!(pgn_of(0x18EF_1234), 0xEF00);

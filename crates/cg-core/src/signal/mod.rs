@@ -1,4 +1,4 @@
-//! From sensors and CAN frames to samples: SI units, ISO 8855 axes, one time stamp for all signals of a sample.
+//! Sensor signals: units, quantities, J1939 decoding, and alignment of all signals to samples.
 
 pub mod unit;
 pub mod sample;

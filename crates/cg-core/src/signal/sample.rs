@@ -1,20 +1,21 @@
-//! One row of sensors.
+//! Quantities that sensors measure, and one sample of all signals.
 //!
-//! Axes and signs, stated here once for the whole project (ISO 8855): x forward,
-//! y left, z up. Steer angle, yaw rate and lateral acceleration are positive to
-//! the left; roll is positive right side down. A left turn gives all positive.
+//! Axes and signs are defined here for the whole project (ISO 8855): x forward, y left, z up. Steer
+//! angle, yaw rate and lateral acceleration are positive to the left. Roll is positive if the right
+//! side goes down. In a left turn all of them are positive.
 
 use crate::math::real::Real;
 use crate::signal::unit::Dimension;
 
-/// The table of quantities: a line for each, in the order of [`Quantity::ALL`]. Its columns are the
-/// meaning (also the documentation), the variant of [`Quantity`], the field of a row and column of a
-/// log, the name, the [`Dimension`], the least and the greatest value that the quantity can physically
-/// have on a truck (SI; wide: beyond them a number is a slip of the sensor, the recording or its
-/// unit), whether it has a direction, and for how many microseconds a value serves.
+/// The table of quantities, in the order of [`Quantity::ALL`]. Its columns are: the meaning (also
+/// used as documentation); the variant of [`Quantity`]; the field of a row and column of a log; the
+/// name; the [`Dimension`]; the smallest and the greatest value that the quantity can physically
+/// have on a truck (SI units; values outside this wide range are errors of the sensor, the
+/// recording or the unit); whether it has a direction; and for how many microseconds a value is
+/// valid.
 ///
-/// `quantities!(build)` hands the table to a macro `build`, so that all else is made of it: here the
-/// enumeration, in `cg_logs::log` the rows and signals of logs.
+/// `quantities!(build)` passes the table to the macro `build`, which generates code from it: the
+/// enumeration here, the rows and signals of logs in `cg_logs::log`.
 #[macro_export]
 macro_rules! quantities {
     ($build:ident) => {
@@ -25,8 +26,8 @@ macro_rules! quantities {
             SteeringWheel steering_wheel_rad "steering_wheel" Angle [-60.0, 60.0] directed 500_000;
             /// Roll angle of the trailer's sprung mass to the road, positive right side down.
             Roll roll_rad "roll" Angle [-1.0, 1.0] directed 500_000;
-            /// Tilt shown by an accelerometer inclinometer on the trailer: roll plus lateral
-            /// acceleration over g.
+            /// Tilt shown by an accelerometer-type inclinometer on the trailer: roll plus lateral
+            /// acceleration divided by g.
             Tilt tilt_rad "tilt" Angle [-1.5, 1.5] directed 500_000;
             /// Forward speed.
             Speed speed_mps "speed" Speed [-20.0, 60.0] directed 2_500_000;
@@ -40,7 +41,8 @@ macro_rules! quantities {
             /// Load of the trailer's axles on the road.
             TrailerAxleLoad trailer_axle_load_kg "trailer_axle_load"
                 Mass [0.0, 200e3] undirected u64::MAX;
-            /// Pressure in the trailer's air suspension, mean of both sides, against the air outside.
+            /// Gauge pressure in the trailer's air suspension (above atmospheric), mean of both
+            /// sides.
             TrailerSuspensionPressure trailer_suspension_pressure_pa "trailer_suspension_pressure"
                 Pressure [-101_325.0, 2e6] undirected u64::MAX;
         }
@@ -61,51 +63,53 @@ macro_rules! enumeration {
         $(#[doc = $meaning:literal])+
         $variant:ident $field:ident $name:literal $dimension:ident $limits:tt $direction:ident $serves_us:expr;
     )+) => {
-        /// What a sensor measures. SI units and signs are those of [`Sample`].
+        /// A quantity that a sensor measures. SI units and signs are those of [`Sample`].
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Quantity {
             $($(#[doc = $meaning])+ $variant),+
         }
 
         impl Quantity {
-            /// All of them, in their own order.
+            /// All quantities in the order of the table.
             pub const ALL: [Self; Self::COUNT] = [$(Self::$variant),+];
 
-            /// How many there are.
+            /// Number of quantities.
             pub const COUNT: usize = [$($name),+].len();
 
-            /// The name without a unit: `roll`.
+            /// The name without the unit, such as `roll`.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name),+ }
             }
 
-            /// The name of a column with it in SI, and of the field in a row: `roll_rad`.
+            /// The name with the SI unit, such as `roll_rad`: the column of a log and the field of
+            /// a row.
             pub const fn column(self) -> &'static str {
                 match self { $(Self::$variant => stringify!($field)),+ }
             }
 
-            /// What it is, in a sentence.
+            /// The meaning of the quantity in one sentence.
             pub const fn meaning(self) -> &'static str {
                 match self { $(Self::$variant => concat!($($meaning),+).trim_ascii()),+ }
             }
 
-            /// Which units it may come in.
+            /// The dimension, which determines the possible units.
             pub const fn dimension(self) -> Dimension {
                 match self { $(Self::$variant => Dimension::$dimension),+ }
             }
 
-            /// The least and the greatest value that it can physically have on a truck, SI units.
+            /// The smallest and the greatest value that is physically possible on a truck, SI
+            /// units.
             #[inline]
             pub const fn limits(self) -> [f32; 2] {
                 match self { $(Self::$variant => $limits),+ }
             }
 
-            /// Whether it has a direction, so that its sensor can be mounted the other way round.
+            /// Whether the sign depends on how the sensor is mounted.
             pub const fn is_directed(self) -> bool {
                 match self { $(Self::$variant => directed!($direction)),+ }
             }
 
-            /// For how long a value serves while no newer one comes, microseconds.
+            /// For how long a value is valid if no newer one arrives, microseconds.
             pub const fn serves_us(self) -> u64 {
                 match self { $(Self::$variant => $serves_us),+ }
             }
@@ -118,13 +122,13 @@ macro_rules! enumeration {
 quantities!(enumeration);
 
 impl Quantity {
-    /// Its place in [`Quantity::ALL`].
+    /// The index in [`Quantity::ALL`].
     pub const fn index(self) -> usize {
         self as usize
     }
 
-    /// Whether it can have this value. What cannot be is to be taken for absent; so is NaN, which
-    /// is not plausible either.
+    /// Whether the value is within the [limits](Self::limits). Values outside them, and NaN, are to
+    /// be treated as absent.
     #[inline]
     pub fn plausible<T: Real>(self, value: T) -> bool {
         let [least, greatest] = self.limits().map(|limit| T::of(f64::from(limit)));
@@ -132,31 +136,32 @@ impl Quantity {
     }
 }
 
-/// One row of sensors, SI units, ISO 8855 signs. A signal that is not there is NaN.
+/// The values of all signals at one time, in SI units with the signs of ISO 8855. An absent signal
+/// is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<T> {
-    /// Time stamp, microseconds from any origin, strictly increasing.
+    /// Time stamp in microseconds from any origin, strictly increasing.
     pub time_us: u64,
-    /// Mean road-wheel angle of the steered axle, positive to the left.
+    /// Mean road-wheel angle of the steered axle, rad, positive to the left.
     pub steer_rad: T,
-    /// Roll angle of the trailer's sprung mass to the road, positive right side down.
+    /// Roll angle of the trailer's sprung mass relative to the road, rad, positive right side down.
     pub roll_rad: T,
-    /// What an accelerometer inclinometer shows: roll plus lateral acceleration over g.
-    /// Used when `roll_rad` is absent.
+    /// Angle shown by an accelerometer-type inclinometer, rad: roll plus lateral acceleration
+    /// divided by g. It is used if `roll_rad` is absent.
     pub tilt_rad: T,
-    /// Forward speed.
+    /// Forward speed, m/s.
     pub speed_mps: T,
-    /// Lateral acceleration of the trailer's sprung mass, positive to the left.
+    /// Lateral acceleration of the trailer's sprung mass, m/s², positive to the left.
     pub lateral_acceleration_mps2: T,
-    /// Trailer yaw rate, positive to the left; times speed it stands in for an absent
-    /// lateral acceleration.
+    /// Yaw rate of the trailer, rad/s, positive to the left. Yaw rate times speed replaces an
+    /// absent lateral acceleration.
     pub yaw_rate_radps: T,
-    /// Mass of the whole semitrailer as weighed (sprung mass and axles).
+    /// Mass of the whole semitrailer as weighed (sprung mass and axles), kg.
     pub trailer_mass_kg: T,
 }
 
 impl<T: Real> Sample<T> {
-    /// A row with every signal absent.
+    /// A sample in which every signal is absent.
     pub fn absent(time_us: u64) -> Self {
         let nan = T::absent();
         Self {
@@ -171,8 +176,8 @@ impl<T: Real> Sample<T> {
         }
     }
 
-    /// The same row with every value absent that its quantity [cannot have](Quantity::plausible):
-    /// behind this door every number is finite and of a size that a truck knows.
+    /// A copy in which every value that its quantity [cannot have](Quantity::plausible) is absent.
+    /// All other values are finite and within the limits of their quantities.
     #[must_use]
     pub fn checked(&self) -> Self {
         let or_absent =
@@ -197,8 +202,8 @@ impl<T: Real> Sample<T> {
 mod tests {
     use super::*;
 
-    /// The table: a column is the name and the SI unit, and the meaning has no double space of the
-    /// lines that it is written in.
+    /// A column is the name and the SI unit. The meaning is one line: the line breaks of the table
+    /// leave no double spaces in it.
     #[test]
     fn a_column_is_the_name_and_its_si_unit() {
         for (place, quantity) in Quantity::ALL.into_iter().enumerate() {
@@ -224,8 +229,9 @@ mod tests {
         }
     }
 
-    /// What trucks do lies well inside: a full lock of a steering wheel (6.5 turns either way), a
-    /// tilt in the turn that tips it, a heavy load. Degrees and grams in place of SI do not.
+    /// Values that trucks reach are well inside the limits: full lock of a steering wheel (6.5
+    /// turns to either side), the tilt in a turn with rollover, a heavy load. Degrees or grams
+    /// instead of SI units are outside.
     #[test]
     fn what_trucks_do_is_plausible() {
         for (quantity, usual, wrong) in [

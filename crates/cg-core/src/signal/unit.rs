@@ -1,15 +1,16 @@
-//! The table of units: their names, and the way to SI.
+//! Units of measured quantities: their names and their conversion to SI.
 
-/// A unit: `SI = value * times / per`, which is exact for SI itself and rounds once for the decimal units.
+/// A unit with `SI = value * times / per`. The conversion is exact for SI units and is rounded once
+/// for decimal units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// What the name of a column ends in: `deg`.
+    /// Suffix of column names, such as `deg`.
     pub suffix: &'static str,
-    /// How files and people write it, the usual way first: `°`, `deg`.
+    /// Spellings in files and text, the usual one first, such as `°` and `deg`.
     pub spellings: &'static [&'static str],
-    /// Numerator of its size.
+    /// Numerator of the size in SI units.
     pub times: f64,
-    /// Denominator of its size.
+    /// Denominator of the size in SI units.
     pub per: f64,
 }
 
@@ -29,34 +30,35 @@ const RAD_PER_DEG: f64 = core::f64::consts::PI / 180.0;
 pub const DEG: Unit = unit("deg", &["°", "deg", "degree", "degrees"], RAD_PER_DEG, 1.0);
 /// Degree per second.
 pub const DEGPS: Unit = unit("degps", &["°/s", "deg/s"], RAD_PER_DEG, 1.0);
-/// Kilometre per hour.
+/// Kilometer per hour.
 pub const KMH: Unit = unit("kmh", &["km/h", "kph"], 1.0, 3.6);
 /// Standard gravity, exact by definition (CGPM 1901).
 pub const G: Unit = unit("g", &["g"], 9.806_65, 1.0);
-/// Tonne.
+/// Metric ton.
 pub const TONNE: Unit = unit("t", &["t", "Mg"], 1e3, 1.0);
 
-/// What is measured, whatever it is measured of.
+/// A physical dimension, which determines the possible units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
-    /// s.
+    /// Time, s.
     Time,
-    /// rad.
+    /// Angle, rad.
     Angle,
-    /// rad/s.
+    /// Angular rate, rad/s.
     AngularRate,
-    /// m/s.
+    /// Speed, m/s.
     Speed,
-    /// m/s².
+    /// Acceleration, m/s².
     Acceleration,
-    /// kg.
+    /// Mass, kg.
     Mass,
-    /// Pa.
+    /// Pressure, Pa.
     Pressure,
 }
 
 impl Dimension {
-    /// Its units: SI first, then the one that foreign files mostly use.
+    /// The units of this dimension: the SI unit first, then the one that is most common in files of
+    /// other programs.
     pub const fn units(self) -> &'static [Unit] {
         match self {
             Self::Time => {
@@ -107,12 +109,13 @@ impl Dimension {
         self.units()[0]
     }
 
-    /// The unit of a suffix.
+    /// The unit with this column suffix; `None` if the dimension has no such unit.
     pub fn unit(self, suffix: &str) -> Option<Unit> {
         self.units().iter().copied().find(|unit| unit.suffix == suffix)
     }
 
-    /// The unit that a file writes so: a spelling or a suffix, letters of any size.
+    /// The unit with this spelling or suffix, upper or lower case; `None` if the dimension has no
+    /// such unit.
     pub fn spelled(self, text: &str) -> Option<Unit> {
         let text = text.trim();
         let is = |unit: &&Unit| {
@@ -153,7 +156,7 @@ mod tests {
         assert_eq!(Dimension::Speed.spelled("deg"), None);
     }
 
-    /// Sizes as the definitions have them: 90 km/h are 25 m/s, 180 degrees are π, one g, a tonne.
+    /// Known sizes: 90 km/h = 25 m/s, 180 degrees = π, standard gravity, metric ton.
     #[test]
     fn sizes_are_those_of_the_definitions() {
         let si = |unit: Unit, value: f64| value * unit.times / unit.per;

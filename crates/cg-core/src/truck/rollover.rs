@@ -208,7 +208,7 @@ mod tests {
 
     /// 27 t at 2 m and axles of 3 t at 0.5 m give 30 t at 1.85 m.
     #[test]
-    fn the_axles_lower_the_whole_trailers_centre_of_gravity() {
+    fn the_axles_lower_the_whole_trailers_center_of_gravity() {
         let (design, line) = rigid();
         let design = RolloverDesign { half_track_m: 0.925, unsprung_mass_kg: 3e3, ..design };
         let measures = design.at(Measured::exact(2.0), 30e3, &line, [1.0, 3.0]);

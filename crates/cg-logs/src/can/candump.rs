@@ -1,61 +1,62 @@
-//! Lines that candump writes.
+//! Lines in the text formats of candump.
 //!
 //! ```text
 //!     (1700000000.123456) can0 18F0090B#7E7DFF007D807DFF                    -L, -l
 //!      (1700000000.123456)  can0  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF   -ta
 //!      (000.010021)  can0  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF          -td, -tz
 //!      (2023-11-14 22:13:20.123456)  can0  123   [2]  00 11                 -tA
-//!       can0  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF                       no time: of no use
+//!      can0  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF                       no time, not usable
 //! ```
 //!
-//! Seconds have 6 decimals (9 with `-N`). The compact form has `##` and a flag digit for CAN FD, `#R`
-//! for a remote frame, at the end perhaps `R` or `T`; the plain one direction and flags after the
-//! interface (`-x`), at the end the bytes as text (`-a`), `remote request` or `ERRORFRAME`.
+//! Seconds have 6 decimals, or 9 with `-N`. The compact form has `##` and a flag digit for CAN FD,
+//! `#R` for a remote frame, and possibly `R` or `T` at the end. The plain form has direction and
+//! flags after the interface (`-x`), and at the end the bytes as text (`-a`), `remote request` or
+//! `ERRORFRAME`.
 
 use std::fmt;
 
 use super::frame::{EXTENDED_MASK, Frame, ROOM};
 
-/// Bit of an identifier that marks an error frame in a log.
+/// Bit that marks an error frame in the identifier.
 const ERROR_FLAG: u32 = 0x2000_0000;
 
 /// A line with a time stamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line<'a> {
-    /// The time stamp, µs.
+    /// Time stamp, µs.
     pub time_us: u64,
-    /// The interface that heard it.
+    /// Name of the interface that received the frame.
     pub interface: &'a str,
-    /// Whether it has the plain form, whose time stamps may be relative.
+    /// Whether the line has the plain form, whose time stamps may be relative.
     pub plain: bool,
-    /// What it holds.
+    /// Content of the line.
     pub content: Content,
 }
 
-/// What a line holds.
+/// Content of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Content {
     /// A data frame.
     Data(Frame),
-    /// An error frame: something was wrong on the bus.
+    /// An error frame, which reports an error on the bus.
     Error,
-    /// A remote frame: of no use.
+    /// A remote frame, which contains no data.
     Remote,
 }
 
-/// What is wrong with a line of a candump log.
+/// The reason why a line of a candump log cannot be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CandumpError {
-    /// No `(seconds.fraction)` at its beginning.
+    /// There is no `(seconds.fraction)` at the beginning.
     Time,
-    /// A frame in candump's plain form, without a time stamp.
+    /// The line is a frame in the plain form without a time stamp.
     NoTime,
-    /// No interface name after the time.
+    /// There is no interface name after the time.
     Interface,
-    /// No identifier of 3 or 8 hexadecimal digits before a `#` or a length in brackets.
+    /// There is no identifier of 3 or 8 hexadecimal digits before a `#` or a length in brackets.
     Identifier,
-    /// The data are no pairs of hexadecimal digits, or too many or too few.
+    /// The data are not pairs of hexadecimal digits, or their number is wrong.
     Data,
 }
 
@@ -66,17 +67,17 @@ impl fmt::Display for CandumpError {
                 "a line of a candump log begins with a time stamp like (1700000000.123456)"
             }
             Self::NoTime => {
-                "the frame has no time stamp, which an estimate needs: record the log with \
+                "the frame has no time stamp, which an estimate needs; record the log with \
                  `candump -L can0` (or `candump -ta can0`)"
             }
-            Self::Interface => "the interface's name is missing after the time stamp",
+            Self::Interface => "the name of the interface is missing after the time stamp",
             Self::Identifier => {
                 "expected an identifier of 3 or 8 hexadecimal digits and a # or a length, as in \
                  18F0090B# or 18F0090B [8]"
             }
             Self::Data => {
-                "the data must be pairs of hexadecimal digits, as many as the length says, 8 at \
-                 most (CAN FD: 64)"
+                "the data must be pairs of hexadecimal digits, as many as the length states, at \
+                 most 8 (CAN FD: 64)"
             }
         })
     }
@@ -84,10 +85,10 @@ impl fmt::Display for CandumpError {
 
 impl std::error::Error for CandumpError {}
 
-/// Reads a line of a candump log; `None` if it is blank, or explains an error frame (`-e`).
+/// Reads a line of a candump log; `None` if the line is blank or explains an error frame (`-e`).
 ///
 /// # Errors
-/// [`CandumpError`] says which part of the line is wrong.
+/// [`CandumpError`] with the part of the line that is wrong.
 pub fn parse(line: &str) -> Result<Option<Line<'_>>, CandumpError> {
     if line.trim().is_empty() || line.starts_with('\t') {
         return Ok(None);
@@ -126,8 +127,8 @@ fn compact(time_us: u64, identifier: &str, payload: &str) -> Result<Content, Can
     framed(time_us, identifier, extended, &data[..length])
 }
 
-/// The words after the interface: `RX - -  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF   '~}..}.}.'`,
-/// of which those before the identifier and after the bytes are of no use.
+/// Reads the words after the interface: `RX - -  18F0090B   [8]  7E 7D FF 00 7D 80 7D FF
+/// '~}..}.}.'`. The words before the identifier and after the bytes are ignored.
 fn plain<'a>(
     time_us: u64,
     mut words: impl Iterator<Item = &'a str> + Clone,
@@ -164,7 +165,7 @@ fn framed(
     frame.map(Content::Data).ok_or(CandumpError::Data)
 }
 
-/// An identifier, and whether it has 29 bits.
+/// Reads an identifier; also returns whether it has 29 bits.
 fn identified(digits: &str) -> Result<(u32, bool), CandumpError> {
     let extended = match digits.len() {
         3 => false,
@@ -190,12 +191,12 @@ fn bytes<'a>(
     Ok((data, length))
 }
 
-/// A whole number of hexadecimal digits (`from_str_radix` alone would take a sign).
+/// Reads a hexadecimal number without a sign; `from_str_radix` alone would accept a sign.
 fn hexadecimal(text: &str) -> Option<u32> {
     text.bytes().all(|byte| byte.is_ascii_hexdigit()).then(|| u32::from_str_radix(text, 16).ok())?
 }
 
-/// A whole number of decimal digits, without a sign.
+/// Reads a decimal number without a sign.
 fn decimal(text: &str) -> Option<u64> {
     (!text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()))
         .then(|| text.parse().ok())?
@@ -211,7 +212,7 @@ fn microseconds(text: &str) -> Option<u64> {
     decimal(seconds)?.checked_mul(1_000_000)?.checked_add(micros)
 }
 
-/// `2023-11-14 22:13:20.123456`, of a clock whose zone the log does not name: taken for UTC.
+/// Reads `2023-11-14 22:13:20.123456`. The log does not contain the time zone, so UTC is assumed.
 fn date_us(text: &str) -> Option<u64> {
     let (date, time) = text.split_once(' ')?;
     let mut date = date.splitn(3, '-').map(decimal);
@@ -226,7 +227,7 @@ fn date_us(text: &str) -> Option<u64> {
     if hour > 23 || minute > 59 || second_us >= 61_000_000 {
         return None;
     }
-    // Days since 1970 in years that begin in March (Gregorian calendar).
+    // Number of days since 1970 in years that begin in March (Gregorian calendar).
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 + day - 1;
     // From 1 March of the year 0 to 1 January 1970.
@@ -239,7 +240,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The frame of a line, and its bus.
+    /// Reads a line with a frame; returns the frame and its bus.
     fn read(line: &str) -> (Frame, &str) {
         match parse(line) {
             Ok(Some(Line { content: Content::Data(frame), interface, .. })) => (frame, interface),
@@ -261,7 +262,7 @@ mod tests {
         assert_eq!(fd.data()[0], 0x11);
     }
 
-    /// Lines as candump's `sprint_long_canframe` writes them with its various flags.
+    /// Lines as candump's `sprint_long_canframe` writes them with various flags.
     #[test]
     fn all_forms_of_a_plain_line_are_read() {
         for (line, time_us) in [
@@ -327,7 +328,7 @@ mod tests {
             ("(2015-07-10 24:17:32.249713) can0 123#00", CandumpError::Time),
             ("(2015-07-10 06:60:32.249713) can0 123#00", CandumpError::Time),
             ("(2015-07-10 06:17:61.000000) can0 123#00", CandumpError::Time),
-            // Once an overflow.
+            // This input once caused an overflow.
             ("(2015-07-10 9999999999999999999:17:32.249713) can0 123#00", CandumpError::Time),
             ("(2015-07-10 06:17:18446744073709.551615) can0 123#00", CandumpError::Time),
             ("time_s,roll_rad", CandumpError::Time),

@@ -1,18 +1,19 @@
-//! From time stamps to a time that never jumps.
+//! Computes a continuous time from time stamps.
 //!
-//! The estimator wants time that only goes forward. Time stamps of frames are wall-clock time,
-//! which is set now and then: by a time server, by a receiver of satellites, at the first start
-//! by years. Live, the monotonic clock tells a jump from a pause; in a log, time that goes backward
-//! does.
+//! The estimator needs a time that only increases. Time stamps of frames are wall-clock time, which
+//! is set now and then: by a time server, by a GPS receiver, or at the first start, when it is
+//! years off. In live operation, the monotonic clock distinguishes a jump from a pause. In a log, a
+//! time that decreases is a jump.
 
-/// The estimator's time begins here, so that it can look back.
+/// Start of the stream time. It is not zero, so that times before the first frame can be
+/// represented.
 const ORIGIN_US: u64 = 1_000_000;
-/// A difference between wall clock and monotonic clock that is a jump and no delay.
+/// Difference between wall clock and monotonic clock that counts as a jump and not as a delay.
 const JUMP_US: u64 = 500_000;
-/// What a jump in a log counts: long enough to end a maneuver.
+/// Duration that replaces a jump in a log. It is long enough to end a maneuver.
 const UNKNOWN_US: u64 = 1_000_000;
 
-/// Stream time from time stamps.
+/// Computes stream time from time stamps.
 #[derive(Clone, Debug, Default)]
 pub struct Clock {
     last: Option<Last>,
@@ -26,17 +27,18 @@ struct Last {
     monotonic_us: Option<u64>,
 }
 
-/// Stream time, and by how much the wall clock had jumped before it, µs.
+/// A stream time, and the jump of the wall clock before it, µs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Instant {
-    /// Stream time.
+    /// Stream time, µs.
     pub stream_us: u64,
-    /// The jump; 0 is none.
+    /// The jump of the wall clock, µs; 0 for none.
     pub jump_us: i64,
 }
 
 impl Clock {
-    /// Stream time of a time stamp that was taken about now by the monotonic clock, if there is one.
+    /// Stream time of a time stamp. `monotonic_us` is the monotonic clock at about the same time,
+    /// if there is one.
     pub fn stream(&mut self, raw_us: u64, monotonic_us: Option<u64>) -> Instant {
         let Some(last) = &mut self.last else {
             self.last = Some(Last { raw_us, stream_us: ORIGIN_US, monotonic_us });
@@ -50,7 +52,7 @@ impl Clock {
             (Ok(passed), Some(truth)) if passed.abs_diff(truth) > JUMP_US => {
                 (truth.unsigned_abs(), passed.saturating_sub(truth))
             }
-            // Frames of two queues may come a little out of order.
+            // Frames from two queues may be slightly out of order.
             (Ok(passed), None) if passed < 0 && passed.unsigned_abs() > JUMP_US => {
                 (UNKNOWN_US, passed)
             }
@@ -58,7 +60,7 @@ impl Clock {
             (Err(_), _) => (UNKNOWN_US, 0),
         };
         if step_us == 0 && jump_us == 0 {
-            // Not after the frame before: the same instant, which then stays where it is.
+            // A time stamp that is not later than the previous one gets the same stream time.
             return Instant { stream_us: last.stream_us, jump_us };
         }
         *last = Last { raw_us, stream_us: last.stream_us.saturating_add(step_us), monotonic_us };
@@ -86,7 +88,7 @@ mod tests {
         assert_eq!(steps(&forward), [(0, 0), (100, 3_599_999_900)]);
     }
 
-    /// Time stamps of a broken source, 2^63 µs apart: the greatest jump there is.
+    /// Time stamps of a faulty device, 2^63 µs apart, which is the largest possible jump.
     #[test]
     fn no_jump_is_too_far() {
         let stamps = [(1 << 63, Some(0)), (0, Some(100))];

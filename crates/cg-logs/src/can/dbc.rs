@@ -1,15 +1,16 @@
-//! Signals of a DBC file, mapped to what they measure.
+//! Signals of a DBC file that are mapped to quantities.
 //!
 //! ```text
-//!     roll=TILT.Angle               unit and scale as the DBC file says
-//!     roll=TILT.Angle[deg]          unit named, where the DBC file has none
-//!     roll=TILT.Angle[deg]*-1+0.3   turned round, and moved by 0.3 deg
+//!     roll=TILT.Angle               unit and scale from the DBC file
+//!     roll=TILT.Angle[deg]          unit given here because the DBC file has none
+//!     roll=TILT.Angle[deg]*-1+0.3   sign reversed, then 0.3 deg added
 //! ```
 
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+#[cfg(feature = "dbc")]
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::signal::j1939::pgn_of;
@@ -19,35 +20,44 @@ use cg_vehicle::files;
 use super::frame::Frame;
 use crate::malformed::Malformed;
 
-/// Rank of a mapped signal: before every J1939 signal that measures the same.
+/// Rank of mapped signals. It is not greater than that of any J1939 signal.
 pub(super) const RANK: u8 = 0;
 
-/// What is wrong with a DBC file or a mapping.
+/// Errors of DBC files and mappings.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DbcError {
     /// The file cannot be read.
-    #[error("{file}: cannot be read: {source}")]
+    #[error("{file}: cannot be read: {source}; check the path and its permissions")]
     Read {
         /// The file.
         file: String,
-        /// Why.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// The file is no DBC file.
+    /// The file is not a DBC file.
     #[error("{file}: not a DBC file: {message}")]
     Syntax {
         /// The file.
         file: String,
-        /// Where and why.
+        /// Position and reason.
         message: String,
+    },
+    /// A DBC file, and a build that cannot read it.
+    #[error(
+        "{file}: this program was built without the feature `dbc`; build it with that feature, or \
+         record the signals as J1939's"
+    )]
+    LeftOut {
+        /// The file.
+        file: String,
     },
     /// The mapping does not fit the file.
     #[error("⟨signals {map}⟩: {message}")]
     Map {
-        /// The mapping as given.
+        /// The mapping as given by the user.
         map: String,
-        /// What to do.
+        /// What is wrong and what to do.
         message: String,
     },
 }
@@ -56,7 +66,7 @@ pub enum DbcError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalMap {
     quantity: Quantity,
-    /// `None` where the signal's name is enough.
+    /// Name of the message; `None` if the name of the signal is unique.
     message: Option<String>,
     signal: String,
     unit: Option<String>,
@@ -68,7 +78,7 @@ pub struct SignalMap {
 /// A signal and its message.
 type Place<'a> = (&'a can_dbc::Message, &'a can_dbc::Signal);
 
-/// Where the mapped signal stands.
+/// Finds the mapped signal in the file.
 fn place<'a>(file: &str, dbc: &'a Dbc, map: &SignalMap) -> Result<Place<'a>, String> {
     let is_asked = |name: &str| map.message.as_deref().is_none_or(|asked| asked == name);
     let messages: Vec<_> = dbc.messages.iter().filter(|m| is_asked(&m.name)).collect();
@@ -95,7 +105,7 @@ fn place<'a>(file: &str, dbc: &'a Dbc, map: &SignalMap) -> Result<Place<'a>, Str
     }
 }
 
-/// Names in a message, so many that it can be read.
+/// A list of names for an error message, shortened if it is long.
 fn listed(names: impl Iterator<Item = String>) -> String {
     let mut names: Vec<String> = names.collect();
     let more = names.len().saturating_sub(MOST_LISTED);
@@ -106,12 +116,12 @@ fn listed(names: impl Iterator<Item = String>) -> String {
     names.join(", ")
 }
 
-/// The quantity of this name, as in the columns of a log.
+/// The quantity with this name, as in the columns of a log.
 pub(super) fn named(name: &str) -> Result<Quantity, Malformed> {
     name.parse().map_err(|error| format!("there is no quantity `{name}`: {error}").into())
 }
 
-/// Names that a message lists.
+/// Maximum number of names in an error message.
 const MOST_LISTED: usize = 20;
 
 const EXPECTED: &str = "expected QUANTITY=MESSAGE.SIGNAL, optionally followed by [unit], *factor \
@@ -140,7 +150,7 @@ impl FromStr for SignalMap {
         let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite());
         let (mut factor, mut offset) = (1.0, 0.0);
         if let Some(after) = tail.strip_prefix('*') {
-            // The sign of the offset, not that of a number or of its exponent.
+            // The sign that begins the offset, not that of a number or of its exponent.
             let end = after
                 .char_indices()
                 .skip(1)
@@ -164,11 +174,11 @@ impl fmt::Display for SignalMap {
     }
 }
 
-/// A signal of a DBC file and what it measures.
+/// A signal of a DBC file with the quantity that it measures.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MappedSignal {
-    /// What it measures.
+    /// The measured quantity.
     pub quantity: Quantity,
     identifier: u32,
     extended: bool,
@@ -179,7 +189,8 @@ pub struct MappedSignal {
     factor: f64,
     offset: f64,
     range: Option<(f64, f64)>,
-    /// From the DBC file's unit to SI: value times factor plus offset.
+    /// Factor and offset that convert from the unit of the DBC file to SI: value times factor plus
+    /// offset.
     to_si: (f64, f64),
 }
 
@@ -192,7 +203,7 @@ impl MappedSignal {
         let file = path.display().to_string();
         let bytes = files::read(path, files::TABLE_BYTES)
             .map_err(|source| DbcError::Read { file: file.clone(), source })?;
-        // DBC files are in Windows' Western code page as a rule; names and units of interest are ASCII.
+        // DBC files usually use the Windows-1252 code page. Names and units are ASCII.
         let text: String = match String::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => error.into_bytes().iter().map(|&byte| char::from(byte)).collect(),
@@ -200,10 +211,11 @@ impl MappedSignal {
         Self::parse(&file, &text, maps)
     }
 
-    /// The same from the text of a DBC file.
+    /// Finds the mapped signals in the text of a DBC file. `file` is its name in messages.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// As for [`load`](Self::load).
+    #[cfg(feature = "dbc")]
     pub fn parse(file: &str, text: &str, maps: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
         let dbc = Dbc::try_from(text).map_err(|error| DbcError::Syntax {
             file: file.to_owned(),
@@ -212,6 +224,16 @@ impl MappedSignal {
         maps.iter().map(|map| Self::find(file, &dbc, map)).collect()
     }
 
+    /// The same in a build that cannot read DBC files.
+    ///
+    /// # Errors
+    /// [`DbcError::LeftOut`], always.
+    #[cfg(not(feature = "dbc"))]
+    pub fn parse(file: &str, _: &str, _: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
+        Err(DbcError::LeftOut { file: file.to_owned() })
+    }
+
+    #[cfg(feature = "dbc")]
     fn find(file: &str, dbc: &Dbc, map: &SignalMap) -> Result<Self, DbcError> {
         let fail = |message: String| DbcError::Map { map: map.text.clone(), message };
         let (message, signal) = place(file, dbc, map).map_err(fail)?;
@@ -231,7 +253,7 @@ impl MappedSignal {
         let to_si = dimension.spelled(unit).map(|unit| unit.times / unit.per).ok_or_else(|| {
             let known = dimension.units().iter().flat_map(|unit| unit.spellings);
             fail(format!(
-                "unit \"{unit}\" is not one of {}; name it: {}={}.{}[{}]",
+                "the unit \"{unit}\" is not one of {}; give the unit: {}={}.{}[{}]",
                 known.copied().collect::<Vec<_>>().join(", "),
                 map.quantity,
                 message.name,
@@ -264,8 +286,8 @@ impl MappedSignal {
         })
     }
 
-    /// Whether a frame is that of the signal. J1939 groups that go to all match whatever their
-    /// priority and source are.
+    /// Whether a frame contains the signal. Broadcast J1939 groups match with any priority and
+    /// source address.
     pub(super) fn is_of(&self, frame: &Frame) -> bool {
         let group = |identifier: u32| (identifier >> 16 & 0xFF >= 240).then(|| pgn_of(identifier));
         self.extended == frame.extended
@@ -275,17 +297,17 @@ impl MappedSignal {
                     && group(self.identifier) == group(frame.identifier)))
     }
 
-    /// The identifier and mask that a kernel filter needs to let its frames pass.
+    /// Identifier, whether it has 29 bits, and mask for a kernel filter that passes its frames.
     pub(super) fn filter(&self) -> (u32, bool, bool) {
         (self.identifier, self.extended, self.extended && self.identifier >> 16 & 0xFF >= 240)
     }
 
-    /// The value in SI units; `None` if the frame is too short, or the value is not available or
-    /// outside the DBC file's range.
+    /// The value in SI units; `None` if the frame is too short, or if the value is not available or
+    /// outside the range in the DBC file.
     pub fn decode(&self, frame: &Frame) -> Option<f64> {
         let raw = self.raw(frame.data())?;
         let all = u64::MAX >> (64 - self.bits);
-        // J1939: above 0xFA in its highest byte there is no value.
+        // In J1939, values whose highest byte is above 0xFA are not available.
         let reserved = self.bits >= 8 && raw >> (self.bits - 8) > 0xFA;
         if self.extended && !self.signed && (raw == all || reserved) {
             return None;
@@ -303,8 +325,8 @@ impl MappedSignal {
         Some(value * self.to_si.0 + self.to_si.1)
     }
 
-    /// The field's bits. Little-endian fields are counted from their lowest bit upwards,
-    /// big-endian ones from their highest bit downwards through the bytes.
+    /// The bits of the field. Little-endian fields are counted from their lowest bit upwards,
+    /// big-endian fields from their highest bit downwards through the bytes.
     fn raw(&self, data: &[u8]) -> Option<u64> {
         let bit = |place: usize| Some(u64::from(data.get(place / 8)? >> (place % 8) & 1));
         let mut raw = 0;

@@ -1,4 +1,4 @@
-//! Frames to values: J1939 by parameter group, anything else by a DBC file.
+//! Decoding of CAN frames into values, by the J1939 table or by signals of a DBC file.
 
 use std::str::FromStr;
 
@@ -10,15 +10,15 @@ use crate::malformed::Malformed;
 use super::dbc::{MappedSignal, RANK, named};
 use super::frame::Frame;
 
-/// What tells one sender of a quantity from another, and the rank of its signal: the two numbers
-/// that [`cg_core::Aligner::push`] wants.
+/// A number that identifies the sending device, and the rank of its signal, for
+/// [`cg_core::Aligner::push`].
 pub type Device = (u32, u8);
 
-/// Marks an 11-bit identifier among the numbers of devices.
+/// Bit that marks an 11-bit identifier in device numbers.
 const STANDARD: u32 = 0x8000_0000;
 const WITHOUT_PRIORITY: u32 = 0x03FF_FFFF;
 
-/// The only source address that a quantity is taken from.
+/// The only source address from which a quantity is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceFilter {
     quantity: Quantity,
@@ -42,7 +42,7 @@ impl FromStr for DeviceFilter {
     }
 }
 
-/// How frames are understood.
+/// Decodes CAN frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Decoder {
     mapped: Vec<MappedSignal>,
@@ -52,9 +52,9 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// J1939, but mapped signals in place of what they measure, some quantities from one source
-    /// address only and some turned round; the bits of a slope sensor tell whether it measures roll
-    /// or tilt.
+    /// A decoder for J1939. Mapped signals replace the J1939 signals of the same quantity.
+    /// `filters` restrict quantities to one source address, and `flipped` reverses the signs of
+    /// quantities. The compensation bits of a slope sensor decide whether it measures roll or tilt.
     pub fn new(
         mapped: Vec<MappedSignal>,
         filters: Vec<DeviceFilter>,
@@ -63,14 +63,15 @@ impl Decoder {
         Self { mapped, filters, flipped, compensation: Compensation::default() }
     }
 
-    /// The same with another rule for slope sensors.
+    /// Uses another rule for slope sensors.
     #[must_use]
     pub fn with_compensation(self, compensation: Compensation) -> Self {
         Self { compensation, ..self }
     }
 
-    /// What a frame measures, in SI units; beside it what the slope sensor says of its roll angle,
-    /// if the frame is of one that is listened to.
+    /// Decodes a frame: calls `found` with quantity, device and SI value. It returns the state that
+    /// a slope sensor reports about its roll angle, if the frame is from a slope sensor that is in
+    /// use.
     pub fn decode(
         &self,
         frame: &Frame,
@@ -104,7 +105,7 @@ impl Decoder {
         Slope::of(frame.identifier, frame.data()).filter(|_| listens(Quantity::Roll))
     }
 
-    /// What is mapped to, in the order of the options.
+    /// The quantities of the mapped signals, in the order of the options.
     pub fn mapped(&self) -> impl Iterator<Item = Quantity> {
         self.mapped.iter().map(|signal| signal.quantity)
     }
@@ -114,9 +115,9 @@ impl Decoder {
         self.compensation
     }
 
-    /// Whether a mapped signal takes the place of what J1939 says of a quantity: one that measures
-    /// the same, or that J1939's would be preferred to. What weighs the trailer less directly
-    /// stays as a reserve.
+    /// Whether a mapped signal replaces the J1939 signal of a quantity. This is the case if it
+    /// measures the same quantity, or one over which the J1939 signal would be preferred. J1939
+    /// signals from which the trailer mass follows less directly remain as a reserve.
     fn is_replaced(&self, quantity: Quantity) -> bool {
         let replacing: &[Quantity] = match quantity {
             Quantity::TrailerMass => &[
@@ -140,8 +141,8 @@ impl Decoder {
             || filters.any(|filter| u32::from(filter.address) == source)
     }
 
-    /// Identifier, whether it has 29 bits, and mask of the frames that say anything: what a kernel
-    /// is asked to let pass.
+    /// Identifier, whether it has 29 bits, and mask of all frames with usable values, for a kernel
+    /// filter.
     pub fn frames(&self) -> Vec<(u32, bool, u32)> {
         const GROUP: u32 = 0x03FF_FF00;
         let mut frames: Vec<(u32, bool, u32)> =
@@ -157,13 +158,13 @@ impl Decoder {
     }
 }
 
-/// The quantities that one sensor of a J1939 truck measures, be it the one or the other.
+/// The quantities of which one sensor measures one or the other.
 const fn siblings(quantity: Quantity) -> &'static [Quantity] {
     const ALL: &[Quantity] = &Quantity::ALL;
     match quantity {
         Quantity::Roll | Quantity::Tilt => &[Quantity::Roll, Quantity::Tilt],
         Quantity::Steer | Quantity::SteeringWheel => &[Quantity::Steer, Quantity::SteeringWheel],
-        // A slice of itself.
+        // The slice that contains only this quantity.
         _ => ALL.split_at(quantity.index()).1.split_at(1).0,
     }
 }
@@ -172,12 +173,14 @@ const fn sign(flipped: bool) -> f64 {
     if flipped { -1.0 } else { 1.0 }
 }
 
-/// Five bits that no identifier uses: a device on another bus is another one.
+/// The bus number in five bits that no identifier uses, so that devices on different buses have
+/// different numbers.
 const fn bus_bits(bus: u8) -> u32 {
     (bus as u32 & 0x1F) << 26
 }
 
 #[cfg(test)]
+#[cfg(feature = "dbc")]
 mod tests {
     use super::*;
     use crate::can::SignalMap;
@@ -209,7 +212,7 @@ BO_ 291 PLAIN: 8 TILT
         values
     }
 
-    /// −2.00 degrees, then turned round and moved by 0.3 degrees.
+    /// −2.00 degrees, then with reversed sign and with 0.3 degrees added.
     #[test]
     fn a_mapped_signal_takes_scale_sign_and_offset() {
         let data = [0x38, 0xFF, 0, 0, 50, 0, 0, 0];
@@ -225,10 +228,10 @@ BO_ 291 PLAIN: 8 TILT
             assert_eq!(found.len(), 1, "{map}");
             assert!((found[0].1 - degrees.to_radians()).abs() < 1e-12, "{map} {found:?}");
         }
-        // Another priority and source are the same group.
+        // A frame with another priority and source address belongs to the same group.
         let found = values(&decoder(&["speed=SLOPE.Wide"]), 0x0CFF_0A55, &data);
         assert_eq!(found, [(Quantity::Speed, 50.0 / 3.6)]);
-        // Outside the range, not available, too short.
+        // A value outside the range, a value that is not available, and a frame that is too short.
         for bad in [&[0x38, 0x7F, 0, 0, 201, 0, 0, 0][..], &[0, 0, 0, 0, 0xFF], &[0, 0]] {
             assert!(values(&decoder(&["speed=SLOPE.Wide"]), id, bad).is_empty());
         }
@@ -240,7 +243,7 @@ BO_ 291 PLAIN: 8 TILT
         assert_eq!(found, [(Quantity::Tilt, 0.0)]); // −2 · 0.5 + 1
     }
 
-    /// One signal of J1939, encoded.
+    /// A frame with one J1939 signal.
     fn sent(signal: j1939::Signal, value: f64) -> (u32, [u8; 8]) {
         let mut data = j1939::NOT_AVAILABLE;
         signal.encode(value, &mut data);
@@ -248,8 +251,8 @@ BO_ 291 PLAIN: 8 TILT
         (signal.identifier(0xE4), data)
     }
 
-    /// Also where the mapped signal measures the same by another way: the tilt of an inclinometer
-    /// in place of a roll angle, the suspension's pressure in place of a weight.
+    /// A mapped signal also replaces another measurement of the same: a tilt replaces a roll angle,
+    /// and the suspension pressure replaces a mass.
     #[test]
     fn a_mapped_signal_replaces_j1939() {
         let j1939s = [
@@ -280,16 +283,13 @@ BO_ 291 PLAIN: 8 TILT
         }
     }
 
-    /// The signal of a group mapped itself: only what the mapping says comes out.
+    /// A J1939 signal is mapped itself. Only the mapped quantity is decoded.
     #[test]
     fn the_native_signal_mapped_as_a_tilt_is_a_tilt_only() {
-        let dbc = include_str!("../../../../fixtures/can/j1939.dbc");
+        let dbc = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/can/j1939.dbc");
         let map = ["tilt=SSI2.RollAngle".parse().unwrap()];
-        let decoder = Decoder::new(
-            MappedSignal::parse("j1939.dbc", dbc, &map).unwrap(),
-            Vec::new(),
-            Vec::new(),
-        );
+        let decoder =
+            Decoder::new(MappedSignal::load(dbc.as_ref(), &map).unwrap(), Vec::new(), Vec::new());
         let (identifier, data) = sent(j1939::ROLL_FINE, 0.1);
         let found = values(&decoder, identifier, &data);
         assert_eq!(found.len(), 1);
@@ -297,8 +297,8 @@ BO_ 291 PLAIN: 8 TILT
         assert!((found[0].1 - 0.1).abs() < 1e-6);
     }
 
-    /// Sign and source address asked for as those of the roll angle count for the tilt too that the
-    /// sensor turns out to measure.
+    /// Sign and source address given for the roll angle also apply to the tilt that the sensor may
+    /// measure instead.
     #[test]
     fn roll_and_tilt_of_a_slope_sensor_are_one_sensor() {
         let (identifier, mut data) = sent(j1939::ROLL_FINE, 0.1);
@@ -367,7 +367,7 @@ BO_ 291 PLAIN: 8 TILT
         };
         assert!(error("roll=SLOP.Angle").contains("only SLOPE, PLAIN"));
         assert!(error("roll=SLOPE.Angel").contains("only Angle, Bare, Wide"));
-        assert!(error("roll=SLOPE.Bare").contains("name it: roll=SLOPE.Bare[rad]"));
+        assert!(error("roll=SLOPE.Bare").contains("give the unit: roll=SLOPE.Bare[rad]"));
         assert!(error("speed=SLOPE.Angle").contains("\"deg\" is not one of m/s, km/h"));
         for map in [
             "roll",

@@ -1,17 +1,17 @@
-//! CAN frames: where they come from as text, and what they measure.
+//! CAN frames: their text formats, their decoding, and their conversion to samples.
 //!
 //! | file | what |
 //! |---|---|
-//! | `frame` | a frame |
-//! | `candump`, `reader` | the lines that candump writes, and a log of them |
+//! | `frame` | a CAN frame |
+//! | `candump`, `reader` | lines in the candump format, and a log of them |
 //! | `dbc` | signals of a DBC file, mapped to quantities |
-//! | `decoder` | frames to values: J1939 and the mapped signals |
-//! | `clock` | time stamps to a time that never jumps |
-//! | `sampler` | frames to samples, by all of these |
-//! | `tally` | values that are not as they should be, counted and told once |
+//! | `decoder` | values of frames: J1939 and the mapped signals |
+//! | `clock` | a continuous time from time stamps |
+//! | `sampler` | samples from frames, with all of these |
+//! | `tally` | counts of implausible values, each reported once |
 //!
-//! The J1939 table itself and the alignment of values to samples are [`cg_core::signal::j1939`] and
-//! [`cg_core::signal::align`], which firmware uses too.
+//! The J1939 table and the alignment of values to samples are [`cg_core::signal::j1939`] and
+//! [`cg_core::signal::align`], which the firmware uses too.
 
 mod clock;
 mod frame;

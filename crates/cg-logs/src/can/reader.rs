@@ -1,4 +1,4 @@
-//! A candump log, frame by frame.
+//! A reader of candump logs, one frame at a time.
 
 use std::collections::VecDeque;
 use std::io::{self, BufRead, Read};
@@ -6,77 +6,79 @@ use std::io::{self, BufRead, Read};
 use super::candump::{CandumpError, Content, Line, parse};
 use super::frame::Frame;
 
-/// A line of a candump log is shorter (CAN FD, plain: 300 bytes).
+/// Maximum length of a line. Lines of candump are shorter (CAN FD in the plain form: 300 bytes).
 const LONGEST_LINE: u64 = 4096;
-/// Frames without time stamps after which a log is taken for one that has none.
+/// Number of frames without time stamps after which the log counts as one without time stamps.
 const PATIENCE: u64 = 10;
-/// Frames that tell whether time stamps are differences.
+/// Number of frames from which it is decided whether time stamps are differences.
 const LOOK: usize = 100;
-/// Time stamps below this one, 12 January 1970, are no Unix time.
+/// Time stamps below this one (12 January 1970) are not Unix time.
 const RELATIVE_US: u64 = 1_000_000_000_000;
-/// Interfaces whose names are kept.
+/// Maximum number of interfaces whose names are stored.
 const MOST_BUSES: usize = 32;
 
-/// Why a candump log cannot be read, or not further.
+/// The reason why a candump log cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CandumpFault {
-    /// It cannot be read.
+    /// The log cannot be read.
     #[error("line {line}: cannot be read ({source}); check the path, the disk or the connection")]
     Read {
         /// The line.
         line: u64,
-        /// Why.
+        /// The error of the system.
         source: io::Error,
     },
-    /// Its frames have no time stamps.
+    /// The frames have no time stamps.
     #[error("line {line}: {}", CandumpError::NoTime)]
     NoTime {
-        /// The first frame's line.
+        /// The line of the first frame.
         line: u64,
     },
-    /// The bus that was asked for is not in it.
-    #[error("no frame of the bus `{wanted}`; the log has {found}: give ⟨bus⟩ one of them")]
+    /// The requested bus is not in the log.
+    #[error(
+        "no frame of the bus `{wanted}`; the buses in the log are {found}; give one of them with ⟨bus⟩"
+    )]
     NoBus {
-        /// The name asked for.
+        /// The requested name.
         wanted: String,
-        /// The names there are.
+        /// The names in the log.
         found: String,
     },
 }
 
-/// What time stamps say.
+/// Meaning of the time stamps.
 #[derive(Clone, Copy, Debug)]
 enum Stamps {
-    /// Not known before some frames were seen.
+    /// Not known yet; some frames must be read first.
     Unknown,
-    /// The time.
+    /// Points in time.
     Times,
-    /// The time since the frame before (`candump -td`); the sum so far.
+    /// Time since the previous frame (`candump -td`), with the sum so far, µs.
     Differences(u64),
 }
 
-/// A line that waits for that to be known.
+/// A frame that waits until the meaning of the time stamps is known.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     time_us: u64,
     frame: Option<Frame>,
 }
 
-/// Reads a candump log, in constant memory. Lines that are none are passed over and counted.
+/// Reads a candump log in constant memory. Lines that are not valid are skipped and counted.
 #[derive(Debug)]
 pub struct CandumpReader<R> {
     input: R,
     line: Vec<u8>,
     number: u64,
-    /// The only bus that is listened to.
+    /// The only bus that is used; `None` uses all buses.
     only: Option<String>,
     buses: Vec<String>,
     stamps: Stamps,
     ahead: VecDeque<Waiting>,
     ended: bool,
     stamped: bool,
-    /// Frames of the buses that are listened to.
+    /// Number of frames of the buses in use.
     frames: u64,
     without_time: u64,
     malformed: u64,
@@ -87,7 +89,7 @@ pub struct CandumpReader<R> {
 }
 
 impl<R: BufRead> CandumpReader<R> {
-    /// At the beginning of a log; of several buses all are listened to, or one of them only.
+    /// A reader at the beginning of a log. With `bus`, only frames of this bus are used.
     pub fn new(input: R, bus: Option<String>) -> Self {
         Self {
             input,
@@ -112,7 +114,7 @@ impl<R: BufRead> CandumpReader<R> {
     /// The next data frame; `None` at the end.
     ///
     /// # Errors
-    /// [`CandumpFault`]; what follows is not read.
+    /// [`CandumpFault`]. Reading ends after an error.
     pub fn next_frame(&mut self) -> Result<Option<Frame>, CandumpFault> {
         loop {
             if !matches!(self.stamps, Stamps::Unknown)
@@ -130,7 +132,7 @@ impl<R: BufRead> CandumpReader<R> {
         }
     }
 
-    /// Reads a line, and at the end of the log says what was missing in it.
+    /// Reads a line. At the end of the log, returns an error if something required was missing.
     fn read_line(&mut self) -> Result<(), CandumpFault> {
         self.line.clear();
         let read = self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.line);
@@ -209,14 +211,15 @@ impl<R: BufRead> CandumpReader<R> {
         }
     }
 
-    /// Tells times from differences: times grow, while differences go up and down, or stay.
+    /// Decides whether time stamps are times or differences. Times increase, while differences vary
+    /// or are constant.
     fn decide(&mut self) {
         let times = || self.ahead.iter().map(|waiting| waiting.time_us);
         let backward = times().zip(times().skip(1)).filter(|(before, after)| after < before);
         let steps = self.ahead.len().saturating_sub(1);
-        // Frames of two queues may come out of order, one in five hardly.
+        // Frames from two queues may be out of order, but hardly one in five.
         let jumping = 5 * backward.count() > steps;
-        // The first difference is zero, or that to a frame before the log.
+        // The first difference is zero, or the time since a frame before the log.
         let standing = steps > 1 && times().skip(1).max() == times().nth(1);
         self.stamps = if jumping || standing { Stamps::Differences(0) } else { Stamps::Times };
     }
@@ -247,27 +250,27 @@ impl<R: BufRead> CandumpReader<R> {
         u8::try_from(place).unwrap_or(u8::MAX)
     }
 
-    /// Data frames handed out.
+    /// Number of data frames delivered.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// The line last read, from one.
+    /// The line that was read last, from one.
     pub fn line(&self) -> u64 {
         self.number
     }
 
-    /// Lines that could not be understood.
+    /// Number of lines that are not valid.
     pub fn malformed(&self) -> u64 {
         self.malformed
     }
 
-    /// Error frames of the buses that are listened to.
+    /// Number of error frames on the buses in use.
     pub fn error_frames(&self) -> u64 {
         self.error_frames
     }
 
-    /// What has occurred for the first time since this was asked last.
+    /// The findings that occurred for the first time since the last call.
     pub fn news(&mut self) -> Vec<String> {
         if self.fresh == [false; 3] {
             return Vec::new();
@@ -280,7 +283,7 @@ impl<R: BufRead> CandumpReader<R> {
             .collect()
     }
 
-    /// Everything that has occurred, with its count.
+    /// All findings with their counts.
     pub fn remarks(&self) -> Vec<String> {
         let counts = [self.malformed, self.error_frames, 0];
         let counted = |(sentence, count): (Option<String>, u64)| {
@@ -291,13 +294,13 @@ impl<R: BufRead> CandumpReader<R> {
 
     fn sentences(&self) -> [Option<String>; 3] {
         [
-            self.first_malformed.map(|(line, error)| format!("line {line}: passed over: {error}")),
+            self.first_malformed.map(|(line, error)| format!("line {line}: skipped: {error}")),
             self.first_error
-                .map(|line| format!("line {line}: an error frame, something was wrong on the bus")),
+                .map(|line| format!("line {line}: an error frame reports an error on the bus")),
             (self.buses.len() > 1 && self.only.is_none()).then(|| {
                 format!(
-                    "frames of the buses {}: each signal is taken from the bus that has it first; \
-                     ⟨bus NAME⟩ narrows the log to one",
+                    "the log has frames of the buses {}; each signal is taken from the bus on which \
+                     it appears first; ⟨bus NAME⟩ selects one bus",
                     self.buses.join(", ")
                 )
             }),
@@ -318,10 +321,11 @@ mod tests {
         std::iter::from_fn(|| reader.next_frame().unwrap()).map(|frame| frame.time_us).collect()
     }
 
-    /// One drive with the time stamps of `-ta`, `-tz` and `-td`: the same times but for the origin.
+    /// The same drive with the time stamps of `-ta`, `-tz` and `-td` gives the same times except
+    /// for the origin.
     #[test]
     fn times_and_differences_are_told_apart() {
-        // Every 10 ms with a jitter; three frames at once now and then.
+        // One frame every 10 ms with jitter, and sometimes three frames at once.
         let times: Vec<u64> =
             (0..300_u64).map(|k| 10_000 * (k - k % 3) + k * k * 37 % 900).collect();
         let mut sorted = times;
@@ -345,7 +349,8 @@ mod tests {
         assert_eq!(times_us(&text(&[7])), [7]);
     }
 
-    /// The compact form never has differences: frames sent at the same instant stay.
+    /// The compact form never contains differences, so frames with equal time stamps remain
+    /// unchanged.
     #[test]
     fn compact_time_stamps_are_times() {
         assert_eq!(times_us("(1.000000) can0 123#\n(1.000000) can0 124#\n"), [1_000_000; 2]);
@@ -361,7 +366,7 @@ mod tests {
             assert!(reader.next_frame().unwrap().is_none());
             assert!(reader.line() <= PATIENCE);
         }
-        // One such line in a log with time stamps is a bad line.
+        // In a log with time stamps, one such line is an invalid line.
         let text = format!("{line}(1.000000) can0 123#00\n");
         let mut reader = reader(&text, None);
         assert!(reader.next_frame().unwrap().is_some());
@@ -384,9 +389,7 @@ mod tests {
         let (frames, news, errors) = seen(None);
         assert_eq!(frames, [(0, 0), (1, 1), (0, 2)]);
         assert_eq!(errors, 2);
-        assert!(
-            news[0].starts_with("line 4: passed over") && news[1].starts_with("line 3: an error")
-        );
+        assert!(news[0].starts_with("line 4: skipped") && news[1].starts_with("line 3: an error"));
         assert!(news[2].contains("can0, can1") && news[2].contains("⟨bus"), "{news:?}");
         let (frames, news, errors) = seen(Some("can0"));
         assert_eq!((frames, errors, news.len()), (vec![(0, 0), (0, 2)], 0, 1));

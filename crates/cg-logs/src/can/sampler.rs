@@ -1,4 +1,4 @@
-//! Frames to samples: decoded, aligned, with a time that never jumps.
+//! Samples from CAN frames: decoding, alignment, and a continuous time.
 
 use cg_core::signal::align::Taken;
 use cg_core::{AlignSettings, Aligner, Quantity, Sample};
@@ -8,7 +8,7 @@ use super::decoder::Decoder;
 use super::frame::Frame;
 use super::tally::Tally;
 
-/// The way of a frame, live and in a log.
+/// Converts frames to samples, live and from a log.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     decoder: Decoder,
@@ -21,7 +21,7 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Before the first frame.
+    /// A sampler without frames.
     pub fn new(decoder: Decoder, settings: AlignSettings<f64>) -> Self {
         Self {
             decoder,
@@ -34,8 +34,9 @@ impl Sampler {
         }
     }
 
-    /// Takes in a frame that was received about now by the monotonic clock, if it is live; its
-    /// stream time. `heard` gets each value that counts. Then ask for [samples](Self::next_sample).
+    /// Adds a frame and returns its stream time. `monotonic_us` is the monotonic clock at
+    /// reception, if the frame is live. `heard` is called for each value that is used. Call
+    /// [`next_sample`](Self::next_sample) afterwards until it returns `None`.
     pub fn push(
         &mut self,
         frame: &Frame,
@@ -60,7 +61,7 @@ impl Sampler {
         instant
     }
 
-    /// Takes in a value that was measured elsewhere than in a frame.
+    /// Adds a value that was not measured by a CAN frame.
     pub fn push_value(&mut self, quantity: Quantity, time_us: u64, value: f64) -> Instant {
         let instant = self.clock.stream(time_us, None);
         self.now_us = instant.stream_us;
@@ -70,58 +71,58 @@ impl Sampler {
         instant
     }
 
-    /// What a quantity was at the time of a sample just taken.
+    /// The value of a quantity at the time of the last sample, SI units.
     pub fn value(&self, quantity: Quantity, stream_us: u64) -> f64 {
         self.aligner.value(quantity, stream_us)
     }
 
-    /// Lets time pass without a frame; the stream time.
+    /// Advances the time without a frame and returns the stream time, µs.
     pub fn idle(&mut self, raw_us: u64, monotonic_us: u64) -> u64 {
         self.now_us = self.clock.stream(raw_us, Some(monotonic_us)).stream_us;
         self.now_us
     }
 
-    /// The next sample that is complete, its time being stream time.
+    /// The next complete sample. Its time is stream time.
     pub fn next_sample(&mut self) -> Option<Sample<f64>> {
         self.aligner.next(self.now_us)
     }
 
-    /// The next sample that still waits for other signals, at the end of a log.
+    /// The next sample that still waits for other signals, for the end of a log.
     pub fn rest(&mut self) -> Option<Sample<f64>> {
         self.aligner.next(u64::MAX)
     }
 
-    /// Values of a device that is not listened to, because another one sends the same.
+    /// Number of values that were ignored because another device sends the same quantity.
     pub fn values_of_other_sources(&self) -> u64 {
         self.values_of_other_sources
     }
 
-    /// Whether a quantity is missing that was there before.
+    /// Whether a quantity that was received before is missing.
     pub fn is_stale(&self, quantity: Quantity) -> bool {
         self.aligner.is_stale(quantity, self.now_us)
     }
 
-    /// Stream time of the last frame.
+    /// Stream time of the last frame, µs.
     pub fn now_us(&self) -> u64 {
         self.now_us
     }
 
-    /// How frames are understood.
+    /// The decoder of frames.
     pub fn decoder(&self) -> &Decoder {
         &self.decoder
     }
 
-    /// What is wrong with values.
+    /// The counts of implausible values.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 
-    /// What is wrong with values that was not told yet: the signal and a sentence.
+    /// Findings about values since the last call, each as signal and sentence.
     pub fn news(&mut self) -> Vec<(&'static str, String)> {
         self.tally.news(&self.settings)
     }
 
-    /// All that was wrong with values, counted.
+    /// All findings about values so far, with their counts.
     pub fn remarks(&self) -> Vec<String> {
         self.tally.remarks(&self.settings)
     }

@@ -1,11 +1,11 @@
-//! What is wrong with values that came in, counted, and told once.
+//! Counts of implausible and doubtful values; each kind is reported once.
 
 use cg_core::signal::j1939::{Compensation, Slope};
 use cg_core::{AlignSettings, Quantity};
 
 use crate::place::Position;
 
-/// Something that is counted: how often, the first value and where a log has it.
+/// A counted kind of finding: its count, its first value and the position of this value in a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Found {
     count: u64,
@@ -24,26 +24,26 @@ impl Found {
     }
 }
 
-/// Counts of values that are not as they should be.
+/// Counts of implausible and doubtful values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
     implausible: [Found; Quantity::COUNT],
     degraded: Found,
     faulty: Found,
     unsaid: Found,
-    /// Whether there is something that was not told yet.
+    /// Whether there is a finding that has not been reported.
     fresh: bool,
 }
 
 impl Tally {
-    /// Counts a value that the truck cannot have, at a place of a log.
+    /// Counts a value that the truck cannot have, with its position in a log.
     pub fn implausible(&mut self, quantity: Quantity, value: f64, place: Option<Position>) {
         if let Some(count) = self.implausible.get_mut(quantity.index()) {
             self.fresh |= count.add(value, place);
         }
     }
 
-    /// Counts what a slope sensor says of its roll angle.
+    /// Counts what a slope sensor reports about its roll angle.
     pub fn slope(&mut self, said: Slope, rule: Compensation) {
         if said.quantity(rule).is_none() {
             self.fresh |= self.faulty.add(0.0, None);
@@ -56,22 +56,23 @@ impl Tally {
         }
     }
 
-    /// Values that the truck cannot have.
+    /// Number of values that the truck cannot have.
     pub fn implausible_values(&self) -> u64 {
         self.implausible.iter().map(|count| count.count).sum()
     }
 
-    /// Roll angles that their sensor calls degraded.
+    /// Number of roll angles that their sensor reports as degraded.
     pub fn degraded_values(&self) -> u64 {
         self.degraded.count
     }
 
-    /// Roll angles that their sensor calls wrong.
+    /// Number of roll angles that their sensor reports as wrong.
     pub fn faulty_values(&self) -> u64 {
         self.faulty.count
     }
 
-    /// What has occurred for the first time since this was asked last: the signal and a sentence.
+    /// The findings that occurred for the first time since the last call, each as signal and
+    /// sentence.
     pub fn news(&mut self, settings: &AlignSettings<f64>) -> Vec<(&'static str, String)> {
         if !std::mem::take(&mut self.fresh) {
             return Vec::new();
@@ -82,7 +83,7 @@ impl Tally {
         all.into_iter().zip(told).filter(|(_, told)| !told).filter_map(|(found, _)| found).collect()
     }
 
-    /// Everything that has occurred, with its count.
+    /// All findings with their counts.
     pub fn remarks(&self, settings: &AlignSettings<f64>) -> Vec<String> {
         let counted = |(said, count): (Option<(&'static str, String)>, Found)| {
             said.map(|(signal, sentence)| format!("{signal}: {sentence} ({} in all)", count.count))
@@ -102,7 +103,7 @@ impl Tally {
         self.implausible.iter_mut().chain(slope)
     }
 
-    /// What there is to tell, in the order of the counts.
+    /// The sentences of the findings in the order of the counts.
     fn sentences(&self, settings: &AlignSettings<f64>) -> Vec<Option<(&'static str, String)>> {
         let mut all: Vec<_> = Quantity::ALL
             .into_iter()
@@ -120,17 +121,17 @@ impl Tally {
             .collect();
         let roll = Quantity::Roll.name();
         for (count, sentence) in [
-            (self.degraded, "the slope sensor calls its roll angle degraded; it is used"),
+            (self.degraded, "the slope sensor reports a degraded roll angle; the angle is used"),
             (
                 self.faulty,
-                "the slope sensor says that its roll angle or its compensation is in error; such \
+                "the slope sensor reports an error of its roll angle or its compensation; such \
                  values count as absent",
             ),
             (
                 self.unsaid,
-                "the slope sensor does not say whether it takes the vehicle's accelerations off \
-                 its angle: taken for an inclinometer, which does not; if it does, give \
-                 ⟨roll_compensated yes⟩",
+                "the slope sensor does not report whether it compensates its angle for the \
+                 vehicle's accelerations; it is treated as an inclinometer, which does not; if it \
+                 does, give ⟨roll_compensated yes⟩",
             ),
         ] {
             all.push((count.count > 0).then(|| (roll, sentence.to_owned())));
@@ -139,27 +140,27 @@ impl Tally {
     }
 }
 
-/// A sentence about a value that a quantity cannot have.
+/// The sentence about a value that a quantity cannot have.
 fn implausible(quantity: Quantity, value: f64, settings: &AlignSettings<f64>) -> String {
     let column = quantity.column();
     let [least, greatest] = quantity.limits();
-    // A number of three hundred digits says no more than its power of ten.
+    // Very large numbers are shown with an exponent to avoid hundreds of digits.
     let shown = if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") };
     let mass_kg = settings.mass_kg(quantity, value);
     match settings.mass_range_kg {
         Some([least_kg, greatest_kg]) if mass_kg.is_finite() => {
             let means = match quantity {
                 Quantity::TrailerMass => String::new(),
-                _ => format!(" would be a trailer of {mass_kg:.0} kg, which"),
+                _ => format!(" means a trailer of {mass_kg:.0} kg, which"),
             };
             format!(
-                "{column} {shown}{means} cannot be ({least_kg:.0} to {greatest_kg:.0} kg by the \
-                 vehicle file); such values count as absent"
+                "{column} {shown}{means} is impossible (the vehicle file allows {least_kg:.0} to \
+                 {greatest_kg:.0} kg); such values count as absent"
             )
         }
         _ => format!(
-            "{column} {shown} cannot be (possible are {least} to {greatest}); such values count as \
-             absent: check sensor and unit"
+            "{column} {shown} is impossible (possible: {least} to {greatest}); such values count \
+             as absent; check the sensor and the unit"
         ),
     }
 }
@@ -180,7 +181,12 @@ mod tests {
         let news = tally.news(&settings);
         assert_eq!(news.len(), 1);
         assert_eq!(news[0].0, "trailer_mass");
-        assert!(news[0].1.starts_with("trailer_mass_kg 0 cannot be (5000 to 50000 kg"), "{news:?}");
+        assert!(
+            news[0].1.starts_with(
+                "trailer_mass_kg 0 is impossible (the vehicle file allows 5000 to 50000 kg)"
+            ),
+            "{news:?}"
+        );
         tally.implausible(Quantity::TrailerMass, 0.0, None);
         tally.implausible(Quantity::Roll, 1e308, Some(Position::Line(7)));
         assert_eq!(tally.news(&settings)[0].0, "roll");
@@ -189,7 +195,7 @@ mod tests {
         let remarks = tally.remarks(&settings);
         assert!(
             remarks[0].starts_with("roll: line 7: roll_rad 1")
-                && remarks[0].contains("possible are -1 to 1")
+                && remarks[0].contains("possible: -1 to 1")
         );
         assert!(remarks[1].ends_with("(3 in all)"), "{remarks:?}");
     }

@@ -1,107 +1,111 @@
-//! The answer for one log, as it is printed.
+//! The result for one log, as it is printed.
 
 use cg_core::{Maneuver, Outcome};
 use serde::Serialize;
 
 use super::options::Method;
 
-/// Whether a log (or a maneuver) gave a height.
+/// Whether a log or a maneuver gave a height.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// It did.
+    /// There is a height.
     Ok,
-    /// It did not; the reason stands beside.
+    /// There is no height; the reason is given with it.
     #[default]
     Rejected,
-    /// Channels or sensors contradict each other: no height, those of the channels stand beside.
+    /// There is no combined height because channels or sensors contradict each other. The result
+    /// contains the heights of the channels.
     Inconsistent,
 }
 
-/// The answer for one log. Field names are the keys of the JSON output.
+/// The result for one log. The names of the fields are the keys of the JSON output.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct LogEstimate {
     /// Whether there is a height.
     pub status: Verdict,
-    /// C.g. height of the trailer's sprung mass above ground at rest.
+    /// Height of the c.g. of the trailer's sprung mass above the ground at rest, m.
     pub height_m: Option<f64>,
-    /// Its standard deviation, model uncertainty included.
+    /// Standard deviation of the height, m, with the uncertainty of the model.
     pub height_sd_m: Option<f64>,
-    /// The part of it that noise explains and that more turns would reduce; not in the output.
+    /// The part of the standard deviation that is due to noise and decreases with more turns, m. It
+    /// is not part of the output.
     #[serde(skip)]
     pub height_random_sd_m: Option<f64>,
-    /// Its 95 % interval.
+    /// 95 % interval of the height, m.
     pub height_ci95_m: Option<[f64; 2]>,
     /// DC ratio, rad of roll per rad of steer or per m/s², at `speed_mps`.
     pub ratio: Option<f64>,
-    /// Its standard deviation from noise.
+    /// Standard deviation of the ratio due to noise.
     pub ratio_sd: Option<f64>,
-    /// Identification used.
+    /// Method of identification.
     pub method: Method,
     /// Channel used: `steer`, `lateral-acceleration` or `combined`. Ratio, fit and maneuvers of a
-    /// combined answer are those of the channel that knows more.
+    /// combined result are those of the channel with the smaller uncertainty.
     pub channel: Option<String>,
-    /// Mean speed of the maneuvers.
+    /// Mean speed of the maneuvers, m/s.
     pub speed_mps: Option<f64>,
-    /// Trailer mass taken.
+    /// Trailer mass used, kg.
     pub trailer_mass_kg: f64,
-    /// Signal to noise of the best maneuver, dB.
+    /// Signal-to-noise ratio of the best maneuver, dB.
     pub snr_db: Option<f64>,
     /// Fit of the best maneuver, %.
     pub fit_percent: Option<f64>,
-    /// Lateral acceleration beyond which the vehicle tips in a steady turn, in g.
+    /// Lateral acceleration above which the vehicle rolls over in a steady turn, g.
     pub static_rollover_threshold_g: Option<f64>,
-    /// What each channel says alone.
+    /// The result of each channel alone.
     pub channels: Vec<ChannelEstimate>,
-    /// Every maneuver, in the channel used; of a log with more than ten thousand the first ones.
+    /// All maneuvers of the channel used; of a log with more than ten thousand, only the first
+    /// ones.
     pub maneuvers: Vec<ManeuverEstimate>,
-    /// What a reader should know.
+    /// Messages for the user.
     pub messages: Vec<String>,
 }
 
-/// What one channel says of a log.
+/// The result of one channel for a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ChannelEstimate {
     /// `steer` or `lateral-acceleration`.
     pub channel: String,
-    /// Height.
+    /// Height, m.
     pub height_m: Option<f64>,
-    /// Its standard deviation, model uncertainty included.
+    /// Standard deviation of the height, m, with the uncertainty of the model.
     pub height_sd_m: Option<f64>,
     /// Whether there is a height.
     pub status: Verdict,
-    /// Why not.
+    /// The reason if there is no height.
     pub reason: Option<String>,
 }
 
-/// One maneuver.
+/// The result of one maneuver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ManeuverEstimate {
-    /// First time stamp used, as in the log.
+    /// First time stamp used, s, as in the log.
     pub start_s: f64,
-    /// Last time stamp used.
+    /// Last time stamp used, s, as in the log.
     pub end_s: f64,
-    /// Height.
+    /// Height, m.
     pub height_m: Option<f64>,
-    /// Its standard deviation from noise.
+    /// Standard deviation of the height due to noise, m.
     pub height_sd_m: Option<f64>,
-    /// DC ratio.
+    /// DC ratio, rad of roll per rad of steer or per m/s².
     pub ratio: Option<f64>,
-    /// Its standard deviation from noise.
+    /// Standard deviation of the ratio due to noise.
     pub ratio_sd: Option<f64>,
-    /// Signal to noise, dB.
+    /// Signal-to-noise ratio, dB.
     pub snr_db: Option<f64>,
     /// Whether there is a height.
     pub status: Verdict,
-    /// Why not.
+    /// The reason if there is no height.
     pub reason: Option<String>,
 }
 
 impl ManeuverEstimate {
-    /// From what one channel says of a maneuver; `origin_s` is the time stamp of the estimator's zero.
+    /// The result of one channel for a maneuver. `origin_s` is the time stamp of the estimator's
+    /// time zero, s.
     pub fn new(maneuver: &Maneuver<f64>, outcome: &Outcome<f64>, origin_s: f64) -> Self {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let seconds = |time_us: u64| origin_s + time_us as f64 * 1e-6;

@@ -1,7 +1,8 @@
-//! One fault that explains what the channels say: a sign, a unit or a gain.
+//! Diagnosis of a contradiction between the channels: single faults (sign, unit or gain) that
+//! explain it.
 //!
-//! Each fault changes the DC ratio of one channel or of both in a way of its own. Where the ratios as
-//! they are make no sense together, each fault is taken back in turn; the ones after which both
+//! Each fault changes the DC ratio of one or both channels in its own way. If the identified ratios
+//! contradict each other, each fault is reversed in turn. The faults after whose reversal both
 //! channels give the same possible height are the likely causes.
 
 use std::fmt;
@@ -9,11 +10,12 @@ use std::fmt;
 use cg_core::truck::ratio::solve_height;
 use cg_core::{Channel, Design, Measured};
 
-/// Steering-wheel angle over road-wheel angle of most trucks, where the vehicle file has none.
+/// Steering-wheel angle divided by road-wheel angle of most trucks, used if the vehicle file has
+/// none.
 const USUAL_STEERING_RATIO: f64 = 20.0;
-/// Standard deviations up to which two heights agree.
+/// Number of standard deviations up to which two heights agree.
 const AGREES: f64 = 2.0;
-/// What a sensor's gain must be off by to be worth a word.
+/// Relative error of a sensor gain above which it is reported.
 const NOTEWORTHY: f64 = 0.05;
 
 /// A fault of one sensor that would explain the ratios.
@@ -28,7 +30,8 @@ pub(super) enum Cause {
     SteerInDegrees,
     LateralInG,
     LateralHasGravity,
-    /// Steer over its true value, and lateral acceleration over its own: either explains it.
+    /// The steer angle divided by its true value, and the lateral acceleration divided by its true
+    /// value. Either of them explains the contradiction.
     Gain {
         steer: f64,
         lateral: f64,
@@ -44,8 +47,8 @@ impl fmt::Display for Cause {
                 "the lateral acceleration is reversed (⟨flip lateral_acceleration⟩, or yaw_rate)",
             ),
             Self::RollIsTilt => f.write_str(
-                "the roll angle is that of an inclinometer that feels the lateral acceleration \
-                 (name its column tilt_rad)",
+                "the roll angle comes from an inclinometer, which also measures the lateral \
+                 acceleration (name its column tilt_rad)",
             ),
             Self::RollInDegrees => {
                 f.write_str("the roll angle is in degrees (⟨columns roll=NAME[deg]⟩)")
@@ -61,31 +64,32 @@ impl fmt::Display for Cause {
                 "the lateral acceleration is in g (⟨columns lateral_acceleration=NAME[g]⟩)",
             ),
             Self::LateralHasGravity => f.write_str(
-                "the lateral acceleration is that of an accelerometer fixed to the body, which \
-                 feels gravity as the body rolls (leave its column out, so that yaw rate and speed \
-                 serve instead)",
+                "the lateral acceleration comes from an accelerometer fixed to the body, which \
+                 also measures gravity when the body rolls (remove its column, so that yaw rate \
+                 and speed are used instead)",
             ),
             Self::Gain { steer, lateral } => write!(
                 f,
-                "the steer angle is {steer:.2} times its true value, or the lateral acceleration \
-                 {lateral:.2} times: check scale and unit",
+                "the steer angle is {steer:.2} times its true value, or the lateral acceleration is \
+                 {lateral:.2} times its true value; check scale and unit",
             ),
         }
     }
 }
 
-/// What the channels have found, whether it makes sense or not.
+/// The identified ratios of the channels and the data to judge them.
 pub(super) struct Evidence<'a> {
     pub(super) design: &'a Design<f64>,
     pub(super) steering_ratio: Option<f64>,
-    /// DC ratios in the order of [`Channel::ALL`], compensation taken off.
+    /// DC ratios in the order of [`Channel::ALL`], divided by the compensation.
     pub(super) ratio: [Option<Measured<f64>>; 2],
     pub(super) speed_mps: f64,
     pub(super) trailer_mass_kg: f64,
 }
 
 impl Evidence<'_> {
-    /// The faults that explain what is wrong; none if nothing is, or if none does.
+    /// The faults that explain a contradiction; empty if there is no contradiction or no
+    /// explanation.
     pub(super) fn likely_causes(&self) -> Vec<Cause> {
         if self.makes_sense(self.ratio) || self.ratio.iter().all(Option::is_none) {
             return Vec::new();
@@ -94,7 +98,8 @@ impl Evidence<'_> {
         let wheel = self.steering_ratio.unwrap_or(USUAL_STEERING_RATIO);
         let degree = 1_f64.to_radians();
         let [_, lateral] = self.ratio.map(|ratio| ratio.map_or(f64::NAN, |ratio| ratio.value));
-        // An inclinometer adds a_y/g to the roll; a body-fixed accelerometer g times the roll to a_y.
+        // An inclinometer adds a_y/g to the roll. A body-fixed accelerometer adds g times the roll
+        // to a_y.
         let tilt = 1.0 - 1.0 / (gravity * lateral);
         let body = 1.0 / (1.0 - gravity * lateral);
         let single: Vec<Cause> = [
@@ -125,7 +130,7 @@ impl Evidence<'_> {
         ratio
     }
 
-    /// Height of a channel with all its uncertainty.
+    /// Height of a channel with its whole uncertainty.
     fn height(&self, channel: Channel, ratio: Measured<f64>) -> Option<Measured<f64>> {
         let (speed_mps, mass_kg) = (self.speed_mps, self.trailer_mass_kg);
         let line = self.design.line(channel, speed_mps, mass_kg)?;
@@ -135,7 +140,7 @@ impl Evidence<'_> {
         (height.value >= *least_height_m && height.value <= *greatest_height_m).then_some(height)
     }
 
-    /// Whether every channel with a ratio has a possible height and both agree.
+    /// Whether every channel with a ratio has a possible height and both heights agree.
     fn makes_sense(&self, ratio: [Option<Measured<f64>>; 2]) -> bool {
         let heights: Option<Vec<Measured<f64>>> = Channel::ALL
             .into_iter()
@@ -152,7 +157,7 @@ impl Evidence<'_> {
         }
     }
 
-    /// The gains that would let both channels agree, each at the height of the other one.
+    /// The gains with which both channels would agree, each at the height of the other channel.
     fn gain(&self) -> Option<Cause> {
         let [steer, lateral] = self.ratio;
         let (steer, lateral) = (steer?, lateral?);
@@ -161,7 +166,7 @@ impl Evidence<'_> {
             let line = self.design.line(channel, self.speed_mps, self.trailer_mass_kg)?;
             Some(line.ratio_at(height.value))
         };
-        // A signal that is too great gives a ratio that is too small.
+        // A signal that is too large gives a ratio that is too small.
         let steer_gain =
             wanted(Channel::Steer, Channel::LateralAcceleration, lateral)? / steer.value;
         let lateral_gain =

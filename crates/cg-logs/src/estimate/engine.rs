@@ -1,4 +1,4 @@
-//! The estimator of the chosen method.
+//! The estimator with the chosen method of identification.
 
 use cg_core::Maneuver;
 use cg_core::identify::arx::{ArxOptions, SampledArx};
@@ -10,10 +10,10 @@ use cg_core::{
 use super::options::{EstimateOptions, Method};
 use cg_vehicle::Variant;
 
-/// Interval of the classical ARX (the source's 0.05 s): faster logs are thinned out.
+/// Sampling interval of the classical ARX, as in the thesis. Faster logs are downsampled to it.
 const ARX_INTERVAL_S: f64 = 0.05;
 
-/// The estimator of the chosen method.
+/// The estimator with the chosen method of identification.
 #[derive(Clone)]
 pub(crate) enum Engine {
     Filtered(Box<Estimator<f64, FilteredArx<f64>>>),
@@ -24,7 +24,8 @@ impl Engine {
     pub(crate) fn new(design: &Design<f64>, options: &EstimateOptions) -> Self {
         let mut settings = Settings::truck();
         if options.variant == Variant::AsPrinted {
-            // The printed matrices overshoot by a third where neither plant nor truck does.
+            // The matrices printed in the thesis overshoot by a third; the plant and the truck do
+            // not.
             settings.standstill = f64::INFINITY;
         }
         let standard = Prior::standard();

@@ -1,4 +1,4 @@
-//! The end of a log: what all its maneuvers say together.
+//! The end of a log: the combined result of all its maneuvers.
 
 use cg_core::{Channel, Combined, Height, Measured};
 use cg_core::{Maneuver, Reject};
@@ -7,24 +7,24 @@ use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use super::intake::{Identified, LogEstimator};
 use super::options::QUANTILE_95;
 
-/// What [`LogEstimate::channel`] says when both went in.
+/// Value of [`LogEstimate::channel`] if both channels were used.
 const COMBINED: &str = "combined";
 
-/// What the channels give together.
+/// The result of both channels together.
 struct Together {
     height: Option<Height<f64>>,
     verdict: Verdict,
-    /// What is to be said of how they fit together.
+    /// A message on the agreement of the channels.
     remark: Option<String>,
 }
 
 impl LogEstimator {
-    /// Ends the log.
+    /// Ends the log and returns its result.
     pub fn finish(mut self) -> LogEstimate {
         let last = self.engine.finish();
         self.keep(last.as_ref());
         let channel = self.options.channel.or_else(|| self.engine.best_channel());
-        // Without any height, the channel whose signal is there says why.
+        // If no channel has a height, the reason comes from a channel whose signal is present.
         let there = |one: &Channel| self.last_reject(*one).is_some_and(|why| why != Reject::Absent);
         let told = || Channel::ALL.into_iter().rev().find(there);
         let shown = channel.or_else(told).unwrap_or(Channel::LateralAcceleration);
@@ -35,7 +35,7 @@ impl LogEstimator {
         if self.options.channel.is_none() && self.is_combined() {
             estimate.channel = Some(COMBINED.to_owned());
         }
-        // What matters most comes first.
+        // The most important messages come first.
         let mut first: Vec<String> = together.remark.into_iter().collect();
         match together.verdict {
             Verdict::Ok => first.extend(self.left_out()),
@@ -54,7 +54,7 @@ impl LogEstimator {
         estimate
     }
 
-    /// Height and verdict of the channels that are asked for.
+    /// Height and verdict of the requested channels.
     fn together(&self) -> Together {
         let plain = |height: Option<Height<f64>>| Together {
             height,
@@ -77,8 +77,8 @@ impl LogEstimator {
         match combined {
             Some(Combined::Doubtful { height, chi_square }) => Together {
                 remark: Some(format!(
-                    "{}: more than their uncertainty explains; the interval is {:.1} times as wide \
-                     for it",
+                    "{}: they differ by more than their uncertainty explains; the interval was \
+                     made {:.1} times as wide",
                     self.both_heights(),
                     chi_square.sqrt()
                 )),
@@ -110,7 +110,7 @@ impl LogEstimator {
             .map(|(maneuver, _)| *maneuver)
     }
 
-    /// Height, ratio, speed and rollover threshold.
+    /// The result with height, ratio, speed and rollover threshold.
     fn answer(
         &self,
         estimate: &mut LogEstimate,
@@ -139,7 +139,7 @@ impl LogEstimator {
         estimate.messages.extend(Self::unusual(height));
     }
 
-    /// Mean speed of the maneuvers that gave a height in one of these channels.
+    /// Mean speed of the maneuvers that gave a height in one of these channels, m/s.
     pub(super) fn mean_speed_mps(&self, channels: &[Channel]) -> Option<f64> {
         let speeds: Vec<f64> = self
             .maneuvers
@@ -154,7 +154,7 @@ impl LogEstimator {
         (n > 0.0).then(|| speeds.iter().sum::<f64>() / n)
     }
 
-    /// The DC ratio that a height means, with the standard deviation that noise gives it.
+    /// The DC ratio that corresponds to a height, with its standard deviation due to noise.
     fn ratio_of(
         &self,
         channel: Channel,
@@ -170,8 +170,8 @@ impl LogEstimator {
         Some(Measured { value: compensation * line.ratio_at(h), sd })
     }
 
-    /// Ends the log: what it says of the DC ratios, whatever the height behind them. Both are
-    /// fused over the maneuvers, at the mean speed and trailer mass that stand beside.
+    /// Ends the log and returns its DC ratios, also if the heights are impossible. The ratios are
+    /// fused over the maneuvers and refer to the mean speed and trailer mass in the result.
     pub fn identified(mut self) -> Identified {
         let last = self.engine.finish();
         self.keep(last.as_ref());
@@ -191,14 +191,14 @@ impl LogEstimator {
                 identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
                 continue;
             };
-            // Heights do not depend on speed: both ratios can be told at one.
+            // Heights do not depend on speed, so both ratios can refer to one speed.
             identified.ratio[channel.index()] =
                 self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
         }
         identified
     }
 
-    /// The answer without a height.
+    /// The result without a height.
     fn unanswered(&self, shown: Channel, channel: Option<Channel>) -> LogEstimate {
         let origin_s = self.origin_s.unwrap_or(0.0);
         LogEstimate {
@@ -228,7 +228,7 @@ impl LogEstimator {
         }
     }
 
-    /// The channels that were asked for.
+    /// The requested channels.
     fn asked(&self) -> &[Channel] {
         match self.options.channel {
             Some(Channel::Steer) => &Channel::ALL[..1],
@@ -237,12 +237,12 @@ impl LogEstimator {
         }
     }
 
-    /// What one channel says alone.
+    /// The result of one channel alone.
     fn alone(&self, channel: Channel) -> ChannelEstimate {
         let height = self.engine.height(channel);
         let reason = || match self.last_reject(channel) {
             Some(reject) => reject.to_string(),
-            None => "no maneuver to learn from".to_owned(),
+            None => "no maneuver".to_owned(),
         };
         ChannelEstimate {
             channel: channel.to_string(),
@@ -253,7 +253,7 @@ impl LogEstimator {
         }
     }
 
-    /// Why the last maneuver without a height in this channel has none.
+    /// The reason why the last maneuver without a height in this channel has none.
     pub(super) fn last_reject(&self, channel: Channel) -> Option<Reject<f64>> {
         let mut outcomes = self.maneuvers.iter().rev().map(|one| one.outcomes[channel.index()]);
         outcomes.find_map(|outcome| outcome.height_m.err())

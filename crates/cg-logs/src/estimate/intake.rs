@@ -1,4 +1,4 @@
-//! Takes in the samples of a log.
+//! Processes the rows of a log.
 
 use cg_core::Maneuver;
 use cg_core::{AlignSettings, Design, Measured, Sample, SampleError, Status};
@@ -11,27 +11,28 @@ use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
 
-/// Maneuvers that are kept of one log; more are counted only. A year on the road has some thousands.
+/// Number of maneuvers of a log that are kept; further ones are only counted. A year of driving has
+/// some thousands.
 const MOST_MANEUVERS: usize = 10_000;
 
-/// What a log says of the DC ratios.
+/// The DC ratios identified from a log.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Identified {
-    /// Mean speed of the maneuvers.
+    /// Mean speed of the maneuvers, m/s.
     pub speed_mps: f64,
-    /// Trailer mass taken.
+    /// Trailer mass used, kg.
     pub trailer_mass_kg: f64,
-    /// Whether log or options gave it (or else the vehicle file).
+    /// Whether the mass comes from the log or the options, and not from the vehicle file.
     pub trailer_mass_is_known: bool,
-    /// DC ratios in the order of [`Channel::ALL`], with the standard deviation from noise.
+    /// DC ratios in the order of [`Channel::ALL`], with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; 2],
-    /// What a reader should know.
+    /// Messages for the user.
     pub messages: Vec<String>,
 }
 
-/// Estimates one log, row by row. Memory grows with the number of maneuvers only, up to that of
-/// ten thousand.
+/// Estimates the height from one log, row by row. Its memory grows only with the number of
+/// maneuvers, up to ten thousand.
 #[derive(Clone)]
 pub struct LogEstimator {
     pub(super) design: Design<f64>,
@@ -45,13 +46,13 @@ pub struct LogEstimator {
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
-    /// Maneuvers beyond those that are kept.
+    /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
 }
 
-/// Which optional signals the log has had.
+/// Which optional signals the log contains.
 #[derive(Clone, Copy, Default)]
-#[allow(clippy::struct_excessive_bools, reason = "one for each thing to tell")]
+#[allow(clippy::struct_excessive_bools, reason = "one flag per signal")]
 pub(super) struct Seen {
     pub(super) speed: bool,
     pub(super) mass: bool,
@@ -63,12 +64,12 @@ impl LogEstimator {
     /// An estimator for logs of `vehicle`.
     ///
     /// # Errors
-    /// [`VehicleError`] if the vehicle makes no usable design.
+    /// [`VehicleError`] if the vehicle gives no usable design.
     pub fn new(vehicle: &Vehicle, options: EstimateOptions) -> Result<Self, VehicleError> {
         Ok(Self::from_design(&design(vehicle, options.variant)?, vehicle.align_settings(), options))
     }
 
-    /// The same from a design that is computed already.
+    /// An estimator with an existing design.
     pub fn from_design(
         design: &Design<f64>,
         settings: AlignSettings<f64>,
@@ -90,10 +91,11 @@ impl LogEstimator {
         }
     }
 
-    /// Takes in one row; what it shows.
+    /// Processes one row and returns the state of the estimator.
     ///
     /// # Errors
-    /// [`SampleError`] if its time does not follow the row before (to a microsecond).
+    /// [`SampleError`] if the time is not later than that of the previous row (at a resolution of 1
+    /// µs).
     pub fn push(&mut self, row: &LogRow) -> Result<Status, SampleError> {
         let sample = self.sample(row);
         let step = self.engine.push(&sample)?;
@@ -116,7 +118,7 @@ impl LogEstimator {
 
     pub(super) fn sample(&mut self, row: &LogRow) -> Sample<f64> {
         let origin_s = *self.origin_s.get_or_insert(row.time_s);
-        // Microseconds since the first row; the cast saturates at zero for a step back in time,
+        // Microseconds since the first row. The cast gives zero for a time before the first row,
         // which the estimator then refuses.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let time_us = ((row.time_s - origin_s) * 1e6).round() as u64;

@@ -1,4 +1,4 @@
-//! What is said beside a height, or in place of one.
+//! Messages that explain a height or its absence.
 
 use cg_core::Reject;
 use cg_core::{Channel, Measured};
@@ -6,14 +6,14 @@ use cg_core::{Channel, Measured};
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
 
-/// The greatest usual height: a box that is full to a roof at 4 m over a floor at 1.2 m has its middle
-/// at 2.6 m, and the trailer's own weight lies below.
+/// Greatest usual height. The middle of a box that is filled to a roof at 4 m above a floor at 1.2
+/// m is at 2.6 m, and the trailer's own mass is below.
 const USUAL_HEIGHT_M: f64 = 2.5;
-/// Drift of the roll sensor that is worth a word: a third of a degree in a minute.
+/// Drift of the roll sensor above which it is reported: a third of a degree per minute.
 const DRIFT_RADPS: f64 = 1e-4;
 
 impl LogEstimator {
-    /// Why there is no height.
+    /// The reason why there is no height.
     pub(super) fn rejection(&self, shown: Channel) -> String {
         if self.rows == self.absent_rows {
             return "rejected: no row has a roll angle and an input".to_owned();
@@ -25,8 +25,8 @@ impl LogEstimator {
             .map(|reason| reason.to_string())
             .collect();
         match reasons.last() {
-            None => "rejected: unexcited, the log holds no turn (0.5 m/s² of lateral \
-                     acceleration or more): drive a curve"
+            None => "rejected: unexcited, the log contains no turn (at least 0.5 m/s² of lateral \
+                     acceleration); record a drive with turns"
                 .to_owned(),
             Some(last) => format!("rejected: {last}"),
         }
@@ -36,40 +36,40 @@ impl LogEstimator {
         let mut messages: Vec<String> = self.check.clock().into_iter().collect();
         if let Some(drift) = Channel::ALL.into_iter().find_map(|channel| self.drift(channel)) {
             messages.push(format!(
-                "the roll sensor drifts by {drift:.1} degrees a minute; a steady drift has been \
-                 taken out of each maneuver"
+                "the roll sensor drifts by {drift:.1} degrees per minute; a constant drift was \
+                 removed from each maneuver"
             ));
         }
         if self.more_maneuvers > 0 {
             messages.push(format!(
-                "{} more maneuvers went into the height and are not listed",
+                "{} more maneuvers were used for the height but are not listed",
                 self.more_maneuvers
             ));
         }
         if !self.seen.speed && self.options.speed_mps.is_none() {
             messages.push(format!(
-                "no speed in the log: {:.2} m/s of the vehicle file taken; give ⟨speed_mps⟩",
+                "no speed in the log: {:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
                 self.design.nominal_speed_mps
             ));
         }
         if !self.seen.mass && self.options.trailer_mass_kg.is_none() {
             messages.push(format!(
-                "no trailer mass in the log: {:.0} kg of the vehicle file taken; give \
-                 ⟨trailer_mass_kg⟩ (mass and height are confounded)",
+                "no trailer mass in the log: {:.0} kg from the vehicle file is used; give \
+                 ⟨trailer_mass_kg⟩ (a wrong mass gives a wrong height)",
                 self.design.nominal_trailer_mass_kg
             ));
         }
         if self.seen.unscaled_steering_wheel {
             messages.push(
-                "the log has the steering-wheel angle but the vehicle file no steering_ratio: \
-                 steer channel not used"
+                "the log has the steering-wheel angle, but the vehicle file has no steering_ratio: \
+                 the steer channel is not used"
                     .to_owned(),
             );
         }
         if self.seen.unscaled_pressure && !self.seen.mass {
             messages.push(
-                "the log has the suspension pressure but the vehicle file no \
-                 trailer.suspension_pressure: mass not taken from it"
+                "the log has the suspension pressure, but the vehicle file has no \
+                 trailer.suspension_pressure: the mass is not computed from it"
                     .to_owned(),
             );
         }
@@ -89,35 +89,35 @@ impl LogEstimator {
         messages
     }
 
-    /// What is to be said of a height that loads hardly have.
+    /// A message for a height that is unusual for a load.
     pub(super) fn unusual(height_m: f64) -> Option<String> {
         (height_m > USUAL_HEIGHT_M).then(|| {
             format!(
-                "a height of {height_m:.2} m is more than loads have (up to {USUAL_HEIGHT_M} m): \
-                 check the gain of the roll sensor and the trailer mass"
+                "a height of {height_m:.2} m is unusual for a load (usually below \
+                 {USUAL_HEIGHT_M} m); check the gain of the roll sensor and the trailer mass"
             )
         })
     }
 
-    /// Both channels' heights in words.
+    /// The heights of both channels in words.
     pub(super) fn both_heights(&self) -> String {
         let told = |channel: Channel| {
             let height = self.engine.height(channel)?.height_m;
-            Some(format!("{channel} says {:.3} ± {:.3} m", height.value, height.sd))
+            Some(format!("{channel} channel {:.3} ± {:.3} m", height.value, height.sd))
         };
         Channel::ALL.into_iter().filter_map(told).collect::<Vec<_>>().join(", ")
     }
 
-    /// Why the height of one channel is not believed.
+    /// The reason why the height of one channel is not used.
     pub(super) fn impossible(&self) -> String {
         let without = Channel::ALL.into_iter().find(|&one| self.engine.height(one).is_none());
         let reject = without.and_then(|channel| Some((channel, self.last_reject(channel)?)));
         let why = reject
             .map_or_else(String::new, |(channel, reject)| format!("{channel} channel: {reject}; "));
-        format!("{why}{}, but if the roll angle is at fault that is wrong too", self.both_heights())
+        format!("{why}{}, which is wrong too if the roll angle is wrong", self.both_heights())
     }
 
-    /// The channel that gave no height though its signal is there, and why.
+    /// The channel that gave no height although its signal is present, and the reason.
     pub(super) fn left_out(&self) -> Option<String> {
         if self.options.channel.is_some() {
             return None;
@@ -127,7 +127,7 @@ impl LogEstimator {
         Some(format!("{channel} channel left out: {reject}"))
     }
 
-    /// Faults that would explain what the channels say, in words.
+    /// Likely causes of a contradiction, in words.
     pub(super) fn likely_causes(&self) -> Vec<String> {
         let speed_mps = self.mean_speed_mps_of_fits();
         let evidence = Evidence {
@@ -147,8 +147,8 @@ impl LogEstimator {
         sum / n
     }
 
-    /// The DC ratio of a channel at a speed, compensation taken off, from all maneuvers that the
-    /// estimator could identify, whether their height can be or not.
+    /// The DC ratio of a channel at a speed, divided by the compensation, from all identified
+    /// maneuvers. It includes maneuvers whose height is impossible.
     fn pooled_ratio(&self, channel: Channel, speed_mps: f64) -> Option<Measured<f64>> {
         let reference_m = self.design.reference_height_m;
         let at = |speed_mps, mass_kg| {
@@ -169,7 +169,7 @@ impl LogEstimator {
         (weight > 0.0).then(|| Measured { value: sum / weight * usual, sd: usual / weight.sqrt() })
     }
 
-    /// A drift of the roll sensor that most maneuvers show, in degrees a minute.
+    /// The drift of the roll sensor if most maneuvers show one, degrees per minute.
     fn drift(&self, channel: Channel) -> Option<f64> {
         let fits: Vec<_> = self
             .maneuvers

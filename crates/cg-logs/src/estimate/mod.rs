@@ -1,14 +1,14 @@
-//! One log in, one answer out: the command line and Python both call this.
+//! Estimation of the height from one log, for the command line and for Python.
 //!
 //! | file | what |
 //! |---|---|
-//! | `options` | what to estimate with |
-//! | `engine` | the estimator in the chosen method |
-//! | `answer` | what a log's answer holds |
+//! | `options` | options of the estimate |
+//! | `engine` | the estimator with the chosen method |
+//! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
-//! | `intake` | takes in samples |
-//! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes of a contradiction, words, the answer |
-//! | `prediction` | the roll that the model expects, next to the measured one |
+//! | `intake` | processing of the rows |
+//! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
+//! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
 mod options;
 mod answer;

@@ -1,4 +1,4 @@
-//! What to estimate with.
+//! Options of an estimate.
 
 use cg_core::Channel;
 use cg_vehicle::Variant;
@@ -7,39 +7,39 @@ use serde::Serialize;
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE_95: f64 = 1.959_964;
 
-/// How the DC ratio is identified.
+/// Method by which the DC ratio is identified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// ARX on filtered signals with prior dynamics: the production method.
+    /// ARX on filtered signals with prior dynamics: the recommended method.
     #[default]
     Filtered,
-    /// Classical shift-form ARX, as in the source.
+    /// Classical ARX in shift form, as in the thesis.
     Arx,
-    /// Nominal dynamics, only the gain is free: least variance, if the dynamics are right.
+    /// Nominal dynamics with a free gain. It has the smallest variance if the dynamics are right.
     Gain,
 }
 
 cg_core::words!(Method {
-    Filtered => "filtered", "Filtered signals and prior dynamics";
-    Arx => "arx", "Classical shift form, as in the thesis";
-    Gain => "gain", "Nominal dynamics, only the gain is free";
+    Filtered => "filtered", "ARX on filtered signals with prior dynamics";
+    Arx => "arx", "Classical ARX in shift form, as in the thesis";
+    Gain => "gain", "Nominal dynamics; only the gain is identified";
 });
 
-/// Which channel a height is estimated from.
+/// The channel from which a height is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ChannelChoice {
-    /// Both, combined.
+    /// Both channels, combined.
     #[default]
     Auto,
-    /// Steer angle alone.
+    /// Only the steer angle.
     Steer,
-    /// Lateral acceleration alone.
+    /// Only the lateral acceleration.
     LateralAcceleration,
 }
 
 cg_core::words!(ChannelChoice {
-    Auto => "auto", "Both, by what each knows";
+    Auto => "auto", "Both, weighted by their uncertainty";
     Steer => "steer", "Steer angle";
     LateralAcceleration => "lateral-acceleration", "Lateral acceleration, or yaw rate times speed";
 });
@@ -54,20 +54,20 @@ impl From<ChannelChoice> for Option<Channel> {
     }
 }
 
-/// What to estimate with.
+/// Options of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateOptions {
     /// Equations of the vehicle model.
     pub variant: Variant,
-    /// Identification.
+    /// Method of identification.
     pub method: Method,
     /// Order of the classical ARX.
     pub order: usize,
-    /// The channel to use; `None` combines both, each with the weight of what it knows.
+    /// The channel to use; `None` combines both, weighted by their uncertainty.
     pub channel: Option<Channel>,
-    /// Speed, whatever the log says.
+    /// Speed in m/s that replaces the one in the log.
     pub speed_mps: Option<f64>,
-    /// Trailer mass, whatever the log says.
+    /// Trailer mass in kg that replaces the one in the log.
     pub trailer_mass_kg: Option<f64>,
 }
 

@@ -1,5 +1,4 @@
-//! The roll angle that the model expects of a log, row by row: what a picture sets beside the
-//! measured one.
+//! Prediction of the roll angle row by row, for plots next to the measured one.
 
 use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
 use cg_core::{AlignSettings, Channel, Conditioner, Design, Reduced5, SampleError};
@@ -8,15 +7,16 @@ use super::intake::LogEstimator;
 use super::options::EstimateOptions;
 use crate::log::LogRow;
 
-/// The trailer mass changes by this share before the dynamics are taken anew.
+/// Relative change of the trailer mass after which the dynamics are recomputed.
 const NEW_MASS: f64 = 0.05;
-/// Intervals that differ by less share one discretisation, s.
+/// Intervals that differ by less than this use the same discretization, s.
 const SAME_INTERVAL_S: f64 = 1e-6;
 
 /// Predicts the roll angle of one log for a given c.g. height.
 ///
-/// The input of the channel, multiplied by the DC ratio at that height, present speed and mass,
-/// goes through the reduced model's shape. The offset of the roll sensor is not in it.
+/// The input of the channel is multiplied by the DC ratio at this height and at the present speed
+/// and mass. The result is filtered by the reduced model. The offset of the roll sensor is not
+/// included.
 pub struct Prediction {
     design: Design<f64>,
     channel: Channel,
@@ -26,7 +26,7 @@ pub struct Prediction {
     running: Option<Running>,
 }
 
-/// The filter at work, in scaled time.
+/// The running filter, in scaled time.
 struct Running {
     model: Reduced5<f64>,
     scale_radps: f64,
@@ -38,7 +38,7 @@ struct Running {
 }
 
 impl Prediction {
-    /// Before the first row of a log.
+    /// A prediction before the first row of a log.
     pub fn new(
         design: &Design<f64>,
         settings: AlignSettings<f64>,
@@ -56,15 +56,15 @@ impl Prediction {
         }
     }
 
-    /// The expected roll angle at the next row, radians; NaN where speed or mass lie outside the
-    /// design or the input has not been seen yet. An absent input holds its last value.
+    /// The predicted roll angle at the next row, rad. It is NaN if speed or mass are outside the
+    /// design, or before the first value of the input. An absent input keeps its last value.
     ///
     /// # Errors
-    /// [`SampleError`] if the row's time does not follow the row before.
+    /// [`SampleError`] if the time of the row is not later than that of the previous row.
     pub fn push(&mut self, row: &LogRow) -> Result<f64, SampleError> {
         let mut sample = self.intake.sample(row);
         if sample.roll_rad.is_nan() {
-            sample.roll_rad = 0.0; // the input alone is asked for
+            sample.roll_rad = 0.0; // only the input is used
         }
         let Some(conditioned) = self.conditioner.push(&self.design, &sample)? else {
             return Ok(self.running.as_ref().map_or(f64::NAN, |running| running.roll_rad));

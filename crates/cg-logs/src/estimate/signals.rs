@@ -1,30 +1,31 @@
-//! Whether the signals of a log fit each other and the clock, whatever the roll angle says.
+//! Checks of a log that do not use the roll angle: agreement of the signals, and gaps in time.
 //!
-//! Lateral acceleration and yaw rate times speed are the same thing measured twice. Where a log has
-//! both, a wrong sign, unit or gain of either shows without any model of the truck.
+//! Lateral acceleration and yaw rate times speed measure the same quantity. If a log has both, a
+//! wrong sign, unit or gain of one of them is visible without any model of the truck.
 
 use cg_core::Sample;
 
-/// Time constant of the filter before the comparison: noise out, turns kept.
+/// Time constant of the filter before the comparison. It removes noise and keeps turns.
 const FILTER_S: f64 = 0.5;
-/// Speed below which yaw rate says little.
+/// Speed below which the yaw rate is not used, m/s.
 const LEAST_MPS: f64 = 3.0;
-/// Standard deviation of yaw rate times speed, m/s², without which there is nothing to compare.
+/// Minimum standard deviation of yaw rate times speed for a comparison, m/s².
 const EXCITED_MPS2: f64 = 0.3;
-/// Rows that a comparison needs.
+/// Minimum number of rows for a comparison.
 const LEAST_ROWS: f64 = 100.0;
-/// The slope may differ from one by this share: the gains of two good sensors, and side slip.
+/// Tolerance of the slope around one: the gains of two good sensors, and side slip.
 const TOLERANCE: f64 = 0.15;
-/// How near a slope must be to that of a known fault to name it.
+/// Relative difference within which a slope is attributed to a known fault.
 const NEAR: f64 = 0.1;
-/// The longest interval between two rows that the estimator bridges.
+/// Longest interval between two rows that the estimator accepts, s.
 const GAP_S: f64 = 0.5;
 
-/// Running means of products of two signals.
+/// Running means and sums of products of two signals.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pair {
     mean: [f64; 2],
-    /// Sums of squares of the first, of products, of squares of the second, about the means.
+    /// Sums of the squares of the first signal, of the products, and of the squares of the second
+    /// signal, about the means.
     sums: [f64; 3],
 }
 
@@ -39,20 +40,20 @@ impl Pair {
         self.sums[2] += before[1] * after[1];
     }
 
-    /// Slope of the second over the first.
+    /// Slope of the second signal with respect to the first.
     fn slope(&self) -> f64 {
         self.sums[1] / self.sums[0]
     }
 }
 
-/// Watches the samples of one log.
+/// Checks the samples of one log.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SignalCheck {
     last_us: Option<u64>,
     /// Yaw rate times speed, lateral acceleration and roll, filtered.
     smooth: Option<[f64; 3]>,
     rows: f64,
-    /// Over yaw rate times speed: lateral acceleration, and roll.
+    /// Lateral acceleration, and roll, as functions of yaw rate times speed.
     lateral: Pair,
     roll: Pair,
     all_rows: u64,
@@ -76,7 +77,7 @@ impl SignalCheck {
         let sample = sample.checked();
         let turn_mps2 = sample.yaw_rate_radps * sample.speed_mps;
         let found = [turn_mps2, sample.lateral_acceleration_mps2, sample.roll_rad];
-        // Written so that NaN is left out too; a log without a roll sensor has its tilt instead.
+        // This form of the condition also excludes NaN. A log without a roll sensor uses its tilt.
         if !(sample.speed_mps > LEAST_MPS) || found[..2].iter().any(|x| x.is_nan()) {
             return;
         }
@@ -95,11 +96,12 @@ impl SignalCheck {
         }
     }
 
-    /// What is wrong between lateral acceleration and yaw rate times speed, if anything is.
+    /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
     pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
         let spread_mps2 = (self.lateral.sums[0] / self.rows).sqrt();
         let enough = self.rows >= LEAST_ROWS && spread_mps2 > EXCITED_MPS2;
-        // A lateral acceleration in g or hardly there excites nothing of its own: no matter.
+        // Only yaw rate times speed must vary enough. A lateral acceleration in g, or one that is
+        // nearly zero, is compared too.
         if !enough {
             return None;
         }
@@ -119,19 +121,19 @@ impl SignalCheck {
         } else if near(1.0 / 3.6) {
             "the speed is in km/h (⟨columns speed=NAME[kmh]⟩)"
         } else if near(body) {
-            "the lateral acceleration is that of an accelerometer fixed to the body, which feels \
-             gravity as the body rolls (leave its column out, so that yaw rate and speed serve \
-             instead)"
+            "the lateral acceleration comes from an accelerometer fixed to the body, which also \
+             measures gravity when the body rolls (remove its column, so that yaw rate and speed \
+             are used instead)"
         } else {
             "the gain of one of them is wrong"
         };
         Some(format!(
-            "the lateral acceleration is {slope:.2} times yaw rate times speed, which it should \
-             equal: {cause}"
+            "the lateral acceleration is {slope:.2} times the product of yaw rate and speed, but \
+             should be equal to it: {cause}"
         ))
     }
 
-    /// What is to be said of the clock.
+    /// A message on the intervals between rows.
     pub(super) fn clock(&self) -> Option<String> {
         if self.gaps == 0 {
             return None;
@@ -139,13 +141,13 @@ impl SignalCheck {
         let Self { gaps, all_rows, longest_gap_s, .. } = self;
         Some(if gaps * 2 > *all_rows {
             format!(
-                "most rows are more than {GAP_S} s apart (up to {longest_gap_s:.1} s): ten rows a \
-                 second or more are needed; is the time in seconds?"
+                "most rows are more than {GAP_S} s apart (up to {longest_gap_s:.1} s): at least ten \
+                 rows per second are needed; check that the time is in seconds"
             )
         } else {
             format!(
-                "{gaps} holes of more than {GAP_S} s between rows (the longest {longest_gap_s:.1} \
-                 s): each ends a maneuver"
+                "{gaps} gaps of more than {GAP_S} s between rows (the longest is \
+                 {longest_gap_s:.1} s): each gap ends a maneuver"
             )
         })
     }
@@ -155,7 +157,7 @@ impl SignalCheck {
 mod tests {
     use super::*;
 
-    /// Swings of the lateral acceleration at 15 m/s as two sensors show them.
+    /// Lateral acceleration of a weaving truck at 15 m/s as two sensors measure it.
     fn checked(lateral: impl Fn(f64) -> f64, yaw_gain: f64) -> Option<String> {
         let mut check = SignalCheck::default();
         for k in 0..4000_u64 {

@@ -1,4 +1,4 @@
-//! The writer of CAN logs: rows as J1939 frames, in the lines that `candump -L` writes.
+//! The writer of CAN logs: rows as J1939 frames in the format of `candump -L`.
 //!
 //! ```text
 //!     (12.340000) can0 18F0090B#7E7DFF007D807DFF
@@ -9,10 +9,10 @@
 //! | VDC2 | steering-wheel angle, yaw rate, lateral acceleration | row |
 //! | SSI2 (roll sensor, compensated) or SSI (inclinometer, not compensated) | roll or tilt | row |
 //! | CCVS1 | speed | 100 ms |
-//! | VW | trailer weight | 1 s |
+//! | VW | mass of the trailer | 1 s |
 //! | EBS22 | load of the trailer's axles | 1 s |
 //!
-//! No group holds the pressure of the suspension: it is left out.
+//! J1939 has no group for the suspension pressure, so it is not written.
 
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
@@ -32,11 +32,11 @@ const BRAKES: u8 = 0x0B;
 const ROLL_SENSOR: u8 = 0xE4;
 const ENGINE: u8 = 0x00;
 const TRAILER: u8 = 0xC8;
-/// Cycle of speed and of weight, microseconds.
+/// Cycle times of speed and mass, microseconds.
 const SPEED_CYCLE_US: u64 = 100_000;
 const WEIGHT_CYCLE_US: u64 = 1_000_000;
 
-/// Writes a candump log; like the CSV writer it leaves a whole file or none.
+/// Writes a candump log. Like the CSV writer, it leaves a complete file or none.
 pub struct CandumpWriter {
     sink: BufWriter<Box<dyn Write + Send>>,
     draft: Option<Draft>,
@@ -50,10 +50,11 @@ pub struct CandumpWriter {
 }
 
 impl CandumpWriter {
-    /// Begins a log; `steering_ratio` makes steering-wheel angles of road-wheel angles.
+    /// Begins a log. `steering_ratio` (steering-wheel angle divided by road-wheel angle) converts
+    /// road-wheel angles.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn create(target: &Target, steering_ratio: f64) -> Result<Self, LogError> {
         let file: Box<str> = target.path().display().to_string().into();
         let fail = |source| {
@@ -74,13 +75,13 @@ impl CandumpWriter {
         })
     }
 
-    /// Writes one row as frames; a signal that is absent is "not available", a group without any
-    /// signal is left out.
+    /// Writes one row as frames. Absent signals are "not available"; a group without signals is not
+    /// written.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn write_row(&mut self, row: &LogRow) -> Result<(), LogError> {
-        // A log's times are positive and last days.
+        // The times of a log are positive, and the number of microseconds is far below 2^64.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let time_us = (row.time_s * 1e6).round() as u64;
         let wheel_rad = if row.steering_wheel_rad.is_nan() {
@@ -109,7 +110,8 @@ impl CandumpWriter {
         Ok(())
     }
 
-    /// Values so far that no J1939 signal can hold (written as "not available").
+    /// Number of values so far that are outside the range of their J1939 signal. They are written
+    /// as "not available".
     pub fn out_of_range(&self) -> u64 {
         self.out_of_range
     }
@@ -117,7 +119,7 @@ impl CandumpWriter {
     /// Ends the log and gives the file its name.
     ///
     /// # Errors
-    /// The file cannot be written or renamed; then nothing of it stays.
+    /// The file cannot be written or renamed. It is then removed.
     pub fn finish(mut self) -> Result<(), LogError> {
         let place = self.place();
         let fail = |source| LogError::Write { place: place.clone(), source };
@@ -130,7 +132,7 @@ impl CandumpWriter {
         Place { file: self.file.clone(), position: Position::Line(self.lines + 1) }
     }
 
-    /// One frame with some signals of one group.
+    /// Writes one frame with signals of one group.
     fn frame(
         &mut self,
         time_us: u64,

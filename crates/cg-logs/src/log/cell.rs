@@ -1,10 +1,10 @@
-//! One cell of a CSV row.
+//! Reads the numbers in the cells of a CSV row.
 
 use super::columns::Column;
 use super::error::{ColumnName, LogError, Place, shown_bytes};
 use super::signal::Signal;
 
-/// The column that a field belongs to.
+/// The position in a row of values, and the conversion to SI, for a field.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slot {
     pub(super) signal: usize,
@@ -18,7 +18,7 @@ impl From<&Column> for Slot {
     }
 }
 
-/// What a cell holds if not a number.
+/// The reason why a cell is not a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BadCell {
     Text,
@@ -26,14 +26,14 @@ pub(super) enum BadCell {
 }
 
 impl Slot {
-    /// A number in SI units.
+    /// Converts a number to SI units.
     #[inline]
     pub(super) fn si(self, value: f64) -> f64 {
         value * self.times / self.per
     }
 
-    /// The number at the head of `rest` and the bytes it takes, if it is finite and ends at
-    /// the delimiter: the case of nearly every cell of nearly every log.
+    /// The number at the beginning of `rest` and its length in bytes, if it is finite and ends at
+    /// the delimiter. Nearly all cells are read this way.
     #[inline]
     pub(super) fn plain(self, rest: &[u8], delimiter: u8) -> Option<(f64, usize)> {
         let (value, length) = fast_float2::parse_partial::<f64, _>(rest).ok()?;
@@ -42,7 +42,7 @@ impl Slot {
         (ends && value.is_finite()).then_some((value, length))
     }
 
-    /// The number in a whole cell; NaN for the ways to write an absent one.
+    /// The number in a whole cell; NaN if the cell is empty, `NaN` or `NA`.
     pub(super) fn any(self, cell: &[u8]) -> Result<f64, BadCell> {
         let cell = cell.trim_ascii();
         if cell.is_empty() || cell.eq_ignore_ascii_case(b"na") {
@@ -54,7 +54,7 @@ impl Slot {
     }
 }
 
-/// The error for a cell, with the remedy its text suggests.
+/// The error for a cell, with a remedy that fits its text.
 pub(super) fn bad_cell(place: Place, column: ColumnName, cell: &[u8], bad: BadCell) -> LogError {
     let cell = cell.trim_ascii();
     let text = shown_bytes(cell);
@@ -67,13 +67,13 @@ pub(super) fn bad_cell(place: Place, column: ColumnName, cell: &[u8], bad: BadCe
 fn remedy(cell: &[u8]) -> &'static str {
     let numeric = |byte: &u8| byte.is_ascii_digit() || b"+-,.".contains(byte);
     if cell.contains(&b',') && cell.len() < 40 && cell.iter().all(numeric) {
-        "write decimals with a point, and no thousands separators"
+        "write decimals with a point, without thousands separators"
     } else {
-        "correct it, or leave the cell empty where there is no value"
+        "correct it, or leave the cell empty if there is no value"
     }
 }
 
-/// One slot for each field of a row, empty where the field is not read.
+/// A slot for each field of a row; `None` if the field is not read.
 pub(super) fn plan(columns: &[Column], fields: usize) -> Box<[Option<Slot>]> {
     let mut plan = vec![None; fields];
     for column in columns {
@@ -82,14 +82,14 @@ pub(super) fn plan(columns: &[Column], fields: usize) -> Box<[Option<Slot>]> {
     plan.into()
 }
 
-/// Why the plain way through a row ended.
+/// The reason why the fast reading of a row stopped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
-    /// A field in quotes: the row has to be split with care.
+    /// A field in quotes; the row needs the slower reading.
     Quote,
-    /// Not as many fields as the header has columns.
+    /// The number of fields, which differs from the number of columns.
     Count(usize),
-    /// A field, and where it begins and ends.
+    /// A field that is not a number: its index and its range of bytes.
     Cell(usize, std::ops::Range<usize>, BadCell),
 }
 

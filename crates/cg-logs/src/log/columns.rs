@@ -1,4 +1,4 @@
-//! From the names of a header to the columns to read.
+//! Finds the columns to read from the names in a header.
 
 use std::cmp::Reverse;
 
@@ -10,14 +10,14 @@ use cg_core::Unit;
 /// A column to read.
 #[derive(Clone, Debug)]
 pub(super) struct Column {
-    /// Its place in the file, from zero.
+    /// Index of the column in the file, from zero.
     pub(super) index: usize,
     pub(super) signal: Signal,
     pub(super) times: f64,
     pub(super) per: f64,
 }
 
-/// The columns to read, in the order of the file.
+/// Finds the columns to read, in the order of the file.
 pub(super) fn resolve(
     place: &Place,
     names: &[Box<str>],
@@ -28,7 +28,7 @@ pub(super) fn resolve(
         header.claim(map)?;
     }
     for index in 0..names.len() {
-        header.recognise(index)?;
+        header.recognize(index)?;
     }
     header.refuse_bare_names()?;
     header.require(&[Signal::Time])?;
@@ -51,7 +51,7 @@ pub(super) fn resolve(
     Ok(header.columns.into())
 }
 
-/// The name of a column as messages show it.
+/// The name of a column for messages.
 pub(super) fn column_name(names: &[Box<str>], index: usize) -> ColumnName {
     ColumnName { number: index + 1, name: names.get(index).cloned().unwrap_or_default() }
 }
@@ -60,7 +60,7 @@ struct Header<'a> {
     place: &'a Place,
     names: &'a [Box<str>],
     columns: Vec<Column>,
-    /// Signals an option speaks for: the file's own names for them do not count.
+    /// Signals that an option assigns to a column. Columns with their standard names are ignored.
     claimed: Vec<Signal>,
 }
 
@@ -87,7 +87,7 @@ impl Header<'_> {
         Ok(())
     }
 
-    /// Takes a column because an option says so.
+    /// Uses a column because an option names it.
     fn claim(&mut self, map: &ColumnMap) -> Result<(), LogError> {
         let named = |wanted: &str| {
             let mut all = (0..self.names.len()).filter(|&index| *self.names[index] == *wanted);
@@ -111,8 +111,8 @@ impl Header<'_> {
         twin.map_or(Ok(()), |twin| self.add(twin, map.signal(), map.factor()))
     }
 
-    /// Takes a column because its name is one of ours.
-    fn recognise(&mut self, index: usize) -> Result<(), LogError> {
+    /// Uses a column because it has the standard name of a signal.
+    fn recognize(&mut self, index: usize) -> Result<(), LogError> {
         let Some((stem, suffix)) = self.names[index].rsplit_once('_') else { return Ok(()) };
         let Ok(signal) = stem.parse::<Signal>() else { return Ok(()) };
         let taken = self.columns.iter().any(|column| column.index == index);
@@ -125,7 +125,8 @@ impl Header<'_> {
         }
     }
 
-    /// A column `speed` without a unit must not pass for a foreign one in silence.
+    /// Refuses a column with a signal name but no unit, such as `speed`, which would otherwise be
+    /// ignored without a message.
     fn refuse_bare_names(&self) -> Result<(), LogError> {
         for (index, name) in self.names.iter().enumerate() {
             let Ok(signal) = name.parse::<Signal>() else { continue };
@@ -161,7 +162,7 @@ impl Header<'_> {
             format!("if `{name}` is meant: ⟨columns {signal}={name}[{unit}]⟩")
         } else {
             let signal = near[0].0;
-            format!("name yours with ⟨columns {signal}=NAME[{}]⟩", signal.usual_unit())
+            format!("give its column with ⟨columns {signal}=NAME[{}]⟩", signal.usual_unit())
         };
         let found: Vec<_> = self.names.iter().map(|name| shown(name, 40)).collect();
         LogError::MissingColumn {
@@ -183,7 +184,8 @@ impl Header<'_> {
         Err(LogError::Flip { place: self.place.clone(), signal, reason })
     }
 
-    /// The column not read yet whose name is closest to one of these, and what it is close to.
+    /// The unused column whose name is most similar to one of these names, and the signal of that
+    /// name.
     fn nearest(&self, wanted: &[(Signal, &str)]) -> Option<(usize, Signal)> {
         let mut best: Option<(_, usize, Signal)> = None;
         for (index, name) in self.names.iter().enumerate() {
@@ -202,13 +204,13 @@ impl Header<'_> {
     }
 }
 
-/// Letters and digits of a name, in lower case.
+/// Letters and digits of a name in lower case.
 fn plain(name: &str) -> String {
     name.chars().take(64).filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// The distance of two names if they are close: the edits from one to the other (Levenshtein), or one
-/// more than the edits allowed if one contains the other.
+/// The distance between two names if they are similar: the Levenshtein distance, or the maximum
+/// number of edits plus one if one name contains the other.
 fn distance(name: &str, word: &str) -> Option<usize> {
     const EDITS: usize = 2;
     let edits = strsim::levenshtein(name, word);

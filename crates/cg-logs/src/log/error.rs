@@ -1,4 +1,4 @@
-//! What can be wrong with a log: where, what, and what to do about it.
+//! Errors of log files: where, what is wrong, and what to do.
 
 use std::fmt;
 use std::io;
@@ -8,12 +8,12 @@ use crate::can::CandumpFault;
 use super::signal::Signal;
 pub use crate::place::{Place, Position};
 
-/// A column of a log: "column 3 `roll_rad`".
+/// A column of a log, displayed as "column 3 `roll_rad`".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnName {
-    /// The number of the column, from one.
+    /// Number of the column, from one.
     pub number: usize,
-    /// Its name in the header.
+    /// Name of the column in the header.
     pub name: Box<str>,
 }
 
@@ -23,13 +23,13 @@ impl fmt::Display for ColumnName {
     }
 }
 
-/// Why a log could not be read or written.
+/// The reason why a log cannot be read or written.
 ///
-/// Every message names the file, the line (in parquet: the row), the column where there
-/// is one, and the remedy. The fields of the variants mean the same throughout: `place` and
-/// `column` say where, `source` and `message` what the system or a library said, `signal`
-/// what the column is for; texts taken from the log are shortened and their control
-/// characters escaped.
+/// Every message contains the file, the line (in parquet files: the row), the column if there is
+/// one, and the remedy. The fields have the same meaning in all variants: `place` and `column` are
+/// the position, `source` and `message` are the error of the system or of a library, and `signal`
+/// is the signal of the column. Texts from the log are shortened and their control characters are
+/// escaped.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the fields are explained once, above")]
@@ -40,111 +40,116 @@ pub enum LogError {
     /// The file cannot be read further.
     #[error("{place}: cannot be read ({source}); check the path, the disk or the connection")]
     Read { place: Place, source: io::Error },
-    /// The compressed data end too early or are damaged.
+    /// The compressed data are damaged or incomplete.
     #[error(
         "{place}: the gzip file is truncated or corrupt here ({source}); copy it again, \
-         or save what is whole with `gzip -dc FILE > whole.csv` and drop its last line"
+         or save the intact part with `gzip -dc FILE > whole.csv` and delete its last line"
     )]
     Gzip { place: Place, source: io::Error },
-    /// Not a parquet file, or a damaged one.
+    /// The file is not a parquet file, or it is damaged.
     #[error("{place}: not a readable parquet file ({message}); copy or export it again")]
     Parquet { place: Place, message: Box<str> },
-    /// A parquet file on a stream, which cannot be rewound.
+    /// The file is a parquet file, and this build cannot read it.
+    #[error(
+        "{place}: this program was built without the feature `parquet`; build it with that feature, \
+         or export the log as CSV"
+    )]
+    ParquetLeftOut { place: Place },
+    /// The parquet format is read from a stream. It requires a file, because it is read out of
+    /// order.
     #[error("{place}: parquet cannot be read from a stream; give the path of the file")]
     ParquetStream { place: Place },
-    /// No header: nothing but comments and blank lines, or nothing at all.
+    /// There is no header: the file is empty or contains only comments and blank lines.
     #[error("{place}: the log is empty; it needs a header such as time_s,steer_rad,roll_rad")]
     Empty { place: Place },
-    /// A header and no rows.
+    /// There is a header but no row.
     #[error("{place}: the log has a header but no rows; record or export it again")]
     NoRows { place: Place },
-    /// The first line that is no comment holds numbers.
+    /// The first line that is not a comment contains numbers.
     #[error(
-        "{place}: numbers where the header should be; \
+        "{place}: there are numbers instead of a header; \
          put the column names first, such as time_s,steer_rad,roll_rad"
     )]
     NoHeader { place: Place },
-    /// The header is not text.
+    /// The header is not UTF-8 text.
     #[error("{place}: the header is not UTF-8 text; export the log as CSV in UTF-8")]
     NotUtf8 { place: Place },
-    /// Lines that end in a carriage return alone.
+    /// Lines end with a carriage return only.
     #[error("{place}: lines end in a bare carriage return; save the log with line feeds")]
     CarriageReturns { place: Place },
-    /// A line that is not one.
+    /// A line is longer than the limit.
     #[error(
-        "{place}: the line is longer than {limit_bytes} bytes; this is no log, or its line feeds \
-         were lost, or a quote was never closed"
+        "{place}: the line is longer than {limit_bytes} bytes; the file is not a log, its line \
+         feeds are missing, or a quote is not closed"
     )]
     TooLong { place: Place, limit_bytes: usize },
     /// The file ends inside quotes.
-    #[error("{place}: the quote opened here is never closed; close or remove it")]
+    #[error("{place}: the quote that begins here is not closed; close or remove it")]
     OpenQuote { place: Place },
-    /// A required column, or one that was asked for, is not there.
-    #[error("{place}: no column for {wanted}; the columns found are {found}; {remedy}")]
+    /// A column that is required or named by an option is missing.
+    #[error("{place}: there is no column for {wanted}; the columns are {found}; {remedy}")]
     MissingColumn { place: Place, wanted: Box<str>, found: Box<str>, remedy: Box<str> },
-    /// A column of ours with a unit that is not.
+    /// A column with a known signal name has an unknown unit.
     #[error(
-        "{place}, {column}: unknown unit; {signal} may come in {accepted}: rename the column, or \
-         say which column and unit to take with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
+        "{place}, {column}: unknown unit; the units of {signal} are {accepted}; rename the column, \
+         or give column and unit with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
     )]
     UnknownUnit { place: Place, column: ColumnName, signal: Signal, accepted: Box<str> },
-    /// A signal that comes twice.
+    /// Two columns contain the same signal.
     #[error(
-        "{place}: {signal} comes twice, in {first} and in {second}; remove one, \
-         or choose with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
+        "{place}: the log has {signal} twice, in {first} and in {second}; remove \
+         one, or choose one with ⟨columns {signal}=NAME[{}]⟩", .signal.usual_unit()
     )]
     DuplicateSignal { place: Place, signal: Signal, first: ColumnName, second: ColumnName },
-    /// One column that two options claim.
-    #[error("{place}, {column}: asked for as {first} and as {second}; drop one ⟨columns⟩ option")]
+    /// Two options use the same column.
+    #[error("{place}, {column}: is used as {first} and as {second}; remove one ⟨columns⟩ option")]
     SharedColumn { place: Place, column: ColumnName, first: Signal, second: Signal },
-    /// A sensor to flip that has no sign to turn, or is not in the log.
+    /// The sign of a signal cannot be reversed because it has no direction or is not in the log.
     #[error("{place}: {signal} cannot be flipped: {reason}; remove it from ⟨flip⟩")]
     Flip { place: Place, signal: Signal, reason: &'static str },
-    /// A parquet column that holds no numbers.
-    #[error("{place}, {column}: holds {kind}, not numbers; export it as a numeric column")]
+    /// A parquet column contains something other than numbers.
+    #[error("{place}, {column}: contains {kind} instead of numbers; export it as a numeric column")]
     NotNumeric { place: Place, column: ColumnName, kind: Box<str> },
-    /// A row with more or fewer fields than the header.
+    /// A row has more or fewer fields than the header.
     #[error(
-        "{place}: {found} fields where the header has {expected} columns; {}", 
+        "{place}: {found} fields, but the header has {expected} columns; {}", 
         count_remedy(*.found, *.expected)
     )]
     FieldCount { place: Place, found: usize, expected: usize },
-    /// Text where a number should be.
+    /// A cell contains text instead of a number.
     #[error("{place}, {column}: `{text}` is not a number; {remedy}")]
     NotANumber { place: Place, column: ColumnName, text: Box<str>, remedy: &'static str },
-    /// Infinity, or a number that overflows to it.
-    #[error(
-        "{place}, {column}: `{text}` is not finite; leave the cell empty where there is no value"
-    )]
+    /// A cell contains infinity or a number that is too large.
+    #[error("{place}, {column}: `{text}` is not finite; leave the cell empty if there is no value")]
     Infinite { place: Place, column: ColumnName, text: Box<str> },
-    /// A row without its time.
-    #[error("{place}, {column}: the time is absent; remove the row, or fill the time in")]
+    /// A row has no time.
+    #[error("{place}, {column}: the time is missing; remove the row or enter the time")]
     AbsentTime { place: Place, column: ColumnName },
-    /// Time that stands still or runs backwards.
+    /// The time does not increase.
     #[error(
         "{place}, {column}: time {time_s} s does not come after {previous_s} s; \
-         sort the log by time, or remove the duplicate"
+         sort the log by time, or remove the duplicate row"
     )]
     TimeOrder { place: Place, column: ColumnName, previous_s: f64, time_s: f64 },
-    /// A candump log that cannot be read, or not further.
+    /// A candump log cannot be read.
     #[error("{place}: {source}")]
     Candump { place: Place, source: CandumpFault },
-    /// A candump log without roll angles.
+    /// A candump log contains no valid roll angle.
     #[error(
-        "{place}: none of its {frames} frames has a roll angle that counts (J1939 SSI2 or SSI); for \
-         another sensor give ⟨dbc⟩ and ⟨signals⟩{remarks}"
+        "{place}: none of its {frames} frames contains a valid roll angle (J1939 SSI2 or SSI); \
+         for another sensor give ⟨dbc⟩ and ⟨signals⟩{remarks}"
     )]
     NoSamples { place: Place, frames: u64, remarks: Box<str> },
     /// The log cannot be written.
     #[error("{place}: cannot be written ({source}); check the folder, its permissions and space")]
     Write { place: Place, source: io::Error },
-    /// A kind of file that is only read.
-    #[error("{place}: only CSV is written; end the name in .csv or .csv.gz")]
+    /// The format can be read but not written.
+    #[error("{place}: parquet cannot be written; give a name that ends in .csv or .csv.gz")]
     WriteFormat { place: Place },
 }
 
 impl LogError {
-    /// Whether one row alone is bad, so that reading can go on after it.
+    /// Whether only one row is wrong, so that reading can continue with the next row.
     pub const fn is_of_a_row(&self) -> bool {
         matches!(
             self,
@@ -161,12 +166,12 @@ fn count_remedy(found: usize, expected: usize) -> &'static str {
     if found < expected {
         "complete the row or remove it (a last row may have been cut off)"
     } else {
-        "remove what is too much, put text with delimiters in quotes, \
-         and write decimals with a point"
+        "remove the extra fields, put text that contains delimiters in quotes, \
+         and use a decimal point"
     }
 }
 
-/// At most `limit` characters of a text, control characters escaped.
+/// At most `limit` characters of a text, with control characters escaped.
 pub(super) fn shown(text: &str, limit: usize) -> String {
     let mut out = String::new();
     for (count, letter) in text.chars().enumerate() {
@@ -183,7 +188,7 @@ pub(super) fn shown(text: &str, limit: usize) -> String {
     out
 }
 
-/// The same for bytes of unknown encoding, of which only the head is looked at.
+/// The beginning of a text of unknown encoding, shortened and escaped like [`shown`].
 pub(super) fn shown_bytes(bytes: &[u8]) -> Box<str> {
     const LIMIT: usize = 40;
     let head = bytes.get(..=4 * LIMIT).unwrap_or(bytes);

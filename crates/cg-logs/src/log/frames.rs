@@ -1,4 +1,4 @@
-//! The rows of a CAN log: each sample that its frames make, as `cg run` would take it.
+//! Reads the rows of a CAN log: the samples that its frames form, as in `cg run`.
 
 use std::io::{BufReader, Read};
 
@@ -10,7 +10,7 @@ use super::error::{LogError, Place, Position};
 use super::options::LogOptions;
 use super::signal::{LogRow, Signal};
 
-/// What a sample holds.
+/// The signals of a sample.
 const SAMPLED: [Signal; 8] = [
     Signal::Time,
     Signal::Steer,
@@ -22,18 +22,20 @@ const SAMPLED: [Signal; 8] = [
     Signal::TrailerMass,
 ];
 
-/// Frames to rows of a log: each sample that they make, as `cg run` takes it.
+/// Converts CAN frames to rows of a log: one row for each sample, as in `cg run`.
 #[derive(Clone, Debug)]
 pub struct FrameRows {
     sampler: Sampler,
-    /// Without the truck, steering wheel and load say nothing yet: they stay in the row.
+    /// Whether the settings of the truck are unknown. Then steering-wheel angle and axle load
+    /// cannot be converted and remain in the row.
     without_truck: bool,
-    /// Time of the log less stream time, s; of the first frame, so that time never goes back.
+    /// Time of the log minus stream time at the first frame, s. It is constant, so that the time
+    /// never decreases.
     origin_s: Option<f64>,
 }
 
 impl FrameRows {
-    /// Before the first frame.
+    /// A converter without frames.
     pub fn new(options: &LogOptions) -> Self {
         Self {
             sampler: Sampler::new(options.decoder(), options.settings.unwrap_or_default()),
@@ -42,7 +44,8 @@ impl FrameRows {
         }
     }
 
-    /// Takes in a frame; whether it holds a value that counts. Then ask for [rows](Self::next_row).
+    /// Adds a frame and returns whether it contains a value that is used. Call
+    /// [`next_row`](Self::next_row) afterwards until it returns `None`.
     pub fn push(&mut self, frame: &Frame) -> bool {
         let mut heard = false;
         let instant = self.sampler.push(frame, None, |_| heard = true);
@@ -50,7 +53,7 @@ impl FrameRows {
         heard
     }
 
-    /// Takes in a value that was measured elsewhere than in a frame.
+    /// Adds a value that was not measured by a CAN frame.
     pub fn push_value(&mut self, quantity: Quantity, time_us: u64, value: f64) {
         let instant = self.sampler.push_value(quantity, time_us, value);
         self.begin(time_us, instant);
@@ -62,13 +65,13 @@ impl FrameRows {
         self.origin_s.get_or_insert(seconds(time_us) - seconds(instant.stream_us));
     }
 
-    /// The next row that is complete.
+    /// The next complete row.
     pub fn next_row(&mut self) -> Option<LogRow> {
         let sample = self.sampler.next_sample()?;
         Some(self.row(&sample))
     }
 
-    /// The next row that still waits for other signals, at the end of a log.
+    /// The next row that still waits for other signals, for the end of a log.
     pub fn rest(&mut self) -> Option<LogRow> {
         let sample = self.sampler.rest()?;
         Some(self.row(&sample))
@@ -82,7 +85,8 @@ impl FrameRows {
             return row;
         }
         LogRow::from_values(Signal::ALL.map(|signal| match signal.quantity() {
-            // As in a sample: without a speed no angle says how fast the truck turns.
+            // As in a sample: without a speed, the steering-wheel angle does not determine the
+            // lateral acceleration.
             Some(Quantity::SteeringWheel) if sample.speed_mps.is_nan() => f64::NAN,
             Some(quantity) if !SAMPLED.contains(&signal) => {
                 self.sampler.value(quantity, sample.time_us)
@@ -91,13 +95,13 @@ impl FrameRows {
         }))
     }
 
-    /// The signals that rows may have.
+    /// The signals that rows can contain.
     pub fn signals(&self) -> Vec<Signal> {
         let may = |signal: &Signal| self.without_truck || SAMPLED.contains(signal);
         Signal::ALL.into_iter().filter(may).collect()
     }
 
-    /// What was doubted so far, for people.
+    /// All findings so far, as text for the user.
     pub fn remarks(&self) -> Vec<String> {
         self.sampler.remarks()
     }
@@ -110,7 +114,7 @@ pub(super) struct Frames {
     over: bool,
 }
 
-/// Whether a log that begins so is one of candump: one of its first lines is a frame's.
+/// Whether a log with this beginning is a candump log: one of its first lines is a frame.
 pub(super) fn is_candump(head: &[u8]) -> bool {
     const LINES: usize = 5;
     let text = String::from_utf8_lossy(head);
@@ -142,7 +146,7 @@ impl Frames {
         Place { file: self.file.clone(), position: self.position() }
     }
 
-    /// Reads the next sample into `values`. `false` at the end.
+    /// Reads the next sample into `values`. Returns `false` at the end.
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
         loop {
             let row = if self.over { self.rows.rest() } else { self.rows.next_row() };
@@ -166,13 +170,13 @@ impl Frames {
         }
     }
 
-    /// The file's name, since the fault says the line.
+    /// The error with the name of the file; `source` contains the line.
     fn fail(&self, source: CandumpFault) -> LogError {
         let place = Place { file: self.file.clone(), position: Position::File };
         LogError::Candump { place, source }
     }
 
-    /// That no frame has made a row, and what may be behind it.
+    /// The error for a log whose frames gave no row, with possible causes.
     pub(super) fn no_rows(&self) -> LogError {
         let place = Place { file: self.file.clone(), position: Position::File };
         let remarks = self.remarks().into_iter().fold(String::new(), |all, one| all + "; " + &one);

@@ -1,21 +1,21 @@
-//! Lines of text out of a stream, in constant memory.
+//! Splits a stream into lines, in constant memory.
 //!
 //! ```text
-//!     buffer   …… done │ start ── line ── stop ⏎ next ── not looked at ── end │ free ……
+//!     buffer   …… done │ start ── line ── stop ⏎ next ── not searched ── end │ free ……
 //! ```
 //!
-//! Each byte is looked at once for its line feed; a line that does not end within
-//! [`LIMIT_BYTES`] is refused before more of it is read.
+//! Each byte is searched once for a line feed. A line that does not end within [`LIMIT_BYTES`] is
+//! refused before more of it is read.
 
 use std::io::{self, Read};
 
-/// The longest line, and the longest record of several lines in quotes.
+/// Maximum length of a line, and of a record that spans several lines in quotes.
 pub(super) const LIMIT_BYTES: usize = 64 * 1024;
 
-/// Four limits, so that moving the unfinished line to the front stays rare.
+/// Four times the limit, so that an incomplete line is rarely moved to the front.
 const BUFFER_BYTES: usize = 4 * LIMIT_BYTES;
 
-/// Why there is no next line.
+/// The reason why there is no next line.
 #[derive(Debug)]
 pub(super) enum Fault {
     TooLong,
@@ -47,20 +47,20 @@ impl Lines {
         }
     }
 
-    /// The line last taken, without its end.
+    /// The current line without its line ending.
     #[inline]
     pub(super) fn line(&self) -> &[u8] {
         let line = &self.buffer[self.start..self.stop];
         line.strip_suffix(b"\r").unwrap_or(line)
     }
 
-    /// The number of the line last taken, from one.
+    /// The number of the current line, from one.
     #[inline]
     pub(super) fn number(&self) -> u64 {
         self.number
     }
 
-    /// Takes the next line. `false` at the end of the stream.
+    /// Takes the next line. Returns `false` at the end of the stream.
     #[inline]
     pub(super) fn advance(&mut self) -> Result<bool, Fault> {
         self.start = self.next;
@@ -77,7 +77,7 @@ impl Lines {
         Ok(true)
     }
 
-    /// The same for a line whose end is not in the buffer yet.
+    /// Takes a line whose end is not yet in the buffer.
     #[cold]
     fn advance_across(&mut self) -> Result<bool, Fault> {
         loop {
@@ -98,14 +98,14 @@ impl Lines {
         }
     }
 
-    /// Reads and drops what is left, up to a limit, to learn whether it can be read.
+    /// Reads and discards the rest, up to a limit, to check whether it can be read.
     pub(super) fn drain(&mut self) -> io::Result<()> {
         const DRAINED_BYTES: u64 = 256 << 20;
         io::copy(&mut Read::by_ref(&mut self.source).take(DRAINED_BYTES), &mut io::sink())?;
         Ok(())
     }
 
-    /// One read from the source, behind the line that is not whole yet.
+    /// Reads once from the source and appends to the incomplete line.
     fn fill(&mut self) -> io::Result<()> {
         if self.start == self.end || self.buffer.len() - self.end < LIMIT_BYTES {
             self.buffer.copy_within(self.start..self.end, 0);

@@ -1,29 +1,30 @@
-//! Logs: the rows of sensors that come in and go out as files.
+//! Log files: reading and writing of sensor rows.
 //!
-//! | stage | file | what goes on |
+//! | stage | file | what it does |
 //! |---|---|---|
-//! | bytes | `source` | counted, unpacked where they are gzip |
-//! | lines | `lines` | cut at line feeds, refused when too long |
-//! | cells | `cell`, `quoted` | numbers read in place; rows with quotes split with care |
-//! | rows | `rows`, `batches`, `frames` | CSV, parquet or CAN frames; comments and blank lines dropped |
-//! | signals | `columns`, `options`, `signal` | header names to signals, units to SI, signs flipped |
-//! | log | `reader`, `writer`, `candump` | time and values checked; the public face |
+//! | bytes | `source` | counts bytes and decompresses gzip |
+//! | lines | `lines` | splits at line feeds and refuses lines that are too long |
+//! | cells | `cell`, `quoted` | reads numbers in place; splits rows with quotes |
+//! | rows | `rows`, `batches`, `frames` | reads CSV, parquet or CAN frames; skips comments |
+//! | signals | `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
+//! | log | `reader`, `writer`, `candump` | checks time and values; the public interface |
 //!
 //! # Format
 //!
-//! A header of names with units, then one row of numbers for each instant:
+//! A header with names and units, then one row of numbers for each time stamp:
 //!
-//! `time_s` and the quantities of [`cg_core::quantities!`], each in SI (`roll_rad`) or another unit of
-//! its dimension (`roll_deg`, [`cg_core::Dimension`]). Time is needed, a roll angle (`roll` or `tilt`) and
-//! an input (`steer`, `steering_wheel`, `lateral_acceleration` or `yaw_rate`); everything else is optional.
+//! The columns are `time_s` and the quantities of [`cg_core::quantities!`], in SI units
+//! (`roll_rad`) or in another unit of their dimension (`roll_deg`, [`cg_core::Dimension`]). The
+//! time, a roll angle (`roll` or `tilt`) and an input (`steer`, `steering_wheel`,
+//! `lateral_acceleration` or `yaw_rate`) are required; all other columns are optional.
 //!
-//! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are passed over, but one of
-//! ours in an unknown unit, or without one, is an error. The delimiter is a comma, a
-//! semicolon or a tab, whichever the header has most of. A line that begins with `#` is a
-//! comment and never looked into; blank lines, CRLF, a byte order mark and quotes are fine.
-//! An empty cell, `NaN` or `NA` is an absent value, and so is, if the reader is told which truck
-//! it is, a number that the truck [cannot have](cg_core::AlignSettings::believes). Time must be
-//! there and increase.
+//! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are ignored, except that a column
+//! with one of these names and an unknown unit, or without a unit, is an error. The delimiter is a
+//! comma, a semicolon or a tab: the one that occurs most often in the header. Lines that begin with
+//! `#` are comments and are skipped. Blank lines, CRLF, a byte order mark and quotes are allowed.
+//! An empty cell, `NaN` or `NA` is an absent value. If the reader knows the truck, a number that
+//! the truck [cannot have](cg_core::AlignSettings::believes) is absent too. The time is required
+//! and must increase.
 
 mod signal;
 mod error;
@@ -33,6 +34,7 @@ mod candump;
 mod options;
 mod columns;
 mod cell;
+#[cfg_attr(not(feature = "parquet"), path = "no_batches.rs")]
 mod batches;
 mod frames;
 mod rows;

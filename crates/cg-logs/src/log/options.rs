@@ -1,4 +1,4 @@
-//! Foreign column names and flipped sensors.
+//! Options for reading a log: column names of other programs, reversed signs, CAN signals.
 
 use std::str::FromStr;
 
@@ -9,25 +9,25 @@ use crate::can::{Decoder, DeviceFilter, MappedSignal};
 
 use super::signal::{Signal, UnknownSignal};
 
-/// How a log differs from the format of this project.
+/// How to read a log that differs from the format of this project.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogOptions {
-    /// Foreign names, one for each signal at most. A signal named here is read from that
-    /// column alone: other columns of the same signal in the file are ignored.
+    /// Columns with other names, at most one for each signal. A signal listed here is read from
+    /// this column only; other columns with the same signal are ignored.
     pub columns: Vec<ColumnMap>,
-    /// Sensors mounted the other way round: their values change sign.
+    /// Signals whose sign is reversed, because the sensor is mounted the other way round.
     pub flip: Vec<Signal>,
-    /// How a CAN log is read.
+    /// How to read a CAN log.
     pub can: CanOptions,
-    /// What the truck's sensors mean, of
-    /// [`Vehicle::align_settings`](cg_vehicle::Vehicle::align_settings): values that it
-    /// [cannot have](AlignSettings::believes) are absent then, and a CAN log has its steer angle.
-    /// Without it the values of a table are read as they stand.
+    /// The sensor settings of the truck, from
+    /// [`Vehicle::align_settings`](cg_vehicle::Vehicle::align_settings). With them, values that the
+    /// truck [cannot have](AlignSettings::believes) are absent, and the steer angle of a CAN log is
+    /// known. Without them, the values of a table are used unchanged.
     pub settings: Option<AlignSettings<f64>>,
 }
 
 impl LogOptions {
-    /// How the frames of a log are understood.
+    /// The decoder for the frames of a log.
     pub fn decoder(&self) -> Decoder {
         let flipped = self.flip.iter().filter_map(|signal| signal.quantity()).collect();
         Decoder::new(self.can.mapped.clone(), self.can.filters.clone(), flipped)
@@ -35,28 +35,28 @@ impl LogOptions {
     }
 }
 
-/// How frames become signals.
+/// How to decode CAN frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CanOptions {
-    /// Signals of a DBC file, in place of J1939's.
+    /// Signals of a DBC file that are used instead of the J1939 signals.
     pub mapped: Vec<MappedSignal>,
-    /// Quantities that are taken from one source address only.
+    /// Quantities that are accepted from one source address only.
     pub filters: Vec<DeviceFilter>,
-    /// Whether slope sensors measure roll or tilt.
+    /// Whether the angle of slope sensors counts as roll or as tilt.
     pub compensation: Compensation,
-    /// The only bus of the log that is listened to.
+    /// The bus whose frames are used; `None` uses all buses.
     pub bus: Option<String>,
 }
 
-/// One foreign column, in text form `roll=MyName[deg]`.
+/// The column for a signal, as text `roll=MyName[deg]`.
 ///
-/// The `[unit]` may be left out. Then the unit is the suffix of the foreign name if that
-/// is a unit of the signal (`roll=Gyro_deg` is in degrees), else the SI unit of the signal
-/// (`roll=Gyro` is in radians). A suffix that is a unit of something else
-/// (`roll=Gyro_kmh`) needs the `[unit]`.
+/// The `[unit]` is optional. Without it, the unit is the suffix of the name if that is a unit of
+/// the signal (`roll=Gyro_deg` is in degrees), and otherwise the SI unit of the signal (`roll=Gyro`
+/// is in radians). If the suffix is a unit of another signal (`roll=Gyro_kmh`), the `[unit]` is
+/// required.
 ///
-/// A column whose own name ends in a bracket may be written as it is: `roll=Roll [deg]`
-/// finds the column `Roll`, or else the column `Roll [deg]`.
+/// If the name of a column ends in a bracket, it may be written as it is: `roll=Roll [deg]` selects
+/// the column `Roll` or, if there is none, the column `Roll [deg]`.
 ///
 /// # Example
 ///
@@ -77,11 +77,11 @@ pub struct ColumnMap {
 }
 
 impl ColumnMap {
-    /// Reads `signal` from the column `name`, whose values are in `unit` (`deg`, `kmh`, …).
+    /// The column `name` for `signal`, with values in `unit` (`deg`, `kmh`, …).
     ///
     /// # Errors
     ///
-    /// The unit is not one of the signal, or the name is empty.
+    /// The name is empty, or the unit is not a unit of the signal.
     pub fn new(signal: Signal, name: &str, unit: &str) -> Result<Self, OptionError> {
         let name = name.trim();
         if name.is_empty() {
@@ -95,22 +95,22 @@ impl ColumnMap {
         Ok(Self { signal, name: name.into(), written: name.into(), unit })
     }
 
-    /// The signal that is read.
+    /// The signal.
     pub const fn signal(&self) -> Signal {
         self.signal
     }
 
-    /// The name of the column it is read from.
+    /// The name of the column.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The unit of that column: `deg`.
+    /// The unit of the column, such as `deg`.
     pub const fn unit(&self) -> &'static str {
         self.unit.suffix
     }
 
-    /// Everything after the `=`, for a column whose own name ends in a bracket.
+    /// The text after the `=`, for a column whose name ends in a bracket.
     pub(super) fn written(&self) -> &str {
         &self.written
     }
@@ -140,7 +140,7 @@ impl FromStr for ColumnMap {
     }
 }
 
-/// The unit meant by a foreign name without brackets.
+/// The unit of a column whose text has no brackets.
 fn unit_of_name(signal: Signal, name: &str) -> Result<&str, OptionError> {
     match name.rsplit_once('_') {
         Some((_, suffix)) if signal.unit(suffix).is_some() => Ok(suffix),
@@ -151,38 +151,38 @@ fn unit_of_name(signal: Signal, name: &str) -> Result<&str, OptionError> {
     }
 }
 
-/// Why an option was refused.
+/// The reason why an option is not valid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionError {
-    /// Not the name of a signal.
+    /// The name of the signal is unknown.
     #[error(transparent)]
     UnknownSignal(#[from] UnknownSignal),
-    /// Not of the form `signal=name[unit]`.
-    #[error("`{}` names no column; write it as roll=NAME[deg]", .text.escape_debug())]
+    /// The text does not have the form `signal=name[unit]`.
+    #[error("`{}` is not of the form SIGNAL=NAME[UNIT] (roll=Gyro[deg])", .text.escape_debug())]
     Shape {
-        /// What was given.
+        /// The given text.
         text: Box<str>,
     },
-    /// A unit the signal cannot have.
-    #[error("`{}` is no unit of {signal}; the units are {accepted}", .unit.escape_debug())]
+    /// The unit is not a unit of the signal.
+    #[error("`{}` is not a unit of {signal}; the units are {accepted}", .unit.escape_debug())]
     UnknownUnit {
         /// The signal.
         signal: Signal,
-        /// What was given.
+        /// The given unit.
         unit: Box<str>,
-        /// The units of that signal.
+        /// The units of the signal.
         accepted: Box<str>,
     },
-    /// The name ends in a unit the signal cannot have, and no `[unit]` says otherwise.
+    /// The name ends in a unit of another signal, and there is no `[unit]`.
     #[error(
-        "the name `{}` ends in `{suffix}`, which is no unit of {signal}; \
-         say the unit: {signal}={name}[{}]", .name.escape_debug(), .signal.si().suffix
+        "the name `{}` ends in `{suffix}`, which is not a unit of {signal}; \
+         give the unit: {signal}={name}[{}]", .name.escape_debug(), .signal.si().suffix
     )]
     ForeignUnit {
         /// The signal.
         signal: Signal,
-        /// The foreign name.
+        /// The name of the column.
         name: Box<str>,
         /// Its suffix.
         suffix: Box<str>,

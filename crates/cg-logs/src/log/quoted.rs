@@ -1,4 +1,4 @@
-//! Rows with quotes (RFC 4180), split by csv-core.
+//! Splits rows with quotes (RFC 4180) by csv-core.
 
 use csv_core::{ReadRecordResult, ReaderBuilder, Terminator};
 
@@ -17,8 +17,8 @@ impl Quoted {
         Self { reader, text: Vec::new(), written: 0, ends: Vec::new(), fields: 0 }
     }
 
-    /// Splits the first line of a record. `false` if it ends inside quotes, so that the next
-    /// line belongs to the record too.
+    /// Splits the first line of a record. Returns `false` if it ends inside quotes; the next line
+    /// then belongs to the record too.
     pub(super) fn begin(&mut self, line: &[u8]) -> bool {
         self.reader.reset();
         self.written = 0;
@@ -26,7 +26,7 @@ impl Quoted {
         self.extend(line)
     }
 
-    /// The same for each line that follows inside quotes.
+    /// Continues the record with a line that follows inside quotes.
     pub(super) fn extend(&mut self, line: &[u8]) -> bool {
         let (text, ends) = (self.written + line.len() + 1, self.fields + line.len() + 2);
         self.text.resize(self.text.len().max(text), 0);
@@ -48,7 +48,7 @@ impl Quoted {
         self.written
     }
 
-    /// The fields of the record, without their quotes.
+    /// The fields of the record without their quotes.
     pub(super) fn fields(&self) -> impl ExactSizeIterator<Item = &[u8]> {
         let mut start = 0;
         self.ends[..self.fields].iter().map(move |&end| {

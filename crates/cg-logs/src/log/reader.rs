@@ -1,4 +1,4 @@
-//! The reader: one row at a time, whatever the file.
+//! The reader of logs: one row at a time for every file format.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -19,10 +19,10 @@ use super::rows::Rows;
 use super::signal::{LogRow, Signal};
 use super::source::{Counted, Magic, Sniffed, head, sniff, text};
 
-/// A log, read row by row in constant memory.
+/// A log that is read row by row in constant memory.
 ///
-/// Reads CSV and what candump writes, plain or gzip, and parquet; which of them, the first bytes
-/// of the file tell, not its name. It is an iterator as well.
+/// It reads CSV and candump logs, plain or gzip, and parquet. The format is detected from the first
+/// bytes of the file, not from its name. The reader is also an iterator.
 ///
 /// # Example
 ///
@@ -45,12 +45,12 @@ pub struct LogReader {
     time_index: usize,
     values: [f64; Signal::COUNT],
     settings: Option<AlignSettings<f64>>,
-    /// Values that the truck cannot have.
+    /// Counts of values that the truck cannot have.
     tally: Tally,
     previous_s: f64,
-    /// Whether a row was seen, good or bad.
+    /// Whether a row, valid or not, has been read.
     begun: bool,
-    /// Whether bad rows are passed over by the caller.
+    /// Whether the caller continues after invalid rows.
     over_bad_rows: bool,
     taken_bytes: Arc<AtomicU64>,
     total_bytes: Option<u64>,
@@ -67,7 +67,7 @@ impl LogReader {
     ///
     /// # Errors
     ///
-    /// The file cannot be opened or read, or its header is not that of a log.
+    /// The file cannot be opened or read, or its header is not valid.
     pub fn open(path: &Path, options: &LogOptions) -> Result<Self, LogError> {
         let name = path.display().to_string();
         let place = || Place { file: name.as_str().into(), position: Position::File };
@@ -92,12 +92,12 @@ impl LogReader {
         Ok(Self::new(body, options, taken_bytes, total_bytes))
     }
 
-    /// Reads CSV or a candump log, plain or gzip, from a stream such as the standard input; `name` is what
-    /// messages call it.
+    /// Reads CSV or a candump log, plain or gzip, from a stream such as the standard input. `name`
+    /// is its name in messages.
     ///
     /// # Errors
     ///
-    /// The stream cannot be read, is parquet, or its header is not that of a log.
+    /// The stream cannot be read, it is parquet, or its header is not valid.
     pub fn from_reader(
         name: &str,
         stream: Box<dyn Read + Send>,
@@ -142,14 +142,15 @@ impl LogReader {
         }
     }
 
-    /// The same for a caller who goes on after bad rows, in a gzip log too: damage of the file is
-    /// an error where it ends, and not looked for after a bad row.
+    /// A reader for callers that continue after invalid rows, also in a gzip log. Damage of the
+    /// file is reported at the position where reading fails and is not searched for after an
+    /// invalid row.
     #[must_use]
     pub fn over_bad_rows(self) -> Self {
         Self { over_bad_rows: true, ..self }
     }
 
-    /// Whether the log is one of CAN frames.
+    /// Whether the log contains CAN frames.
     pub fn is_of_frames(&self) -> bool {
         matches!(self.body, Body::Can(_))
     }
@@ -158,9 +159,9 @@ impl LogReader {
     ///
     /// # Errors
     ///
-    /// A row is not as the format says: the next call goes on with the row after it, but in
-    /// a gzip log returns `None`, because the rest was searched for damage that explains the
-    /// row. Or the file cannot be read further: the next call returns `None`.
+    /// If a row is not valid, the next call continues with the row after it. In a gzip log,
+    /// however, the rest of the file is searched for damage that explains the invalid row, and the
+    /// next call returns `None`. If the file cannot be read further, the next call returns `None`.
     #[inline]
     pub fn next_row(&mut self) -> Result<Option<LogRow>, LogError> {
         let more = match &mut self.body {
@@ -173,7 +174,8 @@ impl LogReader {
         }
         self.begun = true;
         let time_s = self.values[Signal::Time as usize];
-        // Also after a row that goes back: the rows after it are in order again.
+        // The time is stored even if it decreased, because the following rows may be in order
+        // again.
         let previous_s = std::mem::replace(&mut self.previous_s, time_s);
         if time_s > previous_s {
             self.drop_implausible();
@@ -184,7 +186,7 @@ impl LogReader {
         }
     }
 
-    /// Makes values absent that the truck cannot have.
+    /// Replaces values that the truck cannot have by NaN.
     #[inline]
     fn drop_implausible(&mut self) {
         let Some(settings) = self.settings else { return };
@@ -202,12 +204,12 @@ impl LogReader {
         self.values[Signal::from(quantity) as usize] = f64::NAN;
     }
 
-    /// What is to be told of the values so far that was not told yet: a signal and a sentence.
+    /// Findings about values since the last call, each as signal and sentence.
     pub fn news(&mut self) -> Vec<(&'static str, String)> {
         self.tally.news(&self.settings.unwrap_or_default())
     }
 
-    /// What was passed over or doubted so far, for people.
+    /// All findings so far, as text for the user.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = match &self.body {
             Body::Can(frames) => frames.remarks(),
@@ -217,7 +219,7 @@ impl LogReader {
         remarks
     }
 
-    /// Values so far that the truck cannot have; they were made absent.
+    /// Number of values so far that the truck cannot have. They were replaced by NaN.
     pub fn implausible_values(&self) -> u64 {
         self.tally.implausible_values()
     }
@@ -254,8 +256,8 @@ impl LogReader {
         &self.signals
     }
 
-    /// The line the last row stands in, comments and blank lines counted, from one; in a
-    /// parquet file the number of the row.
+    /// The line of the last row, counted from one and with comments and blank lines. In a parquet
+    /// file it is the number of the row.
     pub fn line(&self) -> u64 {
         match self.body.position() {
             Position::Line(number) | Position::Row(number) => number,
@@ -263,8 +265,8 @@ impl LogReader {
         }
     }
 
-    /// The bytes taken from the file so far, before unpacking. In a parquet file, whose
-    /// columns are read in any order, the share of its size that the rows read stand for.
+    /// The number of bytes read from the file so far, before decompression. A parquet file is read
+    /// in any order, so its value is estimated from the number of rows.
     pub fn bytes_read(&self) -> u64 {
         match (&self.body, self.total_bytes) {
             (Body::Parquet(batches), Some(total_bytes)) => batches.share(total_bytes),
@@ -272,7 +274,7 @@ impl LogReader {
         }
     }
 
-    /// The size of the file; `None` for a stream.
+    /// The size of the file in bytes; `None` for a stream.
     pub fn total_bytes(&self) -> Option<u64> {
         self.total_bytes
     }

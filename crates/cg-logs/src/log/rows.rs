@@ -1,4 +1,4 @@
-//! The rows of a CSV log.
+//! Reads the rows of a CSV log.
 
 use std::io::{self, Read};
 
@@ -16,7 +16,7 @@ pub(super) struct Rows {
     file: Box<str>,
     gzip: bool,
     lines: Lines,
-    /// The line the record at hand begins in.
+    /// The line in which the current record begins.
     line: u64,
     delimiter: u8,
     names: Box<[Box<str>]>,
@@ -69,7 +69,7 @@ impl Rows {
         Place { file: self.file.clone(), position: self.position() }
     }
 
-    /// Reads the signals of the next row into `values`. `false` at the end.
+    /// Reads the signals of the next row into `values`. Returns `false` at the end.
     #[inline]
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
         if !self.advance()? {
@@ -82,9 +82,9 @@ impl Rows {
         }
     }
 
-    /// What is behind a bad row of a gzip log, if it is the file that is bad: damaged data
-    /// unpack to nonsense until a checksum, often the last, gives them away. Looking for it
-    /// ends the log.
+    /// The error of a damaged gzip file, if damage explains an invalid row. Damaged data decompress
+    /// to arbitrary bytes until a checksum fails, often the last one. The search reads the rest of
+    /// the file.
     pub(super) fn damage(&mut self) -> Option<LogError> {
         if !self.gzip || self.over {
             return None;
@@ -93,7 +93,7 @@ impl Rows {
         self.lines.drain().err().map(|source| self.fail(Fault::Io(source)))
     }
 
-    /// Takes the next line that is neither comment nor blank. `false` at the end.
+    /// Takes the next line that is neither a comment nor blank. Returns `false` at the end.
     #[inline]
     fn advance(&mut self) -> Result<bool, LogError> {
         if self.over {
@@ -134,7 +134,7 @@ impl Rows {
         }
     }
 
-    /// Reads the header in the line at hand.
+    /// Reads the header from the current line.
     fn header(&mut self, options: &LogOptions) -> Result<(), LogError> {
         self.names = self.split_names()?;
         self.columns = resolve(&self.place(), &self.names, options)?;
@@ -220,7 +220,7 @@ fn is_damage(error: &io::Error) -> bool {
     matches!(error.kind(), UnexpectedEof | InvalidData | InvalidInput)
 }
 
-/// The most frequent of comma, semicolon and tab outside quotes; comma if none is there.
+/// The most frequent of comma, semicolon and tab outside quotes; comma if there is none.
 fn sniff_delimiter(header: &[u8]) -> u8 {
     let mut inside = false;
     let mut counts = [(0_usize, b'\t'), (0, b';'), (0, b',')];

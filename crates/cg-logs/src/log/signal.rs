@@ -1,4 +1,4 @@
-//! The signals of a log and one row of them: the time and the quantities of [`cg_core::quantities!`].
+//! Signals of a log (the time and all quantities of [`cg_core::quantities!`]) and one row of them.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,18 +10,19 @@ macro_rules! rows {
         $(#[doc = $meaning:literal])+
         $variant:ident $field:ident $name:literal $dimension:ident $limits:tt $direction:ident $serves_us:expr;
     )+) => {
-        /// One row of a log in SI units, ISO 8855 signs; absent signals are NaN.
+        /// One row of a log in SI units with the signs of ISO 8855; absent signals are NaN.
         ///
-        /// Axes: x forward, y left, z up. A left turn gives all angles and rates positive.
+        /// Axes: x forward, y left, z up. In a left turn all angles and rates are positive.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct LogRow {
-            /// Time stamp from any origin, strictly increasing; never NaN in a row that was read.
+            /// Time stamp from any origin, s. It increases strictly and is never NaN in a row from
+            /// a reader.
             pub time_s: f64,
             $($(#[doc = $meaning])+ pub $field: f64),+
         }
 
         impl LogRow {
-            /// The value of one signal, in its SI unit.
+            /// The value of a signal in its SI unit.
             pub const fn get(&self, signal: Signal) -> f64 {
                 match signal {
                     Signal::Time => self.time_s,
@@ -29,14 +30,14 @@ macro_rules! rows {
                 }
             }
 
-            /// The row whose values stand in the order of [`Signal::ALL`].
+            /// A row with these values in the order of [`Signal::ALL`].
             pub const fn from_values(values: [f64; Signal::COUNT]) -> Self {
                 let [time_s, $($field),+] = values;
                 Self { time_s, $($field),+ }
             }
         }
 
-        /// A signal of a log. Its text form is the column name without the unit: `roll`, `yaw_rate`.
+        /// A signal of a log. Its text form is the column name without the unit, such as `roll`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Signal {
             /// Time stamp.
@@ -48,7 +49,7 @@ macro_rules! rows {
             /// Every signal, in the order of the fields of [`LogRow`].
             pub const ALL: [Self; Self::COUNT] = [Self::Time, $(Self::$variant),+];
 
-            /// What it measures; `None` for the time.
+            /// The measured quantity; `None` for the time.
             pub const fn quantity(self) -> Option<Quantity> {
                 match self {
                     Self::Time => None,
@@ -57,7 +58,7 @@ macro_rules! rows {
             }
         }
 
-        /// What a sensor measures is a signal of a log too.
+        /// Every quantity is a signal of a log.
         impl From<Quantity> for Signal {
             fn from(quantity: Quantity) -> Self {
                 match quantity { $(Quantity::$variant => Self::$variant),+ }
@@ -72,8 +73,8 @@ impl LogRow {
     /// A row with every signal absent.
     pub const ABSENT: Self = Self::from_values([f64::NAN; Signal::COUNT]);
 
-    /// The row of a sample that was aligned from frames. What the sample's steer angle and mass were
-    /// made of is not in it.
+    /// The row of a sample that was aligned from frames. It does not contain the values from which
+    /// steer angle and mass of the sample were computed.
     pub fn of_sample(time_s: f64, sample: &Sample<f64>) -> Self {
         Self {
             time_s,
@@ -88,7 +89,7 @@ impl LogRow {
         }
     }
 
-    /// The same for an estimator: steer angle and mass of whatever measures them.
+    /// The sample for the estimator. Steer angle and mass come from whichever signal measures them.
     pub fn sample(&self, time_us: u64, settings: &AlignSettings<f64>) -> Sample<f64> {
         Sample {
             time_us,
@@ -108,10 +109,10 @@ impl LogRow {
 }
 
 impl Signal {
-    /// How many there are.
+    /// Number of signals.
     pub const COUNT: usize = 1 + Quantity::COUNT;
 
-    /// The name without a unit: `roll`.
+    /// The name without the unit, such as `roll`.
     pub const fn name(self) -> &'static str {
         match self.quantity() {
             None => "time",
@@ -119,7 +120,7 @@ impl Signal {
         }
     }
 
-    /// The column name in SI: `roll_rad`.
+    /// The column name in SI units, such as `roll_rad`.
     pub const fn column(self) -> &'static str {
         match self.quantity() {
             None => "time_s",
@@ -127,12 +128,12 @@ impl Signal {
         }
     }
 
-    /// The signal of a column name in SI.
+    /// The signal with this column name in SI units.
     pub fn of_column(column: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|signal| signal.column() == column)
     }
 
-    /// What it is, in a sentence.
+    /// The meaning of the signal in one sentence.
     pub const fn meaning(self) -> &'static str {
         match self.quantity() {
             None => "Time stamp from any origin, strictly increasing.",
@@ -147,7 +148,7 @@ impl Signal {
         }
     }
 
-    /// Whether its sensor can be mounted the other way round.
+    /// Whether the sign depends on how the sensor is mounted.
     pub(super) fn is_directed(self) -> bool {
         self.quantity().is_some_and(Quantity::is_directed)
     }
@@ -157,23 +158,23 @@ impl Signal {
         self.dimension().si()
     }
 
-    /// The unit of this suffix, if this signal may come in it.
+    /// The unit with this suffix; `None` if it is not a unit of this signal.
     pub(super) fn unit(self, suffix: &str) -> Option<Unit> {
         self.dimension().unit(suffix)
     }
 
-    /// "rad, deg": for messages.
+    /// The units for messages, such as "rad, deg".
     pub(super) fn unit_names(self) -> String {
         self.dimension().units().iter().map(|unit| unit.suffix).collect::<Vec<_>>().join(", ")
     }
 
-    /// The unit a proposal in a message shows: the one foreign logs mostly use.
+    /// The unit that messages suggest: the most common one in logs of other programs.
     pub(super) fn usual_unit(self) -> &'static str {
         let of = |place: usize| self.dimension().units()[place].suffix;
         if self == Self::Time { of(0) } else { of(1) }
     }
 
-    /// Whether this is the suffix of some unit, of whatever signal.
+    /// Whether any signal has a unit with this suffix.
     pub(super) fn any_has_unit(suffix: &str) -> bool {
         Self::ALL.into_iter().any(|signal| signal.unit(suffix).is_some())
     }
@@ -185,10 +186,10 @@ impl fmt::Display for Signal {
     }
 }
 
-/// A text that is the name of no signal.
+/// The error for a text that is not the name of a signal.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{}` is no signal; the signals are {}",
+    "`{}` is not a signal; the signals are {}",
     .text.escape_debug(),
     Signal::ALL.map(Signal::name).join(", ")
 )]

@@ -1,4 +1,4 @@
-//! Bytes of a log: counted, and unpacked where they are gzip.
+//! The bytes of a log: counted, and decompressed if they are gzip.
 
 use std::io::{self, Chain, Cursor, Read};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use flate2::bufread::MultiGzDecoder;
 
-/// What the first bytes say.
+/// The file format, detected from the first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Magic {
     Text,
@@ -16,13 +16,13 @@ pub(super) enum Magic {
 
 const MAGIC_BYTES: usize = 4;
 
-/// A stream whose first bytes were looked at and put back.
+/// A stream whose first bytes have been read for detection and are delivered again.
 pub(super) struct Sniffed<R> {
     pub(super) magic: Magic,
     pub(super) stream: Chain<Cursor<Vec<u8>>, R>,
 }
 
-/// Looks at the first bytes.
+/// Detects the format of a stream.
 pub(super) fn sniff<R: Read>(mut stream: R) -> io::Result<Sniffed<R>> {
     let mut head = Vec::with_capacity(MAGIC_BYTES);
     Read::by_ref(&mut stream).take(MAGIC_BYTES as u64).read_to_end(&mut head)?;
@@ -34,7 +34,7 @@ pub(super) fn sniff<R: Read>(mut stream: R) -> io::Result<Sniffed<R>> {
     Ok(Sniffed { magic, stream: Cursor::new(head).chain(stream) })
 }
 
-/// The text of a stream that is plain or gzip, of one member or several.
+/// The text of a plain or gzip stream; gzip may have several members.
 pub(super) fn text<R: Read + Send + 'static>(sniffed: Sniffed<R>) -> Box<dyn Read + Send> {
     const PACKED_BYTES: usize = 64 * 1024;
     let stream = sniffed.stream;
@@ -46,8 +46,8 @@ pub(super) fn text<R: Read + Send + 'static>(sniffed: Sniffed<R>) -> Box<dyn Rea
     }
 }
 
-/// The first bytes of a text, some lines of it at most, and the whole text. Waits for the first
-/// line only, so that a live pipe is not held up.
+/// The beginning of a text (a few lines at most), and the whole text. It waits only for the first
+/// line, so that a live pipe is not delayed.
 pub(super) fn head(mut stream: Box<dyn Read + Send>) -> (Vec<u8>, Box<dyn Read + Send>) {
     const HEAD_BYTES: usize = 4096;
     let mut head = vec![0; HEAD_BYTES];
@@ -69,7 +69,7 @@ pub(super) fn head(mut stream: Box<dyn Read + Send>) -> (Vec<u8>, Box<dyn Read +
     (head, Box::new(whole))
 }
 
-/// An error that has come already, for whoever reads up to it.
+/// An error that has already occurred; it is returned when the reader reaches its position.
 struct Fault(Option<io::Error>);
 
 impl Read for Fault {
@@ -78,14 +78,14 @@ impl Read for Fault {
     }
 }
 
-/// A stream that counts the bytes taken from it.
+/// A stream that counts the bytes that are read from it.
 pub(super) struct Counted<R> {
     inner: R,
     count: Arc<AtomicU64>,
 }
 
 impl<R> Counted<R> {
-    /// The stream, and its counter.
+    /// The stream and its counter.
     pub(super) fn new(inner: R) -> (Self, Arc<AtomicU64>) {
         let count = Arc::new(AtomicU64::new(0));
         (Self { inner, count: Arc::clone(&count) }, count)

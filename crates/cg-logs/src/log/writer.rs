@@ -1,4 +1,4 @@
-//! The writer: a log appears whole under its name, or not at all.
+//! The writer of CSV logs: a log appears completely under its name, or not at all.
 
 use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
@@ -14,15 +14,15 @@ use super::lines::LIMIT_BYTES;
 use super::options::LogOptions;
 use super::signal::{LogRow, Signal};
 
-/// Writes a CSV log that [`LogReader`](super::LogReader) reads back.
+/// Writes a CSV log that [`LogReader`](super::LogReader) can read.
 ///
-/// It refuses what the reader would: columns that are no log, infinite values, time that is
-/// absent or does not increase. Times are written to the microsecond, all other values with
-/// the digits that give the same `f64` again; absent values are empty cells.
+/// It refuses everything that the reader refuses: columns that do not form a log, infinite values,
+/// and a time that is absent or does not increase. Times are written with microsecond resolution,
+/// all other values with the digits that give the same `f64` again. Absent values are empty cells.
 ///
-/// A file is written under a temporary name in the same folder and takes its own name in
-/// [`finish`](Self::finish). Dropped before that, it leaves nothing, and an older file of
-/// the same name stays as it was.
+/// A file is written under a temporary name in the same folder and gets its name in
+/// [`finish`](Self::finish). If the writer is dropped before, the file is removed, and an older
+/// file with the same name is unchanged.
 ///
 /// # Example
 ///
@@ -42,7 +42,8 @@ pub struct LogWriter {
     line: String,
     lines: u64,
     previous_us: f64,
-    /// Dropped after the sink, so that the file is closed when it is removed.
+    /// Declared after the sink and therefore dropped after it, so that the file is closed before it
+    /// is removed.
     draft: Option<Draft>,
 }
 
@@ -54,12 +55,12 @@ enum Sink {
 impl LogWriter {
     /// Begins a `.csv` or `.csv.gz` file with comment lines and the header.
     ///
-    /// A path that leads to no regular file, such as `/dev/stdout` or a pipe, is written
-    /// directly. Which files may be written is for [`Files`](crate::output::Files) to say.
+    /// A path that is not a regular file, such as `/dev/stdout` or a pipe, is written directly.
+    /// [`Files`](crate::output::Files) decides which files may be written.
     ///
     /// # Errors
     ///
-    /// The file cannot be made, the name ends in `.parquet`, or the columns are no log.
+    /// The file cannot be created, the name ends in `.parquet`, or the columns do not form a log.
     pub fn create(
         target: &Target,
         comments: &[String],
@@ -84,12 +85,12 @@ impl LogWriter {
         Self { draft, ..Self::new(&name, sink, columns) }.begin(comments)
     }
 
-    /// The same on a stream such as the standard output, always plain; `name` is what
-    /// messages call it.
+    /// Begins a log on a stream such as the standard output, without compression. `name` is its
+    /// name in messages.
     ///
     /// # Errors
     ///
-    /// The stream cannot be written, or the columns are no log.
+    /// The stream cannot be written, or the columns do not form a log.
     pub fn from_writer(
         name: &str,
         stream: Box<dyn Write + Send>,
@@ -130,8 +131,7 @@ impl LogWriter {
     ///
     /// # Errors
     ///
-    /// The row is not one of a log, and nothing of it is written; or the file cannot be
-    /// written.
+    /// The row is not valid, and nothing of it is written; or the file cannot be written.
     pub fn write_row(&mut self, row: &LogRow) -> Result<(), LogError> {
         self.line.clear();
         for index in 0..self.columns.len() {
@@ -158,7 +158,7 @@ impl LogWriter {
     ///
     /// # Errors
     ///
-    /// The file cannot be written or renamed; then nothing of it stays.
+    /// The file cannot be written or renamed. It is then removed.
     pub fn finish(self) -> Result<(), LogError> {
         let place = self.place();
         let end = || -> io::Result<()> {
@@ -171,7 +171,7 @@ impl LogWriter {
         end().map_err(|source| LogError::Write { place, source })
     }
 
-    /// The line that comes next.
+    /// The position of the next line.
     fn place(&self) -> Place {
         Place { file: self.file.clone(), position: Position::Line(self.lines + 1) }
     }
@@ -181,7 +181,7 @@ impl LogWriter {
         ColumnName { number: index + 1, name: signal.column().into() }
     }
 
-    /// Time must increase in the digits that are written.
+    /// Checks that the time increases in the written digits.
     fn check_time(&mut self, time_s: f64) -> Result<(), LogError> {
         let time_us = (time_s * 1e6).round();
         if time_us > self.previous_us {
@@ -214,13 +214,13 @@ impl LogWriter {
     }
 }
 
-/// The columns must be those of a log.
+/// Checks that the columns form a log.
 fn check_columns(place: &Place, columns: &[Signal]) -> Result<(), LogError> {
     let names: Vec<Box<str>> = columns.iter().map(|signal| signal.column().into()).collect();
     resolve(place, &names, &LogOptions::default()).map(|_| ())
 }
 
-/// Six decimals, without the zeros that end them.
+/// Appends a time with at most six decimals, without trailing zeros.
 fn push_time(line: &mut String, time_s: f64) {
     let start = line.len();
     // Writing to a string cannot fail.
@@ -229,7 +229,7 @@ fn push_time(line: &mut String, time_s: f64) {
     line.truncate(start + kept);
 }
 
-/// The fewest digits that read back as the same number.
+/// Appends the fewest digits that are read back as the same number.
 fn push_shortest(line: &mut String, value: f64) {
     // Writing to a string cannot fail.
     let _ = write!(line, "{value:?}");

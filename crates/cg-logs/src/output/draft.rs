@@ -1,8 +1,9 @@
-//! A file that takes its name only when it is whole.
+//! A file that gets its name only when it is complete.
 //!
-//! It is written beside its place as `.NAME.PROCESS-RANDOM.part`. Dropped before it is published, in
-//! a panic too, it removes itself; [`abandon`] removes all of them when the process is asked to end.
-//! What a killed process left is removed by the next one that writes the same file.
+//! A draft is written next to its target as `.NAME.PROCESS-RANDOM.part`. If it is dropped before it
+//! is published, also by a panic, it is removed. [`abandon`] removes all drafts when the process is
+//! asked to end. The drafts of a killed process are removed by the next process that writes the
+//! same file.
 
 use std::fs::{self, File, Metadata};
 use std::io;
@@ -15,22 +16,23 @@ use super::error::OutputError;
 use super::place::folder;
 use super::target::Target;
 
-/// How a draft's name ends.
+/// Suffix of the names of drafts.
 const END: &str = ".part";
-/// As much of the file's name is in the draft's: four bytes each at most, of 255.
+/// Number of characters of the file's name in the draft's name. A character has at most four bytes,
+/// and a name at most 255.
 const NAME_CHARS: usize = 50;
-/// Tries to make a draft that nobody takes for a leftover.
+/// Maximum number of attempts to create a draft that no other process removes as left over.
 const TRIES: usize = 100;
 
-/// The drafts of this process. Who holds it keeps others from being begun and published.
+/// The drafts of this process. While it is locked, no draft can be created or published.
 static DRAFTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn drafts() -> MutexGuard<'static, Vec<PathBuf>> {
-    // A list of paths has no state to be half-way in.
+    // A panic cannot leave a list of paths in an inconsistent state.
     DRAFTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// As long as it lives, no draft is begun or published.
+/// While this exists, no draft can be created or published.
 pub struct Abandoned {
     _drafts: MutexGuard<'static, Vec<PathBuf>>,
 }
@@ -39,15 +41,15 @@ pub struct Abandoned {
 pub fn abandon() -> Abandoned {
     let drafts = drafts();
     for draft in drafts.iter() {
-        // Nobody is left to be told; the next run removes what stays.
+        // An error cannot be reported any more. The next run removes what remains.
         let _ = fs::remove_file(draft);
     }
     Abandoned { _drafts: drafts }
 }
 
-/// A file beside its place.
+/// A temporary file next to its target.
 pub struct Draft {
-    /// None once it is published.
+    /// `None` after publication.
     file: Option<NamedTempFile>,
     target: Target,
     resolved: PathBuf,
@@ -65,19 +67,20 @@ impl Draft {
         Ok((Self { file: Some(file), target, resolved }, written))
     }
 
-    /// Gives the file its name, once its bytes are on the disk.
+    /// Gives the file its name after its bytes are on the disk.
     ///
     /// # Errors
-    /// Those of the system; [`super::OutputError`] if a file that is not ours has come there in the
-    /// meantime. Then nothing of the draft stays.
+    /// An error of the system, or [`super::OutputError`] if another file that cg did not write has
+    /// appeared in the meantime. The draft is then removed.
     pub fn publish(self) -> io::Result<()> {
         Self::publish_all([self])
     }
 
-    /// The same for files that belong together: all can be, before the first is.
+    /// Publishes files that belong together. All of them are checked and stored on the disk before
+    /// the first one gets its name.
     ///
     /// # Errors
-    /// As [`Self::publish`].
+    /// As for [`Self::publish`].
     pub fn publish_all(drafts: impl IntoIterator<Item = Self>) -> io::Result<()> {
         let mut all: Vec<Self> = drafts.into_iter().collect();
         for draft in &all {
@@ -87,7 +90,8 @@ impl Draft {
                 file.as_file().sync_data()?;
             }
         }
-        // Declared after the drafts and so dropped before them: they lock it again.
+        // Declared after the drafts and therefore dropped before them, because their drop locks it
+        // again.
         let mut names = self::drafts();
         for draft in &mut all {
             if let Some(file) = draft.file.take() {
@@ -109,13 +113,13 @@ impl Drop for Draft {
     }
 }
 
-/// What the name of each draft of a file begins with.
+/// The beginning of the names of all drafts of a file.
 fn beginning(target: &Path) -> String {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     format!(".{}.", name.chars().take(NAME_CHARS).collect::<String>())
 }
 
-/// Makes the file, not readable by more people than the one that it will replace.
+/// Creates the draft, readable by no more users than the file that it will replace.
 fn begin(target: &Path, before: Option<&Metadata>) -> io::Result<NamedTempFile> {
     target.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
     let name = format!("{}{}-", beginning(target), std::process::id());
@@ -123,8 +127,8 @@ fn begin(target: &Path, before: Option<&Metadata>) -> io::Result<NamedTempFile> 
     builder.prefix(&name).suffix(END);
     for _ in 0..TRIES {
         let file = builder.make_in(folder(target), |path| create(path, before))?;
-        // Held until the file is closed, however the process ends. Where there are no locks, the
-        // process's number alone says whose the draft is.
+        // The lock is held until the file is closed, however the process ends. On systems without
+        // locks, only the process number tells to which process the draft belongs.
         let sweeping = matches!(file.as_file().try_lock(), Err(fs::TryLockError::WouldBlock));
         if !sweeping && file.path().exists() {
             return Ok(file);
@@ -133,8 +137,9 @@ fn begin(target: &Path, before: Option<&Metadata>) -> io::Result<NamedTempFile> 
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// A new file: with the permissions of the one before, or all that the process's mask leaves. The
-/// error is the system's own: who reports it names the file that was asked for, not its draft.
+/// Creates a new file with the permissions of the file before or, if there is none, those that the
+/// umask of the process allows. The error is that of the system without a path: the message names
+/// the requested file, not its draft.
 fn create(path: &Path, before: Option<&Metadata>) -> io::Result<File> {
     let mut options = File::options();
     options.read(true).write(true).create_new(true);
@@ -148,7 +153,7 @@ fn create(path: &Path, before: Option<&Metadata>) -> io::Result<File> {
     options.open(path)
 }
 
-/// Gives a draft the mode of the file that it will replace, and its owner as far as one may.
+/// Gives a draft the mode of the file that it will replace, and its owner if the system permits it.
 fn keep_mode(draft: &File, target: &Path) -> io::Result<()> {
     let Ok(about) = fs::metadata(target) else { return Ok(()) };
     #[cfg(unix)]
@@ -156,23 +161,23 @@ fn keep_mode(draft: &File, target: &Path) -> io::Result<()> {
         use std::os::unix::fs::{MetadataExt, fchown};
         let now = draft.metadata()?;
         if (now.uid(), now.gid()) != (about.uid(), about.gid()) {
-            // Only the administrator may give files away.
+            // Only the administrator may change the owner.
             let _ = fchown(draft, Some(about.uid()), Some(about.gid()));
         }
     }
     draft.set_permissions(about.permissions())
 }
 
-/// Removes the drafts of `target` that processes which are no more have left.
+/// Removes the drafts of `target` that ended processes have left.
 pub(super) fn sweep(target: &Path) {
     let beginning = beginning(target);
-    // What cannot be listed or removed hinders nobody.
+    // Drafts that cannot be listed or removed do no harm.
     let Ok(entries) = fs::read_dir(folder(target)) else { return };
     for entry in entries.flatten() {
         let (name, path) = (entry.file_name(), entry.path());
         let process = name.to_str().and_then(|name| process(name.strip_prefix(&beginning)?));
         let is_left = process.is_some_and(|process| {
-            // In a container each program may have the same number.
+            // In a container, another program may have had the same process number.
             if process == std::process::id() { !drafts().contains(&path) } else { !lives(process) }
         });
         if is_left {
@@ -181,23 +186,24 @@ pub(super) fn sweep(target: &Path) {
     }
 }
 
-/// The number of the process in `PROCESS-RANDOM.part`.
+/// The process number in `PROCESS-RANDOM.part`.
 fn process(rest: &str) -> Option<u32> {
     let (process, random) = rest.strip_suffix(END)?.split_once('-')?;
     random.chars().all(char::is_alphanumeric).then_some(process)?.parse().ok()
 }
 
-/// Whether there is such a process, be it another one that has the number now.
+/// Whether a process with this number exists. It may be another one that reuses the number.
 fn lives(process: u32) -> bool {
     let Ok(about) = fs::read_to_string(format!("/proc/{process}/stat")) else {
-        // Without a list of processes the lock alone decides.
+        // Without a list of processes, only the lock decides.
         return false;
     };
-    // The state comes behind the name in parentheses; Z has ended and waits to be asked how.
+    // The state follows the name in parentheses. Z is a process that has ended.
     about.rsplit_once(") ").is_none_or(|(_, state)| !state.starts_with('Z'))
 }
 
-/// A draft whose writer lives is locked, wherever that runs.
+/// Removes a draft unless it is locked. The draft of a running writer is locked, also if the writer
+/// runs in another container.
 fn remove_if_left(draft: &Path) {
     let is_file = fs::symlink_metadata(draft).is_ok_and(|about| about.is_file());
     let Some(file) = is_file.then(|| File::open(draft).ok()).flatten() else { return };
@@ -207,11 +213,11 @@ fn remove_if_left(draft: &Path) {
 }
 
 impl Target {
-    /// A draft, and the file to write to. No draft where the path leads to something that is no
-    /// regular file and must not be replaced, such as `/dev/stdout` or a pipe.
+    /// A draft, and the file to write to. There is no draft if the path leads to something that is
+    /// not a regular file and must not be replaced, such as `/dev/stdout` or a pipe.
     ///
     /// # Errors
-    /// Those of the system; [`OutputError`] if something else is there now.
+    /// An error of the system, or [`OutputError`] if something else exists there now.
     pub fn open(&self) -> io::Result<(Option<Draft>, File)> {
         match self.replaces().map_err(io::Error::other)? {
             Some(resolved) => {
@@ -222,8 +228,8 @@ impl Target {
         }
     }
 
-    /// Writes `text` beside the file's place, with one line feed at its end; with
-    /// [`Draft::publish`] it appears there.
+    /// Writes `text` to a draft next to the target, with one line feed at its end.
+    /// [`Draft::publish`] gives the file its name.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -241,7 +247,8 @@ impl Target {
 mod tests {
     use super::*;
 
-    /// Its number says more than its text: a disk that is full, a folder that is not there.
+    /// The system's error number is more useful than its text, for example for a full disk or a
+    /// missing folder.
     #[test]
     fn an_error_is_the_systems_own_without_the_name_of_the_draft() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Why a file is not written.
+//! Errors of output files.
 
 use std::io;
 
@@ -6,68 +6,68 @@ use thiserror::Error;
 
 use super::kind::Kind;
 
-/// Why a file is not written.
+/// The reason why a file is not written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// It is an input of the same call.
+    /// The output is an input of the same call.
     #[error(
-        "{path}: given to {input} and to {output}, which would replace it; give {output} another file"
+        "{path}: is given to {input} and to {output}, which would replace it; give {output} another file"
     )]
     Input {
-        /// The output, and under which name it is read if that is another.
+        /// The path of the output, and the path under which it is read if it differs.
         path: String,
-        /// What reads it.
+        /// The option that reads it.
         input: String,
-        /// What would write it.
+        /// The option that would write it.
         output: String,
     },
-    /// It is given twice.
-    #[error("{path}: given to {first} and to {second}; give each a file of its own")]
+    /// Two options would write the same file.
+    #[error("{path}: is given to {first} and to {second}; give each option its own file")]
     Twice {
-        /// The file, and its other name if it has one.
+        /// The path, and the other path of the same file if it differs.
         path: String,
-        /// What writes it.
+        /// The option that writes it.
         first: String,
-        /// What else would.
+        /// The other option that would write it.
         second: String,
     },
-    /// It is there and not ours.
+    /// The file exists and was not written by cg.
     #[error(
-        "{path}: is there already and is no {kind} of ours; give {output} another file, or ⟨force⟩ to replace it"
+        "{path}: exists already and is not a {kind} written by cg-height; give {output} another file, or ⟨force⟩ to replace it"
     )]
     Foreign {
-        /// The file.
+        /// The path.
         path: String,
-        /// What would be written.
+        /// The kind of the output.
         kind: Kind,
-        /// What would write it.
+        /// The option that would write it.
         output: String,
     },
-    /// It is there and may not be written.
+    /// The file exists and is write-protected.
     #[error("{path}: is write-protected; give {output} another file, or ⟨force⟩ to replace it")]
     Protected {
-        /// The file.
+        /// The path.
         path: String,
-        /// What would write it.
+        /// The option that would write it.
         output: String,
     },
-    /// It is no file.
+    /// The path does not lead to a file.
     #[error("{path}: is {what}; give {output} a file")]
     NoFile {
         /// The path.
         path: String,
-        /// What it is.
+        /// What it leads to.
         what: &'static str,
-        /// What would write it.
+        /// The option that would write it.
         output: String,
     },
-    /// The system refuses.
+    /// An error of the system.
     #[error("{path}: cannot be written ({source}); check the folder, its permissions and space")]
     Write {
-        /// The file.
+        /// The path.
         path: String,
-        /// The system's reason.
+        /// The error of the system.
         source: io::Error,
     },
 }

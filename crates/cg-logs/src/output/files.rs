@@ -1,4 +1,4 @@
-//! What one call reads and writes.
+//! The input and output files of a call.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use super::kind::Kind;
 use super::place::{self, Place};
 use super::target::Target;
 
-/// What one call reads and writes.
+/// The input and output files of a call.
 #[derive(Debug)]
 pub struct Files {
     force: bool,
@@ -16,7 +16,7 @@ pub struct Files {
     outputs: Vec<Named>,
 }
 
-/// A file and the option that it was given to.
+/// A file and the option to which it was given.
 #[derive(Debug)]
 struct Named {
     flag: String,
@@ -32,16 +32,17 @@ impl Named {
 }
 
 impl Files {
-    /// Those of a call; with `force` it replaces files that are not ours, but never its own inputs.
+    /// The files of a call. With `force`, outputs may replace files that cg did not write, but
+    /// never inputs of the same call.
     pub fn new(force: bool) -> Self {
         let mut outputs = Vec::new();
-        // What the shell has sent to a file is an output like any other.
+        // A file to which the shell redirects standard output is an output like any other.
         #[cfg(unix)]
         outputs.extend(Named::new("standard output", Path::new("/dev/stdout")));
         Self { force, inputs: Vec::new(), outputs }
     }
 
-    /// Tells an input; `-` is what standard input comes from.
+    /// Registers an input. `-` is the file from which standard input is redirected.
     #[must_use]
     pub fn reads(mut self, flag: &str, path: &Path) -> Self {
         #[cfg(unix)]
@@ -50,7 +51,7 @@ impl Files {
         self
     }
 
-    /// The same where there is one.
+    /// Registers an input if there is one.
     #[must_use]
     pub fn reads_some(self, flag: &str, path: Option<&Path>) -> Self {
         match path {
@@ -59,11 +60,11 @@ impl Files {
         }
     }
 
-    /// Asks to write `path`, which was given to `flag`, as a file of some kind; removes what killed
-    /// processes have left of it.
+    /// Registers `path`, given to the option `flag`, as an output of this kind. Removes drafts of
+    /// this file that killed processes have left.
     ///
     /// # Errors
-    /// [`OutputError`] naming what it clashes with.
+    /// [`OutputError`] with the conflict.
     pub fn writes(&mut self, flag: &str, path: &Path, kind: Kind) -> Result<Target, OutputError> {
         let mut target =
             Target { path: path.to_owned(), flag: flag.to_owned(), kind, force: self.force };
@@ -74,7 +75,8 @@ impl Files {
         if let Some(resolved) = target.replaces()? {
             draft::sweep(&resolved);
         }
-        // What this call itself prints there in the meantime is no foreign file.
+        // What this call itself prints to a stream in the meantime does not make it another
+        // program's file.
         target.force |= place::is_stream(path);
         Ok(target)
     }
@@ -93,7 +95,7 @@ impl Files {
             return Err(OutputError::Input { path: path(input), input: input_flag, output });
         }
         if let Some(other) = self.outputs.iter().find(|output| output.place == new.place) {
-            // `/dev/stdout` is asked for by that name.
+            // A file behind `/dev/stdout` is named `/dev/stdout` in messages.
             if place::is_stream(&new.path) {
                 return Ok(());
             }

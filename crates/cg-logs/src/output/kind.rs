@@ -1,4 +1,4 @@
-//! Which files are ours: each kind of output begins in a way that nothing else does.
+//! Kinds of output files. Each kind begins in a unique way, by which cg recognizes its own files.
 
 use std::fmt;
 use std::fs::File;
@@ -8,22 +8,23 @@ use std::path::Path;
 use flate2::read::GzDecoder;
 use serde_json::Value;
 
-/// As much of a file is looked at, bytes; the truth of a log and a state are shorter.
+/// Number of bytes of a file that are inspected. The truth of a log and a state are shorter.
 const HEAD: u64 = 1 << 20;
-/// How a state file begins.
+/// Beginning of a state file.
 pub const STATE_HEAD: &str = "{\"format\":\"cg-height state\"";
-/// The comment of a log that is no simulated one.
+/// The comment in a log that is not simulated.
 pub const LOG_COMMENT: &str = "cg-height log";
-/// The comment of a study's table and figure.
+/// The comment in the table and the figure of a study.
 pub const STUDY_COMMENT: &str = "cg study";
 
-/// A kind of output.
+/// A kind of output file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
-    /// A log: CSV, also in gzip, or lines of candump.
+    /// A log: CSV, also compressed with gzip, or candump lines.
     Log,
-    /// CAN frames in another program's format: not to be told from recorded ones.
+    /// CAN frames in the format of another program. They cannot be distinguished from recorded
+    /// frames.
     Frames,
     /// The truth of a simulated log.
     Truth,
@@ -31,15 +32,15 @@ pub enum Kind {
     Calibration,
     /// A design for firmware.
     Design,
-    /// The page of `cg estimate`.
+    /// The report page of `cg estimate`.
     Report,
-    /// A study's table.
+    /// The table of a study.
     Table,
-    /// A study's figure.
+    /// The figure of a study.
     Figure,
-    /// What `cg run` keeps over restarts.
+    /// The state that `cg run` keeps over a restart.
     State,
-    /// Its metrics.
+    /// The metrics of `cg run`.
     Metrics,
 }
 
@@ -48,20 +49,20 @@ impl fmt::Display for Kind {
         out.write_str(match self {
             Self::Log => "log",
             Self::Frames => "CAN log",
-            Self::Truth => "truth of a simulated log",
+            Self::Truth => "truth file of a simulated log",
             Self::Calibration => "calibration",
             Self::Design => "design",
             Self::Report => "report",
             Self::Table => "table of a study",
             Self::Figure => "figure of a study",
-            Self::State => "state",
+            Self::State => "state file",
             Self::Metrics => "metrics file",
         })
     }
 }
 
 impl Kind {
-    /// Whether the file is an output of this kind. One that cannot be read is nobody's.
+    /// Whether the file is an output of this kind. A file that cannot be read is not.
     pub(crate) fn is_ours(self, path: &Path) -> bool {
         head(path).is_ok_and(|head| self.is_head_of_ours(&head))
     }
@@ -69,7 +70,7 @@ impl Kind {
     fn is_head_of_ours(self, head: &[u8]) -> bool {
         let starts = |with: &str| head.starts_with(with.as_bytes());
         match self {
-            // A recording's clock does not begin at zero.
+            // The clock of a recorded log does not begin at zero.
             Self::Log => {
                 (starts("# truth ") && holds(head, "\n# truth noise_sd_rad = "))
                     || starts(&format!("# {LOG_COMMENT}\n"))
@@ -93,8 +94,8 @@ impl Kind {
     }
 }
 
-/// Whether this is what is left of a state file: one that power failed in, or a disk spoilt, holds
-/// zeros or a part of it.
+/// Whether this is a state file or its remains. After a power failure or a disk error, the file may
+/// be truncated or contain zeros.
 fn looks_like_a_state(bytes: &[u8]) -> bool {
     bytes.iter().all(|byte| *byte == 0)
         || STATE_HEAD.as_bytes().starts_with(bytes)
@@ -107,7 +108,7 @@ fn holds(text: &[u8], part: &str) -> bool {
     memchr::memmem::find(text, part.as_bytes()).is_some()
 }
 
-/// The first bytes of a file, unpacked.
+/// The first bytes of a file, decompressed.
 fn head(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = BufReader::new(File::open(path)?);
     let mut head = Vec::new();
@@ -133,7 +134,7 @@ mod tests {
             assert!(ours(&state.as_bytes()[..length]), "{length} bytes");
             let mut zeros = state.clone().into_bytes();
             zeros[..length].fill(0);
-            // The line with the checksum is the last trace.
+            // The line with the checksum remains longest.
             assert!(ours(&zeros) || length > state.len() - 17, "{length} zeros");
         }
         for bit in 0..state.len() * 8 {

@@ -1,19 +1,22 @@
-//! What a call may write: the one place that decides it, and the only way to a file.
+//! Files that a call may write: the only place that decides this, and the only way to write a file.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`kind`] | which files are ours and may be replaced |
-//! | `place` | when two paths lead to the same file |
-//! | [`draft`] | a file that takes its name when it is whole, and what a killed process left |
+//! | [`kind`] | files that cg wrote itself and may replace |
+//! | `place` | whether two paths lead to the same file |
+//! | [`draft`] | a file that gets its name when it is complete; removal of incomplete files |
 //!
-//! A call tells [`Files`] what it reads and what it wants to write. [`Files::writes`] refuses, before
-//! any work is done, an output that is
+//! A call registers its inputs and its outputs with [`Files`]. Before any work is done,
+//! [`Files::writes`] refuses an output that is
 //!
-//! * an input of the same call, or another of its outputs, by whatever link or spelling;
-//! * a file that is not of the same kind of output of ours, or is write-protected, unless forced;
+//! * an input or another output of the same call, also if the path is a link or is spelled
+//!   differently;
+//! * an existing file that is not an output of the same kind, or that is write-protected, unless
+//!   forced;
 //! * a folder or a disk.
 //!
-//! The [`Target`] that it gives looks again before the file takes its name: hours may have passed.
+//! The [`Target`] that it returns checks again before the file gets its name, because hours may
+//! have passed.
 
 pub mod kind;
 mod place;

@@ -1,16 +1,16 @@
-//! When two paths lead to the same file.
+//! Detection of paths that lead to the same file.
 
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 
-/// As many links in a row as the system follows.
+/// Maximum number of consecutive links, as in the operating system.
 const LINKS: usize = 40;
 
-/// A file that is there, or the place of one that will be.
+/// An existing file, or the place where a file will be created.
 #[derive(Debug)]
 pub(crate) struct Place {
     resolved: PathBuf,
-    /// Device and inode: two names of one file have the same.
+    /// Device and inode, which are equal for all names of one file.
     node: Option<(u64, u64)>,
 }
 
@@ -21,7 +21,7 @@ impl PartialEq for Place {
 }
 
 impl Place {
-    /// None for what nothing can replace: devices and pipes.
+    /// The place of a path; `None` for devices and pipes, which cannot be replaced.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         let about = fs::metadata(path);
         if about.as_ref().is_ok_and(|about| !about.is_file()) {
@@ -43,7 +43,7 @@ fn node(_: &Metadata) -> Option<(u64, u64)> {
     None
 }
 
-/// Whether it is a block device.
+/// Whether this is a block device.
 #[cfg(unix)]
 pub(crate) fn is_disk(about: &Metadata) -> bool {
     std::os::unix::fs::FileTypeExt::is_block_device(&about.file_type())
@@ -54,7 +54,7 @@ pub(crate) fn is_disk(_: &Metadata) -> bool {
     false
 }
 
-/// Whether it is a name of an open stream, wherever that leads.
+/// Whether the path names an open stream, no matter where the stream leads.
 pub(crate) fn is_stream(path: &Path) -> bool {
     ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"].iter().any(|name| path.starts_with(name))
 }
@@ -68,14 +68,14 @@ pub(crate) fn folder(path: &Path) -> &Path {
     }
 }
 
-/// The path without links, whether or not there is a file at its end.
+/// The path without links. The file need not exist.
 pub(crate) fn resolved(path: &Path) -> PathBuf {
     let mut path = path.to_owned();
     for _ in 0..LINKS {
         if let Ok(whole) = fs::canonicalize(&path) {
             return whole;
         }
-        // A link to a file that is not there yet.
+        // A link to a file that does not exist yet.
         let Ok(to) = fs::read_link(&path) else { break };
         path = folder(&path).join(to);
     }

@@ -17,7 +17,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Its path as it was given.
+    /// The path as given by the caller.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -30,17 +30,17 @@ impl Target {
         }
     }
 
-    /// Where the file is or will be, links followed; none if it is a device or a pipe, which is
-    /// written as it is.
+    /// The path of the file with links resolved; `None` for a device or a pipe, which is written
+    /// directly.
     pub(super) fn replaces(&self) -> Result<Option<PathBuf>, OutputError> {
         let path = || self.path.display().to_string();
         let output = || self.flag.clone();
         let no_file = |what| Err(OutputError::NoFile { path: path(), what, output: output() });
         let resolved = place::resolved(&self.path);
         let Ok(about) = fs::metadata(&self.path) else {
-            // Whoever mistypes a device's name does not want a file among the devices.
+            // A mistyped device name must not create a file in `/dev`.
             let in_dev = resolved.parent() == Some(Path::new("/dev"));
-            return if in_dev { no_file("no device that there is") } else { Ok(Some(resolved)) };
+            return if in_dev { no_file("not an existing device") } else { Ok(Some(resolved)) };
         };
         if about.is_dir() {
             return no_file("a folder");

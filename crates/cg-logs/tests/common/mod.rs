@@ -1,4 +1,4 @@
-//! The independent truck's logs and what is known of them.
+//! The logs of the independent truck and their known data.
 #![allow(dead_code, unused_imports, clippy::unwrap_used)] // each test file uses its part
 
 use cg_core::{AlignSettings, Channel, Design};
@@ -69,7 +69,7 @@ pub(crate) fn known() -> Vec<Known> {
         .collect()
 }
 
-/// The truck calibrated on these runs.
+/// The calibration of the truck on these runs.
 pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
     let logs: Vec<KnownLog> = runs
         .iter()

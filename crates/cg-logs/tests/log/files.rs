@@ -1,4 +1,4 @@
-//! Files and streams: gzip, lines that do not end, progress.
+//! Files and streams: gzip, endless lines, progress.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -21,7 +21,7 @@ fn steady(rows: usize) -> String {
     std::iter::once("time_s,steer_rad,roll_rad\n".into()).chain(rows).collect()
 }
 
-/// A head and then one part for ever, counting what is taken.
+/// A stream of a head and an endlessly repeated part, which counts the bytes read.
 struct Endless(Vec<u8>, Vec<u8>, Arc<AtomicUsize>);
 
 impl Read for Endless {
@@ -36,7 +36,7 @@ impl Read for Endless {
     }
 }
 
-/// The error of an endless stream, which must come before a mebibyte of it is read.
+/// The error for an endless stream. It must occur before a mebibyte is read.
 fn soon(head: &[u8], part: &[u8]) -> LogError {
     let taken = Arc::new(AtomicUsize::new(0));
     let stream = Endless(head.to_vec(), part.to_vec(), Arc::clone(&taken));
@@ -62,7 +62,7 @@ fn an_endless_comment_is_an_error_at_once() {
 #[test]
 fn an_endless_field_in_quotes_is_an_error_at_once_though_it_has_line_feeds() {
     let head = format!("{ONE}1,\"");
-    says(&soon(head.as_bytes(), b"0,0\n"), &["line 3", "65536 bytes", "a quote was never closed"]);
+    says(&soon(head.as_bytes(), b"0,0\n"), &["line 3", "65536 bytes", "a quote is not closed"]);
 }
 
 #[test]
@@ -82,8 +82,8 @@ fn a_line_of_the_longest_length_is_read_and_one_more_byte_is_an_error() {
 
 #[test]
 fn a_quote_that_is_never_closed_is_an_error_where_it_opens() {
-    refused(format!("{ONE}1,0,0\n2,\"0,0\n3,0,0\n"), &["line 4", "never closed"]);
-    refused("time_s,\"steer_rad,roll_rad\n0,0,0\n", &["line 1", "never closed"]);
+    refused(format!("{ONE}1,0,0\n2,\"0,0\n3,0,0\n"), &["line 4", "not closed"]);
+    refused("time_s,\"steer_rad,roll_rad\n0,0,0\n", &["line 1", "not closed"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Foreign names and flipped sensors.
+//! Column names of other programs, and sensors with reversed signs.
 
 use cg_logs::log::ColumnMap;
 
@@ -26,7 +26,7 @@ fn a_column_asked_for_that_is_not_there_is_an_error_with_the_nearest_name() {
 #[test]
 fn options_that_claim_one_column_or_one_signal_twice_are_an_error() {
     let error = read_as(FOREIGN, &options(&["time=Clock", "steer=Clock"], &[])).unwrap_err();
-    says(&error, &["column 1 `Clock`", "time", "steer", "drop one"]);
+    says(&error, &["column 1 `Clock`", "time", "steer", "remove one"]);
     let error = read_as(FOREIGN, &options(&["roll=Gyro_deg", "roll=roll_rad"], &[])).unwrap_err();
     says(&error, &["column 3 `Gyro_deg`", "column 4 `roll_rad`"]);
     let twins = "Clock,Clock,steer_rad,roll_rad\n0,0,0,0\n";
@@ -59,12 +59,12 @@ fn the_log_says_which_signals_it_has() {
 #[test]
 fn a_malformed_option_is_an_error_that_says_how_to_write_it() {
     for (text, words) in [
-        ("roll", "roll=NAME[deg]"),
-        ("roll=", "roll=NAME[deg]"),
-        ("roll=[deg]", "roll=NAME[deg]"),
+        ("roll", "SIGNAL=NAME[UNIT]"),
+        ("roll=", "SIGNAL=NAME[UNIT]"),
+        ("roll=[deg]", "SIGNAL=NAME[UNIT]"),
         ("rol=Gyro[deg]", "the signals are time, steer"),
-        ("roll=Gyro[kmh]", "`kmh` is no unit of roll; the units are rad, deg"),
-        ("roll=Gyro_kmh", "say the unit: roll=Gyro_kmh[rad]"),
+        ("roll=Gyro[kmh]", "`kmh` is not a unit of roll; the units are rad, deg"),
+        ("roll=Gyro_kmh", "give the unit: roll=Gyro_kmh[rad]"),
     ] {
         let message = text.parse::<ColumnMap>().unwrap_err().to_string();
         assert!(message.contains(words), "{text}: {message}");

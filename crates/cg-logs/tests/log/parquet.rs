@@ -1,11 +1,11 @@
-//! Parquet logs.
+//! Logs in the parquet format.
 
 use std::fs::{self, File};
 use std::path::Path;
 use std::sync::Arc;
 
 use ::parquet::arrow::ArrowWriter;
-use arrow::array::{
+use arrow_array::{
     ArrayRef, Float32Array, Float64Array, Int16Array, RecordBatch, StringArray, UInt64Array,
 };
 
@@ -25,7 +25,7 @@ fn floats(values: Vec<Option<f64>>) -> ArrayRef {
     Arc::new(Float64Array::from(values))
 }
 
-/// Time, steer and roll as given, saved and read again.
+/// Saves time, steer and roll as parquet and reads the file.
 fn through(time_s: Vec<Option<f64>>, roll: (&str, ArrayRef)) -> Result<Vec<LogRow>, LogError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.parquet");
@@ -72,7 +72,7 @@ fn parquet_errors_name_the_row() {
     let error = through(vec![Some(1.0), Some(1.0)], roll(vec![None; 2])).unwrap_err();
     says(&error, &["drive.parquet, row 2", "column 1 `time_s`", "does not come after"]);
     let error = through(vec![Some(1.0), None], roll(vec![None; 2])).unwrap_err();
-    says(&error, &["row 2", "column 1 `time_s`", "absent"]);
+    says(&error, &["row 2", "column 1 `time_s`", "missing"]);
     let error = through(vec![Some(1.0)], roll(vec![Some(f64::INFINITY)])).unwrap_err();
     says(&error, &["row 1", "column 2 `roll_deg`", "`inf`", "not finite"]);
     let text: ArrayRef = Arc::new(StringArray::from(vec!["a"]));

@@ -1,4 +1,4 @@
-//! Logs written, and read again.
+//! Writing of logs, and reading what was written.
 
 use std::fs;
 use std::io::{self, Write};
@@ -17,13 +17,13 @@ fn row(time_s: f64, steer_rad: f64, roll_rad: f64) -> LogRow {
     LogRow { time_s, steer_rad, roll_rad, ..LogRow::ABSENT }
 }
 
-/// A writer to a file, whatever is there.
+/// A writer to a file that may exist already.
 fn writer(path: &Path) -> Result<LogWriter, LogError> {
     let target = Files::new(true).writes("path", path, Kind::Log).unwrap();
     LogWriter::create(&target, &[], &COLUMNS)
 }
 
-/// A stream whose bytes can be looked at afterwards.
+/// A stream whose bytes can be inspected afterwards.
 #[derive(Clone, Default)]
 struct Shared(Arc<Mutex<Vec<u8>>>);
 
@@ -67,12 +67,12 @@ fn what_the_reader_would_refuse_is_not_written() {
     let refuse = |rows: &[LogRow], words: &[&str]| {
         says(&written(&["c"], &COLUMNS, rows).unwrap_err(), words);
     };
-    refuse(&[row(f64::NAN, 0.0, 0.0)], &["line 3", "`time_s`", "absent"]);
+    refuse(&[row(f64::NAN, 0.0, 0.0)], &["line 3", "`time_s`", "missing"]);
     refuse(&[row(1.0, 0.0, 0.0), row(1.000_000_1, 0.0, 0.0)], &["line 4", "does not come after"]);
     refuse(&[row(1.0, 0.0, f64::INFINITY)], &["line 3", "column 3 `roll_rad`", "not finite"]);
     let columns = |columns: &[Signal]| written(&[], columns, &[]).unwrap_err();
     says(&columns(&COLUMNS[..2]), &["roll_rad or tilt_rad"]);
-    says(&columns(&[COLUMNS, COLUMNS].concat()), &["time comes twice"]);
+    says(&columns(&[COLUMNS, COLUMNS].concat()), &["the log has time twice"]);
     says(&written(&[&"c".repeat(1 << 16)], &COLUMNS, &[]).unwrap_err(), &["line 1", "longer"]);
 }
 
@@ -110,7 +110,7 @@ fn a_name_in_gz_is_packed_and_one_in_parquet_is_refused() {
     assert_eq!(rows.unwrap()[0].roll_rad, -0.2);
     let path = folder.path().join("drive.parquet");
     let error = writer(&path).err().unwrap();
-    says(&error, &["only CSV", ".csv.gz"]);
+    says(&error, &["parquet cannot be written", ".csv.gz"]);
 }
 
 #[test]

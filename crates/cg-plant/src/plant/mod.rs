@@ -16,7 +16,7 @@
 //! | `dynamics` | the equations of motion |
 //! | `equilibrium` | straight driving by Newton's method |
 //! | `integrate` | Adams-Bashforth-Moulton or Runge-Kutta; rollover |
-//! | `linearise` | small motion about straight driving |
+//! | `linearize` | small motion about straight driving |
 //! | `path`, `driver` | a path and MacAdam's preview driver along it |
 //! | `sample` | outputs at an instant |
 //!
@@ -63,7 +63,7 @@ mod method;
 mod yaw_roll;
 mod integrate;
 mod driver;
-mod linearise;
+mod linearize;
 
 pub use driver::{Driver, DriverSettings};
 pub use dynamics::Control;

@@ -92,11 +92,11 @@ pub fn low_speed_m(vehicle: &Vehicle, radius_m: f64) -> Result<f64, VehicleError
     let arc_m = radius_m * FRAC_PI_2;
     let mut rear = [-wheelbase_m, 0.0];
     let mut tail = [rear[0] + hitch_m - trailer_m, 0.0];
-    let (mut travelled_m, mut inwards_m) = (0.0, 0.0_f64);
-    while travelled_m < arc_m + trailer_m {
-        travelled_m += step_m;
-        let (sin, cos) = (travelled_m.min(arc_m) / radius_m).sin_cos();
-        let beyond_m = (travelled_m - arc_m).max(0.0);
+    let (mut traveled_m, mut inwards_m) = (0.0, 0.0_f64);
+    while traveled_m < arc_m + trailer_m {
+        traveled_m += step_m;
+        let (sin, cos) = (traveled_m.min(arc_m) / radius_m).sin_cos();
+        let beyond_m = (traveled_m - arc_m).max(0.0);
         let front = [radius_m * sin, radius_m * (1.0 - cos) + beyond_m];
         let ahead = pull(&mut rear, front, wheelbase_m);
         let hitch = [rear[0] + hitch_m * ahead[0], rear[1] + hitch_m * ahead[1]];

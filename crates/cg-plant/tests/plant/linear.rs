@@ -12,7 +12,7 @@ fn both(vehicle: &Vehicle) -> (StateSpace, StateSpace) {
     let (load, speed_mps) = (vehicle.reference_load(), 50.0 * KMH);
     let plant = YawRollPlant::new(vehicle, load, &linear()).unwrap();
     let equations = Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap();
-    (plant.linearised(speed_mps).unwrap(), equations.state_space().unwrap())
+    (plant.linearized(speed_mps).unwrap(), equations.state_space().unwrap())
 }
 
 /// The baseline with separate springs for every axle, as in the linear model.
@@ -73,7 +73,7 @@ fn steady_gains_are_those_of_the_linear_model() {
 /// Identical axles of a load group share the same roll moment. Their own roll angles then differ as the
 /// tire forces differ, which does not affect the bodies.
 #[test]
-fn load_equalisation_leaves_the_steady_body_alone() {
+fn load_equalization_leaves_the_steady_body_alone() {
     let (ours, theirs) = both(&vehicle("baseline"));
     for ((name, a), (_, b)) in steady(&ours).iter().zip(steady(&theirs)) {
         assert!((a / b - 1.0).abs() < SAME, "{name}: {a} {b}");

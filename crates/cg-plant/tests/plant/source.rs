@@ -76,7 +76,7 @@ fn peak_roll_deg(vehicle: &Vehicle, height_m: f64) -> f64 {
 /// bends upward, as here. The numbers of the figure are not printed, so a tenth of a degree at either
 /// end (0.35 degrees per meter) is allowed.
 #[test]
-fn peak_roll_in_a_turn_grows_by_four_degrees_per_metre() {
+fn peak_roll_in_a_turn_grows_by_four_degrees_per_meter() {
     let vehicle = vehicle("baseline-tables");
     let heights_m = [1.85, 1.95, 2.05, 2.15, 2.25];
     let peaks = heights_m.map(|height_m| peak_roll_deg(&vehicle, height_m));

@@ -1,4 +1,4 @@
-"""Height of the centre of gravity (c.g.) of a semitrailer from ordinary driving.
+"""Height of the center of gravity (c.g.) of a semitrailer from ordinary driving.
 
 The trailer rolls more in a curve the higher its load stands. From steer angle (or lateral
 acceleration) and roll angle this package identifies how much, and solves for the height.

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from cgheight import _show
 
 
-def _metres(height_m: float, sd_m: float | None) -> str:
+def _meters(height_m: float, sd_m: float | None) -> str:
     return f"height {height_m:.2f} m" if sd_m is None else f"height {height_m:.2f} ± {sd_m:.2f} m"
 
 
@@ -46,7 +46,7 @@ class Maneuver:
         span = f"{self.start_s:.2f} to {self.end_s:.2f} s"
         if self.height_m is None:
             return f"Maneuver({span}, rejected: {self.reason})"
-        return f"Maneuver({span}, {_metres(self.height_m, self.height_sd_m)})"
+        return f"Maneuver({span}, {_meters(self.height_m, self.height_sd_m)})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +143,7 @@ class Estimate:
             return f"Estimate({reason})"
         count = len(self.maneuvers)
         maneuvers = f"{count} maneuver" + ("" if count == 1 else "s")
-        height = _metres(self.height_m, self.height_sd_m)
+        height = _meters(self.height_m, self.height_sd_m)
         return f"Estimate({height}, {self.channel} channel, {maneuvers})"
 
     def _repr_html_(self) -> str:
@@ -156,7 +156,7 @@ class Estimate:
             [
                 ("status", self.status),
                 ("c.g. height", "–" if self.height_m is None
-                 else _metres(self.height_m, self.height_sd_m).removeprefix("height ")),
+                 else _meters(self.height_m, self.height_sd_m).removeprefix("height ")),
                 ("95 % interval", interval),
                 ("rollover threshold", threshold),
                 ("channel", self.channel or "–"),

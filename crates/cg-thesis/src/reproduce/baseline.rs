@@ -8,7 +8,7 @@ use cg_vehicle::error::VehicleError;
 use cg_vehicle::{LinearModel, Variant, Vehicle};
 
 /// Meters per inch, the thesis's unit of height.
-pub(super) const METRES_PER_INCH: f64 = 0.0254;
+pub(super) const METERS_PER_INCH: f64 = 0.0254;
 
 /// Options of [`table`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub(super) struct Equation517 {
 
 impl Baseline {
     pub(super) fn new() -> Result<Self, VehicleError> {
-        let text = include_str!("../../../../fixtures/vehicles/baseline.toml");
+        let text = include_str!("../../fixtures/vehicles/baseline.toml");
         let vehicle = Vehicle::parse(text, "fixtures/vehicles/baseline.toml")?;
         let model = |variant| {
             LinearModel::new(&vehicle, variant, vehicle.nominal_speed_mps, vehicle.reference_load())

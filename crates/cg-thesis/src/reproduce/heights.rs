@@ -3,7 +3,7 @@
 use cg_core::RatioLine;
 use serde::Deserialize;
 
-use super::baseline::{Baseline, METRES_PER_INCH, Options};
+use super::baseline::{Baseline, METERS_PER_INCH, Options};
 use super::compensated::printed_compensation;
 use super::identified::{by_rate_ratio, noise_free_ratio};
 use super::printed::{Printed, thesis};
@@ -26,19 +26,19 @@ pub(super) fn ratio_line(
                 have a meaning";
     let mut rows = Vec::new();
     for (item, printed, ours) in [
-        ("a1/a0, 1/in", quotient(a1, a0), ours.a1 / ours.a0 * METRES_PER_INCH),
-        ("b1/b0, 1/in", quotient(b1, b0), ours.b1 / ours.b0 * METRES_PER_INCH),
+        ("a1/a0, 1/in", quotient(a1, a0), ours.a1 / ours.a0 * METERS_PER_INCH),
+        ("b1/b0, 1/in", quotient(b1, b0), ours.b1 / ours.b0 * METERS_PER_INCH),
         ("a0/b0", quotient(a0, b0), -ours.a0 / ours.b0),
         (
             "A0/B0 at 77.68 in",
             quotient(&a_at_height, &b_at_height),
-            -ours.ratio_at(height_in * METRES_PER_INCH),
+            -ours.ratio_at(height_in * METERS_PER_INCH),
         ),
     ] {
         rows.push(Row::against(table, item, &printed, ours, note));
     }
     let complete = &base.complete.ratio[0];
-    let height_m = height_in * METRES_PER_INCH;
+    let height_m = height_in * METERS_PER_INCH;
     let note = "not in the thesis: with the fifth wheel's moment and inertias about the c.g.";
     rows.push(Row::ours(table, "A0/B0 at 77.68 in, complete", -complete.ratio_at(height_m), note));
     // d ln R / d ln h = h (a1/A0 − b1/B0)
@@ -81,7 +81,7 @@ fn height_rows(
     // The thesis divides by eq. 5.19 as printed: 1.4894.
     let compensation = (printed_compensation()? * 1e4).round() / 1e4;
     let ours_in = solved(&base.printed_line, ratio.value, compensation)?;
-    let in_m = height_in.value * METRES_PER_INCH;
+    let in_m = height_in.value * METERS_PER_INCH;
     let off = bias_percent(height_in.value, base.true_height_in());
     Ok(vec![
         Row::beside(table, format!("{name}: h, in"), height_in, ours_in).noted(FROM_RATIO),
@@ -162,7 +162,7 @@ pub(super) fn over_range(
     let printed: Table511 = thesis!("table_5_11.toml")?;
     let compensation = printed_compensation()?;
     let gain = |estimated_m: f64| {
-        -compensation * base.printed_line.ratio_at(estimated_m / METRES_PER_INCH)
+        -compensation * base.printed_line.ratio_at(estimated_m / METERS_PER_INCH)
     };
     let calibration_m = base.vehicle.trailer.reference_cg_height_m;
     let calibrated = printed

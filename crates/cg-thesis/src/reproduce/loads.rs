@@ -146,11 +146,11 @@ pub(super) fn tractor(
         appendix_a_in_lb_per_deg: Printed,
         frame_nm_per_deg: Printed,
     }
-    const NEWTON_METRES_PER_INCH_POUND: f64 = 0.112_984_829;
+    const NEWTON_METERS_PER_INCH_POUND: f64 = 0.112_984_829;
 
     let mut rows = Case::new(base, thesis!("figures_2_1_2_2.toml")?)?.tractor(table);
     let frame: Frame = thesis!("table_2_1.toml")?;
-    let stiffness = frame.appendix_a_in_lb_per_deg.value * NEWTON_METRES_PER_INCH_POUND;
+    let stiffness = frame.appendix_a_in_lb_per_deg.value * NEWTON_METERS_PER_INCH_POUND;
     let item = "Table 2.1: torsional stiffness of the frame, N m/deg";
     rows.push(Row::beside(table, item, &frame.frame_nm_per_deg, stiffness));
     Ok(rows)

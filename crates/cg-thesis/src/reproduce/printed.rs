@@ -92,7 +92,7 @@ pub(super) fn read<T: DeserializeOwned>(text: &str, name: &str) -> Result<T, Veh
 macro_rules! thesis {
     ($name:literal) => {
         $crate::reproduce::printed::read(
-            include_str!(concat!("../../../../fixtures/thesis/", $name)),
+            include_str!(concat!("../../fixtures/thesis/", $name)),
             $name,
         )
     };

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::baseline::{Baseline, METRES_PER_INCH, Options};
+use super::baseline::{Baseline, METERS_PER_INCH, Options};
 use super::compensated::printed_compensation;
 use super::own_springs;
 use super::printed::{Printed, thesis};
@@ -87,7 +87,7 @@ fn from_print(
     rows.push(Row::beside(table, item, &updated.height_in, height_in).noted(note));
     for (what, estimate) in [("baseline", baseline), ("updated", updated)] {
         let note = "from the printed height in inches";
-        let height_m = estimate.height_in.value * METRES_PER_INCH;
+        let height_m = estimate.height_in.value * METERS_PER_INCH;
         let bias = bias_percent(estimate.height_in.value, base.true_height_in());
         let item = format!("{name}: h, {what} R_c, m");
         rows.push(Row::beside(table, item, &estimate.height_m, height_m).noted(note));

@@ -8,7 +8,7 @@ use cg_core::truck::reduced::ORDER;
 use cg_core::{RatioLine, Reduced5};
 use serde::Deserialize;
 
-use super::baseline::{Baseline, METRES_PER_INCH, Options};
+use super::baseline::{Baseline, METERS_PER_INCH, Options};
 use super::bound::{gain_sd_at_0_db, ratio_sd_at_0_db};
 use super::compensated::printed_compensation;
 use super::identified::{STEER_RAD, plant};
@@ -261,21 +261,21 @@ pub(super) fn by_order(
 
 /// Checks the printed biases and meters against the printed heights.
 fn printed_biases(table: &'static str, base: &Baseline, printed: &Table59) -> Vec<Row> {
-    let (mut biases, mut metres) = (0.0_f64, 0.0_f64);
+    let (mut biases, mut meters) = (0.0_f64, 0.0_f64);
     for order in &printed.order {
         for ((height_in, height_m), bias) in
             order.height_in.iter().zip(&order.height_m).zip(&order.bias_percent)
         {
             let ours = bias_percent(height_in.value, base.true_height_in());
             biases = biases.max((ours - bias.value).abs());
-            let ours_m = height_in.value * METRES_PER_INCH;
-            metres = metres.max((ours_m - height_m.value).abs());
+            let ours_m = height_in.value * METERS_PER_INCH;
+            meters = meters.max((ours_m - height_m.value).abs());
         }
     }
     let note =
         "between the 35 printed values and those computed from the printed heights: rounding only";
     vec![
         Row::ours(table, "greatest difference of a bias, %", biases, note),
-        Row::ours(table, "greatest difference of a height, m", metres, note),
+        Row::ours(table, "greatest difference of a height, m", meters, note),
     ]
 }

@@ -106,7 +106,7 @@ fn panels([snr, payload, height, time]: [&[(f64, Score)]; 4]) -> Vec<Panel> {
     vec![
         panel("Over the noise", x("snr", "Signal to noise", Unit::Decibel), snr),
         panel("Over the payload", x("payload", "Payload", Unit::Kilogram), payload),
-        panel("Over the height", x("cg_height", "C.g. height", Unit::Metre), height),
+        panel("Over the height", x("cg_height", "C.g. height", Unit::Meter), height),
         panel("Over time", x("since", "Since the start of the turn", Unit::Second), time),
     ]
 }

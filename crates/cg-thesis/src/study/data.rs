@@ -11,11 +11,11 @@ pub enum Unit {
     /// rad/s.
     RadianPerSecond,
     /// m.
-    Metre,
+    Meter,
     /// m/s.
-    MetrePerSecond,
+    MeterPerSecond,
     /// m/s².
-    MetrePerSecondSquared,
+    MeterPerSecondSquared,
     /// s.
     Second,
     /// dB.
@@ -23,7 +23,7 @@ pub enum Unit {
     /// kg.
     Kilogram,
     /// kg m².
-    KilogramSquareMetre,
+    KilogramSquareMeter,
 }
 
 /// The quantity on an axis.

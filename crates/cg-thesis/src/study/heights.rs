@@ -2,7 +2,7 @@
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Drive, peak_rolls};
-use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_meter_deg, scenario};
 use cg_plant::plant::PlantOptions;
 use cg_vehicle::Load;
 use cg_vehicle::error::VehicleError;
@@ -10,7 +10,7 @@ use cg_vehicle::error::VehicleError;
 pub(super) const HEIGHT: Quantity = Quantity {
     name: "cg_height",
     label: "C.g. height of the semitrailer's sprung mass",
-    unit: Unit::Metre,
+    unit: Unit::Meter,
 };
 
 /// The thesis's range.
@@ -34,7 +34,7 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
         |height_m| base.clone().at_height(height_m),
     )?;
     let series = Series::new(setting.vehicle.name.clone(), 0, points);
-    let slope = per_metre_deg(series.slope());
+    let slope = per_meter_deg(series.slope());
     let (low, high) = ends(&series);
     let below = (series.at(2.15) - series.at(1.85)).to_degrees() / 0.3;
     Ok(Study {
@@ -71,7 +71,7 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
 
 /// Slopes of the first and the last two points, degrees per meter.
 fn ends(series: &Series) -> (f64, f64) {
-    let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
+    let slope = |p: &[[f64; 2]]| per_meter_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
     let mut pairs = series.points.windows(2);
     let first = pairs.next().map_or(f64::NAN, slope);
     (first, pairs.next_back().map_or(f64::NAN, slope))
@@ -106,7 +106,7 @@ pub(super) fn payload_height(setting: &Setting) -> Result<Study, VehicleError> {
         })?;
         series.push(Series::new(format!("{tonnes} t"), kind, points));
     }
-    let slopes: Vec<f64> = series.iter().map(|s| per_metre_deg(s.slope())).collect();
+    let slopes: Vec<f64> = series.iter().map(|s| per_meter_deg(s.slope())).collect();
     let (least, most) = (slopes[0], slopes[slopes.len() - 1]);
     Ok(Study {
         name: setting.name,

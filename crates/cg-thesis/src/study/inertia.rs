@@ -11,7 +11,7 @@ use cg_vehicle::error::VehicleError;
 const INERTIA: Quantity = Quantity {
     name: "payload_roll_inertia",
     label: "Roll inertia of the payload about its own c.g.",
-    unit: Unit::KilogramSquareMetre,
+    unit: Unit::KilogramSquareMeter,
 };
 
 /// The thesis's range of the payload's own roll inertia, in steps.
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_shape_gives_the_inertia_asked_for_and_no_other_mass() {
-        let text = include_str!("../../../../fixtures/vehicles/baseline-tables.toml");
+        let text = include_str!("../../fixtures/vehicles/baseline-tables.toml");
         let vehicle = Vehicle::parse(text, "baseline-tables.toml").unwrap();
         let load = vehicle.reference_load();
         let ranges = [10_000.0, 21_500.0].map(|kgm2| shaped(&vehicle, kgm2).unwrap());

@@ -146,7 +146,7 @@ pub fn study(name: &str, vehicle: Option<&Vehicle>) -> Result<Study, VehicleErro
     };
     let (listed, run) =
         STUDIES.iter().find(|(listed, _)| listed.name == name).ok_or_else(unknown)?;
-    let text = include_str!("../../../../fixtures/vehicles/baseline-tables.toml");
+    let text = include_str!("../../fixtures/vehicles/baseline-tables.toml");
     let vehicle = match vehicle {
         Some(vehicle) => vehicle.clone(),
         None => Vehicle::parse(text, "fixtures/vehicles/baseline-tables.toml")?,

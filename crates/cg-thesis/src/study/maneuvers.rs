@@ -12,11 +12,11 @@ const TIME: Quantity = Quantity { name: "time", label: "Time", unit: Unit::Secon
 const ROLL: Quantity = Quantity { name: "roll", label: "Roll angle", unit: Unit::Radian };
 const ANGLE: Quantity =
     Quantity { name: "cornering_angle", label: "Cornering angle", unit: Unit::Radian };
-const GATE: Quantity = Quantity { name: "gate_length", label: "Gate length", unit: Unit::Metre };
+const GATE: Quantity = Quantity { name: "gate_length", label: "Gate length", unit: Unit::Meter };
 const ALONG: Quantity =
-    Quantity { name: "along_road", label: "Distance along the road", unit: Unit::Metre };
+    Quantity { name: "along_road", label: "Distance along the road", unit: Unit::Meter };
 const ASIDE: Quantity =
-    Quantity { name: "to_left", label: "Distance to the left", unit: Unit::Metre };
+    Quantity { name: "to_left", label: "Distance to the left", unit: Unit::Meter };
 
 /// Peak roll of either unit.
 const PEAK_ROLL: Quantity =

@@ -82,7 +82,7 @@ pub fn replay(
     let mut scenario = vec![format!("vehicle: {}, {as_is}", vehicle.name)];
     let mut panels = [
         ("Roll angle of the semitrailer", "roll", Unit::Radian),
-        ("Its lateral acceleration", "lateral_acceleration", Unit::MetrePerSecondSquared),
+        ("Its lateral acceleration", "lateral_acceleration", Unit::MeterPerSecondSquared),
     ]
     .map(|(label, name, unit)| Panel {
         figure: "",

@@ -19,12 +19,12 @@ const UNITS: [(&str, Of, Unit); 9] = [
     (
         "semitrailer lateral acceleration",
         |s| s.trailer.lateral_acceleration_mps2,
-        Unit::MetrePerSecondSquared,
+        Unit::MeterPerSecondSquared,
     ),
     (
         "tractor lateral acceleration",
         |s| s.tractor.lateral_acceleration_mps2,
-        Unit::MetrePerSecondSquared,
+        Unit::MeterPerSecondSquared,
     ),
     ("semitrailer yaw rate", |s| s.trailer.yaw_rate_radps, Unit::RadianPerSecond),
     ("tractor yaw rate", |s| s.tractor.yaw_rate_radps, Unit::RadianPerSecond),

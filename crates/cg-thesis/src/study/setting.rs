@@ -16,7 +16,7 @@ pub(super) const PEAK_ROLL: Quantity =
 pub(super) const PEAK_LATERAL: Quantity = Quantity {
     name: "peak_lateral_acceleration",
     label: "Peak lateral acceleration",
-    unit: Unit::MetrePerSecondSquared,
+    unit: Unit::MeterPerSecondSquared,
 };
 
 /// Lines with vehicle, load and maneuver.
@@ -32,6 +32,6 @@ pub(super) fn scenario(setting: &Setting, drive: &Drive) -> Vec<String> {
 }
 
 /// Slope of an angle over meters, in degrees.
-pub(super) fn per_metre_deg(slope_rad_per_m: f64) -> f64 {
+pub(super) fn per_meter_deg(slope_rad_per_m: f64) -> f64 {
     slope_rad_per_m.to_degrees()
 }

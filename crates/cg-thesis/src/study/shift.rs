@@ -2,19 +2,19 @@
 
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{Drive, peak_rolls, trailer_roll};
-use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_meter_deg, scenario};
 use cg_plant::plant::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
 const OUTWARD: Quantity = Quantity {
     name: "payload_to_right",
     label: "Payload's c.g. to the right (outside of the turn)",
-    unit: Unit::Metre,
+    unit: Unit::Meter,
 };
 const REARWARD: Quantity = Quantity {
     name: "payload_rearward",
     label: "Rearward shift of the payload's c.g.",
-    unit: Unit::Metre,
+    unit: Unit::Meter,
 };
 
 const LATERAL_M: [f64; 9] = [-0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4];
@@ -50,7 +50,7 @@ pub(super) fn lateral(setting: &Setting) -> Result<Study, VehicleError> {
     let turn = Series::new("90° turn, peak", 1, turn);
     let between = turn.points.iter().map(|p| [p[0], p[1] - straight.at(p[0])]).collect();
     let between = Series::new("difference", 2, between).aside();
-    let slope = per_metre_deg((straight.at(0.2) - straight.at(-0.2)) / 0.4) / 10.0;
+    let slope = per_meter_deg((straight.at(0.2) - straight.at(-0.2)) / 0.4) / 10.0;
     let before = match turn.points.last() {
         Some(last) if last[0] < 0.39 => format!("; rollover beyond {:.0} mm", 1000.0 * last[0]),
         _ => String::new(),
@@ -87,7 +87,7 @@ fn bounds(series: &Series, from: f64, to: f64) -> (f64, f64) {
 
 fn lateral_statements(straight: &Series, turn: &Series, between: &Series) -> Vec<Statement> {
     let slope = |series: &Series, from: f64, to: f64| {
-        per_metre_deg((series.at(to) - series.at(from)) / (to - from)) / 10.0
+        per_meter_deg((series.at(to) - series.at(from)) / (to - from)) / 10.0
     };
     let on_straight = slope(straight, -0.2, 0.2);
     let (inside, outside) = (slope(turn, -0.2, 0.0), slope(turn, 0.0, 0.2));

@@ -5,7 +5,7 @@ use super::drive::{Course, Drive, LANE_CHANGE, QUARTER, trailer_lateral, trailer
 use super::setting::{PEAK_LATERAL, PEAK_ROLL, Setting, scenario};
 use cg_vehicle::error::VehicleError;
 
-const SPEED: Quantity = Quantity { name: "speed", label: "Speed", unit: Unit::MetrePerSecond };
+const SPEED: Quantity = Quantity { name: "speed", label: "Speed", unit: Unit::MeterPerSecond };
 const KMH: f64 = 1.0 / 3.6;
 
 /// One maneuver over speed.

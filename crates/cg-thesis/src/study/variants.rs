@@ -3,7 +3,7 @@
 use super::data::{Abscissa, Panel, Series, Statement, Study};
 use super::drive::{Drive, peak_rolls};
 use super::heights::HEIGHT;
-use super::setting::{PEAK_ROLL, Setting, per_metre_deg, scenario};
+use super::setting::{PEAK_ROLL, Setting, per_meter_deg, scenario};
 use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
 
@@ -45,12 +45,12 @@ fn apart_deg(series: &Series, other: &Series) -> (f64, f64) {
 
 /// Slope up to 2.15 m, where no fifth wheel has separated yet.
 fn slope_deg(series: &Series) -> f64 {
-    per_metre_deg((series.at(2.15) - series.at(1.85)) / 0.3)
+    per_meter_deg((series.at(2.15) - series.at(1.85)) / 0.3)
 }
 
 /// Fig. 2.30.
 pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
-    let text = include_str!("../../../../fixtures/vehicles/air.toml");
+    let text = include_str!("../../fixtures/vehicles/air.toml");
     let air = Vehicle::parse(text, "fixtures/vehicles/air.toml")?;
     let base = &setting.vehicle;
     let mut lines = scenario(setting, &Drive::turn(base));
@@ -79,8 +79,8 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
                 ours: format!(
                     "{air_slope:.2}°/m (baseline: {leaf_slope:.2}) up to 2.15 m, {:.2}°/m \
                      ({:.2}) over the range",
-                    per_metre_deg(series[1].slope()),
-                    per_metre_deg(series[0].slope())
+                    per_meter_deg(series[1].slope()),
+                    per_meter_deg(series[0].slope())
                 ),
                 agrees: (air_slope / leaf_slope - 1.0).abs() < 0.25,
             },
@@ -100,7 +100,7 @@ pub(super) fn suspension(setting: &Setting) -> Result<Study, VehicleError> {
 
 /// Slope of the last pair of points minus that of the first, degrees per meter.
 fn bend_deg(series: &Series) -> f64 {
-    let slope = |p: &[[f64; 2]]| per_metre_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
+    let slope = |p: &[[f64; 2]]| per_meter_deg((p[1][1] - p[0][1]) / (p[1][0] - p[0][0]));
     let slopes: Vec<f64> = series.points.windows(2).map(slope).collect();
     slopes.first().zip(slopes.last()).map_or(f64::NAN, |(first, last)| last - first)
 }

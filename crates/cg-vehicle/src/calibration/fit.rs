@@ -112,10 +112,10 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
     ));
     let procedure =
         if runs.len() == 1 { Procedure::Compensation } else { Procedure::MaximumAPosteriori };
-    let linearised =
-        |mean: &Deviations| linearised((vehicle, variant), (runs, &observations), mean);
+    let linearized =
+        |mean: &Deviations| linearized((vehicle, variant), (runs, &observations), mean);
     let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);
-    let (before, _) = linearised(&prior.mean)?;
+    let (before, _) = linearized(&prior.mean)?;
     let mut mean = prior.mean;
     let mut step = f64::INFINITY;
     let mut covariance = p0.clone();
@@ -123,7 +123,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
         if step <= SETTLED {
             break;
         }
-        let (misfit, h) = linearised(&mean)?;
+        let (misfit, h) = linearized(&mean)?;
         let gain = match procedure {
             Procedure::Compensation => sensors_only(&observations),
             Procedure::MaximumAPosteriori => optimal_gain(&p0, &h, &noise)?,
@@ -145,7 +145,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
                 .to_owned(),
         ));
     }
-    let (after, _) = linearised(&mean)?;
+    let (after, _) = linearized(&mean)?;
     let residuals = observations
         .iter()
         .enumerate()
@@ -168,7 +168,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
 }
 
 /// What the observations leave unexplained at a state of the parameters, and their slopes.
-fn linearised(
+fn linearized(
     (vehicle, variant): (&Vehicle, Variant),
     (runs, observations): (&[Run], &[Observation]),
     mean: &Deviations,

@@ -139,7 +139,7 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 fn positions(v: &Vehicle, relations: &mut Relations) {
     let tractor = &v.tractor.axle;
     let ahead = |i: usize| format!("tractor.axle[{i}].ahead_of_cg_m");
-    let mut metres = |key: String, value, with, what, quantity, usual, possible| {
+    let mut meters = |key: String, value, with, what, quantity, usual, possible| {
         relations.check(Relation { key, value, with, what, quantity, unit: "m", usual, possible });
     };
     for (i, axle) in tractor.iter().enumerate() {
@@ -148,14 +148,14 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
         let usual = if i == 0 { [0.3, 3.2] } else { [-8.0, -0.2] };
         let possible = if i == 0 { [-1.0, 6.0] } else { [-12.0, 3.0] };
         let what = "its distance ahead of the tractor's sprung c.g.";
-        metres(ahead(i), value, keys(&["tractor.sprung_mass_kg"]), what, value, usual, possible);
+        meters(ahead(i), value, keys(&["tractor.sprung_mass_kg"]), what, value, usual, possible);
     }
     for (i, pair) in tractor.windows(2).enumerate() {
         let (one, two) = (pair[0].ahead_of_cg_m, pair[1].ahead_of_cg_m);
         let wheelbase = pair[0].steered && !pair[1].steered;
         let usual = if wheelbase { [2.2, 7.5] } else { [1.0, 4.0] };
         let what = "the distance between two axles";
-        metres(ahead(i + 1), two, vec![ahead(i)], what, one - two, usual, [0.4, 15.0]);
+        meters(ahead(i + 1), two, vec![ahead(i)], what, one - two, usual, [0.4, 15.0]);
     }
     let driven: Vec<usize> = (0..tractor.len()).filter(|&i| !tractor[i].steered).collect();
     if !driven.is_empty() {
@@ -163,14 +163,14 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
         let middle_m = mean(driven.iter().map(|&i| tractor[i].ahead_of_cg_m));
         let (key, with) = ("tractor.hitch_behind_cg_m", driven.into_iter().map(ahead).collect());
         let what = "the fifth wheel's distance ahead of the driven axles";
-        metres(key.to_owned(), hitch_m, with, what, -hitch_m - middle_m, [-0.4, 1.6], [-2.5, 5.0]);
+        meters(key.to_owned(), hitch_m, with, what, -hitch_m - middle_m, [-0.4, 1.6], [-2.5, 5.0]);
     }
     let trailer = &v.trailer.axle;
     let behind = |i: usize| format!("trailer.axle[{i}].behind_hitch_m");
     for (i, pair) in trailer.windows(2).enumerate() {
         let (one, two) = (pair[0].behind_hitch_m, pair[1].behind_hitch_m);
         let what = "the distance between two axles";
-        metres(behind(i + 1), two, vec![behind(i)], what, two - one, [1.0, 4.0], [0.4, 10.0]);
+        meters(behind(i + 1), two, vec![behind(i)], what, two - one, [1.0, 4.0], [0.4, 10.0]);
     }
     if trailer.is_empty() {
         return;
@@ -183,13 +183,13 @@ fn positions(v: &Vehicle, relations: &mut Relations) {
     ] {
         let with = (0..trailer.len()).map(behind).collect();
         let what = "its distance ahead of the middle of the trailer's axles";
-        metres(key.to_owned(), value, with, what, middle_m - value, [0.0, 8.0], [-6.0, 25.0]);
+        meters(key.to_owned(), value, with, what, middle_m - value, [0.0, 8.0], [-6.0, 25.0]);
     }
     let front_m = bed.behind_hitch_m - 0.5 * bed.length_m;
     let with = keys(&["trailer.payload.behind_hitch_m"]);
     let what = "the payload's front end behind the fifth wheel";
     let key = "trailer.payload.length_m".to_owned();
-    metres(key, bed.length_m, with, what, front_m, [-2.0, 8.0], [-6.0, 20.0]);
+    meters(key, bed.length_m, with, what, front_m, [-2.0, 8.0], [-6.0, 20.0]);
 }
 
 /// Springs, dampers and tires across an axle.

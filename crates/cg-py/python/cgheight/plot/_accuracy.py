@@ -69,9 +69,9 @@ def accuracy_map(
     width = max(6.0, 2.6 + 0.85 * values.shape[1])
     made, (axes,) = figure(1, [max(3.0, 1.6 + 0.5 * values.shape[0])], width=width)
     with style():
-        colours, limits = _colours(value, values)
+        colors, limits = _colors(value, values)
         digits = 2 if np.nanmax(np.abs(values)) < 10 else 0
-        image = axes.pcolormesh(values, cmap=colours, edgecolors="white", linewidth=1.5, **limits)
+        image = axes.pcolormesh(values, cmap=colors, edgecolors="white", linewidth=1.5, **limits)
         axes.set_xticks(np.arange(values.shape[1]) + 0.5, [f"{v:g}" for v in grid.columns])
         axes.set_yticks(np.arange(values.shape[0]) + 0.5, [f"{v:g}" for v in grid.index])
         axes.tick_params(length=0)
@@ -90,7 +90,7 @@ def accuracy_map(
     return made
 
 
-def _colours(value: str, values: Any) -> tuple[Any, dict[str, Any]]:
+def _colors(value: str, values: Any) -> tuple[Any, dict[str, Any]]:
     maps = need("matplotlib", "plot").colormaps
     if value == "bias_percent":
         most = float(np.nanmax(np.abs(values))) or 1.0

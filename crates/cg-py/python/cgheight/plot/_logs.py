@@ -150,8 +150,8 @@ def _prediction(
 
 def _shade(axes: Axes, answer: Estimate) -> None:
     for one in answer.maneuvers:
-        colour = GREEN if one.status == "ok" else RED
-        axes.axvspan(one.start_s, one.end_s, color=colour, alpha=0.10, linewidth=0)
+        color = GREEN if one.status == "ok" else RED
+        axes.axvspan(one.start_s, one.end_s, color=color, alpha=0.10, linewidth=0)
 
 
 def _keys(answer: Estimate) -> list[Any]:
@@ -159,8 +159,8 @@ def _keys(answer: Estimate) -> list[Any]:
     patch = need("matplotlib.patches", "plot").Patch
     seen = {one.status for one in answer.maneuvers}
     known = (("ok", GREEN, "maneuver with a height"), ("rejected", RED, "rejected maneuver"))
-    return [patch(color=colour, alpha=0.15, linewidth=0, label=label)
-            for status, colour, label in known if status in seen]  # fmt: skip
+    return [patch(color=color, alpha=0.15, linewidth=0, label=label)
+            for status, color, label in known if status in seen]  # fmt: skip
 
 
 def _label(axes: Axes, answer: Estimate) -> None:

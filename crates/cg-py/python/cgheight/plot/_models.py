@@ -96,17 +96,17 @@ def bode(
         hz = column("frequency_hz", frequency_hz)
     made, (upper, lower) = figure(2, [3.2, 2.4])
     with style():
-        for model, transfer, name, colour in zip(
-            models, transfers, names, _colours(), strict=False
+        for model, transfer, name, color in zip(
+            models, transfers, names, _colors(), strict=False
         ):
             seen = hz if transfer.ts is None else hz[hz <= 0.5 / transfer.ts]
             line: dict[str, Any] = {
-                "color": colour,
+                "color": color,
                 "linestyle": "-" if isinstance(model, ArxModel) else "--",
             }
             if isinstance(model, ArxModel):
                 value, covariance = model.response(2 * np.pi * seen)
-                _band(upper, lower, seen, value, covariance, colour)
+                _band(upper, lower, seen, value, covariance, color)
             else:
                 value = transfer.response(2 * np.pi * seen)
             upper.plot(seen, np.abs(value), label=name, **line)
@@ -121,7 +121,7 @@ def bode(
     return made
 
 
-def _colours() -> list[str]:
+def _colors() -> list[str]:
     return list(CYCLE) * 4
 
 
@@ -138,7 +138,7 @@ def _band(
     hz: _Array,
     value: NDArray[np.complex128],
     covariance: _Array,
-    colour: str,
+    color: str,
 ) -> None:
     """Shade the 95 % band: G = x + iy, ln|G| along (x, y)/|G|², phase along (-y, x)/|G|²."""
     square = np.abs(value) ** 2
@@ -151,7 +151,7 @@ def _band(
     # Beyond a factor of ten the first order says nothing more.
     factor = np.exp(np.minimum(_QUANTILE_95 * log_sd, np.log(10.0)))
     size, phase = np.abs(value), _phase_deg(value)
-    shade: dict[str, Any] = {"color": colour, "alpha": 0.18, "linewidth": 0}
+    shade: dict[str, Any] = {"color": color, "alpha": 0.18, "linewidth": 0}
     upper.fill_between(hz, size / factor, size * factor, **shade)
     wide = np.minimum(_QUANTILE_95 * np.degrees(phase_sd), 180.0)
     lower.fill_between(hz, phase - wide, phase + wide, **shade)
@@ -195,18 +195,18 @@ def pole_zero(
     made, (axes,) = figure(1, [5.6], width=7.5)
     with style():
         beyond = 0
-        for model, name, colour in zip(models, names, _colours(), strict=False):
+        for model, name, color in zip(models, names, _colors(), strict=False):
             transfer = _transfer(model)
             poles, zeros = (
                 _continuous(transfer.poles, transfer),
                 _continuous(transfer.zeros, transfer),
             )
-            crosses: dict[str, Any] = {"marker": "x", "s": 55, "color": colour}
+            crosses: dict[str, Any] = {"marker": "x", "s": 55, "color": color}
             circles: dict[str, Any] = {
                 "marker": "o",
                 "s": 42,
                 "facecolors": "none",
-                "edgecolors": colour,
+                "edgecolors": color,
             }
             for roots, what, mark in ((poles, "poles", crosses), (zeros, "zeros", circles)):
                 axes.scatter(roots.real, roots.imag, label=f"{name}: {what}", zorder=3, **mark)

@@ -1,4 +1,4 @@
-"""What all pictures share: colours, sizes, axes."""
+"""What all pictures share: colors, sizes, axes."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ impl YawRollPlant {
     ///
     /// # Errors
     /// If the vehicle cannot drive straight.
-    pub fn linearised(&self, speed_mps: f64) -> Result<StateSpace, VehicleError> {
+    pub fn linearized(&self, speed_mps: f64) -> Result<StateSpace, VehicleError> {
         let rest = settle(&self.parameters, &self.design, speed_mps)?;
         let places = self.places();
         let n = places.len();
@@ -97,7 +97,7 @@ impl YawRollPlant {
 
     /// Magnitude of the fastest pole, without the friction of measured springs.
     pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
-        let poles = self.linearised(speed_mps)?.a.complex_eigenvalues();
+        let poles = self.linearized(speed_mps)?.a.complex_eigenvalues();
         Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
     }
 
