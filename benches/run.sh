@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
-# Runs every bench and writes benches/RESULTS.md: where, when, what, raw output.
+# Runs every bench and writes benches/RESULTS.md: where, when, what, raw output. All is built as it is
+# handed out (the profile `dist`).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 raw=$(mktemp)
 trap 'rm -f "$raw" "$raw.python" "$raw.guest"' EXIT
-cargo bench --package cg-bench | tee "$raw"
-cargo build --release --package cg-cli
-guest/run.sh target/release/cg .venv | grep '^guest: ' > "$raw.guest"
+cargo bench --profile dist --package cg-bench | tee "$raw"
+cargo build --profile dist --package cg-cli
+guest/run.sh target/dist/cg .venv | grep '^guest: ' > "$raw.guest"
+VIRTUAL_ENV=$PWD/.venv .venv/bin/maturin develop --quiet --profile dist -m crates/cg-py/Cargo.toml
 OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
-.venv/bin/python benches/python/spark_trips.py >> "$raw.python"
+CG=$PWD/target/dist/cg .venv/bin/python benches/python/spark_trips.py >> "$raw.python"
 {
   echo "# Bench results"
   echo
