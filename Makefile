@@ -15,7 +15,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
   dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
   fuzz fuzz-tools mutants mutants-short mutants-tool soak rollover-table bench demo clean
 
-test: tools fmt lint package rust docs firmware guest python bench-short
+test: tools fmt lint rust package docs firmware guest python bench-short
 	@echo "all checks passed"
 
 tools:
