@@ -13,7 +13,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 .PHONY: test tools fmt lint package rust docs firmware firmware-tools firmware-budgets cg guest venv python bench-short \
   dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
-  fuzz fuzz-tools mutants mutants-short mutants-tool soak rollover-table bench demo clean
+  fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
 test: tools fmt lint rust package docs firmware guest python bench-short
 	@echo "all checks passed"
@@ -170,10 +170,11 @@ fuzz-tools:
 # Mutation test of cg-core (2200 mutants; some hours): its own tests must notice at least 90 %.
 # A sample of 170: make mutants MUTANTS='--sharding round-robin --shard 3/13'
 MUTANTS :=
+SUBJECT := --package cg-core --test-package cg-core
 LEAST_PERCENT := 90
 mutants: mutants-tool
 	rm -rf target/mutants.out
-	CARGO_TARGET_DIR=$(CURDIR)/target/mutants cargo mutants --package cg-core --test-package cg-core --output target $(MUTANTS) \
+	CARGO_TARGET_DIR=$(CURDIR)/target/mutants cargo mutants $(SUBJECT) --output target $(MUTANTS) \
 	  || [ $$? -le 3 ] # 2: some were missed, 3: some timed out; both are counted below
 	@$(PYTHON) -c 'import json, sys; o = json.load(open("target/mutants.out/outcomes.json")); \
 	  killed = o["caught"] + o["timeout"]; viable = killed + o["missed"]; \
@@ -183,6 +184,12 @@ mutants: mutants-tool
 # A dozen mutants, to show that the test works. Such a small sample scatters, so a quarter may be missed.
 mutants-short:
 	$(MAKE) mutants MUTANTS='--sharding round-robin --shard 0/180' LEAST_PERCENT=75
+
+# The decisions outside the core: the end of a log, and the session of `cg run` (480 mutants, two minutes each).
+DECISIONS := $(addprefix --file crates/cg-logs/src/estimate/, finish.rs diagnosis.rs signals.rs intake.rs) \
+  $(addprefix --file crates/cg-cli/src/run/, session.rs events.rs pace.rs presence.rs)
+mutants-decisions:
+	$(MAKE) mutants SUBJECT='$(DECISIONS) --test-package cg-logs --test-package cg-plant --test-package cg-cli'
 
 mutants-tool:
 	@cargo mutants --version >/dev/null 2>&1 || cargo install cargo-mutants --locked

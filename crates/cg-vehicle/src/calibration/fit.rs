@@ -146,16 +146,13 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
         ));
     }
     let (after, _) = linearized(&mean)?;
-    let residuals = observations
-        .iter()
-        .enumerate()
-        .map(|(k, o)| Residual {
-            run: o.run,
-            channel: o.channel,
-            before: before[k],
-            after: after[k],
-        })
-        .collect();
+    let residual = |(k, o): (usize, &Observation)| Residual {
+        run: o.run,
+        channel: o.channel,
+        before: before[k],
+        after: after[k],
+    };
+    let residuals = observations.iter().enumerate().map(residual).collect();
     let mut chi_square = (0..n).map(|k| after[k] * after[k] / noise[(k, k)]).sum::<f64>();
     if procedure == Procedure::MaximumAPosteriori {
         // A parameter without prior variance does not change.
