@@ -10,8 +10,6 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-#[cfg(feature = "dbc")]
-use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator, ValueType};
 use cg_core::Quantity;
 use cg_core::signal::j1939::pgn_of;
 
@@ -65,64 +63,20 @@ pub enum DbcError {
 /// A mapping as given by the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalMap {
-    quantity: Quantity,
+    pub(super) quantity: Quantity,
     /// Name of the message; `None` if the name of the signal is unique.
-    message: Option<String>,
-    signal: String,
-    unit: Option<String>,
-    factor: f64,
-    offset: f64,
-    text: String,
-}
-
-/// A signal and its message.
-type Place<'a> = (&'a can_dbc::Message, &'a can_dbc::Signal);
-
-/// Finds the mapped signal in the file.
-fn place<'a>(file: &str, dbc: &'a Dbc, map: &SignalMap) -> Result<Place<'a>, String> {
-    let is_asked = |name: &str| map.message.as_deref().is_none_or(|asked| asked == name);
-    let messages: Vec<_> = dbc.messages.iter().filter(|m| is_asked(&m.name)).collect();
-    if messages.is_empty() {
-        let names = dbc.messages.iter().map(|message| message.name.clone());
-        let asked = map.message.as_deref().unwrap_or_default();
-        return Err(format!("{file} has no message `{asked}`, only {}", listed(names)));
-    }
-    let all = messages.iter().flat_map(|m| m.signals.iter().map(move |signal| (*m, signal)));
-    let names = |places: Vec<Place>| {
-        listed(places.into_iter().map(|(m, signal)| format!("{}.{}", m.name, signal.name)))
-    };
-    let found: Vec<Place> = all.clone().filter(|(_, s)| s.name == map.signal).collect();
-    match found.as_slice() {
-        [one] => Ok(*one),
-        [] => {
-            let known = names(all.collect());
-            Err(format!("{file} has no signal `{}`, only {known}", map.signal))
-        }
-        _ => {
-            let known = names(found);
-            Err(format!("{} is in several messages: give one of {known}", map.signal))
-        }
-    }
-}
-
-/// A list of names for an error message, shortened if it is long.
-fn listed(names: impl Iterator<Item = String>) -> String {
-    let mut names: Vec<String> = names.collect();
-    let more = names.len().saturating_sub(MOST_LISTED);
-    names.truncate(MOST_LISTED);
-    if more > 0 {
-        names.push(format!("and {more} more"));
-    }
-    names.join(", ")
+    pub(super) message: Option<String>,
+    pub(super) signal: String,
+    pub(super) unit: Option<String>,
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+    pub(super) text: String,
 }
 
 /// The quantity with this name, as in the columns of a log.
 pub(super) fn named(name: &str) -> Result<Quantity, Malformed> {
     name.parse().map_err(|error| format!("there is no quantity `{name}`: {error}").into())
 }
-
-/// Maximum number of names in an error message.
-const MOST_LISTED: usize = 20;
 
 const EXPECTED: &str = "expected QUANTITY=MESSAGE.SIGNAL, optionally followed by [unit], *factor \
                         and +offset, as in roll=TILT.Angle[deg]*-1+0.3";
@@ -180,18 +134,18 @@ impl fmt::Display for SignalMap {
 pub struct MappedSignal {
     /// The measured quantity.
     pub quantity: Quantity,
-    identifier: u32,
-    extended: bool,
-    start_bit: u16,
-    bits: u8,
-    big_endian: bool,
-    signed: bool,
-    factor: f64,
-    offset: f64,
-    range: Option<(f64, f64)>,
+    pub(super) identifier: u32,
+    pub(super) extended: bool,
+    pub(super) start_bit: u16,
+    pub(super) bits: u8,
+    pub(super) big_endian: bool,
+    pub(super) signed: bool,
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+    pub(super) range: Option<(f64, f64)>,
     /// Factor and offset that convert from the unit of the DBC file to SI: value times factor plus
     /// offset.
-    to_si: (f64, f64),
+    pub(super) to_si: (f64, f64),
 }
 
 impl MappedSignal {
@@ -211,19 +165,6 @@ impl MappedSignal {
         Self::parse(&file, &text, maps)
     }
 
-    /// Finds the mapped signals in the text of a DBC file. `file` is its name in messages.
-    ///
-    /// # Errors
-    /// As for [`load`](Self::load).
-    #[cfg(feature = "dbc")]
-    pub fn parse(file: &str, text: &str, maps: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
-        let dbc = Dbc::try_from(text).map_err(|error| DbcError::Syntax {
-            file: file.to_owned(),
-            message: error.to_string(),
-        })?;
-        maps.iter().map(|map| Self::find(file, &dbc, map)).collect()
-    }
-
     /// The same in a build that cannot read DBC files.
     ///
     /// # Errors
@@ -231,59 +172,6 @@ impl MappedSignal {
     #[cfg(not(feature = "dbc"))]
     pub fn parse(file: &str, _: &str, _: &[SignalMap]) -> Result<Vec<Self>, DbcError> {
         Err(DbcError::LeftOut { file: file.to_owned() })
-    }
-
-    #[cfg(feature = "dbc")]
-    fn find(file: &str, dbc: &Dbc, map: &SignalMap) -> Result<Self, DbcError> {
-        let fail = |message: String| DbcError::Map { map: map.text.clone(), message };
-        let (message, signal) = place(file, dbc, map).map_err(fail)?;
-        if !matches!(
-            signal.multiplexer_indicator,
-            MultiplexIndicator::Plain | MultiplexIndicator::Multiplexor
-        ) {
-            return Err(fail("multiplexed signals are not supported".to_owned()));
-        }
-        let (Ok(start_bit), Ok(bits @ 1..=64)) =
-            (u16::try_from(signal.start_bit), u8::try_from(signal.size))
-        else {
-            return Err(fail(format!("a signal of {} bits cannot be read", signal.size)));
-        };
-        let unit = map.unit.as_deref().unwrap_or(&signal.unit);
-        let dimension = map.quantity.dimension();
-        let to_si = dimension.spelled(unit).map(|unit| unit.times / unit.per).ok_or_else(|| {
-            let known = dimension.units().iter().flat_map(|unit| unit.spellings);
-            fail(format!(
-                "the unit \"{unit}\" is not one of {}; give the unit: {}={}.{}[{}]",
-                known.copied().collect::<Vec<_>>().join(", "),
-                map.quantity,
-                message.name,
-                map.signal,
-                dimension.si().suffix,
-            ))
-        })?;
-        let (least, greatest) = (signal.min.to_string(), signal.max.to_string());
-        let range = least
-            .parse()
-            .ok()
-            .zip(greatest.parse().ok())
-            .filter(|(least, greatest): &(f64, f64)| least < greatest);
-        let (identifier, extended) = match message.id {
-            MessageId::Standard(id) => (u32::from(id), false),
-            MessageId::Extended(id) => (id & 0x1FFF_FFFF, true),
-        };
-        Ok(Self {
-            quantity: map.quantity,
-            identifier,
-            extended,
-            start_bit,
-            bits,
-            big_endian: signal.byte_order == ByteOrder::BigEndian,
-            signed: signal.value_type == ValueType::Signed,
-            factor: signal.factor,
-            offset: signal.offset,
-            range,
-            to_si: (map.factor * to_si, map.offset * to_si),
-        })
     }
 
     /// Whether a frame contains the signal. Broadcast J1939 groups match with any priority and

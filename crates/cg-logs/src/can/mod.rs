@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `frame` | a CAN frame |
 //! | `candump`, `reader` | lines in the candump format, and a log of them |
-//! | `dbc` | signals of a DBC file, mapped to quantities |
+//! | `dbc`, `dbc_file` | signals of a DBC file, mapped to quantities |
 //! | `decoder` | values of frames: J1939 and the mapped signals |
 //! | `clock` | a continuous time from time stamps |
 //! | `sampler` | samples from frames, with all of these |
@@ -17,6 +17,8 @@ mod clock;
 mod frame;
 mod candump;
 mod dbc;
+#[cfg(feature = "dbc")]
+mod dbc_file;
 mod decoder;
 mod reader;
 mod tally;
