@@ -53,7 +53,8 @@ impl Vehicle {
         let belief = match &self.calibration {
             Some(calibration) if calibration.model != variant => {
                 return Err(VehicleError::Model(
-                    "the calibration was made for the other model: give the same model".to_owned(),
+                    "the calibration is for the other model; give the model of the calibration"
+                        .to_owned(),
                 ));
             }
             Some(calibration) => calibration.belief(),

@@ -96,7 +96,7 @@ class ArxModel:
         inputs, outputs = column("u", u), column("y", y)
         if len(inputs) != len(outputs):
             raise ValueError(
-                f"y has {len(outputs)} values and u has {len(inputs)}: give one length"
+                f"y has {len(outputs)} values and u has {len(inputs)}: they must have the same length"
             )
         memory = max(self.na, self.nb + self.nk - 1)
         if len(inputs) <= memory:

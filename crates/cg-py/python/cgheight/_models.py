@@ -170,7 +170,7 @@ def select_order(
     if criterion not in _KEYS:
         raise ValueError(f'criterion is {criterion!r}: it must be "aic", "bic" or "validation"')
     if criterion == "validation" and validation is None:
-        raise ValueError("validation is absent: the criterion needs another log's (u, y)")
+        raise ValueError("validation is missing: the criterion needs another log's (u, y)")
     data = column("u", u), column("y", y)
     orders = [(index(a), index(b), index(k)) for a in na for b in nb for k in nk]
     if not orders:

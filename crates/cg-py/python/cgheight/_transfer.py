@@ -62,7 +62,7 @@ class TransferFunction:
         top = np.trim_zeros(column("numerator", numerator), "f")
         bottom = np.trim_zeros(column("denominator", denominator), "f")
         if not (top.size and bottom.size):
-            raise ValueError("numerator and denominator must each have a coefficient beside zero")
+            raise ValueError("numerator and denominator must each have a nonzero coefficient")
         zeros, poles = np.roots(top).astype(complex), np.roots(bottom).astype(complex)
         return cls(zeros, poles, float(top[0] / bottom[0]), ts)
 
@@ -101,7 +101,7 @@ class TransferFunction:
         value = complex(system(point)) * np.prod((point - poles) / size)
         gain = value / np.prod((point - zeros) / size) * size ** (len(poles) - len(zeros))
         if not np.isfinite(gain) or gain == 0:
-            raise ValueError("the system is zero: it has no poles and zeros to speak of")
+            raise ValueError("the system is zero: its poles and zeros are not defined")
         return cls(zeros, poles, float(gain.real), ts)
 
     @property
