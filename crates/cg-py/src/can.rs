@@ -33,7 +33,7 @@ fn microseconds(time_s: f64) -> PyResult<u64> {
 fn frame(place: (f64, u8), identifier: u32, extended: bool, data: &[u8]) -> PyResult<Frame> {
     let (time_s, bus) = place;
     let mut frame = Frame::new(microseconds(time_s)?, identifier, extended, data)
-        .ok_or_else(|| value_error(format!("a frame has {} bytes: it can have at most 64", data.len())))?;
+        .ok_or_else(|| value_error(format!("a frame has {} bytes: the limit is 64", data.len())))?;
     frame.bus = bus;
     Ok(frame)
 }

@@ -53,8 +53,7 @@ impl Vehicle {
         let belief = match &self.calibration {
             Some(calibration) if calibration.model != variant => {
                 return Err(VehicleError::Model(
-                    "the calibration is for the other model; give the model of the calibration"
-                        .to_owned(),
+                    "the calibration is for the other model: give that model".to_owned(),
                 ));
             }
             Some(calibration) => calibration.belief(),
