@@ -26,8 +26,8 @@ def calibrate(
 ) -> _native.Vehicle:
     """Calibrate a vehicle with logs whose height is known.
 
-    One run determines the compensation of each channel, as in the thesis. With several runs (such as
-    one empty and one laden), the uncertain parameters of the truck are fitted to the runs and to
+    One run determines the compensation of each channel, as in the thesis. With several runs (such
+    as one empty and one laden), the uncertain parameters of the truck are fitted to the runs and to
     ``[uncertainty]`` in the vehicle file. The calibration file contains what the runs could and
     could not determine.
 

@@ -129,7 +129,7 @@ def select_order(
     """Choose the orders of an ARX model.
 
     All models are fitted to the same rows, so that their scores are comparable: to those that the
-    model with the longest memory can use. The best model is then fitted to all rows that it can use.
+    model with the longest memory can use. The best model is then fitted to all rows it can use.
 
     Parameters
     ----------
