@@ -98,7 +98,7 @@ def estimate(
         Identification: ARX on filtered signals, classical ARX (`Arx` sets its order), or the gain
         only.
     channel : {"auto", "steer", "lateral-acceleration"}
-        The input. "auto" combines both inputs, or uses the only one there is.
+        The input; "auto" combines both inputs, weighted by their uncertainty.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
     **signals : array, shape (n,), optional
