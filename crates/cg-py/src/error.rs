@@ -1,5 +1,5 @@
-//! Exceptions. A missing file is a `FileNotFoundError`, other errors of the system are an `OSError`, a
-//! file that must not be replaced is a `FileExistsError`, everything else is a `ValueError`. The
+//! Exceptions. A missing file is a `FileNotFoundError`, other errors of the system are an `OSError`,
+//! a file that must not be replaced is a `FileExistsError`, everything else is a `ValueError`. The
 //! messages are those of the library, with options written as keywords.
 
 use std::ffi::CString;

@@ -159,7 +159,7 @@ pub(crate) fn resolve_columns(
         for signal in Signal::ALL {
             let (factor, value) = (first.get(signal), second.get(signal));
             if !factor.is_nan() {
-                // Exact up to rounding. The numbers of the columns start at two, so that time increases.
+                // Exact up to rounding. Columns are numbered from two, so that time increases.
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 let index = (value / factor).round() as usize - 2;
                 result.set_item(signal.column(), (index, factor))?;

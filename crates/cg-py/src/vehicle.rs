@@ -15,8 +15,8 @@ use crate::error::{vehicle_error, warn};
 
 /// A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`.
 ///
-/// A vehicle is immutable and can be used from several threads. The first estimate computes what the
-/// estimator needs; later estimates use it again.
+/// A vehicle is immutable and can be used from several threads. The first estimate computes what
+/// the estimator needs; later estimates use it again.
 #[pyclass(frozen, module = "cgheight")]
 pub(crate) struct Vehicle {
     pub(crate) inner: cg_vehicle::Vehicle,

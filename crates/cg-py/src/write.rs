@@ -14,8 +14,8 @@ use crate::error::{log_error, output_error, value_error};
 use crate::signals::{Columns, borrowed, columns};
 use crate::vehicle::Vehicle;
 
-/// The file that a log is written to: its path, the keyword that gave it, and the other files of the
-/// call.
+/// The file that a log is written to: its path, the keyword that gave it, and the other files of
+/// the call.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Request<'py> {
@@ -71,9 +71,9 @@ pub(crate) fn copy_file(py: Python<'_>, source: PathBuf, request: Request<'_>) -
     py.detach(copy).map_err(|error| output_error(target.failed(error)))
 }
 
-/// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the vehicle's steering ratio converts
-/// road-wheel angles to steering-wheel angles). Returns the number of values that are outside the range
-/// of their J1939 signal.
+/// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the vehicle's steering ratio
+/// converts road-wheel angles to steering-wheel angles). Returns the number of values that are
+/// outside the range of their J1939 signal.
 #[pyfunction]
 #[pyo3(signature = (request, signals, comments, /))]
 pub(crate) fn write_file(

@@ -1,4 +1,4 @@
-"""What is refused, and how."""
+"""Errors: which input is refused, and the messages."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_time_must_be_there_and_increase(kraz, turn):
         cgheight.estimate(**changed(turn, "time_s", 9, 0.08), vehicle=kraz)
     with pytest.raises(ValueError, match=r"time_s\[9\] = -1 does not come after time_s\[8\]"):
         cgheight.estimate(**changed(turn, "time_s", 9, -1.0), vehicle=kraz)
-    # A tenth of a microsecond, below the resolution of the estimator.
+    # A tenth of a microsecond is below the resolution of the estimator.
     with pytest.raises(ValueError, match=r"time_s\[9\] = 0.0800001: .* does not follow"):
         cgheight.estimate(**changed(turn, "time_s", 9, 0.0800001), vehicle=kraz)
 

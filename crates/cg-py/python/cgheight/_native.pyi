@@ -100,7 +100,7 @@ class FrameStream:
     def push(
         self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
     ) -> bool:
-        """Process a frame, with its time in seconds and its bus; return whether a turn has ended."""
+        """Process a frame, with time in seconds and bus; return whether a turn has ended."""
     def finish(self) -> int:
         """End the log and return the number of rows."""
     def remarks(self) -> list[str]:
@@ -120,7 +120,7 @@ class FrameTable:
     def push(
         self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
     ) -> None:
-        """Add a frame, with its time in seconds and its bus."""
+        """Add a frame, with time in seconds and bus."""
     def push_channel(
         self,
         signal: str,

@@ -154,8 +154,8 @@ def accuracy_map(
     -------
     pandas.DataFrame
         One row for each cell: ``height_m, snr_db, answered, bias_percent, rmse_percent,
-        stated_sd_percent, coverage_percent, bound_percent``. Coverage is in percent of the runs,
-        lengths are in percent of the true height.
+        stated_sd_percent, coverage_percent, bound_percent``. Coverage is in % of the runs with
+        an estimate, the other errors are in % of the true height.
 
     Raises
     ------
