@@ -1,4 +1,4 @@
-//! Exceptions. A missing file is a `FileNotFoundError`, other errors of the system are an `OSError`,
+//! Exceptions. A missing file is a `FileNotFoundError`, other system errors are an `OSError`,
 //! a file that must not be replaced is a `FileExistsError`, everything else is a `ValueError`. The
 //! messages are those of the library, with options written as keywords.
 

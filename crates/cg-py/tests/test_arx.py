@@ -126,8 +126,8 @@ def test_the_reduced_model_is_recovered_from_its_own_response(through):
     u = 0.02 * np.repeat(np.sign(np.random.default_rng(12).standard_normal(200)), 4)
     y = response(b, a, u)
     model = cgheight.arx(u, y, na, nb, nk, ts)
-    # Least squares lose ε cond of the regressors. The recursion for y rounds once for each of its 12
-    # terms, which has the effect of noise of the same size.
+    # Least squares lose ε cond of the regressors. The recursion for y rounds once for each of its
+    # 12 terms, which has the effect of noise of the same size.
     phi, _ = regression(u, y, na, nb, nk)
     tolerance = 12 * EPSILON * np.linalg.cond(phi)
     assert tolerance < 1e-6

@@ -52,7 +52,7 @@ SIGNALS = {
 
 @pytest.fixture(scope="module")
 def truck_file(tmp_path_factory):
-    """Return the independent truck with a steering ratio, because CAN has the steering wheel only."""
+    """Return the independent truck with a steering ratio; CAN has the steering wheel only."""
     path = tmp_path_factory.mktemp("truck") / "wheel.toml"
     text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
     path.write_text("steering_ratio = 20.0\n" + text)
@@ -97,8 +97,8 @@ def test_every_format_gives_the_height_of_the_arrays(suffix, truck, drive, tmp_p
     cgheight.write_log(log, path, vehicle=truck)
     expected = cgheight.estimate(**log.signals, vehicle=truck)
     answer = cgheight.estimate_log(path, vehicle=truck)
-    # Half a bit of the steering wheel is 0.5/1024/20 rad of 0.05 rad of steer angle, which is 5e-4 of
-    # the ratio. The relative change of the height is less than twice as large.
+    # Half a bit of the steering wheel is 0.5/1024/20 rad of 0.05 rad of steer angle, which is 5e-4
+    # of the ratio. The relative change of the height is less than twice as large.
     assert answer.height_m == pytest.approx(expected.height_m, rel=1e-3)
     assert answer.channel == expected.channel == "combined"
     again = cgheight.estimate_logs([path], vehicle=truck)[0]
@@ -300,7 +300,7 @@ def test_frames_of_every_format_make_the_rows_of_the_candump_log(suffix, asynchr
     expected, frame = read_log(asynchronous), read_log(path)
     assert list(frame) == list(expected)
     # The formats store time with a resolution of 10 µs (.asc) or better, from different origins.
-    # Interpolated signals change by that time multiplied by their largest rate, some units per second.
+    # Interpolated signals change by that time multiplied by their largest rate, some units a second.
     assert len(frame) == len(expected)
     for name in set(frame) - {"time_s"}:
         assert np.allclose(frame[name], expected[name], rtol=0, atol=2e-3, equal_nan=True), name

@@ -22,7 +22,7 @@ def test_a_simulated_log_gives_its_height_back_whichever_way_it_is_read(baseline
     assert log.truth["height_m"] == 1.85
     assert log.truth["trailer_mass_kg"] == baseline.empty_trailer_mass_kg + 12e3
     answer = cgheight.estimate(**log.signals, vehicle=baseline)
-    # Without noise and with the same model, only the grid of the design is an error (tests/design.rs).
+    # Without noise and model errors, the grid of the design remains (tests/design.rs).
     assert answer.height_m == pytest.approx(1.85, rel=2e-3)
     frame = log.to_frame()
     assert list(frame) == list(log.signals)

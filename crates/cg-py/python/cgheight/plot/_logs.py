@@ -37,8 +37,8 @@ def log(
     """Draw a log: its inputs, its measured and predicted roll angle, and their difference.
 
     How to read it: the model predicts the roll angle for the estimated height, and the offset of
-    the roll sensor is added. In every shaded maneuver, the predicted roll angle should agree with the
-    measured one, and the difference below should be noise without the shape of the turns. Green
+    the roll sensor is added. In every shaded maneuver, the predicted roll angle should agree with
+    the measured one, and the difference below should be noise without the shape of the turns. Green
     maneuvers gave a height, red ones were rejected.
 
     Parameters
