@@ -1,5 +1,5 @@
 # `make test` is what CI runs: everything except the long benches. `make dist` builds and checks what is published.
-# Both need Rust from rustup, Python 3.11 or later with venv, gcc and make, and install the rest.
+# Both need Rust from rustup, Python 3.11 or later with venv, gcc and make. They install everything else.
 
 SHELL := /bin/bash
 PYTHON ?= python3
@@ -40,8 +40,8 @@ $(TOOLS):
 	$(PYTHON) -m venv $(TOOLS)
 	$(TOOLS)/bin/python -m pip install --quiet 'typos>=1.38' 'maturin>=1.9,<2' || { rm -rf $(TOOLS); exit 1; }
 
-# The crates as crates.io would get them, not compiled (`make dist` does); and `cg` without its features, which must
-# compile and name the feature that is missing.
+# Packs the crates for crates.io without compiling them (`make dist` compiles them). Then tests that `cg` without its
+# features compiles and names the feature that is missing.
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
 	cargo test --quiet --package cg-cli --no-default-features --test cli left_out
@@ -53,8 +53,8 @@ rust: firmware-tools
 docs:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
-# The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, answers bit-identical to the
-# host's. (`make rust` tests the C library there.)
+# The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, results bit-identical to those of the
+# host. (`make rust` tests the C library there.)
 firmware: firmware-tools
 	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
 	$(PYTHON) firmware/check.py
@@ -68,11 +68,11 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The program in the build that users have.
+# The program in the release build, as users have it.
 cg:
 	cargo build --release --package cg-cli
 
-# `cg run` on real SocketCAN: a kernel with vcan in QEMU plays a drive and loads the bus for a minute.
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
 guest: venv cg
 	guest/run.sh target/release/cg $(VENV)
 
@@ -82,8 +82,8 @@ venv:
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
 	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release --extras all -m crates/cg-py/Cargo.toml
 
-# The Python package: tests (the HTML report in Chromium, Spark, the notebook), stubs against the
-# binary, lint. Then its wheel with numpy alone.
+# The Python package: tests (also of the HTML report in Chromium, of Spark and of the notebook), comparison of the stubs
+# with the binary, lint. Then a test of the wheel with only numpy installed.
 python: venv cg
 	CG=$(CURDIR)/target/release/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
@@ -95,7 +95,8 @@ python: venv cg
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
-# All that is handed out, made and tried, in dist (RELEASING.md): from a clean tree, the crates compiled from their packages.
+# Builds and tests everything that is published, in dist (RELEASING.md). Needs a clean tree; the crates are compiled from
+# their packages.
 dist: dist-clean dist-crates dist-program dist-python dist-c dist-firmware
 	cd dist && sha256sum cg* firmware* > SHA256SUMS && ls -l
 
@@ -110,11 +111,11 @@ dist-program:
 	rustup target add $(STATIC)
 	@command -v musl-gcc >/dev/null || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes musl-tools; }
 	cargo build --profile dist --package cg-cli --target $(STATIC)
-	! readelf --program-headers target/$(STATIC)/dist/cg | grep INTERP # nothing is loaded at run time
+	! readelf --program-headers target/$(STATIC)/dist/cg | grep INTERP # fails if the program needs shared libraries
 	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
 	tar -czf dist/cg-$(VERSION)-$(STATIC).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C target/$(STATIC)/dist cg
 
-# Wheel and source distribution, each installed in an empty environment.
+# Wheel and source distribution, each tested in an empty environment.
 dist-python: $(TOOLS)
 	@mkdir -p dist
 	$(TOOLS)/bin/maturin build --quiet --profile dist --out dist -m crates/cg-py/Cargo.toml
@@ -135,27 +136,28 @@ dist-firmware: firmware-tools
 	@mkdir -p dist
 	$(PYTHON) firmware/check.py --markdown > dist/firmware-$(VERSION).md
 
-# The interface of the published crates beside that of the last release; as long as there is none, of the commit from which on it is kept.
+# Compares the interface of the published crates with that of the last release. Before the first release, it is compared
+# with the commit since which the interface has been kept stable.
 SEMVER_BASE := $(or $(shell git describe --tags --abbrev=0 --match 'v*' 2>/dev/null),48b7725)
 semver:
 	@cargo semver-checks --version >/dev/null 2>&1 || cargo install cargo-semver-checks --locked
 	cargo semver-checks --baseline-rev $(SEMVER_BASE)
 
-# Licenses, sources and double versions of the dependencies; known defects where their database can be reached.
+# Licenses, sources and duplicate versions of the dependencies, and known vulnerabilities if their database can be reached.
 deny:
 	@cargo deny --version >/dev/null 2>&1 || cargo install cargo-deny --locked
 	cargo deny check bans licenses sources
 	@if cargo deny fetch db; then cargo deny check --disable-fetch advisories; \
-	else echo "the database of known defects cannot be reached: not checked"; fi
+	else echo "the database of known vulnerabilities cannot be reached: they are not checked"; fi
 
-# The oldest compiler that the published crates promise (rust-version in Cargo.toml).
+# Checks the oldest compiler that the published crates support (rust-version in Cargo.toml).
 MSRV := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 msrv:
 	@rustup run $(MSRV) rustc --version || rustup toolchain install $(MSRV) --profile minimal
 	cargo +$(MSRV) check --locked
 
-# Coverage-guided fuzzing of all code that reads foreign input, one minute each. Findings are in fuzz/artifacts:
-# fix the code, then keep the input in fuzz/seeds. `make test` runs the kept seeds and hundreds of mutations of each.
+# Coverage-guided fuzzing of all code that reads external input, one minute per target. Findings are in fuzz/artifacts:
+# fix the code, then add the input to fuzz/seeds. `make test` runs these seeds and hundreds of mutations of each.
 FUZZ_SECONDS := 60
 FUZZ_TARGETS := log_reader candump dbc vehicle_file calibration_file state_file estimator_push
 fuzz: fuzz-tools
@@ -167,7 +169,7 @@ fuzz-tools:
 	@rustup run nightly rustc --version >/dev/null 2>&1 || rustup toolchain install nightly --profile minimal
 	@cargo fuzz --version >/dev/null 2>&1 || cargo install cargo-fuzz --locked
 
-# Mutation test of cg-core (2200 mutants; some hours): its own tests must notice at least 90 %.
+# Mutation test of cg-core (2200 mutants, some hours): its own tests must detect at least 90 % of them.
 # A sample of 170: make mutants MUTANTS='--sharding round-robin --shard 3/13'
 MUTANTS :=
 SUBJECT := --package cg-core --test-package cg-core
@@ -194,15 +196,15 @@ mutants-decisions:
 mutants-tool:
 	@cargo mutants --version >/dev/null 2>&1 || cargo install cargo-mutants --locked
 
-# A month with one hour of driving a day through `cg run`: its memory must not grow (`make test`: some minutes a day).
+# `cg run` with a month of driving, one hour a day: its memory must not grow (`make test`: some minutes a day).
 soak:
 	CG_SOAK_DRIVES=30 cargo test --release --package cg-cli --test cli a_month -- --nocapture
 
-# The table of docs/plant.md: thresholds compared with the nonlinear plant, 96 cases per vehicle (`make test`: its corners).
+# The table of docs/plant.md: thresholds compared with the nonlinear plant, 96 cases per vehicle (`make test`: corner cases).
 rollover-table:
 	CG_ROLLOVER_TABLE=1 cargo test --workspace --test rollover the_table -- --nocapture
 
-# Runs every bench once on little data, to show that it works. Measures nothing.
+# Runs every bench once on little data, to show that it works. It gives no valid measurements.
 bench-short: venv cg
 	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null

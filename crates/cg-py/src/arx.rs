@@ -1,4 +1,4 @@
-//! Classical ARX least squares.
+//! Classical ARX models by least squares.
 
 use cg_core::{Answer, Arx, Fit, Unexcited};
 use numpy::{PyArray1, PyArray2, PyReadonlyArrayDyn};
@@ -9,14 +9,14 @@ use crate::error::value_error;
 use crate::results;
 use crate::signals::slice;
 
-/// The greatest number of coefficients.
+/// The largest number of coefficients.
 const GREATEST: usize = 40;
-/// Room of the small identifier.
+/// Capacity of the small identifier.
 const SMALL: usize = 16;
-/// Room of the large one, which holds the past input of great delays too.
+/// Capacity of the large identifier, which also holds the past input for large delays.
 const LARGE: usize = 48;
 
-/// Orders that were checked.
+/// Checked orders.
 #[derive(Clone, Copy)]
 struct Orders {
     na: usize,
@@ -53,7 +53,7 @@ impl Orders {
         self.na + self.nb
     }
 
-    /// The regressor that belongs to a coefficient.
+    /// The name of the regressor of a coefficient.
     fn regressor(self, unknown: usize) -> String {
         match unknown.checked_sub(self.na) {
             None => format!("y(t-{})", unknown + 1),
@@ -69,8 +69,8 @@ impl Orders {
                 self.count()
             ),
             Unexcited::Direction { unknown } => format!(
-                "unexcited: the regressor {} is a combination of the ones before it; give data \
-                 in which the input moves more, or lower orders",
+                "unexcited: the regressor {} is a linear combination of the regressors before it; \
+                 give data in which the input varies more, or lower orders",
                 self.regressor(unknown)
             ),
             other => format!("unexcited: {other}"),
@@ -78,7 +78,7 @@ impl Orders {
     }
 }
 
-/// What the least squares give.
+/// The result of the least-squares fit.
 struct Fitted {
     fit: Fit<f64>,
     theta: Vec<f64>,
@@ -87,7 +87,7 @@ struct Fitted {
 
 fn fitted<const N: usize>(u: &[f64], y: &[f64], orders: Orders) -> Result<Fitted, String> {
     let mut arx = Arx::<f64, N>::new(orders.na, orders.nb, orders.nk)
-        .ok_or_else(|| "the orders do not fit".to_owned())?;
+        .ok_or_else(|| "the orders are out of range".to_owned())?;
     for (&input, &output) in u.iter().zip(y) {
         arx.push(input, output, true);
     }
@@ -109,7 +109,7 @@ fn checked(name: &str, values: &[f64]) -> PyResult<()> {
     match values.iter().position(|value| !value.is_finite()) {
         None => Ok(()),
         Some(index) => Err(value_error(format!(
-            "{name}[{index}] is {}: a regression in shift form needs every value",
+            "{name}[{index}] is {}: an ARX model needs every value",
             values[index]
         ))),
     }
@@ -130,7 +130,7 @@ pub(crate) fn fit_arx<'py>(
     let (u, y) = (slice("u", &u)?, slice("y", &y)?);
     if u.len() != y.len() {
         return Err(value_error(format!(
-            "y has {} values and u has {}: they must be of one length",
+            "y has {} values and u has {}: they must have the same length",
             y.len(),
             u.len()
         )));

@@ -1,4 +1,4 @@
-//! `calibrate_files`: logs of known height to a calibration file.
+//! `calibrate_files`: calibration from logs of known height.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use crate::options::word;
 use crate::reading::log_options;
 use crate::vehicle::Vehicle;
 
-/// An error of the library on its way through `calibrate`.
+/// An exception that `calibrate` passes through.
 struct Failure(PyErr);
 
 impl From<VehicleError> for Failure {

@@ -1,4 +1,4 @@
-//! Frames from Python to rows and answers, through the decoder and the aligner that `cg run` uses.
+//! CAN frames from Python to rows and estimates, with the decoder and the aligner of `cg run`.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -19,7 +19,7 @@ use crate::results;
 use crate::signals::slice;
 use crate::vehicle::Vehicle;
 
-/// Time stamps in seconds as the frames' microseconds.
+/// Converts a time stamp in seconds to microseconds, the unit of frames.
 fn microseconds(time_s: f64) -> PyResult<u64> {
     if !time_s.is_finite() {
         return Err(value_error(format!(
@@ -33,12 +33,12 @@ fn microseconds(time_s: f64) -> PyResult<u64> {
 fn frame(place: (f64, u8), identifier: u32, extended: bool, data: &[u8]) -> PyResult<Frame> {
     let (time_s, bus) = place;
     let mut frame = Frame::new(microseconds(time_s)?, identifier, extended, data)
-        .ok_or_else(|| value_error(format!("a frame of {} bytes: 64 are possible", data.len())))?;
+        .ok_or_else(|| value_error(format!("a frame has {} bytes: the limit is 64", data.len())))?;
     frame.bus = bus;
     Ok(frame)
 }
 
-/// Frames put together to rows: what a log file's are, whatever its format.
+/// Converts frames to the rows of a log, independently of the file format.
 #[pyclass(frozen, module = "cgheight._native")]
 pub(crate) struct FrameTable {
     state: Mutex<TableState>,
@@ -47,7 +47,7 @@ pub(crate) struct FrameTable {
 struct TableState {
     options: LogOptions,
     frames: FrameRows,
-    /// Values of measured channels: time, µs, quantity, SI value.
+    /// Values of measured channels: time in µs, quantity, SI value.
     values: Vec<(u64, Quantity, f64)>,
     rows: Vec<LogRow>,
     counts: (u64, u64),
@@ -65,7 +65,7 @@ impl FrameTable {
         Ok(Self { state: Mutex::new(state) })
     }
 
-    /// Take in a frame of a bus (any number that tells it from others, below 32).
+    /// Add a frame. `place` is its time in seconds and the number of its bus, below 32.
     #[pyo3(signature = (place, identifier, extended, data, /))]
     fn push(
         &self,
@@ -84,7 +84,7 @@ impl FrameTable {
         Ok(())
     }
 
-    /// Take in a measured channel of a file: what it measures, its name, its unit, times and values.
+    /// Add a measured channel: its signal, name, unit, time stamps and values.
     #[pyo3(signature = (signal, name, unit, time_s, values, /))]
     fn push_channel(
         &self,
@@ -100,7 +100,7 @@ impl FrameTable {
         let unit = dimension.spelled(unit).ok_or_else(|| {
             let known: Vec<&str> = dimension.units().iter().map(|unit| unit.suffix).collect();
             value_error(format!(
-                "{name} has the unit {unit:?}: name one of {}, as \"{name}[{}]\"",
+                "{name} has the unit {unit:?}: give one of {}, such as \"{name}[{}]\"",
                 known.join(", "),
                 known[1]
             ))
@@ -116,13 +116,13 @@ impl FrameTable {
         Ok(())
     }
 
-    /// End the log: a dict from SI column names to arrays; signals that are nowhere are left out.
+    /// End the log and return a dict of SI column names to arrays, without absent signals.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         let TableState { frames, values, rows, .. } = &mut *state;
         let mut values = std::mem::take(values);
         values.sort_by_key(|(time_us, ..)| *time_us);
-        // All values of an instant are heard before it makes a row.
+        // All values of an instant are added before its rows are made.
         for instant in values.chunk_by(|one, other| one.0 == other.0) {
             for &(time_us, quantity, value) in instant {
                 frames.push_value(quantity, time_us, value);
@@ -133,20 +133,20 @@ impl FrameTable {
         table(py, rows)
     }
 
-    /// Frames taken in, and those of them with a value that counts.
+    /// Number of frames received, and of frames with a value that is used.
     #[getter]
     fn frames(&self, py: Python<'_>) -> (u64, u64) {
         self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner).counts
     }
 
-    /// What was doubted so far, for people.
+    /// Return the remarks about doubtful values and frames so far, as text for the user.
     fn remarks(&self, py: Python<'_>) -> Vec<String> {
         let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.frames.remarks().iter().map(|remark| in_python(remark)).collect()
     }
 }
 
-/// Frames to an estimate, with its answer at any time.
+/// Estimator that processes one CAN frame at a time.
 #[pyclass(frozen, module = "cgheight._native")]
 pub(crate) struct FrameStream {
     state: Mutex<StreamState>,
@@ -161,9 +161,9 @@ struct StreamState {
 }
 
 impl StreamState {
-    /// Takes in a row; whether it ends a turn.
+    /// Processes a row and returns whether it ends a turn.
     fn row(&mut self, row: &LogRow) -> bool {
-        // The clock lets no time go back; should it stand, the row says nothing new.
+        // Time never decreases here. A row at the same time as the previous one is ignored.
         let Ok(status) = self.estimator.push(row) else { return false };
         self.counts.2 += 1;
         let turning = status == cg_core::Status::Turning;
@@ -201,8 +201,8 @@ impl FrameStream {
         Ok(Self { state: Mutex::new(state) })
     }
 
-    /// Take in a frame of a bus (any number that tells it from others, below 32); whether a turn
-    /// has ended.
+    /// Process a frame and return whether a turn has ended. `place` is the time of the frame in
+    /// seconds and the number of its bus, below 32.
     #[pyo3(signature = (place, identifier, extended, data, /))]
     fn push(
         &self,
@@ -224,20 +224,20 @@ impl FrameStream {
         Ok(ended)
     }
 
-    /// End the log: rows that still wait for other signals are taken in. How many rows there were.
+    /// End the log, process the rows that still wait for other signals, and return the row count.
     fn finish(&self, py: Python<'_>) -> u64 {
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.finish();
         state.counts.2
     }
 
-    /// What was doubted so far, for people.
+    /// Return the remarks about doubtful values and frames so far, as text for the user.
     fn remarks(&self, py: Python<'_>) -> Vec<String> {
         let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.frames.remarks().iter().map(|remark| in_python(remark)).collect()
     }
 
-    /// The answer so far, as if the log ended here; more frames may follow.
+    /// Return the estimate so far, as if the log ended here; more frames may follow.
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut so_far =
             self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner).clone();
@@ -250,7 +250,7 @@ impl FrameStream {
         results::estimate(py, &answer)
     }
 
-    /// Frames taken in, those of them with a value that counts, and rows made of them.
+    /// Number of frames received, of frames with a value that is used, and of rows.
     #[getter]
     fn counts(&self, py: Python<'_>) -> (u64, u64, u64) {
         self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner).counts

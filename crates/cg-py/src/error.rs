@@ -1,5 +1,6 @@
-//! Exceptions: a missing file is `FileNotFoundError`, other trouble of the system `OSError`,
-//! a file that is not ours `FileExistsError`, everything else `ValueError`. Messages are those of the library, with its options as keywords.
+//! Exceptions. A missing file is a `FileNotFoundError`, other system errors are an `OSError`,
+//! a file that must not be replaced is a `FileExistsError`, everything else is a `ValueError`. The
+//! messages are those of the library, with options written as keywords.
 
 use std::ffi::CString;
 use std::io::{self, ErrorKind};
@@ -14,7 +15,7 @@ use pyo3::exceptions::{
 };
 use pyo3::prelude::*;
 
-/// `ValueError` with a message.
+/// A `ValueError` with a message.
 pub(crate) fn value_error(message: impl Into<String>) -> PyErr {
     PyValueError::new_err(message.into())
 }
@@ -27,7 +28,7 @@ pub(crate) fn os_error(source: &io::Error, message: String) -> PyErr {
     }
 }
 
-/// `warnings.warn`, at the place of the caller.
+/// `warnings.warn` for the line of the caller.
 pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
     let message = CString::new(message.replace('\0', " "))?;
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &message, 1)
@@ -74,7 +75,7 @@ pub(crate) fn dbc_error(error: DbcError) -> PyErr {
     }
 }
 
-/// A message of the library with its options as keywords.
+/// A message of the library, with options written as Python keywords.
 pub(crate) fn in_python(message: &str) -> String {
     hint::told(message, |name, value| match (name, value.split_once('=')) {
         ("force", _) => "force=True".to_owned(),

@@ -1,25 +1,25 @@
-//! `cgheight._native`: the compiled half of the Python package `cgheight`.
+//! `cgheight._native`: the compiled module of the Python package `cgheight`.
 //!
-//! | file | what Python sees |
+//! | file | what it gives to Python |
 //! |---|---|
 //! | `vehicle` | `Vehicle`, `restore_vehicle` |
 //! | `options` | the options that every estimate shares |
 //! | `reading` | how logs and frames are read |
-//! | `signals` | `estimate_arrays`, `predict_roll`: arrays in, answer or roll angle out |
-//! | `log` | `estimate_file`, `read_file`, `read_frames`, `resolve_columns`, `signals`: logs and the names of their columns |
-//! | `calibrate` | `calibrate_files`: logs of known height to a calibration file |
-//! | `stream` | `Stream`: row by row |
+//! | `signals` | `estimate_arrays`, `predict_roll`: estimates and predictions from arrays |
+//! | `log` | `estimate_file`, `read_file`, `read_frames`, `resolve_columns`, `signals`: log files and their column names |
+//! | `calibrate` | `calibrate_files`: calibration from logs of known height |
+//! | `stream` | `Stream`: the estimator, row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
-//! | `write` | `write_file`, `copy_file`, `may_write`: arrays to a log file, if it may be written |
-//! | `can` | `FrameTable`, `FrameStream`: CAN frames to rows, and to an estimate |
-//! | `reproduce` | `reproduce_tables`: the source's tables beside ours |
-//! | `results` | answers as the dataclasses of `cgheight._results` |
+//! | `write` | `write_file`, `copy_file`, `may_write`: writing of log files |
+//! | `can` | `FrameTable`, `FrameStream`: rows and estimates from CAN frames |
+//! | `reproduce` | `reproduce_tables`: the tables of the thesis, recomputed |
+//! | `results` | results as the dataclasses of `cgheight._results` |
 //! | `arx`, `linear` | `fit_arx`, `linear_model` |
 //! | `error` | exceptions |
 //!
-//! Arrays are read in place and loops run detached from the interpreter, so other Python
-//! threads go on; every now and then a loop looks whether it was interrupted. What is
-//! convenient (lists, other number types, data frames) is made into arrays in Python.
+//! Arrays are read in place, and loops run detached from the interpreter so that other Python
+//! threads can run. Each loop regularly checks whether the user has interrupted it. Lists, other
+//! number types and data frames are converted to arrays in Python.
 // PyO3 takes arguments by value, and doc comments become docstrings in numpydoc's form.
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
@@ -40,7 +40,7 @@ mod write;
 mod can;
 mod reproduce;
 
-/// The compiled half of cgheight.
+/// The compiled module of cgheight.
 #[pyo3::pymodule(gil_used = false)]
 mod _native {
     #[pymodule_export]

@@ -14,21 +14,21 @@ use crate::options::{positive, word};
 use crate::results::make;
 use crate::vehicle::Vehicle;
 
-/// Everything that is computed before Python sees it.
+/// All results that are computed without the interpreter.
 struct Computed {
     model: cg_vehicle::LinearModel,
     transfer: TransferFunction,
     reduced: ReducedModels,
 }
 
-/// The linear model of a vehicle: transfer function from steer angle to trailer roll angle.
+/// Return the linear model of a vehicle from steer angle to trailer roll angle.
 ///
 /// Parameters
 /// ----------
 /// vehicle : Vehicle
 ///     The vehicle.
 /// model : {"complete", "as-printed"}
-///     Equations: all terms, or those of the thesis as printed (corrected).
+///     The equations: with all terms, or with those printed in the thesis (corrected).
 /// speed_mps : float, optional
 ///     Forward speed, m/s; the vehicle's nominal speed if absent.
 /// height_m : float, optional
@@ -43,8 +43,8 @@ struct Computed {
 /// Raises
 /// ------
 /// ValueError
-///     The load is impossible, the vehicle tips or is unstable, or the printed model is not
-///     known at this load.
+///     The load is impossible, the vehicle rolls over or is unstable, or the printed model is not
+///     available at this load.
 #[pyfunction]
 #[pyo3(signature = (
     vehicle, *, model = "complete", speed_mps = None, height_m = None, trailer_mass_kg = None

@@ -1,4 +1,4 @@
-//! Logs, and the names of their columns.
+//! Log files and their column names.
 
 use std::path::{Path, PathBuf};
 
@@ -42,8 +42,8 @@ pub(crate) fn estimate_file<'py>(
     results::estimate(py, &answer)
 }
 
-/// Read a log file (CSV, CSV in gzip, parquet): a dict from SI column names to arrays; signals
-/// that the log does not have are left out.
+/// Read a log file (CSV, CSV in gzip, parquet) into a dict of SI column names to arrays, without
+/// absent signals.
 #[pyfunction]
 #[pyo3(signature = (path, columns, flip, /))]
 pub(crate) fn read_file(
@@ -56,7 +56,7 @@ pub(crate) fn read_file(
     table(py, &rows)
 }
 
-/// Read what candump recorded: the same dict, and what was doubted, for people.
+/// Read a candump log: a dict of SI column names to arrays, and the remarks about it.
 #[pyfunction]
 #[pyo3(signature = (path, reading, /))]
 pub(crate) fn read_frames(
@@ -68,7 +68,7 @@ pub(crate) fn read_frames(
     Ok((table(py, &rows)?, remarks.iter().map(|remark| in_python(remark)).collect()))
 }
 
-/// All rows of a file, and what was doubted.
+/// Reads all rows of a file, and the remarks about it.
 fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Vec<LogRow>, Vec<String>)> {
     let mut reader = py.detach(|| LogReader::open(path, options)).map_err(log_error)?;
     let mut rows: Vec<LogRow> = Vec::new();
@@ -85,7 +85,7 @@ fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Vec<LogR
     Ok((rows, reader.remarks()))
 }
 
-/// Rows as a dict from SI column names to arrays; signals that are nowhere are left out.
+/// Converts rows to a dict of SI column names to arrays, without absent signals.
 pub(crate) fn table<'py>(py: Python<'py>, rows: &[LogRow]) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
     for signal in Signal::ALL {
@@ -97,7 +97,7 @@ pub(crate) fn table<'py>(py: Python<'py>, rows: &[LogRow]) -> PyResult<Bound<'py
     Ok(table)
 }
 
-/// The signals of logs: a dict from SI column names to what they are.
+/// Return the signals of logs: a dict of SI column names to their meanings.
 #[pyfunction]
 #[pyo3(signature = ())]
 pub(crate) fn signals(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
@@ -108,7 +108,7 @@ pub(crate) fn signals(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(table)
 }
 
-/// Why a log was not read to its end.
+/// The reason why a log was not read to its end.
 pub(crate) enum Refused {
     Log(LogError),
     Sample(String),
@@ -123,7 +123,7 @@ impl Refused {
     }
 }
 
-/// Takes in the next rows. `false` at the end of the log.
+/// Reads and processes the next rows. Returns `false` at the end of the log.
 pub(crate) fn push_some(
     reader: &mut LogReader,
     estimator: &mut LogEstimator,
@@ -138,9 +138,9 @@ pub(crate) fn push_some(
     Ok(true)
 }
 
-/// Find the columns of a log among the names of a table.
+/// Find the columns of a log among the column names of a table.
 ///
-/// Returns a dict from SI column names to (index of the column, factor to SI, sign included).
+/// Returns a dict of SI column names to (index of the column, factor to SI with sign).
 #[pyfunction]
 #[pyo3(signature = (names, columns, flip, /))]
 pub(crate) fn resolve_columns(
@@ -150,16 +150,16 @@ pub(crate) fn resolve_columns(
     flip: Vec<String>,
 ) -> PyResult<Bound<'_, PyDict>> {
     let options = log_options(&columns, &flip)?;
-    // The rules for names and units are those of the log reader, so the log reader is asked:
-    // it gets a log with these names and two rows. The first row is one in every column, which
-    // comes out as the factor to SI; the second is the number of the column.
+    // The log reader applies the rules for names and units to a log with these column names and
+    // two rows. The first row is one in every column, so that it becomes the factor to SI; the
+    // second row contains the number of each column.
     let found = probe(&names, &options).map_err(log_error)?;
     let result = PyDict::new(py);
     if let Some((first, second)) = found {
         for signal in Signal::ALL {
             let (factor, value) = (first.get(signal), second.get(signal));
             if !factor.is_nan() {
-                // Exact up to rounding; the second row counts from two, so that time increases.
+                // Exact up to rounding. Columns are numbered from two, so that time increases.
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 let index = (value / factor).round() as usize - 2;
                 result.set_item(signal.column(), (index, factor))?;

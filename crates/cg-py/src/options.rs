@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::error::value_error;
 
-/// The options as Python hands them over: a dict with these keys.
+/// The options as Python passes them: a dict with these keys.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Options {
@@ -20,7 +20,7 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// The options checked.
+    /// Checks the options.
     pub(crate) fn checked(&self) -> PyResult<EstimateOptions> {
         let method: Method = word("method", &self.method)?;
         let channel = channel(&self.channel)?;
@@ -42,7 +42,7 @@ impl Options {
     }
 }
 
-/// The value that a word stands for.
+/// The value that a word names.
 pub(crate) fn word<T: Word>(keyword: &str, text: &str) -> PyResult<T> {
     T::of_word(text).map_err(|_| {
         let words: Vec<String> =
@@ -57,12 +57,12 @@ pub(crate) fn word<T: Word>(keyword: &str, text: &str) -> PyResult<T> {
     })
 }
 
-/// The channel that a word stands for; `None` for both.
+/// The channel that a word names; `None` for both.
 pub(crate) fn channel(text: &str) -> PyResult<Option<Channel>> {
     word::<ChannelChoice>("channel", text).map(Into::into)
 }
 
-/// A number that must be positive if it is there.
+/// Checks that an optional number is positive.
 pub(crate) fn positive(argument: &str, value: Option<f64>) -> PyResult<Option<f64>> {
     match value {
         Some(number) if !(number.is_finite() && number > 0.0) => {

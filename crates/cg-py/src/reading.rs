@@ -1,4 +1,4 @@
-//! How Python says that logs and frames are to be read.
+//! Options from Python for reading logs and frames.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::error::{dbc_error, option_error, value_error};
 use crate::options::word;
 
-/// `columns` in text form (`roll=MyName[deg]`), `flip` names of signals (`roll`).
+/// Options from `columns` as text (`roll=MyName[deg]`) and `flip` as names of signals (`roll`).
 pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
     let columns = columns.iter().map(|text| text.parse()).collect::<Result<_, _>>();
     let flip = flip.iter().map(|text| text.parse()).collect::<Result<_, UnknownSignal>>();
@@ -21,7 +21,7 @@ pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOp
     })
 }
 
-/// How frames are understood, as Python hands it over: a dict with these keys.
+/// The rules for decoding frames, as Python passes them: a dict with these keys.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Reading {

@@ -1,4 +1,4 @@
-//! `reproduce_tables`: the source's tables beside ours.
+//! `reproduce_tables`: the tables of the thesis, recomputed.
 
 use cg_thesis::reproduce::{Options, Row, table, tables};
 use cg_vehicle::VehicleError;
@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::error::vehicle_error;
 
-/// One table of the thesis, or all of them, beside ours: a dict of columns.
+/// Recompute one table of the thesis, or all: a dict of columns.
 #[pyfunction]
 #[pyo3(signature = (name, runs, seed, /))]
 pub(crate) fn reproduce_tables(

@@ -1,4 +1,4 @@
-//! Answers as the dataclasses of the package.
+//! Conversion of results to the dataclasses of the package.
 
 use cg_core::Word;
 use cg_logs::estimate::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 
 use crate::error::in_python;
 
-/// Makes an object of one of the package's dataclasses.
+/// Creates an object of a dataclass of the package.
 pub(crate) fn make<'py>(
     py: Python<'py>,
     class: &str,
@@ -50,7 +50,7 @@ fn alone<'py>(py: Python<'py>, alone: &ChannelEstimate) -> PyResult<Bound<'py, P
     make(py, "ChannelEstimate", &fields)
 }
 
-/// `Estimate`.
+/// Creates an `Estimate`.
 pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<Bound<'py, PyAny>> {
     let fields = PyDict::new(py);
     fields.set_item("status", verdict(answer.status))?;

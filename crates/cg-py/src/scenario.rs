@@ -1,4 +1,4 @@
-//! Scenarios as Python hands them over: the dataclasses of `cgheight._scenario`.
+//! Scenarios as Python passes them: the dataclasses of `cgheight._scenario`.
 
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::sensors::Sensors;
@@ -53,7 +53,7 @@ struct SensorRequest {
 }
 
 impl Request {
-    /// The scenario for a vehicle; what is absent is the vehicle's own or the usual.
+    /// The scenario for a vehicle. Absent values are those of the vehicle, or the defaults.
     pub(crate) fn scenario(&self, vehicle: &Vehicle) -> PyResult<Scenario> {
         let usual = Scenario::of(vehicle, word("maneuver", &self.maneuver)?);
         let scenario = Scenario {

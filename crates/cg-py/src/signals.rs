@@ -1,4 +1,4 @@
-//! Arrays in, answer out.
+//! Estimates and predictions from arrays.
 
 use cg_logs::estimate::{LogEstimator, Prediction};
 use cg_logs::log::{LogRow, Signal};
@@ -12,10 +12,10 @@ use crate::options::Options;
 use crate::results;
 use crate::vehicle::Vehicle;
 
-/// Rows between two looks whether the user wants to stop.
+/// Number of rows between two checks for an interrupt by the user.
 pub(crate) const ROWS_BETWEEN_LOOKS: usize = 1 << 18;
 
-/// One-dimensional, contiguous, finite or NaN: what Rust reads in place.
+/// A one-dimensional, contiguous array as a slice, without a copy.
 pub(crate) fn slice<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<&'a [f64]> {
     if array.ndim() != 1 {
         let shape = array.shape();
@@ -28,7 +28,7 @@ pub(crate) fn slice<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> P
     })
 }
 
-/// The columns of a log in memory, one optional slice for each of [`Signal::ALL`].
+/// The columns of a log in memory: an optional slice for each of [`Signal::ALL`].
 pub(crate) struct Columns<'a> {
     values: [Option<&'a [f64]>; Signal::COUNT],
     time_s: &'a [f64],
@@ -39,23 +39,23 @@ impl<'a> Columns<'a> {
         let absent = |signals: &[Signal]| signals.iter().all(|&s| values[s as usize].is_none());
         let time_s = values[Signal::Time as usize]
             .filter(|time_s| !time_s.is_empty())
-            .ok_or_else(|| value_error("time_s is empty: an estimate needs rows"))?;
+            .ok_or_else(|| value_error("time_s is empty: an estimate needs at least one row"))?;
         if absent(&[Signal::Roll, Signal::Tilt]) {
-            return Err(value_error("roll_rad is absent: give it, or tilt_rad"));
+            return Err(value_error("roll_rad is missing: give roll_rad or tilt_rad"));
         }
         let inputs =
             [Signal::Steer, Signal::SteeringWheel, Signal::LateralAcceleration, Signal::YawRate];
         if absent(&inputs) {
             return Err(value_error(
-                "steer_rad is absent: give it, steering_wheel_rad, lateral_acceleration_mps2 or \
-                 yaw_rate_radps",
+                "steer_rad is missing: give steer_rad, steering_wheel_rad, \
+                 lateral_acceleration_mps2 or yaw_rate_radps",
             ));
         }
         for (signal, column) in Signal::ALL.iter().zip(&values) {
             let Some(column) = column else { continue };
             if column.len() != time_s.len() {
                 return Err(value_error(format!(
-                    "{} has {} values and time_s has {}: they must be of one length",
+                    "{} has {} values and time_s has {}: they must have the same length",
                     signal.column(),
                     column.len(),
                     time_s.len()
@@ -96,13 +96,13 @@ impl<'a> Columns<'a> {
         {
             return Err(format!(
                 "time_s[{index}] = {} does not come after time_s[{}] = {previous_s}: sort the \
-                 rows by time, or drop the duplicate",
+                 rows by time, or remove the duplicate row",
                 row.time_s,
                 index - 1
             ));
         }
         check_row(row).map_err(|(name, value)| match value {
-            None => format!("{name}[{index}] is NaN: every row needs its time"),
+            None => format!("{name}[{index}] is NaN: every row needs a time stamp"),
             Some(value) => {
                 format!("{name}[{index}] = {value} is not finite: use NaN where there is no value")
             }
@@ -110,7 +110,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The first signal of a row that cannot be: an absent time (`None`), an infinite value.
+/// Finds the first invalid value of a row: an absent time (`None`) or an infinite value.
 pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)> {
     if row.time_s.is_nan() {
         return Err((Signal::Time.column(), None));
@@ -124,17 +124,17 @@ pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)>
     Ok(())
 }
 
-/// The signal of a keyword.
+/// The signal that a keyword names.
 pub(crate) fn signal(keyword: &str) -> PyResult<Signal> {
     Signal::of_column(keyword).ok_or_else(|| {
         let known = Signal::ALL.map(Signal::column).join(", ");
-        PyTypeError::new_err(format!("{keyword} is no signal; the signals are {known}"))
+        PyTypeError::new_err(format!("{keyword} is not a signal; the signals are {known}"))
     })
 }
 
 pub(crate) type Borrowed<'py> = [Option<PyReadonlyArrayDyn<'py, f64>>; Signal::COUNT];
 
-/// The arrays of a dict from SI column names.
+/// The arrays of a dict whose keys are SI column names.
 pub(crate) fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'py>> {
     let mut arrays = [const { None }; Signal::COUNT];
     for (name, value) in signals {
@@ -144,7 +144,7 @@ pub(crate) fn borrowed<'py>(signals: &Bound<'py, PyDict>) -> PyResult<Borrowed<'
     Ok(arrays)
 }
 
-/// The same as slices, checked.
+/// Checks the arrays and returns them as slices.
 pub(crate) fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
     let mut values = [None; Signal::COUNT];
     for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
@@ -153,7 +153,7 @@ pub(crate) fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
     Columns::new(values)
 }
 
-/// Estimate from arrays: a dict from SI column names to 1-D contiguous float64 arrays.
+/// Estimate from a dict of SI column names to 1-D contiguous float64 arrays.
 #[pyfunction]
 #[pyo3(signature = (vehicle, signals, options, /))]
 pub(crate) fn estimate_arrays<'py>(
@@ -179,7 +179,7 @@ pub(crate) fn estimate_arrays<'py>(
     results::estimate(py, &answer)
 }
 
-/// The roll angle that the model expects of the arrays, for a height: an array.
+/// Predict the roll angle for a height with the model: an array, one value for each row.
 #[pyfunction]
 #[pyo3(signature = (vehicle, signals, channel, height_m, options, /))]
 pub(crate) fn predict_roll<'py>(
@@ -192,7 +192,7 @@ pub(crate) fn predict_roll<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let options = options.checked()?;
     let channel = crate::options::channel(channel)?
-        .ok_or_else(|| value_error("channel is \"auto\": a prediction needs one input"))?;
+        .ok_or_else(|| value_error("channel is \"auto\": a prediction needs one channel"))?;
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
     let vehicle = vehicle.get();

@@ -1,4 +1,4 @@
-//! `simulate_log`: logs with known truth; `score_accuracy`: many of them, estimated and scored.
+//! `simulate_log` simulates a log with known truth; `score_accuracy` scores estimates of many logs.
 
 use cg_logs::log::LogRow;
 use cg_plant::simulate::LogSimulation;
@@ -44,7 +44,7 @@ pub(crate) fn simulate_log<'py>(
     Ok((table, truth))
 }
 
-/// Estimate the same scenario `runs` times with fresh noise, and score the heights.
+/// Estimate the same scenario `runs` times with new noise, and score the heights.
 ///
 /// Returns a dict; lengths are relative to the true height.
 #[pyfunction]

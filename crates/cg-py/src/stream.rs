@@ -1,4 +1,4 @@
-//! Row by row.
+//! `Stream`: the estimator, row by row.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -15,7 +15,7 @@ use crate::results;
 use crate::signals::{check_row, signal};
 use crate::vehicle::Vehicle;
 
-/// The estimator, one row at a time. `cgheight.Estimator` gives it its options.
+/// Estimator that processes one row at a time; `cgheight.Estimator` sets its options.
 #[pyclass(frozen, subclass, module = "cgheight._native")]
 pub(crate) struct Stream {
     state: Mutex<State>,
@@ -29,12 +29,12 @@ struct State {
 impl State {
     fn push(&mut self, row: &LogRow) -> Result<&'static str, String> {
         check_row(row).map_err(|(name, value)| match value {
-            None => format!("{name} is NaN: every row needs its time"),
-            Some(value) => format!("{name} = {value} is not finite: use NaN for no value"),
+            None => format!("{name} is NaN: every row needs a time stamp"),
+            Some(value) => format!("{name} = {value} is not finite: use NaN if there is no value"),
         })?;
         if row.time_s <= self.previous_s {
             return Err(format!(
-                "time_s = {} does not come after {}, the time of the row before",
+                "time_s = {} does not come after {}, the time of the previous row",
                 row.time_s, self.previous_s
             ));
         }
@@ -64,7 +64,7 @@ impl Stream {
         Ok(Self { state: Mutex::new(state) })
     }
 
-    /// Take in one row. Signals that are absent stay NaN.
+    /// Process one row. Absent signals are NaN.
     ///
     /// Parameters
     /// ----------
@@ -73,19 +73,20 @@ impl Stream {
     /// steer_rad : float
     ///     Mean road-wheel angle, rad, positive to the left.
     /// roll_rad : float
-    ///     Roll angle of the trailer's sprung mass to the road, rad, positive right side down.
+    ///     Roll angle of the trailer's sprung mass relative to the road, rad, positive if the right
+    ///     side is down.
     /// **signals : float
     ///     The other signals of `cgheight.SIGNALS`: ``speed_mps``, ``lateral_acceleration_mps2``, ….
     ///
     /// Returns
     /// -------
     /// str
-    ///     What this row shows: "absent" (no roll angle or no input), "straight" or "turning".
+    ///     The state at this row: "absent" (no roll angle or no input), "straight" or "turning".
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     Time is NaN or does not increase, or a value is infinite. The row is not taken in.
+    ///     The time is NaN or does not increase, or a value is infinite. The row is ignored.
     /// TypeError
     ///     There is no such signal.
     #[pyo3(signature = (time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, **signals))]
@@ -109,12 +110,12 @@ impl Stream {
         state.push(&row).map_err(value_error)
     }
 
-    /// The answer so far, as if the log ended here; more rows may follow.
+    /// Return the estimate so far, as if the log ended here; more rows may follow.
     ///
     /// Returns
     /// -------
     /// Estimate
-    ///     With status "rejected" as long as no maneuver gave a height.
+    ///     Its status is "rejected" until a maneuver has given a height.
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let so_far = {
             let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! `Vehicle`: the vehicle file, its calibration if there is one, and the designs made from it.
+//! `Vehicle`: the vehicle file, its optional calibration, and the designs computed from it.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -15,12 +15,12 @@ use crate::error::{vehicle_error, warn};
 
 /// A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`.
 ///
-/// It never changes, and may be used from several threads. What the estimator needs of it is
-/// computed once, by the first estimate.
+/// A vehicle is immutable and can be used from several threads. The first estimate computes what
+/// the estimator needs; later estimates use it again.
 #[pyclass(frozen, module = "cgheight")]
 pub(crate) struct Vehicle {
     pub(crate) inner: cg_vehicle::Vehicle,
-    /// Text and name of its file: what is pickled.
+    /// Text and name of the vehicle file, which are pickled.
     source: (String, String),
     calibration: Option<Calibration>,
     complete: OnceLock<Design<f64>>,
@@ -36,12 +36,12 @@ impl Vehicle {
         Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
     }
 
-    /// Its file, as it was given.
+    /// The path of the vehicle file, as it was given.
     pub(crate) fn path(&self) -> &Path {
         Path::new(&self.source.1)
     }
 
-    /// The design for one set of equations: computed on first use.
+    /// The design for one set of equations, which is computed on first use.
     pub(crate) fn design(&self, variant: Variant) -> Result<&Design<f64>, VehicleError> {
         let cell = match variant {
             Variant::Complete => &self.complete,
@@ -53,7 +53,7 @@ impl Vehicle {
         let belief = match &self.calibration {
             Some(calibration) if calibration.model != variant => {
                 return Err(VehicleError::Model(
-                    "the calibration was made for the other model: give the same model".to_owned(),
+                    "the calibration is for the other model: give that model".to_owned(),
                 ));
             }
             Some(calibration) => calibration.belief(),
@@ -82,13 +82,13 @@ impl Vehicle {
     /// FileNotFoundError
     ///     There is no such file.
     /// ValueError
-    ///     The file is not that of a vehicle; the message names line, column, key and remedy of
-    ///     all that is wrong.
+    ///     The file is not a valid vehicle file; for each error, the message gives the line, the
+    ///     column, the key and a remedy.
     ///
     /// Warns
     /// -----
     /// UserWarning
-    ///     A value is unusual: once for each.
+    ///     A value is unusual; there is one warning for each such value.
     #[staticmethod]
     #[pyo3(signature = (path, /))]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
@@ -113,14 +113,15 @@ impl Vehicle {
     /// Returns
     /// -------
     /// Vehicle
-    ///     A new one; this one stays as it is.
+    ///     A new vehicle; this one does not change.
     ///
     /// Raises
     /// ------
     /// FileNotFoundError
     ///     There is no such file.
     /// ValueError
-    ///     It is no calibration, or belongs to another vehicle or to another state of its file.
+    ///     The file is not a calibration, or it belongs to another vehicle or to another version of
+    ///     the vehicle file.
     #[pyo3(signature = (path, /))]
     fn calibrated(&self, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let calibration =
@@ -128,7 +129,7 @@ impl Vehicle {
         Ok(Self::new(self.inner.clone(), self.source.clone(), Some(calibration)))
     }
 
-    /// Whether it has a calibration, bool.
+    /// Whether the vehicle has a calibration, bool.
     #[getter]
     fn is_calibrated(&self) -> bool {
         self.calibration.is_some()
@@ -140,19 +141,19 @@ impl Vehicle {
         &self.inner.name
     }
 
-    /// Speed taken when nothing else is said, m/s.
+    /// Speed that is used if no other is given, m/s.
     #[getter]
     fn nominal_speed_mps(&self) -> f64 {
         self.inner.nominal_speed_mps
     }
 
-    /// Mass of the whole semitrailer (sprung mass and axles) when nothing else is said, kg.
+    /// Mass of the whole semitrailer (sprung mass and axles) that is used if no other is given, kg.
     #[getter]
     fn reference_trailer_mass_kg(&self) -> f64 {
         self.inner.trailer.reference_mass_kg
     }
 
-    /// Height of the trailer's sprung c.g. above ground when nothing else is said, m.
+    /// Height of the trailer's sprung c.g. above ground that is used if no other is given, m.
     #[getter]
     fn reference_height_m(&self) -> f64 {
         self.inner.trailer.reference_cg_height_m
@@ -164,19 +165,19 @@ impl Vehicle {
         self.inner.empty_trailer_mass_kg()
     }
 
-    /// Steering-wheel angle over road-wheel angle, or None if the file has none.
+    /// Steering-wheel angle divided by road-wheel angle, or None if the file has no ratio.
     #[getter]
     fn steering_ratio(&self) -> Option<f64> {
         self.inner.steering_ratio
     }
 
-    /// Range of c.g. heights that the file allows (least, greatest), m.
+    /// Range of c.g. heights that the file allows (lowest, highest), m.
     #[getter]
     fn height_range_m(&self) -> (f64, f64) {
         (self.inner.height.least_m, self.inner.height.greatest_m)
     }
 
-    /// Pickles as the texts of its files: any process can make it again.
+    /// Pickles the texts of the files, from which any process can restore the vehicle.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Restored)> {
         let restore = slf.py().import("cgheight._native")?.getattr("restore_vehicle")?;
         let this = slf.get();
@@ -205,7 +206,7 @@ impl Vehicle {
 /// Text and name of a vehicle file, and the text of a calibration.
 type Restored = (String, String, Option<String>);
 
-/// A vehicle from the text of its file, and of its calibration if it has one.
+/// Return a vehicle from the text of its file and of its calibration, if it has one.
 #[pyfunction]
 #[pyo3(signature = (text, file, calibration, /))]
 pub(crate) fn restore_vehicle(

@@ -1,4 +1,4 @@
-//! `write_file`, `copy_file`: arrays and files to a log file; `may_write`: whether they may be.
+//! `write_file` and `copy_file` write a log file; `may_write` checks whether it may be written.
 
 use std::fs::File;
 use std::io;
@@ -14,21 +14,21 @@ use crate::error::{log_error, output_error, value_error};
 use crate::signals::{Columns, borrowed, columns};
 use crate::vehicle::Vehicle;
 
-/// The file that a log is written to: its path, the keyword that it was given to, and what else
-/// takes part in the call.
+/// The file that a log is written to: its path, the keyword that gave it, and the other files of
+/// the call.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Request<'py> {
     keyword: String,
     path: PathBuf,
-    /// The log that is read, if that is a file.
+    /// The log that is read, if it is a file.
     log: Option<PathBuf>,
     vehicle: Option<Bound<'py, Vehicle>>,
     force: bool,
 }
 
 impl Request<'_> {
-    /// The file, if it may be written.
+    /// Checks that the file may be written, and returns it.
     fn target(&self) -> PyResult<Target> {
         let name = self.path.to_string_lossy();
         let ends = |ends: &[&str]| ends.iter().any(|end| name.to_lowercase().ends_with(end));
@@ -38,8 +38,8 @@ impl Request<'_> {
             Kind::Frames
         } else {
             return Err(value_error(format!(
-                "{name}: a log ends in .csv, .csv.gz or .log (CAN frames; also .asc, .blf, .mf4, \
-                 .trc); give it such a name"
+                "{name}: the name of a log ends in .csv or .csv.gz (tables), or in .log, .asc, \
+                 .blf, .mf4 or .trc (CAN frames); change it"
             )));
         };
         let vehicle = self.vehicle.as_ref().map(|vehicle| vehicle.get().path());
@@ -51,14 +51,14 @@ impl Request<'_> {
     }
 }
 
-/// Refuse, before any work is done, a log that may not be written.
+/// Raise an error if the log may not be written; called before the work begins.
 #[pyfunction]
 #[pyo3(signature = (request, /))]
 pub(crate) fn may_write(request: Request<'_>) -> PyResult<()> {
     request.target().map(|_| ())
 }
 
-/// Copy a file to that of the request; it appears there whole or not at all.
+/// Copy a file to the path of the request, where it appears only when it is complete.
 #[pyfunction]
 #[pyo3(signature = (source, request, /))]
 pub(crate) fn copy_file(py: Python<'_>, source: PathBuf, request: Request<'_>) -> PyResult<()> {
@@ -71,8 +71,9 @@ pub(crate) fn copy_file(py: Python<'_>, source: PathBuf, request: Request<'_>) -
     py.detach(copy).map_err(|error| output_error(target.failed(error)))
 }
 
-/// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the vehicle's steering ratio makes
-/// steering-wheel angles of road-wheel angles). Returns how many values no J1939 signal can hold.
+/// Write arrays to a log: .csv, .csv.gz, or .log (J1939 frames; the vehicle's steering ratio
+/// converts road-wheel angles to steering-wheel angles). Returns the number of values that are
+/// outside the range of their J1939 signal.
 #[pyfunction]
 #[pyo3(signature = (request, signals, comments, /))]
 pub(crate) fn write_file(
@@ -84,7 +85,7 @@ pub(crate) fn write_file(
     let target = request.target()?;
     let ratio = request.vehicle.as_ref().and_then(|vehicle| vehicle.get().inner.steering_ratio);
     if comments.is_empty() {
-        // By it the file is known as one of ours.
+        // This comment marks the file as written by this project.
         comments.push(LOG_COMMENT.to_owned());
     }
     let arrays = borrowed(signals)?;

@@ -1,4 +1,4 @@
-"""What the tests share: vehicles and the logs of the independent truck."""
+"""Shared fixtures: vehicles and the logs of the independent truck."""
 
 from __future__ import annotations
 
@@ -41,6 +41,6 @@ def turn() -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="session")
 def truth() -> dict[str, dict]:
-    """Return what is known of each log, by its name."""
+    """Return the known values of each log by its name."""
     entries = json.loads((FIXTURES / "logs" / "truth.json").read_text())
     return {entry["log"]: entry for entry in entries}

@@ -15,7 +15,7 @@ from conftest import FIXTURES, ONE_TURN, read
 
 EPSILON = np.finfo(float).eps
 CASES = tomllib.loads((FIXTURES / "arx" / "case.toml").read_text())
-# Eq. 5.12, descending powers, our signs.
+# Eq. 5.12 in descending powers, with the signs of this project.
 NUMERATOR = [-0.2554, 2.6063, -0.9015, 24.3105, 27.8430, 51.7785]
 DENOMINATOR = [1.0, 5.8858, 22.6413, 57.4175, 83.2666, 61.2322]
 
@@ -78,7 +78,7 @@ def test_the_same_as_numpy_on_the_same_rows(na, nb, nk):
     variance = np.sum((observed - phi @ theta) ** 2) / freedom
     covariance = variance * np.linalg.inv(phi.T @ phi)
     model = cgheight.arx(u, y, na, nb, nk, 0.05)
-    # The inverse of the normal equations loses ε cond²: at most 1e-9 here, checked.
+    # The inverse of the normal equations loses ε cond², which is at most 1e-9 here (checked).
     assert EPSILON * (singular[0] / singular[-1]) ** 2 < 1e-9
     found = np.concatenate([model.a[1:], model.b[nk:]])
     assert np.max(np.abs(found - theta)) <= 1e-8 * np.max(np.abs(theta))
@@ -90,7 +90,7 @@ def test_the_same_as_numpy_on_the_same_rows(na, nb, nk):
     assert model.a[0] == 1.0
     assert (len(model.a), len(model.b)) == (na + 1, nk + nb)
     assert np.all(model.b[:nk] == 0.0)
-    # Gain and its standard deviation to first order: the derivatives of B(1)/A(1).
+    # Gain and its first-order standard deviation from the derivatives of B(1)/A(1).
     gain = np.sum(theta[na:]) / (1 + np.sum(theta[:na]))
     assert model.dc_gain == pytest.approx(gain, rel=1e-8)
     gradient = np.array([-gain] * na + [1.0] * nb) / (1 + np.sum(theta[:na]))
@@ -122,19 +122,19 @@ def test_the_reduced_model_is_recovered_from_its_own_response(through):
     )
     na, nb, nk = (5, 6, 0) if through else (5, 5, 1)
     b, a = held(numerator, DENOMINATOR, ts)
-    # A pseudo-random binary signal, held for four samples at a time.
+    # A pseudo-random binary signal; each value is held for four samples.
     u = 0.02 * np.repeat(np.sign(np.random.default_rng(12).standard_normal(200)), 4)
     y = response(b, a, u)
     model = cgheight.arx(u, y, na, nb, nk, ts)
-    # Least squares lose ε cond of the regressors; the recursion that made y rounds once a term
-    # (12 terms), which the identification sees as noise of the same size.
+    # Least squares lose ε cond of the regressors. The recursion for y rounds once for each of its
+    # 12 terms, which has the effect of noise of the same size.
     phi, _ = regression(u, y, na, nb, nk)
     tolerance = 12 * EPSILON * np.linalg.cond(phi)
     assert tolerance < 1e-6
     assert np.max(np.abs(model.a - a)) <= tolerance * np.max(np.abs(a))
     assert np.max(np.abs(model.b - b)) <= tolerance * np.max(np.abs(a))
     exact = numerator[-1] / DENOMINATOR[-1]
-    # The gain divides by A(1), small beside the coefficients.
+    # The gain divides by A(1), which is small compared with the coefficients.
     assert model.dc_gain == pytest.approx(exact, rel=tolerance * np.max(np.abs(a)) / np.sum(a))
     if through:
         assert round(model.dc_gain, 4) == 0.8456  # as printed
@@ -147,7 +147,7 @@ def test_scaling_the_output_scales_the_gain(factor, negative, seed):
     u, y = noisy_second_order(200, seed)
     plain = cgheight.arx(u, y, 2, 2, 1, 0.05)
     scaled = cgheight.arx(u, factor * y, 2, 2, 1, 0.05)
-    # Rounding of c y: ε times the condition of the regressors, which scaling changes by up to c.
+    # Rounding of c y: ε times the condition number, which scaling changes by up to c.
     phi, _ = regression(u, factor * y, 2, 2, 1)
     tolerance = 100 * EPSILON * np.linalg.cond(phi)
     assert tolerance < 1e-7
@@ -164,7 +164,7 @@ def test_scaling_the_roll_angle_scales_the_ratio_of_a_log(factor):
     signals["roll_rad"] = factor * signals["roll_rad"]
     scaled = cgheight.estimate(**signals, vehicle=vehicle, method="arx", channel="steer")
     assert len(plain.maneuvers) == len(scaled.maneuvers) == 1
-    # Rounding of c φ: ε times the condition of the regressors, 4e6 here, with a margin of 25.
+    # Rounding of c φ: ε times the condition number of 4e6, with a margin of 25.
     expected = factor * plain.maneuvers[0].ratio
     assert scaled.maneuvers[0].ratio == pytest.approx(expected, rel=1e8 * EPSILON)
 

@@ -1,4 +1,4 @@
-"""Many logs at once, tables of other packages, and what a notebook shows."""
+"""Estimates of many logs, tables of other packages, and output in notebooks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Calibration: the same as on the command line."""
+"""Calibration gives the same as on the command line."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def test_two_runs_mend_another_log(kraz, calibration, turn, truth):
     known_m = truth[ONE_TURN]["height_m"]
     before = cgheight.estimate_log(LOGS / ONE_TURN, vehicle=kraz)
     after = cgheight.estimate_log(LOGS / ONE_TURN, vehicle=kraz, calibration=calibration)
-    # From the library's own test of these runs: 4.7 % and 0.4 %.
+    # The test of the library with these runs gives 4.7 % and 0.4 %.
     assert abs(before.height_m / known_m - 1) > 0.03
     assert abs(after.height_m / known_m - 1) < 0.015
     assert after.height_sd_m < 0.25 * before.height_sd_m
-    # Every way in gives the same.
+    # Every entry point gives the same.
     arrays = cgheight.estimate(**turn, vehicle=kraz, calibration=calibration)
     again = cgheight.estimate_log(LOGS / ONE_TURN, vehicle=kraz.calibrated(calibration))
     assert arrays.height_m == pytest.approx(after.height_m, rel=1e-12)

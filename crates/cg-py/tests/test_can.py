@@ -52,7 +52,7 @@ SIGNALS = {
 
 @pytest.fixture(scope="module")
 def truck_file(tmp_path_factory):
-    """Return the independent truck with a steering ratio: CAN has the steering wheel only."""
+    """Return the independent truck with a steering ratio; CAN has the steering wheel only."""
     path = tmp_path_factory.mktemp("truck") / "wheel.toml"
     text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
     path.write_text("steering_ratio = 20.0\n" + text)
@@ -61,7 +61,7 @@ def truck_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def truck(truck_file):
-    """Return the same, loaded."""
+    """Return the same truck, loaded from its file."""
     return cgheight.Vehicle.load(truck_file)
 
 
@@ -85,7 +85,7 @@ def test_a_candump_log_is_the_simulated_one_to_half_a_bit(truck, drive):
         seen = frame[name].dropna()
         assert len(seen) >= len(frame) - 1, name  # the first speed comes after the first roll
         error = np.max(np.abs(seen - expected[name][seen.index]))
-        # Speed and mass are sent less often than they are sampled, but constant here.
+        # Speed and mass are sent less often than they are sampled, but they are constant here.
         assert error <= half * (1 + 1e-9), name
     assert frame.attrs == {"remarks": []}
 
@@ -97,8 +97,8 @@ def test_every_format_gives_the_height_of_the_arrays(suffix, truck, drive, tmp_p
     cgheight.write_log(log, path, vehicle=truck)
     expected = cgheight.estimate(**log.signals, vehicle=truck)
     answer = cgheight.estimate_log(path, vehicle=truck)
-    # Half a bit of the wheel is 0.5/1024/20 rad of 0.05 rad of steer: 5e-4 of the ratio; the height
-    # follows it with a slope below two.
+    # Half a bit of the steering wheel is 0.5/1024/20 rad of 0.05 rad of steer angle, which is 5e-4
+    # of the ratio. The relative change of the height is less than twice as large.
     assert answer.height_m == pytest.approx(expected.height_m, rel=1e-3)
     assert answer.channel == expected.channel == "combined"
     again = cgheight.estimate_logs([path], vehicle=truck)[0]
@@ -106,7 +106,7 @@ def test_every_format_gives_the_height_of_the_arrays(suffix, truck, drive, tmp_p
 
 
 def messages_by_dbc(log, folder):
-    """Write a log in the frames of our DBC; return its path and that of the DBC."""
+    """Write a log with the frames of the DBC file; return the paths of both files."""
     dbc, path = folder / "truck.dbc", folder / "dbc.asc"
     dbc.write_text(DBC)
     s = log.signals
@@ -135,7 +135,7 @@ def test_a_dbc_file_says_what_the_frames_hold(truck, drive, tmp_path):
     log, _ = drive
     path, dbc = messages_by_dbc(log, tmp_path)
     frame = read_log(path, dbc=dbc, signals=SIGNALS)
-    # Half a bit of each signal, by the DBC's scale.
+    # Half a bit of each signal at the scale of the DBC file.
     assert np.max(np.abs(frame.roll_rad - log.signals["roll_rad"])) <= np.radians(0.00025) * 1.01
     lateral = frame.lateral_acceleration_mps2 - log.signals["lateral_acceleration_mps2"]
     assert np.max(np.abs(lateral)) <= 0.00025 * 1.01
@@ -167,33 +167,33 @@ def test_measured_channels_of_an_mdf_file(truck, drive, tmp_path):
     assert answer.status == "ok"
     flipped = read_log(path, signals={"roll": "Roll", "speed": "V"}, flip="roll")
     assert np.array_equal(flipped.roll_rad, -frame.roll_rad)
-    with pytest.raises(ValueError, match=r"Roll has the unit \"furlong\": name one of rad, deg"):
+    with pytest.raises(ValueError, match=r"Roll has the unit \"furlong\": give one of rad, deg"):
         read_log(path, signals={"roll": "Roll[furlong]"})
     with pytest.raises(ValueError, match=r"has no channel Rol; it has .*Roll"):
         read_log(path, signals={"roll": "Rol"})
-    with pytest.raises(ValueError, match="names no roll angle"):
+    with pytest.raises(ValueError, match="contains no roll angle"):
         read_log(path, signals={"speed": "V"})
 
 
-# python-can leaves a file open whose head is damaged.
+# python-can does not close a file with a damaged header.
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_what_is_wrong_with_a_log_or_its_names_is_said(drive, tmp_path):
     log, path = drive
     with pytest.raises(FileNotFoundError, match=r"nowhere\.blf: cannot be read"):
         read_log(tmp_path / "nowhere.blf")
-    with pytest.raises(ValueError, match=r"is no CAN log by its name; those end in \.log, \.asc"):
+    with pytest.raises(ValueError, match=r"is not a CAN log by its name; .* ends in \.log, \.asc"):
         read_log(tmp_path / "a.csv")
     (tmp_path / "bad.blf").write_bytes(b"no frames here" * 20)
-    with pytest.raises(ValueError, match=r"bad\.blf, after 0 frames: cannot be read as what its"):
+    with pytest.raises(ValueError, match=r"bad\.blf, after 0 frames: cannot be read in the format"):
         read_log(tmp_path / "bad.blf")
     (tmp_path / "no.log").write_text("(0.000000) can0 18FEF100#FF00FFFFFFFFFFFF\n")
-    with pytest.raises(ValueError, match="none of its 1 frames has a roll angle that counts"):
+    with pytest.raises(ValueError, match="none of its 1 frames contains a valid roll angle"):
         read_log(tmp_path / "no.log")
     dbc_log, dbc = messages_by_dbc(log, tmp_path)
-    with pytest.raises(ValueError, match="signals names signals of a DBC file: give dbc too"):
+    with pytest.raises(ValueError, match="signals contains names from a DBC file"):
         read_log(dbc_log, signals=SIGNALS)
-    with pytest.raises(ValueError, match=r"truck\.dbc: say which of its signals are which"):
+    with pytest.raises(ValueError, match=r"truck\.dbc: give the names of the signals in it"):
         read_log(dbc_log, dbc=dbc)
     with pytest.raises(ValueError, match=r"has no signal `Rolll`, only Motion\.RollAngle"):
         read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"roll": "Rolll"})
@@ -209,11 +209,11 @@ def test_what_is_wrong_with_a_log_or_its_names_is_said(drive, tmp_path):
         read_log(dbc_log, dbc=tmp_path / "nowhere.dbc", signals=SIGNALS)
     with pytest.raises(ValueError, match="signals: there is no quantity `rol`"):
         read_log(dbc_log, dbc=dbc, signals={"rol": "RollAngle"})
-    with pytest.raises(ValueError, match="columns is for tables"):
+    with pytest.raises(ValueError, match="columns applies to tables only"):
         cgheight.read_log(path, columns={"roll": "x[deg]"})
 
 
-# A roll angle of 6 degrees of a sensor that does not say whether it is compensated.
+# A roll angle of 6 degrees from a sensor without information on its compensation.
 UNSAID = "(0.100000) can0 0CF029E4#FFFFFF000080FFFF\n"
 VDC2 = "(0.000000) can0 18F0090B#7F7DFF007D007DFF\n"
 
@@ -223,7 +223,7 @@ def test_what_a_slope_sensor_measures_can_be_told(tmp_path):
     path.write_text(VDC2 + UNSAID)
     for word, column in [("bit", "tilt_rad"), ("yes", "roll_rad"), ("no", "tilt_rad")]:
         frame = read_log(path, roll_compensated=word, flip="roll")
-        assert frame[column][0] < 0  # flipped, whichever it is
+        assert frame[column][0] < 0  # the sign is reversed for both
         assert len({"roll_rad", "tilt_rad"} & set(frame)) == 1
         doubts = frame.attrs["remarks"]
         assert ['roll_compensated="yes"' in doubt for doubt in doubts] == [True] * (word == "bit")
@@ -233,13 +233,13 @@ def test_what_a_slope_sensor_measures_can_be_told(tmp_path):
 
 @pytest.fixture(scope="module")
 def asynchronous(truck, tmp_path_factory):
-    """Return a candump log whose signals come at rates and times of their own, two turns long."""
+    """Return a candump log of two turns whose signals have different rates and times."""
     folder = tmp_path_factory.mktemp("asynchronous")
     sensors = Sensors(snr_db=25)
     drive = Scenario("drive", height_m=1.8, duration_s=120, rate_hz=200, sensors=sensors, seed=7)
     cgheight.simulate(truck, drive, output=folder / "fast.log")
     random = np.random.default_rng(5)
-    # Identifier: the share of its frames that is kept, and by how much they are late.
+    # Identifier: the share of its frames that is kept, and their delay.
     kept = {"18F0090B": (0.2, 3e-3), "0CF029E4": (0.11, 11e-3), "18FEF100": (0.5, 40e-3)}
     lines = []
     for line in (folder / "fast.log").read_text().splitlines():
@@ -277,7 +277,7 @@ def test_python_and_cg_run_hear_the_same(truck_file, asynchronous):
         for maneuver, line in zip(heard, told, strict=True):
             known = line[channel.replace("-", "_")]
             for name in ("start_s", "end_s", "height_m", "height_sd_m", "ratio", "ratio_sd"):
-                # The same frames in the same arithmetic: the origin of time alone differs.
+                # The same frames and the same arithmetic; only the origin of time differs.
                 expected = pytest.approx(known[name], rel=1e-12, abs=0)
                 assert getattr(maneuver, name) == expected, (channel, name)
 
@@ -299,8 +299,8 @@ def test_frames_of_every_format_make_the_rows_of_the_candump_log(suffix, asynchr
             writer.on_message_received(message)
     expected, frame = read_log(asynchronous), read_log(path)
     assert list(frame) == list(expected)
-    # Formats keep time to 10 µs or better (.asc) and count it from where they like: interpolated
-    # signals move by their greatest rate, some units a second, over it.
+    # The formats store time with a resolution of 10 µs (.asc) or better, from different origins.
+    # Interpolated signals change by that time multiplied by their largest rate, some units a second.
     assert len(frame) == len(expected)
     for name in set(frame) - {"time_s"}:
         assert np.allclose(frame[name], expected[name], rtol=0, atol=2e-3, equal_nan=True), name
@@ -321,7 +321,7 @@ def test_the_listener_on_a_virtual_bus_gives_the_height_of_the_log(truck, drive)
             while listener.frames < sent and time.monotonic() < deadline:
                 time.sleep(0.01)
         assert (listener.frames, listener.frames_used) == (sent, sent)
-    assert listener.rows >= len(read_log(path)) - 1  # the last one waits for what comes after it
+    assert listener.rows >= len(read_log(path)) - 1  # the last one waits for later frames
     assert listener.estimate() == cgheight.estimate_log(path, vehicle=truck)
     assert len(heard) == 1  # one turn
     assert heard[0].status == "ok"
@@ -344,5 +344,5 @@ def test_the_listener_leaves_out_what_does_not_fit_and_goes_on(truck, drive):
 
 @pytest.fixture(autouse=True)
 def quiet_libraries():
-    """Leave asammdf's notes on what it converts out of the test output."""
+    """Hide the messages of asammdf about conversions in the test output."""
     logging.getLogger("asammdf").setLevel(logging.ERROR)

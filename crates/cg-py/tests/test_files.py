@@ -1,4 +1,4 @@
-"""Files are never lost: what may be written, and what it replaces."""
+"""Protection of files: what may be written, and what may be replaced."""
 
 from __future__ import annotations
 

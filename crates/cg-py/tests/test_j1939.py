@@ -1,4 +1,4 @@
-"""The core's J1939 table against cantools and a DBC file, and our own frame read by cantools."""
+"""The J1939 table of the core and the transmitted frame, compared with cantools and a DBC file."""
 
 import math
 from pathlib import Path
@@ -28,13 +28,13 @@ SIGNALS = [
     ("VW", "TrailerWeight", "trailer_mass_kg"),
     ("EBS22", "AxleLoadSum", "trailer_axle_load_kg"),
 ]
-# Beyond, a value counts as absent: the greatest of these signals that a truck can have.
+# The largest plausible values of these signals; larger values are treated as absent.
 GREATEST = {"roll_rad": 1.0, "speed_mps": 60.0}
 SSI, SSI2, CCVS1 = 0x0CF013E4, 0x0CF029E4, 0x18FEF100
 
 
 def row_of(identifier: int, data: bytes, column: str, word: str = "bit") -> dict[str, float]:
-    """Return the row that a frame makes, with what a row needs beside it: an angle and a speed."""
+    """Return the row of a frame, with the angle and the speed that every row needs."""
     table = _native.FrameTable(reading(roll_compensated=word))
     if column != "speed_mps":
         table.push((0.0, 0), CCVS1, True, bytes.fromhex("FF0032FFFFFFFFFF"))
@@ -52,17 +52,17 @@ def test_every_signal_comes_back_as_cantools_wrote_it(
     definition = J1939.get_message_by_name(message)
     field = definition.get_signal_by_name(signal)
     size = field.length
-    greatest = (0xFB << (size - 8)) - 1  # the last value that is one
+    greatest = (0xFB << (size - 8)) - 1  # the largest valid value
     raw = round(share * greatest)
     everything = {other.name: (1 << other.length) - 1 for other in definition.signals}
     data = definition.encode({**everything, signal: raw}, scaling=False, strict=False)
     identifier = (definition.frame_id & 0x03FFFF00) | priority << 26 | source
-    # The bits beside say nothing: whether an angle is roll or tilt is given.
+    # The other bits have no effect: an option decides whether the angle is roll or tilt.
     word = "no" if column == "tilt_rad" else "yes"
     expected = definition.decode(data, decode_choices=False)[signal] * TO_SI[field.unit]
     assume(abs(expected) <= GREATEST.get(column, np.inf))
     value = row_of(identifier, bytes(data), column, word)[column]
-    # Both multiply and add once in double precision.
+    # Both sides multiply and add once in double precision.
     assert value == pytest.approx(expected, rel=1e-12, abs=1e-12 * abs(field.offset or 1))
 
 

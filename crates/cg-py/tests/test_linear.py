@@ -1,4 +1,4 @@
-"""The linear model against the printed tables and against itself."""
+"""The linear model: comparison with the printed tables, and consistency."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 import cgheight
 from conftest import FIXTURES
 
-# Table 4.2, upper half plane; printed with four decimals: half a unit of each part is 0.7e-4.
+# Table 4.2, upper half plane. Four decimals are printed: half a unit in both parts is 0.7e-4.
 POLES = [-7.6665 + 60.6146j, -5.0701 + 51.9695j, -10.1493, -1.3959 + 5.5499j, -1.2621 + 1.2798j]
 # Table 4.1: A0 and B0, five digits.
 PRINTED_RATIO = 4.5839e25 / 8.0754e25
@@ -28,10 +28,10 @@ def test_the_poles_are_those_of_the_table(printed):
 
 
 def test_the_dc_ratio_is_that_of_the_table(printed):
-    # Half a unit of the fifth digit, twice.
+    # Twice half a unit of the fifth digit.
     assert printed.dc_gain == pytest.approx(PRINTED_RATIO, rel=2e-5)
     assert printed.dc_gain == pytest.approx(printed.ratio.ratio_at(printed.height_m), rel=1e-9)
-    # Two solutions of an 18 × 18 system of condition near 1e5.
+    # Two solutions of an 18 × 18 system with a condition number near 1e5.
     reduced = printed.reduced
     assert reduced.numerator[-1] / reduced.denominator[-1] == pytest.approx(
         printed.dc_gain, rel=1e-9
@@ -58,11 +58,11 @@ def test_polynomials_roots_and_state_space_are_one_transfer_function(printed):
 def test_loads_are_in_balance(baseline):
     model = cgheight.linear_model(baseline)
     balance = model.static_balance
-    # The tractor's part is the same for every load: weights differ by what is added.
+    # The share of the tractor is the same for every load: the weights differ by the added mass.
     heavier = cgheight.linear_model(baseline, trailer_mass_kg=model.trailer_mass_kg + 1000)
     added = np.sum(heavier.static_balance.axle_load_n) - np.sum(balance.axle_load_n)
     file = tomllib.loads((FIXTURES / "vehicles" / "baseline.toml").read_text())
-    # Rounding: ε times the whole weight over what is added, 1e-14, with a wide margin.
+    # Rounding: ε times total weight / added weight = 1e-14, with a wide margin.
     assert added == pytest.approx(1000 * file["gravity_mps2"], rel=1e-9)
     assert abs(balance.residual_nm) < 1e-6 * balance.hitch_load_n
     assert 0 < balance.hitch_load_n < np.sum(balance.axle_load_n)
@@ -75,7 +75,7 @@ def test_speed_and_height_act(baseline):
     assert higher.dc_gain > model.dc_gain
     assert faster.dc_gain > model.dc_gain
     assert higher.height_m == model.height_m + 0.3
-    # Exactly linear over linear in height; rounding as above.
+    # Exactly a quotient of two linear functions of the height; rounding as above.
     assert higher.dc_gain == pytest.approx(model.ratio.ratio_at(higher.height_m), rel=1e-8)
     assert model.reduced.order == 5
     assert len(model.reduced.numerator) == len(model.reduced.denominator) == 6

@@ -1,4 +1,4 @@
-"""The independent truck's logs, whichever way they come in."""
+"""The logs of the independent truck, through every entry point."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ MANEUVER_KEYS = [
     "reason",
 ]  # fmt: skip
 
-# The numbers of a log and its arrays are the same float64 and so is the arithmetic; where a unit
-# is converted on the way, each value moves by one rounding (1.1e-16) and a mean of them by less.
+# A log and its arrays contain the same float64 numbers, and the arithmetic is the same. If a unit
+# is converted, each value changes by one rounding (1.1e-16) and a mean of them by less.
 SAME = 1e-12
 
 
@@ -63,7 +63,7 @@ def test_arrays_files_frames_and_rows_give_the_same_height(name, kraz):
 def test_the_true_height_lies_within_three_standard_deviations(name, kraz, truth):
     answer = arrays(name, kraz)
     error_m = answer.height_m - truth[name]["height_m"]
-    # Without calibration; 3 σ is missed by one log of ten with probability 0.03.
+    # Without calibration. The probability that one of ten logs is outside 3 σ is 0.03.
     assert abs(error_m) <= 3 * answer.height_sd_m
 
 
@@ -119,7 +119,7 @@ def test_lists_strided_and_single_precision_arrays_are_converted(kraz, turn):
     signals["trailer_mass_kg"] = turn["trailer_mass_kg"].astype(np.int32)  # whole kilograms
     assert_same(reference, cgheight.estimate(**signals, vehicle=kraz))
     signals["roll_rad"] = turn["roll_rad"].astype(np.float32)
-    # float32 keeps 24 bits: 6e-8 of each roll angle, 1e-6 with a wide margin.
+    # float32 has 24 bits: 6e-8 of each roll angle, 1e-6 with a wide margin.
     single = cgheight.estimate(**signals, vehicle=kraz)
     assert single.height_m == pytest.approx(reference.height_m, rel=1e-6)
     assert single.height_m != reference.height_m
@@ -221,7 +221,7 @@ def test_the_load_of_the_axles_stands_in_for_the_mass(kraz, turn):
         loads_kg = np.full(len(turn["time_s"]), load_kg)
         return cgheight.estimate(**signals, trailer_axle_load_kg=loads_kg, vehicle=kraz)
 
-    # The mass is a straight line over the axle load: two points give the load of the known mass.
+    # The mass is a linear function of the axle load: two points give the load of the known mass.
     light, heavy = (by_axles(load_kg).trailer_mass_kg for load_kg in (10e3, 20e3))
     assert heavy - light > 10e3
     mass_kg = float(turn["trailer_mass_kg"][0])
@@ -285,8 +285,8 @@ def test_the_stream_tells_straight_from_turning(kraz, turn):
     assert stream.push(99.0) == "absent"
     assert set(seen) == {"straight", "turning"}
     turning = np.abs(turn["lateral_acceleration_mps2"])
-    # Above 0.5 m/s² a turn has begun; below 0.3 m/s² it is over. A lag of 0.25 s lies between
-    # the signal and what is told, and it grows by less than 0.8 m/s² in that time.
+    # A turn begins above 0.5 m/s² and ends below 0.3 m/s². The status lags the signal by 0.25 s, in
+    # which the signal changes by less than 0.8 m/s².
     assert all(status == "turning" for status, a in zip(seen, turning, strict=True) if a > 1.3)
     assert all(status == "straight" for status, a in zip(seen, turning, strict=True) if a < 0.3)
 

@@ -50,7 +50,7 @@ def test_schwarz_finds_the_true_order_and_validation_does_not_fall_below_it(seco
     )
     assert other.model.na >= 2
     assert other.model.nb >= 2
-    # The noise itself is what is left: its variance scatters by sqrt(2/2000), 4 sd.
+    # The noise remains; its variance scatters by sqrt(2/2000), 4 sd.
     assert other.validation_loss.min() == pytest.approx(0.04, rel=4 * np.sqrt(2 / 2000))
 
 
@@ -76,7 +76,7 @@ def test_residuals_are_what_the_regression_leaves():
         assert np.max(np.abs(model.residuals(u, y) - (observed - phi @ theta))) < 1e-15
     with pytest.raises(ValueError, match="this model needs 7 or more"):
         model.residuals(u[:3], y[:3])
-    with pytest.raises(ValueError, match="give one length"):
+    with pytest.raises(ValueError, match="the same length"):
         model.residuals(u, y[:-1])
 
 
@@ -120,7 +120,7 @@ def test_the_same_response_in_python_control_and_back(of, baseline):
     omega = np.array([0.1, 1.0, 5.0, 20.0])
     expected = own.response(omega)
     there = np.squeeze(system(1j * omega if own.ts is None else np.exp(1j * omega * own.ts)))
-    # Order 18 by state space and by roots: 1e-6 is ε times the condition of the eigenvalues.
+    # Order 18 from state space and from roots: 1e-6 is ε times the condition of the eigenvalues.
     assert there == pytest.approx(expected, rel=1e-6)
     back = cgheight.TransferFunction.from_control(system)
     assert back.ts == own.ts
@@ -139,7 +139,7 @@ def test_systems_without_a_definite_transfer_function_are_refused():
         cgheight.TransferFunction.from_control(control.tf([1.0], [1.0, 0.5], True))
     with pytest.raises(ValueError, match="the system is zero"):
         cgheight.TransferFunction.from_control(control.ss([[-1.0]], [[0.0]], [[1.0]], [[0.0]]))
-    with pytest.raises(ValueError, match="beside zero"):
+    with pytest.raises(ValueError, match="nonzero"):
         cgheight.TransferFunction.from_polynomials([0.0], [1.0, 1.0])
 
 
@@ -156,7 +156,7 @@ def test_a_step_of_the_arx_in_python_control_is_the_recursion():
 def test_the_prediction_follows_the_roll_angle(kraz, turn):
     predicted = cgheight.predict_roll(turn, 1.70, vehicle=kraz)
     assert predicted.shape == turn["roll_rad"].shape
-    # The vehicle file's own uncertainty of the ratio is 10 %, two sd.
+    # The uncertainty of the ratio in the vehicle file is 10 %, two sd.
     steady = slice(-300, None)
     ratio = np.mean(turn["roll_rad"][steady]) / np.mean(predicted[steady])
     assert ratio == pytest.approx(1.0, abs=0.2)

@@ -1,4 +1,4 @@
-"""The notebook that goes from a CAN log to a validated height runs, and shows what it says."""
+"""The notebook from a CAN log to a validated height runs, and its output agrees with its text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def test_the_notebook_runs_and_its_claims_hold():
     path = ROOT / "examples" / "validation.ipynb"
     notebook = nbformat.read(path, as_version=4)
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
-    # Stored without output: what is shown is always of this version.
+    # Stored without output, so that the output is always that of this version.
     assert all(cell.outputs == [] and cell.execution_count is None for cell in code)
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(ROOT)}}).execute()
     shown = [output for cell in code for output in cell.outputs]
@@ -26,7 +26,7 @@ def test_the_notebook_runs_and_its_claims_hold():
     assert any("95 % interval" in table for table in tables)
     text = "".join(output.get("text", "") for output in shown)
     assert "8 intervals hold the truth" in text
-    # Every code cell has words before it that say what one sees.
+    # Text before every code cell explains its output.
     for before, cell in zip(notebook.cells, notebook.cells[1:], strict=False):
         if cell.cell_type == "code" and before.cell_type == "code":
             assert "select_order" in before.source

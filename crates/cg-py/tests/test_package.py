@@ -35,7 +35,7 @@ CLASSES = [
     for name in module.__all__
     if inspect.isclass(getattr(module, name))
 ]
-# What a description must say of a quantity with this ending.
+# What the description of a quantity with this suffix must contain.
 UNITS = {
     "_m": r"\bm\b",
     "_s": r"\bs\b|seconds",
@@ -58,7 +58,7 @@ def members(thing: object) -> list[tuple[str, object]]:
 
 
 def sections(text: str) -> dict[str, str]:
-    """Return the parts of a docstring in numpydoc's form by their headings."""
+    """Return the sections of a numpydoc docstring by their headings."""
     parts = re.split(r"^([A-Z][a-z]+)\n-{4,}\n", inspect.cleandoc(text), flags=re.MULTILINE)
     return dict(zip(["Summary", *parts[1::2]], [parts[0], *parts[2::2]], strict=True))
 
@@ -107,7 +107,7 @@ def test_every_function_says_what_goes_in_what_comes_out_and_what_it_raises(modu
 @pytest.mark.parametrize(("module", "name"), CLASSES, ids=lambda one: getattr(one, "__name__", one))
 def test_every_class_says_what_it_holds(module, name):
     thing = getattr(module, name)
-    # A dataclass without a docstring gets its signature as one.
+    # The docstring of a dataclass without one is its signature.
     assert thing.__doc__
     assert not thing.__doc__.startswith(f"{name}(")
     parts = sections(thing.__doc__)
@@ -126,7 +126,7 @@ def test_every_class_says_what_it_holds(module, name):
         assert text, member
         takes = callable(value) and set(inspect.signature(value).parameters) - {"self"}
         if takes and member != "on_message_received":
-            # to_frame and the like take nothing and return what their name says.
+            # Methods such as to_frame have no parameters and return what their name says.
             assert "Parameters" in text, member
             assert "Returns" in text, member
 
@@ -235,7 +235,7 @@ def test_no_function_has_more_than_ten_parameters():
             callables = [(name, thing)] if inspect.isroutine(thing) else []
             if inspect.isclass(thing):
                 callables = [member for member in members(thing) if callable(member[1])]
-                # What an option object or a result holds are its fields.
+                # The parameters of an option object or a result are its fields.
                 if not dataclasses.is_dataclass(thing):
                     callables.append((name, thing))
             for called, function in callables:
@@ -254,7 +254,7 @@ def imported(path, modules):
         elif isinstance(node, ast.ImportFrom):
             for alias in node.names:
                 below = f"{node.module}.{alias.name}"
-                # The compiled half is no module of ours to look into.
+                # The compiled module has no source file in the package.
                 found |= {below if below in modules else node.module} - {
                     node.module if alias.name == "_native" else None
                 }
@@ -269,7 +269,7 @@ def test_the_modules_of_the_package_use_each_other_one_way():
         names[".".join(parts).removesuffix(".__init__")] = path
     arrows = {name: imported(path, set(names)) for name, path in names.items()}
     assert sum(map(len, arrows.values())) > 40
-    # Raises CycleError with the way round, if there is one.
+    # Raises a CycleError that names the cycle, if there is one.
     graphlib.TopologicalSorter(arrows).prepare()
 
 
@@ -292,5 +292,5 @@ def test_every_option_that_a_message_names_is_a_keyword():
             thing = getattr(module, name)
             if inspect.isroutine(thing) or inspect.isclass(thing):
                 keywords |= set(inspect.signature(thing).parameters)
-    # `bus` is the command line's: python-can opens one bus at a time.
+    # `bus` exists on the command line only: python-can opens one bus at a time.
     assert named - keywords == {"bus"}

@@ -1,4 +1,4 @@
-"""Pictures: what they draw, with which units, and that they say how to read them."""
+"""Figures: what they show, their units, and that the docstrings explain how to read them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def closed():
 
 
 def drawn(figure: Figure, path) -> np.ndarray:
-    """Save a figure as PNG and return its pixels: not empty, and wide enough for a report."""
+    """Save a figure as PNG and return its pixels; it is not empty and wide enough for a report."""
     figure.savefig(path)
     pixels = plt.imread(path)
     assert pixels.shape[1] >= 600
@@ -100,7 +100,7 @@ def test_a_bode_plot_draws_the_responses_and_a_band_of_the_right_width(baseline,
     expected = np.abs(linear.transfer_function.response(2 * np.pi * hz))
     assert size == pytest.approx(expected, rel=1e-12)
     assert upper.get_lines()[3].get_ydata() == pytest.approx(expected, rel=1e-6)
-    # The left end is the DC gain: the band there is 1.96 of its standard deviation.
+    # The left end is the DC gain, where the band is 1.96 of its standard deviations.
     figure = plot.bode(model, frequency_hz=[1e-6, 0.1])
     corners = figure.axes[0].collections[0].get_paths()[0].vertices
     at_left = corners[np.isclose(corners[:, 0], 1e-6), 1]
@@ -123,7 +123,7 @@ def test_roots_are_drawn_where_they_are(baseline, tmp_path):
     drawn(figure, tmp_path / "roots.png")
     marks = [np.asarray(one.get_offsets()) for one in figure.axes[0].collections]
     assert np.allclose(marks[0] @ [1, 1j], linear.poles, atol=1e-12)
-    # Sampled and carried back: the logarithm of poles within a radius of one.
+    # Sampled and converted back: the logarithm of poles inside the unit circle.
     assert np.allclose(marks[2] @ [1, 1j], linear.reduced.transfer_function.poles, atol=1e-9)
     assert "more beyond 15 rad/s" in figure.axes[0].get_title(loc="left")
     with pytest.raises(ValueError, match="reach_radps is 0"):
@@ -140,7 +140,8 @@ def test_residuals_that_are_white_stay_in_the_band_and_others_do_not(tmp_path):
     right, wrong = cgheight.arx(u, y, 2, 1, 1, 0.1), cgheight.arx(u, y, 1, 1, 1, 0.1)
     figures = [plot.residuals(model, u, y) for model in (right, wrong)]
     drawn(figures[0], tmp_path / "white.png")
-    # 25 lags, each outside with probability 0.01: more than 3 with probability 1e-4; of 51: 4.
+    # Each lag is outside with probability 0.01. More than 3 of 25 lags, or 4 of 51, are outside
+    # with probability 1e-4.
     for panel, allowed in ((0, 3), (1, 4)):
         titles = [figure.axes[panel].get_title(loc="left") for figure in figures]
         outside = [int(title.split(": ")[1].split()[0]) for title in titles]

@@ -22,7 +22,7 @@ HOSTILE = "<img src=x onerror=alert(1)>&\"'.csv"
 
 
 def cg() -> str:
-    """Return the command-line program: that of `make` (CG), else the newest build."""
+    """Return the command-line program: the one that `make` gives in CG, or the newest build."""
     builds = [ROOT / "target" / profile / "cg" for profile in ("release", "debug")]
     there = sorted(
         (path for path in builds if path.exists()), key=lambda path: path.stat().st_mtime
@@ -56,7 +56,7 @@ def browser(size: tuple[int, int]) -> webdriver.Chrome:
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     driver = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
-    # A phone's width is smaller than a window can be.
+    # A window cannot be as narrow as a phone.
     metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     return driver
@@ -80,7 +80,7 @@ def cells(driver, column: int) -> list[str]:
 def test_the_table_has_every_log_and_what_became_of_it(opened):
     names = cells(opened, 0)
     assert len(names) == len(PATHS) + 3
-    # Shown without the folder that all share; the whole name is in the title.
+    # The common folder is not shown; the whole path is in the title.
     assert all(path.endswith(name) for path, name in zip(PATHS, names, strict=False))
     rows = opened.find_elements(By.CSS_SELECTOR, "tr.log")[: len(PATHS)]
     assert [row.get_attribute("title") for row in rows] == PATHS
@@ -117,7 +117,7 @@ def test_a_row_opens_its_pictures_and_messages(opened):
     assert len(details) == len(rows)
     text = "\n".join(detail.text for detail in details)
     assert "rejected: unexcited" in text
-    assert "</script><b>" in text  # as it stands in the log, as text
+    assert "</script><b>" in text  # the text of the log, not markup
     pictures = opened.find_elements(By.CSS_SELECTOR, "tr.detail svg")
     assert len(pictures) == 3 * (len(PATHS) + 1) + 2  # the straight log has signals only
     script = (
@@ -147,7 +147,7 @@ def test_nothing_is_fetched(opened, page):
 
 
 def test_light_and_dark_can_both_be_read(page):
-    """Text and paper differ by WCAG's contrast of 4.5 in either scheme."""
+    """Text and background have at least the WCAG contrast of 4.5 in both color schemes."""
     for scheme in ("light", "dark"):
         driver = browser((1280, 900))
         try:
@@ -167,7 +167,7 @@ def test_light_and_dark_can_both_be_read(page):
 
 
 def luminance(color: str) -> float:
-    """Return WCAG's relative luminance of `rgb(r, g, b)`."""
+    """Return the relative luminance of `rgb(r, g, b)` according to WCAG."""
     parts = [int(part) / 255 for part in re.findall(r"\d+", color)[:3]]
     linear = [
         part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts

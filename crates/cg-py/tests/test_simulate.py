@@ -22,13 +22,13 @@ def test_a_simulated_log_gives_its_height_back_whichever_way_it_is_read(baseline
     assert log.truth["height_m"] == 1.85
     assert log.truth["trailer_mass_kg"] == baseline.empty_trailer_mass_kg + 12e3
     answer = cgheight.estimate(**log.signals, vehicle=baseline)
-    # No noise, the same model: what is left is the grid of the design (tests/design.rs).
+    # Without noise and model errors, the grid of the design remains (tests/design.rs).
     assert answer.height_m == pytest.approx(1.85, rel=2e-3)
     frame = log.to_frame()
     assert list(frame) == list(log.signals)
     assert cgheight.estimate_log(frame, vehicle=baseline) == answer
     assert cgheight.estimate_log(log, vehicle=baseline) == answer
-    # Times go through the file with microseconds, everything else with all digits.
+    # The file has time stamps in microseconds and all digits of the other values.
     back = cgheight.read_log(path)
     for name, values in log.signals.items():
         assert np.max(np.abs(back[name] - values)) <= (5e-7 if name == "time_s" else 0.0)
@@ -60,7 +60,7 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
     turn = Scenario("steady-turn", plant="nonlinear", turn_rad=0.7, radius_m=120, rate_hz=50)
     log = cgheight.simulate(baseline, turn)
     yaw = np.trapezoid(log.signals["yaw_rate_radps"], log.signals["time_s"])
-    # The trailer follows the tractor through the turn and comes to rest within the 5 s after it.
+    # The trailer follows the tractor through the turn and settles within 5 s.
     assert yaw == pytest.approx(0.7, rel=0.02)
     right = cgheight.simulate(baseline, replace(turn, turn_rad=-0.7))
     assert right.signals["roll_rad"].min() < -0.5 * log.signals["roll_rad"].max()
@@ -72,7 +72,7 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
         ({"maneuver": "loop"}, 'maneuver is "loop": it must be "rounded-step"'),
         ({"plant": "real"}, 'plant is "real": it must be "linear"'),
         ({"height_m": 19.0}, "height"),
-        ({"height_m": "high"}, "height_m is no number"),
+        ({"height_m": "high"}, "height_m is not a number"),
         ({"rate_hz": -1.0}, "rate_hz -1 must be positive"),
         ({"duration_s": 1.0}, "start_s 2 must lie between 0 and duration_s 1"),
         ({"payload_kg": 1e3, "trailer_mass_kg": 2e4}, "both given: give one"),
@@ -80,8 +80,8 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
         ({"turn_rad": 1.0, "maneuver": "steady-turn"}, 'need plant="nonlinear"'),
         ({"speed_change": 0.2}, 'for maneuver="drive"'),
         ({"sensors": {"drop_out": 2.0}}, "drop-out"),
-        ({"sensors": {"delay_s": "late"}}, "delay_s is no number"),
-        ({"output": "log.txt"}, r"log\.txt: a log ends in \.csv, \.csv\.gz or \.log"),
+        ({"sensors": {"delay_s": "late"}}, "delay_s is not a number"),
+        ({"output": "log.txt"}, r"log\.txt: the name of a log ends in \.csv or"),
     ],
 )
 def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, message):
@@ -109,10 +109,10 @@ def test_an_accuracy_map_follows_the_noise(baseline):
     assert list(table.height_m) == [1.8, 1.8, 2.1, 2.1]
     assert (table.answered == 40).all()
     loud, quiet = table[table.snr_db == 10], table[table.snr_db == 30]
-    # Ten times the noise; an RMSE of 40 runs scatters by 11 %: the ratio of two by 16 %, 4 sd.
+    # Ten times the noise. An RMSE of 40 runs scatters by 11 %, the ratio of two by 16 %; 4 sd.
     ratio = loud.rmse_percent.to_numpy() / quiet.rmse_percent.to_numpy()
     assert np.all((ratio > 10 * 0.36) & (ratio < 10 * 1.64))
-    # No estimator beats the bound; that of a root mean square of 40 by 4 sd.
+    # No estimator has a smaller error than the bound; the RMS of 40 runs may by 4 sd.
     assert (table.rmse_percent > table.bound_percent * (1 - 4 * 0.11)).all()
     with pytest.raises(TypeError, match="unexpected keyword argument 'wheels'"):
         Scenario("sine", wheels=3)

@@ -1,4 +1,4 @@
-"""Trips on a local Spark of two workers: the same heights as on one machine."""
+"""Trips on a local Spark with two workers give the same heights as on one machine."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from cgheight.spark import estimate_files, estimate_trips
 from conftest import FIXTURES, LOGS
 
 TRIPS = 240
-# PySpark 4 says so of pandas 3; what is used of it here is a frame from Arrow.
+# PySpark 4 warns about pandas 3; only the conversion from Arrow is used here.
 pytestmark = pytest.mark.filterwarnings("ignore:PySpark does not yet fully support pandas")
 
 
 @pytest.fixture(scope="module")
 def spark():
-    """Start a Spark of two workers."""
+    """Start Spark with two workers."""
     os.environ["PYSPARK_PYTHON"] = os.environ["PYSPARK_DRIVER_PYTHON"] = sys.executable
     builder = SparkSession.builder.master("local[2]").appName("cgheight")
     for key, value in {
@@ -74,7 +74,7 @@ def test_hundreds_of_trips_have_the_heights_of_one_machine(spark, trips, baselin
     assert len(found) == TRIPS
     assert found.height_m.notna().all()
     for name in one_machine.columns.drop("log"):
-        # The same arithmetic on the same rows: to the last bit.
+        # The arithmetic and the rows are the same, so the results agree to the last bit.
         pd.testing.assert_series_equal(found[name], one_machine[name], check_dtype=False,
                                        check_exact=True)  # fmt: skip
 

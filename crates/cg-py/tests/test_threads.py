@@ -1,4 +1,4 @@
-"""Threads: same answers, and the interpreter free while loops run."""
+"""Threads give the same results, and loops do not block the interpreter."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_eight_threads_agree(turn):
     with ThreadPoolExecutor(8) as pool:
         answers = list(pool.map(work, range(8)))
     assert answers[0][0].status == answers[0][1].status == "ok"
-    assert all(answer == answers[0] for answer in answers)  # to the last bit: the same arithmetic
+    assert all(answer == answers[0] for answer in answers)  # equal to the last bit
 
 
 def test_one_stream_may_be_pushed_and_asked_from_several_threads(kraz, turn):
@@ -78,6 +78,6 @@ def test_other_threads_go_on_while_a_loop_runs(work, kraz, turn):
         now = time.perf_counter()
         longest, before = max(longest, now - before), now
     whole = time.perf_counter() - begin
-    # A loop that kept the interpreter would stop this one for nearly all of its time.
+    # A loop that blocked the interpreter would stop this thread for nearly all of its time.
     assert whole > 0.2
     assert longest < 0.5 * whole

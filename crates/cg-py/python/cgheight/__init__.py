@@ -1,7 +1,7 @@
 """Height of the center of gravity (c.g.) of a semitrailer from ordinary driving.
 
-The trailer rolls more in a curve the higher its load stands. From steer angle (or lateral
-acceleration) and roll angle this package identifies how much, and solves for the height.
+In a turn, a trailer rolls more if its load is higher. This package identifies how much the trailer
+rolls for a steer angle or a lateral acceleration, and solves for the height.
 
 >>> import cgheight
 >>> vehicle = cgheight.Vehicle.load("fixtures/vehicles/kraz.toml")
@@ -9,13 +9,15 @@ acceleration) and roll angle this package identifies how much, and solves for th
 >>> answer.status
 'ok'
 
-CAN logs and a live bus: `cgheight.can`. Pictures: `cgheight.plot`. Thousands of trips on a cluster:
-`cgheight.spark`. These three need further packages: ``pip install 'cgheight[all]'``.
+`cgheight.can` reads CAN logs and a live bus, `cgheight.plot` draws figures, and `cgheight.spark`
+handles thousands of trips on a cluster. They need further packages:
+``pip install 'cgheight[all]'``.
 
-Units are SI and part of every name. Signs are those of ISO 8855: x forward, y left, z up;
-steer, yaw rate and lateral acceleration are positive to the left, roll is positive right side
-down, so that a left turn gives all positive. Heights are of the trailer's sprung c.g. above
-ground at rest; ``trailer_mass_kg`` is the whole semitrailer as weighed (sprung mass and axles).
+Units are SI and part of every name. Signs are those of ISO 8855: x forward, y left, z up. Steer
+angle, yaw rate and lateral acceleration are positive to the left, and the roll angle is positive if
+the right side is down, so all of them are positive in a left turn. Heights are those of the
+trailer's sprung c.g. above ground at rest. ``trailer_mass_kg`` is the mass of the whole semitrailer
+as weighed (sprung mass and axles).
 """
 
 from importlib import import_module

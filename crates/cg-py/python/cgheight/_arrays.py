@@ -1,4 +1,4 @@
-"""Whatever holds numbers, as the arrays that the compiled half reads in place."""
+"""Conversion of arguments to the arrays that the compiled module reads in place."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from numpy.typing import NDArray
 
 
 def column(name: str, values: Any) -> NDArray[np.float64]:
-    """Return `values` as a contiguous float64 array: itself if it is one, else one copy.
+    """Return `values` as a contiguous float64 array; they are copied only if they are not one.
 
-    What a mask hides becomes NaN. Raises ValueError, naming the argument, where that cannot be.
+    Masked values become NaN. A ValueError that names the argument is raised if the conversion is
+    not possible.
     """
     try:
         if getattr(getattr(values, "dtype", None), "kind", None) in ("m", "M"):
-            raise ValueError("dates and durations have no SI unit, give plain numbers")
+            raise ValueError("dates and durations have no SI unit; convert them to numbers")
         if isinstance(values, np.ma.MaskedArray):
             values = np.ma.filled(values.astype(np.float64), np.nan)
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} does not hold numbers: {error}") from error
+        raise ValueError(f"{name} does not contain numbers: {error}") from error
     if array.ndim != 1:
         raise ValueError(
             f"{name} has shape {array.shape}: it must be one-dimensional, one value for each row"
@@ -29,8 +30,8 @@ def column(name: str, values: Any) -> NDArray[np.float64]:
 
 
 def number(name: str, value: Any) -> float:
-    """Return `value` as a float; ValueError, naming the argument, where that cannot be."""
+    """Return `value` as a float, or raise a ValueError that names the argument."""
     try:
         return float(value)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} is no number: {error}") from error
+        raise ValueError(f"{name} is not a number: {error}") from error

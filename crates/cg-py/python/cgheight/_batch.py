@@ -1,4 +1,4 @@
-"""Many logs at once."""
+"""Estimates of many logs."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Estimates(Sequence[Estimate]):
-    """The answers for many logs, in their order.
+    """The results for many logs, in the order of the logs.
 
     Attributes
     ----------
     logs : tuple of str
-        Names of the logs; a table is ``table 0``, ``table 1``, … by its place.
+        Names of the logs; tables are called ``table 0``, ``table 1``, … by their position.
     estimates : tuple of Estimate
-        One answer for each.
+        One result for each log.
     """
 
     logs: tuple[str, ...]
@@ -48,13 +48,13 @@ class Estimates(Sequence[Estimate]):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas DataFrame with one row for each log.
 
-        Columns are those of ``cg estimate --format csv``: the attributes of `Estimate` with the
-        interval in two columns, the number of maneuvers, and the messages in one text.
+        The columns are those of ``cg estimate --format csv``: the attributes of `Estimate`, with
+        the interval in two columns, the number of maneuvers, and all messages in one text.
         """
         return _numbers(need("pandas", "pandas").DataFrame(self.to_rows()))
 
     def to_rows(self) -> list[dict[str, Any]]:
-        """Return the rows of `to_frame` as dicts, None where a number is absent."""
+        """Return the rows of `to_frame` as dicts, with None where a number is absent."""
         rows = []
         for log, one in zip(self.logs, self.estimates, strict=True):
             row: dict[str, Any] = {"log": log}
@@ -77,7 +77,7 @@ class Estimates(Sequence[Estimate]):
         return rows
 
     def maneuvers_frame(self) -> pd.DataFrame:
-        """Return a pandas DataFrame with one row for each maneuver: its log, its attributes."""
+        """Return a pandas DataFrame with one row for each maneuver: its log and its attributes."""
         names = [field.name for field in fields(Maneuver)]
         rows = [
             {"log": log} | {name: getattr(maneuver, name) for name in names}
@@ -127,37 +127,37 @@ def estimate_logs(
     calibration: str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> Estimates:
-    """Estimate many logs in parallel threads; the interpreter is free while one is estimated.
+    """Estimate many logs in parallel threads, which run without the global interpreter lock.
 
     Parameters
     ----------
     logs : iterable of str, os.PathLike, or data frame
-        The logs, each as `estimate_log` takes it.
+        The logs, each in a form that `estimate_log` accepts.
     vehicle : Vehicle
         The vehicle.
     jobs : int, optional
-        Threads, 1 or more; as many as there are processors if absent.
+        Number of threads, 1 or more; the number of processors if absent.
     progress : bool
         Whether to show a progress bar (needs tqdm).
     errors : {"raise", "reject"}
-        What to do with a log that cannot be read: raise its error, or go on and answer
-        "rejected" with the error as its message.
+        What to do with a log that cannot be read: raise the error, or continue and return the
+        status "rejected" with the error as message.
     calibration : str or os.PathLike, optional
-        A calibration file of this vehicle, read once.
+        A calibration file of this vehicle; it is read only once.
     **options
         Further keywords of `estimate_log`.
 
     Returns
     -------
     Estimates
-        The answers, in the order of the logs.
+        The results, in the order of the logs.
 
     Raises
     ------
     FileNotFoundError, ValueError
-        As for `estimate_log`, with errors="raise"; the logs not yet begun are left out.
+        As for `estimate_log`, if `errors` is "raise"; logs that were not started are skipped.
     ImportError
-        tqdm is not installed and `progress` is asked for.
+        `progress` is true and tqdm is not installed.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Calibration: logs of known height to a calibrated vehicle."""
+"""Calibration of a vehicle with logs of known height."""
 
 from __future__ import annotations
 
@@ -26,26 +26,27 @@ def calibrate(
 ) -> _native.Vehicle:
     """Calibrate a vehicle with logs whose height is known.
 
-    One run fixes the compensation of each channel, as the thesis does. More runs (one empty,
-    one laden) move the truck's uncertain parameters to where the runs and the vehicle file's
-    ``[uncertainty]`` agree best. The file says what the runs could and could not determine.
+    One run determines the compensation of each channel, as in the thesis. With several runs (such
+    as one empty and one laden), the uncertain parameters of the truck are fitted to the runs and to
+    ``[uncertainty]`` in the vehicle file. The calibration file contains what the runs could and
+    could not determine.
 
     Parameters
     ----------
     vehicle : Vehicle
         The vehicle.
     runs : iterable of (log, height_m) or (log, height_m, trailer_mass_kg)
-        Log files with turns at steady speed; height of the trailer's sprung c.g., m; mass of the
-        whole semitrailer, kg, where the log has none.
+        Log files with turns at constant speed; height of the trailer's sprung c.g., m; mass of the
+        whole semitrailer, kg, needed if it is not in the log.
     output : str or os.PathLike
-        The calibration file (TOML) to write; it appears whole or not at all.
+        The calibration file (TOML) to write; it appears only when it is complete.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
     columns, flip
         As for `estimate_log`.
     force : bool
-        Whether `output` may replace a file that is no calibration; never one of the runs or the
-        vehicle file.
+        Whether `output` may replace a file that is not a calibration. The runs and the vehicle file
+        are never replaced.
 
     Returns
     -------
@@ -57,10 +58,10 @@ def calibrate(
     FileNotFoundError
         There is no such log.
     FileExistsError
-        `output` is there and no calibration, and `force` is false.
+        `output` exists, is not a calibration, and `force` is false.
     ValueError
-        `output` is a run or the vehicle file; a run is not as described, has no turn, or a load
-        that the vehicle cannot have.
+        `output` is a run or the vehicle file; a run is not as described, has no turn, or has a load
+        that is impossible for the vehicle.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Names of columns: any table to signals in SI units."""
+"""Column names, and the conversion of tables to signals in SI units."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from cgheight import _native
 from cgheight._arrays import column
 
-#: The signals of a log: SI column names, and what each is.
+#: The signals of a log: SI column names with their meanings.
 SIGNALS: Mapping[str, str] = MappingProxyType(_native.signals())
 
 
 def maps(columns: Mapping[str, str] | None) -> list[str]:
-    """Return names of columns as the compiled half takes them: ``roll=MyName[deg]``."""
+    """Return column names in the form of the compiled module: ``roll=MyName[deg]``."""
     return [f"{signal}={name}" for signal, name in (columns or {}).items()]
 
 
 def flips(flip: Iterable[str]) -> list[str]:
-    """Return the signals to turn round as a list."""
+    """Return the signals whose sign is reversed as a list."""
     return [flip] if isinstance(flip, str) else list(flip)
 
 

@@ -1,4 +1,4 @@
-"""Estimates: from arrays, from logs, row by row."""
+"""Estimates from arrays, from logs, and row by row."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def calibrated(
 
 @dataclass(frozen=True, slots=True)
 class Arx:
-    """The method "arx" with another order than 5.
+    """The method "arx" with an order other than 5.
 
     Attributes
     ----------
     order : int
-        Order of the classical ARX, 1 to 10.
+        Order of the classical ARX model, 1 to 10.
     """
 
     order: int = 5
@@ -51,7 +51,7 @@ def shared_options(
     speed_mps: object = None,
     trailer_mass_kg: object = None,
 ) -> dict[str, Any]:
-    """Return the options that every estimate has, as the compiled half takes them."""
+    """Return the options of all estimates in the form of the compiled module."""
     mass, speed = trailer_mass_kg, speed_mps
     return {
         "method": "arx" if isinstance(method, Arx) else method,
@@ -77,9 +77,9 @@ def estimate(
 ) -> Estimate:
     """Estimate the height of the trailer's c.g. from arrays.
 
-    One-dimensional contiguous float64 arrays are read in place; anything else that holds
-    numbers is copied once. All have one length; NaN stands for an absent value. Signs are those
-    of ISO 8855 (a left turn gives all positive).
+    One-dimensional contiguous float64 arrays are read in place; anything else that contains
+    numbers is copied once. All arrays must have the same length. NaN marks an absent value. Signs
+    are those of ISO 8855 (all values are positive in a left turn).
 
     Parameters
     ----------
@@ -88,33 +88,35 @@ def estimate(
     steer_rad : array, shape (n,), or None
         Mean road-wheel angle, rad.
     roll_rad : array, shape (n,), or None
-        Roll angle of the trailer's sprung mass to the road, rad.
+        Roll angle of the trailer's sprung mass relative to the road, rad.
     vehicle : Vehicle
         The vehicle.
     calibration : str or os.PathLike, optional
-        A calibration file of this vehicle. For many logs, `vehicle.calibrated(path)` once is
-        quicker.
+        A calibration file of this vehicle. For many logs, it is faster to call
+        `vehicle.calibrated(path)` once.
     method : {"filtered", "arx", "gain"} or Arx
-        Identification: ARX on filtered signals, classical ARX (`Arx` gives its order), gain alone.
+        Identification: ARX on filtered signals, classical ARX (`Arx` sets its order), or the gain
+        only.
     channel : {"auto", "steer", "lateral-acceleration"}
-        Input; "auto" takes the one that knows the height best.
+        The input; "auto" combines both inputs, weighted by their uncertainty.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
     **signals : array, shape (n,), optional
         The other signals of `cgheight.SIGNALS`: ``lateral_acceleration_mps2``,
         ``yaw_rate_radps``, …. ``speed_mps`` (m/s) and ``trailer_mass_kg`` (the whole semitrailer as
-        weighed, kg) may be one number for all rows; absent, they are the vehicle's.
+        weighed, kg) may be one number for all rows; if absent, they are taken from the vehicle.
 
     Returns
     -------
     Estimate
-        With status "rejected" and a reason where the data give no height.
+        Its status is "rejected", with a reason, if the data give no height.
 
     Raises
     ------
     ValueError
-        An array is not one-dimensional, has another length than `time_s` or holds infinity;
-        time is NaN or does not increase (named with index); an option is out of range.
+        An array is not one-dimensional, has a different length than `time_s` or contains infinity;
+        the time is NaN or does not increase (the message gives the index); an option is out of
+        range.
     TypeError
         There is no such signal.
     FileNotFoundError
@@ -147,13 +149,12 @@ def estimate_log(
 ) -> Estimate:
     """Estimate the height of the trailer's c.g. from a log.
 
-    Columns are found by name, those of `cgheight.SIGNALS`: ``time_s``, a roll angle (``roll_rad``
-    or ``tilt_rad``), an input (``steer_rad``, ``steering_wheel_rad``,
-    ``lateral_acceleration_mps2`` or ``yaw_rate_radps``) and whatever else is there; units by
-    suffix, also ``_deg``, ``_degps``, ``_kmh``, ``_g``, ``_ms``, ``_t``, ``_bar``, …. The same
-    rules hold for files and data frames.
-    A CAN log is read as `cg run` reads it; where it needs a DBC file, read it with
-    `cgheight.can.read_log` first.
+    Columns are found by the names in `cgheight.SIGNALS`. Required are ``time_s``, a roll angle
+    (``roll_rad`` or ``tilt_rad``) and an input (``steer_rad``, ``steering_wheel_rad``,
+    ``lateral_acceleration_mps2`` or ``yaw_rate_radps``); all other columns are optional. The suffix
+    gives the unit, which may also be ``_deg``, ``_degps``, ``_kmh``, ``_g``, ``_ms``, ``_t``,
+    ``_bar``, …. The same rules apply to files and data frames. A CAN log is read in the same way as
+    in `cg run`; if it needs a DBC file, read it with `cgheight.can.read_log` first.
 
     Parameters
     ----------
@@ -164,25 +165,27 @@ def estimate_log(
     vehicle : Vehicle
         The vehicle.
     columns : dict, optional
-        Foreign names, such as ``{"roll": "MyName[deg]"}``: signal to column and unit.
+        Other column names: the column and its unit for each signal, such as
+        ``{"roll": "MyName[deg]"}``.
     flip : iterable of str
-        Signals whose sensor is mounted the other way round, such as ``("roll",)``.
+        Signals whose sign is reversed, such as ``("roll",)``, for sensors that are mounted the
+        other way round.
     speed_mps, trailer_mass_kg : float, optional
-        Speed (m/s) and mass of the whole semitrailer (kg), whatever the log says.
+        Speed (m/s) and mass of the whole semitrailer (kg), which override those of the log.
     calibration, method, channel, model
         As for `estimate`.
 
     Returns
     -------
     Estimate
-        With status "rejected" and a reason where the log gives no height.
+        Its status is "rejected", with a reason, if the log gives no height.
 
     Raises
     ------
     FileNotFoundError
         There is no such file, or no such calibration file.
     ValueError
-        The log is not as described; the message names line (or row), column and remedy.
+        The log is not as described; the message gives the line (or row), the column and a remedy.
     ImportError
         The log is ``.asc``, ``.blf``, ``.mf4`` or ``.trc`` and python-can is not installed.
     """
@@ -209,7 +212,7 @@ class EstimatorOptions(TypedDict, total=False):
 
 
 def stream_options(options: EstimatorOptions) -> dict[str, Any]:
-    """Return the keywords of `Estimator` as the compiled half takes them."""
+    """Return the keywords of `Estimator` in the form of the compiled module."""
     return shared_options(
         options.get("method", "filtered"),
         options.get("channel", "auto"),
@@ -220,16 +223,16 @@ def stream_options(options: EstimatorOptions) -> dict[str, Any]:
 
 
 class Estimator(_native.Stream):
-    """The estimator, one row at a time, with its answer at any time.
+    """Estimator that processes one row at a time and gives its estimate at any time.
 
-    Usable from several threads; rows must still come in the order of time.
+    It can be used from several threads, but the rows must come in the order of time.
 
     Parameters
     ----------
     vehicle : Vehicle
         The vehicle.
     speed_mps, trailer_mass_kg : float, optional
-        Speed (m/s) and mass of the whole semitrailer (kg), whatever the rows say.
+        Speed (m/s) and mass of the whole semitrailer (kg), which override those of the rows.
     calibration, method, channel, model
         As for `estimate`.
 
@@ -252,6 +255,6 @@ class Estimator(_native.Stream):
         channel: ChannelName = "auto",
         model: ModelName = "complete",
     ) -> Self:
-        """Begin a log."""
+        """Start a log."""
         options = shared_options(method, channel, model, speed_mps, trailer_mass_kg)
         return super().__new__(cls, calibrated(vehicle, calibration), options)

@@ -1,4 +1,4 @@
-"""Optional packages: imported where needed, named in the message where missing."""
+"""Optional packages: imported when they are needed, named in the message if they are missing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def need(module: str, extra: str) -> Any:
-    """Import an optional module; ImportError that names the extra to install if it is missing."""
+    """Import an optional module, or raise an ImportError that names the extra to install."""
     try:
         return import_module(module)
     except ImportError as error:

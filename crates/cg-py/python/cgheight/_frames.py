@@ -1,6 +1,6 @@
-"""CAN frames: python-can reads them, the compiled half makes rows and estimates of them.
+"""CAN frames: python-can reads them, and the compiled module turns them into rows and estimates.
 
-The rows are those of `cg run`: the same decoder, the same alignment of signals.
+The rows are the same as in `cg run`, because the decoder and the alignment of signals are the same.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from cgheight._columns import flips, maps
 from cgheight._extras import need
 from cgheight._results import Estimate
 
-# File formats of CAN frames. The compiled half reads what candump recorded, python-can the others.
+# File formats of CAN frames. The compiled module reads candump logs, python-can the others.
 CANDUMP = ".log"
 CAN_SUFFIXES = (CANDUMP, ".asc", ".blf", ".mf4", ".trc")
-#: The most buses that are told apart.
+#: The largest number of buses that can be distinguished.
 _BUSES = 32
 
-# A frame: its time stamp in seconds and its bus, identifier, whether that has 29 bits, payload.
+# A frame: (time stamp in seconds, bus), identifier, whether it has 29 bits, payload.
 Frame = tuple[tuple[float, int], int, bool, bytes]
 
 
 def suffix(path: str | os.PathLike[str]) -> str:
-    """Return the end of a file's name in small letters."""
+    """Return the suffix of a file name in lower case."""
     return PurePath(path).suffix.lower()
 
 
 def is_can(path: str | os.PathLike[str]) -> bool:
-    """Return whether a file of this name holds CAN frames."""
+    """Return whether a file with this name contains CAN frames."""
     return suffix(path) in CAN_SUFFIXES
 
 
@@ -45,12 +45,12 @@ def reading(
     flip: Iterable[str] = (),
     roll_compensated: str = "bit",
 ) -> dict[str, Any]:
-    """Return how frames are understood, as the compiled half takes it."""
+    """Return the rules for decoding frames in the form of the compiled module."""
     if dbc is None and signals:
-        raise ValueError("signals names signals of a DBC file: give dbc too")
+        raise ValueError("signals contains names from a DBC file: give dbc too")
     if dbc is not None and not signals:
         raise ValueError(
-            f"{os.fspath(dbc)}: say which of its signals are which, such as "
+            f"{os.fspath(dbc)}: give the names of the signals in it, such as "
             "signals={'roll': 'Name', 'steering_wheel': 'Name'}"
         )
     return {
@@ -62,7 +62,7 @@ def reading(
 
 
 def framed() -> Callable[[Any], Frame | None]:
-    """Return what makes frames of messages of python-can; None of those without data."""
+    """Return a function that converts python-can messages to frames, or to None without data."""
     buses: dict[Hashable, int] = {}
 
     def frame(message: Any) -> Frame | None:
@@ -92,9 +92,9 @@ def _frames(name: str) -> Iterator[Frame]:
                     yield found
     except OSError:
         raise
-    except Exception as error:  # each reader of python-can has its own kinds
+    except Exception as error:  # each reader of python-can raises its own exceptions
         raise ValueError(
-            f"{name}, after {count} frames: cannot be read as what its name says: {error}"
+            f"{name}, after {count} frames: cannot be read in the format of its name: {error}"
         ) from error
 
 
@@ -102,15 +102,15 @@ def _refuse_empty(name: str, rows: int, frames: int, remarks: list[str]) -> None
     if rows == 0:
         doubts = "".join(f"; {remark}" for remark in remarks)
         raise ValueError(
-            f"{name}: none of its {frames} frames has a roll angle that counts (J1939 SSI2 or "
-            f"SSI); for another sensor give dbc and signals{doubts}"
+            f"{name}: none of its {frames} frames contains a valid roll angle (J1939 SSI2 "
+            f"or SSI); for another sensor give dbc and signals{doubts}"
         )
 
 
 def read_frames(
     path: str | os.PathLike[str], understood: dict[str, Any]
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
-    """Return the rows of a CAN log as SI columns, and what was doubted."""
+    """Return the rows of a CAN log as SI columns, and the remarks about its signals."""
     name = os.fspath(path)
     if suffix(name) == CANDUMP:
         return _native.read_frames(name, understood)
@@ -125,7 +125,7 @@ def read_frames(
 def estimate_frames(
     path: str | os.PathLike[str], vehicle: _native.Vehicle, flip: list[str], options: dict[str, Any]
 ) -> Estimate:
-    """Estimate from a CAN log with J1939's signals."""
+    """Estimate from a CAN log with J1939 signals."""
     name = os.fspath(path)
     if suffix(name) == CANDUMP:
         return _native.estimate_file(vehicle, name, [], flip, options)
@@ -139,9 +139,9 @@ def estimate_frames(
 def read_channels(
     name: str, signals: Mapping[str, str], flip: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return measured channels of an MDF file, aligned like the signals of frames."""
+    """Return measured channels of an MDF file, aligned in the same way as CAN signals."""
     if "roll" not in signals and "tilt" not in signals:
-        raise ValueError("signals names no roll angle: give 'roll' or 'tilt'")
+        raise ValueError("signals contains no roll angle: give 'roll' or 'tilt'")
     table = _native.FrameTable(reading(flip=flip))
     with need("asammdf", "can").MDF(name) as file:
         known = set(file.channels_db)
@@ -157,13 +157,13 @@ def read_channels(
 
 
 def split(text: str) -> tuple[str, str]:
-    """Return name and unit of ``Name[unit]``; no unit if there are no brackets."""
+    """Return name and unit of ``Name[unit]``; the unit is empty if there are no brackets."""
     name, bracket, unit = text.partition("[")
     return name.strip(), unit.removesuffix("]").strip() if bracket else ""
 
 
 def _plain(unit: str | None) -> str:
-    # A degree sign in UTF-8 that was read as Latin-1 has an Â before it.
+    # A degree sign in UTF-8 that was decoded as Latin-1 is preceded by an Â.
     return (unit or "").replace("Â", "")
 
 

@@ -1,4 +1,4 @@
-"""Logs of any usual kind as the arrays that the compiled half reads."""
+"""Logs in all supported formats as the arrays that the compiled module reads."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FOR_TABLES = (
-    "columns is for tables: read a CAN log with cgheight.can.read_log(path, dbc=…, signals=…)"
+    "columns applies to tables only: read a CAN log with "
+    "cgheight.can.read_log(path, dbc=…, signals=…)"
 )
 
 
 def signals(
     log: Any, columns: Mapping[str, str] | None, flip: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the signals of a file or of a table in SI units, by their SI column names."""
+    """Return the signals of a file or a table in SI units, with their SI column names as keys."""
     if isinstance(log, str | os.PathLike):
         if not is_can(log):
             return _native.read_file(os.fspath(log), maps(columns), flips(flip))
@@ -45,28 +46,28 @@ def read_log(
     columns: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
 ) -> pd.DataFrame:
-    """Read a log of any usual kind into a table in SI units.
+    """Read a log in any supported format into a table in SI units.
 
     Parameters
     ----------
     log : str, os.PathLike, or data frame
         A file: ``.csv``, ``.csv.gz``, ``.parquet``, or J1939 frames in ``.log`` (candump),
         ``.asc``, ``.blf``, ``.mf4``, ``.trc``; or a table, whose columns are converted.
-        CAN logs that need a DBC: `cgheight.can.read_log`.
+        `cgheight.can.read_log` reads CAN logs that need a DBC file.
     columns, flip
         As for `estimate_log`.
 
     Returns
     -------
     pandas.DataFrame
-        The signals that the log has, in columns with SI names; NaN where a value is absent.
+        The signals of the log in columns with SI names; NaN where a value is absent.
 
     Raises
     ------
     FileNotFoundError
         There is no such file.
     ValueError
-        The log is not as described; the message names line (or row), column and remedy.
+        The log is not as described; the message gives the line (or row), the column and a remedy.
     ImportError
         pandas, or for ``.asc``, ``.blf``, ``.mf4`` and ``.trc`` python-can, is not installed.
     """
@@ -80,7 +81,7 @@ def write_request(
     vehicle: _native.Vehicle | None,
     force: bool,
 ) -> dict[str, Any]:
-    """Return the dict by which the compiled half decides whether a log may be written."""
+    """Return what the compiled module needs to decide whether a log may be written."""
     source = os.fspath(log) if isinstance(log, str | os.PathLike) else None
     return {
         "keyword": keyword,
@@ -100,7 +101,7 @@ def write_log(
     flip: Iterable[str] = (),
     force: bool = False,
 ) -> None:
-    """Write a log to a file: as a table, or as the J1939 frames that a truck would send.
+    """Write a log to a file, as a table or as the J1939 frames that a truck would send.
 
     Parameters
     ----------
@@ -108,30 +109,32 @@ def write_log(
         As for `estimate_log`.
     path : str or os.PathLike
         ``.csv`` or ``.csv.gz``, with SI columns; or CAN frames in ``.log`` (candump), ``.asc``,
-        ``.blf``, ``.mf4``, ``.trc``. It appears whole or not at all.
+        ``.blf``, ``.mf4``, ``.trc``. The file appears only when it is complete.
     vehicle : Vehicle, optional
-        For CAN frames: its steering ratio makes the steering-wheel angle, which J1939 has, of the
-        road-wheel angle. Without, frames have no steering angle unless the log has that.
+        Needed for CAN frames: J1939 has a signal for the steering-wheel angle only, and the
+        vehicle's steering ratio converts the road-wheel angle to it. Without a vehicle, the frames
+        contain no steering angle unless the log has the steering-wheel angle.
     force : bool
-        Whether `path` may replace a file that this package did not write; never `log` itself or
-        the vehicle file. ``.asc``, ``.blf``, ``.mf4``, ``.trc`` and ``.log`` that does not begin at
-        time 0 cannot be told from recordings and always need it.
+        Whether `path` may replace a file that this package did not write. `log` itself and the
+        vehicle file are never replaced. Existing files in ``.asc``, ``.blf``, ``.mf4`` or ``.trc``,
+        and in ``.log`` that does not begin at time 0, cannot be distinguished from recordings and
+        are replaced only with `force`.
 
     Raises
     ------
     FileExistsError
-        `path` is there and not ours, and `force` is false.
+        `path` exists, was not written by this package, and `force` is false.
     ValueError
-        The log is not as described, or `path` ends otherwise.
+        The log is not as described, or `path` has another suffix.
     OSError
         The file cannot be written.
     ImportError
-        python-can is not installed; ``.csv``, ``.csv.gz`` and ``.log`` do without.
+        python-can is not installed; ``.csv``, ``.csv.gz`` and ``.log`` do not need it.
 
     Warns
     -----
     UserWarning
-        Values beyond the range of their J1939 signal are written as "not available".
+        Values outside the range of their J1939 signal were written as "not available".
     """
     target = os.fspath(path)
     request = write_request("path", target, log, vehicle, force)
@@ -155,7 +158,7 @@ def write_log(
             _native.copy_file(packed, request)
     if lost:
         warnings.warn(
-            f"{target}: {lost} values beyond the range of their J1939 signal are written as "
-            '"not available"',
+            f"{target}: {lost} values are outside the range of their J1939 signal and were "
+            'written as "not available"',
             stacklevel=2,
         )

@@ -1,4 +1,4 @@
-"""Models as frozen dataclasses."""
+"""ARX and vehicle models as frozen dataclasses."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ class ArxModel:
     b : array, shape (nk + nb,)
         ``nk`` zeros, then ``b1 … b_nb``: coefficients of u(t), u(t-1) … (MATLAB's B).
     na, nb, nk : int
-        Past outputs, input terms, samples until the input first acts.
+        Number of past outputs, number of input terms, delay of the input in samples.
     ts : float
         Sampling interval, s.
     covariance : array, shape (na + nb, na + nb)
         Covariance of ``a1 … a_na, b1 … b_nb``, in that order.
     noise_variance : float
-        Sum of squared residuals over rows less coefficients, in units of y squared.
+        Sum of squared residuals divided by (rows - coefficients), in units of y squared.
     dc_gain, dc_gain_sd : float
-        ``B(1)/A(1)`` and its standard deviation (to first order), units of y over u.
+        ``B(1)/A(1)`` and its standard deviation (first order), in units of y over u.
     fit_percent : float
-        ``100 (1 - sqrt(noise_variance / variance of y))``, one step ahead, %.
+        ``100 (1 - sqrt(noise_variance / variance of y))`` of the one-step-ahead prediction, %.
     rows : int
-        Rows of the regression.
+        Number of rows of the regression.
     """
 
     a: _Array
@@ -76,7 +76,7 @@ class ArxModel:
         return _show.pairs(title, summary) + _show.grid(["", "value", "± 1 sd"], rows)
 
     def residuals(self, u: ArrayLike, y: ArrayLike) -> _Array:
-        """Return the one-step-ahead residuals ``A(q) y - B(q) u`` on data, in units of y.
+        """Return the one-step-ahead residuals ``A(q) y - B(q) u`` of data, in units of y.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class ArxModel:
         Returns
         -------
         array, shape (n - max(na, nb + nk - 1),)
-            One for each row in which every regressor is in the data.
+            One residual for each row whose regressors are all in the data.
 
         Raises
         ------
@@ -96,7 +96,8 @@ class ArxModel:
         inputs, outputs = column("u", u), column("y", y)
         if len(inputs) != len(outputs):
             raise ValueError(
-                f"y has {len(outputs)} values and u has {len(inputs)}: give one length"
+                f"y has {len(outputs)} values and u has {len(inputs)}: "
+                "they must have the same length"
             )
         memory = max(self.na, self.nb + self.nk - 1)
         if len(inputs) <= memory:
@@ -114,14 +115,14 @@ class ArxModel:
         return TransferFunction.from_polynomials(numerator, denominator, ts=self.ts)
 
     def response(self, frequency_radps: ArrayLike) -> tuple[_ComplexArray, _Array]:
-        """Return the frequency response and the covariance of its two parts.
+        """Return the frequency response and the covariance of its real and imaginary part.
 
-        The covariance is that of the coefficients, carried over to first order (delta method).
+        The covariance follows from that of the coefficients to first order (delta method).
 
         Parameters
         ----------
         frequency_radps : array, shape (n,)
-            Angular frequencies, rad/s, above zero and below Nyquist's ``pi / ts``.
+            Angular frequencies, rad/s, from zero to the Nyquist frequency ``pi / ts``.
 
         Returns
         -------
@@ -133,7 +134,7 @@ class ArxModel:
         Raises
         ------
         ValueError
-            A frequency lies beyond Nyquist's.
+            A frequency is negative or above the Nyquist frequency.
         """
         omega = column("frequency_radps", frequency_radps)
         if omega.size and (omega.min() < 0 or omega.max() > np.pi / self.ts * (1 + 1e-12)):
@@ -162,12 +163,12 @@ class ArxModel:
 
 @dataclass(frozen=True, slots=True)
 class RatioLine:
-    """A DC ratio over height: ``(a1 h + a0) / (b1 h + b0)``, h in m.
+    """A DC ratio as a function of height: ``(a1 h + a0) / (b1 h + b0)``, h in m.
 
     Attributes
     ----------
     a0, a1, b0, b1 : float
-        The coefficients, scaled to ``b1 h + b0 = 1`` at the height of the model.
+        The coefficients, scaled so that ``b1 h + b0 = 1`` at the height of the model.
     """
 
     a0: float
@@ -186,12 +187,12 @@ class RatioLine:
         Returns
         -------
         float
-            In the units of the line.
+            The ratio, in the units of this line.
 
         Raises
         ------
         ZeroDivisionError
-            The height is the line's pole.
+            The denominator is zero at this height.
         """
         return (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
 
@@ -205,9 +206,9 @@ class ReducedModel:
     order : int
         Its order.
     method : {"pade", "slowest-poles"}
-        How it came about: Padé approximant at s = 0, or the slowest poles of the full model.
+        Reduction method: Padé approximant at s = 0, or the slowest poles of the full model.
     numerator, denominator : array, shape (order + 1,)
-        Coefficients in descending powers of s; the denominator begins with one.
+        Coefficients in descending powers of s; the denominator begins with 1.
     """
 
     order: int
@@ -217,7 +218,7 @@ class ReducedModel:
 
     @property
     def transfer_function(self) -> TransferFunction:
-        """The same by poles, zeros and gain."""
+        """The model as poles, zeros and gain."""
         return TransferFunction.from_polynomials(self.numerator, self.denominator)
 
     def to_control(self) -> Any:
@@ -242,7 +243,7 @@ class StaticBalance:
     hitch_load_n : float
         Vertical load of the trailer on the fifth wheel, N.
     residual_nm : float
-        What is left over in the trailer's balance of moments: rounding only, N m.
+        Residual of the moment balance of the trailer, N m; only rounding errors.
     """
 
     axle_load_n: _Array
@@ -252,7 +253,7 @@ class StaticBalance:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LinearModel:
-    """The linear model at one speed and load, steer angle (rad) to trailer roll angle (rad).
+    """The linear model from steer angle (rad) to trailer roll angle (rad) at one speed and load.
 
     Attributes
     ----------
@@ -262,7 +263,7 @@ class LinearModel:
         Forward speed (m/s), height of the trailer's sprung c.g. above ground (m), mass of the whole
         semitrailer (kg).
     numerator, denominator : array, shapes (zeros + 1,), (poles + 1,)
-        Coefficients in descending powers of s; the denominator begins with one.
+        Coefficients in descending powers of s; the denominator begins with 1.
     poles, zeros : complex array, shapes (n,), (m,)
         Roots of denominator and numerator, rad/s, the largest real part first.
     gain : float
@@ -270,14 +271,14 @@ class LinearModel:
     dc_gain : float
         Value at s = 0, rad/rad.
     ratio, lateral_acceleration_ratio : RatioLine
-        DC ratio over height, roll per steer angle (rad/rad) and per lateral acceleration
-        (rad per m/s²).
+        DC ratio as a function of height: roll angle per steer angle (rad/rad), and per lateral
+        acceleration (rad per m/s²).
     reduced : ReducedModel
         The reduced model.
     static_balance : StaticBalance
         Static loads.
     A, B, C, D : array, shapes (n, n), (n, 1), (1, n), (1, 1)
-        State space of the same transfer function.
+        State-space form of the same transfer function.
     """
 
     vehicle: str
@@ -321,7 +322,7 @@ class LinearModel:
 
     @property
     def transfer_function(self) -> TransferFunction:
-        """Steer angle (rad) to trailer roll angle (rad) by poles, zeros and gain."""
+        """Transfer function from steer angle (rad) to trailer roll angle (rad)."""
         return TransferFunction(self.zeros, self.poles, self.gain, None)
 
     def to_control(self) -> Any:

@@ -1,4 +1,4 @@
-"""ARX models."""
+"""ARX models: the fit, and the choice of the orders."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
     """Fit an ARX model by least squares, as MATLAB's `arx` does.
 
     ``y(t) + a1 y(t-1) + … = b1 u(t-nk) + … + b_nb u(t-nk-nb+1) + e(t)``, by QR decomposition
-    in double precision, over the rows in which every regressor is in the data.
+    in double precision, over the rows whose regressors are all in the data.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
     nb : int
         Number of input terms, 1 or more; ``na + nb`` at most 40.
     nk : int
-        Samples until the input first acts, 0 or more; ``nk + nb`` at most 49.
+        Delay of the input in samples, 0 or more; ``nk + nb`` at most 49.
     ts : float
         Sampling interval, s.
 
@@ -46,8 +46,8 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
     Raises
     ------
     ValueError
-        The arrays do not fit together or hold NaN (named with index), the orders are out of
-        range, or the data determine no model (the message names the regressor).
+        The arrays differ in length or contain NaN (the message gives the index), the orders are
+        out of range, or the data determine no model (the message names the regressor).
     """
     return _native.fit_arx(
         column("u", u), column("y", y), index(na), index(nb), index(nk), number("ts", ts)
@@ -56,23 +56,23 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class OrderSelection:
-    """ARX models of many orders, scored on the same rows.
+    """Scores of ARX models of many orders, computed on the same rows.
 
     Attributes
     ----------
     na, nb, nk : int array, shape (m,)
         The orders tried, see `arx`.
     loss : array, shape (m,)
-        Mean square of the residuals on the data of the fit, units of y squared; NaN where the
-        data determine no model.
+        Mean square of the residuals of the fit, in units of y squared; NaN where the data
+        determine no model.
     aic, bic : array, shape (m,)
-        ``n ln(loss) + 2 d`` and ``n ln(loss) + d ln(n)``, n rows and d = na + nb coefficients.
+        ``n ln(loss) + 2 d`` and ``n ln(loss) + d ln(n)``, with n rows and d = na + nb coefficients.
     validation_loss : array, shape (m,)
         Mean square of the residuals on the validation data; NaN without such data.
     criterion : {"aic", "bic", "validation"}
-        What was to be least.
+        The score that was minimized.
     model : ArxModel
-        The best one.
+        The best model.
     """
 
     na: NDArray[np.int64]
@@ -86,7 +86,7 @@ class OrderSelection:
     model: ArxModel
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the scores as a pandas DataFrame, the best first."""
+        """Return the scores as a pandas DataFrame, with the best model first."""
         names = ("na", "nb", "nk", "loss", "aic", "bic", "validation_loss")
         table = need("pandas", "pandas").DataFrame({name: getattr(self, name) for name in names})
         return table.sort_values(_KEYS[self.criterion], ignore_index=True)
@@ -128,8 +128,8 @@ def select_order(
 ) -> OrderSelection:
     """Choose the orders of an ARX model.
 
-    Every model is fitted to the same rows, those of the one with the longest memory, so that
-    the scores compare. The best is then fitted to all rows it can use.
+    All models are fitted to the same rows, so that their scores are comparable: to those that the
+    model with the longest memory can use. The best model is then fitted to all rows it can use.
 
     Parameters
     ----------
@@ -138,23 +138,24 @@ def select_order(
     ts : float
         Sampling interval, s.
     na, nb, nk : iterable of int
-        The orders to try, every combination; see `arx`.
+        The orders to try, in all combinations; see `arx`.
     criterion : {"aic", "bic", "validation"}
-        Akaike's criterion (good prediction; tends to more terms), Schwarz's (the true order, given
-        enough data), or the mean square of the residuals on `validation`.
+        The score to minimize: Akaike's criterion (good predictions, but tends to high orders),
+        Schwarz's criterion (finds the true order if there are enough data), or the mean square of
+        the residuals on `validation`.
     validation : tuple of two arrays, shape (m,), optional
         Input and output of another log; needed for the criterion "validation".
 
     Returns
     -------
     OrderSelection
-        All scores, and the best model.
+        The scores of all models, and the best model.
 
     Raises
     ------
     ValueError
-        An order is out of range, no combination is determined by the data, or there are no
-        validation data for the criterion.
+        An order is out of range, the data determine none of the models, or there are no validation
+        data for the criterion.
 
     Examples
     --------
@@ -170,11 +171,11 @@ def select_order(
     if criterion not in _KEYS:
         raise ValueError(f'criterion is {criterion!r}: it must be "aic", "bic" or "validation"')
     if criterion == "validation" and validation is None:
-        raise ValueError("validation is absent: the criterion needs another log's (u, y)")
+        raise ValueError("validation is missing: the criterion needs another log's (u, y)")
     data = column("u", u), column("y", y)
     orders = [(index(a), index(b), index(k)) for a in na for b in nb for k in nk]
     if not orders:
-        raise ValueError("no orders to try: na, nb and nk must each hold one or more")
+        raise ValueError("no orders to try: na, nb and nk must each contain at least one value")
     memory = max(max(a, b + k - 1) for a, b, k in orders)
     scores = np.full((4, len(orders)), np.nan)
     for place, (a, b, k) in enumerate(orders):
@@ -187,7 +188,7 @@ def select_order(
             raise
         n, d = model.rows, a + b
         loss = model.noise_variance * (n - d) / n
-        # An exact fit has no loss to speak of: the smallest number in its place.
+        # The loss of an exact fit can be zero; its logarithm needs a positive number.
         size = n * np.log(max(loss, np.finfo(float).tiny))
         scores[:3, place] = loss, size + 2 * d, size + d * np.log(n)
         if validation is not None:

@@ -1,4 +1,4 @@
-"""The compiled half of cgheight."""
+"""The compiled module of cgheight."""
 
 import os
 from typing import Any, Final, Literal, Self, final
@@ -49,37 +49,37 @@ class Vehicle:
         """Return the same vehicle with a calibration."""
     @property
     def is_calibrated(self) -> bool:
-        """Whether it has a calibration, bool."""
+        """Whether the vehicle has a calibration, bool."""
     @property
     def name(self) -> str:
         """Name of the vehicle."""
     @property
     def nominal_speed_mps(self) -> float:
-        """Speed taken when nothing else is said, m/s."""
+        """Speed that is used if no other is given, m/s."""
     @property
     def reference_trailer_mass_kg(self) -> float:
-        """Mass of the whole semitrailer when nothing else is said, kg."""
+        """Mass of the whole semitrailer that is used if no other is given, kg."""
     @property
     def reference_height_m(self) -> float:
-        """Height of the trailer's sprung c.g. above ground when nothing else is said, m."""
+        """Height of the trailer's sprung c.g. above ground that is used if no other is given, m."""
     @property
     def empty_trailer_mass_kg(self) -> float:
         """Mass of the semitrailer without payload, kg."""
     @property
     def steering_ratio(self) -> float | None:
-        """Steering-wheel angle over road-wheel angle, or None if the file has none."""
+        """Steering-wheel angle divided by road-wheel angle, or None if the file has no ratio."""
     @property
     def height_range_m(self) -> tuple[float, float]:
-        """Range of c.g. heights that the file allows (least, greatest), m."""
+        """Range of c.g. heights that the file allows (lowest, highest), m."""
     def __reduce__(self) -> tuple[Any, tuple[str, str, str | None]]: ...
     def _repr_html_(self) -> str: ...
 
 @disjoint_base
 class Stream:
-    """The estimator, one row at a time. `cgheight.Estimator` gives it its options."""
+    """Estimator that processes one row at a time; `cgheight.Estimator` sets its options."""
 
     def __new__(cls, vehicle: Vehicle, options: dict[str, Any], /) -> Self:
-        """Begin a log."""
+        """Start a log."""
     def push(
         self,
         time_s: float,
@@ -87,40 +87,40 @@ class Stream:
         roll_rad: float = ...,
         **signals: float,
     ) -> Literal["absent", "straight", "turning"]:
-        """Take in one row. Signals that are absent stay NaN."""
+        """Process one row. Absent signals are NaN."""
     def estimate(self) -> Estimate:
-        """Return the answer so far, as if the log ended here; more rows may follow."""
+        """Return the estimate so far, as if the log ended here; more rows may follow."""
 
 @final
 class FrameStream:
-    """Frames to an estimate, with its answer at any time."""
+    """Estimator that processes one CAN frame at a time."""
 
     def __new__(cls, vehicle: Vehicle, reading: dict[str, Any], options: dict[str, Any], /) -> Self:
-        """Begin a drive."""
+        """Start a drive."""
     def push(
         self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
     ) -> bool:
-        """Take in a frame, its place being time in seconds and bus; whether a turn has ended."""
+        """Process a frame, with time in seconds and bus; return whether a turn has ended."""
     def finish(self) -> int:
-        """End the log; return how many rows there were."""
+        """End the log and return the number of rows."""
     def remarks(self) -> list[str]:
-        """Return what was doubted so far."""
+        """Return the remarks about doubtful values and frames so far."""
     def estimate(self) -> Estimate:
-        """Return the answer so far, as if the log ended here; more frames may follow."""
+        """Return the estimate so far, as if the log ended here; more frames may follow."""
     @property
     def counts(self) -> tuple[int, int, int]:
-        """Frames taken in, those of them with a value that counts, and rows made of them."""
+        """Number of frames received, of frames with a value that is used, and of rows."""
 
 @final
 class FrameTable:
-    """Frames put together to rows."""
+    """Converts frames to the rows of a log."""
 
     def __new__(cls, reading: dict[str, Any], /) -> Self:
-        """Begin a log."""
+        """Start a log."""
     def push(
         self, place: tuple[float, int], identifier: int, extended: bool, data: bytes, /
     ) -> None:
-        """Take in a frame, its place being time in seconds and bus."""
+        """Add a frame, with time in seconds and bus."""
     def push_channel(
         self,
         signal: str,
@@ -130,14 +130,14 @@ class FrameTable:
         values: NDArray[np.float64],
         /,
     ) -> None:
-        """Take in a measured channel."""
+        """Add a measured channel: its signal, name, unit, time stamps and values."""
     def finish(self) -> dict[str, NDArray[np.float64]]:
-        """End the log; return SI column names to arrays."""
+        """End the log and return a dict of SI column names to arrays, without absent signals."""
     def remarks(self) -> list[str]:
-        """Return what was doubted so far."""
+        """Return the remarks about doubtful values and frames so far."""
     @property
     def frames(self) -> tuple[int, int]:
-        """Frames taken in, and those of them with a value that counts."""
+        """Number of frames received, and of frames with a value that is used."""
 
 def estimate_arrays(
     vehicle: Vehicle,
@@ -145,7 +145,7 @@ def estimate_arrays(
     options: dict[str, Any],
     /,
 ) -> Estimate:
-    """Estimate from arrays: SI column names to 1-D contiguous float64 arrays."""
+    """Estimate from a dict of SI column names to 1-D contiguous float64 arrays."""
 
 def estimate_file(
     vehicle: Vehicle,
@@ -160,7 +160,7 @@ def estimate_file(
 def resolve_columns(
     names: list[str], columns: list[str], flip: list[str], /
 ) -> dict[str, tuple[int, float]]:
-    """Find the columns of a log among the names of a table."""
+    """Find the columns of a log among the column names of a table."""
 
 def fit_arx(
     u: NDArray[np.float64],
@@ -199,15 +199,15 @@ def calibrate_files(
 def read_file(
     path: str | os.PathLike[str], columns: list[str], flip: list[str], /
 ) -> dict[str, NDArray[np.float64]]:
-    """Read a log file (CSV, CSV in gzip, parquet): SI column names to arrays."""
+    """Read a log file (CSV, CSV in gzip, parquet) into a dict of SI column names to arrays."""
 
 def read_frames(
     path: str | os.PathLike[str], reading: dict[str, Any], /
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
-    """Read what candump recorded: SI column names to arrays, and what was doubted."""
+    """Read a candump log: a dict of SI column names to arrays, and the remarks about it."""
 
 def signals() -> dict[str, str]:
-    """Return the signals of logs: SI column names to what they are."""
+    """Return the signals of logs: a dict of SI column names to their meanings."""
 
 def predict_roll(
     vehicle: Vehicle,
@@ -217,14 +217,14 @@ def predict_roll(
     options: dict[str, Any],
     /,
 ) -> NDArray[np.float64]:
-    """Return the roll angle that the model expects of the arrays, for a height."""
+    """Predict the roll angle for a height with the model."""
 
 def simulate_log(
     vehicle: Vehicle,
     request: Scenario,
     /,
 ) -> tuple[dict[str, NDArray[np.float64]], str]:
-    """Simulate a log: columns, and the truth as JSON."""
+    """Simulate a log: a dict of columns, and the truth as JSON."""
 
 def score_accuracy(
     vehicle: Vehicle,
@@ -235,19 +235,19 @@ def score_accuracy(
     runs: int,
     /,
 ) -> dict[str, Any]:
-    """Estimate the same scenario many times with fresh noise, and score the heights."""
+    """Estimate the same scenario many times with new noise, and score the heights."""
 
 def reproduce_tables(name: str | None, runs: int, seed: int, /) -> dict[str, list[Any]]:
-    """One table of the thesis, or all of them, beside ours: a dict of columns."""
+    """Recompute one table of the thesis, or all: a dict of columns."""
 
 def restore_vehicle(text: str, file: str, calibration: str | None, /) -> Vehicle:
-    """Return a vehicle from the text of its file, and of its calibration if it has one."""
+    """Return a vehicle from the text of its file and of its calibration, if it has one."""
 
 def may_write(request: dict[str, Any], /) -> None:
-    """Refuse, before any work is done, a log that may not be written."""
+    """Raise an error if the log may not be written; called before the work begins."""
 
 def copy_file(source: str | os.PathLike[str], request: dict[str, Any], /) -> None:
-    """Copy a file to that of the request; it appears there whole or not at all."""
+    """Copy a file to the path of the request, where it appears only when it is complete."""
 
 def write_file(
     request: dict[str, Any],
@@ -255,4 +255,4 @@ def write_file(
     comments: list[str],
     /,
 ) -> int:
-    """Write arrays to a log; return how many values no J1939 signal can hold."""
+    """Write arrays to a log; return how many values are outside their J1939 range."""

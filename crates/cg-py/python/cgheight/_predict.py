@@ -1,4 +1,4 @@
-"""The roll angle that the model expects."""
+"""Prediction of the roll angle with the model."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def predict_roll(
 ) -> NDArray[np.float64]:
     """Predict the roll angle of a log for a c.g. height, from one of its inputs.
 
-    The input times the model's DC ratio at that height, speed and mass, through the reduced
-    model's dynamics. The offset of the roll sensor is not in it.
+    The prediction is the response of the reduced model to the input, with the DC ratio at the given
+    height, speed and mass. It does not include the offset of the roll sensor.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def predict_roll(
     Returns
     -------
     array, shape (n,)
-        Roll angle at each row, rad; NaN where speed or mass lie outside the vehicle's range, or
-        before the input is seen.
+        Roll angle at each row, rad; NaN where speed or mass is outside the vehicle's range, and
+        before the first value of the input.
 
     Raises
     ------

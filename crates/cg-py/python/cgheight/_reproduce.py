@@ -1,4 +1,4 @@
-"""The thesis's tables beside ours."""
+"""The tables of the thesis, recomputed."""
 
 from __future__ import annotations
 
@@ -13,28 +13,29 @@ if TYPE_CHECKING:
 
 
 def reproduce(table: str | None = None, *, runs: int = 1000, seed: int = 1) -> pd.DataFrame:
-    """Compute the thesis's tables anew and set ours beside the printed numbers.
+    """Recompute the tables of the thesis and compare them with the printed numbers.
 
     Parameters
     ----------
     table : str, optional
-        One table, equation or figure, such as ``"5.11"``, ``"eq. 5.12"`` or ``"C"``; all if absent
-        (half a minute).
+        One table, equation or figure, such as ``"5.11"``, ``"eq. 5.12"`` or ``"C"``; all of them
+        if absent, which takes half a minute.
     runs : int
-        Draws of the noise in each cell of a Monte-Carlo table, 1 or more.
+        Number of noise draws in each cell of a Monte-Carlo table, 1 or more.
     seed : int
         Seed of the first draw, 0 or more.
 
     Returns
     -------
     pandas.DataFrame
-        ``table, item, thesis, ours, relative_error, same_digits, note``, one row for each number;
-        units (in ``item``) and signs are the thesis's. NaN where a side has no such number.
+        ``table, item, thesis, ours, relative_error, same_digits, note``, one row for each
+        number. Units (given in ``item``) and signs are those of the thesis. NaN where the thesis or
+        this package has no such number.
 
     Raises
     ------
     ValueError
-        There is no such table (the message lists them), or `runs` is below 1.
+        There is no such table (the message lists all tables), or `runs` or `seed` is out of range.
     ImportError
         pandas is not installed.
 

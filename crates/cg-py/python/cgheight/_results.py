@@ -1,4 +1,4 @@
-"""Answers as frozen dataclasses."""
+"""Results as frozen dataclasses."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ def _meters(height_m: float, sd_m: float | None) -> str:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Maneuver:
-    """One maneuver of a log: a stretch with at least one turn.
+    """One maneuver of a log: a section with at least one turn.
 
     Attributes
     ----------
     start_s, end_s : float
-        First and last time stamp used, as in the log, s.
+        First and last time stamp of the maneuver, as in the log, s.
     height_m, height_sd_m : float or None
-        Height and its standard deviation from noise, m.
+        Height and its standard deviation due to noise, m.
     ratio, ratio_sd : float or None
-        DC ratio (see `Estimate`) and its standard deviation from noise.
+        DC ratio (see `Estimate`) and its standard deviation due to noise.
     snr_db : float or None
-        Signal to noise, dB.
+        Signal-to-noise ratio, dB.
     status : {"ok", "rejected"}
         Whether there is a height.
     reason : str or None
-        Why there is none.
+        The reason if there is no height.
     """
 
     start_s: float
@@ -51,18 +51,18 @@ class Maneuver:
 
 @dataclass(frozen=True, slots=True)
 class ChannelEstimate:
-    """What one channel says of a log alone.
+    """The estimate of one channel on its own.
 
     Attributes
     ----------
     channel : {"steer", "lateral-acceleration"}
-        Its input.
+        The input of the channel.
     height_m, height_sd_m : float or None
-        Height and its standard deviation, uncertainty of the vehicle model included, m.
+        Height and its standard deviation, which includes the uncertainty of the vehicle model, m.
     status : {"ok", "rejected"}
         Whether there is a height.
     reason : str or None
-        Why there is none.
+        The reason if there is no height.
     """
 
     channel: Literal["steer", "lateral-acceleration"]
@@ -74,40 +74,40 @@ class ChannelEstimate:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Estimate:
-    """The answer for one log.
+    """The result for one log.
 
     Attributes
     ----------
     status : {"ok", "rejected", "inconsistent"}
-        Whether there is a height; if not, the first of the messages says why. "inconsistent":
-        channels or sensors contradict each other; what each channel says is in `channels`.
+        Whether there is a height; if not, the first message gives the reason. "inconsistent":
+        channels or sensors contradict each other; `channels` has the estimate of each channel.
     height_m, height_sd_m : float or None
-        Height of the trailer's sprung c.g. above ground at rest and its standard deviation,
-        uncertainty of the vehicle model included, m.
+        Height of the trailer's sprung c.g. above ground at rest and its standard deviation, which
+        includes the uncertainty of the vehicle model, m.
     height_ci95_m : tuple of two floats, or None
         The 95 % interval of the height, m.
     ratio, ratio_sd : float or None
         DC ratio at `speed_mps`, rad of roll per rad of steer (steer channel) or per m/s²
-        (lateral-acceleration channel), and its standard deviation from noise.
+        (lateral-acceleration channel), and its standard deviation due to noise.
     method : {"filtered", "arx", "gain"}
-        Identification used.
+        The identification method.
     channel : {"steer", "lateral-acceleration", "combined"} or None
-        Input used; "combined" is both, and ratio, fit and maneuvers are then those of the one that
-        knows more.
+        The input used. "combined" means both inputs; ratio, fit and maneuvers are then those of the
+        channel with more information.
     speed_mps : float or None
         Mean speed of the maneuvers, m/s.
     trailer_mass_kg : float
-        Mass of the whole semitrailer taken, kg.
+        Mass of the whole semitrailer that was used, kg.
     snr_db, fit_percent : float or None
-        Signal to noise (dB) and fit (%) of the best maneuver.
+        Signal-to-noise ratio (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
-        Lateral acceleration beyond which the vehicle tips in a steady turn at `speed_mps`, in g.
+        Lateral acceleration at which the vehicle rolls over in a steady turn at `speed_mps`, in g.
     channels : tuple of ChannelEstimate
-        What each channel says alone.
+        The estimate of each channel on its own.
     maneuvers : tuple of Maneuver
-        Every maneuver, in the channel used.
+        All maneuvers of the channel that was used.
     messages : tuple of str
-        What a reader should know.
+        Reasons, warnings and remarks for the user.
     """
 
     status: Literal["ok", "rejected", "inconsistent"]
@@ -128,7 +128,7 @@ class Estimate:
     messages: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the answer as plain dicts and lists, ready for `json.dumps`."""
+        """Return the result as plain dicts and lists, which `json.dumps` accepts."""
         plain = asdict(self)
         interval = self.height_ci95_m
         plain["height_ci95_m"] = None if interval is None else list(interval)
@@ -181,7 +181,7 @@ class Estimate:
 
 
 def rejected(message: str, trailer_mass_kg: float, options: dict[str, Any]) -> Estimate:
-    """Return the answer for a log that could not be read."""
+    """Return the result for a log that could not be read."""
     method = options.get("method", "filtered")
     absent: dict[str, Any] = dict.fromkeys(field.name for field in fields(Estimate))
     known: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""What is simulated, and what sensors make of it."""
+"""Scenarios for simulation, and the errors of the sensors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ PlantName = Literal["linear", "reduced", "nonlinear"]
 
 
 def _numbers(options: Any) -> None:
-    """Make numbers of the fields that are to be; ValueError names the one that cannot."""
+    """Convert the fields of type float, or raise a ValueError that names the wrong one."""
     for each in fields(options):
         value = getattr(options, each.name)
         if "float" in str(each.type) and value is not None:
@@ -22,30 +22,33 @@ def _numbers(options: Any) -> None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sensors:
-    """What sensors add to the truth; as they are, nothing.
+    """Errors that the sensors add to the truth; the default is none.
 
     Attributes
     ----------
     snr_db, noise_lag_s : float
-        Noise on the roll angle, dB below its mean square, and its time constant, s (0: white).
+        Noise on the roll angle, dB below its mean square, and its time constant, s (0: white
+        noise).
     steer_noise_rad, lateral_noise_mps2 : float
-        Standard deviations of white noise on steer angle (rad) and lateral acceleration (m/s²).
+        Standard deviation of white noise on the steer angle (rad) and on the lateral acceleration
+        (m/s²).
     steer_play_rad : float
-        Play between measured steer angle and road wheels from end to end, rad.
+        Play between the steer sensor and the road wheels, from end to end, rad.
     roll_limit_rad : float, optional
         Greatest angle that the roll sensor can show, rad.
     roll_offset_rad, steer_offset_rad : float
-        Constant offsets, rad.
+        Constant offsets of the roll angle and of the steer angle, rad.
     quantisation_rad, delay_s : float
-        Step (rad) and delay (s) of the roll sensor.
+        Quantization step (rad) and delay (s) of the roll sensor.
     inclinometer : bool
-        ``tilt_rad``, which feels lateral acceleration, in place of ``roll_rad``.
+        Whether an inclinometer replaces the roll sensor: ``tilt_rad``, which also responds to
+        lateral acceleration, in place of ``roll_rad``.
     jitter_s : float
-        Time stamps lie up to this much beside the sample, s.
+        Largest difference between a time stamp and the time of its sample, s.
     drop_out : float
-        Share of the rows whose roll angle is lost.
+        Share of the rows whose roll angle is randomly lost.
     steering_wheel : bool
-        The steering-wheel angle in place of that of the road wheels.
+        Whether the log has the steering-wheel angle in place of the road-wheel angle.
     """
 
     snr_db: float | None = None
@@ -70,40 +73,41 @@ class Sensors:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """What is simulated.
+    """A maneuver of a vehicle, and how it is simulated and measured.
 
     Attributes
     ----------
     maneuver : {"rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"}
-        What the driver does after `start_s` of straight driving.
+        The maneuver after `start_s` of straight driving.
     plant : {"linear", "reduced", "nonlinear"}
-        What moves: the linear model in full, its 5th-order reduction, the nonlinear yaw/roll plant.
+        The simulated model: the full linear model, its 5th-order reduction, or the nonlinear plant.
     model : {"complete", "as-printed"}
         Equations of the linear model.
     height_m : float, optional
         Height of the trailer's sprung c.g. above ground, m; the vehicle's reference if absent.
     trailer_mass_kg, payload_kg : float, optional
-        Mass of the whole semitrailer, or of its payload, kg; one of them or neither.
+        Mass of the whole semitrailer, or of its payload, kg; give at most one of them.
     speed_mps : float, optional
         Forward speed, m/s; the vehicle's nominal speed if absent.
     steer_rad : float, optional
-        Road-wheel amplitude, rad; for 0.17 g if absent.
+        Amplitude of the road-wheel angle, rad; if absent, the one that gives 0.17 g.
     rate_hz, start_s, duration_s : float
-        Samples per second; straight driving before the maneuver, s; length of the log, s
-        (20, a drive 300, a driver's path as long as it takes).
+        Samples per second; straight driving before the maneuver, s; length of the log, s. The
+        default length is 20 s, 300 s for a drive, and as long as needed for a driver's path.
     step_rate_per_s : float, optional
-        Rate of rounded steps, 1/s.
+        Rate of the rounded steps, 1/s.
     turn_rad, radius_m, gate_m : float, optional
-        A path for the preview driver, with the nonlinear plant: a turn (rad, right if negative) on
-        a radius (m) for "steady-turn", a gate length (m) for "lane-change".
+        A path for the preview driver, with the nonlinear plant only: the angle of a turn (rad,
+        negative to the right) and its radius (m) for "steady-turn", or the length of the gate (m)
+        for "lane-change".
     speed_change : float, optional
-        Share by which the speed of a drive changes either way.
+        Share by which the speed of a drive varies up and down.
     to_rollover : bool
-        Whether the log may end where the vehicle rolls over, with the nonlinear plant.
+        Whether the log may end with a rollover of the vehicle, with the nonlinear plant.
     sensors : Sensors
-        What the sensors add.
+        The errors of the sensors.
     seed : int
-        Seed of sensors and drive.
+        Seed of the random numbers for sensors and drive.
     """
 
     maneuver: ManeuverName

@@ -1,4 +1,4 @@
-"""How answers look in a notebook: small HTML tables, escaped, without styles of their own."""
+"""Results in a notebook: small HTML tables with escaped text and almost no styling."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 
 
 def number(value: float | None, digits: int, unit: str = "") -> str:
-    """Return a number with its unit, or a dash where there is none."""
+    """Return a number with its unit, or a dash if there is no number."""
     if value is None or value != value:
         return "–"
     return f"{value:.{digits}f}" + (f" {unit}" if unit else "")
 
 
 def pairs(title: str, rows: Iterable[tuple[str, str]]) -> str:
-    """Return a two-column table: what, and its value."""
+    """Return a table with two columns: names and values."""
     body = "".join(
         f"<tr><th style='text-align:left'>{escape(name)}</th>"
         f"<td style='text-align:left'>{escape(value)}</td></tr>"
@@ -25,7 +25,7 @@ def pairs(title: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def grid(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """Return a table with a heading line."""
+    """Return a table with a header row."""
     head = "".join(f"<th>{escape(name)}</th>" for name in header)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
@@ -34,13 +34,13 @@ def grid(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 
 def messages(texts: Iterable[str]) -> str:
-    """Return a list of messages, nothing if there are none."""
+    """Return a list of messages, or an empty text if there are none."""
     items = "".join(f"<li>{escape(text)}</li>" for text in texts)
     return f"<ul>{items}</ul>" if items else ""
 
 
 def vehicle(one: Any) -> str:
-    """Return the table that a `Vehicle` shows."""
+    """Return the table that represents a `Vehicle` in a notebook."""
     low_m, high_m = one.height_range_m
     return pairs(
         f"Vehicle {one.name}",

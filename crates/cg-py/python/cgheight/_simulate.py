@@ -1,4 +1,4 @@
-"""Simulated logs with known truth, and how well they are estimated."""
+"""Simulated logs with known truth, and the accuracy of their estimates."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SimulatedLog:
-    """A simulated log and what is true of it.
+    """A simulated log and its true values.
 
     Attributes
     ----------
     signals : dict of str to array, shape (n,)
-        The columns of the log by their SI names (``time_s``, ``steer_rad``, ``roll_rad``, …), as
-        the sensors show them; NaN where a value was lost.
+        The columns of the log by their SI names (``time_s``, ``steer_rad``, ``roll_rad``, …),
+        with the errors of the sensors; NaN where a value was lost.
     truth : dict
         ``height_m``, ``trailer_mass_kg``, ``speed_mps``, ``steer_rad`` (amplitude), ``ratio``,
-        ``noise_sd_rad`` and everything else that the sensors added.
+        ``noise_sd_rad`` and all other errors that the sensors added.
     """
 
     signals: dict[str, NDArray[np.float64]]
     truth: dict[str, Any]
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the columns as a pandas DataFrame, which `estimate_log` takes."""
+        """Return the columns as a pandas DataFrame, which `estimate_log` accepts."""
         return need("pandas", "pandas").DataFrame(self.signals)
 
     def __repr__(self) -> str:
@@ -69,23 +69,25 @@ def simulate(
     vehicle : Vehicle
         The vehicle.
     scenario : Scenario
-        What is simulated.
+        The maneuver, the load and the sensors.
     output : str or os.PathLike, optional
-        Also write the log, as `write_log` does.
+        Path to which the log is also written, as by `write_log`.
     force : bool
-        Whether `output` may replace a file that is no log of ours; never the vehicle file.
+        Whether `output` may replace a file that this package did not write. The vehicle file is
+        never replaced.
 
     Returns
     -------
     SimulatedLog
-        Columns and truth.
+        The columns of the log and the true values.
 
     Raises
     ------
     ValueError
-        A number is out of range, the vehicle has no such load, or keywords exclude each other.
+        A number is out of range, the load is impossible for the vehicle, or keywords exclude each
+        other.
     FileExistsError
-        `output` is there and no log of ours, and `force` is false.
+        `output` exists, was not written by this package, and `force` is false.
     OSError
         `output` cannot be written.
 
@@ -124,34 +126,36 @@ def accuracy_map(
     runs: int = 100,
     jobs: int | None = None,
 ) -> pd.DataFrame:
-    """Estimate simulated logs many times over height and noise, and score the heights.
+    """Map the accuracy of the estimated height over true height and noise, with simulated logs.
 
     Parameters
     ----------
     vehicle : Vehicle
-        The vehicle; without its calibration.
+        The vehicle; its calibration is ignored.
     heights_m : iterable of float
         True heights of the trailer's sprung c.g., m.
     snr_db : iterable of float
         Noise on the roll angle, dB below its mean square.
     scenario : Scenario, optional
-        What is simulated, with these heights and this noise in place of its own; a rounded step if
-        absent.
+        The simulated scenario, whose height and noise are replaced by those of each cell; a rounded
+        step if absent.
     truck : {"of-the-file", "drawn"}
-        The truck of the file each time (noise alone is wrong; the interval judged is that of
-        noise), or another one each time, drawn from the file's ``[uncertainty]``.
+        "of-the-file": the truck of the vehicle file in every run, so that noise is the only error,
+        and the interval is that of the noise. "drawn": a different truck in every run, drawn from
+        ``[uncertainty]`` in the vehicle file.
     channel, method
         As for `estimate`.
     runs : int
-        Repetitions of each cell, 1 or more; an RMSE scatters by ``1/sqrt(2 runs)``.
+        Number of runs for each cell, 1 or more; an RMSE scatters by ``1/sqrt(2 runs)``.
     jobs : int, optional
-        Threads; as many as there are processors if absent.
+        Number of threads; the number of processors if absent.
 
     Returns
     -------
     pandas.DataFrame
         One row for each cell: ``height_m, snr_db, answered, bias_percent, rmse_percent,
-        stated_sd_percent, coverage_percent, bound_percent``, per cent of the true height.
+        stated_sd_percent, coverage_percent, bound_percent``. Coverage is in % of the runs with
+        an estimate, the other errors are in % of the true height.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Transfer functions, and the way to and from python-control."""
+"""Transfer functions, and their conversion to and from python-control."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _ComplexArray = NDArray[np.complex128]
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TransferFunction:
-    """A transfer function with one input and one output, by its roots.
+    """A transfer function with one input and one output, given by its zeros and poles.
 
-    Polynomials of order 18 lose six digits of their roots; roots lose none.
+    Polynomial coefficients would be less accurate: at order 18 their roots lose six digits.
 
     Attributes
     ----------
     zeros, poles : complex array, shapes (m,), (n,)
-        Roots of numerator and denominator, rad/s (discrete: in the z plane).
+        Roots of numerator and denominator, rad/s (in the z plane if discrete).
     gain : float
-        Leading coefficient of the numerator over that of the denominator.
+        Leading coefficient of the numerator divided by that of the denominator.
     ts : float or None
         Sampling interval, s; None for continuous time.
     """
@@ -46,7 +46,7 @@ class TransferFunction:
         Parameters
         ----------
         numerator, denominator : array, shape (m,) and (n,)
-            Coefficients in descending powers of s (with `ts`: of z).
+            Coefficients in descending powers of s, or of z if `ts` is given.
         ts : float, optional
             Sampling interval, s; continuous if absent.
 
@@ -57,12 +57,12 @@ class TransferFunction:
         Raises
         ------
         ValueError
-            One of them is zero or no array of numbers.
+            One of them is zero or not an array of numbers.
         """
         top = np.trim_zeros(column("numerator", numerator), "f")
         bottom = np.trim_zeros(column("denominator", denominator), "f")
         if not (top.size and bottom.size):
-            raise ValueError("numerator and denominator must each have a coefficient beside zero")
+            raise ValueError("numerator and denominator must each have a nonzero coefficient")
         zeros, poles = np.roots(top).astype(complex), np.roots(bottom).astype(complex)
         return cls(zeros, poles, float(top[0] / bottom[0]), ts)
 
@@ -73,7 +73,7 @@ class TransferFunction:
         Parameters
         ----------
         system : control.TransferFunction or control.StateSpace
-            With one input and one output.
+            A system with one input and one output.
 
         Returns
         -------
@@ -82,12 +82,12 @@ class TransferFunction:
         Raises
         ------
         ValueError
-            It has several inputs or outputs, no definite sampling interval, or is zero.
+            The system has several inputs or outputs, no definite sampling interval, or is zero.
         """
         if (system.ninputs, system.noutputs) != (1, 1):
             raise ValueError(
-                f"the system has {system.ninputs} inputs and {system.noutputs} outputs: pick one "
-                "pair, such as system[0, 0]"
+                f"the system has {system.ninputs} inputs and {system.noutputs} outputs: "
+                "select one pair, such as system[0, 0]"
             )
         if system.dt is True:
             raise ValueError("the system is discrete without a sampling interval: give it a dt")
@@ -95,33 +95,33 @@ class TransferFunction:
         zeros = np.asarray(system.zeros(), dtype=complex)
         zeros = zeros[np.isfinite(zeros)]
         poles = np.asarray(system.poles(), dtype=complex)
-        # The gain from one value, away from every root and of their size.
+        # The gain follows from one value at a point that is away from all roots but of their size.
         size = 1.0 if ts else float(np.max(np.abs(np.concatenate([zeros, poles, [1.0]]))))
         point = 1.5 * size * np.exp(0.7j)
         value = complex(system(point)) * np.prod((point - poles) / size)
         gain = value / np.prod((point - zeros) / size) * size ** (len(poles) - len(zeros))
         if not np.isfinite(gain) or gain == 0:
-            raise ValueError("the system is zero: it has no poles and zeros to speak of")
+            raise ValueError("the system is zero: its poles and zeros are not defined")
         return cls(zeros, poles, float(gain.real), ts)
 
     @property
     def numerator(self) -> _Array:
-        """Coefficients in descending powers of s (discrete: of z), shape (zeros + 1,)."""
+        """Coefficients in descending powers of s (z if discrete), shape (zeros + 1,)."""
         return self.gain * np.real(np.poly(self.zeros)).reshape(-1)
 
     @property
     def denominator(self) -> _Array:
-        """Coefficients in descending powers of s (discrete: of z), the first one 1."""
+        """Coefficients in descending powers of s (z if discrete); the first one is 1."""
         return np.real(np.poly(self.poles)).reshape(-1)
 
     @property
     def dc_gain(self) -> float:
-        """Value at s = 0 (discrete: z = 1), units of output over input."""
+        """Value at s = 0 (z = 1 if discrete), in units of output over input."""
         return float(self._at(np.array([0.0 if self.ts is None else 1.0], dtype=complex))[0].real)
 
     @property
     def is_stable(self) -> bool:
-        """Whether every pole lies in the left half plane (discrete: inside the unit circle)."""
+        """Whether every pole is in the left half plane (inside the unit circle if discrete)."""
         if self.ts is None:
             return bool(np.all(self.poles.real < 0))
         return bool(np.all(np.abs(self.poles) < 1))
@@ -137,18 +137,18 @@ class TransferFunction:
         Returns
         -------
         complex array, shape (n,)
-            Units of output over input.
+            The response, in units of output over input.
 
         Raises
         ------
         ValueError
-            `frequency_radps` is no array of numbers.
+            `frequency_radps` is not an array of numbers.
         """
         points = 1j * column("frequency_radps", frequency_radps).astype(complex)
         return self._at(points if self.ts is None else np.exp(points * self.ts).astype(complex))
 
     def _at(self, points: _ComplexArray) -> _ComplexArray:
-        # Factor by factor: neither product overflows on its own.
+        # Multiply and divide in turn, so that neither product overflows.
         value = np.full(points.shape, self.gain, dtype=complex)
         for k in range(max(len(self.zeros), len(self.poles))):
             if k < len(self.zeros):

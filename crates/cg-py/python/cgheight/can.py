@@ -1,9 +1,9 @@
 """CAN logs and a live CAN bus.
 
-Frames are decoded and their signals aligned as by `cg run`: J1939 (steering wheel, yaw rate and
-lateral acceleration of VDC2 or SAS, roll angle of SSI2 or SSI, speed of CCVS1 or EBC2, trailer mass
-of VW, axle load of EBS22), or signals of a DBC file in their place. Needs
-``pip install 'cgheight[can]'``.
+Frames are decoded and their signals are aligned in the same way as in `cg run`. The signals are
+those of J1939 (steering wheel, yaw rate and lateral acceleration from VDC2 or SAS, roll angle from
+SSI2 or SSI, speed from CCVS1 or EBC2, trailer mass from VW, axle load from EBS22), or signals of a
+DBC file in their place. This module needs ``pip install 'cgheight[can]'``.
 """
 
 from __future__ import annotations
@@ -44,41 +44,44 @@ def read_log(
 ) -> pd.DataFrame:
     """Read a CAN log into a table that `estimate_log` takes.
 
-    Each roll angle makes a row (where there is none, each angle of the inclinometer); the other
-    signals are interpolated to its time, or held for a moment, as `cg run` does.
+    Each roll angle gives a row (or each angle of the inclinometer, if there is no roll angle). The
+    other signals are interpolated to its time, or held for a short time, as in `cg run`.
 
     Parameters
     ----------
     path : str or os.PathLike
-        ``.log`` (candump), ``.asc``, ``.blf``, ``.trc``, or ``.mf4`` with CAN frames; without `dbc`
-        but with `signals` also ``.mf4`` with measured channels.
+        ``.log`` (candump), ``.asc``, ``.blf``, ``.trc``, or ``.mf4`` with CAN frames. With
+        `signals` but without `dbc`, an ``.mf4`` file with measured channels.
     dbc : str or os.PathLike, optional
-        A DBC file with signals that are not J1939's.
+        A DBC file that describes signals that are not in J1939.
     signals : dict of str to str, optional
-        With `dbc` or measured channels: signal of the log to name in the file, such as
-        ``{"roll": "RollAngle", "steering_wheel": "EBC1.Angle[deg]"}``, in place of what J1939 has
-        of it. Signals are those of `cgheight.SIGNALS` without their units. A unit in brackets
-        overrides the file's; for a DBC file a factor and an offset may follow
-        (``"TILT.Angle[deg]*-1+0.3"``).
+        For `dbc` or measured channels: the name in the file for each signal of the log, such as
+        ``{"roll": "RollAngle", "steering_wheel": "EBC1.Angle[deg]"}``. These replace the J1939
+        signals of the same quantity. The signals are those of `cgheight.SIGNALS` without their
+        units. A unit in brackets overrides that of the file. With a DBC file, a factor and an
+        offset may follow (``"TILT.Angle[deg]*-1+0.3"``).
     flip : iterable of str
-        Signals whose sensor is mounted the other way round.
+        Signals whose sign is reversed, for sensors that are mounted the other way round.
     roll_compensated : {"bit", "inverted-bit", "yes", "no"}
-        Whether J1939's slope sensors (SSI, SSI2) take the vehicle's accelerations off their angle,
-        which is a roll angle then and a tilt otherwise: as their bits say (0 on, 1 off; one that
-        does not say does not), the same with 0 off and 1 on, always, or never.
+        Whether the J1939 slope sensors (SSI, SSI2) compensate their angle for the accelerations of
+        the vehicle. A compensated angle is a roll angle, an uncompensated one is a tilt. "bit":
+        according to the compensation bits, 0 on, 1 off; without valid bits the angle is not
+        compensated. "inverted-bit": the bits with inverted meaning, 0 off, 1 on. "yes", "no": the
+        bits are ignored.
 
     Returns
     -------
     pandas.DataFrame
-        ``time_s``, the log's time stamps, s, and the signals found, in columns with SI names; NaN
-        where a value is absent. ``attrs["remarks"]`` lists what was doubted.
+        ``time_s``, the time stamps of the log in s, and the signals found, in columns with SI
+        names; NaN where a value is absent. ``attrs["remarks"]`` lists doubtful values and frames.
 
     Raises
     ------
     FileNotFoundError
         There is no such file.
     ValueError
-        The file is of no known kind or damaged, holds no roll angle, or a name or unit is unknown.
+        The file has an unknown format, is damaged or contains no roll angle, or a name or a unit
+        is unknown.
     ImportError
         python-can, or for ``.mf4`` asammdf, is not installed.
     """
@@ -86,7 +89,7 @@ def read_log(
     pandas = need("pandas", "can")
     if not is_can(name):
         known = ", ".join(CAN_SUFFIXES)
-        raise ValueError(f"{name}: is no CAN log by its name; those end in {known}")
+        raise ValueError(f"{name}: is not a CAN log by its name; give a file that ends in {known}")
     if not os.path.exists(name):
         raise FileNotFoundError(f"{name}: cannot be read (there is no such file)")
     if suffix(name) == ".mf4" and dbc is None and signals:
@@ -98,14 +101,14 @@ def read_log(
 
 
 class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # imported by `need`
-    """Estimates from a live bus: attach it to a `can.Notifier`.
+    """Estimates the height from a live bus; attach it to a `can.Notifier`.
 
     Parameters
     ----------
     vehicle : Vehicle
         The vehicle.
     on_estimate : callable, optional
-        Called with an `Estimate` whenever a turn has ended, in the notifier's thread.
+        Called with an `Estimate` at the end of each turn, in the thread of the notifier.
     dbc, signals, flip, roll_compensated
         As for `read_log`.
     **options
@@ -114,14 +117,14 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
     Attributes
     ----------
     frames, frames_used, rows : int
-        Frames seen; those with a value that counts; rows made of them.
+        Number of frames received, of frames with a value that is used, and of rows made from them.
 
     Raises
     ------
     FileNotFoundError
         There is no such DBC or calibration file.
     ValueError
-        An option is out of range, or the DBC file has no such signal.
+        An option is out of range, or the DBC file does not contain a signal.
 
     Examples
     --------
@@ -146,7 +149,7 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
         roll_compensated: str = "bit",
         **options: Unpack[EstimatorOptions],
     ) -> None:
-        """Begin a drive."""
+        """Start a drive."""
         super().__init__()
         self._stream = _native.FrameStream(
             calibrated(vehicle, options.get("calibration")),
@@ -158,21 +161,21 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
 
     @property
     def frames(self) -> int:
-        """Frames seen."""
+        """Number of frames received."""
         return self._stream.counts[0]
 
     @property
     def frames_used(self) -> int:
-        """Frames with a value that counts."""
+        """Number of frames with a value that is used."""
         return self._stream.counts[1]
 
     @property
     def rows(self) -> int:
-        """Rows made of them."""
+        """Number of rows made from the frames."""
         return self._stream.counts[2]
 
     def on_message_received(self, msg: Any) -> None:
-        """Take in a frame; python-can calls it."""
+        """Process a frame; python-can calls this method."""
         frame = self._frame(msg)
         if frame is None:
             return
@@ -180,11 +183,11 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
             self._on_estimate(self.estimate())
 
     def estimate(self) -> Estimate:
-        """Return the answer so far.
+        """Return the estimate so far.
 
         Returns
         -------
         Estimate
-            With status "rejected" as long as no maneuver gave a height.
+            Its status is "rejected" until a maneuver has given a height.
         """
         return self._stream.estimate()

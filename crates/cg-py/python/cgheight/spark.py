@@ -1,7 +1,7 @@
-"""Thousands of trips on a cluster, with PySpark.
+"""Estimates of thousands of trips on a cluster, with PySpark.
 
-The same heights as on one machine: each trip goes through `cgheight.estimate_log` on a worker, as
-Arrow columns. Needs ``pip install 'cgheight[spark]'`` here and on the workers.
+The heights are the same as on one machine: a worker gives each trip to `cgheight.estimate_log` as
+Arrow columns. This module needs ``pip install 'cgheight[spark]'`` on the driver and on the workers.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["estimate_files", "estimate_trips"]
 
-# The columns of `Estimates.to_frame`, as Spark names their types.
+# The columns of `Estimates.to_frame` with their Spark types.
 _COLUMNS = {
     "log": "string",
     "status": "string",
@@ -51,13 +51,13 @@ _SCHEMA = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
 
 @lru_cache(maxsize=8)
 def _truck(pickled: bytes) -> _native.Vehicle:
-    """Return the vehicle of a pickle: the same one for all trips of a worker, design and all."""
+    """Return the unpickled vehicle; all trips of a worker share it and its design."""
     vehicle: _native.Vehicle = pickle.loads(pickled)
     return vehicle
 
 
 def _answers(pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, Any]) -> pa.Table:
-    """Estimate logs on a worker: one row for each, also for those that cannot be read."""
+    """Estimate logs on a worker: one row for each log, even if it cannot be read."""
     import pyarrow as pa
 
     truck = _truck(pickled)
@@ -82,30 +82,31 @@ def estimate_trips(
     time: str = "time_s",
     **options: Any,
 ) -> DataFrame:
-    """Estimate trips that stand as rows in one table.
+    """Estimate trips that are stored as rows of one table.
 
     Parameters
     ----------
     trips : pyspark.sql.DataFrame
-        One row for each sample: a column that names the trip, and those of a log as
-        `cgheight.estimate_log` takes them. The order of rows does not matter.
+        One row for each sample: a column with the name of the trip, and the columns of a log that
+        `cgheight.estimate_log` accepts. The order of the rows does not matter.
     vehicle : Vehicle
-        The vehicle, with its calibration; it travels to the workers as text.
+        The vehicle, with its calibration; it is sent to the workers as text.
     trip, time : str
-        The columns that name the trip and hold the time stamp, by which rows are sorted.
+        The columns with the name of the trip and with the time stamp, by which rows are sorted.
     **options
         Keywords of `cgheight.estimate_log`: ``channel``, ``method``, ``columns``, ….
 
     Returns
     -------
     pyspark.sql.DataFrame
-        One row for each trip, lazily: the columns of `Estimates.to_frame`, the name of the trip in
-        ``log``. A trip that cannot be estimated is "rejected", with its reason in ``messages``.
+        One row for each trip, evaluated lazily: the columns of `Estimates.to_frame`, with the name
+        of the trip in ``log``. A trip that cannot be estimated has the status "rejected" and the
+        reason in ``messages``.
 
     Raises
     ------
     ValueError
-        The table has no such column.
+        A column is missing in the table.
     ImportError
         PySpark or PyArrow is not installed.
     """
@@ -146,24 +147,24 @@ def estimate_files(
     Parameters
     ----------
     files : pyspark.sql.DataFrame
-        One row for each file; repartition it to as many parts as there are workers, or more.
+        One row for each file, in at least as many partitions as there are workers.
     vehicle : Vehicle
-        The vehicle, with its calibration; it travels to the workers as text.
+        The vehicle, with its calibration; it is sent to the workers as text.
     path : str
-        The column that holds the path of a log, of any kind that `cgheight.estimate_log` reads.
+        The column with the path of the log, in any format that `cgheight.estimate_log` reads.
     **options
         Keywords of `cgheight.estimate_log`.
 
     Returns
     -------
     pyspark.sql.DataFrame
-        One row for each file, lazily: the columns of `Estimates.to_frame`. A file that cannot be
-        read is "rejected", with its reason in ``messages``.
+        One row for each file, evaluated lazily: the columns of `Estimates.to_frame`. A file that
+        cannot be read has the status "rejected" and the reason in ``messages``.
 
     Raises
     ------
     ValueError
-        The table has no such column.
+        A column is missing in the table.
     ImportError
         PySpark or PyArrow is not installed.
     """

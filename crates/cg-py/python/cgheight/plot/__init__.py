@@ -1,7 +1,7 @@
-"""Pictures for a report, each a matplotlib Figure.
+"""Figures for reports, drawn with matplotlib.
 
-Every function draws on a new figure and returns it: ``figure.savefig("roll.png")`` keeps it,
-``matplotlib.pyplot.show()`` shows it. Needs ``pip install 'cgheight[plot]'``.
+Every function draws a new figure and returns it: ``figure.savefig("roll.png")`` saves it, and
+``matplotlib.pyplot.show()`` shows it. This module needs ``pip install 'cgheight[plot]'``.
 """
 
 from cgheight.plot._accuracy import accuracy_map

@@ -1,4 +1,4 @@
-"""How well heights are estimated, as a map."""
+"""Map of the accuracy of estimated heights."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 _LABELS = {
     "height_m": "true c.g. height (m)",
-    "snr_db": "signal to noise of the roll angle (dB)",
+    "snr_db": "signal-to-noise ratio of the roll angle (dB)",
     "rmse_percent": "root mean square error of the height (%)",
     "bias_percent": "mean error of the height (%)",
     "stated_sd_percent": "stated standard deviation of the height (%)",
-    "coverage_percent": "95 % intervals that hold the truth (%)",
+    "coverage_percent": "95 % intervals that contain the truth (%)",
     "bound_percent": "Cramér-Rao bound of the standard deviation (%)",
 }
 
@@ -31,30 +31,30 @@ def accuracy_map(
     x: str = "snr_db",
     y: str = "height_m",
 ) -> Figure:
-    """Draw errors of the height over two conditions as a map with its numbers.
+    """Draw a map, with numbers, of the error of the height over two conditions.
 
-    How to read it: dark cells are conditions to stay away from; towards the clean end the error
-    should fall like the noise. With ``value="coverage_percent"`` every cell should read about 95:
-    less means that the stated interval is too narrow there.
+    How to read it: avoid the conditions of dark cells. As the noise decreases, the error should
+    decrease in proportion. With ``value="coverage_percent"`` every cell should be about 95; a lower
+    number means that the stated interval is too narrow.
 
     Parameters
     ----------
     table : pandas.DataFrame
         From `cgheight.accuracy_map`, or any table with one row for each cell.
     value : str
-        Column to show, per cent.
+        Column to show, in percent.
     x, y : str
-        Columns of the two conditions.
+        Columns with the two conditions.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One cell for each pair of conditions, its number written in it.
+        One cell with its number for each pair of conditions.
 
     Raises
     ------
     ValueError
-        A column is absent, or several rows belong to one cell.
+        A column is missing, or several rows belong to one cell.
     ImportError
         matplotlib is not installed.
     """
@@ -63,7 +63,7 @@ def accuracy_map(
         known = ", ".join(map(str, table))
         raise ValueError(f"the table has no column {absent[0]}; it has {known}")
     if table.duplicated([x, y]).any():
-        raise ValueError(f"several rows have the same {x} and {y}: choose among them first")
+        raise ValueError(f"several rows have the same {x} and {y}: select one of them first")
     grid = table.pivot(index=y, columns=x, values=value).sort_index()
     values = grid.to_numpy(dtype=float)
     width = max(6.0, 2.6 + 0.85 * values.shape[1])
@@ -79,7 +79,7 @@ def accuracy_map(
         axes.spines[["left", "bottom"]].set_visible(False)
         for (row, place), number in np.ndenumerate(values):
             red, green, blue, _ = image.cmap(image.norm(number))
-            # Luminance decides which ink can be read.
+            # White text on dark cells, black text on bright cells.
             dark = 0.299 * red + 0.587 * green + 0.114 * blue < 0.55
             text = "–" if np.isnan(number) else f"{number:.{digits}f}"
             axes.text(place + 0.5, row + 0.5, text, ha="center", va="center",

@@ -1,4 +1,4 @@
-"""A log and its answer over time."""
+"""Figures of a log and of its estimate over time."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def log(
     flip: Iterable[str] = (),
     **options: Any,
 ) -> Figure:
-    """Draw a log: its inputs, its roll angle beside the predicted one, what is left over.
+    """Draw a log: its inputs, its measured and predicted roll angle, and their difference.
 
-    How to read it: the predicted roll angle (of the model, at the estimated height, with the roll
-    sensor's offset added) should lie on the measured one in every shaded maneuver, and the
-    difference below should be noise without the shape of the turns. Green maneuvers gave a height,
-    red ones were rejected.
+    How to read it: the model predicts the roll angle for the estimated height, and the offset of
+    the roll sensor is added. In every shaded maneuver, the predicted roll angle should agree with
+    the measured one, and the difference below should be noise without the shape of the turns. Green
+    maneuvers gave a height, red ones were rejected.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def _inputs(axes: Axes, table: _Table) -> None:
 
 
 def _roll(table: _Table, vehicle: _native.Vehicle) -> NDArray[np.float64]:
-    """Return the roll angle as measured, or as the inclinometer's tilt means it."""
+    """Return the measured roll angle, or the one that follows from the inclinometer's tilt."""
     if "roll_rad" in table:
         return table["roll_rad"]
     lateral = table.get("lateral_acceleration_mps2")
@@ -155,7 +155,7 @@ def _shade(axes: Axes, answer: Estimate) -> None:
 
 
 def _keys(answer: Estimate) -> list[Any]:
-    """Return what the shades mean, as far as they are there."""
+    """Return the legend entries of the shades that occur."""
     patch = need("matplotlib.patches", "plot").Patch
     seen = {one.status for one in answer.maneuvers}
     known = (("ok", GREEN, "maneuver with a height"), ("rejected", RED, "rejected maneuver"))
@@ -164,7 +164,7 @@ def _keys(answer: Estimate) -> list[Any]:
 
 
 def _label(axes: Axes, answer: Estimate) -> None:
-    """Write the height of each maneuver over it, as long as there is room."""
+    """Write the height of each maneuver above it if there is enough space."""
     if len(answer.maneuvers) > 12:
         return
     for one in answer.maneuvers:
@@ -198,12 +198,13 @@ def height(
     flip: Iterable[str] = (),
     **options: Any,
 ) -> Figure:
-    """Draw the height over time: what is known after each turn, and what each turn said.
+    """Draw the height over time: the estimate after each turn, and that of each single turn.
 
-    How to read it: the line is the answer from all turns so far, the band its 95 % interval; the
-    band narrows turn by turn down to what model and calibration leave open, and should hold the
-    true height. Points are single maneuvers with the 95 % interval of their noise alone: they
-    should scatter about the line by as much as their bars say.
+    How to read it: the line is the estimate from all turns so far, and the band is its 95 %
+    interval. The band becomes narrower with each turn until only the uncertainty of model and
+    calibration is left, and it should contain the true height. Points are single maneuvers with the
+    95 % interval of their noise alone; they should scatter about the line as much as their bars
+    show.
 
     Parameters
     ----------
@@ -212,7 +213,7 @@ def height(
     vehicle : Vehicle
         The vehicle.
     true_height_m : float, optional
-        Known height, m, as a dashed line.
+        Known height, m, which is drawn as a dashed line.
     **options
         Keywords of `Estimator`.
 
@@ -266,7 +267,7 @@ def height(
 def _history(
     table: _Table, vehicle: _native.Vehicle, options: Mapping[str, Any]
 ) -> tuple[list[tuple[float, float, float, float]], Estimate]:
-    """Return (time, height, low, high) after each turn, and the last answer."""
+    """Return (time, height, low, high) after each turn, and the final estimate."""
     stream = Estimator(vehicle, **options)
     names = list(table)
     steps: list[tuple[float, float, float, float]] = []

@@ -1,4 +1,4 @@
-"""Models: frequency response, roots, residuals."""
+"""Figures of models: frequency response, poles and zeros, residuals."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ def _transfer(model: Any) -> TransferFunction:
     if hasattr(model, "ninputs") and hasattr(model, "poles"):
         return TransferFunction.from_control(model)
     kind = type(model).__name__
-    raise ValueError(f"a model of type {kind} has no transfer function: give one of this package's")
+    raise ValueError(f"a model of type {kind} has no transfer function: give one of this package")
 
 
 def _labels(models: Sequence[Any], labels: Sequence[str] | None) -> list[str]:
     if not models:
-        raise ValueError("no model to draw: give one or more")
+        raise ValueError("no model to draw: give at least one")
     if labels is not None:
         if len(labels) != len(models):
             raise ValueError(f"{len(labels)} labels for {len(models)} models: give one for each")
@@ -57,23 +57,24 @@ def _name(model: Any) -> str:
 def bode(
     *models: Any, labels: Sequence[str] | None = None, frequency_hz: ArrayLike | None = None
 ) -> Figure:
-    """Draw frequency responses: identified models with their confidence band beside analytic ones.
+    """Draw frequency responses of identified models, with confidence bands, and analytic models.
 
-    How to read it: where the analytic line lies inside an identified model's band, data and vehicle
-    file agree; the left end is the DC ratio that the height is solved from. Beyond the frequencies
-    that the steering excites, nothing can be said. The band is 95 %, from the covariance of the ARX
-    coefficients to first order (delta method) in the logarithm of the magnitude and in the phase:
-    it knows the variance of white equation noise, not the bias that noise on the roll angle itself
-    gives a classical ARX, which grows with frequency and as `residuals` shows it.
+    How to read it: where the analytic line is inside the band of an identified model, the data and
+    the vehicle file agree. The left end is the DC ratio, from which the height is computed. The
+    figure shows nothing about frequencies that the steering does not excite. The 95 % band follows
+    from the covariance of the ARX coefficients to first order (delta method), for the logarithm of
+    the magnitude and for the phase. It includes the variance due to white equation noise. It does
+    not include the bias that noise on the roll angle causes in a classical ARX model; this bias
+    grows with frequency, and `residuals` shows it.
 
     Parameters
     ----------
     *models : ArxModel, LinearModel, ReducedModel, TransferFunction, or python-control objects
-        With one input and one output, from steer angle (or lateral acceleration) to roll.
+        Models with one input and one output, from steer angle (or lateral acceleration) to roll.
     labels : sequence of str, optional
-        A name for each.
+        A label for each model.
     frequency_hz : array, shape (n,), optional
-        Frequencies, Hz; from 0.02 Hz to the lowest Nyquist frequency, 5 Hz at most, if absent.
+        Frequencies, Hz; if absent, from 0.02 Hz to the lowest Nyquist frequency, 5 Hz at most.
 
     Returns
     -------
@@ -83,7 +84,7 @@ def bode(
     Raises
     ------
     ValueError
-        There is no model, or one is of no known kind.
+        There is no model, or a model has an unknown type.
     ImportError
         matplotlib is not installed.
     """
@@ -127,7 +128,7 @@ def _colors() -> list[str]:
 
 def _phase_deg(value: NDArray[np.complex128]) -> _Array:
     phase = np.degrees(np.unwrap(np.angle(value)))
-    # Unwrapping starts anywhere: the lowest frequency belongs between -180 and 180 degrees.
+    # Shift the phase so that it is between -180 and 180 degrees at the lowest frequency.
     shifted: _Array = phase - 360.0 * np.round(phase[0] / 360.0) if phase.size else phase
     return shifted
 
@@ -148,7 +149,7 @@ def _band(
         np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", slope, covariance, slope), 0.0))
         for slope in (along, across)
     )
-    # Beyond a factor of ten the first order says nothing more.
+    # The first order is not valid beyond a factor of ten.
     factor = np.exp(np.minimum(_QUANTILE_95 * log_sd, np.log(10.0)))
     size, phase = np.abs(value), _phase_deg(value)
     shade: dict[str, Any] = {"color": color, "alpha": 0.18, "linewidth": 0}
@@ -160,32 +161,32 @@ def _band(
 def pole_zero(
     *models: Any, labels: Sequence[str] | None = None, reach_radps: float = 15.0
 ) -> Figure:
-    """Draw poles and zeros in the s plane.
+    """Draw the poles and zeros of models in the s plane.
 
-    How to read it: poles (crosses) of an identified model should fall on the analytic ones that
-    move slowly (near the origin); grey rays are lines of equal damping ratio, distance from the
-    origin is the natural frequency. Roots to the right of the axis are unstable (poles) or make
-    the response start the wrong way (zeros, circles). Discrete models are carried over by
-    ``s = ln(z)/ts``, exact for poles; zeros that sampling adds mean nothing in time, and those at
-    z = 0 are left out.
+    How to read it: the poles (crosses) of an identified model should agree with the slow poles of
+    the analytic model, which are near the origin. Gray rays are lines of equal damping ratio, and
+    the distance from the origin is the natural frequency. Poles to the right of the imaginary axis
+    are unstable. Zeros (circles) to the right of it make the response start in the wrong direction.
+    Discrete models are converted with ``s = ln(z)/ts``, which is exact for poles. Zeros that
+    sampling adds have no meaning in continuous time, and zeros at z = 0 are not drawn.
 
     Parameters
     ----------
     *models, labels
         As for `bode`.
     reach_radps : float
-        How far from the origin the picture reaches, rad/s, above zero; a truck's yaw and roll modes
-        lie within 15. Roots beyond are counted in the title.
+        Range of the figure from the origin, rad/s, above zero; the yaw and roll modes of a truck
+        are within 15 rad/s. The title gives the number of roots outside the range.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Imaginary over real part (rad/s).
+        Imaginary part over real part (rad/s).
 
     Raises
     ------
     ValueError
-        There is no model, one is of no known kind, or `reach_radps` is not positive.
+        There is no model, a model has an unknown type, or `reach_radps` is not positive.
     ImportError
         matplotlib is not installed.
     """
@@ -248,31 +249,32 @@ def _damping(axes: Axes, reach: float) -> None:
 
 
 def residuals(model: ArxModel, u: ArrayLike, y: ArrayLike, *, lags: int = 25) -> Figure:
-    """Draw whether a model leaves anything unsaid: correlations of its residuals.
+    """Draw the correlations of the residuals of a model, which show what it does not explain.
 
-    How to read it: above, the residuals with themselves; bars beyond the 99 % band at lags other
-    than 0 say that the noise is not white, so that the stated standard deviations are too small.
-    Below, with the input: bars beyond the band at positive lags say that the model misses
-    dynamics (raise the orders), at negative lags that the output acts back on the input.
+    How to read it: the upper panel is the autocorrelation of the residuals. Bars outside the 99 %
+    band at lags other than 0 show that the noise is not white, so that the stated standard
+    deviations are too small. The lower panel is the correlation with the input. Bars outside the
+    band at positive lags show that the model lacks dynamics (use higher orders); at negative lags
+    they show feedback from the output to the input.
 
     Parameters
     ----------
     model : ArxModel
         The model.
     u, y : array, shape (n,)
-        Input and output; better of a log that it was not fitted to.
+        Input and output, preferably from a log that the model was not fitted to.
     lags : int
-        Greatest lag, samples, 1 or more and below the number of residuals.
+        Largest lag in samples, at least 1 and less than the number of residuals.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Correlation coefficients (no unit) over lag (samples).
+        Correlation coefficients (without unit) over lag (samples).
 
     Raises
     ------
     ValueError
-        The arrays do not fit together, or `lags` is out of range.
+        The arrays differ in length, or `lags` is out of range.
     ImportError
         matplotlib is not installed.
     """

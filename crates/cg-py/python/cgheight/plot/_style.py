@@ -1,4 +1,4 @@
-"""What all pictures share: colors, sizes, axes."""
+"""Colors, sizes and axes that all figures share."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Okabe and Ito's palette: told apart by every eye, and in print.
+# The palette of Okabe and Ito can be distinguished with color blindness, and in print.
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#6B6B6B"
 CYCLE = (BLUE, RED, GREEN, "#CC79A7", ORANGE, "#56B4E9")
 
@@ -35,8 +35,8 @@ _STYLE: dict[str, Any] = {
 def figure(
     rows: int, heights: Sequence[float], *, width: float = 9.0, sharex: bool = True
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with panels one above the other, heights in inches."""
-    # Outside the style: whatever shows figures sets itself up with the first one, for good.
+    """Return a figure with panels one above the other, with heights in inches."""
+    # Created outside the style, because a backend keeps the settings of its first figure.
     pyplot = need("matplotlib.pyplot", "plot")
     made = pyplot.figure(figsize=(width, sum(heights)), layout="constrained")
     with style():
@@ -47,5 +47,5 @@ def figure(
 
 
 def style() -> Any:
-    """Return the context in which everything is drawn."""
+    """Return the context that applies the style to a figure."""
     return need("matplotlib.pyplot", "plot").rc_context(_STYLE)
