@@ -36,7 +36,7 @@ impl Vehicle {
         Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
     }
 
-    /// The path of the vehicle file, as it was given.
+    /// The path of the vehicle file.
     pub(crate) fn path(&self) -> &Path {
         Path::new(&self.source.1)
     }

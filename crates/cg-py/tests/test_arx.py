@@ -28,7 +28,7 @@ def regression(u, y, na, nb, nk):
 
 
 def held(numerator, denominator, interval_s):
-    """Discretise with zero-order hold: coefficients of B and A in powers of the delay."""
+    """Discretize with zero-order hold: coefficients of B and A in powers of the delay."""
     denominator = np.asarray(denominator) / denominator[0]
     through = numerator[0] if len(numerator) == len(denominator) else 0.0
     n = len(denominator) - 1

@@ -300,7 +300,7 @@ def test_frames_of_every_format_make_the_rows_of_the_candump_log(suffix, asynchr
     expected, frame = read_log(asynchronous), read_log(path)
     assert list(frame) == list(expected)
     # The formats store time with a resolution of 10 µs (.asc) or better, from different origins.
-    # Interpolated signals change by that time multiplied by their largest rate, some units a second.
+    # Interpolated signals change by that time times their largest rate, a few units a second.
     assert len(frame) == len(expected)
     for name in set(frame) - {"time_s"}:
         assert np.allclose(frame[name], expected[name], rtol=0, atol=2e-3, equal_nan=True), name

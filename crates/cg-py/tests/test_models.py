@@ -90,7 +90,7 @@ def test_the_frequency_response_is_scipys_and_its_covariance_that_of_draws():
     assert model.transfer_function.response(omega) == pytest.approx(expected, rel=1e-9)
     random = np.random.default_rng(2)
     theta = np.concatenate([model.a[1:], model.b[1:]])
-    # Small enough for the first order to hold: a hundredth of the model's own spread.
+    # A hundredth of the model's standard deviation, so that the first order is accurate.
     draws = random.multivariate_normal(theta, 1e-4 * model.covariance, 4000)
     delay = np.exp(-1j * np.outer(omega * model.ts, np.arange(3)))
     spread = np.array([

@@ -123,7 +123,7 @@ def test_a_row_opens_its_pictures_and_messages(opened):
     script = (
         "return [...document.querySelectorAll('tr.detail path.roll')].map(p => p.getTotalLength())"
     )
-    assert min(opened.execute_script(script)) > 100  # each roll angle is drawn, across its picture
+    assert min(opened.execute_script(script)) > 100  # each roll angle spans its plot
     assert not opened.find_elements(By.CSS_SELECTOR, "tr.log img, tr.log b, tr.detail b")
 
 

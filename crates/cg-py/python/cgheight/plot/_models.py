@@ -97,9 +97,7 @@ def bode(
         hz = column("frequency_hz", frequency_hz)
     made, (upper, lower) = figure(2, [3.2, 2.4])
     with style():
-        for model, transfer, name, color in zip(
-            models, transfers, names, _colors(), strict=False
-        ):
+        for model, transfer, name, color in zip(models, transfers, names, _colors(), strict=False):
             seen = hz if transfer.ts is None else hz[hz <= 0.5 / transfer.ts]
             line: dict[str, Any] = {
                 "color": color,
