@@ -50,8 +50,7 @@ pub(crate) enum Command {
     Calibrate(CalibrateArgs),
     /// Write the constants of a vehicle for firmware as Rust, C or JSON
     Design(DesignArgs),
-    /// Print properties of the vehicle model: transfer function, DC ratio, reduced model, static
-    /// loads
+    /// Print the vehicle model: transfer function, DC ratio, reduced model, static loads
     Model(ModelArgs),
     /// Simulate a drive and write a log with known c.g. height
     Simulate(SimulateArgs),
@@ -61,7 +60,7 @@ pub(crate) enum Command {
     Reproduce(ReproduceArgs),
     /// Estimate live from a CAN interface, or replay a recorded drive in the same way
     Run(RunArgs),
-    /// Run a study of the thesis's chapter 2 on the nonlinear plant; writes a CSV file and a figure
+    /// Run a study of the thesis's chapter 2 and write a CSV file and a figure
     Study(StudyArgs),
 }
 
