@@ -366,12 +366,11 @@ BO_ 291 PLAIN: 8 TILT
             MappedSignal::parse("tilt.dbc", DBC, &maps).unwrap_err().to_string()
         };
         assert!(error("roll=SLOP.Angle").contains("only SLOPE, PLAIN"));
-        assert!(error("roll=SLOPE.Angel").contains("only Angle, Bare, Wide"));
+        assert!(error("roll=SLOPE.Angel").contains("only SLOPE.Angle, SLOPE.Bare, SLOPE.Wide"));
         assert!(error("roll=SLOPE.Bare").contains("give the unit: roll=SLOPE.Bare[rad]"));
         assert!(error("speed=SLOPE.Angle").contains("\"deg\" is not one of m/s, km/h"));
         for map in [
             "roll",
-            "roll=SLOPE",
             "roll=SLOPE.A[deg",
             "roll=SLOPE.A*0",
             "roll=SLOPE.A*x",
