@@ -1,7 +1,7 @@
 //! A hash of every bit of every answer.
 
-use cg_core::{Maneuver, Outcome, Reject};
 use cg_core::{Height, HeightError, Inconsistency, Measured, SampleError, Status, Step, Unexcited};
+use cg_core::{Maneuver, Outcome, Reject};
 
 /// FNV-1a, 64 bits, over 32-bit words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

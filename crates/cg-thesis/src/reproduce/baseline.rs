@@ -10,7 +10,7 @@ use cg_vehicle::{LinearModel, Variant, Vehicle};
 /// Meters per inch, the thesis's unit of height.
 pub(super) const METERS_PER_INCH: f64 = 0.0254;
 
-/// Options of [`table`].
+/// Options of [`table`](fn@super::table).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Draws of the noise in each cell of a Monte-Carlo table.
