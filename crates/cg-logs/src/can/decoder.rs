@@ -369,13 +369,7 @@ BO_ 291 PLAIN: 8 TILT
         assert!(error("roll=SLOPE.Angel").contains("only SLOPE.Angle, SLOPE.Bare, SLOPE.Wide"));
         assert!(error("roll=SLOPE.Bare").contains("give the unit: roll=SLOPE.Bare[rad]"));
         assert!(error("speed=SLOPE.Angle").contains("\"deg\" is not one of m/s, km/h"));
-        for map in [
-            "roll",
-            "roll=SLOPE.A[deg",
-            "roll=SLOPE.A*0",
-            "roll=SLOPE.A*x",
-            "roll=A.B+",
-        ] {
+        for map in ["roll", "roll=SLOPE.A[deg", "roll=SLOPE.A*0", "roll=SLOPE.A*x", "roll=A.B+"] {
             assert!(map.parse::<SignalMap>().is_err(), "{map}");
         }
         let broken = MappedSignal::parse("x.dbc", "BO_ what", &[]).unwrap_err().to_string();

@@ -25,7 +25,7 @@ pub struct Identified {
     pub trailer_mass_kg: f64,
     /// Whether the mass comes from the log or the options, and not from the vehicle file.
     pub trailer_mass_is_known: bool,
-    /// DC ratios in the order of [`Channel::ALL`], with the standard deviation due to noise.
+    /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; 2],
     /// Messages for the user.
     pub messages: Vec<String>,
