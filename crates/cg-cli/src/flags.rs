@@ -55,7 +55,7 @@ mod tests {
         let command = crate::cli::Cli::command();
         let flags: Vec<String> = command
             .get_subcommands()
-            .flat_map(|command| command.get_arguments())
+            .flat_map(clap::Command::get_arguments)
             .chain(command.get_arguments())
             .filter_map(|argument| Some(format!("--{}", argument.get_long()?)))
             .collect();

@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
 fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Description> {
     let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
     let load = arguments.load.load(vehicle);
-    let model = LinearModel::new(vehicle, arguments.model.into(), speed_mps, load)?;
+    let model = LinearModel::new(vehicle, arguments.model, speed_mps, load)?;
     let state_space = &model.state_space;
     let TransferFunction { numerator, denominator, poles, zeros, gain, dc_gain } =
         state_space.to_trailer_roll().transfer_function()?;

@@ -39,6 +39,7 @@ pub(crate) fn column(quantity: Quantity) -> String {
 }
 
 /// The label of an axis.
+#[cfg(feature = "plots")]
 pub(crate) fn axis(quantity: Quantity) -> String {
     format!("{} ({})", quantity.label, shown(quantity.unit).symbol)
 }

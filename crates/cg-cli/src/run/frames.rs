@@ -51,11 +51,11 @@ impl Frames {
         session.counters.frames += 1;
         for &quantity in &self.heard {
             if let Some(step_s) = self.presence.saw(quantity, instant.stream_us) {
-                session.notice(Signal::from(quantity).name(), too_slow(step_s))?;
+                session.notice(Signal::from(quantity).name(), &too_slow(step_s))?;
             }
         }
         for (signal, message) in self.sampler.news() {
-            session.notice(signal, message)?;
+            session.notice(signal, &message)?;
         }
         session.counters.values_of_other_sources = self.sampler.values_of_other_sources();
         let tally = self.sampler.tally();

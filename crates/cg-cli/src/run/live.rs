@@ -107,7 +107,7 @@ impl Live<'_> {
         if self.link == Link::Up {
             self.link = Link::Down { since_us: wall_us() };
             let message = format!("{}: {error}; waiting for it", self.interface);
-            session.notice("interface", message)?;
+            session.notice("interface", &message)?;
         }
         Ok(())
     }
@@ -190,7 +190,7 @@ impl Live<'_> {
                     && frame.time_us > since_us
                 {
                     self.link = Link::Up;
-                    session.notice("interface", format!("{}: up again", self.interface))?;
+                    session.notice("interface", &format!("{}: up again", self.interface))?;
                 }
                 frames.take(frame, Some(self.monotonic_us()), session)?;
                 session.outputs.latency.push(wall_us().saturating_sub(frame.time_us));
@@ -199,7 +199,7 @@ impl Live<'_> {
                 session.counters.error_frames += 1;
                 if *words != self.error {
                     self.error = words;
-                    session.notice("bus", format!("{}: {words}", self.interface))?;
+                    session.notice("bus", &format!("{}: {words}", self.interface))?;
                 }
             }
             Received::Nothing => {}

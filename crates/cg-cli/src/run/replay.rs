@@ -61,7 +61,7 @@ pub(crate) fn candump<W: Write>(
         session.counters.malformed = reader.malformed();
         session.counters.error_frames = reader.error_frames();
         for message in reader.news() {
-            session.notice("source", format!("{name}, {message}"))?;
+            session.notice("source", &format!("{name}, {message}"))?;
         }
         let Some(frame) = frame else { break };
         if stop.asked() {
@@ -108,13 +108,13 @@ pub(crate) fn csv<W: Write>(
         session.counters.frames += 1;
         session.counters.values_implausible = reader.implausible_values();
         for (signal, message) in reader.news() {
-            session.notice(signal, message)?;
+            session.notice(signal, &message)?;
         }
         for quantity in Quantity::ALL {
             if !row.get(Signal::from(quantity)).is_nan()
                 && let Some(step_s) = presence.saw(quantity, instant.stream_us)
             {
-                session.notice(Signal::from(quantity).name(), too_slow(step_s))?;
+                session.notice(Signal::from(quantity).name(), &too_slow(step_s))?;
             }
         }
         session.push(row.sample(instant.stream_us, &settings))?;
@@ -137,7 +137,7 @@ fn next_row<W: Write>(
                 session.counters.malformed += 1;
                 if session.counters.malformed == 1 {
                     let message = format!("{error}; invalid rows are skipped and counted");
-                    session.notice("source", message)?;
+                    session.notice("source", &message)?;
                 }
             }
             Err(error) => return Err(error.into()),

@@ -122,10 +122,10 @@ impl<W: Write> Session<W> {
             }
             Some(Ok(Found::PutAside(path, reason))) => {
                 let message = format!("not used and renamed to {}: {reason}", path.display());
-                self.notice("state", message).map(|()| false)
+                self.notice("state", &message).map(|()| false)
             }
             Some(Err(error)) => {
-                self.notice("state", format!("cannot be read: {error}")).map(|()| false)
+                self.notice("state", &format!("cannot be read: {error}")).map(|()| false)
             }
             Some(Ok(Found::Nothing)) | None => Ok(false),
         }
@@ -147,7 +147,7 @@ impl<W: Write> Session<W> {
         }
         #[allow(clippy::cast_precision_loss)]
         let jump_s = instant.jump_us as f64 * 1e-6;
-        self.notice("clock", format!("the time stamps jumped by {jump_s:.3} s"))
+        self.notice("clock", &format!("the time stamps jumped by {jump_s:.3} s"))
     }
 
     pub(crate) fn say(&mut self, event: Event<'_>) -> io::Result<()> {
@@ -155,8 +155,8 @@ impl<W: Write> Session<W> {
         events::write(&mut self.outputs.lines, time_s, event)
     }
 
-    pub(crate) fn notice(&mut self, subject: &'static str, message: String) -> io::Result<()> {
-        self.say(Event::Notice { subject, message: flags::told(&message) })
+    pub(crate) fn notice(&mut self, subject: &'static str, message: &str) -> io::Result<()> {
+        self.say(Event::Notice { subject, message: flags::told(message) })
     }
 
     #[allow(clippy::cast_precision_loss)]
@@ -174,7 +174,7 @@ impl<W: Write> Session<W> {
         let (samples, slow_s) = self.pace.push(sample);
         if let Some(step_s) = slow_s {
             let signal = if sample.roll_rad.is_nan() { "tilt" } else { "roll" };
-            self.notice(signal, too_slow(step_s))?;
+            self.notice(signal, &too_slow(step_s))?;
         }
         samples.into_iter().flatten().try_for_each(|sample| self.estimate(&sample))
     }
@@ -208,7 +208,7 @@ impl<W: Write> Session<W> {
                     "a signal gives a trailer mass of {:.0} kg, which is used from now on",
                     sample.trailer_mass_kg
                 );
-                return self.notice("mass", message);
+                return self.notice("mass", &message);
             }
         }
         Ok(())
@@ -225,7 +225,7 @@ impl<W: Write> Session<W> {
             "no signal gives the trailer mass: {nominal_kg:.0} kg from the vehicle file is used; a \
              wrong mass gives a wrong height, so give --trailer-mass-kg or a signal of the mass"
         );
-        self.notice("mass", message)
+        self.notice("mass", &message)
     }
 
     fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
@@ -324,7 +324,7 @@ impl<W: Write> Session<W> {
         });
         self.notice(
             "channels",
-            format!("inconsistent, so there is no height: {}; check the sensors", told.join(", ")),
+            &format!("inconsistent, so there is no height: {}; check the sensors", told.join(", ")),
         )
     }
 
@@ -388,7 +388,7 @@ impl<W: Write> Session<W> {
     fn measure(&mut self) -> io::Result<()> {
         let status = self.status();
         match self.outputs.measure(&status) {
-            Some(message) => self.notice("metrics", message),
+            Some(message) => self.notice("metrics", &message),
             None => Ok(()),
         }
     }
@@ -398,7 +398,7 @@ impl<W: Write> Session<W> {
         let memory = self.estimator.memory();
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
         match self.outputs.save(&memory, saved_s, since_s) {
-            Some(message) => self.notice("state", message),
+            Some(message) => self.notice("state", &message),
             None => Ok(()),
         }
     }
