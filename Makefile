@@ -130,7 +130,8 @@ dist-c:
 	cargo build --profile dist --package cg-ffi --target $(CHIP)
 	rm -rf target/c && mkdir -p target/c/lib/$(CHIP)
 	cp target/dist/libcg_ffi.a target/c/lib && cp target/$(CHIP)/dist/libcg_ffi.a target/c/lib/$(CHIP)
-	tar -czf dist/cg-height-c-$(VERSION).tar.gz -C target/c lib -C $(CURDIR)/crates/cg-ffi include examples README.md LICENSE-MIT LICENSE-APACHE
+	tar -czhf dist/cg-height-c-$(VERSION).tar.gz -C target/c lib \
+	  -C $(CURDIR)/crates/cg-ffi include examples README.md LICENSE-MIT LICENSE-APACHE
 
 dist-firmware: firmware-tools
 	@mkdir -p dist
