@@ -199,7 +199,7 @@ def test_what_is_wrong_with_a_log_or_its_names_is_said(drive, tmp_path):
         read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"roll": "Rolll"})
     with pytest.raises(ValueError, match=r"Speed is in several messages: give one of Slow\.Speed"):
         read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"speed": "Speed"})
-    unit = r'unit "furlong" is not one of kg, .*name it: trailer_mass=Slow\.Mass\[kg\]'
+    unit = r'unit "furlong" is not one of kg, .*give the unit: trailer_mass=Slow\.Mass\[kg\]'
     with pytest.raises(ValueError, match=unit):
         read_log(dbc_log, dbc=dbc, signals=SIGNALS | {"trailer_mass": "Mass"})
     (tmp_path / "bad.dbc").write_text("BO_ 1")
