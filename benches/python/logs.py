@@ -74,7 +74,7 @@ def main() -> None:
             return lambda: cgheight.estimate_logs(paths, vehicle=truck, jobs=jobs, **options)
 
         peer = timed(lambda: [by_pandas(path) for path in paths])
-        arx = {"method": "arx", "order": ORDER, "channel": "steer"}
+        arx = {"method": cgheight.Arx(ORDER), "channel": "steer"}
         table = [
             ("pandas.read_csv and numpy lstsq: ARX [5 5 0]", peer),
             ("`read_log` and `arx`: the same ARX, with covariance",
