@@ -1,13 +1,16 @@
-//! From a sample to the two signals of the identification, the expected and the measured roll
-//! angle.
+//! From a sample to the two signals of each channel, the expected and the measured roll angle.
 //!
-//! * The roll angle comes from the roll sensor, or from an inclinometer after its response to the
-//!   lateral acceleration is subtracted: `φ = tilt − a_y/g`.
+//! * The roll angle comes from a roll sensor: relative to the road, or else relative to gravity
+//!   (`φ + β`; on a banked road this is another angle, see [`Row::to_gravity`]). An inclinometer
+//!   shows the specific force divided by g. With a known lateral acceleration it gives the roll
+//!   angle relative to gravity, `(f − a_y)/g`.
+//! * The lateral acceleration is measured, or it is the yaw rate times the speed, or the specific
+//!   force without its gravity, `f − g (φ + β)`.
 //! * Each input is multiplied by the roll angle that the design expects per unit of it at the
 //!   present speed and mass (at the reference height). The scaled input is the expected roll angle
 //!   in radians. The ratio identified from it is near one, and slow changes of the speed have no
 //!   effect on it.
-//! * The steer channel is used at steady speed only. Traction and braking change the response to
+//! * The steer angle is used at steady speed only. Traction and braking change the response to
 //!   steering (by some 60 % per m/s² on the independent truck), but not the roll angle at a given
 //!   lateral acceleration.
 //! * Values that a quantity cannot have (NaN, infinite, or outside its
@@ -19,6 +22,7 @@ use core::fmt;
 
 use crate::math::real::Real;
 use crate::signal::sample::Sample;
+use crate::truck::channel::{CHANNELS, Channel, Input, Output};
 use crate::truck::design::Design;
 
 /// Lateral acceleration above which the truck is in a turn.
@@ -65,31 +69,36 @@ impl core::error::Error for SampleError {}
 /// One conditioned sample, the input of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Row<T> {
+pub struct Row<T, const C: usize = CHANNELS> {
     /// Time stamp, µs.
     pub time_us: u64,
-    /// Measured roll angle, rad.
-    pub roll_rad: T,
+    /// Measured roll angle of each channel, rad; NaN if absent. The order is that of
+    /// [`Design::channels`].
+    pub measured_rad: [T; C],
     /// Expected roll angle at the reference height from the input of each channel, rad; NaN if
     /// absent.
-    pub expected_rad: [T; 2],
+    pub expected_rad: [T; C],
+    /// Whether the trailer's roll angle is relative to gravity and thus contains the bank of the
+    /// road.
+    pub to_gravity: bool,
     /// Last known speed, m/s.
     pub speed_mps: T,
     /// Last known trailer mass, kg.
     pub trailer_mass_kg: T,
-    /// Lateral acceleration, m/s²: measured, or if absent, expected from the steer angle.
+    /// Lateral acceleration, m/s²: measured, or if absent, expected from the steer angle or from a
+    /// specific force.
     pub lateral_acceleration_mps2: T,
     /// Whether the truck is in a turn.
     pub turning: bool,
     /// Whether the model of each channel is valid: speed and mass are within the axes of the
-    /// design, the lateral acceleration is small enough, and for the steer channel the speed is
+    /// design, the lateral acceleration is small enough, and for the steer angle the speed is
     /// steady.
-    pub usable: [bool; 2],
+    pub usable: [bool; C],
 }
 
 /// Converts each [`Sample`] to a [`Row`].
 #[derive(Clone, Copy, Debug)]
-pub struct Conditioner<T> {
+pub struct Conditioner<T, const C: usize = CHANNELS> {
     previous_us: Option<u64>,
     speed_mps: T,
     /// The speed after a first-order lag with the time constant [`SPEED_FILTER_S`].
@@ -101,12 +110,12 @@ pub struct Conditioner<T> {
     smooth: Option<(u64, T)>,
     /// Expected roll angle per unit of each input, at the reference height and the present speed
     /// and mass.
-    gains: Option<[T; 2]>,
+    gains: Option<[T; C]>,
 }
 
-impl<T: Real> Conditioner<T> {
+impl<T: Real, const C: usize> Conditioner<T, C> {
     /// A conditioner that has seen no sample.
-    pub fn new(design: &Design<T>) -> Self {
+    pub fn new(design: &Design<T, C>) -> Self {
         let mut conditioner = Self {
             previous_us: None,
             speed_mps: design.nominal_speed_mps,
@@ -126,20 +135,20 @@ impl<T: Real> Conditioner<T> {
     }
 
     /// Sets the trailer mass if it is known before the first sample.
-    pub(crate) fn weigh(&mut self, design: &Design<T>, trailer_mass_kg: T) {
+    pub(crate) fn weigh(&mut self, design: &Design<T, C>, trailer_mass_kg: T) {
         self.trailer_mass_kg = trailer_mass_kg;
         self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
     }
 
-    /// Conditions one sample; `None` if it has no roll angle or no input.
+    /// Conditions one sample; `None` if no channel has both a roll angle and an input.
     ///
     /// # Errors
     /// [`SampleError::TimeOrder`] if the time stamp is not greater than the previous one.
     pub fn push(
         &mut self,
-        design: &Design<T>,
+        design: &Design<T, C>,
         sample: &Sample<T>,
-    ) -> Result<Option<Row<T>>, SampleError> {
+    ) -> Result<Option<Row<T, C>>, SampleError> {
         let sample = &sample.checked();
         let time_us = sample.time_us;
         if let Some(previous_us) = self.previous_us
@@ -152,36 +161,71 @@ impl<T: Real> Conditioner<T> {
         self.schedule(design, sample);
         let steady = self.acceleration_mps2(seconds(interval_us)).abs() < T::of(STEADY_MPS2);
 
-        let lateral = if sample.lateral_acceleration_mps2.present() {
-            sample.lateral_acceleration_mps2
-        } else {
-            sample.yaw_rate_radps * self.speed_mps
-        };
-        let roll_rad = if sample.roll_rad.present() {
-            sample.roll_rad
-        } else {
-            sample.tilt_rad - lateral / design.gravity_mps2
-        };
-        if !roll_rad.present() || !(sample.steer_rad.present() || lateral.present()) {
+        let signals = Signals::of(sample, self.speed_mps, design.gravity_mps2);
+        let gains = self.gains.unwrap_or([T::absent(); C]);
+        let (mut measured_rad, mut expected_rad) = ([T::absent(); C], [T::absent(); C]);
+        let mut absent = true;
+        for (place, (measured, expected)) in
+            measured_rad.iter_mut().zip(&mut expected_rad).enumerate()
+        {
+            let (Some(channel), Some(gain)) = (design.channel(place), gains.get(place)) else {
+                continue;
+            };
+            let input = signals.input(channel.input());
+            *measured = signals.output(channel.output());
+            *expected = *gain * input;
+            absent &= !(measured.present() && input.present());
+        }
+        if absent {
             return Ok(None);
         }
-        let gains = self.gains.unwrap_or([T::absent(); 2]);
-        let expected_rad = [gains[0] * sample.steer_rad, gains[1] * lateral];
-        let felt = if lateral.present() { lateral } else { expected_rad[0] / gains[1] };
+        let felt = self.felt_mps2(design, &signals);
         let smooth_mps2 = self.smooth_mps2(time_us, felt);
         let limit = if self.turning { STRAIGHT_MPS2 } else { TURNING_MPS2 };
         self.turning = smooth_mps2.abs() > T::of(limit);
         let linear = self.gains.is_some() && smooth_mps2.abs() < T::of(LINEAR_MPS2);
+        let mut usable = [linear; C];
+        if let Some(place) = design.place(Channel::Steer)
+            && let Some(usable) = usable.get_mut(place)
+        {
+            *usable = linear && steady;
+        }
         Ok(Some(Row {
             time_us,
-            roll_rad,
+            measured_rad,
             expected_rad,
+            to_gravity: signals.to_gravity,
             speed_mps: self.speed_mps,
             trailer_mass_kg: self.trailer_mass_kg,
             lateral_acceleration_mps2: felt,
             turning: self.turning,
-            usable: [linear && steady, linear],
+            usable,
         }))
+    }
+
+    /// The lateral acceleration: measured, or if absent, expected from the steer angle or else from
+    /// a specific force.
+    fn felt_mps2(&self, design: &Design<T, C>, signals: &Signals<T>) -> T {
+        if signals.lateral_mps2.present() {
+            return signals.lateral_mps2;
+        }
+        let gain = |channel: Channel| {
+            let gain = self.gains.as_ref().and_then(|gains| gains.get(design.place(channel)?));
+            gain.copied().unwrap_or(T::absent())
+        };
+        let roll = gain(Channel::LateralAcceleration);
+        let steered = gain(Channel::Steer) * signals.steer_rad / roll;
+        if steered.present() {
+            return steered;
+        }
+        let force = if signals.force_mps2.present() {
+            signals.force_mps2
+        } else {
+            signals.tractor_force_mps2
+        };
+        // f = a_y (1 + g R); without R the lateral acceleration appears a little too large.
+        let roll = if roll.present() { roll } else { T::zero() };
+        force / (T::one() + design.gravity_mps2 * roll)
     }
 
     /// The filtered lateral acceleration: the last one if the sample has none, and zero before the
@@ -205,7 +249,7 @@ impl<T: Real> Conditioner<T> {
     }
 
     /// Stores the last known speed and mass, and the gains for them.
-    fn schedule(&mut self, design: &Design<T>, sample: &Sample<T>) {
+    fn schedule(&mut self, design: &Design<T, C>, sample: &Sample<T>) {
         let (speed, mass) = (sample.speed_mps, sample.trailer_mass_kg);
         let new_speed = speed.present() && speed != self.speed_mps;
         // A scale that shows zero has not measured yet.
@@ -218,6 +262,59 @@ impl<T: Real> Conditioner<T> {
         }
         if new_speed || new_mass {
             self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
+        }
+    }
+}
+
+/// The signals of a sample by what they measure; NaN if absent.
+struct Signals<T> {
+    steer_rad: T,
+    lateral_mps2: T,
+    force_mps2: T,
+    tractor_force_mps2: T,
+    roll_rad: T,
+    to_gravity: bool,
+    suspension_rad: T,
+    tractor_suspension_rad: T,
+}
+
+impl<T: Real> Signals<T> {
+    fn of(sample: &Sample<T>, speed_mps: T, gravity_mps2: T) -> Self {
+        let or = |first: T, second: T| if first.present() { first } else { second };
+        let force_mps2 = or(sample.lateral_specific_force_mps2, gravity_mps2 * sample.tilt_rad);
+        let measured = or(sample.lateral_acceleration_mps2, sample.yaw_rate_radps * speed_mps);
+        let lateral_mps2 = or(measured, force_mps2 - gravity_mps2 * sample.roll_to_gravity_rad);
+        let to_gravity_rad =
+            or(sample.roll_to_gravity_rad, (force_mps2 - lateral_mps2) / gravity_mps2);
+        Self {
+            steer_rad: sample.steer_rad,
+            lateral_mps2,
+            force_mps2,
+            tractor_force_mps2: or(
+                sample.tractor_lateral_specific_force_mps2,
+                gravity_mps2 * sample.tractor_tilt_rad,
+            ),
+            roll_rad: or(sample.roll_rad, to_gravity_rad),
+            to_gravity: !sample.roll_rad.present(),
+            suspension_rad: sample.suspension_roll_rad,
+            tractor_suspension_rad: sample.tractor_suspension_roll_rad,
+        }
+    }
+
+    fn output(&self, output: Output) -> T {
+        match output {
+            Output::Roll => self.roll_rad,
+            Output::SuspensionRoll => self.suspension_rad,
+            Output::TractorSuspensionRoll => self.tractor_suspension_rad,
+        }
+    }
+
+    fn input(&self, input: Input) -> T {
+        match input {
+            Input::Steer => self.steer_rad,
+            Input::LateralAcceleration => self.lateral_mps2,
+            Input::SpecificForce => self.force_mps2,
+            Input::TractorSpecificForce => self.tractor_force_mps2,
         }
     }
 }

@@ -1,6 +1,7 @@
-//! Fusion of the heights of all maneuvers and of both channels.
+//! Fusion of the heights of all maneuvers and of all channels.
 
 use crate::math::real::Real;
+use crate::truck::channel::Output;
 use crate::truck::ratio::Measured;
 
 /// The height of the trailer's c.g. (sprung mass, above the ground, at rest).
@@ -18,7 +19,7 @@ pub struct Height<T> {
 const DOUBTFUL: f64 = 6.635;
 const CONTRADICTION: f64 = 15.137;
 
-/// The result of comparing and combining the two channels.
+/// The result of comparing and combining the channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Combined<T> {
@@ -37,8 +38,8 @@ pub enum Combined<T> {
         /// Squared difference divided by its variance.
         chi_square: T,
     },
-    /// One channel gives a height that this trailer cannot have, and the other channel does not
-    /// show that its input is wrong. The roll angle may be wrong. There is no height.
+    /// One channel gives a height that this trailer cannot have, and no other channel shows that its
+    /// input is wrong. The roll angle may be wrong. There is no height.
     Impossible,
 }
 
@@ -142,71 +143,171 @@ impl<T: Real> Fusion<T> {
 }
 
 impl<T: Real> Height<T> {
-    /// Compares the heights of both channels and combines them if they agree. `correlation` is that
-    /// of the uncertainty of model and calibration in both heights. For the comparison, the effects
-    /// of noise on the two heights are taken as independent.
-    #[must_use]
-    pub fn combined(&self, other: &Self, correlation: T) -> Combined<T> {
-        let (mine, theirs) = (self.systematic_sd_m(), other.systematic_sd_m());
-        let variance = self.random_sd_m * self.random_sd_m
-            + other.random_sd_m * other.random_sd_m
-            + mine * mine
-            + theirs * theirs
-            - T::of(2.0) * correlation * mine * theirs;
-        let difference = self.height_m.value - other.height_m.value;
-        let chi_square = difference * difference / variance;
-        let mut height = self.mean_with(other, correlation);
-        // This form of the comparison lets two heights without uncertainty (0/0) agree.
-        if chi_square > T::of(CONTRADICTION) {
-            Combined::Contradictory { chi_square }
-        } else if chi_square > T::of(DOUBTFUL) {
-            height.height_m.sd *= chi_square.root();
-            Combined::Doubtful { height, chi_square }
-        } else {
-            Combined::Agreed(height)
-        }
-    }
-
     /// The part of the standard deviation that does not decrease with more maneuvers.
     fn systematic_sd_m(&self) -> T {
         let total = self.height_m.sd * self.height_m.sd;
         (total - self.random_sd_m * self.random_sd_m).max(T::zero()).root()
     }
+}
 
-    /// The mean of both heights with the smallest variance.
+/// The heights of all channels, and what their errors have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Heights<T, const C: usize> {
+    /// The height of each channel, if it has one.
+    pub of_channels: [Option<Height<T>>; C],
+    /// Correlations of the uncertainty that model, calibration and road leave in the heights.
+    pub correlation: [[T; C]; C],
+    /// The roll angle that each channel explains. Channels with the same roll angle have the same
+    /// noise.
+    pub outputs: [Option<Output>; C],
+}
+
+impl<T: Real, const C: usize> Heights<T, C> {
+    /// Compares the heights of all channels and combines them if they agree; `None` if there is
+    /// none.
     ///
-    /// Both channels use the same roll angle, so their noise is taken as fully correlated. The
-    /// weight is limited to the interval from 0 to 1; a weight outside it would rely on that
-    /// correlation.
-    fn mean_with(&self, other: &Self, correlation: T) -> Self {
-        let variance = |height: &Self| height.height_m.sd * height.height_m.sd;
-        let (mine, theirs) = (variance(self), variance(other));
-        let common = self.random_sd_m * other.random_sd_m
-            + correlation * self.systematic_sd_m() * other.systematic_sd_m();
-        let spread = mine + theirs - T::of(2.0) * common;
-        let weight = if spread > T::zero() {
+    /// The channels are added one by one, the most accurate first. Each is compared with the mean
+    /// of those before it and gets the weight for which the variance of the new mean is smallest,
+    /// within 0 and 1. A weight outside would rely on the correlation of the errors.
+    pub fn combined(&self) -> Option<Combined<T>> {
+        let mut left = self.of_channels;
+        let (place, first) = Self::most_accurate(&left)?;
+        left[place] = None;
+        let mut mean = Self::alone(place);
+        let (mut value, mut maneuvers) = (first.height_m.value, first.maneuvers);
+        let mut greatest = T::zero();
+        while let Some((place, next)) = Self::most_accurate(&left) {
+            left[place] = None;
+            let difference = value - next.height_m.value;
+            let chi_square = difference * difference / self.variance_of_difference(&mean, place);
+            // This form of the comparison lets two heights without uncertainty (0/0) agree.
+            if chi_square > greatest {
+                greatest = chi_square;
+            }
+            let weight = self.best_weight(&mean, place);
+            for share in &mut mean {
+                *share *= T::one() - weight;
+            }
+            mean[place] = weight;
+            value += weight * (next.height_m.value - value);
+            maneuvers = maneuvers.max(next.maneuvers);
+        }
+        if greatest > T::of(CONTRADICTION) {
+            return Some(Combined::Contradictory { chi_square: greatest });
+        }
+        let random = self.covariance(&mean, &mean, Part::Random).max(T::zero());
+        let whole = self.covariance(&mean, &mean, Part::Whole).max(T::zero());
+        let mut height = Height {
+            height_m: Measured { value, sd: whole.root() },
+            random_sd_m: random.root(),
+            maneuvers,
+        };
+        Some(if greatest > T::of(DOUBTFUL) {
+            height.height_m.sd *= greatest.root();
+            Combined::Doubtful { height, chi_square: greatest }
+        } else {
+            Combined::Agreed(height)
+        })
+    }
+
+    /// The weights of the height at `place` alone.
+    fn alone(place: usize) -> [T; C] {
+        let mut weights = [T::zero(); C];
+        weights[place] = T::one();
+        weights
+    }
+
+    /// The height with the smallest standard deviation, and its place.
+    fn most_accurate(heights: &[Option<Height<T>>; C]) -> Option<(usize, Height<T>)> {
+        let mut best: Option<(usize, Height<T>)> = None;
+        for (place, height) in heights.iter().enumerate() {
+            if let Some(height) = height
+                && best.is_none_or(|(_, best)| height.height_m.sd < best.height_m.sd)
+            {
+                best = Some((place, *height));
+            }
+        }
+        best
+    }
+
+    /// The weight of the height at `place` beside `mean` for the smallest variance.
+    fn best_weight(&self, mean: &[T; C], place: usize) -> T {
+        let alone = Self::alone(place);
+        let mine = self.covariance(mean, mean, Part::Whole);
+        let its = self.covariance(&alone, &alone, Part::Whole);
+        let common = self.covariance(mean, &alone, Part::Whole);
+        let spread = mine + its - T::of(2.0) * common;
+        if spread > T::zero() {
             ((mine - common) / spread).max(T::zero()).min(T::one())
         } else {
             T::zero()
-        };
-        let rest = T::one() - weight;
-        let mix = |a: T, b: T| rest * a + weight * b;
-        let total =
-            rest * rest * mine + weight * weight * theirs + T::of(2.0) * rest * weight * common;
-        Self {
-            height_m: Measured {
-                value: mix(self.height_m.value, other.height_m.value),
-                sd: total.max(T::zero()).root(),
-            },
-            random_sd_m: mix(self.random_sd_m, other.random_sd_m),
-            maneuvers: self.maneuvers.max(other.maneuvers),
         }
+    }
+
+    /// The variance of the difference between `mean` and the height at `place`. The effects of
+    /// noise on the heights are taken as independent.
+    fn variance_of_difference(&self, mean: &[T; C], place: usize) -> T {
+        let mut difference = *mean;
+        difference[place] = -T::one();
+        self.covariance(&difference, &difference, Part::Independent)
+    }
+
+    /// The covariance of two weighted sums of the heights.
+    fn covariance(&self, a: &[T; C], b: &[T; C], part: Part) -> T {
+        let mut sum = T::zero();
+        for (i, one) in self.of_channels.iter().enumerate() {
+            for (j, other) in self.of_channels.iter().enumerate() {
+                let (Some(one), Some(other)) = (one, other) else { continue };
+                let shared = i == j || (part.shares_noise() && self.outputs[i] == self.outputs[j]);
+                let noise = if shared { one.random_sd_m * other.random_sd_m } else { T::zero() };
+                let systematic = if matches!(part, Part::Random) {
+                    T::zero()
+                } else {
+                    let correlation = if i == j { T::one() } else { self.correlation[i][j] };
+                    correlation * one.systematic_sd_m() * other.systematic_sd_m()
+                };
+                sum += a[i] * b[j] * (noise + systematic);
+            }
+        }
+        sum
+    }
+}
+
+/// The part of the uncertainty.
+#[derive(Clone, Copy)]
+enum Part {
+    /// Noise, taken as fully correlated between channels with the same roll angle.
+    Random,
+    /// Noise as above, and the systematic part.
+    Whole,
+    /// The same, with noise that is independent in all channels.
+    Independent,
+}
+
+impl Part {
+    const fn shares_noise(self) -> bool {
+        !matches!(self, Self::Independent)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two channels with the same roll angle.
+    fn combined(a: Height<f64>, b: Height<f64>, correlation: f64) -> Option<Combined<f64>> {
+        Heights {
+            of_channels: [Some(a), Some(b)],
+            correlation: [[1.0, correlation], [correlation, 1.0]],
+            outputs: [Some(Output::Roll); 2],
+        }
+        .combined()
+    }
+
+    /// The mean of two heights that are too uncertain to contradict each other.
+    fn mean(a: Height<f64>, b: Height<f64>, correlation: f64) -> Height<f64> {
+        combined(a, b, correlation).unwrap().height().unwrap()
+    }
 
     /// All numbers are finite, but the height would not be.
     #[test]
@@ -262,12 +363,12 @@ mod tests {
         };
         let (a, b) = (height(1.9, 0.03), height(2.0, 0.04));
         // Independent: the weights are 16/25 and 9/25, and the sd is 0.03·0.04/0.05.
-        let combined = a.mean_with(&b, 0.0).height_m;
+        let combined = mean(a, b, 0.0).height_m;
         assert!((combined.value - (1.9 * 16.0 + 2.0 * 9.0) / 25.0).abs() < 1e-12);
         assert!((combined.sd - 0.024).abs() < 1e-12);
         // If the correlation exceeds the ratio of the sd's, the worse height adds no information.
-        assert_eq!(a.mean_with(&b, 0.8).height_m, a.height_m);
-        assert_eq!(b.mean_with(&a, 0.8).height_m, a.height_m);
+        assert_eq!(mean(a, b, 0.8).height_m, a.height_m);
+        assert_eq!(mean(b, a, 0.8).height_m, a.height_m);
     }
 
     #[test]
@@ -281,7 +382,7 @@ mod tests {
         // noise of 0.04 in one channel.
         let sd = (2.0 * 0.03_f64.powi(2) + 0.04_f64.powi(2)).sqrt();
         let beside =
-            |deviations: f64| height(2.0, 0.0).combined(&height(2.0 + deviations * sd, 0.04), 0.0);
+            |deviations: f64| combined(height(2.0, 0.0), height(2.0 + deviations * sd, 0.04), 0.0).unwrap();
         assert!(matches!(beside(2.57), Combined::Agreed(_)));
         let Combined::Doubtful { height: wide, chi_square } = beside(2.6) else { panic!("1 %") };
         assert!((chi_square - 2.6_f64.powi(2)).abs() < 1e-9);
@@ -291,7 +392,7 @@ mod tests {
         assert!(matches!(beside(-3.9), Combined::Contradictory { .. }));
         assert_eq!(beside(-3.9).height(), None);
         // An uncertainty that both channels share does not explain a difference.
-        let shared = height(2.0, 0.0).combined(&height(2.01, 0.0), 0.999);
+        let shared = combined(height(2.0, 0.0), height(2.01, 0.0), 0.999).unwrap();
         assert!(matches!(shared, Combined::Contradictory { .. }));
     }
 
@@ -364,7 +465,7 @@ mod tests {
         let (a, b) = (height(2.0, 0.02, 0.03, 3), height(2.05, 0.01, 0.04, 5));
         let (mine, theirs, common): (f64, f64, f64) = (0.0013, 0.0017, 0.0002 + 0.0006);
         let weight = (mine - common) / (mine + theirs - 2.0 * common);
-        let Combined::Agreed(found) = a.combined(&b, 0.5) else { panic!("0.05 m") };
+        let Some(Combined::Agreed(found)) = combined(a, b, 0.5) else { panic!("0.05 m") };
         assert!((found.height_m.value - (2.0 + 0.05 * weight)).abs() < 1e-12);
         let best = (mine * theirs - common * common) / (mine + theirs - 2.0 * common);
         assert!((found.height_m.sd - best.sqrt()).abs() < 1e-12);
@@ -374,7 +475,7 @@ mod tests {
         let variance = 0.0004 + 0.0001 + 0.0009 + 0.0016 - 0.0012_f64;
         let other =
             Height { height_m: Measured { value: 2.0 + 3.0 * variance.sqrt(), ..b.height_m }, ..b };
-        let Combined::Doubtful { chi_square, .. } = a.combined(&other, 0.5) else { panic!("3 sd") };
+        let Some(Combined::Doubtful { chi_square, .. }) = combined(a, other, 0.5) else { panic!("3 sd") };
         assert!((chi_square - 9.0).abs() < 1e-9);
     }
 }

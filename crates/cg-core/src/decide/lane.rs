@@ -51,16 +51,19 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         impossible: false,
     };
 
-    /// Gives a row to the identifier. `expected_rad` is the expected roll angle from this channel's
-    /// input; the row is used for the fit only if `usable` is true.
-    pub(crate) fn identify(
+    /// Gives a row to the identifier of the channel at this `place` of the design.
+    pub(crate) fn identify<const C: usize>(
         &mut self,
-        row: &Row<T>,
-        expected_rad: T,
-        usable: bool,
+        row: &Row<T, C>,
+        place: usize,
         settings: &Settings<T>,
     ) {
-        if !expected_rad.present() {
+        let (Some(&expected_rad), Some(&measured_rad), Some(&usable)) =
+            (row.expected_rad.get(place), row.measured_rad.get(place), row.usable.get(place))
+        else {
+            return;
+        };
+        if !expected_rad.present() || !measured_rad.present() {
             return;
         }
         let interval_us = self.last_us.map(|last_us| row.time_us.saturating_sub(last_us));
@@ -79,12 +82,12 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         if row.time_us < self.rest.until_us && !row.turning {
             let rest_rad = self.rest.with(expected_rad);
             self.identifier.restart();
-            self.identifier.push(rest_rad, row.roll_rad, T::zero(), false);
+            self.identifier.push(rest_rad, measured_rad, T::zero(), false);
             return;
         }
         let interval_s = seconds(interval_us.unwrap_or(0));
         let use_row = usable && row.time_us >= self.settled_us;
-        self.identifier.push(expected_rad, row.roll_rad, interval_s, use_row);
+        self.identifier.push(expected_rad, measured_rad, interval_s, use_row);
     }
 
     /// Deletes the heights after a change of the load.
@@ -137,15 +140,16 @@ mod tests {
     ) -> (f64, f64, bool) {
         let row = Row {
             time_us,
-            roll_rad: 0.1,
+            measured_rad: [0.1; 2],
             expected_rad: [expected; 2],
+            to_gravity: false,
             speed_mps: 10.0,
             trailer_mass_kg: 2e4,
             lateral_acceleration_mps2: 0.0,
             turning,
             usable: [true; 2],
         };
-        lane.identify(&row, expected, true, &Settings::truck());
+        lane.identify(&row, 1, &Settings::truck());
         lane.identifier.last
     }
 

@@ -28,7 +28,7 @@ pub(crate) type Said<T> = Option<(Measured<T>, T)>;
 
 /// What a maneuver means for the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Verdict<T> {
+pub(crate) enum Verdict<T, const C: usize> {
     /// The load is the same: fuse the maneuver.
     Same,
     /// The load may have changed: do not fuse the maneuver yet.
@@ -37,22 +37,22 @@ pub(crate) enum Verdict<T> {
     /// one.
     Changed {
         /// The waiting maneuver; `None` in a channel without a height.
-        waited: [Said<T>; 2],
+        waited: [Said<T>; C],
     },
 }
 
 /// The state of the detection of load changes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LoadWatch<T> {
+pub(crate) struct LoadWatch<T, const C: usize> {
     mass_kg: Option<T>,
     mass_change: T,
     last_us: Option<u64>,
     standing_us: u64,
     stopped: bool,
-    waiting: Option<[Said<T>; 2]>,
+    waiting: Option<[Said<T>; C]>,
 }
 
-impl<T: Real> LoadWatch<T> {
+impl<T: Real, const C: usize> LoadWatch<T, C> {
     /// The state before the first row. A relative change of the mass by more than `mass_change`
     /// means another load.
     pub(crate) fn new(mass_change: T) -> Self {
@@ -70,7 +70,7 @@ impl<T: Real> LoadWatch<T> {
     pub(crate) fn resumed(
         mass_change: T,
         mass_kg: Option<T>,
-        waiting: Option<[Said<T>; 2]>,
+        waiting: Option<[Said<T>; C]>,
     ) -> Self {
         Self { mass_kg, waiting, stopped: true, ..Self::new(mass_change) }
     }
@@ -81,7 +81,7 @@ impl<T: Real> LoadWatch<T> {
     }
 
     /// The maneuver that waits for a second one that agrees with it.
-    pub(crate) fn waiting(&self) -> Option<[Said<T>; 2]> {
+    pub(crate) fn waiting(&self) -> Option<[Said<T>; C]> {
         self.waiting
     }
 
@@ -103,15 +103,15 @@ impl<T: Real> LoadWatch<T> {
     pub(crate) fn judge(
         &mut self,
         mass_kg: T,
-        said: [Said<T>; 2],
-        fused: [Option<Height<T>>; 2],
-    ) -> Verdict<T> {
+        said: [Said<T>; C],
+        fused: [Option<Height<T>>; C],
+    ) -> Verdict<T, C> {
         let before_kg = self.mass_kg.replace(mass_kg);
         let weighed =
             before_kg.is_some_and(|before| (mass_kg - before).abs() > self.mass_change * before);
         if weighed {
             (self.stopped, self.waiting) = (false, None);
-            return Verdict::Changed { waited: [None; 2] };
+            return Verdict::Changed { waited: [None; C] };
         }
         if said.iter().all(Option::is_none) {
             return Verdict::Same;
@@ -123,7 +123,7 @@ impl<T: Real> LoadWatch<T> {
         }
         if self.stopped {
             (self.stopped, self.waiting) = (false, None);
-            return Verdict::Changed { waited: [None; 2] };
+            return Verdict::Changed { waited: [None; C] };
         }
         match self.waiting.replace(said) {
             Some(waited) if agree(&said, &waited) => {
@@ -137,7 +137,7 @@ impl<T: Real> LoadWatch<T> {
 
 /// Whether the height of a channel differs from the fused one by more than `limit` standard
 /// deviations.
-fn contradicts<T: Real>(said: &[Said<T>; 2], fused: &[Option<Height<T>>; 2], limit: T) -> bool {
+fn contradicts<T: Real>(said: &[Said<T>], fused: &[Option<Height<T>>], limit: T) -> bool {
     said.iter().zip(fused).any(|pair| match pair {
         (Some((height, systematic)), Some(fused)) => {
             far(*height, fused.height_m.value, fused.random_sd_m, *systematic, limit)
@@ -147,7 +147,7 @@ fn contradicts<T: Real>(said: &[Said<T>; 2], fused: &[Option<Height<T>>; 2], lim
 }
 
 /// Whether two maneuvers agree in every channel in which both have a height.
-fn agree<T: Real>(one: &[Said<T>; 2], other: &[Said<T>; 2]) -> bool {
+fn agree<T: Real>(one: &[Said<T>], other: &[Said<T>]) -> bool {
     one.iter().zip(other).all(|pair| match pair {
         (Some((height, systematic)), Some((other, _))) => {
             !far(*height, other.value, other.sd, *systematic, T::of(CONTRADICTION))

@@ -5,6 +5,7 @@ use core::fmt;
 use crate::decide::consistency::Inconsistency;
 use crate::identify::identifier::{Fit, Unexcited};
 use crate::math::real::Real;
+use crate::truck::channel::CHANNELS;
 use crate::truck::ratio::{HeightError, Measured};
 
 /// State of the estimator after a sample.
@@ -22,7 +23,7 @@ pub enum Status {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reject<T> {
-    /// The input of the channel was absent.
+    /// The input or the roll angle of the channel was absent.
     Absent,
     /// The data do not determine the ratio.
     Unexcited(Unexcited),
@@ -86,16 +87,29 @@ pub struct Outcome<T> {
     /// Result of the identification. Its `ratio` is the DC ratio `R_i` in radians of roll per unit
     /// of input. `None` if nothing was identified.
     pub fit: Option<Fit<T>>,
-    /// Height in meters with its standard deviation due to noise, or the reason why there is none.
+    /// Height in meters with its standard deviation due to noise and to this curve's own bank, or
+    /// the reason why there is none.
     pub height_m: Result<Measured<T>, Reject<T>>,
-    /// Standard deviation of the height due to compensation and model, meters.
+    /// Standard deviation of the height due to compensation, model and the part of the bank of the
+    /// road that all curves have in common, meters.
     pub systematic_sd_m: T,
+    /// Standard deviation of the height due to the bank of the road, meters. It is contained in the
+    /// other two.
+    pub road_sd_m: T,
+}
+
+impl<T: Real> Outcome<T> {
+    /// No height, for this reason.
+    pub(crate) fn rejected(fit: Option<Fit<T>>, reject: Reject<T>) -> Self {
+        let zero = T::zero();
+        Self { fit, height_m: Err(reject), systematic_sd_m: zero, road_sd_m: zero }
+    }
 }
 
 /// The results of one closed maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Maneuver<T> {
+pub struct Maneuver<T, const C: usize = CHANNELS> {
     /// First time stamp, µs.
     pub start_us: u64,
     /// Last time stamp, µs.
@@ -104,17 +118,17 @@ pub struct Maneuver<T> {
     pub speed_mps: T,
     /// Mean trailer mass, kg.
     pub trailer_mass_kg: T,
-    /// Results of both channels, in the order of [`Channel::ALL`](crate::Channel::ALL).
-    pub outcomes: [Outcome<T>; 2],
-    /// Correlation of the systematic errors of both channels.
-    pub correlation: T,
+    /// Results of all channels, in the order of the design's [channels](crate::Design::channels).
+    pub outcomes: [Outcome<T>; C],
+    /// Correlations of the systematic errors of the channels.
+    pub correlation: [[T; C]; C],
 }
 
 /// The result of one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step<T> {
+pub struct Step<T, const C: usize = CHANNELS> {
     /// State of the estimator after the sample.
     pub status: Status,
     /// The maneuver that this sample closed, if any.
-    pub closed: Option<Maneuver<T>>,
+    pub closed: Option<Maneuver<T, C>>,
 }

@@ -3,18 +3,18 @@
 use crate::decide::height::Fusion;
 use crate::decide::load::Said;
 use crate::math::real::Real;
+use crate::truck::channel::CHANNELS;
 use crate::truck::ratio::Measured;
 
 /// The fused heights and the state of the load. The open maneuver is not included, so it is lost at
 /// a restart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct Memory<T> {
-    /// The fused maneuvers of each channel, in the order of [`Channel::ALL`](crate::Channel::ALL).
-    pub fused: [Fusion<T>; 2],
-    /// Correlation of the systematic errors of both channels.
-    pub correlation: T,
+pub struct Memory<T, const C: usize = CHANNELS> {
+    /// The fused maneuvers of each channel, in the order of the design's
+    /// [channels](crate::Design::channels).
+    pub fused: [Fusion<T>; C],
+    /// Correlations of the systematic errors of the channels.
+    pub correlation: [[T; C]; C],
     /// Last known trailer mass.
     pub trailer_mass_kg: T,
     /// Trailer mass of the last maneuver, if there was one.
@@ -22,10 +22,10 @@ pub struct Memory<T> {
     /// A maneuver that contradicts the fused heights and waits for a second one that agrees with
     /// it. Per channel: the height with its standard deviation due to noise, and the systematic
     /// standard deviation.
-    pub waiting: Option<[Said<T>; 2]>,
+    pub waiting: Option<[Said<T>; C]>,
 }
 
-impl<T: Real> Memory<T> {
+impl<T: Real, const C: usize> Memory<T, C> {
     /// Whether every number is in its possible range.
     pub fn is_sound(&self) -> bool {
         let positive = |x: T| x.present() && x > T::zero();
@@ -33,7 +33,7 @@ impl<T: Real> Memory<T> {
             positive(height.value) && positive(height.sd) && systematic_sd.present()
         };
         self.fused.iter().all(Fusion::is_sound)
-            && self.correlation.abs() <= T::one()
+            && self.correlation.iter().flatten().all(|entry| entry.abs() <= T::one())
             && positive(self.trailer_mass_kg)
             && self.load_mass_kg.is_none_or(positive)
             && self.waiting.iter().flatten().flatten().all(said)
@@ -46,10 +46,10 @@ mod tests {
 
     const GOOD: (Measured<f64>, f64) = (Measured { value: 2.0, sd: 0.1 }, 0.05);
 
-    fn good() -> Memory<f64> {
+    fn good() -> Memory<f64, 2> {
         Memory {
             fused: [Fusion::new(); 2],
-            correlation: 0.5,
+            correlation: [[1.0, 0.5], [0.5, 1.0]],
             trailer_mass_kg: 20e3,
             load_mass_kg: Some(20e3),
             waiting: Some([Some(GOOD), None]),
@@ -60,7 +60,7 @@ mod tests {
     fn every_number_is_looked_at() {
         assert!(good().is_sound());
         assert!(Memory { load_mass_kg: None, waiting: None, ..good() }.is_sound());
-        assert!(Memory { correlation: -1.0, ..good() }.is_sound());
+        assert!(Memory { correlation: [[1.0, -1.0], [-1.0, 1.0]], ..good() }.is_sound());
         for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(!Memory { trailer_mass_kg: wrong, ..good() }.is_sound());
             assert!(!Memory { load_mass_kg: Some(wrong), ..good() }.is_sound());
@@ -71,7 +71,7 @@ mod tests {
             }
         }
         for wrong in [1.01, -1.01, f64::NAN] {
-            assert!(!Memory { correlation: wrong, ..good() }.is_sound());
+            assert!(!Memory { correlation: [[1.0, wrong], [0.5, 1.0]], ..good() }.is_sound());
         }
         let endless = Some((GOOD.0, f64::INFINITY));
         assert!(!Memory { waiting: Some([endless, None]), ..good() }.is_sound());

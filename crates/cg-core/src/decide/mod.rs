@@ -8,5 +8,8 @@ pub(crate) mod load;
 pub mod memory;
 pub mod maneuver;
 pub mod settings;
+pub(crate) mod road;
+pub(crate) mod window;
+pub(crate) mod judge;
 pub(crate) mod lane;
 pub mod warning;

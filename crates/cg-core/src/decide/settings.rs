@@ -2,6 +2,10 @@
 
 use crate::math::real::Real;
 
+/// Standard deviation of the bank of public roads in curves, radians: crown and superelevation are
+/// two to seven percent.
+pub const PUBLIC_BANK_SD_RAD: f64 = 0.02;
+
 /// Settings of the estimator: when maneuvers start and end, and which of them are used. Times are
 /// in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,9 +44,24 @@ pub struct Settings<T> {
     pub weighing_us: u64,
     /// Relative change of the trailer mass that means another load.
     pub mass_change: T,
+    /// Standard deviation of the bank of the road in curves, radians. It applies to roll angles
+    /// relative to gravity, and to all roll angles of a truck whose other sensors do not feel the
+    /// bank.
+    pub bank_sd_rad: T,
+    /// The same for roll angles relative to the road without such other sensors. Such angles come
+    /// from a simulation or a test track, so it is usually zero.
+    pub bank_sd_to_road_rad: T,
 }
 
 impl<T: Real> Settings<T> {
+    /// The same settings for roads whose bank in curves has this standard deviation, radians; zero
+    /// for a flat test track.
+    #[must_use]
+    pub fn on_road(self, bank_sd_rad: T) -> Self {
+        Self { bank_sd_rad, bank_sd_to_road_rad: bank_sd_rad, ..self }
+    }
+
+
     /// Settings for trucks on roads.
     pub fn truck() -> Self {
         Self {
@@ -59,6 +78,8 @@ impl<T: Real> Settings<T> {
             bend: T::one(),
             weighing_us: 10_000_000,
             mass_change: T::of(0.05),
+            bank_sd_rad: T::of(PUBLIC_BANK_SD_RAD),
+            bank_sd_to_road_rad: T::zero(),
         }
     }
 }

@@ -1,107 +1,37 @@
 //! Alignment of signals with different rates and time stamps to samples.
 //!
-//! A sample is taken at each time stamp of the roll angle (or of the tilt, as long as there is no
-//! roll angle); no fixed grid is used. Steer angle, lateral acceleration and yaw rate are
-//! interpolated to that time as soon as their next values have arrived. If these do not arrive, the
-//! last values are held. Speed and mass keep their last values. A value that is too old is absent.
+//! A sample is taken at each time stamp of one quantity; no fixed grid is used. It is the trailer's
+//! roll angle, or the first quantity of a list of roll angles and levels that a sensor sends. All
+//! other signals with a direction or a level are interpolated to that time as soon as their next
+//! values have arrived. If these do not arrive, the last values are held. Speed and mass keep their
+//! last values. A value that is too old is absent.
 //!
 //! If several devices send the same quantity, the first one is used until it stops sending or a
 //! signal with a better rank appears.
 
 use crate::math::real::Real;
 use crate::signal::sample::{Quantity, Sample};
+use crate::signal::sensors::AlignSettings;
 
-/// Maximum number of roll angles that wait for the other signals.
+/// Quantities that may determine the time stamps of the samples: the first one that is alive does.
+const PACE: [Quantity; 8] = [
+    Quantity::Roll,
+    Quantity::RollToGravity,
+    Quantity::Tilt,
+    Quantity::SuspensionRoll,
+    Quantity::LevelLeft,
+    Quantity::TractorSuspensionRoll,
+    Quantity::TractorLevelLeft,
+    Quantity::TractorTilt,
+];
+/// Maximum number of time stamps that wait for the other signals.
 const ROOM: usize = 32;
-/// Maximum waiting time of a roll angle.
-const PATIENCE_US: u64 = 100_000;
+/// Maximum waiting time. Levels are sent every 100 ms (J1939 ASC3), some of them a little late.
+const PATIENCE_US: u64 = 120_000;
 /// Time without a value after which a frequently sent signal counts as lost.
 const STALE_US: u64 = Quantity::Roll.serves_us();
 /// Longest silence of a device after which another device with the same quantity is used.
 const GONE_US: u64 = 30_000_000;
-
-/// The vehicle data that convert sensor values to the values of a sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AlignSettings<T> {
-    /// Steering-wheel angle divided by the mean road-wheel angle. Without it, the steering-wheel
-    /// angle is not used.
-    pub steering_ratio: Option<T>,
-    /// Trailer mass in kg as a linear function of the axle load: the value at no load (kg), and the
-    /// slope (kg/kg). It follows from the trailer's static balance on fifth wheel and axles.
-    pub mass_of_axle_load: Option<[T; 2]>,
-    /// Trailer mass in kg as a linear function of the gauge pressure in its air suspension: the
-    /// value at zero (kg), and the slope (kg/Pa).
-    pub mass_of_suspension_pressure: Option<[T; 2]>,
-    /// The smallest and the greatest possible mass of the trailer, kg. Masses outside this range
-    /// are ignored.
-    pub mass_range_kg: Option<[T; 2]>,
-}
-
-impl<T: Real> AlignSettings<T> {
-    /// No vehicle data.
-    pub const NONE: Self = Self {
-        steering_ratio: None,
-        mass_of_axle_load: None,
-        mass_of_suspension_pressure: None,
-        mass_range_kg: None,
-    };
-
-    /// Mean road-wheel angle, rad: the measured one or, if it is absent, the one that follows from
-    /// the steering-wheel angle.
-    pub fn steer_rad(&self, steer_rad: T, steering_wheel_rad: T) -> T {
-        match self.steering_ratio {
-            Some(ratio) if !steer_rad.present() => steering_wheel_rad / ratio,
-            _ => steer_rad,
-        }
-    }
-
-    /// Trailer mass, kg: the measured one or, if it is absent, the one that follows from the axle
-    /// load or from the suspension pressure, in this order. Values that fail
-    /// [`believes`](Self::believes) are skipped.
-    pub fn trailer_mass_kg(&self, trailer_mass_kg: T, axle_load_kg: T, pressure_pa: T) -> T {
-        [
-            (Quantity::TrailerMass, trailer_mass_kg),
-            (Quantity::TrailerAxleLoad, axle_load_kg),
-            (Quantity::TrailerSuspensionPressure, pressure_pa),
-        ]
-        .into_iter()
-        .filter(|(quantity, value)| self.believes(*quantity, *value))
-        .map(|(quantity, value)| self.mass_kg(quantity, value))
-        .find(|mass_kg| mass_kg.present())
-        .unwrap_or_else(T::absent)
-    }
-
-    /// The trailer mass that follows from a value of this quantity, kg; absent if none follows.
-    pub fn mass_kg(&self, quantity: Quantity, value: T) -> T {
-        let along = |line: Option<[T; 2]>| match line {
-            Some([at_zero, slope]) => at_zero + slope * value,
-            None => T::absent(),
-        };
-        match quantity {
-            Quantity::TrailerMass => value,
-            Quantity::TrailerAxleLoad => along(self.mass_of_axle_load),
-            Quantity::TrailerSuspensionPressure => along(self.mass_of_suspension_pressure),
-            _ => T::absent(),
-        }
-    }
-
-    /// Whether the value is [plausible](Quantity::plausible) and, if a trailer mass follows from
-    /// it, whether the trailer can have that mass. Absent values return `false`.
-    pub fn believes(&self, quantity: Quantity, value: T) -> bool {
-        let mass_kg = self.mass_kg(quantity, value);
-        let possible = match self.mass_range_kg {
-            Some([least, greatest]) if mass_kg.present() => mass_kg >= least && mass_kg <= greatest,
-            _ => true,
-        };
-        possible && quantity.plausible(value)
-    }
-}
-
-impl<T: Real> Default for AlignSettings<T> {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
 
 /// What the aligner did with a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,33 +49,55 @@ pub enum Taken {
 /// The last two values of a quantity.
 #[derive(Clone, Copy, Debug)]
 struct Track<T> {
-    last: Option<(u64, T)>,
-    before: Option<(u64, T)>,
+    last_us: u64,
+    /// The last value and the one before it; the last is NaN before the first.
+    last: T,
+    before: T,
+    /// Number of the sending device.
     source: u32,
-    rank: u8,
+    /// Time between the two values (24 bits, zero if there is only one) and the rank of the signal
+    /// (8 bits). There is a track for every quantity, so a word less counts on a chip.
+    span_and_rank: u32,
 }
 
+/// The greatest time between two values that a track can hold, 16.8 s.
+const GREATEST_SPAN_US: u32 = 0x00FF_FFFF;
+
 impl<T: Real> Track<T> {
-    const EMPTY: Self = Self { last: None, before: None, source: 0, rank: u8::MAX };
+    fn empty() -> Self {
+        Self { last_us: 0, last: T::absent(), before: T::absent(), source: 0, span_and_rank: 0 }
+    }
+
+    const fn span_us(&self) -> u32 {
+        self.span_and_rank >> 8
+    }
 
     fn push(&mut self, (source, rank): (u32, u8), time_us: u64, value: T, gone_us: u64) -> Taken {
-        if let Some((last_us, _)) = self.last {
-            let alive = time_us.saturating_sub(last_us) <= gone_us;
-            let same = source == self.source && rank == self.rank;
-            if !same && alive && rank >= self.rank {
+        let rank = u32::from(rank);
+        let mut span_us = 0;
+        if self.last.present() {
+            let its_rank = self.span_and_rank & 0xFF;
+            let alive = time_us.saturating_sub(self.last_us) <= gone_us;
+            let same = source == self.source && rank == its_rank;
+            if !same && alive && rank >= its_rank {
                 return Taken::OtherSource;
             }
-            if same && time_us <= last_us {
+            if same && time_us <= self.last_us {
                 return Taken::OutOfOrder;
             }
-            self.before = if same { self.last } else { None };
+            if same {
+                let passed_us = u32::try_from(time_us - self.last_us).unwrap_or(u32::MAX);
+                span_us = passed_us.min(GREATEST_SPAN_US);
+            }
         }
-        (self.last, self.source, self.rank) = (Some((time_us, value)), source, rank);
+        (self.before, self.last) = (self.last, value);
+        (self.last_us, self.source) = (time_us, source);
+        self.span_and_rank = (span_us << 8) | rank;
         Taken::Yes
     }
 
     fn age_us(&self, now_us: u64) -> Option<u64> {
-        self.last.map(|(last_us, _)| now_us.saturating_sub(last_us))
+        self.last.present().then(|| now_us.saturating_sub(self.last_us))
     }
 
     fn lives(&self, now_us: u64, stale_us: u64) -> bool {
@@ -154,17 +106,16 @@ impl<T: Real> Track<T> {
 
     /// The value at a time: interpolated between the last two values, or the last value.
     fn at(&self, time_us: u64, stale_us: u64) -> T {
-        match (self.before, self.last) {
-            (Some((before_us, before)), Some((last_us, last)))
-                if time_us < last_us && last_us - before_us <= stale_us =>
-            {
-                // Waiting times are below one hour, and 32 bits hold such times in microseconds.
-                let span = |us: u64| T::of(f64::from(u32::try_from(us).unwrap_or(u32::MAX)));
-                let share = span(time_us.saturating_sub(before_us)) / span(last_us - before_us);
-                before + (last - before) * share
-            }
-            (_, Some((last_us, last))) if time_us.abs_diff(last_us) <= stale_us => last,
-            _ => T::absent(),
+        let (ago_us, span_us) = (self.last_us.saturating_sub(time_us), self.span_us());
+        if ago_us > 0 && span_us > 0 && u64::from(span_us) <= stale_us {
+            let ago_us = u32::try_from(ago_us).unwrap_or(u32::MAX).min(span_us);
+            let seconds = |us: u32| T::of(f64::from(us));
+            let share = seconds(span_us - ago_us) / seconds(span_us);
+            self.before + (self.last - self.before) * share
+        } else if time_us.abs_diff(self.last_us) <= stale_us {
+            self.last // NaN before the first value
+        } else {
+            T::absent()
         }
     }
 }
@@ -187,8 +138,8 @@ impl<T: Real> Track<T> {
 pub struct Aligner<T> {
     settings: AlignSettings<T>,
     tracks: [Track<T>; Quantity::COUNT],
-    /// Roll angles that wait for other signals: time stamp (µs), value, and whether it is a tilt.
-    waiting: [(u64, T, bool); ROOM],
+    /// Values of the quantity in [`PACE`] that wait for other signals, with their time stamps (µs).
+    waiting: [(u64, T, Quantity); ROOM],
     first: usize,
     count: usize,
     sampled_us: Option<u64>,
@@ -199,8 +150,8 @@ impl<T: Real> Aligner<T> {
     pub fn new(settings: AlignSettings<T>) -> Self {
         Self {
             settings,
-            tracks: [Track::EMPTY; Quantity::COUNT],
-            waiting: [(0, T::absent(), false); ROOM],
+            tracks: [Track::empty(); Quantity::COUNT],
+            waiting: [(0, T::absent(), Quantity::Roll); ROOM],
             first: 0,
             count: 0,
             sampled_us: None,
@@ -220,11 +171,10 @@ impl<T: Real> Aligner<T> {
         let Some(track) = self.tracks.get_mut(quantity.index()) else { return Taken::OtherSource };
         let gone_us = quantity.serves_us().min(GONE_US);
         let taken = track.push(device, time_us, value, gone_us);
-        let tilt = quantity == Quantity::Tilt;
-        let paces = quantity == Quantity::Roll
-            || (tilt && !self.track(Quantity::Roll).lives(time_us, STALE_US));
-        if taken == Taken::Yes && paces && self.sampled_us.is_none_or(|last| time_us > last) {
-            self.wait(time_us, value, tilt);
+        let lives = |quantity: &Quantity| self.track(*quantity).lives(time_us, STALE_US);
+        let paces = taken == Taken::Yes && PACE.iter().find(|one| lives(one)) == Some(&quantity);
+        if paces && self.sampled_us.is_none_or(|last| time_us > last) {
+            self.wait(time_us, value, quantity);
         }
         taken
     }
@@ -232,7 +182,7 @@ impl<T: Real> Aligner<T> {
     /// The next sample, if all its signals have arrived or the waiting time has passed.
     pub fn next(&mut self, now_us: u64) -> Option<Sample<T>> {
         loop {
-            let (time_us, value, tilt) =
+            let (time_us, value, quantity) =
                 *self.waiting.get(self.first).filter(|_| self.count > 0)?;
             let patient = now_us.saturating_sub(time_us) < PATIENCE_US && self.count < ROOM;
             if patient && self.is_awaited(time_us, now_us) {
@@ -242,7 +192,7 @@ impl<T: Real> Aligner<T> {
             self.count -= 1;
             if self.sampled_us.is_none_or(|last_us| time_us > last_us) {
                 self.sampled_us = Some(time_us);
-                return Some(self.sample(time_us, value, tilt));
+                return Some(self.sample(time_us, value, quantity));
             }
         }
     }
@@ -262,20 +212,21 @@ impl<T: Real> Aligner<T> {
     pub fn value(&self, quantity: Quantity, time_us: u64) -> T {
         let track = self.track(quantity);
         match quantity.serves_us() {
-            u64::MAX => track.last.map_or(T::absent(), |(_, value)| value),
+            u64::MAX => track.last,
             serves_us => track.at(time_us, serves_us),
         }
     }
 
     fn track(&self, quantity: Quantity) -> &Track<T> {
         // `index` is below the number of tracks for every quantity.
-        self.tracks.get(quantity.index()).unwrap_or(&Track::EMPTY)
+        let [first, ..] = &self.tracks;
+        self.tracks.get(quantity.index()).unwrap_or(first)
     }
 
-    fn wait(&mut self, time_us: u64, value: T, tilt: bool) {
+    fn wait(&mut self, time_us: u64, value: T, quantity: Quantity) {
         let place = (self.first + self.count) % ROOM;
         if let Some(slot) = self.waiting.get_mut(place) {
-            *slot = (time_us, value, tilt);
+            *slot = (time_us, value, quantity);
         }
         if self.count == ROOM {
             self.first = (self.first + 1) % ROOM; // the oldest one is overwritten
@@ -284,43 +235,25 @@ impl<T: Real> Aligner<T> {
         }
     }
 
-    /// Whether the next value of an active input is needed for this time stamp and has not arrived.
+    /// Whether the next value of an active signal is needed for this time stamp and has not arrived.
     fn is_awaited(&self, time_us: u64, now_us: u64) -> bool {
-        const INPUTS: [Quantity; 4] = [
-            Quantity::Steer,
-            Quantity::SteeringWheel,
-            Quantity::LateralAcceleration,
-            Quantity::YawRate,
-        ];
-        INPUTS.into_iter().any(|quantity| {
+        let fast = |quantity: &Quantity| quantity.serves_us() == STALE_US;
+        Quantity::ALL.into_iter().filter(fast).any(|quantity| {
             let track = self.track(quantity);
-            track.lives(now_us, STALE_US) && track.last.is_some_and(|(last, _)| last < time_us)
+            track.last_us < time_us && track.lives(now_us, STALE_US)
         })
     }
 
-    fn sample(&self, time_us: u64, value: T, tilt: bool) -> Sample<T> {
-        let at = |quantity: Quantity| self.value(quantity, time_us);
-        let speed_mps = at(Quantity::Speed);
-        let settings = &self.settings;
-        let steer_rad = settings.steer_rad(at(Quantity::Steer), at(Quantity::SteeringWheel));
-        let trailer_mass_kg = settings.trailer_mass_kg(
-            at(Quantity::TrailerMass),
-            at(Quantity::TrailerAxleLoad),
-            at(Quantity::TrailerSuspensionPressure),
-        );
-        let roll = |wanted: bool| if tilt == wanted { value } else { T::absent() };
+    fn sample(&self, time_us: u64, value: T, pace: Quantity) -> Sample<T> {
+        let at = |quantity: Quantity| {
+            if quantity == pace { value } else { self.value(quantity, time_us) }
+        };
+        let mut sample = self.settings.sample(time_us, at);
         // Without a speed, steer angle and yaw rate do not determine the lateral acceleration.
-        let with_speed = |x: T| if speed_mps.present() { x } else { T::absent() };
-        Sample {
-            time_us,
-            steer_rad: with_speed(steer_rad),
-            roll_rad: roll(false),
-            tilt_rad: roll(true),
-            speed_mps,
-            lateral_acceleration_mps2: at(Quantity::LateralAcceleration),
-            yaw_rate_radps: with_speed(at(Quantity::YawRate)),
-            trailer_mass_kg,
+        if !sample.speed_mps.present() {
+            (sample.steer_rad, sample.yaw_rate_radps) = (T::absent(), T::absent());
         }
+        sample
     }
 }
 

@@ -42,13 +42,14 @@ const fn signal(pgn: u32, priority: u8, place: (u8, u8), scale: f64, offset: f64
 pub const STEERING_WHEEL_ANGLE: Signal = signal(61449, 6, (0, 2), 1.0 / 1024.0, -31.374);
 /// VDC2: yaw rate (SPN 1808), rad/s.
 pub const YAW_RATE: Signal = signal(61449, 6, (3, 2), 1.0 / 8192.0, -3.92);
-/// VDC2: lateral acceleration (SPN 1809), m/s².
+/// VDC2: lateral acceleration (SPN 1809), m/s². The sensor is fixed to the tractor's body and shows
+/// its specific force.
 pub const LATERAL_ACCELERATION: Signal = signal(61449, 6, (5, 2), 1.0 / 2048.0, -15.687);
 /// SAS: steering-wheel angle (SPN 3683), rad.
 pub const STEERING_WHEEL_ANGLE_SAS: Signal = signal(61469, 3, (0, 2), 1.0 / 1024.0, -31.374);
-/// SSI: roll angle (SPN 3319), rad.
+/// SSI: roll angle relative to gravity (SPN 3319), rad.
 pub const ROLL: Signal = signal(61459, 3, (2, 2), 0.002 * DEGREE, -64.0 * DEGREE);
-/// SSI2: roll angle, finer (SPN 4977), rad.
+/// SSI2: roll angle relative to gravity, finer (SPN 4977), rad.
 pub const ROLL_FINE: Signal = signal(61481, 3, (3, 3), DEGREE / 32768.0, -250.0 * DEGREE);
 /// ARI: roll rate (SPN 4984), rad/s.
 pub const ROLL_RATE: Signal = signal(61482, 3, (2, 2), DEGREE / 128.0, -250.0 * DEGREE);
@@ -60,6 +61,20 @@ pub const FRONT_AXLE_SPEED: Signal = signal(65215, 6, (0, 2), KMH / 256.0, 0.0);
 pub const TRAILER_MASS: Signal = signal(65258, 6, (3, 2), 2.0, 0.0);
 /// EBS22 (ISO 11992): sum of the trailer's axle loads, kg.
 pub const TRAILER_AXLE_LOAD: Signal = signal(65220, 6, (4, 2), 2.0, 0.0);
+
+/// ASC3: height of the tractor's body above its front axle, left (SPN 1721), m. Like that on the
+/// right it serves no quantity, because a front axle usually has leaf springs.
+pub const LEVEL_FRONT_LEFT: Signal = signal(65113, 6, (0, 2), 1e-4, -3.2);
+/// ASC3: the same on the right (SPN 1722), m.
+pub const LEVEL_FRONT_RIGHT: Signal = signal(65113, 6, (2, 2), 1e-4, -3.2);
+/// ASC3: height of the tractor's body above its rear axle, left (SPN 1723), m.
+pub const LEVEL_REAR_LEFT: Signal = signal(65113, 6, (4, 2), 1e-4, -3.2);
+/// ASC3: the same on the right (SPN 1724), m.
+pub const LEVEL_REAR_RIGHT: Signal = signal(65113, 6, (6, 2), 1e-4, -3.2);
+/// ASC4: gauge pressure in the air spring of the tractor's rear axle, left (SPN 1727), Pa.
+pub const BELLOWS_REAR_LEFT: Signal = signal(65112, 6, (4, 2), 100.0, 0.0);
+/// ASC4: the same on the right (SPN 1728), Pa.
+pub const BELLOWS_REAR_RIGHT: Signal = signal(65112, 6, (6, 2), 100.0, 0.0);
 
 /// Proprietary B group of this project: c.g. height of the trailer's sprung mass, m.
 pub const CG_HEIGHT: Signal = signal(65296, 6, (0, 2), 0.001, 0.0);
@@ -79,22 +94,26 @@ pub const CG_MANEUVERS: Signal = signal(65296, 6, (7, 1), 1.0, 0.0);
 
 /// The signals that are decoded, their quantities and their ranks. If several signals measure the
 /// same quantity, the one with the smallest rank is preferred. The angle of a slope sensor (SSI,
-/// SSI2) is a roll angle or a tilt, depending on [`Slope`].
-pub const TABLE: [(Signal, Quantity, u8); 10] = [
+/// SSI2) is a roll angle relative to gravity or a tilt, depending on [`Slope`].
+pub const TABLE: [(Signal, Quantity, u8); 14] = [
     (STEERING_WHEEL_ANGLE, Quantity::SteeringWheel, 0),
     (YAW_RATE, Quantity::YawRate, 0),
-    (LATERAL_ACCELERATION, Quantity::LateralAcceleration, 0),
-    (ROLL_FINE, Quantity::Roll, 0),
-    (ROLL, Quantity::Roll, 1),
+    (LATERAL_ACCELERATION, Quantity::TractorLateralSpecificForce, 0),
+    (ROLL_FINE, Quantity::RollToGravity, 0),
+    (ROLL, Quantity::RollToGravity, 1),
     (STEERING_WHEEL_ANGLE_SAS, Quantity::SteeringWheel, 1),
     (SPEED, Quantity::Speed, 0),
     (FRONT_AXLE_SPEED, Quantity::Speed, 1),
     (TRAILER_MASS, Quantity::TrailerMass, 0),
     (TRAILER_AXLE_LOAD, Quantity::TrailerAxleLoad, 0),
+    (LEVEL_REAR_LEFT, Quantity::TractorLevelLeft, 0),
+    (LEVEL_REAR_RIGHT, Quantity::TractorLevelRight, 0),
+    (BELLOWS_REAR_LEFT, Quantity::DrivePressureLeft, 0),
+    (BELLOWS_REAR_RIGHT, Quantity::DrivePressureRight, 0),
 ];
 
 /// How to decide whether a slope sensor compensates its angle for the accelerations of the vehicle.
-/// A compensated angle is a roll angle, an uncompensated one is the tilt of an inclinometer.
+/// A compensated angle is a roll angle relative to gravity, an uncompensated one is the tilt of an inclinometer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compensation {
     /// By the compensation bits (SPN 3326, 4980) as defined by J1939-71: 0 on, 1 off. If the bits
@@ -144,7 +163,7 @@ impl Slope {
         match (rule, self.compensation) {
             (Compensation::Bits | Compensation::InvertedBits, 2) => None,
             (Compensation::On, _) | (Compensation::Bits, 0) | (Compensation::InvertedBits, 1) => {
-                Some(Quantity::Roll)
+                Some(Quantity::RollToGravity)
             }
             _ => Some(Quantity::Tilt),
         }
@@ -307,7 +326,7 @@ mod tests {
     #[test]
     fn a_slope_sensor_says_whether_its_angle_is_a_roll_angle() {
         use Compensation::{Bits, InvertedBits, Off, On};
-        const ROLL_ANGLE: Option<Quantity> = Some(Quantity::Roll);
+        const ROLL_ANGLE: Option<Quantity> = Some(Quantity::RollToGravity);
         const TILT: Option<Quantity> = Some(Quantity::Tilt);
         let meant = [
             // compensation, merit: bits, inverted bits, on, off
@@ -414,8 +433,8 @@ mod tests {
             (count, ranks)
         };
         assert_eq!(seen(YAW_RATE.identifier(0x0B), Quantity::YawRate), (3, Some(0)));
-        assert_eq!(seen(ROLL.identifier(0xE4), Quantity::Roll), (1, Some(1)));
-        assert_eq!(seen(ROLL_FINE.identifier(0xE4), Quantity::Roll), (1, Some(0)));
+        assert_eq!(seen(ROLL.identifier(0xE4), Quantity::RollToGravity), (1, Some(1)));
+        assert_eq!(seen(ROLL_FINE.identifier(0xE4), Quantity::RollToGravity), (1, Some(0)));
         assert_eq!(seen(FRONT_AXLE_SPEED.identifier(0x0B), Quantity::Speed), (1, Some(1)));
         assert_eq!(seen(CG_HEIGHT.identifier(0x0B), Quantity::Speed), (0, None));
     }

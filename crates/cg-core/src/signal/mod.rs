@@ -3,4 +3,5 @@
 pub mod unit;
 pub mod sample;
 pub mod j1939;
+pub mod sensors;
 pub mod align;

@@ -26,14 +26,47 @@ macro_rules! quantities {
             SteeringWheel steering_wheel_rad "steering_wheel" Angle [-60.0, 60.0] directed 500_000;
             /// Roll angle of the trailer's sprung mass to the road, positive right side down.
             Roll roll_rad "roll" Angle [-1.0, 1.0] directed 500_000;
-            /// Tilt shown by an accelerometer-type inclinometer on the trailer: roll plus lateral
-            /// acceleration divided by g.
+            /// Roll angle of the trailer's sprung mass to gravity (roll plus the bank of the road),
+            /// positive right side down.
+            RollToGravity roll_to_gravity_rad "roll_to_gravity" Angle [-1.0, 1.0] directed 500_000;
+            /// Tilt shown by an accelerometer-type inclinometer on the trailer's body: its specific
+            /// force divided by g.
             Tilt tilt_rad "tilt" Angle [-1.5, 1.5] directed 500_000;
+            /// Tilt shown by an accelerometer-type inclinometer on an axle of the trailer.
+            AxleTilt axle_tilt_rad "axle_tilt" Angle [-1.5, 1.5] directed 500_000;
+            /// Roll angle of the trailer's sprung mass to its axles, positive right side down.
+            SuspensionRoll suspension_roll_rad "suspension_roll" Angle [-1.0, 1.0] directed 500_000;
+            /// Height of the trailer's body above its axles on the left side.
+            LevelLeft level_left_m "level_left" Length [-4.0, 4.0] undirected 500_000;
+            /// Height of the trailer's body above its axles on the right side.
+            LevelRight level_right_m "level_right" Length [-4.0, 4.0] undirected 500_000;
             /// Forward speed.
             Speed speed_mps "speed" Speed [-20.0, 60.0] directed 2_500_000;
             /// Lateral acceleration of the trailer's sprung mass, positive to the left.
             LateralAcceleration lateral_acceleration_mps2 "lateral_acceleration"
                 Acceleration [-30.0, 30.0] directed 500_000;
+            /// Reading of an accelerometer fixed to the trailer's body, along its lateral axis,
+            /// gravity included, positive to the left.
+            LateralSpecificForce lateral_specific_force_mps2 "lateral_specific_force"
+                Acceleration [-30.0, 30.0] directed 500_000;
+            /// Reading of an accelerometer fixed to the tractor's body, along its lateral axis,
+            /// gravity included, positive to the left.
+            TractorLateralSpecificForce tractor_lateral_specific_force_mps2
+                "tractor_lateral_specific_force" Acceleration [-30.0, 30.0] directed 500_000;
+            /// Roll angle of the tractor's sprung mass to its drive axles, positive right side down.
+            TractorSuspensionRoll tractor_suspension_roll_rad "tractor_suspension_roll"
+                Angle [-1.0, 1.0] directed 500_000;
+            /// Tilt shown by an accelerometer-type inclinometer on the tractor's body.
+            TractorTilt tractor_tilt_rad "tractor_tilt" Angle [-1.5, 1.5] directed 500_000;
+            /// Tilt shown by an accelerometer-type inclinometer on a drive axle of the tractor.
+            TractorAxleTilt tractor_axle_tilt_rad "tractor_axle_tilt" Angle [-1.5, 1.5] directed
+                500_000;
+            /// Height of the tractor's body above its drive axles on the left side.
+            TractorLevelLeft tractor_level_left_m "tractor_level_left" Length [-4.0, 4.0] undirected
+                500_000;
+            /// Height of the tractor's body above its drive axles on the right side.
+            TractorLevelRight tractor_level_right_m "tractor_level_right" Length [-4.0, 4.0]
+                undirected 500_000;
             /// Yaw rate of the trailer, positive to the left.
             YawRate yaw_rate_radps "yaw_rate" AngularRate [-5.0, 5.0] directed 500_000;
             /// Mass of the whole semitrailer as weighed (sprung mass and axles).
@@ -44,6 +77,12 @@ macro_rules! quantities {
             /// Gauge pressure in the trailer's air suspension (above atmospheric), mean of both
             /// sides.
             TrailerSuspensionPressure trailer_suspension_pressure_pa "trailer_suspension_pressure"
+                Pressure [-101_325.0, 2e6] undirected u64::MAX;
+            /// Gauge pressure in the air suspension of the tractor's drive axles, left side.
+            DrivePressureLeft drive_pressure_left_pa "drive_pressure_left"
+                Pressure [-101_325.0, 2e6] undirected u64::MAX;
+            /// Gauge pressure in the air suspension of the tractor's drive axles, right side.
+            DrivePressureRight drive_pressure_right_pa "drive_pressure_right"
                 Pressure [-101_325.0, 2e6] undirected u64::MAX;
         }
     };
@@ -146,13 +185,28 @@ pub struct Sample<T> {
     pub steer_rad: T,
     /// Roll angle of the trailer's sprung mass relative to the road, rad, positive right side down.
     pub roll_rad: T,
-    /// Angle shown by an accelerometer-type inclinometer, rad: roll plus lateral acceleration
-    /// divided by g. It is used if `roll_rad` is absent.
+    /// Roll angle of the trailer's sprung mass relative to gravity, rad. It is used if `roll_rad` is
+    /// absent.
+    pub roll_to_gravity_rad: T,
+    /// Angle shown by an accelerometer-type inclinometer on the trailer's body, rad: the specific
+    /// force divided by g, which replaces an absent `lateral_specific_force_mps2`.
     pub tilt_rad: T,
+    /// Roll angle of the trailer's sprung mass relative to its axles, rad.
+    pub suspension_roll_rad: T,
     /// Forward speed, m/s.
     pub speed_mps: T,
     /// Lateral acceleration of the trailer's sprung mass, m/s², positive to the left.
     pub lateral_acceleration_mps2: T,
+    /// Lateral specific force of the trailer's body (accelerometer fixed to it, gravity included),
+    /// m/s², positive to the left.
+    pub lateral_specific_force_mps2: T,
+    /// Roll angle of the tractor's sprung mass relative to its drive axles, rad.
+    pub tractor_suspension_roll_rad: T,
+    /// Lateral specific force of the tractor's body, m/s², positive to the left.
+    pub tractor_lateral_specific_force_mps2: T,
+    /// Angle shown by an accelerometer-type inclinometer on the tractor's body, rad: the specific
+    /// force divided by g, which replaces an absent `tractor_lateral_specific_force_mps2`.
+    pub tractor_tilt_rad: T,
     /// Yaw rate of the trailer, rad/s, positive to the left. Yaw rate times speed replaces an
     /// absent lateral acceleration.
     pub yaw_rate_radps: T,
@@ -168,9 +222,15 @@ impl<T: Real> Sample<T> {
             time_us,
             steer_rad: nan,
             roll_rad: nan,
+            roll_to_gravity_rad: nan,
             tilt_rad: nan,
+            suspension_roll_rad: nan,
             speed_mps: nan,
             lateral_acceleration_mps2: nan,
+            lateral_specific_force_mps2: nan,
+            tractor_suspension_roll_rad: nan,
+            tractor_lateral_specific_force_mps2: nan,
+            tractor_tilt_rad: nan,
             yaw_rate_radps: nan,
             trailer_mass_kg: nan,
         }
@@ -186,12 +246,27 @@ impl<T: Real> Sample<T> {
             time_us: self.time_us,
             steer_rad: or_absent(Quantity::Steer, self.steer_rad),
             roll_rad: or_absent(Quantity::Roll, self.roll_rad),
+            roll_to_gravity_rad: or_absent(Quantity::RollToGravity, self.roll_to_gravity_rad),
             tilt_rad: or_absent(Quantity::Tilt, self.tilt_rad),
+            suspension_roll_rad: or_absent(Quantity::SuspensionRoll, self.suspension_roll_rad),
             speed_mps: or_absent(Quantity::Speed, self.speed_mps),
             lateral_acceleration_mps2: or_absent(
                 Quantity::LateralAcceleration,
                 self.lateral_acceleration_mps2,
             ),
+            lateral_specific_force_mps2: or_absent(
+                Quantity::LateralSpecificForce,
+                self.lateral_specific_force_mps2,
+            ),
+            tractor_suspension_roll_rad: or_absent(
+                Quantity::TractorSuspensionRoll,
+                self.tractor_suspension_roll_rad,
+            ),
+            tractor_lateral_specific_force_mps2: or_absent(
+                Quantity::TractorLateralSpecificForce,
+                self.tractor_lateral_specific_force_mps2,
+            ),
+            tractor_tilt_rad: or_absent(Quantity::TractorTilt, self.tractor_tilt_rad),
             yaw_rate_radps: or_absent(Quantity::YawRate, self.yaw_rate_radps),
             trailer_mass_kg: or_absent(Quantity::TrailerMass, self.trailer_mass_kg),
         }
@@ -245,6 +320,8 @@ mod tests {
             (Quantity::TrailerMass, 60e3, 20e6),
             (Quantity::TrailerAxleLoad, 40e3, 20e6),
             (Quantity::TrailerSuspensionPressure, 9e5, 9e8),
+            (Quantity::LevelLeft, 0.4, 400.0),
+            (Quantity::TractorLateralSpecificForce, -11.0, 900.0),
         ] {
             assert!(quantity.plausible(usual) && !quantity.plausible(wrong), "{quantity:?}");
         }

@@ -54,6 +54,8 @@ pub enum Dimension {
     Mass,
     /// Pressure, Pa.
     Pressure,
+    /// Length, m.
+    Length,
 }
 
 impl Dimension {
@@ -101,6 +103,9 @@ impl Dimension {
                     ]
                 }
             }
+            Self::Length => {
+                const { &[unit("m", &["m"], 1.0, 1.0), unit("mm", &["mm"], 1.0, 1e3)] }
+            }
         }
     }
 
@@ -130,7 +135,7 @@ impl Dimension {
 mod tests {
     use super::*;
 
-    const ALL: [Dimension; 7] = [
+    const ALL: [Dimension; 8] = [
         Dimension::Time,
         Dimension::Angle,
         Dimension::AngularRate,
@@ -138,6 +143,7 @@ mod tests {
         Dimension::Acceleration,
         Dimension::Mass,
         Dimension::Pressure,
+        Dimension::Length,
     ];
 
     #[test]

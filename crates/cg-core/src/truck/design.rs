@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::math::real::Real;
+use crate::truck::channel::{CHANNELS, Channel, Output};
 use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
@@ -12,46 +13,13 @@ pub const SPEEDS: usize = 8;
 /// Number of trailer masses on the mass axis of a design.
 pub const MASSES: usize = 6;
 
-/// The input of the identified transfer function to the roll angle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// Road-wheel steer angle, as in the thesis. Its ratio depends on the tires and on the speed.
-    Steer,
-    /// Lateral acceleration of the trailer. Its ratio does not depend on the tires.
-    LateralAcceleration,
-}
-
-impl Channel {
-    /// Both channels, in the order of [`Design::channels`].
-    pub const ALL: [Self; 2] = [Self::Steer, Self::LateralAcceleration];
-
-    /// The other channel.
-    #[must_use]
-    pub const fn other(self) -> Self {
-        match self {
-            Self::Steer => Self::LateralAcceleration,
-            Self::LateralAcceleration => Self::Steer,
-        }
-    }
-
-    /// Its index in [`Channel::ALL`].
-    pub const fn index(self) -> usize {
-        match self {
-            Self::Steer => 0,
-            Self::LateralAcceleration => 1,
-        }
-    }
-}
-
-words!(Channel {
-    Steer => "steer", "Steer angle";
-    LateralAcceleration => "lateral-acceleration", "Lateral acceleration, or yaw rate times speed";
-});
-
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct ChannelDesign<T> {
+    /// [`Channel::index`] of this channel: a number, because a structure in the memory of another
+    /// language may hold any.
+    pub index: u32,
     /// The reduced models at the nominal speed and reference height, one for each mass on the
     /// design's mass axis. Only the shape of their dynamics is used.
     pub models: [Reduced5<T>; MASSES],
@@ -62,24 +30,38 @@ pub struct ChannelDesign<T> {
     pub compensation: T,
 }
 
-/// The uncertainty of the DC ratios of both channels at one speed and mass. It comes from the model
+/// The uncertainty of the DC ratios of all channels at one speed and mass. It comes from the model
 /// and the calibration, so it does not average out over maneuvers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
-pub struct Spread<T> {
-    /// Relative standard deviation of each channel's ratio, in the order of [`Channel::ALL`].
-    pub sd: [T; 2],
-    /// Correlation of the two ratios, because springs and roll centers affect both.
-    pub correlation: T,
+pub struct Spread<T, const C: usize = CHANNELS> {
+    /// Covariance of the logarithms of the ratios, in the order of [`Design::channels`]. Springs and
+    /// roll centers affect several of them.
+    pub covariance: [[T; C]; C],
 }
 
-impl<T: Real> Spread<T> {
-    /// Interpolates between `self` (`weight` 0) and `other` (`weight` 1).
-    #[must_use]
-    fn blend(&self, other: &Self, weight: T) -> Self {
-        let mix = |a: T, b: T| a + (b - a) * weight;
-        let ([a, b], [c, d]) = (self.sd, other.sd);
-        Self { sd: [mix(a, c), mix(b, d)], correlation: mix(self.correlation, other.correlation) }
+impl<T: Real, const C: usize> Spread<T, C> {
+    /// Adds another covariance with a weight.
+    fn add(&mut self, other: &Self, weight: T) {
+        let others = other.covariance.iter().flatten();
+        for (entry, other) in self.covariance.iter_mut().flatten().zip(others) {
+            *entry += *other * weight;
+        }
+    }
+
+    fn at(&self, i: usize, j: usize) -> T {
+        self.covariance.get(i).and_then(|row| row.get(j)).copied().unwrap_or(T::zero())
+    }
+
+    /// Relative standard deviation of the ratio at this place in [`Design::channels`].
+    pub fn sd(&self, place: usize) -> T {
+        self.at(place, place).root()
+    }
+
+    /// Correlation of the ratios at two places.
+    pub fn correlation(&self, i: usize, j: usize) -> T {
+        let scale = (self.at(i, i) * self.at(j, j)).root();
+        if scale > T::zero() { (self.at(i, j) / scale).max(-T::one()).min(T::one()) } else { T::zero() }
     }
 }
 
@@ -88,15 +70,16 @@ impl<T: Real> Spread<T> {
 /// The memory layout is that of C, so firmware in any language can keep the structure in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
-pub struct Design<T> {
+pub struct Design<T, const C: usize = CHANNELS> {
     /// Speed axis of the ratio lines, strictly increasing.
     pub speed_mps: [T; SPEEDS],
     /// Trailer-mass axis of the ratio lines (sprung mass and axles), strictly increasing.
     pub trailer_mass_kg: [T; MASSES],
-    /// The two channels, in the order of [`Channel::ALL`].
-    pub channels: [ChannelDesign<T>; 2],
-    /// Uncertainty of the ratios of both channels, `[speed][mass]`.
-    pub spread: [[Spread<T>; MASSES]; SPEEDS],
+    /// The channels. A design on a computer has all of them in the order of [`Channel::ALL`], one
+    /// for a chip those that are chosen for the truck's sensors.
+    pub channels: [ChannelDesign<T>; C],
+    /// Uncertainty of the ratios of all channels, `[speed][mass]`.
+    pub spread: [[Spread<T, C>; MASSES]; SPEEDS],
     /// Speed that is used until a sample has one.
     pub nominal_speed_mps: T,
     /// Trailer mass that is used until a sample has one.
@@ -125,8 +108,13 @@ pub enum DesignError {
     NotIncreasing(&'static str),
     /// A number that must be positive is not. Contains the name of the field.
     NotPositive(&'static str),
-    /// A correlation of the two channels is outside −1 to 1.
-    NotCorrelation,
+    /// The uncertainty of the ratios is no covariance matrix.
+    NotCovariance,
+    /// A channel occurs twice, or its index is unknown.
+    NoSuchChannel {
+        /// The index.
+        index: u32,
+    },
     /// The reduced model of this channel is unstable.
     Unstable(Channel),
 }
@@ -137,8 +125,11 @@ impl fmt::Display for DesignError {
             Self::NotFinite(field) => write!(f, "{field} must be a finite number"),
             Self::NotIncreasing(field) => write!(f, "{field} must increase strictly"),
             Self::NotPositive(field) => write!(f, "{field} must be positive"),
-            Self::NotCorrelation => {
-                write!(f, "the correlation of the channels must lie between -1 and 1")
+            Self::NotCovariance => {
+                write!(f, "the uncertainty of the ratios must be a symmetric covariance matrix")
+            }
+            Self::NoSuchChannel { index } => {
+                write!(f, "channel {index} is unknown or occurs twice")
             }
             Self::Unstable(channel) => {
                 write!(f, "the reduced model of the {channel} channel is unstable")
@@ -149,14 +140,15 @@ impl fmt::Display for DesignError {
 
 impl core::error::Error for DesignError {}
 
-impl<T: Real> Design<T> {
+impl<T: Real, const C: usize> Design<T, C> {
     /// The same design in another precision.
-    pub fn cast<U: Real>(&self) -> Design<U> {
+    pub fn cast<U: Real>(&self) -> Design<U, C> {
         let to = |x: T| U::of(x.as_f64());
         Design {
             speed_mps: self.speed_mps.map(to),
             trailer_mass_kg: self.trailer_mass_kg.map(to),
             channels: self.channels.map(|c| ChannelDesign {
+                index: c.index,
                 models: c.models.map(|model| Reduced5 {
                     numerator: model.numerator.map(to),
                     denominator: model.denominator.map(to),
@@ -172,7 +164,7 @@ impl<T: Real> Design<T> {
                 compensation: to(c.compensation),
             }),
             spread: self.spread.map(|row| {
-                row.map(|s| Spread { sd: s.sd.map(to), correlation: to(s.correlation) })
+                row.map(|s| Spread { covariance: s.covariance.map(|row| row.map(to)) })
             }),
             nominal_speed_mps: to(self.nominal_speed_mps),
             nominal_trailer_mass_kg: to(self.nominal_trailer_mass_kg),
@@ -203,8 +195,11 @@ impl<T: Real> Design<T> {
             "least, reference and greatest height_m",
         )?;
         positive(self.least_height_m, "least_height_m")?;
-        for channel in Channel::ALL {
-            let design = &self.channels[channel.index()];
+        for (place, design) in self.channels.iter().enumerate() {
+            let channel = self
+                .channel(place)
+                .filter(|channel| self.place(*channel) == Some(place))
+                .ok_or(DesignError::NoSuchChannel { index: design.index })?;
             if !design.models.iter().all(Reduced5::is_stable) {
                 return Err(DesignError::Unstable(channel));
             }
@@ -214,11 +209,16 @@ impl<T: Real> Design<T> {
             }
         }
         for spread in self.spread.iter().flatten() {
-            let [steer, lateral] = spread.sd;
-            positive(steer, "spread of the steer ratio")?;
-            positive(lateral, "spread of the lateral-acceleration ratio")?;
-            if !(spread.correlation.abs() <= T::one()) {
-                return Err(DesignError::NotCorrelation);
+            for i in 0..C {
+                positive(spread.at(i, i), "spread of a ratio")?;
+                for j in 0..i {
+                    let (common, limit) = (spread.at(i, j), spread.at(i, i) * spread.at(j, j));
+                    // Rounding may exceed the limit of fully correlated ratios.
+                    let possible = common * common <= limit * T::of(1.0 + 1e-6);
+                    if !possible || common != spread.at(j, i) {
+                        return Err(DesignError::NotCovariance);
+                    }
+                }
             }
         }
         positive(self.rollover.half_track_m, "rollover half_track_m")?;
@@ -237,57 +237,116 @@ impl<T: Real> Design<T> {
         positive(self.gravity_mps2, "gravity_mps2")
     }
 
-    /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes.
+    /// The channel at a place in [`channels`](Self::channels).
+    pub fn channel(&self, place: usize) -> Option<Channel> {
+        let index = usize::try_from(self.channels.get(place)?.index).ok()?;
+        Channel::ALL.get(index).copied()
+    }
+
+    /// The place of a channel in [`channels`](Self::channels); `None` if the design does not have
+    /// it.
+    pub fn place(&self, channel: Channel) -> Option<usize> {
+        self.channels.iter().position(|design| design.index as usize == channel.index())
+    }
+
+    /// The roll angle that the channel at this place explains.
+    pub(crate) fn output(&self, place: usize) -> Option<Output> {
+        Some(self.channel(place)?.output())
+    }
+
+    /// The place of the first channel with the same roll angle as the one at this place.
+    pub(crate) fn first_with_output(&self, place: usize) -> usize {
+        let output = self.output(place);
+        (0..place).find(|other| self.output(*other) == output).unwrap_or(place)
+    }
+
+    /// The same design with some of its channels, for a chip. `None` if one of them is missing.
+    pub fn with_channels<const N: usize>(&self, chosen: [Channel; N]) -> Option<Design<T, N>> {
+        let mut places = [0; N];
+        let first = self.channels.first()?;
+        let mut channels = [*first; N];
+        for ((place, design), channel) in places.iter_mut().zip(&mut channels).zip(chosen) {
+            *place = self.place(channel)?;
+            *design = *self.channels.get(*place)?;
+        }
+        Some(Design {
+            speed_mps: self.speed_mps,
+            trailer_mass_kg: self.trailer_mass_kg,
+            channels,
+            spread: self.spread.map(|row| {
+                row.map(|spread| Spread {
+                    covariance: places.map(|i| places.map(|j| spread.at(i, j))),
+                })
+            }),
+            nominal_speed_mps: self.nominal_speed_mps,
+            nominal_trailer_mass_kg: self.nominal_trailer_mass_kg,
+            reference_height_m: self.reference_height_m,
+            least_height_m: self.least_height_m,
+            greatest_height_m: self.greatest_height_m,
+            gravity_mps2: self.gravity_mps2,
+            rollover: self.rollover,
+            thresholds: self.thresholds,
+        })
+    }
+
+    /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes, or if the
+    /// design does not have the channel.
     ///
     /// Each coefficient is interpolated cubically in speed and in mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(cell.line(&self.channels[channel.index()].lines))
+        Some(cell.line(&self.channels.get(self.place(channel)?)?.lines))
     }
 
-    /// The compensated ratio of both channels at the reference height, in radians of roll per unit
+    /// The compensated ratio of every channel at the reference height, in radians of roll per unit
     /// of input; `None` outside the axes.
-    pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; 2]> {
+    pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {
         let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(Channel::ALL.map(|channel| {
-            let design = &self.channels[channel.index()];
+        Some(self.channels.each_ref().map(|design| {
             cell.line(&design.lines).ratio_at(self.reference_height_m) * design.compensation
         }))
     }
 
-    /// The reduced model of a channel at a trailer mass, interpolated linearly between the
-    /// neighbors on the mass axis. If the interpolated model is unstable, it is the nearer
-    /// neighbor. Beyond the axis it is the last model.
-    pub fn model(&self, channel: Channel, trailer_mass_kg: T) -> Reduced5<T> {
+    /// `R_c` of a channel; one if the design does not have it.
+    pub fn compensation(&self, channel: Channel) -> T {
+        let design = self.place(channel).and_then(|place| self.channels.get(place));
+        design.map_or(T::one(), |design| design.compensation)
+    }
+
+    /// The reduced model at a place in [`channels`](Self::channels) and a trailer mass, interpolated
+    /// linearly between the neighbors on the mass axis. If the interpolated model is unstable, it
+    /// is the nearer neighbor. Beyond the axis it is the last model.
+    pub fn model(&self, place: usize, trailer_mass_kg: T) -> Option<Reduced5<T>> {
         let ends = (self.trailer_mass_kg.first(), self.trailer_mass_kg.last());
         let within_kg = match ends {
             (Some(least), Some(greatest)) => trailer_mass_kg.max(*least).min(*greatest),
             _ => trailer_mass_kg,
         };
-        let [first, ..] = &self.channels[channel.index()].models;
-        let Some((j, share)) = locate(&self.trailer_mass_kg, within_kg) else { return *first };
-        let mut pair = self.channels[channel.index()].models.iter().skip(j);
-        let (light, heavy) = (pair.next().unwrap_or(first), pair.next().unwrap_or(first));
+        let models = &self.channels.get(place)?.models;
+        let (j, share) = locate(&self.trailer_mass_kg, within_kg).unwrap_or((0, T::zero()));
+        let (light, heavy) = (models.get(j)?, models.get(j + 1)?);
         let blended = light.blend(heavy, share);
-        if blended.is_stable() {
+        Some(if blended.is_stable() {
             blended
         } else if share < T::of(0.5) {
             *light
         } else {
             *heavy
-        }
+        })
     }
 
     /// The uncertainty of the ratios at a speed and trailer mass, interpolated linearly; `None`
     /// outside the axes.
-    pub fn spread(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Spread<T>> {
+    pub fn spread(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Spread<T, C>> {
         let (i, u) = locate(&self.speed_mps, speed_mps)?;
         let (j, m) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
-        let at = |i: usize| {
-            let row = self.spread.get(i)?;
-            Some(row.get(j)?.blend(row.get(j + 1)?, m))
-        };
-        Some(at(i)?.blend(&at(i + 1)?, u))
+        let mut spread = Spread { covariance: [[T::zero(); C]; C] };
+        for (row, u) in self.spread.get(i..)?.iter().zip([T::one() - u, u]) {
+            for (corner, m) in row.get(j..)?.iter().zip([T::one() - m, m]) {
+                spread.add(corner, u * m);
+            }
+        }
+        Some(spread)
     }
 
     /// The rollover measures at a height of the sprung c.g., a trailer mass and a speed. If the

@@ -1,6 +1,7 @@
-//! The constants of one truck: reduced models, ratio lines over the height, rollover thresholds,
+//! The constants of one truck: channels, reduced models, ratio lines over the height, rollover thresholds,
 //! and the design that contains them.
 
+pub mod channel;
 pub mod reduced;
 pub mod ratio;
 pub mod rollover;

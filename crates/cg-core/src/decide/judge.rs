@@ -1,0 +1,176 @@
+//! Judges a maneuver: whether the ratios of its channels can be true, and which heights follow.
+
+use crate::decide::consistency::Inconsistency;
+use crate::decide::maneuver::{Outcome, Reject};
+use crate::decide::road::Road;
+use crate::decide::settings::Settings;
+use crate::decide::window::Window;
+use crate::identify::identifier::{Answer, Fit};
+use crate::math::real::Real;
+use crate::truck::channel::Channel;
+use crate::truck::design::{Design, Spread};
+use crate::truck::ratio::{HeightError, Measured, RatioLine, solve_height};
+
+/// Number of standard deviations that chance exceeds with a probability of 1 %.
+const ONCE_IN_A_HUNDRED: f64 = 2.576;
+/// Number of standard deviations that chance exceeds with a probability of 0.1 %.
+const ONCE_IN_A_THOUSAND: f64 = 3.29;
+/// Roll angle of a laden trailer at 1 g, used if the design does not have the channel from lateral
+/// acceleration to roll angle. It is at the lower end, so that the bank counts for more.
+const LEAST_ROLL_RAD_PER_G: f64 = 0.1;
+
+/// What is known about a maneuver that ends.
+pub(crate) struct Judge<'a, T, const C: usize> {
+    pub(crate) design: &'a Design<T, C>,
+    pub(crate) settings: &'a Settings<T>,
+    pub(crate) window: &'a Window<T, C>,
+    spread: Option<Spread<T, C>>,
+    road: Road<T>,
+}
+
+impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
+    /// `bank_free` tells whether the truck has a channel that does not feel the bank of the road.
+    pub(crate) fn new(
+        design: &'a Design<T, C>,
+        settings: &'a Settings<T>,
+        window: &'a Window<T, C>,
+        bank_free: bool,
+    ) -> Self {
+        let (speed_mps, mass_kg) = (window.speed_mps, window.trailer_mass_kg);
+        let gravity_mps2 = design.gravity_mps2;
+        let roll = design.line(Channel::LateralAcceleration, speed_mps, mass_kg);
+        let on_road = window.to_gravity || bank_free;
+        let road = Road {
+            bank_sd_rad: if on_road {
+                settings.bank_sd_rad
+            } else {
+                settings.bank_sd_to_road_rad
+            },
+            lateral_g: window.lateral_square.root() / gravity_mps2,
+            roll_rad_per_g: roll.map_or(T::of(LEAST_ROLL_RAD_PER_G), |line| {
+                line.ratio_at(design.reference_height_m) * gravity_mps2
+            }),
+            to_gravity: window.to_gravity,
+        };
+        Self { design, settings, window, spread: design.spread(speed_mps, mass_kg), road }
+    }
+
+    /// The result of the channel at this place of the design, and whether its ratio is
+    /// [far](Self::is_far) from what this trailer can have; `None` if this was not judged.
+    /// `answer` is the result of the identifier if the channel had signals.
+    pub(crate) fn outcome(
+        &self,
+        place: usize,
+        answer: Option<Answer<T>>,
+    ) -> (Outcome<T>, Option<bool>) {
+        let (speed_mps, trailer_mass_kg) = (self.window.speed_mps, self.window.trailer_mass_kg);
+        let rejected = |fit, reject| Outcome::rejected(fit, reject);
+        let known = self.design.channel(place).and_then(|channel| {
+            let line = self.design.line(channel, speed_mps, trailer_mass_kg)?;
+            Some((channel, line, self.spread.as_ref()?))
+        });
+        let Some((channel, line, spread)) = known else {
+            return (rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg }), None);
+        };
+        let mut fit = match answer {
+            None => return (rejected(None, Reject::Absent), None),
+            Some(Answer::Unexcited(reason)) => {
+                return (rejected(None, Reject::Unexcited(reason)), None);
+            }
+            Some(Answer::Ready(fit)) => fit,
+        };
+        let compensation = self.design.compensation(channel);
+        let expected = line.ratio_at(self.design.reference_height_m) * compensation;
+        let watch = self.window.watch(self.design.first_with_output(place));
+        let steps = watch.map_or(T::zero(), |watch| watch.step_share(fit.noise_sd_rad));
+        let ratio_sd_relative =
+            ((fit.ratio.sd * fit.ratio.sd + steps * steps).root() / fit.ratio.value).abs();
+        fit.ratio.sd = ratio_sd_relative * fit.ratio.value.abs();
+        fit.ratio.value *= expected;
+        fit.ratio.sd *= expected;
+        if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
+            return (rejected(Some(fit), Reject::Imprecise { ratio_sd_relative }), None);
+        }
+        if let Some(reason) = self.inconsistency(&fit, place) {
+            return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
+        }
+        let square = |x: T| x * x;
+        let [common_bank, own_bank] = self.road.parts(channel);
+        let model_sd = (square(spread.sd(place)) + square(common_bank)).root();
+        let far_sd =
+            (square(ratio_sd_relative) + square(model_sd) + square(own_bank)).root();
+        let far = self.is_far(&line, fit.ratio.value / compensation, far_sd);
+        let compensation = Measured::exact(compensation);
+        let exact = Measured::exact(fit.ratio.value);
+        let height = solve_height(&line, fit.ratio, compensation, own_bank);
+        let systematic = solve_height(&line, exact, compensation, model_sd);
+        let road = solve_height(&line, exact, compensation, self.road.sd_relative(channel));
+        let outcome = match (height, systematic, road) {
+            (Ok(height), Ok(systematic), Ok(road)) if self.is_possible(height.value) => Outcome {
+                fit: Some(fit),
+                height_m: Ok(height),
+                systematic_sd_m: systematic.sd,
+                road_sd_m: road.sd,
+            },
+            (Ok(height), ..) => {
+                let height_m = height.value;
+                rejected(Some(fit), Reject::Height(HeightError::OutOfRange { height_m }))
+            }
+            (Err(error), ..) => rejected(Some(fit), Reject::Height(error)),
+        };
+        (outcome, Some(far))
+    }
+
+    /// Correlations of the systematic errors: those of the model, and the bank of the road, which
+    /// is the same for all channels that feel it.
+    pub(crate) fn correlation(&self) -> [[T; C]; C] {
+        let mut correlation = [[T::one(); C]; C];
+        let Some(spread) = &self.spread else { return correlation };
+        let road = |place: usize| {
+            let channel = self.design.channel(place);
+            channel.map_or(T::zero(), |channel| {
+                let [common, _] = self.road.parts(channel);
+                common
+            })
+        };
+        for (i, row) in correlation.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                let (a, b) = (spread.sd(i), spread.sd(j));
+                let scale = (a * a + road(i) * road(i)) * (b * b + road(j) * road(j));
+                let common = spread.correlation(i, j) * a * b + road(i) * road(j);
+                if i != j && scale > T::zero() {
+                    *entry = (common / scale.root()).max(-T::one()).min(T::one());
+                }
+            }
+        }
+        correlation
+    }
+
+    /// The reason why the roll angle cannot be true, if there is one.
+    fn inconsistency(&self, fit: &Fit<T>, place: usize) -> Option<Inconsistency<T>> {
+        let Settings { standstill, misfit, bend, .. } = *self.settings;
+        let watch = self.window.watch(self.design.first_with_output(place));
+        if let Some(stood) = watch.and_then(|watch| watch.standstill(standstill)) {
+            return Some(stood);
+        }
+        if !(fit.misfit <= misfit) {
+            return Some(Inconsistency::Misfit { share: fit.misfit });
+        }
+        // A positive bend is not used, because a delayed sensor has the same effect.
+        let short = -fit.bend.value;
+        (short > bend && short > T::of(ONCE_IN_A_THOUSAND) * fit.bend.sd)
+            .then_some(Inconsistency::Bent { share: short })
+    }
+
+    /// Whether a ratio is outside the range of all heights that this trailer can have, by more than
+    /// its relative uncertainty explains (probability 1 %).
+    fn is_far(&self, line: &RatioLine<T>, ratio: T, sd_relative: T) -> bool {
+        let above = ratio / line.ratio_at(self.design.greatest_height_m) - T::one();
+        let below = T::one() - ratio / line.ratio_at(self.design.least_height_m);
+        above.max(below) > T::of(ONCE_IN_A_HUNDRED) * sd_relative
+    }
+
+    fn is_possible(&self, height_m: T) -> bool {
+        height_m >= self.design.least_height_m && height_m <= self.design.greatest_height_m
+    }
+}

@@ -1,0 +1,93 @@
+//! The part of a drive whose rows are in the identifiers.
+
+use crate::decide::condition::Row;
+use crate::decide::consistency::Watch;
+use crate::math::real::Real;
+
+/// The part of the drive whose rows are in the identifiers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window<T, const C: usize> {
+    pub(crate) start_us: u64,
+    pub(crate) last_us: u64,
+    pub(crate) last_turn_us: Option<u64>,
+    faded_us: u64,
+    pub(crate) start_speed_mps: T,
+    /// Mean speed of the rows in turns, and their number.
+    pub(crate) speed_mps: T,
+    turning_rows: T,
+    /// Mean square of the lateral acceleration of the rows in turns, m²/s⁴.
+    pub(crate) lateral_square: T,
+    /// Whether a roll angle in it was relative to gravity.
+    pub(crate) to_gravity: bool,
+    /// Mean trailer mass of all rows, because the load signal oscillates, and their weight.
+    pub(crate) trailer_mass_kg: T,
+    pub(crate) weight: T,
+    /// One for each roll angle, at the place of its first channel. It starts with the first row,
+    /// because a dead band shows at the beginning of a turn.
+    watches: [Option<Watch<T>>; C],
+}
+
+impl<T: Real, const C: usize> Window<T, C> {
+    /// A window before its first row.
+    pub(crate) fn new(row: &Row<T, C>) -> Self {
+        Self {
+            start_us: row.time_us,
+            last_us: row.time_us,
+            last_turn_us: None,
+            faded_us: row.time_us,
+            start_speed_mps: row.speed_mps,
+            speed_mps: T::zero(),
+            turning_rows: T::zero(),
+            lateral_square: T::zero(),
+            to_gravity: false,
+            trailer_mass_kg: T::zero(),
+            weight: T::zero(),
+            watches: [None; C],
+        }
+    }
+
+    /// Adds a row. Returns `true` if the window is still straight and the weight of its rows is to
+    /// be halved.
+    pub(crate) fn push(&mut self, row: &Row<T, C>, fade_us: u64) -> bool {
+        self.last_us = row.time_us;
+        // Means are updated recursively, because sums lose digits in single precision.
+        self.weight += T::one();
+        self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) / self.weight;
+        if row.turning {
+            self.last_turn_us = Some(row.time_us);
+            self.turning_rows += T::one();
+            self.speed_mps += (row.speed_mps - self.speed_mps) / self.turning_rows;
+            let lateral = row.lateral_acceleration_mps2;
+            if lateral.present() {
+                self.lateral_square +=
+                    (lateral * lateral - self.lateral_square) / self.turning_rows;
+            }
+            self.to_gravity |= row.to_gravity;
+            return false;
+        }
+        let fades = self.last_turn_us.is_none()
+            && row.time_us.saturating_sub(self.faded_us) >= fade_us;
+        if fades {
+            self.faded_us = row.time_us;
+            self.start_us = row.time_us;
+            self.start_speed_mps = row.speed_mps;
+            self.weight *= T::of(0.5);
+        }
+        fades
+    }
+
+    /// Adds a measured roll angle, its input and the expected one to the watch at this place.
+    pub(crate) fn look(&mut self, place: usize, time_us: u64, roll_rad: T, expected: [T; 2]) {
+        let [input_rad, model_rad] = expected;
+        match self.watches.get_mut(place) {
+            Some(Some(watch)) => watch.push(time_us, roll_rad, input_rad, model_rad),
+            Some(watch) => *watch = Some(Watch::new(time_us, roll_rad, input_rad, model_rad)),
+            None => {}
+        }
+    }
+
+    /// The watch at this place.
+    pub(crate) fn watch(&self, place: usize) -> Option<&Watch<T>> {
+        self.watches.get(place)?.as_ref()
+    }
+}
