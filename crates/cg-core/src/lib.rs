@@ -12,7 +12,7 @@
 //! # mod truck { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/kraz/design.rs")); }
 //! // The constants of one truck. `cg design --emit rust` writes them from a vehicle file.
 //! let design = &truck::DESIGN;
-//! let mut estimator: Estimator<f32, FilteredArx<f32>, _> =
+//! let mut estimator: Estimator<f32, FilteredArx<f32>, _, 2> =
 //!     Estimator::new(design, Settings::truck(), Prior::standard());
 //!
 //! // On a truck the roll angle comes from a sensor. Here the truck's own reduced model computes it, at
