@@ -311,6 +311,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             end_us: window.last_us,
             speed_mps: window.speed_mps,
             trailer_mass_kg: window.trailer_mass_kg,
+            to_gravity: window.to_gravity,
             outcomes,
             correlation: judge.correlation(),
         }

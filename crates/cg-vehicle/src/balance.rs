@@ -11,7 +11,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::load::{Load, SprungMass};
-use crate::vehicle::{PlacedAxle, SuspensionPressure, Vehicle};
+use crate::sensor_places::{LevelSensors, SuspensionPressure};
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Static loads of a vehicle.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,18 +75,25 @@ impl Vehicle {
     /// Settings that convert the values of sensors to those of a sample.
     pub fn align_settings(&self) -> AlignSettings<f64> {
         let mass_of_axle_load = self.mass_of_axle_load().ok();
-        let readings = self.trailer.suspension_pressure;
+        let (sensors, readings) = (&self.sensors, self.trailer.suspension_pressure);
+        let drive = sensors.drive_pressure;
+        let through = |([empty_kg, slope], readings): ([f64; 2], SuspensionPressure)| {
+            let SuspensionPressure { gauge_pa, axle_load_kg } = readings;
+            let per_pa = (axle_load_kg[1] - axle_load_kg[0]) / (gauge_pa[1] - gauge_pa[0]);
+            let at_zero_kg = axle_load_kg[0] - per_pa * gauge_pa[0];
+            [empty_kg + slope * at_zero_kg, slope * per_pa]
+        };
         AlignSettings {
             steering_ratio: self.steering_ratio,
             mass_of_axle_load,
-            mass_of_suspension_pressure: mass_of_axle_load.zip(readings).map(
-                |([empty_kg, slope], SuspensionPressure { gauge_pa, axle_load_kg })| {
-                    let per_pa = (axle_load_kg[1] - axle_load_kg[0]) / (gauge_pa[1] - gauge_pa[0]);
-                    let at_zero_kg = axle_load_kg[0] - per_pa * gauge_pa[0];
-                    [empty_kg + slope * at_zero_kg, slope * per_pa]
-                },
-            ),
+            mass_of_suspension_pressure: mass_of_axle_load.zip(readings).map(through),
+            mass_of_drive_pressure: self.mass_of_drive_load().ok().zip(drive).map(through),
             mass_range_kg: Some(self.trailer_mass_range_kg()),
+            suspension_roll_of_level: sensors.level.as_ref().map(LevelSensors::roll_per_difference),
+            tractor_suspension_roll_of_level: sensors
+                .tractor_level
+                .as_ref()
+                .map(LevelSensors::roll_per_difference),
         }
     }
 
@@ -102,13 +110,27 @@ impl Vehicle {
     /// # Errors
     /// As [`static_balance`].
     pub fn mass_of_axle_load(&self) -> Result<[f64; 2], VehicleError> {
+        self.mass_of_load(|axle| axle.on_trailer)
+    }
+
+    /// The same as a function of the load of the tractor's drive axles on the road.
+    ///
+    /// # Errors
+    /// As [`static_balance`].
+    pub fn mass_of_drive_load(&self) -> Result<[f64; 2], VehicleError> {
+        self.mass_of_load(|axle| !axle.on_trailer && !axle.steered)
+    }
+
+    fn mass_of_load(
+        &self,
+        wanted: impl Fn(&PlacedAxle<'_>) -> bool,
+    ) -> Result<[f64; 2], VehicleError> {
         let reference = self.reference_load();
         let axles = self.axles();
         let axle_load_kg = |trailer_mass_kg: f64| -> Result<f64, VehicleError> {
             let balance = static_balance(self, Load { trailer_mass_kg, ..reference })?;
-            let trailer =
-                axles.iter().zip(&balance.axle_load_n).filter(|(axle, _)| axle.on_trailer);
-            Ok(trailer.map(|(_, load_n)| load_n).sum::<f64>() / self.gravity_mps2)
+            let loads = axles.iter().zip(&balance.axle_load_n).filter(|(axle, _)| wanted(axle));
+            Ok(loads.map(|(_, load_n)| load_n).sum::<f64>() / self.gravity_mps2)
         };
         let empty_kg = self.empty_trailer_mass_kg();
         let laden_kg = empty_kg + 0.5 * reference.trailer_mass_kg;

@@ -8,7 +8,7 @@
 //! For a factor the distribution is that of its logarithm, so the factor is never negative. For a
 //! height it is a shift in meters.
 
-use cg_core::Channel;
+use cg_core::{CHANNELS, Channel, Input, Output};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ use crate::load::Load;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// Number of parameters.
-pub const PARAMETERS: usize = 12;
+pub const PARAMETERS: usize = Parameter::ALL.len();
 
 /// Deviations of the parameters from the vehicle file (logarithm of a factor, or meters).
 pub type Deviations = SVector<f64, PARAMETERS>;
@@ -55,11 +55,19 @@ pub enum Parameter {
     LateralAccelerationGain,
     /// `R_c`: roll angle divided by that of the model (eq. 5.19), factor.
     Compensation,
+    /// True specific force of the trailer divided by the measured one, factor.
+    SpecificForceGain,
+    /// True specific force of the tractor divided by the measured one, factor.
+    TractorSpecificForceGain,
+    /// Suspension roll of the trailer divided by that of the model, factor.
+    SuspensionRollGain,
+    /// Suspension roll of the tractor divided by that of the model, factor.
+    TractorSuspensionRollGain,
 }
 
 impl Parameter {
     /// All parameters, in the order of [`Deviations`].
-    pub const ALL: [Self; PARAMETERS] = [
+    pub const ALL: [Self; 16] = [
         Self::TrailerRollStiffness,
         Self::TractorRollStiffness,
         Self::RollCenterHeight,
@@ -72,6 +80,10 @@ impl Parameter {
         Self::SteeringGain,
         Self::LateralAccelerationGain,
         Self::Compensation,
+        Self::SpecificForceGain,
+        Self::TractorSpecificForceGain,
+        Self::SuspensionRollGain,
+        Self::TractorSuspensionRollGain,
     ];
 
     /// The name of the parameter in words.
@@ -89,6 +101,29 @@ impl Parameter {
             Self::SteeringGain => "steering gain",
             Self::LateralAccelerationGain => "lateral-acceleration gain",
             Self::Compensation => "compensation R_c",
+            Self::SpecificForceGain => "specific-force gain, trailer",
+            Self::TractorSpecificForceGain => "specific-force gain, tractor",
+            Self::SuspensionRollGain => "suspension-roll gain, trailer",
+            Self::TractorSuspensionRollGain => "suspension-roll gain, tractor",
+        }
+    }
+
+    /// The gain of the signal that is the input of a channel.
+    pub const fn of_input(input: Input) -> Self {
+        match input {
+            Input::Steer => Self::SteeringGain,
+            Input::LateralAcceleration => Self::LateralAccelerationGain,
+            Input::SpecificForce => Self::SpecificForceGain,
+            Input::TractorSpecificForce => Self::TractorSpecificForceGain,
+        }
+    }
+
+    /// The gain of the roll angle that a channel explains.
+    pub const fn of_output(output: Output) -> Self {
+        match output {
+            Output::Roll => Self::Compensation,
+            Output::SuspensionRoll => Self::SuspensionRollGain,
+            Output::TractorSuspensionRoll => Self::TractorSuspensionRollGain,
         }
     }
 
@@ -128,6 +163,12 @@ impl Belief {
             Parameter::SteeringGain => u.steering_gain_sd,
             Parameter::LateralAccelerationGain => u.lateral_acceleration_gain_sd,
             Parameter::Compensation => u.compensation_sd,
+            Parameter::SpecificForceGain | Parameter::TractorSpecificForceGain => {
+                u.specific_force_gain_sd
+            }
+            Parameter::SuspensionRollGain | Parameter::TractorSuspensionRollGain => {
+                u.suspension_roll_gain_sd
+            }
         };
         let variances = Deviations::from_iterator(
             Parameter::ALL.into_iter().map(|parameter| sd(parameter) * sd(parameter)),
@@ -154,7 +195,7 @@ impl Belief {
         value(&self.mean, Parameter::Compensation).exp()
     }
 
-    /// Covariance of the logarithms of both channels' DC ratios at a speed and load, including the
+    /// Covariance of the logarithms of all channels' DC ratios at a speed and load, including the
     /// residual. The order is that of [`Channel::ALL`].
     ///
     /// # Errors
@@ -165,20 +206,22 @@ impl Belief {
         variant: Variant,
         speed_mps: f64,
         load: Load,
-    ) -> Result<[[f64; 2]; 2], VehicleError> {
+    ) -> Result<[[f64; CHANNELS]; CHANNELS], VehicleError> {
         let (_, slopes) = log_ratios(vehicle, variant, speed_mps, load, &self.mean)?;
-        let mut covariance = [[0.0; 2]; 2];
-        for (i, row) in covariance.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry = slopes[i].dot(&(self.covariance * slopes[j]));
+        let mut covariance = [[0.0; CHANNELS]; CHANNELS];
+        for i in 0..CHANNELS {
+            let moved = self.covariance * slopes[i];
+            for j in 0..=i {
+                covariance[i][j] = slopes[j].dot(&moved);
+                covariance[j][i] = covariance[i][j];
             }
-            row[i] += self.residual_sd * self.residual_sd;
+            covariance[i][i] += self.residual_sd * self.residual_sd;
         }
         Ok(covariance)
     }
 }
 
-/// Logarithms of both channels' DC ratios at a height, and their derivatives with respect to the
+/// Logarithms of all channels' DC ratios at a height, and their derivatives with respect to the
 /// parameters.
 ///
 /// # Errors
@@ -189,10 +232,10 @@ pub(crate) fn log_ratios(
     speed_mps: f64,
     load: Load,
     mean: &Deviations,
-) -> Result<([f64; 2], [Deviations; 2]), VehicleError> {
-    let at = |deviations: &Deviations| -> Result<[f64; 2], VehicleError> {
+) -> Result<([f64; CHANNELS], [Deviations; CHANNELS]), VehicleError> {
+    let at = |deviations: &Deviations| -> Result<[f64; CHANNELS], VehicleError> {
         let lines = ratio_line(&adjusted(vehicle, deviations), variant, speed_mps, load)?;
-        let mut logs = [0.0; 2];
+        let mut logs = [0.0; CHANNELS];
         for channel in Channel::ALL {
             let ratio = lines[channel.index()].ratio_at(load.cg_height_m);
             if !(ratio > 0.0) {
@@ -206,7 +249,7 @@ pub(crate) fn log_ratios(
         Ok(logs)
     };
     let here = at(mean)?;
-    let mut slopes = [Deviations::zeros(); 2];
+    let mut slopes = [Deviations::zeros(); CHANNELS];
     // Central differences with a step of 1e-4: the error is 1e-8 of the third derivative, the
     // rounding error 1e-12/1e-4.
     let step = 1e-4;
@@ -229,11 +272,8 @@ fn value(deviations: &Deviations, parameter: Parameter) -> f64 {
 /// Logarithm of the factor from the true input to the *measured* one: a sensor that reads too low
 /// makes the ratio larger.
 pub fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
-    let sensor = match channel {
-        Channel::Steer => Parameter::SteeringGain,
-        Channel::LateralAcceleration => Parameter::LateralAccelerationGain,
-    };
-    value(deviations, sensor) + value(deviations, Parameter::Compensation)
+    value(deviations, Parameter::of_input(channel.input()))
+        + value(deviations, Parameter::of_output(channel.output()))
 }
 
 /// The vehicle with these deviations of its parameters.

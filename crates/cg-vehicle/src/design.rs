@@ -2,7 +2,7 @@
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::rollover::HEIGHTS;
-use cg_core::{Channel, ChannelDesign, Design, RatioLine, Spread, ThresholdLine};
+use cg_core::{CHANNELS, Channel, ChannelDesign, Design, RatioLine, Spread, ThresholdLine};
 
 use crate::balance::greatest_mass_kg;
 use crate::belief::Belief;
@@ -49,8 +49,8 @@ fn computed(
     let speed_mps = speeds(vehicle.nominal_speed_mps);
     let trailer_mass_kg = masses(vehicle, variant);
     let flat = RatioLine { a0: 0.0, a1: 0.0, b0: 0.0, b1: 0.0 };
-    let mut lines = [[[flat; MASSES]; SPEEDS]; 2];
-    let mut spread = [[Spread { sd: [0.0; 2], correlation: 0.0 }; MASSES]; SPEEDS];
+    let mut lines = [[[flat; MASSES]; SPEEDS]; CHANNELS];
+    let mut spread = [[Spread { covariance: [[0.0; CHANNELS]; CHANNELS] }; MASSES]; SPEEDS];
     for (i, &speed_mps) in speed_mps.iter().enumerate() {
         for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
             let trailer_mass_kg = match variant {
@@ -58,29 +58,26 @@ fn computed(
                 Variant::AsPrinted => load.trailer_mass_kg, // the only known mass
             };
             let load = Load { trailer_mass_kg, ..load };
-            let both = ratio_line(vehicle, variant, speed_mps, load)?;
-            for (channel, line) in both.into_iter().enumerate() {
+            let all = ratio_line(vehicle, variant, speed_mps, load)?;
+            for (channel, line) in all.into_iter().enumerate() {
                 lines[channel][i][j] = line;
             }
-            let [[steer, common], [_, lateral]] =
-                belief.ratio_covariance(file, variant, speed_mps, load)?;
-            let sd = [steer.sqrt(), lateral.sqrt()];
-            spread[i][j] = Spread { sd, correlation: (common / (sd[0] * sd[1])).clamp(-1.0, 1.0) };
+            let covariance = belief.ratio_covariance(file, variant, speed_mps, load)?;
+            spread[i][j] = Spread { covariance };
         }
     }
     let models = models(vehicle, variant, &trailer_mass_kg)?;
-    let channel = |channel: Channel, models| ChannelDesign {
-        models,
+    #[allow(clippy::cast_possible_truncation)] // below the number of channels
+    let channel = |channel: Channel| ChannelDesign {
+        index: channel.index() as u32,
+        models: models.map(|reduced| reduced.of_channels[channel.index()]),
         lines: lines[channel.index()],
         compensation: belief.gain(channel),
     };
     let design = Design {
         speed_mps,
         trailer_mass_kg,
-        channels: [
-            channel(Channel::Steer, models.map(|reduced| reduced.steer)),
-            channel(Channel::LateralAcceleration, models.map(|m| m.lateral_acceleration)),
-        ],
+        channels: Channel::ALL.map(channel),
         spread,
         nominal_speed_mps: vehicle.nominal_speed_mps,
         nominal_trailer_mass_kg: load.trailer_mass_kg,

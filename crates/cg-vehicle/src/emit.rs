@@ -27,6 +27,7 @@ cg_core::words!(Language {
 /// Numbers in arrays and structures.
 enum Node {
     Number(f32),
+    Whole(u32),
     Array(Vec<Node>),
     Struct(&'static str, Vec<(&'static str, Node)>),
 }
@@ -41,6 +42,12 @@ impl Tree for f32 {
     }
 }
 
+impl Tree for u32 {
+    fn tree(&self) -> Node {
+        Node::Whole(*self)
+    }
+}
+
 impl<E: Tree, const N: usize> Tree for [E; N] {
     fn tree(&self) -> Node {
         Node::Array(self.iter().map(Tree::tree).collect())
@@ -49,8 +56,8 @@ impl<E: Tree, const N: usize> Tree for [E; N] {
 
 /// All fields are listed here. A missing field is a compile error.
 macro_rules! structures {
-    ($($name:ident { $($field:ident),+ $(,)? })+) => {
-        $(impl Tree for $name<f32> {
+    ($($name:ident $(<$channels:ident>)? { $($field:ident),+ $(,)? })+) => {
+        $(impl $(<const $channels: usize>)? Tree for $name<f32 $(, $channels)?> {
             fn tree(&self) -> Node {
                 let Self { $($field),+ } = self;
                 Node::Struct(stringify!($name), vec![$((stringify!($field), $field.tree())),+])
@@ -60,24 +67,24 @@ macro_rules! structures {
 }
 
 structures! {
-    Design {
+    Design<C> {
         speed_mps, trailer_mass_kg, channels, spread, nominal_speed_mps, nominal_trailer_mass_kg,
         reference_height_m, least_height_m, greatest_height_m, gravity_mps2, rollover,
         thresholds,
     }
-    ChannelDesign { models, lines, compensation }
+    ChannelDesign { index, models, lines, compensation }
     Reduced5 { numerator, denominator }
     RatioLine { a0, a1, b0, b1 }
-    Spread { sd, correlation }
+    Spread<C> { covariance }
     RolloverDesign { half_track_m, unsprung_mass_kg, unsprung_height_m }
     ThresholdLine { threshold_g }
 }
 
 impl Node {
     fn is_short(&self) -> bool {
-        let number = |node: &Self| matches!(node, Self::Number(_));
+        let number = |node: &Self| matches!(node, Self::Number(_) | Self::Whole(_));
         match self {
-            Self::Number(_) => true,
+            Self::Number(_) | Self::Whole(_) => true,
             Self::Array(items) => items.iter().all(number),
             Self::Struct(_, fields) => {
                 fields.len() < 5 && fields.iter().all(|(_, value)| value.is_short())
@@ -91,6 +98,10 @@ impl Node {
             Self::Number(value) => {
                 let suffix = if language == Language::C { "f" } else { "" };
                 let _ = write!(out, "{value:?}{suffix}"); // writing to a string cannot fail
+                return;
+            }
+            Self::Whole(value) => {
+                let _ = write!(out, "{value}");
                 return;
             }
             Self::Array(items) => {
@@ -135,7 +146,11 @@ impl Node {
 }
 
 /// The text of `design` in a language, preceded by a comment of several lines.
-pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> String {
+pub fn emit<const C: usize>(
+    design: &Design<f32, C>,
+    language: Language,
+    comment: &[String],
+) -> String {
     let mut body = String::new();
     design.tree().write(language, 0, &mut body);
     let lines = |mark: &str| comment.iter().flat_map(|line| [mark, line, "\n"]).collect::<String>();
@@ -146,7 +161,7 @@ pub fn emit(design: &Design<f32>, language: Language, comment: &[String]) -> Str
         }
         Language::Rust => format!(
             "{}\n/// The constants of this truck.\n#[allow(clippy::unreadable_literal)]\n\
-             #[rustfmt::skip]\npub const DESIGN: cg_core::Design<f32> = {body};\n",
+             #[rustfmt::skip]\npub const DESIGN: cg_core::Design<f32, {C}> = {body};\n",
             lines("// ")
         ),
         Language::C => format!(
@@ -172,6 +187,7 @@ mod tests {
     fn numbers(node: &Node, into: &mut Vec<u32>) {
         match node {
             Node::Number(value) => into.push(value.to_bits()),
+            Node::Whole(value) => into.push(*value),
             Node::Array(items) => items.iter().for_each(|item| numbers(item, into)),
             Node::Struct(_, fields) => fields.iter().for_each(|(_, value)| numbers(value, into)),
         }
@@ -182,6 +198,7 @@ mod tests {
         match node {
             #[allow(clippy::cast_possible_truncation)] // the type from which it was written
             Node::Number(_) => into.push((json.as_f64().unwrap() as f32).to_bits()),
+            Node::Whole(_) => into.push(u32::try_from(json.as_u64().unwrap()).unwrap()),
             Node::Array(items) => {
                 assert_eq!(json.as_array().unwrap().len(), items.len());
                 items.iter().enumerate().for_each(|(k, item)| read(item, &json[k], into));

@@ -1,5 +1,7 @@
 //! The equations of motion as matrices, and their state-space form.
 
+use std::ops::SubAssign;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
@@ -58,6 +60,19 @@ pub struct Equations {
     pub(crate) lateral_rate: DVector<f64>,
     /// The same: its row on w.
     pub(crate) lateral_bias: DVector<f64>,
+    /// Acceleration of gravity.
+    pub(crate) gravity_mps2: f64,
+    /// What sensors fixed to the tractor and to the trailer measure.
+    pub(crate) units: [UnitSensors; 2],
+}
+
+/// The sensors of the tractor or of the trailer.
+#[derive(Clone, Debug)]
+pub(crate) struct UnitSensors {
+    /// Lateral velocity of the accelerometer's place: its row on w.
+    pub(crate) accelerometer: DVector<f64>,
+    /// Numbers of the axles relative to which the suspension roll is measured.
+    pub(crate) axles: Vec<usize>,
 }
 
 impl Equations {
@@ -71,6 +86,11 @@ impl Equations {
             steer: DVector::zeros(nw),
             lateral_rate: DVector::zeros(nw),
             lateral_bias: DVector::zeros(nw),
+            gravity_mps2: 0.0,
+            units: [(); 2].map(|()| UnitSensors {
+                accelerometer: DVector::zeros(nw),
+                axles: Vec::new(),
+            }),
         }
     }
 
@@ -113,9 +133,34 @@ impl Equations {
             axle_roll: (q::AXLE..nq).map(|i| state(nw + i)).collect(),
             lateral_feedthrough: self.lateral_rate.dot(&kick),
             lateral_acceleration: lateral,
+            suspension_roll: [0, 1].map(|unit| {
+                let mut row = state(nw + q::ROLL_1 + unit);
+                row.rows_mut(nw, nq).sub_assign(&self.mean_axle_roll(unit));
+                row
+            }),
+            specific_force: [0, 1].map(|unit| {
+                let rate = &self.units[unit].accelerometer;
+                let mut row = (rate.transpose() * a.rows(0, nw)).transpose();
+                row[w::YAW_1] += self.speed_mps;
+                row[nw + q::ROLL_1 + unit] += self.gravity_mps2;
+                (row, rate.dot(&kick))
+            }),
             a,
             b,
         })
+    }
+
+    /// Mean roll angle of the axles relative to which the suspension roll of a unit is measured, as a
+    /// row on q.
+    pub(crate) fn mean_axle_roll(&self, unit: usize) -> DVector<f64> {
+        let axles = &self.units[unit].axles;
+        let mut row = DVector::zeros(self.stiffness.ncols());
+        for &axle in axles {
+            #[allow(clippy::cast_precision_loss)] // a number of axles
+            let share = 1.0 / axles.len() as f64;
+            row[q::AXLE + axle] = share;
+        }
+        row
     }
 
     /// The steady-state system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…)`, without

@@ -45,6 +45,7 @@ pub mod files;
 pub mod limits;
 pub mod tables;
 pub mod load;
+pub mod sensor_places;
 pub mod vehicle;
 pub mod balance;
 pub mod check;

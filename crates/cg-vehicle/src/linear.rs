@@ -21,15 +21,15 @@
 
 use nalgebra::DVector;
 
-use cg_core::RatioLine;
+use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 
 use crate::as_printed;
 use crate::balance::{StaticBalance, static_balance};
 use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
-use crate::load::Load;
+use crate::load::{Load, SprungMass};
 use crate::response::StateSpace;
-use crate::vehicle::{PlacedAxle, Vehicle};
+use crate::vehicle::{Hitch, PlacedAxle, Tractor, Vehicle};
 
 impl Equations {
     /// The equations of motion of a vehicle.
@@ -46,67 +46,166 @@ impl Equations {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
         }
-        match variant {
+        let mut equations = match variant {
             Variant::Complete => complete(vehicle, speed_mps, load),
             Variant::AsPrinted => as_printed::equations(vehicle, speed_mps, load),
+        }?;
+        equations.place_sensors(vehicle, load.cg_height_m, vehicle.trailer_sprung_mass(load)?);
+        Ok(equations)
+    }
+
+    /// Sets what the accelerometers and the sensors of suspension roll measure.
+    fn place_sensors(&mut self, vehicle: &Vehicle, cg_height_m: f64, sprung: SprungMass) {
+        let (tractor, hitch, sensors) = (&vehicle.tractor, &vehicle.hitch, &vehicle.sensors);
+        let axles = vehicle.axles();
+        let of_unit = |on_trailer: bool| {
+            let wanted = move |(_, axle): &(usize, &PlacedAxle<'_>)| {
+                axle.on_trailer == on_trailer && !axle.steered
+            };
+            axles.iter().enumerate().filter(wanted)
+        };
+        let mean_m = |on_trailer: bool| {
+            let positions: Vec<f64> = of_unit(on_trailer).map(|(_, axle)| axle.position_m).collect();
+            #[allow(clippy::cast_precision_loss)] // a number of axles
+            let count = positions.len().max(1) as f64;
+            positions.iter().sum::<f64>() / count
+        };
+        self.gravity_mps2 = vehicle.gravity_mps2;
+        let place = &sensors.tractor_accelerometer;
+        let mut velocity = DVector::zeros(self.mass.nrows());
+        velocity[w::LATERAL] = 1.0;
+        let tractor_cg = Point { velocity, on_trailer: false };
+        let ahead_m = place.ahead_of_cg_m.unwrap_or_else(|| mean_m(false));
+        self.units[0].accelerometer = tractor_cg
+            .moved(w::YAW_1, ahead_m)
+            .moved(w::ROLL_1, tractor.cg_height_m - place.height_m)
+            .velocity;
+        let place = &sensors.accelerometer;
+        let behind_m = place.behind_hitch_m.unwrap_or_else(|| mean_m(true));
+        let trailer_cg = trailer_cg(&tractor_cg, tractor, hitch, cg_height_m, &sprung);
+        self.units[1].accelerometer = trailer_cg
+            .moved(w::YAW_2, sprung.cg_behind_hitch_m - behind_m)
+            .moved(w::ROLL_2, cg_height_m - place.height_m)
+            .velocity;
+        for (unit, sensors) in self.units.iter_mut().enumerate() {
+            sensors.axles = of_unit(unit == 1).map(|(number, _)| number).collect();
         }
     }
 }
 
-/// Columns of [`Equations::steady`].
+/// Column of the yaw rate in [`Equations::steady`], and of the first angle.
 const STEADY_YAW_RATE: usize = 1;
-const STEADY_TRAILER_ROLL: usize = 2 + q::ROLL_2;
+const STEADY_ANGLES: usize = 2;
 
-/// `(N_φ, N_r, D)` of Cramer's rule: the numerators of trailer roll and yaw rate, and the
-/// denominator.
-fn determinants(equations: &Equations) -> (f64, f64, f64) {
-    let s = equations.steady();
-    let replaced = |column: usize| {
-        let mut s = s.clone();
-        s.set_column(column, &equations.steer);
-        s.determinant()
-    };
-    (replaced(STEADY_TRAILER_ROLL), replaced(STEADY_YAW_RATE), s.determinant())
+/// All signals in a steady turn as straight lines over the height, from which the DC ratio of any
+/// pair of them follows.
+///
+/// By Cramer's rule each unknown of the steady state is a determinant divided by the same
+/// determinant `D`. The height occurs in one row only, so all of them are linear in it.
+#[derive(Clone, Debug)]
+pub struct SteadyLines {
+    /// The determinants at the height of the load and half a meter above: the unknowns times `D`.
+    unknowns: [DVector<f64>; 2],
+    determinant: [f64; 2],
+    equations: Equations,
+    cg_height_m: f64,
 }
 
-/// The analytic DC ratios as functions of the height (eq. 5.17): roll per steer angle (rad/rad),
-/// and roll per lateral acceleration (rad per m/s²). Both are scaled to `b0 + b1 h = 1` at the
-/// height of `load`.
+/// Any two heights are possible, because the determinants are exactly linear. With half a meter the
+/// rounding error is small.
+const STEP_M: f64 = 0.5;
+
+impl SteadyLines {
+    /// The steady turns of a vehicle at one speed and load.
+    ///
+    /// # Errors
+    /// As [`Equations::new`]; also if there is no steady turn.
+    pub fn new(
+        vehicle: &Vehicle,
+        variant: Variant,
+        speed_mps: f64,
+        load: Load,
+    ) -> Result<Self, VehicleError> {
+        let at = |cg_height_m: f64| {
+            let equations =
+                Equations::new(vehicle, variant, speed_mps, Load { cg_height_m, ..load })?;
+            let lu = equations.steady().lu();
+            let determinant = lu.determinant();
+            let none = || VehicleError::Model("the model has no steady turn".to_owned());
+            let unknowns = lu.solve(&equations.steer).ok_or_else(none)? * determinant;
+            Ok::<_, VehicleError>((equations, unknowns, determinant))
+        };
+        let (equations, here, determinant) = at(load.cg_height_m)?;
+        let (_, above, its_determinant) = at(load.cg_height_m + STEP_M)?;
+        Ok(Self {
+            unknowns: [here, above],
+            determinant: [determinant, its_determinant],
+            equations,
+            cg_height_m: load.cg_height_m,
+        })
+    }
+
+    /// The DC ratio of a pair as a function of the height (eq. 5.17), in rad per unit of the input.
+    /// It is scaled to `b0 + b1 h = 1` at the height of the load.
+    pub fn line(&self, output: Output, input: Input) -> RatioLine<f64> {
+        let ([n0, n1], [d0, d1]) =
+            ([0, 1].map(|k| self.output(output, k)), [0, 1].map(|k| self.input(input, k)));
+        let (a1, b1) = ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0);
+        RatioLine {
+            a0: n0 / d0 - a1 * self.cg_height_m,
+            a1,
+            b0: 1.0 - b1 * self.cg_height_m,
+            b1,
+        }
+    }
+
+    /// The DC ratio of a channel as a function of the height.
+    pub fn channel(&self, channel: Channel) -> RatioLine<f64> {
+        self.line(channel.output(), channel.input())
+    }
+
+    fn roll(&self, unit: usize, k: usize) -> f64 {
+        self.unknowns[k][STEADY_ANGLES + q::ROLL_1 + unit]
+    }
+
+    fn output(&self, output: Output, k: usize) -> f64 {
+        let suspension = |unit: usize| {
+            let angles = self.unknowns[k].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
+            self.roll(unit, k) - self.equations.mean_axle_roll(unit).dot(&angles)
+        };
+        match output {
+            Output::Roll => self.roll(1, k),
+            Output::TractorSuspensionRoll => suspension(0),
+            Output::SuspensionRoll => suspension(1),
+        }
+    }
+
+    fn input(&self, input: Input, k: usize) -> f64 {
+        // In steady state the lateral acceleration is speed times yaw rate.
+        let lateral = self.unknowns[k][STEADY_YAW_RATE] * self.equations.speed_mps;
+        let force = |unit: usize| lateral + self.equations.gravity_mps2 * self.roll(unit, k);
+        match input {
+            Input::Steer => self.determinant[k],
+            Input::LateralAcceleration => lateral,
+            Input::TractorSpecificForce => force(0),
+            Input::SpecificForce => force(1),
+        }
+    }
+}
+
+/// The analytic DC ratio of every channel as a function of the height, in the order of
+/// [`Channel::ALL`]. See [`SteadyLines`].
 ///
 /// # Errors
-/// As [`Equations::new`].
+/// As [`SteadyLines::new`].
 pub fn ratio_line(
     vehicle: &Vehicle,
     variant: Variant,
     speed_mps: f64,
     load: Load,
-) -> Result<[RatioLine<f64>; 2], VehicleError> {
-    let at = |cg_height_m: f64| {
-        Equations::new(vehicle, variant, speed_mps, Load { cg_height_m, ..load })
-            .map(|equations| determinants(&equations))
-    };
-    // Any two heights are possible, because both determinants are exactly linear. With half a meter
-    // the rounding error is small.
-    let step_m = 0.5;
-    let here = at(load.cg_height_m)?;
-    let above = at(load.cg_height_m + step_m)?;
-    let line = |numerator: (f64, f64), denominator: (f64, f64)| {
-        let scale = denominator.0;
-        let (a1, b1) = (
-            (numerator.1 - numerator.0) / step_m / scale,
-            (denominator.1 - denominator.0) / step_m / scale,
-        );
-        RatioLine {
-            a0: numerator.0 / scale - a1 * load.cg_height_m,
-            a1,
-            b0: 1.0 - b1 * load.cg_height_m,
-            b1,
-        }
-    };
-    let roll = (here.0, above.0);
-    // In steady state the lateral acceleration is speed times yaw rate.
-    let lateral = (here.1 * speed_mps, above.1 * speed_mps);
-    Ok([line(roll, (here.2, above.2)), line(roll, lateral)])
+) -> Result<[RatioLine<f64>; CHANNELS], VehicleError> {
+    let steady = SteadyLines::new(vehicle, variant, speed_mps, load)?;
+    Ok(Channel::ALL.map(|channel| steady.channel(channel)))
 }
 
 /// Lateral velocity of a point as a row on `w`, and whether it is on the trailer.
@@ -124,6 +223,24 @@ impl Point {
     }
 }
 
+/// The trailer's sprung c.g., which moves with the fifth wheel.
+fn trailer_cg(
+    tractor_cg: &Point,
+    tractor: &Tractor,
+    hitch: &Hitch,
+    cg_height_m: f64,
+    sprung: &SprungMass,
+) -> Point {
+    let at_hitch = tractor_cg
+        .moved(w::YAW_1, -tractor.hitch_behind_cg_m)
+        .moved(w::ROLL_1, tractor.cg_height_m - hitch.height_m);
+    let mut trailer_cg = at_hitch
+        .moved(w::YAW_2, -sprung.cg_behind_hitch_m)
+        .moved(w::ROLL_2, hitch.height_m - cg_height_m);
+    trailer_cg.on_trailer = true;
+    trailer_cg
+}
+
 fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {
     let sprung = vehicle.trailer_sprung_mass(load)?;
     let balance = static_balance(vehicle, load)?;
@@ -136,11 +253,7 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     let mut velocity = DVector::zeros(e.mass.nrows());
     velocity[w::LATERAL] = 1.0;
     let tractor_cg = Point { velocity, on_trailer: false };
-    let at_hitch =
-        tractor_cg.moved(w::YAW_1, -tractor.hitch_behind_cg_m).moved(w::ROLL_1, tractor_above_m);
-    let mut trailer_cg =
-        at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m).moved(w::ROLL_2, -trailer_above_m);
-    trailer_cg.on_trailer = true;
+    let trailer_cg = trailer_cg(&tractor_cg, tractor, hitch, sprung.cg_height_m, &sprung);
 
     add_mass(&mut e, tractor.sprung_mass_kg, &tractor_cg);
     add_mass(&mut e, sprung.mass_kg, &trailer_cg);
@@ -249,8 +362,8 @@ fn add_axle(
 pub struct LinearModel {
     /// State-space form.
     pub state_space: StateSpace,
-    /// DC ratios over the height, in the order of `cg_core::Channel::ALL`.
-    pub ratio: [RatioLine<f64>; 2],
+    /// DC ratios over the height, in the order of [`Channel::ALL`].
+    pub ratio: [RatioLine<f64>; CHANNELS],
     /// Static loads.
     pub balance: StaticBalance,
 }

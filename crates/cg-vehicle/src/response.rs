@@ -1,5 +1,6 @@
 //! Responses of the linear model: transfer functions, steady-state values and time histories.
 
+use cg_core::{Input, Output};
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
@@ -31,6 +32,11 @@ pub struct StateSpace {
     /// The part of the lateral acceleration that follows the steer angle without delay, m/s² per
     /// rad.
     pub lateral_feedthrough: f64,
+    /// Roll angle between body and axles of the tractor (drive axles) and of the trailer, rad.
+    pub suspension_roll: [DVector<f64>; 2],
+    /// Specific force at the accelerometer of the tractor and of the trailer, m/s², and its part
+    /// that follows the steer angle without delay, m/s² per rad.
+    pub specific_force: [(DVector<f64>, f64); 2],
 }
 
 impl StateSpace {
@@ -42,6 +48,29 @@ impl StateSpace {
     /// The system from the steer angle to the trailer's roll angle.
     pub fn to_trailer_roll(&self) -> System {
         self.to(&self.trailer_roll, 0.0)
+    }
+
+    /// The system from the steer angle to the roll angle that a channel explains.
+    pub fn to_output(&self, output: Output) -> System {
+        match output {
+            Output::Roll => self.to_trailer_roll(),
+            Output::TractorSuspensionRoll => self.to(&self.suspension_roll[0], 0.0),
+            Output::SuspensionRoll => self.to(&self.suspension_roll[1], 0.0),
+        }
+    }
+
+    /// The system from the steer angle to the input of a channel; `None` for the steer angle.
+    pub fn to_input(&self, input: Input) -> Option<System> {
+        let force = |unit: usize| {
+            let (row, feedthrough) = &self.specific_force[unit];
+            self.to(row, *feedthrough)
+        };
+        match input {
+            Input::Steer => None,
+            Input::LateralAcceleration => Some(self.to_lateral_acceleration()),
+            Input::TractorSpecificForce => Some(force(0)),
+            Input::SpecificForce => Some(force(1)),
+        }
     }
 
     /// The system from the steer angle to the lateral acceleration of the trailer's sprung c.g.

@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::load::Load;
+use crate::sensor_places::{Road, SensorPlaces, SuspensionPressure};
 use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 
 /// A tractor-semitrailer.
@@ -40,6 +41,12 @@ pub struct Vehicle {
     /// Measured springs, identified by name; nonlinear plant only.
     #[serde(default)]
     pub spring: Vec<Spring>,
+    /// Places of sensors; those that are not given have usual ones.
+    #[serde(default)]
+    pub sensors: SensorPlaces,
+    /// The roads on which the vehicle drives, for roll angles relative to gravity.
+    #[serde(default)]
+    pub road: Option<Road>,
     /// Parameters that only the thesis's printed model uses.
     #[serde(default)]
     pub as_printed: Option<AsPrinted>,
@@ -84,8 +91,22 @@ pub struct Uncertainty {
     pub lateral_acceleration_gain_sd: f64,
     /// Gain of the roll sensor, and the error of the model that is the same everywhere.
     pub compensation_sd: f64,
+    /// The same for the sensors of suspension roll, for trailer and tractor separately.
+    #[serde(default = "usual_suspension_roll_sd")]
+    pub suspension_roll_gain_sd: f64,
+    /// Gain of the sensors of specific force, for trailer and tractor separately.
+    #[serde(default = "usual_specific_force_sd")]
+    pub specific_force_gain_sd: f64,
     /// The rest of the model error, which differs at each speed, load and road.
     pub residual_sd: f64,
+}
+
+fn usual_suspension_roll_sd() -> f64 {
+    0.03
+}
+
+fn usual_specific_force_sd() -> f64 {
+    0.01
 }
 
 /// The fifth wheel.
@@ -184,18 +205,6 @@ pub struct Tare {
     /// Pitch inertia about its c.g.; if absent, the yaw inertia is used. Nonlinear plant only.
     #[serde(default)]
     pub pitch_inertia_kgm2: Option<f64>,
-}
-
-/// Two readings of a gauge on the trailer's air suspension, for instance empty and laden on a
-/// weighbridge. The load of the axles is linear in the pressure (area of the bellows, lever of the
-/// arms).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct SuspensionPressure {
-    /// Gauge pressure (above atmospheric), mean of both sides.
-    pub gauge_pa: [f64; 2],
-    /// Load of the trailer's axles on the road.
-    pub axle_load_kg: [f64; 2],
 }
 
 /// The payload: a homogeneous box on the floor, whose mass and c.g. height follow from the load.
@@ -414,6 +423,18 @@ impl Vehicle {
             })
         });
         tractor.chain(trailer).collect()
+    }
+
+    /// The readings of gauges on air suspensions, with their paths in the file.
+    pub(crate) fn pressure_readings(
+        &self,
+    ) -> impl Iterator<Item = (&'static str, SuspensionPressure)> {
+        [
+            ("trailer.suspension_pressure", self.trailer.suspension_pressure),
+            ("sensors.drive_pressure", self.sensors.drive_pressure),
+        ]
+        .into_iter()
+        .filter_map(|(path, readings)| Some((path, readings?)))
     }
 
     /// Mass of the trailer's axles.

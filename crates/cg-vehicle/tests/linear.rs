@@ -2,13 +2,66 @@
 //! the thesis's numbers.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+use cg_core::{Input, Output};
 use cg_vehicle::equations::Equations;
-use cg_vehicle::linear::ratio_line;
+use cg_vehicle::linear::{SteadyLines, ratio_line};
+use cg_vehicle::system::System;
 use cg_vehicle::{Load, Variant, Vehicle};
 
 fn baseline() -> Vehicle {
     Vehicle::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/baseline.toml"))
         .unwrap()
+}
+
+/// Every pair of every vehicle of the fixtures: the straight lines beside the solved steady state.
+#[test]
+fn the_ratio_line_of_every_pair_is_the_dc_ratio_of_the_model() {
+    for name in ["baseline", "kraz", "air"] {
+        let file = format!("{}/../../fixtures/vehicles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let vehicle = Vehicle::load(file).unwrap();
+        let reference = vehicle.reference_load();
+        let steady = SteadyLines::new(&vehicle, Variant::Complete, 17.0, reference).unwrap();
+        for k in 0..20 {
+            let cg_height_m = 1.0 + 0.1 * f64::from(k);
+            let load = Load { cg_height_m, ..reference };
+            let at = SteadyLines::new(&vehicle, Variant::Complete, 17.0, load).unwrap();
+            let model = Equations::new(&vehicle, Variant::Complete, 17.0, load)
+                .unwrap()
+                .state_space()
+                .unwrap();
+            for output in Output::ALL {
+                for input in Input::ALL {
+                    let line = steady.line(output, input).ratio_at(cg_height_m);
+                    // The same steady state, solved at this height.
+                    let solved = at.line(output, input).ratio_at(cg_height_m);
+                    assert!((line / solved - 1.0).abs() < 1e-12, "{name} {output:?} {input:?}");
+                    // The value at s = 0 of the dynamic model, whose state matrix has a condition
+                    // number of 1e5 or more.
+                    let dc = |system: System| system.moments(1).unwrap()[0];
+                    let input_dc = model.to_input(input).map_or(1.0, dc);
+                    let ratio = dc(model.to_output(output)) / input_dc;
+                    assert!((line / ratio - 1.0).abs() < 1e-9, "{name} {output:?} {input:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The specific force is the lateral acceleration and gravity's part in the rolled body, so
+/// `S/f = (S/a_y)/(1 + g R/a_y)`. A bank changes neither side.
+#[test]
+fn the_specific_force_contains_the_roll_times_gravity() {
+    let vehicle = baseline();
+    for cg_height_m in [1.2, 2.0, 2.6] {
+        let load = Load { cg_height_m, ..vehicle.reference_load() };
+        let steady = SteadyLines::new(&vehicle, Variant::Complete, 17.0, load).unwrap();
+        let ratio = |output, input| steady.line(output, input).ratio_at(cg_height_m);
+        let lateral = ratio(Output::Roll, Input::LateralAcceleration);
+        let suspension = ratio(Output::SuspensionRoll, Input::LateralAcceleration);
+        let expected = suspension / (1.0 + vehicle.gravity_mps2 * lateral);
+        let found = ratio(Output::SuspensionRoll, Input::SpecificForce);
+        assert!((found / expected - 1.0).abs() < 1e-12);
+    }
 }
 
 #[test]

@@ -118,6 +118,8 @@ pub struct Maneuver<T, const C: usize = CHANNELS> {
     pub speed_mps: T,
     /// Mean trailer mass, kg.
     pub trailer_mass_kg: T,
+    /// Whether the roll angle was relative to gravity and thus contained the bank of the road.
+    pub to_gravity: bool,
     /// Results of all channels, in the order of the design's [channels](crate::Design::channels).
     pub outcomes: [Outcome<T>; C],
     /// Correlations of the systematic errors of the channels.

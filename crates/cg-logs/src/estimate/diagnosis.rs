@@ -81,7 +81,8 @@ impl fmt::Display for Cause {
 pub(super) struct Evidence<'a> {
     pub(super) design: &'a Design<f64>,
     pub(super) steering_ratio: Option<f64>,
-    /// DC ratios in the order of [`Channel::ALL`], divided by the compensation.
+    /// DC ratios of the roll angle, by the steer angle and by the lateral acceleration, divided by
+    /// the compensation.
     pub(super) ratio: [Option<Measured<f64>>; 2],
     pub(super) speed_mps: f64,
     pub(super) trailer_mass_kg: f64,
@@ -134,7 +135,7 @@ impl Evidence<'_> {
     fn height(&self, channel: Channel, ratio: Measured<f64>) -> Option<Measured<f64>> {
         let (speed_mps, mass_kg) = (self.speed_mps, self.trailer_mass_kg);
         let line = self.design.line(channel, speed_mps, mass_kg)?;
-        let sd = self.design.spread(speed_mps, mass_kg)?.sd[channel.index()];
+        let sd = self.design.spread(speed_mps, mass_kg)?.sd(channel.index());
         let height = solve_height(&line, ratio, Measured::exact(1.0), sd).ok()?;
         let Design { least_height_m, greatest_height_m, .. } = self.design;
         (height.value >= *least_height_m && height.value <= *greatest_height_m).then_some(height)

@@ -28,6 +28,9 @@ impl Engine {
             // not.
             settings.standstill = f64::INFINITY;
         }
+        if let Some(road) = options.road {
+            settings = settings.on_road(road.bank_sd_rad);
+        }
         let standard = Prior::standard();
         match options.method {
             Method::Filtered => {

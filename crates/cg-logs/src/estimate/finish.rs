@@ -1,16 +1,16 @@
 //! The end of a log: the combined result of all its maneuvers.
 
-use cg_core::{Channel, Combined, Height, Measured};
+use cg_core::{CHANNELS, Channel, Combined, Height, Measured};
 use cg_core::{Maneuver, Reject};
 
 use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use super::intake::{Identified, LogEstimator};
 use super::options::QUANTILE_95;
 
-/// Value of [`LogEstimate::channel`] if both channels were used.
+/// Value of [`LogEstimate::channel`] if several channels were used.
 const COMBINED: &str = "combined";
 
-/// The result of both channels together.
+/// The result of all channels together.
 struct Together {
     height: Option<Height<f64>>,
     verdict: Verdict,
@@ -42,6 +42,7 @@ impl LogEstimator {
             Verdict::Rejected => first.push(self.rejection(shown)),
             Verdict::Inconsistent => {}
         }
+        first.extend(self.road(shown, together.height.as_ref()));
         let causes = if first.is_empty() { Vec::new() } else { self.likely_causes() };
         if !causes.is_empty() {
             first.push(format!("likely cause: {}", causes.join("; or ")));
@@ -79,14 +80,14 @@ impl LogEstimator {
                 remark: Some(format!(
                     "{}: they differ by more than their uncertainty explains; the interval was \
                      made {:.1} times as wide",
-                    self.both_heights(),
+                    self.heights(),
                     chi_square.sqrt()
                 )),
                 ..plain(Some(height))
             },
             Some(Combined::Contradictory { chi_square }) => inconsistent(format!(
                 "{}: {:.0} standard deviations apart",
-                self.both_heights(),
+                self.heights(),
                 chi_square.sqrt()
             )),
             Some(Combined::Impossible) => inconsistent(self.impossible()),
@@ -94,9 +95,9 @@ impl LogEstimator {
         }
     }
 
-    /// Whether both channels have a height.
+    /// Whether several channels have a height.
     fn is_combined(&self) -> bool {
-        Channel::ALL.iter().all(|&channel| self.engine.height(channel).is_some())
+        Channel::ALL.iter().filter(|&&channel| self.engine.height(channel).is_some()).count() > 1
     }
 
     /// The maneuver with the least noise in a channel.
@@ -179,7 +180,7 @@ impl LogEstimator {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             trailer_mass_kg: self.trailer_mass_kg,
             trailer_mass_is_known: self.seen.mass || self.options.trailer_mass_kg.is_some(),
-            ratio: [None; 2],
+            ratio: [None; CHANNELS],
             messages: self.messages(),
         };
         let Together { verdict, remark, .. } = self.together();
@@ -216,7 +217,7 @@ impl LogEstimator {
             snr_db: None,
             fit_percent: None,
             static_rollover_threshold_g: None,
-            channels: self.asked().iter().map(|&channel| self.alone(channel)).collect(),
+            channels: self.asked().into_iter().map(|channel| self.alone(channel)).collect(),
             maneuvers: self
                 .maneuvers
                 .iter()
@@ -228,13 +229,18 @@ impl LogEstimator {
         }
     }
 
-    /// The requested channels.
-    fn asked(&self) -> &[Channel] {
-        match self.options.channel {
-            Some(Channel::Steer) => &Channel::ALL[..1],
-            Some(Channel::LateralAcceleration) => &Channel::ALL[1..],
-            None => &Channel::ALL,
+    /// The channels of the result: the requested one, or the two of the roll angle and those others
+    /// whose signals are present.
+    fn asked(&self) -> Vec<Channel> {
+        if let Some(channel) = self.options.channel {
+            return vec![channel];
         }
+        let there = |channel: &Channel| {
+            channel.feels_bank()
+                || self.engine.height(*channel).is_some()
+                || self.last_reject(*channel).is_some_and(|reject| reject != Reject::Absent)
+        };
+        Channel::ALL.into_iter().filter(there).collect()
     }
 
     /// The result of one channel alone.

@@ -1,7 +1,7 @@
 //! Processes the rows of a log.
 
 use cg_core::Maneuver;
-use cg_core::{AlignSettings, Design, Measured, Sample, SampleError, Status};
+use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Status};
 
 use super::engine::Engine;
 use super::options::EstimateOptions;
@@ -26,7 +26,7 @@ pub struct Identified {
     /// Whether the mass comes from the log or the options, and not from the vehicle file.
     pub trailer_mass_is_known: bool,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
-    pub ratio: [Option<Measured<f64>>; 2],
+    pub ratio: [Option<Measured<f64>>; CHANNELS],
     /// Messages for the user.
     pub messages: Vec<String>,
 }
@@ -58,6 +58,7 @@ pub(super) struct Seen {
     pub(super) mass: bool,
     pub(super) unscaled_steering_wheel: bool,
     pub(super) unscaled_pressure: bool,
+    pub(super) unscaled_level: bool,
 }
 
 impl LogEstimator {
@@ -66,7 +67,8 @@ impl LogEstimator {
     /// # Errors
     /// [`VehicleError`] if the vehicle gives no usable design.
     pub fn new(vehicle: &Vehicle, options: EstimateOptions) -> Result<Self, VehicleError> {
-        Ok(Self::from_design(&design(vehicle, options.variant)?, vehicle.align_settings(), options))
+        let design = design(vehicle, options.variant)?;
+        Ok(Self::from_design(&design, vehicle.align_settings(), options.on_roads_of(vehicle)))
     }
 
     /// An estimator with an existing design.
@@ -127,6 +129,9 @@ impl LogEstimator {
             sample.steer_rad.is_nan() && !row.steering_wheel_rad.is_nan();
         self.seen.unscaled_pressure |=
             sample.trailer_mass_kg.is_nan() && !row.trailer_suspension_pressure_pa.is_nan();
+        self.seen.unscaled_level |= (sample.suspension_roll_rad.is_nan()
+            && !row.level_left_m.is_nan())
+            || (sample.tractor_suspension_roll_rad.is_nan() && !row.tractor_level_left_m.is_nan());
         self.seen.speed |= sample.speed_mps.is_finite();
         self.seen.mass |= sample.trailer_mass_kg.is_finite();
         if let Some(speed_mps) = self.options.speed_mps {

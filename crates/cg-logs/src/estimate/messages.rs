@@ -1,7 +1,6 @@
 //! Messages that explain a height or its absence.
 
-use cg_core::Reject;
-use cg_core::{Channel, Measured};
+use cg_core::{Channel, Height, Measured, Reject};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -9,6 +8,8 @@ use super::intake::LogEstimator;
 /// Greatest usual height. The middle of a box that is filled to a roof at 4 m above a floor at 1.2
 /// m is at 2.6 m, and the trailer's own mass is below.
 const USUAL_HEIGHT_M: f64 = 2.5;
+/// Share of the variance above which the bank of the road is reported.
+const MUCH: f64 = 0.25;
 /// Drift of the roll sensor above which it is reported: a third of a degree per minute.
 const DRIFT_RADPS: f64 = 1e-4;
 
@@ -73,6 +74,13 @@ impl LogEstimator {
                     .to_owned(),
             );
         }
+        if self.seen.unscaled_level {
+            messages.push(
+                "the log has levels, but the vehicle file has no sensors.level or \
+                 sensors.tractor_level for them: they are not used"
+                    .to_owned(),
+            );
+        }
         if let Some(since_us) = self.engine.load_since_us() {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;
@@ -99,8 +107,44 @@ impl LogEstimator {
         })
     }
 
-    /// The heights of both channels in words.
-    pub(super) fn both_heights(&self) -> String {
+    /// What the bank of the road does to the result, if it is not known and matters.
+    pub(super) fn road(&self, shown: Channel, fused: Option<&Height<f64>>) -> Option<String> {
+        if !self.is_on_road() || !shown.feels_bank() {
+            return None;
+        }
+        let remedy = "a suspension roll with a specific force (level sensors and an accelerometer, \
+                      or inclinometers on frame and axle) does not feel it; if the road was flat: \
+                      ⟨road flat⟩";
+        let Some(fused) = fused else {
+            return Some(format!("the bank of the road is not known and changes the roll angle; {remedy}"));
+        };
+        let road_m = self
+            .maneuvers
+            .iter()
+            .filter_map(|maneuver| {
+                let outcome = maneuver.outcomes[shown.index()];
+                outcome.height_m.is_ok().then_some(outcome.road_sd_m)
+            })
+            .fold(f64::INFINITY, f64::min);
+        let share = (road_m / fused.height_m.sd).powi(2).min(1.0);
+        (share > MUCH).then(|| {
+            format!(
+                "the bank of the road is not known: it makes up {:.0} % of the variance of the \
+                 height; {remedy}",
+                100.0 * share
+            )
+        })
+    }
+
+    /// Whether the bank of the road is unknown and changes a roll angle of the log.
+    pub(super) fn is_on_road(&self) -> bool {
+        let known = self.options.road.is_some_and(|road| road.bank_sd_rad <= 0.0);
+        let shown = self.options.road.is_some() || self.maneuvers.iter().any(|one| one.to_gravity);
+        !known && shown
+    }
+
+    /// The heights of all channels in words.
+    pub(super) fn heights(&self) -> String {
         let told = |channel: Channel| {
             let height = self.engine.height(channel)?.height_m;
             Some(format!("{channel} channel {:.3} ± {:.3} m", height.value, height.sd))
@@ -114,7 +158,7 @@ impl LogEstimator {
         let reject = without.and_then(|channel| Some((channel, self.last_reject(channel)?)));
         let why = reject
             .map_or_else(String::new, |(channel, reject)| format!("{channel} channel: {reject}; "));
-        format!("{why}{}, which is wrong too if the roll angle is wrong", self.both_heights())
+        format!("{why}{}, which is wrong too if the roll angle is wrong", self.heights())
     }
 
     /// The channel that gave no height although its signal is present, and the reason.
@@ -129,11 +173,15 @@ impl LogEstimator {
 
     /// Likely causes of a contradiction, in words.
     pub(super) fn likely_causes(&self) -> Vec<String> {
+        if self.is_on_road() {
+            return Vec::new(); // a bank explains as much as any fault
+        }
         let speed_mps = self.mean_speed_mps_of_fits();
         let evidence = Evidence {
             design: &self.design,
             steering_ratio: self.settings.steering_ratio,
-            ratio: Channel::ALL.map(|channel| self.pooled_ratio(channel, speed_mps)),
+            ratio: [Channel::Steer, Channel::LateralAcceleration]
+                .map(|channel| self.pooled_ratio(channel, speed_mps)),
             speed_mps,
             trailer_mass_kg: self.trailer_mass_kg,
         };
@@ -165,7 +213,7 @@ impl LogEstimator {
             sum += one * fit.ratio.value / usual;
         }
         let usual = at(speed_mps, self.trailer_mass_kg)?
-            / self.design.channels[channel.index()].compensation;
+            / self.design.compensation(channel);
         (weight > 0.0).then(|| Measured { value: sum / weight * usual, sd: usual / weight.sqrt() })
     }
 

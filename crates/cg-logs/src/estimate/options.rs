@@ -1,7 +1,10 @@
 //! Options of an estimate.
 
+use std::str::FromStr;
+
 use cg_core::Channel;
-use cg_vehicle::Variant;
+use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
+use cg_vehicle::{Variant, Vehicle};
 use serde::Serialize;
 
 /// Two-sided 95 % quantile of the normal distribution.
@@ -29,20 +32,59 @@ cg_core::words!(Method {
 /// The channel from which a height is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ChannelChoice {
-    /// Both channels, combined.
+    /// All channels, combined.
     #[default]
     Auto,
-    /// Only the steer angle.
+    /// Only the roll angle by the steer angle.
     Steer,
-    /// Only the lateral acceleration.
+    /// Only the roll angle by the lateral acceleration.
     LateralAcceleration,
+    /// Only the suspension roll of the trailer by its specific force.
+    Suspension,
+    /// Only the suspension roll of the tractor by its specific force.
+    Tractor,
 }
 
 cg_core::words!(ChannelChoice {
-    Auto => "auto", "Both, weighted by their uncertainty";
-    Steer => "steer", "Steer angle";
-    LateralAcceleration => "lateral-acceleration", "Lateral acceleration, or yaw rate times speed";
+    Auto => "auto", "All, weighted by their uncertainty";
+    Steer => "steer", "Roll angle by the steer angle";
+    LateralAcceleration => "lateral-acceleration",
+        "Roll angle by the lateral acceleration, or by yaw rate times speed";
+    Suspension => "suspension", "Suspension roll of the trailer by its specific force";
+    Tractor => "tractor", "Suspension roll of the tractor by its specific force";
 });
+
+/// The roads of a log, by the standard deviation of their bank in curves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoadChoice {
+    /// Standard deviation of the bank, rad.
+    pub bank_sd_rad: f64,
+}
+
+/// Greatest standard deviation of the bank that is accepted, rad. No road is so steep.
+const GREATEST_BANK_SD_RAD: f64 = 0.15;
+
+impl FromStr for RoadChoice {
+    type Err = UnknownRoad;
+
+    fn from_str(text: &str) -> Result<Self, UnknownRoad> {
+        let bank_sd_rad = match text {
+            "flat" => 0.0,
+            "public" => PUBLIC_BANK_SD_RAD,
+            number => number.parse().unwrap_or(f64::NAN),
+        };
+        if (0.0..=GREATEST_BANK_SD_RAD).contains(&bank_sd_rad) {
+            Ok(Self { bank_sd_rad })
+        } else {
+            Err(UnknownRoad)
+        }
+    }
+}
+
+/// The error for a text that describes no road.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected flat, public, or the standard deviation of the bank in rad, from 0 to {GREATEST_BANK_SD_RAD}")]
+pub struct UnknownRoad;
 
 impl From<ChannelChoice> for Option<Channel> {
     fn from(choice: ChannelChoice) -> Self {
@@ -50,6 +92,8 @@ impl From<ChannelChoice> for Option<Channel> {
             ChannelChoice::Auto => None,
             ChannelChoice::Steer => Some(Channel::Steer),
             ChannelChoice::LateralAcceleration => Some(Channel::LateralAcceleration),
+            ChannelChoice::Suspension => Some(Channel::Suspension),
+            ChannelChoice::Tractor => Some(Channel::Tractor),
         }
     }
 }
@@ -63,12 +107,24 @@ pub struct EstimateOptions {
     pub method: Method,
     /// Order of the classical ARX.
     pub order: usize,
-    /// The channel to use; `None` combines both, weighted by their uncertainty.
+    /// The channel to use; `None` combines all, weighted by their uncertainty.
     pub channel: Option<Channel>,
     /// Speed in m/s that replaces the one in the log.
     pub speed_mps: Option<f64>,
     /// Trailer mass in kg that replaces the one in the log.
     pub trailer_mass_kg: Option<f64>,
+    /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
+    /// public roads, roll angles relative to the road as measured on a flat test track.
+    pub road: Option<RoadChoice>,
+}
+
+impl EstimateOptions {
+    /// The same options, with the roads of the vehicle file if no others are given.
+    #[must_use]
+    pub fn on_roads_of(self, vehicle: &Vehicle) -> Self {
+        let of_file = || vehicle.road.map(|road| RoadChoice { bank_sd_rad: road.bank_sd_rad });
+        Self { road: self.road.or_else(of_file), ..self }
+    }
 }
 
 impl Default for EstimateOptions {
@@ -80,6 +136,7 @@ impl Default for EstimateOptions {
             channel: None,
             speed_mps: None,
             trailer_mass_kg: None,
+            road: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Prediction of the roll angle row by row, for plots next to the measured one.
 
 use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
-use cg_core::{AlignSettings, Channel, Conditioner, Design, Reduced5, SampleError};
+use cg_core::{AlignSettings, Channel, Conditioner, Design, Output, Reduced5, SampleError};
 
 use super::intake::LogEstimator;
 use super::options::EstimateOptions;
@@ -63,8 +63,14 @@ impl Prediction {
     /// [`SampleError`] if the time of the row is not later than that of the previous row.
     pub fn push(&mut self, row: &LogRow) -> Result<f64, SampleError> {
         let mut sample = self.intake.sample(row);
-        if sample.roll_rad.is_nan() {
-            sample.roll_rad = 0.0; // only the input is used
+        // Only the input is used.
+        let output = match self.channel.output() {
+            Output::Roll => &mut sample.roll_rad,
+            Output::SuspensionRoll => &mut sample.suspension_roll_rad,
+            Output::TractorSuspensionRoll => &mut sample.tractor_suspension_roll_rad,
+        };
+        if output.is_nan() {
+            *output = 0.0;
         }
         let Some(conditioned) = self.conditioner.push(&self.design, &sample)? else {
             return Ok(self.running.as_ref().map_or(f64::NAN, |running| running.roll_rad));
@@ -84,8 +90,9 @@ impl Prediction {
             (mass_kg - running.trailer_mass_kg).abs() > NEW_MASS * running.trailer_mass_kg
         });
         if fresh {
-            let model = self.design.model(self.channel, mass_kg);
-            self.running = Some(Running::at_rest(&model, mass_kg, sample.time_us, input_rad));
+            let model = self.design.model(self.channel.index(), mass_kg);
+            self.running =
+                model.map(|m| Running::at_rest(&m, mass_kg, sample.time_us, input_rad));
         }
         Ok(self
             .running

@@ -6,19 +6,24 @@
 //!
 //! | group | signals | every |
 //! |---|---|---|
-//! | VDC2 | steering-wheel angle, yaw rate, lateral acceleration | row |
-//! | SSI2 (roll sensor, compensated) or SSI (inclinometer, not compensated) | roll or tilt | row |
+//! | VDC2 | steering-wheel angle, yaw rate, specific force of the tractor | row |
+//! | SSI2 (roll sensor, compensated) or SSI (inclinometer, not compensated) | roll relative to gravity, or tilt | row |
+//! | ASC3 | levels of the tractor's drive axle | 100 ms |
+//! | ASC4 | bellows pressures of the tractor's drive axle | 100 ms |
 //! | CCVS1 | speed | 100 ms |
 //! | VW | mass of the trailer | 1 s |
 //! | EBS22 | load of the trailer's axles | 1 s |
 //!
-//! J1939 has no group for the suspension pressure, so it is not written.
+//! On a flat road the roll angle relative to the road is the one relative to gravity, so a row
+//! without the latter is written with the former. J1939 has no groups for the trailer's suspension
+//! roll, levels, specific force and suspension pressure, so they are not written (a DBC file can
+//! describe such signals).
 
 use std::fmt::Write as _;
 use std::io::{BufWriter, Write};
 
 use cg_core::signal::j1939::{
-    LATERAL_ACCELERATION, NOT_AVAILABLE, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
+    BELLOWS_REAR_LEFT, BELLOWS_REAR_RIGHT, LATERAL_ACCELERATION, LEVEL_REAR_LEFT, LEVEL_REAR_RIGHT, NOT_AVAILABLE, ROLL, ROLL_FINE, SPEED, STEERING_WHEEL_ANGLE, Signal,
     TRAILER_AXLE_LOAD, TRAILER_MASS, YAW_RATE,
 };
 
@@ -32,7 +37,9 @@ const BRAKES: u8 = 0x0B;
 const ROLL_SENSOR: u8 = 0xE4;
 const ENGINE: u8 = 0x00;
 const TRAILER: u8 = 0xC8;
-/// Cycle times of speed and mass, microseconds.
+const AIR_SUSPENSION: u8 = 0x2F;
+/// Cycle times of levels, speed and mass, microseconds.
+const LEVEL_CYCLE_US: u64 = 100_000;
 const SPEED_CYCLE_US: u64 = 100_000;
 const WEIGHT_CYCLE_US: u64 = 1_000_000;
 
@@ -46,6 +53,7 @@ pub struct CandumpWriter {
     lines: u64,
     next_speed_us: u64,
     next_weight_us: u64,
+    next_level_us: u64,
     out_of_range: u64,
 }
 
@@ -71,6 +79,7 @@ impl CandumpWriter {
             lines: 0,
             next_speed_us: 0,
             next_weight_us: 0,
+            next_level_us: 0,
             out_of_range: 0,
         })
     }
@@ -92,11 +101,28 @@ impl CandumpWriter {
         let vdc2 = [
             (STEERING_WHEEL_ANGLE, wheel_rad),
             (YAW_RATE, row.yaw_rate_radps),
-            (LATERAL_ACCELERATION, row.lateral_acceleration_mps2),
+            (LATERAL_ACCELERATION, row.tractor_lateral_specific_force_mps2),
         ];
         self.frame(time_us, BRAKES, &vdc2)?;
-        self.frame(time_us, ROLL_SENSOR, &[(ROLL_FINE, row.roll_rad)])?;
+        let roll_rad =
+            if row.roll_to_gravity_rad.is_nan() { row.roll_rad } else { row.roll_to_gravity_rad };
+        self.frame(time_us, ROLL_SENSOR, &[(ROLL_FINE, roll_rad)])?;
         self.frame(time_us, ROLL_SENSOR, &[(ROLL, row.tilt_rad)])?;
+        if time_us >= self.next_level_us {
+            let asc3 = [
+                (LEVEL_REAR_LEFT, row.tractor_level_left_m),
+                (LEVEL_REAR_RIGHT, row.tractor_level_right_m),
+            ];
+            let asc4 = [
+                (BELLOWS_REAR_LEFT, row.drive_pressure_left_pa),
+                (BELLOWS_REAR_RIGHT, row.drive_pressure_right_pa),
+            ];
+            if asc3.iter().chain(&asc4).any(|(_, value)| value.is_finite()) {
+                self.next_level_us = time_us + LEVEL_CYCLE_US;
+            }
+            self.frame(time_us, AIR_SUSPENSION, &asc3)?;
+            self.frame(time_us, AIR_SUSPENSION, &asc4)?;
+        }
         if time_us >= self.next_speed_us && row.speed_mps.is_finite() {
             self.next_speed_us = time_us + SPEED_CYCLE_US;
             self.frame(time_us, ENGINE, &[(SPEED, row.speed_mps)])?;

@@ -32,13 +32,7 @@ pub(super) fn resolve(
     }
     header.refuse_bare_names()?;
     header.require(&[Signal::Time])?;
-    header.require(&[
-        Signal::Steer,
-        Signal::SteeringWheel,
-        Signal::LateralAcceleration,
-        Signal::YawRate,
-    ])?;
-    header.require(&[Signal::Roll, Signal::Tilt])?;
+    header.require_channel()?;
     for &signal in &options.flip {
         header.check_flip(signal)?;
     }
@@ -154,6 +148,41 @@ impl Header<'_> {
         let wanted: Vec<_> = signals.iter().map(|signal| signal.column()).collect();
         let near: Vec<_> = signals.iter().flat_map(|&s| [(s, s.name()), (s, s.column())]).collect();
         Err(self.missing(&wanted.join(" or "), &near))
+    }
+
+    /// Requires a roll angle and an input that belong together.
+    fn require_channel(&self) -> Result<(), LogError> {
+        let sides =
+            [(Signal::LevelLeft, Signal::LevelRight), (Signal::TractorLevelLeft, Signal::TractorLevelRight)];
+        for (left, right) in sides {
+            if self.find(left).is_some() || self.find(right).is_some() {
+                self.require(&[left])?;
+                self.require(&[right])?;
+            }
+        }
+        let has = |signals: &[Signal]| signals.iter().any(|&signal| self.find(signal).is_some());
+        let trailer = has(&[Signal::SuspensionRoll, Signal::LevelLeft, Signal::AxleTilt])
+            && has(&[Signal::LateralSpecificForce, Signal::Tilt]);
+        let tractor = has(&[
+            Signal::TractorSuspensionRoll,
+            Signal::TractorLevelLeft,
+            Signal::TractorAxleTilt,
+        ]) && has(&[Signal::TractorLateralSpecificForce, Signal::TractorTilt]);
+        if trailer || tractor {
+            return Ok(());
+        }
+        if !has(&[Signal::LateralSpecificForce]) {
+            self.require(&[
+                Signal::Steer,
+                Signal::SteeringWheel,
+                Signal::LateralAcceleration,
+                Signal::YawRate,
+            ])?;
+        }
+        if !has(&[Signal::RollToGravity]) {
+            self.require(&[Signal::Roll, Signal::Tilt])?;
+        }
+        Ok(())
     }
 
     fn missing(&self, wanted: &str, near: &[(Signal, &str)]) -> LogError {

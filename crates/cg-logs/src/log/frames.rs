@@ -11,13 +11,19 @@ use super::options::LogOptions;
 use super::signal::{LogRow, Signal};
 
 /// The signals of a sample.
-const SAMPLED: [Signal; 8] = [
+const SAMPLED: [Signal; 14] = [
     Signal::Time,
     Signal::Steer,
     Signal::Roll,
+    Signal::RollToGravity,
     Signal::Tilt,
+    Signal::SuspensionRoll,
     Signal::Speed,
     Signal::LateralAcceleration,
+    Signal::LateralSpecificForce,
+    Signal::TractorSuspensionRoll,
+    Signal::TractorLateralSpecificForce,
+    Signal::TractorTilt,
     Signal::YawRate,
     Signal::TrailerMass,
 ];

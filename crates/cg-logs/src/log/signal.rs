@@ -74,37 +74,31 @@ impl LogRow {
     pub const ABSENT: Self = Self::from_values([f64::NAN; Signal::COUNT]);
 
     /// The row of a sample that was aligned from frames. It does not contain the values from which
-    /// steer angle and mass of the sample were computed.
+    /// steer angle, suspension roll and mass of the sample were computed.
     pub fn of_sample(time_s: f64, sample: &Sample<f64>) -> Self {
         Self {
             time_s,
             steer_rad: sample.steer_rad,
             roll_rad: sample.roll_rad,
+            roll_to_gravity_rad: sample.roll_to_gravity_rad,
             tilt_rad: sample.tilt_rad,
+            suspension_roll_rad: sample.suspension_roll_rad,
             speed_mps: sample.speed_mps,
             lateral_acceleration_mps2: sample.lateral_acceleration_mps2,
+            lateral_specific_force_mps2: sample.lateral_specific_force_mps2,
+            tractor_suspension_roll_rad: sample.tractor_suspension_roll_rad,
+            tractor_lateral_specific_force_mps2: sample.tractor_lateral_specific_force_mps2,
+            tractor_tilt_rad: sample.tractor_tilt_rad,
             yaw_rate_radps: sample.yaw_rate_radps,
             trailer_mass_kg: sample.trailer_mass_kg,
             ..Self::ABSENT
         }
     }
 
-    /// The sample for the estimator. Steer angle and mass come from whichever signal measures them.
+    /// The sample for the estimator. Steer angle, suspension roll and mass come from whichever signal
+    /// measures them.
     pub fn sample(&self, time_us: u64, settings: &AlignSettings<f64>) -> Sample<f64> {
-        Sample {
-            time_us,
-            steer_rad: settings.steer_rad(self.steer_rad, self.steering_wheel_rad),
-            roll_rad: self.roll_rad,
-            tilt_rad: self.tilt_rad,
-            speed_mps: self.speed_mps,
-            lateral_acceleration_mps2: self.lateral_acceleration_mps2,
-            yaw_rate_radps: self.yaw_rate_radps,
-            trailer_mass_kg: settings.trailer_mass_kg(
-                self.trailer_mass_kg,
-                self.trailer_axle_load_kg,
-                self.trailer_suspension_pressure_pa,
-            ),
-        }
+        settings.sample(time_us, |quantity| self.get(Signal::from(quantity)))
     }
 }
 

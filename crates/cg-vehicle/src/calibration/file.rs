@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use cg_core::Channel;
+use cg_core::{CHANNELS, Channel};
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
@@ -63,6 +63,16 @@ pub struct Compensations {
     pub steer: f64,
     /// For roll per lateral acceleration.
     pub lateral_acceleration: f64,
+    /// For the suspension roll per specific force of the trailer.
+    #[serde(default = "one")]
+    pub suspension: f64,
+    /// For the suspension roll per specific force of the tractor.
+    #[serde(default = "one")]
+    pub tractor: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// One parameter.
@@ -152,6 +162,8 @@ impl Calibration {
             compensation: Compensations {
                 steer: belief.gain(Channel::Steer),
                 lateral_acceleration: belief.gain(Channel::LateralAcceleration),
+                suspension: belief.gain(Channel::Suspension),
+                tractor: belief.gain(Channel::Tractor),
             },
             covariance: (0..PARAMETERS)
                 .map(|i| (0..PARAMETERS).map(|j| belief.covariance[(i, j)]).collect())
@@ -179,8 +191,9 @@ impl Calibration {
     /// # Errors
     /// As [`Self::load`].
     pub fn parse(text: &str, file: &str, vehicle: &Vehicle) -> Result<Self, VehicleError> {
-        let calibration: Self =
+        let mut calibration: Self =
             toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
+        calibration.add_new_parameters(&Belief::prior(vehicle));
         calibration
             .check(vehicle)
             .and_then(|()| check_sum(text))
@@ -213,6 +226,22 @@ impl Calibration {
         }
         let covariance = Covariance::from_fn(|i, j| self.covariance[i][j]);
         Belief { mean, covariance, residual_sd: self.residual_sd }
+    }
+
+    /// Adds the parameters that did not exist when the calibration was made: it did not change them.
+    fn add_new_parameters(&mut self, prior: &Belief) {
+        let known = self.parameter.len();
+        if self.covariance.len() != known || self.covariance.iter().any(|row| row.len() != known) {
+            return; // damaged; the check tells it
+        }
+        for &name in Parameter::ALL.iter().skip(known) {
+            let k = name as usize;
+            self.parameter.push(entry(name, prior, prior));
+            self.covariance.iter_mut().for_each(|row| row.push(0.0));
+            let mut row = vec![0.0; k + 1];
+            row[k] = prior.covariance[(k, k)];
+            self.covariance.push(row);
+        }
     }
 
     fn check(&self, vehicle: &Vehicle) -> Result<(), String> {
@@ -379,20 +408,30 @@ fn statement(
     };
     let prior = Belief::prior(vehicle);
     for run in runs {
-        let sd = |belief: &Belief| -> Result<[f64; 2], VehicleError> {
-            let c = belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load)?;
-            Ok([100.0 * c[0][0].sqrt(), 100.0 * c[1][1].sqrt()])
+        let covariance = |belief: &Belief| {
+            belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load)
         };
-        let (before, after) = (sd(&prior)?, sd(&fitted.belief)?);
+        let (before, after) = (covariance(&prior)?, covariance(&fitted.belief)?);
+        let told: Vec<String> = Channel::ALL
+            .into_iter()
+            .filter(|channel| run.ratio[channel.index()].is_some())
+            .map(|channel| {
+                let k = channel.index();
+                let percent = |covariance: &[[f64; CHANNELS]; CHANNELS]| {
+                    100.0 * covariance[k][k].sqrt()
+                };
+                format!(
+                    "{channel} ratio to {:.1} % (was {:.1})",
+                    percent(&after),
+                    percent(&before)
+                )
+            })
+            .collect();
         statement.push(format!(
-            "{:.1} t at {:.1} m/s: steer ratio to {:.1} % (was {:.1}), lateral-acceleration ratio \
-             to {:.1} % (was {:.1})",
+            "{:.1} t at {:.1} m/s: {}",
             run.load.trailer_mass_kg / 1e3,
             run.speed_mps,
-            after[0],
-            before[0],
-            after[1],
-            before[1],
+            told.join(", ")
         ));
     }
     if fitted.chi_square > fitted.chi_square_limit() {

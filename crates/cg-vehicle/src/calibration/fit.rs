@@ -16,7 +16,7 @@
 //! **Reference.** Tarantola, *Inverse Problem Theory*, §3.2 (Gauss-Newton on a Gaussian prior);
 //! Gelb, *Applied Optimal Estimation*, §4.2 (covariance of a suboptimal gain).
 
-use cg_core::{Channel, Measured};
+use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
@@ -42,7 +42,7 @@ pub struct Run {
     pub speed_mps: f64,
     /// Identified DC ratios and their standard deviations due to noise, in the order of
     /// [`Channel::ALL`]; `None` if the log does not have the signal.
-    pub ratio: [Option<Measured<f64>>; 2],
+    pub ratio: [Option<Measured<f64>>; CHANNELS],
 }
 
 /// The method by which the parameters were determined.
@@ -219,10 +219,7 @@ fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
 fn sensors_only(observations: &[Observation]) -> DMatrix<f64> {
     let mut gain = DMatrix::zeros(PARAMETERS, observations.len());
     for (k, observation) in observations.iter().enumerate() {
-        let parameter = match observation.channel {
-            Channel::Steer => Parameter::SteeringGain,
-            Channel::LateralAcceleration => Parameter::LateralAccelerationGain,
-        };
+        let parameter = Parameter::of_input(observation.channel.input());
         gain[(parameter as usize, k)] = 1.0;
     }
     gain

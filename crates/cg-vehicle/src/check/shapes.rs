@@ -133,16 +133,17 @@ fn heights_and_masses(v: &Vehicle, found: &mut Vec<Finding>) {
             "needs hitch.separation_moment_nm: the plates are free only after they have separated";
         found.push(Finding::error("hitch.lash_rad", v.hitch.lash_rad, problem));
     }
-    let Some(readings) = v.trailer.suspension_pressure else { return };
-    for (key, [first, second]) in
-        [("gauge_pa", readings.gauge_pa), ("axle_load_kg", readings.axle_load_kg)]
-    {
-        if !(second > first) {
-            found.push(Finding::error(
-                format!("trailer.suspension_pressure.{key}"),
-                second,
-                "the second reading must be greater than the first",
-            ));
+    for (path, readings) in v.pressure_readings() {
+        for (key, [first, second]) in
+            [("gauge_pa", readings.gauge_pa), ("axle_load_kg", readings.axle_load_kg)]
+        {
+            if !(second > first) {
+                found.push(Finding::error(
+                    format!("{path}.{key}"),
+                    second,
+                    "the second reading must be greater than the first",
+                ));
+            }
         }
     }
 }

@@ -27,6 +27,35 @@ pub static TABLES: &[Table] = &[
             PRESSURE,
         )
     },
+    Table {
+        required: false,
+        ..table(&["sensors.accelerometer"], "place of the trailer's accelerometer", ACCELEROMETER)
+    },
+    Table {
+        required: false,
+        ..table(
+            &["sensors.tractor_accelerometer"],
+            "place of the tractor's accelerometer",
+            TRACTOR_ACCELEROMETER,
+        )
+    },
+    Table {
+        required: false,
+        ..table(
+            &["sensors.level", "sensors.tractor_level"],
+            "level sensors on both sides of the trailer's axles, or of the tractor's drive axles",
+            LEVEL,
+        )
+    },
+    Table {
+        required: false,
+        ..table(
+            &["sensors.drive_pressure"],
+            "two readings of a gauge on the air suspension of the drive axles",
+            PRESSURE,
+        )
+    },
+    Table { required: false, ..table(&["road"], "the roads on which it drives", ROAD) },
     table(&["trailer.axle[i]"], "an axle of the trailer, front to rear", TRAILER_AXLE),
     table(&["tractor.axle[i]", "trailer.axle[i]"], "parameters of every axle", AXLE),
     table(&["tyre[i]"], "a tire type", TYRE),
@@ -88,6 +117,8 @@ const UNCERTAINTY: &[Key] = &[
     number("steering_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the steer-angle sensor, or steering ratio, relative"),
     number("lateral_acceleration_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the lateral-acceleration sensor, relative"),
     number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the roll sensor, and the error of the model that is the same everywhere, relative"),
+    number("suspension_roll_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the sensors of suspension roll, with the error of the model that is the same everywhere, for trailer and tractor separately, relative").optional(),
+    number("specific_force_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the sensors of specific force, for trailer and tractor separately, relative").optional(),
     number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "the rest of the model error, relative"),
 ];
 
@@ -143,7 +174,30 @@ const PAYLOAD: &[Key] = &[
 #[rustfmt::skip]
 const PRESSURE: &[Key] = &[
     number("gauge_pa", "Pa", [1e4, 1.2e6], [3e3, 2.5e6], "gauge pressure (above atmospheric), mean of both sides").list(),
-    number("axle_load_kg", "kg", [1e3, 4e4], [300.0, HEAVIEST_KG], "load of the trailer's axles on the road").list(),
+    number("axle_load_kg", "kg", [1e3, 4e4], [300.0, HEAVIEST_KG], "load of the axles on the road").list(),
+];
+
+#[rustfmt::skip]
+const ACCELEROMETER: &[Key] = &[
+    number("behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "distance behind the fifth wheel; if absent, the middle of the axles").optional(),
+    number("height_m", "m", [0.5, 1.6], [0.2, 4.5], "height").optional(),
+];
+
+#[rustfmt::skip]
+const TRACTOR_ACCELEROMETER: &[Key] = &[
+    number("ahead_of_cg_m", "m", [-6.0, 3.0], [-12.0, 6.0], "distance ahead of the sprung c.g.; if absent, the middle of the drive axles").optional(),
+    number("height_m", "m", [0.5, 1.6], [0.2, 4.5], "height").optional(),
+];
+
+#[rustfmt::skip]
+const LEVEL: &[Key] = &[
+    number("spread_m", "m", [0.5, 1.6], [0.2, 2.6], "lateral distance between the left and the right sensor"),
+    number("gain", "", [0.9, 1.1], [0.3, 3.0], "true change of the level divided by the measured one").optional(),
+];
+
+#[rustfmt::skip]
+const ROAD: &[Key] = &[
+    number("bank_sd_rad", "rad", [0.0, 0.04], [0.0, 0.15], "standard deviation of their bank in curves"),
 ];
 
 #[rustfmt::skip]

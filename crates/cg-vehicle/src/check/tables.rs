@@ -12,9 +12,8 @@ pub(super) fn relations(v: &Vehicle, relations: &mut Relations) {
     for (i, one) in v.spring.iter().enumerate() {
         spring(&format!("spring[{i}]"), one, relations);
     }
-    if let Some(readings) = v.trailer.suspension_pressure {
+    for (path, readings) in v.pressure_readings() {
         let (pa, kg) = (readings.gauge_pa, readings.axle_load_kg);
-        let path = "trailer.suspension_pressure";
         relations.check(Relation {
             key: format!("{path}.gauge_pa"),
             value: pa[0],

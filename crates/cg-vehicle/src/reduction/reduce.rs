@@ -11,7 +11,7 @@
 //! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
 
-use cg_core::Reduced5;
+use cg_core::{CHANNELS, Channel, Reduced5};
 use cg_core::truck::reduced::ORDER;
 
 use crate::error::VehicleError;
@@ -67,13 +67,11 @@ fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ReducedModels {
-    /// From the steer angle to the trailer's roll angle.
-    pub steer: Reduced5<f64>,
-    /// From the lateral acceleration to the trailer's roll angle. The exact transfer function can
-    /// be unstable, because the lateral acceleration may have zeros in the right half-plane. This
-    /// model therefore has the denominator of the other one, and it matches the first six Taylor
-    /// coefficients.
-    pub lateral_acceleration: Reduced5<f64>,
+    /// The model of each channel, in the order of [`Channel::ALL`]. The exact transfer function from
+    /// an acceleration to a roll angle can be unstable, because the acceleration may have zeros in
+    /// the right half-plane. The models of these channels therefore have the denominator of that
+    /// for the steer angle, and they match the first six Taylor coefficients.
+    pub of_channels: [Reduced5<f64>; CHANNELS],
     /// The method by which the model for the steer angle was obtained.
     pub method: Method,
 }
@@ -92,7 +90,6 @@ pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
     }
     let terms = 2 * ORDER + 1;
     let roll = system.moments(terms)?;
-    let lateral = model.to_lateral_acceleration().moments(terms)?;
     let approximant = pade(&roll, ORDER).map(|r| fixed(&r)).filter(Reduced5::is_stable);
     let (steer, method) = if let Some(steer) = approximant {
         (steer, Method::Pade)
@@ -103,9 +100,15 @@ pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
     };
     let mut denominator = steer.denominator.to_vec();
     denominator.push(1.0);
-    let numerator = matched_numerator(&denominator, &divided(&roll, &lateral));
-    let lateral_acceleration = fixed(&Rational { numerator, denominator });
-    Ok(ReducedModels { steer, lateral_acceleration, method })
+    let mut of_channels = [steer; CHANNELS];
+    for (channel, reduced) in Channel::ALL.into_iter().zip(&mut of_channels) {
+        let Some(input) = model.to_input(channel.input()) else { continue };
+        let output = model.to_output(channel.output()).moments(terms)?;
+        let series = divided(&output, &input.moments(terms)?);
+        let numerator = matched_numerator(&denominator, &series);
+        *reduced = fixed(&Rational { numerator, denominator: denominator.clone() });
+    }
+    Ok(ReducedModels { of_channels, method })
 }
 
 #[cfg(test)]

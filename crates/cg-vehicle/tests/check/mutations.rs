@@ -37,7 +37,7 @@ fn linear(vehicle: &Vehicle) -> Vehicle {
     vehicle
 }
 
-fn lines(vehicle: &Vehicle) -> [RatioLine<f64>; 2] {
+fn lines(vehicle: &Vehicle) -> [RatioLine<f64>; cg_core::CHANNELS] {
     let (speed_mps, load) = (vehicle.nominal_speed_mps, vehicle.reference_load());
     ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap()
 }

@@ -1,0 +1,108 @@
+//! Places and gains of the sensors of a vehicle, and its roads: optional parts of the vehicle file.
+
+use serde::{Deserialize, Serialize};
+
+/// Places of sensors on tractor and trailer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+#[non_exhaustive]
+pub struct SensorPlaces {
+    /// The lateral accelerometer or inclinometer on the trailer's frame.
+    #[serde(default)]
+    pub accelerometer: TrailerAccelerometer,
+    /// Level sensors on the left and the right side of the trailer's axles.
+    #[serde(default)]
+    pub level: Option<LevelSensors>,
+    /// The lateral accelerometer or inclinometer on the tractor's frame.
+    #[serde(default)]
+    pub tractor_accelerometer: TractorAccelerometer,
+    /// Level sensors on the left and the right side of the tractor's drive axles.
+    #[serde(default)]
+    pub tractor_level: Option<LevelSensors>,
+    /// Calibration of the pressure in the air suspension of the tractor's drive axles; without it
+    /// that pressure is not used. The load is that of the drive axles on the road.
+    #[serde(default)]
+    pub drive_pressure: Option<SuspensionPressure>,
+}
+
+/// Place of the accelerometer on the trailer.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrailerAccelerometer {
+    /// Distance behind the fifth wheel; if absent, the middle of the axles.
+    #[serde(default)]
+    pub behind_hitch_m: Option<f64>,
+    /// Height.
+    #[serde(default = "frame_height")]
+    pub height_m: f64,
+}
+
+/// Place of the accelerometer on the tractor.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TractorAccelerometer {
+    /// Distance ahead of the sprung c.g.; if absent, the middle of the drive axles.
+    #[serde(default)]
+    pub ahead_of_cg_m: Option<f64>,
+    /// Height.
+    #[serde(default = "frame_height")]
+    pub height_m: f64,
+}
+
+/// A pair of level sensors, or the mean of several pairs.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LevelSensors {
+    /// Lateral distance between the left and the right sensor.
+    pub spread_m: f64,
+    /// True change of the level divided by the measured one.
+    #[serde(default = "one")]
+    pub gain: f64,
+}
+
+impl LevelSensors {
+    /// Suspension roll angle per difference of the levels, rad/m.
+    pub fn roll_per_difference(&self) -> f64 {
+        self.gain / self.spread_m
+    }
+}
+
+/// The roads on which a vehicle drives.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Road {
+    /// Standard deviation of their bank in curves: 0 on a flat test track, 0.02 on public roads.
+    pub bank_sd_rad: f64,
+}
+
+impl Default for TrailerAccelerometer {
+    fn default() -> Self {
+        Self { behind_hitch_m: None, height_m: frame_height() }
+    }
+}
+
+impl Default for TractorAccelerometer {
+    fn default() -> Self {
+        Self { ahead_of_cg_m: None, height_m: frame_height() }
+    }
+}
+
+fn frame_height() -> f64 {
+    1.0
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// Two readings of a gauge on an air suspension, for instance empty and laden on a
+/// weighbridge. The load of the axles is linear in the pressure (area of the bellows, lever of the
+/// arms).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SuspensionPressure {
+    /// Gauge pressure (above atmospheric), mean of both sides.
+    pub gauge_pa: [f64; 2],
+    /// Load of the axles on the road.
+    pub axle_load_kg: [f64; 2],
+}
