@@ -351,9 +351,11 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             return false;
         };
         let others = || {
-            self.lanes.iter().enumerate().filter(move |(other, _)| *other != place).filter_map(
-                |(other, lane)| Some((design.output(other), lane.fusion.height()?)),
-            )
+            self.lanes
+                .iter()
+                .enumerate()
+                .filter(move |(other, _)| *other != place)
+                .filter_map(|(other, lane)| Some((design.output(other), lane.fusion.height()?)))
         };
         let same = others().find(|(output, _)| *output == design.output(place));
         let Some((_, height)) = same else { return others().next().is_none() };

@@ -6,7 +6,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 
-use cg_core::{Channel, Estimator, FilteredArx, Prior, Sample, Settings};
+use cg_core::{Channel, FilteredArx, Prior, Sample, Settings};
+use common::Pair;
 
 struct Counting;
 
@@ -37,7 +38,7 @@ fn a_million_samples_allocate_nothing() {
     let design = common::design().cast::<f32>();
     let before = ALLOCATIONS.get();
     let mut estimator =
-        Estimator::<f32, FilteredArx<f32>>::new(design, Settings::truck(), Prior::standard());
+        Pair::<f32, FilteredArx<f32>>::new(design, Settings::truck(), Prior::standard());
     let mut maneuvers = 0;
     for k in 0..1_000_000_u32 {
         // Turns to both sides with straight driving in between, changing speed and a little noise.

@@ -367,6 +367,8 @@ mod tests {
         assert!((combined.value - (1.9 * 16.0 + 2.0 * 9.0) / 25.0).abs() < 1e-12);
         assert!((combined.sd - 0.024).abs() < 1e-12);
         // If the correlation exceeds the ratio of the sd's, the worse height adds no information.
+        // At this correlation, only heights that are closer do not contradict each other.
+        let a = height(1.95, 0.03);
         assert_eq!(mean(a, b, 0.8).height_m, a.height_m);
         assert_eq!(mean(b, a, 0.8).height_m, a.height_m);
     }
@@ -381,8 +383,9 @@ mod tests {
         // The standard deviation of the difference, for independent systematic parts of 0.03 and
         // noise of 0.04 in one channel.
         let sd = (2.0 * 0.03_f64.powi(2) + 0.04_f64.powi(2)).sqrt();
-        let beside =
-            |deviations: f64| combined(height(2.0, 0.0), height(2.0 + deviations * sd, 0.04), 0.0).unwrap();
+        let beside = |deviations: f64| {
+            combined(height(2.0, 0.0), height(2.0 + deviations * sd, 0.04), 0.0).unwrap()
+        };
         assert!(matches!(beside(2.57), Combined::Agreed(_)));
         let Combined::Doubtful { height: wide, chi_square } = beside(2.6) else { panic!("1 %") };
         assert!((chi_square - 2.6_f64.powi(2)).abs() < 1e-9);
@@ -475,7 +478,9 @@ mod tests {
         let variance = 0.0004 + 0.0001 + 0.0009 + 0.0016 - 0.0012_f64;
         let other =
             Height { height_m: Measured { value: 2.0 + 3.0 * variance.sqrt(), ..b.height_m }, ..b };
-        let Some(Combined::Doubtful { chi_square, .. }) = combined(a, other, 0.5) else { panic!("3 sd") };
+        let Some(Combined::Doubtful { chi_square, .. }) = combined(a, other, 0.5) else {
+            panic!("3 sd")
+        };
         assert!((chi_square - 9.0).abs() < 1e-9);
     }
 }

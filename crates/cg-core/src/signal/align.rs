@@ -267,6 +267,7 @@ mod tests {
             mass_of_axle_load: Some([4000.0, 1.5]),
             mass_of_suspension_pressure: Some([3000.0, 0.05]),
             mass_range_kg: Some([5000.0, 60_000.0]),
+            ..AlignSettings::NONE
         };
         Aligner::new(settings)
     }

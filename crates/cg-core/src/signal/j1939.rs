@@ -294,7 +294,7 @@ mod tests {
             assert!(!signal.encode(f64::NAN, &mut data));
             assert_eq!(signal.decode::<f64>(&data), None);
             assert!(!signal.encode(1e9, &mut data));
-            assert!(!signal.encode(signal.offset - 1.0, &mut data));
+            assert!(!signal.encode(signal.offset - signal.scale, &mut data));
             assert_eq!(signal.decode::<f64>(&data[..1]), None); // a short frame
         }
     }

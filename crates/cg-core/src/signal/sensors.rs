@@ -96,8 +96,7 @@ impl<T: Real> AlignSettings<T> {
     /// load, from the pressure in the trailer's suspension, or from that in the tractor's, in this
     /// order. Values that fail [`believes`](Self::believes) are skipped.
     pub fn trailer_mass_kg(&self, at: impl Fn(Quantity) -> T) -> T {
-        let (left, right) =
-            (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
+        let (left, right) = (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
         let mean = match (left.present(), right.present()) {
             (true, true) => T::of(0.5) * (left + right),
             (true, false) => left,

@@ -6,7 +6,7 @@ use cg_core::{
     Settings, Status, Unexcited,
 };
 
-/// The prescribed results besides the ratio, in the order of [`Channel::ALL`].
+/// The prescribed results besides the ratio, in the order of [`PAIR`](super::PAIR).
 #[derive(Clone, Copy)]
 pub(crate) struct Says {
     pub(crate) ratio_sd: [f64; 2],
@@ -101,12 +101,12 @@ pub(crate) const ROLL_RAD: f64 = 0.04;
 /// A truck whose trailer has one height according to the steer channel and one according to the
 /// lateral-acceleration channel.
 pub(crate) struct Road {
-    pub(crate) estimator: Estimator<f64, Told>,
+    pub(crate) estimator: super::Pair<f64, Told>,
     pub(crate) time_us: u64,
     pub(crate) heights_m: [f64; 2],
     pub(crate) speed_mps: f64,
     pub(crate) trailer_mass_kg: f64,
-    pub(crate) closed: Vec<Maneuver<f64>>,
+    pub(crate) closed: Vec<Maneuver<f64, 2>>,
     pub(crate) last_turn_us: u64,
 }
 
@@ -116,7 +116,7 @@ impl Road {
     }
 
     #[allow(clippy::large_types_passed_by_value)] // called once per test
-    pub(crate) fn on(estimator: Estimator<f64, Told>) -> Self {
+    pub(crate) fn on(estimator: super::Pair<f64, Told>) -> Self {
         Self {
             estimator,
             time_us: 0,
@@ -130,7 +130,7 @@ impl Road {
 
     /// The input of a channel that gives this roll angle at the channel's height.
     fn input(&self, channel: Channel, roll_rad: f64) -> f64 {
-        let design: &Design<f64> = self.estimator.design();
+        let design: &Design<f64, 2> = self.estimator.design();
         let of = &design.channels[channel.index()];
         roll_rad / of.lines[0][0].ratio_at(self.heights_m[channel.index()]) / of.compensation
     }
@@ -169,7 +169,7 @@ impl Road {
     }
 
     /// Ends the maneuver, which must be the only one since the last call.
-    pub(crate) fn finish(&mut self) -> Maneuver<f64> {
+    pub(crate) fn finish(&mut self) -> Maneuver<f64, 2> {
         self.closed.extend(self.estimator.finish());
         assert_eq!(self.closed.len(), 1);
         self.closed.remove(0)
