@@ -242,9 +242,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     /// Updates the window with this row.
     fn note(&mut self, row: &Row<T, C>) {
-        let mut window = self.window.take().unwrap_or_else(|| Window::new(row));
+        let design = self.design.borrow();
+        let window = self.window.get_or_insert_with(|| Window::new(row));
         for place in 0..C {
-            if let Some((roll_rad, expected)) = self.expected(row, place) {
+            if let Some((roll_rad, expected)) = expected(design, &self.lanes, row, place) {
                 window.look(place, row.time_us, roll_rad, expected);
             }
         }
@@ -253,30 +254,6 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
                 lane.identifier.forget(T::of(0.5));
             }
         }
-        self.window = Some(window);
-    }
-
-    /// The roll angle whose first channel is at this place, its input, and the roll angle of the
-    /// reduced model; `None` if one is absent. Among several channels with this roll angle, the
-    /// input is that of the last, because the lateral acceleration does not depend on the tires,
-    /// and the model that of the first, because that of the steer angle includes faster motion.
-    fn expected(&self, row: &Row<T, C>, place: usize) -> Option<(T, [T; 2])> {
-        let design = self.design();
-        if design.first_with_output(place) != place {
-            return None;
-        }
-        let (mut input_rad, mut model_rad) = (None, None);
-        for (other, lane) in self.lanes.iter().enumerate().skip(place) {
-            let expected_rad = row.expected_rad.get(other).filter(|expected| expected.present());
-            if design.output(other) != design.output(place) || expected_rad.is_none() {
-                continue;
-            }
-            input_rad = expected_rad.copied();
-            if model_rad.is_none() && lane.last_us == Some(row.time_us) {
-                model_rad = Some(lane.identifier.expected_roll_rad());
-            }
-        }
-        Some((*row.measured_rad.get(place)?, [input_rad?, model_rad?]))
     }
 
     #[inline(never)]
@@ -375,6 +352,33 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             }
         }
     }
+}
+
+/// The roll angle whose first channel is at this place, its input, and the roll angle of the
+/// reduced model; `None` if one is absent. Among several channels with this roll angle, the
+/// input is that of the last, because the lateral acceleration does not depend on the tires,
+/// and the model that of the first, because that of the steer angle includes faster motion.
+fn expected<T: Real, I: Identify<T>, const C: usize>(
+    design: &Design<T, C>,
+    lanes: &[Lane<T, I>; C],
+    row: &Row<T, C>,
+    place: usize,
+) -> Option<(T, [T; 2])> {
+    if design.first_with_output(place) != place {
+        return None;
+    }
+    let (mut input_rad, mut model_rad) = (None, None);
+    for (other, lane) in lanes.iter().enumerate().skip(place) {
+        let expected_rad = row.expected_rad.get(other).filter(|expected| expected.present());
+        if design.output(other) != design.output(place) || expected_rad.is_none() {
+            continue;
+        }
+        input_rad = expected_rad.copied();
+        if model_rad.is_none() && lane.last_us == Some(row.time_us) {
+            model_rad = Some(lane.identifier.expected_roll_rad());
+        }
+    }
+    Some((*row.measured_rad.get(place)?, [input_rad?, model_rad?]))
 }
 
 /// A faulty sensor affects all channels with its roll angle.

@@ -171,24 +171,20 @@ impl<T: Real, const C: usize> Heights<T, C> {
     /// within 0 and 1. A weight outside would rely on the correlation of the errors.
     pub fn combined(&self) -> Option<Combined<T>> {
         let mut left = self.of_channels;
-        let (place, first) = Self::most_accurate(&left)?;
-        left[place] = None;
-        let mut mean = Self::alone(place);
+        let (mut mean, first) = Self::take_most_accurate(&mut left)?;
         let (mut value, mut maneuvers) = (first.height_m.value, first.maneuvers);
         let mut greatest = T::zero();
-        while let Some((place, next)) = Self::most_accurate(&left) {
-            left[place] = None;
+        while let Some((alone, next)) = Self::take_most_accurate(&mut left) {
             let difference = value - next.height_m.value;
-            let chi_square = difference * difference / self.variance_of_difference(&mean, place);
+            let chi_square = difference * difference / self.variance_of_difference(&mean, &alone);
             // This form of the comparison lets two heights without uncertainty (0/0) agree.
             if chi_square > greatest {
                 greatest = chi_square;
             }
-            let weight = self.best_weight(&mean, place);
-            for share in &mut mean {
-                *share *= T::one() - weight;
+            let weight = self.best_weight(&mean, &alone);
+            for (share, one) in mean.iter_mut().zip(alone) {
+                *share = *share * (T::one() - weight) + one * weight;
             }
-            mean[place] = weight;
             value += weight * (next.height_m.value - value);
             maneuvers = maneuvers.max(next.maneuvers);
         }
@@ -210,32 +206,29 @@ impl<T: Real, const C: usize> Heights<T, C> {
         })
     }
 
-    /// The weights of the height at `place` alone.
-    fn alone(place: usize) -> [T; C] {
-        let mut weights = [T::zero(); C];
-        weights[place] = T::one();
-        weights
-    }
-
-    /// The height with the smallest standard deviation, and its place.
-    fn most_accurate(heights: &[Option<Height<T>>; C]) -> Option<(usize, Height<T>)> {
+    /// Removes the height with the smallest standard deviation. Returns the weights of all channels
+    /// in a mean of this height alone, and the height.
+    fn take_most_accurate(left: &mut [Option<Height<T>>; C]) -> Option<([T; C], Height<T>)> {
         let mut best: Option<(usize, Height<T>)> = None;
-        for (place, height) in heights.iter().enumerate() {
+        for (place, height) in left.iter().enumerate() {
             if let Some(height) = height
                 && best.is_none_or(|(_, best)| height.height_m.sd < best.height_m.sd)
             {
                 best = Some((place, *height));
             }
         }
-        best
+        let (place, height) = best?;
+        *left.get_mut(place)? = None;
+        let mut alone = [T::zero(); C];
+        *alone.get_mut(place)? = T::one();
+        Some((alone, height))
     }
 
-    /// The weight of the height at `place` beside `mean` for the smallest variance.
-    fn best_weight(&self, mean: &[T; C], place: usize) -> T {
-        let alone = Self::alone(place);
+    /// The weight of the height `alone` beside `mean` for the smallest variance.
+    fn best_weight(&self, mean: &[T; C], alone: &[T; C]) -> T {
         let mine = self.covariance(mean, mean, Part::Whole);
-        let its = self.covariance(&alone, &alone, Part::Whole);
-        let common = self.covariance(mean, &alone, Part::Whole);
+        let its = self.covariance(alone, alone, Part::Whole);
+        let common = self.covariance(mean, alone, Part::Whole);
         let spread = mine + its - T::of(2.0) * common;
         if spread > T::zero() {
             ((mine - common) / spread).max(T::zero()).min(T::one())
@@ -244,29 +237,36 @@ impl<T: Real, const C: usize> Heights<T, C> {
         }
     }
 
-    /// The variance of the difference between `mean` and the height at `place`. The effects of
-    /// noise on the heights are taken as independent.
-    fn variance_of_difference(&self, mean: &[T; C], place: usize) -> T {
+    /// The variance of the difference between `mean` and the height `alone`. The effects of noise
+    /// on the heights are taken as independent.
+    fn variance_of_difference(&self, mean: &[T; C], alone: &[T; C]) -> T {
         let mut difference = *mean;
-        difference[place] = -T::one();
+        for (share, one) in difference.iter_mut().zip(alone) {
+            *share -= *one;
+        }
         self.covariance(&difference, &difference, Part::Independent)
     }
 
     /// The covariance of two weighted sums of the heights.
     fn covariance(&self, a: &[T; C], b: &[T; C], part: Part) -> T {
+        let heights = || self.of_channels.iter().zip(&self.outputs);
         let mut sum = T::zero();
-        for (i, one) in self.of_channels.iter().enumerate() {
-            for (j, other) in self.of_channels.iter().enumerate() {
+        for (i, (((one, output), correlations), a)) in
+            heights().zip(&self.correlation).zip(a).enumerate()
+        {
+            for (j, (((other, its_output), correlation), b)) in
+                heights().zip(correlations).zip(b).enumerate()
+            {
                 let (Some(one), Some(other)) = (one, other) else { continue };
-                let shared = i == j || (part.shares_noise() && self.outputs[i] == self.outputs[j]);
+                let shared = i == j || (part.shares_noise() && output == its_output);
                 let noise = if shared { one.random_sd_m * other.random_sd_m } else { T::zero() };
                 let systematic = if matches!(part, Part::Random) {
                     T::zero()
                 } else {
-                    let correlation = if i == j { T::one() } else { self.correlation[i][j] };
+                    let correlation = if i == j { T::one() } else { *correlation };
                     correlation * one.systematic_sd_m() * other.systematic_sd_m()
                 };
-                sum += a[i] * b[j] * (noise + systematic);
+                sum += *a * *b * (noise + systematic);
             }
         }
         sum

@@ -21,9 +21,9 @@ const LEAST_ROLL_RAD_PER_G: f64 = 0.1;
 
 /// What is known about a maneuver that ends.
 pub(crate) struct Judge<'a, T, const C: usize> {
-    pub(crate) design: &'a Design<T, C>,
-    pub(crate) settings: &'a Settings<T>,
-    pub(crate) window: &'a Window<T, C>,
+    design: &'a Design<T, C>,
+    settings: &'a Settings<T>,
+    window: &'a Window<T, C>,
     spread: Option<Spread<T, C>>,
     road: Road<T>,
 }
