@@ -99,7 +99,7 @@ fn a_misfit_of_more_than_035_is_its_channels_own() {
 #[test]
 fn a_roll_angle_that_falls_behind_is_the_roll_sensors() {
     let bent = |value, sd| Measured { value, sd };
-    let says = Says { bend: [Says::WELL.bend[0], bent(-1.01, 1.01 / 3.3)], ..Says::WELL };
+    let says = Says { bend: [Measured::exact(0.0), bent(-1.01, 1.01 / 3.3)], ..Says::WELL };
     let reject = Some(Reject::Inconsistent(Inconsistency::Bent { share: 1.01 }));
     assert_eq!(reasons(says), [reject; 2]);
     // A bend explained by chance, a bend that is too small, and a positive one, as with a late
