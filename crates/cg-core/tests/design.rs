@@ -6,7 +6,7 @@ mod common;
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::{Channel, Design, DesignError, Measured, Reduced5};
-use common::{PAIR, design};
+use common::{PAIR, design, full_design};
 
 use DesignError::{NotCovariance, NotFinite, NotIncreasing, NotPositive};
 
@@ -169,6 +169,78 @@ fn lawful() -> Design<f64, 2> {
     }
     design.validate().unwrap();
     design
+}
+
+/// All channels have their own lines, models and covariances.
+fn distinct() -> Design<f64> {
+    let mut design = full_design();
+    for i in 0..4_u8 {
+        let channel = &mut design.channels[usize::from(i)];
+        channel.lines[2][3].a0 += f64::from(i);
+        channel.models[1].numerator[2] += f64::from(i);
+        channel.compensation += f64::from(i);
+        for j in 0..4 {
+            let common = if i == j { 1e-3 } else { 0.0 };
+            let product = f64::from((i + 1) * (j + 1));
+            design.spread[4][5].covariance[usize::from(i)][usize::from(j)] =
+                common + 1e-4 * product;
+        }
+    }
+    design.validate().unwrap();
+    design
+}
+
+/// Covariances 1e-4 · 4 · 4 + 1e-3, 1e-4 · 4 · 2 and 1e-4 · 2 · 2 + 1e-3.
+#[test]
+fn a_chip_has_the_chosen_channels_in_the_chosen_order() {
+    let design = distinct();
+    let chosen = design.with_channels([Channel::Tractor, Channel::LateralAcceleration]).unwrap();
+    assert_eq!(chosen.validate(), Ok(()));
+    assert_eq!(chosen.channels, [design.channels[3], design.channels[1]]);
+    assert_eq!([chosen.channels[0].index, chosen.channels[1].index], [3, 1]);
+    let found = chosen.spread[4][5].covariance;
+    let expected = [[2.6e-3, 8e-4], [8e-4, 1.4e-3]];
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+    }
+    assert_eq!(chosen.place(Channel::Tractor), Some(0));
+    assert_eq!((chosen.place(Channel::Steer), chosen.channel(2)), (None, None));
+    let line = |design: &Design<f64, 2>| design.line(Channel::Tractor, 14.0, 25e3);
+    assert_eq!(line(&chosen), design.line(Channel::Tractor, 14.0, 25e3));
+    assert_eq!(chosen.line(Channel::Steer, 14.0, 25e3), None);
+    assert_eq!(chosen.compensation(Channel::Tractor), design.channels[3].compensation);
+    assert_eq!(chosen.rollover, design.rollover);
+    assert_eq!(design.with_channels(Channel::ALL), Some(design));
+    assert_eq!(chosen.with_channels([Channel::Steer]), None);
+    assert_eq!(chosen.with_channels([Channel::Tractor, Channel::Suspension]), None);
+}
+
+#[test]
+fn a_channel_that_is_unknown_or_occurs_twice_is_refused() {
+    for index in [0, 4, u32::MAX] {
+        let mut changed = design();
+        changed.channels[1].index = index;
+        assert_eq!(changed.validate(), Err(DesignError::NoSuchChannel { index }));
+    }
+    let twice = full_design().with_channels([Channel::Steer, Channel::Steer]).unwrap();
+    assert_eq!(twice.validate(), Err(DesignError::NoSuchChannel { index: 0 }));
+}
+
+/// At 6.5 m/s (half of 5 to 8) and 16 t (a fifth of 15 to 20), for covariances of 1, 2, 3 and 4
+/// times the same one: 0.5 (0.8 · 1 + 0.2 · 2) + 0.5 (0.8 · 3 + 0.2 · 4) = 2.2.
+#[test]
+fn a_spread_between_four_corners_is_their_weighted_mean() {
+    let mut design = full_design();
+    for (i, j, times) in [(1, 1, 1.0), (1, 2, 2.0), (2, 1, 3.0), (2, 2, 4.0)] {
+        let corner = &mut design.spread[i][j].covariance;
+        *corner = corner.map(|row| row.map(|entry| entry * times));
+    }
+    let spread = design.spread(6.5, 16e3).unwrap();
+    for place in 0..4 {
+        assert!((spread.sd(place) - 0.013 * 2.2_f64.sqrt()).abs() < 1e-15);
+        assert!((spread.correlation(0, place) - if place == 0 { 1.0 } else { 0.5 }).abs() < 1e-12);
+    }
+    assert_eq!((spread.sd(4), spread.correlation(0, 4)), (0.0, 0.0));
 }
 
 fn covariance(speed_mps: f64, mass_kg: f64) -> [[f64; 2]; 2] {

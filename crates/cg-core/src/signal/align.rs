@@ -272,6 +272,13 @@ mod tests {
         Aligner::new(settings)
     }
 
+    /// There is a track for every quantity, so each word counts on a chip.
+    #[test]
+    fn a_track_in_single_precision_has_six_words() {
+        assert_eq!(size_of::<Track<f32>>(), 24);
+        assert_eq!(size_of::<Track<f64>>(), 32);
+    }
+
     /// Devices: the roll sensor and the brake controller.
     const ROLL_SENSOR: (u32, u8) = (0xE4, 0);
     const BRAKES: (u32, u8) = (0x0B, 0);
