@@ -28,8 +28,8 @@ use crate::truck::design::Design;
 /// enough for the unknowns of any identifier.
 const LEAST_ROWS: f64 = 12.0;
 
-/// Greatest factor, up or down, between a ratio and the one that follows from the other channel's
-/// height. Beyond it, the input of the channel is the cause of an impossible height. It is three
+/// Greatest factor, up or down, between a ratio and the one that follows from the height of another
+/// channel. Beyond it, the input of the channel is the cause of an impossible height. It is three
 /// times the uncertainty due to the tires.
 const ELSEWHERE: f64 = 1.5;
 
@@ -322,8 +322,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     /// or no other channel has a height.
     fn is_unexplained(&self, place: usize, maneuver: &Maneuver<T, C>) -> bool {
         let design = self.design();
-        let (Some(Outcome { fit: Some(fit), height_m: Err(Reject::Height(_)), .. }), Some(channel)) =
-            (maneuver.outcomes.get(place), design.channel(place))
+        let Some(channel) = design.channel(place) else { return false };
+        let Some(Outcome { fit: Some(fit), height_m: Err(Reject::Height(_)), .. }) =
+            maneuver.outcomes.get(place)
         else {
             return false;
         };

@@ -91,6 +91,18 @@ fn a_third_height_can_contradict_two_that_agree() {
     assert!(matches!(beside(2.0).0, Combined::Agreed(_)));
 }
 
+/// Whichever of them is wrong: by 0.5 m where two have 0.03 m, by 1.2 m where one has 0.2 m.
+#[test]
+fn every_height_is_compared() {
+    for (wrong, by_m) in [(0, 0.5), (1, 0.5), (2, 1.2)] {
+        let mut found = [height(2.0, 0.0, 0.03), height(2.001, 0.0, 0.031), height(2.0, 0.0, 0.2)];
+        assert!(matches!(heights(found, APART).combined(), Some(Combined::Agreed(_))));
+        found[wrong].height_m.value += by_m;
+        let combined = heights(found, APART).combined();
+        assert!(matches!(combined, Some(Combined::Contradictory { .. })), "{wrong} {combined:?}");
+    }
+}
+
 #[test]
 fn the_order_of_the_channels_does_not_matter() {
     let found = [height(1.95, 0.01, 0.03), height(2.0, 0.02, 0.05), height(1.9, 0.03, 0.02)];

@@ -37,7 +37,7 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-14, "{found} {expected}");
 }
 
-/// Relative to the road, then relative to gravity, then (f − a_y)/g = 0.25 − 1.962/9.81 = 0.05.
+/// Relative to the road, then relative to gravity, then `(f − a_y)/g` = 0.25 − 1.962/9.81 = 0.05.
 #[test]
 fn the_roll_angle_is_the_best_that_a_sensor_shows() {
     for (roll_rad, roll_to_gravity_rad, measured_rad, to_gravity) in [
@@ -146,7 +146,7 @@ fn a_row_needs_an_output_with_its_own_input() {
 }
 
 /// Steady-state steering gives 34 m/s² per rad in this design. A specific force contains gravity:
-/// a_y = f/(1 + g R).
+/// `a_y = f/(1 + g R)`.
 #[test]
 fn the_felt_acceleration_follows_from_the_steer_angle_or_a_force() {
     let expect = |steer_rad: f64, force_mps2: f64, expected_mps2: f64| {

@@ -30,12 +30,14 @@ pub enum Combined<T> {
     Doubtful {
         /// The height.
         height: Height<T>,
-        /// Squared difference divided by its variance.
+        /// Greatest squared difference of two heights divided by its variance; see
+        /// [`Heights::combined`].
         chi_square: T,
     },
     /// The heights contradict each other (probability 0.01 %). There is no combined height.
     Contradictory {
-        /// Squared difference divided by its variance.
+        /// Greatest squared difference of two heights divided by its variance; see
+        /// [`Heights::combined`].
         chi_square: T,
     },
     /// One channel gives a height that this trailer cannot have, and no other channel shows that its

@@ -113,7 +113,8 @@ pub const TABLE: [(Signal, Quantity, u8); 14] = [
 ];
 
 /// How to decide whether a slope sensor compensates its angle for the accelerations of the vehicle.
-/// A compensated angle is a roll angle relative to gravity, an uncompensated one is the tilt of an inclinometer.
+/// A compensated angle is a roll angle relative to gravity, an uncompensated one is the tilt of an
+/// inclinometer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compensation {
     /// By the compensation bits (SPN 3326, 4980) as defined by J1939-71: 0 on, 1 off. If the bits

@@ -154,6 +154,9 @@ impl<T: Real> Default for AlignSettings<T> {
 mod tests {
     use super::*;
 
+    /// A field of a sample.
+    type Field = fn(&Sample<f64>) -> f64;
+
     const SETTINGS: AlignSettings<f64> = AlignSettings {
         suspension_roll_of_level: Some(1.25), // level sensors 0.8 m apart
         tractor_suspension_roll_of_level: Some(2.0),
@@ -177,7 +180,7 @@ mod tests {
     #[test]
     fn a_quantity_becomes_its_own_field() {
         use Quantity as Q;
-        let fields: [(Quantity, fn(&Sample<f64>) -> f64); 13] = [
+        let fields: [(Quantity, Field); 13] = [
             (Q::Steer, |s| s.steer_rad),
             (Q::Roll, |s| s.roll_rad),
             (Q::RollToGravity, |s| s.roll_to_gravity_rad),
