@@ -28,8 +28,8 @@ use crate::truck::design::Design;
 /// enough for the unknowns of any identifier.
 const LEAST_ROWS: f64 = 12.0;
 
-/// Greatest factor, up or down, between a ratio and the one that follows from the other channel's
-/// height. Beyond it, the input of the channel is the cause of an impossible height. It is three
+/// Greatest factor, up or down, between a ratio and the one that follows from the height of another
+/// channel. Beyond it, the input of the channel is the cause of an impossible height. It is three
 /// times the uncertainty due to the tires.
 const ELSEWHERE: f64 = 1.5;
 
@@ -242,9 +242,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     /// Updates the window with this row.
     fn note(&mut self, row: &Row<T, C>) {
-        let mut window = self.window.take().unwrap_or_else(|| Window::new(row));
+        let design = self.design.borrow();
+        let window = self.window.get_or_insert_with(|| Window::new(row));
         for place in 0..C {
-            if let Some((roll_rad, expected)) = self.expected(row, place) {
+            if let Some((roll_rad, expected)) = expected(design, &self.lanes, row, place) {
                 window.look(place, row.time_us, roll_rad, expected);
             }
         }
@@ -253,30 +254,6 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
                 lane.identifier.forget(T::of(0.5));
             }
         }
-        self.window = Some(window);
-    }
-
-    /// The roll angle whose first channel is at this place, its input, and the roll angle of the
-    /// reduced model; `None` if one is absent. Among several channels with this roll angle, the
-    /// input is that of the last, because the lateral acceleration does not depend on the tires,
-    /// and the model that of the first, because that of the steer angle includes faster motion.
-    fn expected(&self, row: &Row<T, C>, place: usize) -> Option<(T, [T; 2])> {
-        let design = self.design();
-        if design.first_with_output(place) != place {
-            return None;
-        }
-        let (mut input_rad, mut model_rad) = (None, None);
-        for (other, lane) in self.lanes.iter().enumerate().skip(place) {
-            let expected_rad = row.expected_rad.get(other).filter(|expected| expected.present());
-            if design.output(other) != design.output(place) || expected_rad.is_none() {
-                continue;
-            }
-            input_rad = expected_rad.copied();
-            if model_rad.is_none() && lane.last_us == Some(row.time_us) {
-                model_rad = Some(lane.identifier.expected_roll_rad());
-            }
-        }
-        Some((*row.measured_rad.get(place)?, [input_rad?, model_rad?]))
     }
 
     #[inline(never)]
@@ -346,15 +323,18 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     /// or no other channel has a height.
     fn is_unexplained(&self, place: usize, maneuver: &Maneuver<T, C>) -> bool {
         let design = self.design();
-        let (Some(Outcome { fit: Some(fit), height_m: Err(Reject::Height(_)), .. }), Some(channel)) =
-            (maneuver.outcomes.get(place), design.channel(place))
+        let Some(channel) = design.channel(place) else { return false };
+        let Some(Outcome { fit: Some(fit), height_m: Err(Reject::Height(_)), .. }) =
+            maneuver.outcomes.get(place)
         else {
             return false;
         };
         let others = || {
-            self.lanes.iter().enumerate().filter(move |(other, _)| *other != place).filter_map(
-                |(other, lane)| Some((design.output(other), lane.fusion.height()?)),
-            )
+            self.lanes
+                .iter()
+                .enumerate()
+                .filter(move |(other, _)| *other != place)
+                .filter_map(|(other, lane)| Some((design.output(other), lane.fusion.height()?)))
         };
         let same = others().find(|(output, _)| *output == design.output(place));
         let Some((_, height)) = same else { return others().next().is_none() };
@@ -374,6 +354,33 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             }
         }
     }
+}
+
+/// The roll angle whose first channel is at this place, its input, and the roll angle of the
+/// reduced model; `None` if one is absent. Among several channels with this roll angle, the
+/// input is that of the last, because the lateral acceleration does not depend on the tires,
+/// and the model that of the first, because that of the steer angle includes faster motion.
+fn expected<T: Real, I: Identify<T>, const C: usize>(
+    design: &Design<T, C>,
+    lanes: &[Lane<T, I>; C],
+    row: &Row<T, C>,
+    place: usize,
+) -> Option<(T, [T; 2])> {
+    if design.first_with_output(place) != place {
+        return None;
+    }
+    let (mut input_rad, mut model_rad) = (None, None);
+    for (other, lane) in lanes.iter().enumerate().skip(place) {
+        let expected_rad = row.expected_rad.get(other).filter(|expected| expected.present());
+        if design.output(other) != design.output(place) || expected_rad.is_none() {
+            continue;
+        }
+        input_rad = expected_rad.copied();
+        if model_rad.is_none() && lane.last_us == Some(row.time_us) {
+            model_rad = Some(lane.identifier.expected_roll_rad());
+        }
+    }
+    Some((*row.measured_rad.get(place)?, [input_rad?, model_rad?]))
 }
 
 /// A faulty sensor affects all channels with its roll angle.

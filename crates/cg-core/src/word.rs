@@ -91,6 +91,9 @@ mod tests {
             assert!(!meaning.is_empty());
         }
         let error = "both".parse::<Channel>().unwrap_err();
-        assert_eq!(error.to_string(), "expected steer or lateral-acceleration");
+        assert_eq!(
+            error.to_string(),
+            "expected steer, lateral-acceleration, suspension or tractor"
+        );
     }
 }

@@ -49,12 +49,12 @@ fn a_line_bridges_half_a_second_and_no_more() {
 }
 
 #[test]
-fn a_roll_angle_waits_for_a_tenth_of_a_second() {
+fn a_roll_angle_waits_for_0_12_seconds() {
     let mut aligner = aligner();
     lateral(&mut aligner, 1_000_000, 1.0);
     aligner.push(Quantity::Roll, ROLL_SENSOR, 1_010_000, 0.0);
-    assert!(aligner.next(1_109_999).is_none());
-    assert_eq!(aligner.next(1_110_000).unwrap().time_us, 1_010_000);
+    assert!(aligner.next(1_129_999).is_none());
+    assert_eq!(aligner.next(1_130_000).unwrap().time_us, 1_010_000);
     // A value at the time of the roll angle itself needs no waiting.
     lateral(&mut aligner, 1_200_000, 1.0);
     aligner.push(Quantity::Roll, ROLL_SENSOR, 1_200_000, 0.0);
@@ -63,11 +63,14 @@ fn a_roll_angle_waits_for_a_tenth_of_a_second() {
 
 #[test]
 fn every_input_is_waited_for() {
-    for quantity in
-        [Quantity::Steer, Quantity::SteeringWheel, Quantity::LateralAcceleration, Quantity::YawRate]
-    {
+    let awaited = |quantity: &Quantity| {
+        !matches!(quantity, Quantity::Roll | Quantity::Speed) && quantity.serves_us() < u64::MAX
+    };
+    assert_eq!(Quantity::ALL.into_iter().filter(awaited).count(), Quantity::COUNT - 7);
+    for quantity in Quantity::ALL.into_iter().filter(awaited) {
         let mut aligner = aligner();
         aligner.push(quantity, BRAKES, 1000, 0.1);
+        while aligner.next(1000).is_some() {} // as long as it is the only roll angle
         aligner.push(Quantity::Roll, ROLL_SENSOR, 2000, 0.0);
         assert!(aligner.next(2000).is_none(), "{quantity:?}");
     }
@@ -146,4 +149,98 @@ fn samples_follow_each_other() {
     }
     let times: Vec<u64> = (0..).map_while(|_| aligner.next(4000)).map(|s| s.time_us).collect();
     assert_eq!(times, [1000, 3000, 4000]);
+}
+
+/// Level sensors 0.8 m apart.
+const LEVELS: AlignSettings<f64> =
+    AlignSettings { suspension_roll_of_level: Some(1.25), ..AlignSettings::NONE };
+
+/// Sends both levels. The left side rises by 10 mm in 100 ms.
+fn levels(aligner: &mut Aligner<f64>, us: u64) {
+    #[allow(clippy::cast_precision_loss)]
+    let left_m = us as f64 * 1e-7;
+    aligner.push(Quantity::LevelLeft, BRAKES, us, left_m);
+    aligner.push(Quantity::LevelRight, BRAKES, us, 0.0);
+}
+
+#[test]
+fn levels_set_the_pace_where_there_is_no_roll_sensor() {
+    let mut aligner = Aligner::new(LEVELS);
+    for us in [100_000, 200_000, 300_000] {
+        levels(&mut aligner, us);
+        let sample = aligner.next(us).unwrap();
+        #[allow(clippy::cast_precision_loss)]
+        let roll_rad = 1.25 * us as f64 * 1e-7;
+        assert_eq!(sample.time_us, us);
+        assert!((sample.suspension_roll_rad - roll_rad).abs() < 1e-15);
+        assert!(aligner.next(us).is_none()); // the right level makes no sample of its own
+    }
+}
+
+#[test]
+fn levels_are_interpolated_to_the_times_of_a_roll_angle() {
+    let mut aligner = Aligner::new(LEVELS);
+    levels(&mut aligner, 100_000);
+    assert_eq!(aligner.next(100_000).unwrap().time_us, 100_000); // no roll angle so far
+    for us in [120_000, 170_000, 220_000] {
+        aligner.push(Quantity::RollToGravity, ROLL_SENSOR, us, 0.05);
+        assert!(aligner.next(us).is_none(), "{us}"); // waits for the levels
+    }
+    levels(&mut aligner, 200_000);
+    for (us, roll_rad) in [(120_000, 0.015), (170_000, 0.021_25)] {
+        let sample = aligner.next(220_000).unwrap();
+        assert_eq!((sample.time_us, sample.roll_to_gravity_rad), (us, 0.05));
+        assert!((sample.suspension_roll_rad - roll_rad).abs() < 1e-15, "{sample:?}");
+    }
+    // The third angle waits for the next levels. The levels themselves give no sample.
+    assert!(aligner.next(220_000).is_none());
+    levels(&mut aligner, 300_000);
+    assert_eq!(aligner.next(300_000).unwrap().time_us, 220_000);
+    assert!(aligner.next(u64::MAX).is_none());
+}
+
+/// The first of the list that is alive sets the pace: a roll angle counts as lost after half a
+/// second.
+#[test]
+fn the_best_roll_angle_that_is_alive_sets_the_pace() {
+    let order = [
+        Quantity::Roll,
+        Quantity::RollToGravity,
+        Quantity::Tilt,
+        Quantity::SuspensionRoll,
+        Quantity::LevelLeft,
+        Quantity::TractorSuspensionRoll,
+        Quantity::TractorLevelLeft,
+        Quantity::TractorTilt,
+    ];
+    for pair in order.windows(2) {
+        let mut aligner = aligner();
+        aligner.push(pair[0], ROLL_SENSOR, 1_000_000, 0.1);
+        aligner.push(pair[1], BRAKES, 1_500_000, 0.1);
+        assert_eq!(aligner.next(2_000_000).map(|s| s.time_us), Some(1_000_000), "{pair:?}");
+        assert_eq!(aligner.next(2_000_000), None, "{pair:?}");
+        aligner.push(pair[1], BRAKES, 1_500_001, 0.1);
+        assert_eq!(aligner.next(2_000_000).map(|s| s.time_us), Some(1_500_001), "{pair:?}");
+    }
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| !order.contains(quantity)) {
+        let mut aligner = aligner();
+        aligner.push(quantity, BRAKES, 1_000_000, 0.1);
+        assert_eq!(aligner.next(2_000_000), None, "{quantity:?}");
+    }
+}
+
+/// A track holds the time between two values in 24 bits, 16.8 s. Without its limit, 16.877216 s
+/// would look like 0.1 s.
+#[test]
+fn a_value_after_a_long_silence_makes_no_line() {
+    for gap_us in [20_000_000, (1 << 24) + 100_000] {
+        let mut aligner = aligner();
+        lateral(&mut aligner, 1_000_000, 1.0);
+        lateral(&mut aligner, 1_000_000 + gap_us, 2.0);
+        assert_eq!(at(&mut aligner, 950_000 + gap_us), 2.0, "{gap_us}");
+        let mut silent = self::aligner();
+        lateral(&mut silent, 1_000_000, 1.0);
+        lateral(&mut silent, 1_000_000 + gap_us, 2.0);
+        assert!(at(&mut silent, 10_000_000).is_nan(), "{gap_us}");
+    }
 }

@@ -5,18 +5,18 @@
 mod common;
 
 use cg_core::decide::condition::Row;
-use cg_core::{Channel, Conditioner, Design, Sample, SampleError};
-use common::design;
+use cg_core::{Conditioner, Design, Sample, SampleError};
+use common::{PAIR, design};
 
 /// A conditioner that receives samples at 100 Hz.
 struct Road {
-    design: Design<f64>,
-    conditioner: Conditioner<f64>,
+    design: Design<f64, 2>,
+    conditioner: Conditioner<f64, 2>,
     time_us: u64,
 }
 
 impl Road {
-    fn of(design: &Design<f64>) -> Self {
+    fn of(design: &Design<f64, 2>) -> Self {
         Self { design: *design, conditioner: Conditioner::new(design), time_us: 0 }
     }
 
@@ -26,7 +26,7 @@ impl Road {
 
     /// The next row, 10 ms after the previous one. It contains only a roll angle, and what `fill`
     /// sets.
-    fn row(&mut self, fill: impl Fn(&mut Sample<f64>)) -> Option<Row<f64>> {
+    fn row(&mut self, fill: impl Fn(&mut Sample<f64>)) -> Option<Row<f64, 2>> {
         self.time_us += 10_000;
         let mut sample = Sample::absent(self.time_us);
         sample.roll_rad = 0.01;
@@ -35,7 +35,7 @@ impl Road {
     }
 
     /// The last of `rows` rows with the same lateral acceleration.
-    fn felt(&mut self, rows: u32, lateral_mps2: f64) -> Row<f64> {
+    fn felt(&mut self, rows: u32, lateral_mps2: f64) -> Row<f64, 2> {
         let mut last = None;
         for _ in 0..rows {
             last = self.row(|sample| sample.lateral_acceleration_mps2 = lateral_mps2);
@@ -144,18 +144,18 @@ fn an_inclinometer_shows_roll_and_lateral_acceleration() {
         sample.lateral_acceleration_mps2 = 1.962;
     };
     let row = road.row(tilted).unwrap();
-    assert!((row.roll_rad - 0.05).abs() < 1e-15); // 0.25 − 1.962/9.81
+    assert!((row.measured_rad[0] - 0.05).abs() < 1e-15); // 0.25 − 1.962/9.81
     let both = |sample: &mut Sample<f64>| {
         tilted(sample);
         sample.roll_rad = 0.07;
     };
-    assert_eq!(road.row(both).unwrap().roll_rad, 0.07);
+    assert_eq!(road.row(both).unwrap().measured_rad[0], 0.07);
     let turned = |sample: &mut Sample<f64>| {
         tilted(sample);
         sample.lateral_acceleration_mps2 = f64::NAN;
         (sample.yaw_rate_radps, sample.speed_mps) = (0.1962, 10.0);
     };
-    assert!((road.row(turned).unwrap().roll_rad - 0.05).abs() < 1e-15);
+    assert!((road.row(turned).unwrap().measured_rad[0] - 0.05).abs() < 1e-15);
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn yaw_rate_times_speed_stands_in_for_lateral_acceleration() {
 
 /// A design whose ratios are those of the plain design, multiplied by speed and mass relative to
 /// the nominal values.
-fn scheduled() -> Design<f64> {
+fn scheduled() -> Design<f64, 2> {
     let mut design = design();
     for (i, speed) in design.speed_mps.into_iter().enumerate() {
         for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
@@ -193,9 +193,9 @@ fn scheduled() -> Design<f64> {
 }
 
 /// Expected roll angle of both channels divided by the ratio of the plain design.
-fn factors(row: &Row<f64>) -> [f64; 2] {
+fn factors(row: &Row<f64, 2>) -> [f64; 2] {
     let plain = design();
-    Channel::ALL.map(|channel| {
+    PAIR.map(|channel| {
         let design = &plain.channels[channel.index()];
         let ratio = design.lines[0][0].ratio_at(plain.reference_height_m) * design.compensation;
         row.expected_rad[channel.index()] / ratio

@@ -6,19 +6,19 @@ mod common;
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::{Channel, Design, DesignError, Measured, Reduced5};
-use common::design;
+use common::{PAIR, design, full_design};
 
-use DesignError::{NotCorrelation, NotFinite, NotIncreasing, NotPositive};
+use DesignError::{NotCovariance, NotFinite, NotIncreasing, NotPositive};
 
 /// Access to one number of a design.
-type Place = fn(&mut Design<f64>) -> &mut f64;
+type Place = fn(&mut Design<f64, 2>) -> &mut f64;
 
 /// The numbers that must be positive, with the name that the error contains.
 const POSITIVE: [(&str, Place); 11] = [
     ("least_height_m", |d| &mut d.least_height_m),
     ("compensation", |d| &mut d.channels[1].compensation),
-    ("spread of the steer ratio", |d| &mut d.spread[7][5].sd[0]),
-    ("spread of the lateral-acceleration ratio", |d| &mut d.spread[0][3].sd[1]),
+    ("spread of a ratio", |d| &mut d.spread[7][5].covariance[0][0]),
+    ("spread of a ratio", |d| &mut d.spread[0][3].covariance[1][1]),
     ("rollover half_track_m", |d| &mut d.rollover.half_track_m),
     ("rollover unsprung_mass_kg", |d| &mut d.rollover.unsprung_mass_kg),
     ("rollover unsprung_height_m", |d| &mut d.rollover.unsprung_height_m),
@@ -76,7 +76,7 @@ fn an_axis_that_does_not_increase_is_named() {
 fn a_ratio_line_without_a_positive_ratio_is_refused() {
     let name = "ratio at the reference height";
     for (i, j) in [(0, 0), (SPEEDS - 1, MASSES - 1)] {
-        for channel in Channel::ALL {
+        for channel in PAIR {
             let changed = |value: f64| {
                 let mut changed = design();
                 changed.channels[channel.index()].lines[i][j].a1 = value;
@@ -90,7 +90,7 @@ fn a_ratio_line_without_a_positive_ratio_is_refused() {
 
 #[test]
 fn an_unstable_model_names_its_channel() {
-    for channel in Channel::ALL {
+    for channel in PAIR {
         let mut changed = design();
         changed.channels[channel.index()].models[MASSES - 1].denominator[0] = -1.0;
         assert_eq!(changed.validate(), Err(DesignError::Unstable(channel)));
@@ -99,12 +99,27 @@ fn an_unstable_model_names_its_channel() {
 
 #[test]
 fn a_correlation_lies_between_minus_one_and_one() {
-    let place: Place = |d| &mut d.spread[7][5].correlation;
+    let with = |correlation: f64| {
+        let mut changed = design();
+        let common = correlation * 0.013 * 0.013;
+        (changed.spread[7][5].covariance[0][1], changed.spread[7][5].covariance[1][0]) =
+            (common, common);
+        changed.validate()
+    };
     for value in [-1.0, 0.0, 1.0] {
-        assert_eq!(with(place, value), Ok(()));
+        assert_eq!(with(value), Ok(()));
     }
     for value in [-1.001, 1.001, f64::NAN] {
-        assert_eq!(with(place, value), Err(NotCorrelation));
+        assert_eq!(with(value), Err(NotCovariance));
+    }
+}
+
+#[test]
+fn a_covariance_is_symmetric() {
+    for (i, j) in [(0, 1), (1, 0)] {
+        let mut changed = design();
+        changed.spread[3][2].covariance[i][j] *= 1.001;
+        assert_eq!(changed.validate(), Err(NotCovariance));
     }
 }
 
@@ -113,16 +128,19 @@ fn an_error_says_what_it_wants_of_which_field() {
     assert_eq!(NotFinite("x").to_string(), "x must be a finite number");
     assert_eq!(NotIncreasing("x").to_string(), "x must increase strictly");
     assert_eq!(NotPositive("x").to_string(), "x must be positive");
-    assert!(NotCorrelation.to_string().contains("between -1 and 1"));
+    assert!(NotCovariance.to_string().contains("symmetric covariance"));
+    let unknown = DesignError::NoSuchChannel { index: 7 };
+    assert_eq!(unknown.to_string(), "channel 7 is unknown or occurs twice");
     let unstable = DesignError::Unstable(Channel::LateralAcceleration).to_string();
     assert_eq!(unstable, "the reduced model of the lateral-acceleration channel is unstable");
 }
 
 #[test]
-fn a_channel_has_a_place_a_name_and_another_one() {
-    for (place, channel) in Channel::ALL.into_iter().enumerate() {
-        assert_eq!(channel.index(), place);
-        assert_eq!(channel.other(), Channel::ALL[1 - place]);
+fn a_channel_has_an_index_a_place_and_a_name() {
+    for (index, channel) in Channel::ALL.into_iter().enumerate() {
+        assert_eq!(channel.index(), index);
+        assert_eq!(design().place(channel), (index < 2).then_some(index));
+        assert_eq!(design().channel(index), (index < 2).then_some(channel));
     }
     assert_eq!(format!("{:>7}", Channel::Steer), "  steer");
 }
@@ -130,17 +148,16 @@ fn a_channel_has_a_place_a_name_and_another_one() {
 /// A design whose tables are exact: the ratio lines are cubic in speed and mass, everything else is
 /// linear.
 #[allow(clippy::cast_precision_loss)]
-fn lawful() -> Design<f64> {
+fn lawful() -> Design<f64, 2> {
     let mut design = design();
     for (i, speed) in design.speed_mps.into_iter().enumerate() {
         for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
-            for channel in Channel::ALL {
+            for channel in PAIR {
                 let line = &mut design.channels[channel.index()].lines[i][j];
                 let factor = cubic(speed, mass);
                 (line.a0, line.a1) = (line.a0 * factor, line.a1 * factor);
             }
-            design.spread[i][j].sd = [0.001 * speed, 1e-6 * mass];
-            design.spread[i][j].correlation = 0.01 * speed - 1e-6 * mass;
+            design.spread[i][j].covariance = covariance(speed, mass);
         }
     }
     for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
@@ -152,6 +169,83 @@ fn lawful() -> Design<f64> {
     }
     design.validate().unwrap();
     design
+}
+
+/// All channels have their own lines, models and covariances.
+fn distinct() -> Design<f64> {
+    let mut design = full_design();
+    for i in 0..4_u8 {
+        let channel = &mut design.channels[usize::from(i)];
+        channel.lines[2][3].a0 += f64::from(i);
+        channel.models[1].numerator[2] += f64::from(i);
+        channel.compensation += f64::from(i);
+        for j in 0..4 {
+            let common = if i == j { 1e-3 } else { 0.0 };
+            let product = f64::from((i + 1) * (j + 1));
+            design.spread[4][5].covariance[usize::from(i)][usize::from(j)] =
+                common + 1e-4 * product;
+        }
+    }
+    design.validate().unwrap();
+    design
+}
+
+/// Covariances 1e-4 · 4 · 4 + 1e-3, 1e-4 · 4 · 2 and 1e-4 · 2 · 2 + 1e-3.
+#[test]
+fn a_chip_has_the_chosen_channels_in_the_chosen_order() {
+    let design = distinct();
+    let chosen = design.with_channels([Channel::Tractor, Channel::LateralAcceleration]).unwrap();
+    assert_eq!(chosen.validate(), Ok(()));
+    assert_eq!(chosen.channels, [design.channels[3], design.channels[1]]);
+    assert_eq!([chosen.channels[0].index, chosen.channels[1].index], [3, 1]);
+    let found = chosen.spread[4][5].covariance;
+    let expected = [[2.6e-3, 8e-4], [8e-4, 1.4e-3]];
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+    }
+    assert_eq!(chosen.place(Channel::Tractor), Some(0));
+    assert_eq!((chosen.place(Channel::Steer), chosen.channel(2)), (None, None));
+    let line = |design: &Design<f64, 2>| design.line(Channel::Tractor, 14.0, 25e3);
+    assert_eq!(line(&chosen), design.line(Channel::Tractor, 14.0, 25e3));
+    assert_eq!(chosen.line(Channel::Steer, 14.0, 25e3), None);
+    assert_eq!(chosen.compensation(Channel::Tractor), design.channels[3].compensation);
+    assert_eq!(chosen.rollover, design.rollover);
+    assert_eq!(design.with_channels(Channel::ALL), Some(design));
+    assert_eq!(chosen.with_channels([Channel::Steer]), None);
+    assert_eq!(chosen.with_channels([Channel::Tractor, Channel::Suspension]), None);
+}
+
+#[test]
+fn a_channel_that_is_unknown_or_occurs_twice_is_refused() {
+    for index in [0, 4, u32::MAX] {
+        let mut changed = design();
+        changed.channels[1].index = index;
+        assert_eq!(changed.validate(), Err(DesignError::NoSuchChannel { index }));
+    }
+    let twice = full_design().with_channels([Channel::Steer, Channel::Steer]).unwrap();
+    assert_eq!(twice.validate(), Err(DesignError::NoSuchChannel { index: 0 }));
+}
+
+/// At 6.5 m/s (half of 5 to 8) and 16 t (a fifth of 15 to 20), for covariances of 1, 2, 3 and 4
+/// times the same one: 0.5 (0.8 · 1 + 0.2 · 2) + 0.5 (0.8 · 3 + 0.2 · 4) = 2.2.
+#[test]
+fn a_spread_between_four_corners_is_their_weighted_mean() {
+    let mut design = full_design();
+    for (i, j, times) in [(1, 1, 1.0), (1, 2, 2.0), (2, 1, 3.0), (2, 2, 4.0)] {
+        let corner = &mut design.spread[i][j].covariance;
+        *corner = corner.map(|row| row.map(|entry| entry * times));
+    }
+    let spread = design.spread(6.5, 16e3).unwrap();
+    for place in 0..4 {
+        assert!((spread.sd(place) - 0.013 * 2.2_f64.sqrt()).abs() < 1e-15);
+        assert!((spread.correlation(0, place) - if place == 0 { 1.0 } else { 0.5 }).abs() < 1e-12);
+    }
+    assert_eq!((spread.sd(4), spread.correlation(0, 4)), (0.0, 0.0));
+}
+
+fn covariance(speed_mps: f64, mass_kg: f64) -> [[f64; 2]; 2] {
+    let common = 1e-6 * speed_mps - 1e-10 * mass_kg;
+    [[1e-5 * speed_mps, common], [common, 1e-9 * mass_kg]]
 }
 
 fn cubic(speed_mps: f64, mass_kg: f64) -> f64 {
@@ -178,7 +272,7 @@ const OUTSIDE: [(f64, f64); 6] = [
 #[test]
 fn ratio_lines_are_cubic_in_speed_and_mass() {
     let (design, plain) = (lawful(), design());
-    for channel in Channel::ALL {
+    for channel in PAIR {
         let flat = plain.channels[channel.index()].lines[0][0];
         for (speed, mass) in places() {
             let line = design.line(channel, speed, mass).unwrap();
@@ -195,11 +289,16 @@ fn the_spread_is_linear_in_speed_and_mass() {
     let design = lawful();
     for (speed, mass) in places() {
         let spread = design.spread(speed, mass).unwrap();
-        let law = [0.001 * speed, 1e-6 * mass, 0.01 * speed - 1e-6 * mass];
-        let found = [spread.sd[0], spread.sd[1], spread.correlation];
-        for (found, law) in found.into_iter().zip(law) {
-            assert!((found - law).abs() < 1e-15, "{speed} {mass}: {found} {law}");
+        let law = covariance(speed, mass);
+        let pairs = spread.covariance.into_iter().flatten().zip(law.into_iter().flatten());
+        for (found, law) in pairs {
+            assert!((found - law).abs() < 1e-18, "{speed} {mass}: {found} {law}");
         }
+        let [[steer, common], [_, lateral]] = law;
+        assert!((spread.sd(0) - steer.sqrt()).abs() < 1e-15);
+        assert!((spread.sd(1) - lateral.sqrt()).abs() < 1e-15);
+        let correlation = common / (steer * lateral).sqrt();
+        assert!((spread.correlation(0, 1) - correlation).abs() < 1e-12);
     }
     assert!(OUTSIDE.iter().all(|&(speed, mass)| design.spread(speed, mass).is_none()));
 }
@@ -236,9 +335,9 @@ fn models_are_blended_in_mass_and_held_beyond_the_axis() {
         model.numerator[5] = 7.0;
         model
     });
-    for channel in Channel::ALL {
+    for channel in PAIR {
         for (_, mass) in places().chain([(0.0, 5e3), (0.0, 60e3)]) {
-            let model = design.model(channel, mass);
+            let model = design.model(channel.index(), mass).unwrap();
             let within = mass.clamp(8e3, 40e3);
             assert!((model.numerator[1] - 1e-3 * within).abs() < 1e-12, "{mass}");
             let law = 5.8858 * (1.0 + 1e-6 * within);
@@ -263,10 +362,11 @@ fn where_a_blend_is_unstable_the_nearer_model_serves() {
     for share in [0.3, 0.49, 0.51, 0.7] {
         assert!(!light.blend(&heavy, share).is_stable());
         let nearer = if share < 0.5 { light } else { heavy };
-        assert_eq!(design.model(Channel::Steer, 20e3 + share * 5e3), nearer, "{share}");
+        assert_eq!(design.model(0, 20e3 + share * 5e3), Some(nearer), "{share}");
     }
-    assert_eq!(design.model(Channel::Steer, 20e3), light);
-    assert_eq!(design.model(Channel::Steer, 25e3), heavy);
+    assert_eq!(design.model(0, 20e3), Some(light));
+    assert_eq!(design.model(0, 25e3), Some(heavy));
+    assert_eq!(design.model(2, 25e3), None);
 }
 
 #[test]

@@ -4,11 +4,11 @@
 
 mod common;
 
-use cg_core::{Channel, Estimator, FilteredArx, Prior, Quantity, Sample, Settings};
-use common::{narrow, rounded_step_response};
+use cg_core::{Estimator, FilteredArx, Prior, Quantity, Sample, Settings};
+use common::{PAIR, Pair, narrow, rounded_step_response};
 use proptest::prelude::*;
 
-fn estimator() -> Estimator<f32, FilteredArx<f32>> {
+fn estimator() -> Pair<f32, FilteredArx<f32>> {
     Estimator::new(common::design().cast(), Settings::truck(), Prior::standard())
 }
 
@@ -38,7 +38,7 @@ fn heights(samples: &[Sample<f32>]) -> [Option<f32>; 2] {
         let _ = estimator.push(sample);
     }
     estimator.finish();
-    Channel::ALL.map(|channel| estimator.height(channel).map(|height| height.height_m.value))
+    PAIR.map(|channel| estimator.height(channel).map(|height| height.height_m.value))
 }
 
 /// Values that a quantity cannot have: absent, infinite, huge, just beyond its limits.
@@ -63,19 +63,35 @@ prop_compose! {
         late_us in 1_u64..10_000,
         steer_rad in impossible(Quantity::Steer),
         roll_rad in impossible(Quantity::Roll),
+        roll_to_gravity_rad in impossible(Quantity::RollToGravity),
         tilt_rad in impossible(Quantity::Tilt),
+        suspension_roll_rad in impossible(Quantity::SuspensionRoll),
+        tractor in [
+            impossible(Quantity::TractorSuspensionRoll),
+            impossible(Quantity::TractorLateralSpecificForce),
+            impossible(Quantity::TractorTilt),
+        ],
+        lateral_specific_force_mps2 in impossible(Quantity::LateralSpecificForce),
         speed_mps in impossible(Quantity::Speed),
         lateral_acceleration_mps2 in impossible(Quantity::LateralAcceleration),
         yaw_rate_radps in impossible(Quantity::YawRate),
         trailer_mass_kg in impossible(Quantity::TrailerMass),
     ) -> Sample<f32> {
+        let [tractor_suspension_roll_rad, tractor_lateral_specific_force_mps2, tractor_tilt_rad] =
+            tractor;
         Sample {
             time_us: 10_000 * after as u64 + late_us,
             steer_rad,
             roll_rad,
+            roll_to_gravity_rad,
             tilt_rad,
+            suspension_roll_rad,
             speed_mps,
             lateral_acceleration_mps2,
+            lateral_specific_force_mps2,
+            tractor_suspension_roll_rad,
+            tractor_lateral_specific_force_mps2,
+            tractor_tilt_rad,
             yaw_rate_radps,
             trailer_mass_kg,
         }

@@ -99,7 +99,7 @@ fn a_misfit_of_more_than_035_is_its_channels_own() {
 #[test]
 fn a_roll_angle_that_falls_behind_is_the_roll_sensors() {
     let bent = |value, sd| Measured { value, sd };
-    let says = Says { bend: [Says::WELL.bend[0], bent(-1.01, 1.01 / 3.3)], ..Says::WELL };
+    let says = Says { bend: [Measured::exact(0.0), bent(-1.01, 1.01 / 3.3)], ..Says::WELL };
     let reject = Some(Reject::Inconsistent(Inconsistency::Bent { share: 1.01 }));
     assert_eq!(reasons(says), [reject; 2]);
     // A bend explained by chance, a bend that is too small, and a positive one, as with a late
@@ -228,7 +228,7 @@ fn another_load_is_told_from_the_maneuver_that_shows_it() {
     assert_eq!(road.estimator.load_since_us(), None);
     road.maneuver([2.4; 2]);
     assert_eq!(road.estimator.load_since_us(), Some(road.time_us));
-    for channel in Channel::ALL {
+    for channel in common::PAIR {
         let height = road.estimator.height(channel).unwrap();
         assert!((height.height_m.value - 2.4).abs() < 1e-9);
         assert_eq!(height.maneuvers, 2);
@@ -241,7 +241,7 @@ fn what_a_memory_holds_comes_back() {
     road.trailer_mass_kg = 20e3;
     road.maneuver([1.8; 2]);
     let memory = road.estimator.memory();
-    assert_eq!((memory.trailer_mass_kg, memory.correlation), (20e3, 0.5));
+    assert_eq!((memory.trailer_mass_kg, memory.correlation), (20e3, [[1.0, 0.5], [0.5, 1.0]]));
     let (settings, design) = (Settings::truck(), common::design());
     let restored = Estimator::restored(design, settings, Says::WELL, &memory).unwrap();
     assert_eq!(restored.memory(), memory);

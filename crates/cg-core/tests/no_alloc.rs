@@ -34,10 +34,10 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_million_samples_allocate_nothing() {
-    let design = common::design().cast::<f32>();
+    let design = common::full_design().cast::<f32>();
     let before = ALLOCATIONS.get();
-    let mut estimator =
-        Estimator::<f32, FilteredArx<f32>>::new(design, Settings::truck(), Prior::standard());
+    let mut estimator: Estimator<f32, FilteredArx<f32>> =
+        Estimator::new(design, Settings::truck(), Prior::standard());
     let mut maneuvers = 0;
     for k in 0..1_000_000_u32 {
         // Turns to both sides with straight driving in between, changing speed and a little noise.
@@ -49,15 +49,21 @@ fn a_million_samples_allocate_nothing() {
         sample.roll_rad = common::narrow(0.85 * steer + 1e-3 * noise);
         sample.speed_mps = common::narrow(13.9 + (t / 60.0).sin());
         sample.lateral_acceleration_mps2 = common::narrow(34.0 * steer);
+        sample.suspension_roll_rad = sample.roll_rad;
+        sample.lateral_specific_force_mps2 = common::narrow(44.0 * steer);
+        sample.tractor_suspension_roll_rad = sample.roll_rad;
+        sample.tractor_tilt_rad = common::narrow(50.0 * steer / 9.81);
         if let Ok(step) = black_box(estimator.push(&sample)) {
             maneuvers += u32::from(step.closed.is_some());
         }
     }
-    let height = black_box(estimator.height(Channel::Steer));
+    let heights = black_box(Channel::ALL.map(|channel| estimator.height(channel)));
+    let combined = black_box(estimator.combined());
     assert_eq!(ALLOCATIONS.get() - before, 0);
     // Check that the counter works.
     drop(black_box(Box::new(maneuvers)));
     assert_eq!(ALLOCATIONS.get() - before, 1);
-    // Check that the run had hundreds of turns and gave a height.
-    assert!(maneuvers > 100 && height.is_some(), "{maneuvers} maneuvers");
+    // Check that the run had hundreds of turns and gave heights.
+    assert!(combined.is_some());
+    assert!(maneuvers > 100 && heights.iter().all(Option::is_some), "{maneuvers} maneuvers");
 }

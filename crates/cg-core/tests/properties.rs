@@ -5,10 +5,10 @@
 mod common;
 
 use cg_core::{Answer, Arx, Channel, Estimator, FilteredArx, Memory, Prior, Sample, Settings};
-use common::{rounded_step_response, with_noise};
+use common::{Pair, rounded_step_response, with_noise};
 use proptest::prelude::*;
 
-fn estimator() -> Estimator<f32, FilteredArx<f32>> {
+fn estimator() -> Pair<f32, FilteredArx<f32>> {
     Estimator::new(common::design().cast(), Settings::truck(), Prior::standard())
 }
 
@@ -43,18 +43,28 @@ proptest! {
     /// Any bits in any field and any order of time: a row whose time does not follow is refused, every
     /// other one is taken, and none panics. A clean turn afterwards gives the height that it gives alone.
     #[test]
-    fn push_survives_anything(fields in prop::collection::vec((0..1_u64 << 50, any::<[u32; 7]>()), 1..60)) {
-        let mut estimator = estimator();
+    fn push_survives_anything(fields in prop::collection::vec((0..1_u64 << 50, any::<[u32; 13]>()), 1..60)) {
+        let design = common::full_design().cast();
+        let mut estimator: Estimator<f32, FilteredArx<f32>> =
+            Estimator::new(design, Settings::truck(), Prior::standard());
         let mut latest_us = None;
         for (time_us, bits) in fields {
-            let [steer, roll, tilt, speed, lateral, yaw, mass] = bits.map(f32::from_bits);
+            let [steer, roll, tilt, speed, lateral, yaw, mass, more @ ..] =
+                bits.map(f32::from_bits);
+            let [to_gravity, force, suspension, tractor, tractor_force, tractor_tilt] = more;
             let sample = Sample {
                 time_us,
                 steer_rad: steer,
                 roll_rad: roll,
+                roll_to_gravity_rad: to_gravity,
                 tilt_rad: tilt,
+                suspension_roll_rad: suspension,
                 speed_mps: speed,
                 lateral_acceleration_mps2: lateral,
+                lateral_specific_force_mps2: force,
+                tractor_suspension_roll_rad: tractor,
+                tractor_lateral_specific_force_mps2: tractor_force,
+                tractor_tilt_rad: tractor_tilt,
                 yaw_rate_radps: yaw,
                 trailer_mass_kg: mass,
             };
@@ -138,7 +148,7 @@ fn a_hole_in_the_middle_of_a_turn_costs_accuracy_but_not_the_answer() {
 }
 
 /// Drives a turn with the roll angle multiplied by `scale`, which means another load.
-fn drive(estimator: &mut Estimator<f32, FilteredArx<f32>>, origin_us: u64, scale: f32) {
+fn drive(estimator: &mut Pair<f32, FilteredArx<f32>>, origin_us: u64, scale: f32) {
     for mut sample in one_turn(origin_us) {
         sample.roll_rad *= scale;
         estimator.push(&sample).unwrap();
@@ -146,7 +156,7 @@ fn drive(estimator: &mut Estimator<f32, FilteredArx<f32>>, origin_us: u64, scale
     estimator.finish();
 }
 
-fn resumed(from: &Estimator<f32, FilteredArx<f32>>) -> Estimator<f32, FilteredArx<f32>> {
+fn resumed(from: &Pair<f32, FilteredArx<f32>>) -> Pair<f32, FilteredArx<f32>> {
     let (settings, prior) = (Settings::truck(), Prior::standard());
     Estimator::restored(*from.design(), settings, prior, &from.memory()).unwrap()
 }
@@ -175,9 +185,8 @@ fn a_restart_counts_as_a_stop() {
     let mut restarted = resumed(&kept);
     drive(&mut kept, 40_000_000, 0.8);
     drive(&mut restarted, 40_000_000, 0.8);
-    let value = |from: &Estimator<f32, FilteredArx<f32>>| {
-        from.height(Channel::Steer).unwrap().height_m.value
-    };
+    let value =
+        |from: &Pair<f32, FilteredArx<f32>>| from.height(Channel::Steer).unwrap().height_m.value;
     assert!((value(&kept) - 1.973).abs() < 0.002);
     assert!(value(&restarted) < 1.9);
     // The waiting maneuver is also kept over a restart.
@@ -192,14 +201,14 @@ fn a_memory_that_cannot_be_is_refused() {
     drive(&mut taught, 0, 1.0);
     let good = taught.memory();
     let (settings, prior) = (Settings::truck(), Prior::standard());
-    let with = |change: &dyn Fn(&mut Memory<f32>)| {
+    let with = |change: &dyn Fn(&mut Memory<f32, 2>)| {
         let mut memory = good;
         change(&mut memory);
-        Estimator::<f32, FilteredArx<f32>>::restored(*taught.design(), settings, prior, &memory)
+        Pair::<f32, FilteredArx<f32>>::restored(*taught.design(), settings, prior, &memory)
     };
     assert!(with(&|_| {}).is_some());
     assert!(with(&|memory| memory.trailer_mass_kg = f32::NAN).is_none());
-    assert!(with(&|memory| memory.correlation = 1.5).is_none());
+    assert!(with(&|memory| memory.correlation[0][1] = 1.5).is_none());
     assert!(with(&|memory| memory.load_mass_kg = Some(-1.0)).is_none());
     let nothing = cg_core::Measured { value: 0.0, sd: 0.0 };
     assert!(with(&|memory| memory.waiting = Some([Some((nothing, 0.0)), None])).is_none());

@@ -295,7 +295,7 @@ impl<T: Real> Signals<T> {
                 gravity_mps2 * sample.tractor_tilt_rad,
             ),
             roll_rad: or(sample.roll_rad, to_gravity_rad),
-            to_gravity: !sample.roll_rad.present(),
+            to_gravity: !sample.roll_rad.present() && to_gravity_rad.present(),
             suspension_rad: sample.suspension_roll_rad,
             tractor_suspension_rad: sample.tractor_suspension_roll_rad,
         }

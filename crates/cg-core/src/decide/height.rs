@@ -30,12 +30,14 @@ pub enum Combined<T> {
     Doubtful {
         /// The height.
         height: Height<T>,
-        /// Squared difference divided by its variance.
+        /// Greatest squared difference of two heights divided by its variance; see
+        /// [`Heights::combined`].
         chi_square: T,
     },
     /// The heights contradict each other (probability 0.01 %). There is no combined height.
     Contradictory {
-        /// Squared difference divided by its variance.
+        /// Greatest squared difference of two heights divided by its variance; see
+        /// [`Heights::combined`].
         chi_square: T,
     },
     /// One channel gives a height that this trailer cannot have, and no other channel shows that its
@@ -171,24 +173,20 @@ impl<T: Real, const C: usize> Heights<T, C> {
     /// within 0 and 1. A weight outside would rely on the correlation of the errors.
     pub fn combined(&self) -> Option<Combined<T>> {
         let mut left = self.of_channels;
-        let (place, first) = Self::most_accurate(&left)?;
-        left[place] = None;
-        let mut mean = Self::alone(place);
+        let (mut mean, first) = Self::take_most_accurate(&mut left)?;
         let (mut value, mut maneuvers) = (first.height_m.value, first.maneuvers);
         let mut greatest = T::zero();
-        while let Some((place, next)) = Self::most_accurate(&left) {
-            left[place] = None;
+        while let Some((alone, next)) = Self::take_most_accurate(&mut left) {
             let difference = value - next.height_m.value;
-            let chi_square = difference * difference / self.variance_of_difference(&mean, place);
+            let chi_square = difference * difference / self.variance_of_difference(&mean, &alone);
             // This form of the comparison lets two heights without uncertainty (0/0) agree.
             if chi_square > greatest {
                 greatest = chi_square;
             }
-            let weight = self.best_weight(&mean, place);
-            for share in &mut mean {
-                *share *= T::one() - weight;
+            let weight = self.best_weight(&mean, &alone);
+            for (share, one) in mean.iter_mut().zip(alone) {
+                *share = *share * (T::one() - weight) + one * weight;
             }
-            mean[place] = weight;
             value += weight * (next.height_m.value - value);
             maneuvers = maneuvers.max(next.maneuvers);
         }
@@ -210,32 +208,29 @@ impl<T: Real, const C: usize> Heights<T, C> {
         })
     }
 
-    /// The weights of the height at `place` alone.
-    fn alone(place: usize) -> [T; C] {
-        let mut weights = [T::zero(); C];
-        weights[place] = T::one();
-        weights
-    }
-
-    /// The height with the smallest standard deviation, and its place.
-    fn most_accurate(heights: &[Option<Height<T>>; C]) -> Option<(usize, Height<T>)> {
+    /// Removes the height with the smallest standard deviation. Returns the weights of all channels
+    /// in a mean of this height alone, and the height.
+    fn take_most_accurate(left: &mut [Option<Height<T>>; C]) -> Option<([T; C], Height<T>)> {
         let mut best: Option<(usize, Height<T>)> = None;
-        for (place, height) in heights.iter().enumerate() {
+        for (place, height) in left.iter().enumerate() {
             if let Some(height) = height
                 && best.is_none_or(|(_, best)| height.height_m.sd < best.height_m.sd)
             {
                 best = Some((place, *height));
             }
         }
-        best
+        let (place, height) = best?;
+        *left.get_mut(place)? = None;
+        let mut alone = [T::zero(); C];
+        *alone.get_mut(place)? = T::one();
+        Some((alone, height))
     }
 
-    /// The weight of the height at `place` beside `mean` for the smallest variance.
-    fn best_weight(&self, mean: &[T; C], place: usize) -> T {
-        let alone = Self::alone(place);
+    /// The weight of the height `alone` beside `mean` for the smallest variance.
+    fn best_weight(&self, mean: &[T; C], alone: &[T; C]) -> T {
         let mine = self.covariance(mean, mean, Part::Whole);
-        let its = self.covariance(&alone, &alone, Part::Whole);
-        let common = self.covariance(mean, &alone, Part::Whole);
+        let its = self.covariance(alone, alone, Part::Whole);
+        let common = self.covariance(mean, alone, Part::Whole);
         let spread = mine + its - T::of(2.0) * common;
         if spread > T::zero() {
             ((mine - common) / spread).max(T::zero()).min(T::one())
@@ -244,29 +239,36 @@ impl<T: Real, const C: usize> Heights<T, C> {
         }
     }
 
-    /// The variance of the difference between `mean` and the height at `place`. The effects of
-    /// noise on the heights are taken as independent.
-    fn variance_of_difference(&self, mean: &[T; C], place: usize) -> T {
+    /// The variance of the difference between `mean` and the height `alone`. The effects of noise
+    /// on the heights are taken as independent.
+    fn variance_of_difference(&self, mean: &[T; C], alone: &[T; C]) -> T {
         let mut difference = *mean;
-        difference[place] = -T::one();
+        for (share, one) in difference.iter_mut().zip(alone) {
+            *share -= *one;
+        }
         self.covariance(&difference, &difference, Part::Independent)
     }
 
     /// The covariance of two weighted sums of the heights.
     fn covariance(&self, a: &[T; C], b: &[T; C], part: Part) -> T {
+        let heights = || self.of_channels.iter().zip(&self.outputs);
         let mut sum = T::zero();
-        for (i, one) in self.of_channels.iter().enumerate() {
-            for (j, other) in self.of_channels.iter().enumerate() {
+        for (i, (((one, output), correlations), a)) in
+            heights().zip(&self.correlation).zip(a).enumerate()
+        {
+            for (j, (((other, its_output), correlation), b)) in
+                heights().zip(correlations).zip(b).enumerate()
+            {
                 let (Some(one), Some(other)) = (one, other) else { continue };
-                let shared = i == j || (part.shares_noise() && self.outputs[i] == self.outputs[j]);
+                let shared = i == j || (part.shares_noise() && output == its_output);
                 let noise = if shared { one.random_sd_m * other.random_sd_m } else { T::zero() };
                 let systematic = if matches!(part, Part::Random) {
                     T::zero()
                 } else {
-                    let correlation = if i == j { T::one() } else { self.correlation[i][j] };
+                    let correlation = if i == j { T::one() } else { *correlation };
                     correlation * one.systematic_sd_m() * other.systematic_sd_m()
                 };
-                sum += a[i] * b[j] * (noise + systematic);
+                sum += *a * *b * (noise + systematic);
             }
         }
         sum
@@ -367,6 +369,8 @@ mod tests {
         assert!((combined.value - (1.9 * 16.0 + 2.0 * 9.0) / 25.0).abs() < 1e-12);
         assert!((combined.sd - 0.024).abs() < 1e-12);
         // If the correlation exceeds the ratio of the sd's, the worse height adds no information.
+        // At this correlation, only heights that are closer do not contradict each other.
+        let a = height(1.95, 0.03);
         assert_eq!(mean(a, b, 0.8).height_m, a.height_m);
         assert_eq!(mean(b, a, 0.8).height_m, a.height_m);
     }
@@ -381,8 +385,9 @@ mod tests {
         // The standard deviation of the difference, for independent systematic parts of 0.03 and
         // noise of 0.04 in one channel.
         let sd = (2.0 * 0.03_f64.powi(2) + 0.04_f64.powi(2)).sqrt();
-        let beside =
-            |deviations: f64| combined(height(2.0, 0.0), height(2.0 + deviations * sd, 0.04), 0.0).unwrap();
+        let beside = |deviations: f64| {
+            combined(height(2.0, 0.0), height(2.0 + deviations * sd, 0.04), 0.0).unwrap()
+        };
         assert!(matches!(beside(2.57), Combined::Agreed(_)));
         let Combined::Doubtful { height: wide, chi_square } = beside(2.6) else { panic!("1 %") };
         assert!((chi_square - 2.6_f64.powi(2)).abs() < 1e-9);
@@ -475,7 +480,9 @@ mod tests {
         let variance = 0.0004 + 0.0001 + 0.0009 + 0.0016 - 0.0012_f64;
         let other =
             Height { height_m: Measured { value: 2.0 + 3.0 * variance.sqrt(), ..b.height_m }, ..b };
-        let Some(Combined::Doubtful { chi_square, .. }) = combined(a, other, 0.5) else { panic!("3 sd") };
+        let Some(Combined::Doubtful { chi_square, .. }) = combined(a, other, 0.5) else {
+            panic!("3 sd")
+        };
         assert!((chi_square - 9.0).abs() < 1e-9);
     }
 }

@@ -21,9 +21,9 @@ const LEAST_ROLL_RAD_PER_G: f64 = 0.1;
 
 /// What is known about a maneuver that ends.
 pub(crate) struct Judge<'a, T, const C: usize> {
-    pub(crate) design: &'a Design<T, C>,
-    pub(crate) settings: &'a Settings<T>,
-    pub(crate) window: &'a Window<T, C>,
+    design: &'a Design<T, C>,
+    settings: &'a Settings<T>,
+    window: &'a Window<T, C>,
     spread: Option<Spread<T, C>>,
     road: Road<T>,
 }
@@ -41,11 +41,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let roll = design.line(Channel::LateralAcceleration, speed_mps, mass_kg);
         let on_road = window.to_gravity || bank_free;
         let road = Road {
-            bank_sd_rad: if on_road {
-                settings.bank_sd_rad
-            } else {
-                settings.bank_sd_to_road_rad
-            },
+            bank_sd_rad: if on_road { settings.bank_sd_rad } else { settings.bank_sd_to_road_rad },
             lateral_g: window.lateral_square.root() / gravity_mps2,
             roll_rad_per_g: roll.map_or(T::of(LEAST_ROLL_RAD_PER_G), |line| {
                 line.ratio_at(design.reference_height_m) * gravity_mps2
@@ -97,8 +93,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let square = |x: T| x * x;
         let [common_bank, own_bank] = self.road.parts(channel);
         let model_sd = (square(spread.sd(place)) + square(common_bank)).root();
-        let far_sd =
-            (square(ratio_sd_relative) + square(model_sd) + square(own_bank)).root();
+        let far_sd = (square(ratio_sd_relative) + square(model_sd) + square(own_bank)).root();
         let far = self.is_far(&line, fit.ratio.value / compensation, far_sd);
         let compensation = Measured::exact(compensation);
         let exact = Measured::exact(fit.ratio.value);

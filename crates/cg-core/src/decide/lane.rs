@@ -14,8 +14,8 @@ pub(crate) struct Lane<T: Real, I> {
     settled_us: u64,
     rest: Rest<T>,
     pub(crate) fusion: Fusion<T>,
-    /// Whether the last height of this channel is impossible for this trailer, and the other
-    /// channel does not show that this channel's input is wrong.
+    /// Whether the last height of this channel is impossible for this trailer, and no other
+    /// channel shows that this channel's input is wrong.
     pub(crate) impossible: bool,
 }
 

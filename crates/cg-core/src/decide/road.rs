@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn a_bank_of_seven_per_mil_changes_the_ratio_by_a_quarter() {
         let road = |to_gravity| Road {
-            bank_sd_rad: 0.007,
+            bank_sd_rad: 0.007_f64,
             lateral_g: 0.15,
             roll_rad_per_g: 0.22,
             to_gravity,

@@ -61,7 +61,6 @@ impl<T: Real> Settings<T> {
         Self { bank_sd_rad, bank_sd_to_road_rad: bank_sd_rad, ..self }
     }
 
-
     /// Settings for trucks on roads.
     pub fn truck() -> Self {
         Self {

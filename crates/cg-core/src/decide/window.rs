@@ -65,8 +65,8 @@ impl<T: Real, const C: usize> Window<T, C> {
             self.to_gravity |= row.to_gravity;
             return false;
         }
-        let fades = self.last_turn_us.is_none()
-            && row.time_us.saturating_sub(self.faded_us) >= fade_us;
+        let fades =
+            self.last_turn_us.is_none() && row.time_us.saturating_sub(self.faded_us) >= fade_us;
         if fades {
             self.faded_us = row.time_us;
             self.start_us = row.time_us;

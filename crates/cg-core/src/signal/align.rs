@@ -267,8 +267,16 @@ mod tests {
             mass_of_axle_load: Some([4000.0, 1.5]),
             mass_of_suspension_pressure: Some([3000.0, 0.05]),
             mass_range_kg: Some([5000.0, 60_000.0]),
+            ..AlignSettings::NONE
         };
         Aligner::new(settings)
+    }
+
+    /// There is a track for every quantity, so each word counts on a chip.
+    #[test]
+    fn a_track_in_single_precision_has_six_words() {
+        assert_eq!(size_of::<Track<f32>>(), 24);
+        assert_eq!(size_of::<Track<f64>>(), 32);
     }
 
     /// Devices: the roll sensor and the brake controller.

@@ -113,7 +113,8 @@ pub const TABLE: [(Signal, Quantity, u8); 14] = [
 ];
 
 /// How to decide whether a slope sensor compensates its angle for the accelerations of the vehicle.
-/// A compensated angle is a roll angle relative to gravity, an uncompensated one is the tilt of an inclinometer.
+/// A compensated angle is a roll angle relative to gravity, an uncompensated one is the tilt of an
+/// inclinometer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compensation {
     /// By the compensation bits (SPN 3326, 4980) as defined by J1939-71: 0 on, 1 off. If the bits
@@ -294,7 +295,7 @@ mod tests {
             assert!(!signal.encode(f64::NAN, &mut data));
             assert_eq!(signal.decode::<f64>(&data), None);
             assert!(!signal.encode(1e9, &mut data));
-            assert!(!signal.encode(signal.offset - 1.0, &mut data));
+            assert!(!signal.encode(signal.offset - signal.scale, &mut data));
             assert_eq!(signal.decode::<f64>(&data[..1]), None); // a short frame
         }
     }
@@ -377,10 +378,11 @@ mod tests {
         assert_eq!(pgn_of(0x18EA_FF00), 0xEA00); // the destination address is not included
     }
 
-    /// Values for raw 0 and per bit as printed in J1939-71: degrees, km/h, kg and SI units.
+    /// Values for raw 0 and per bit as printed in J1939-71: degrees, km/h, kg, kPa and SI
+    /// units.
     #[test]
     fn every_signal_has_the_scale_and_the_offset_of_its_standard() {
-        let (rad, deg, kmh) = (1.0, core::f64::consts::PI / 180.0, 1.0 / 3.6);
+        let (rad, deg, kmh, kpa) = (1.0, core::f64::consts::PI / 180.0, 1.0 / 3.6, 1e3);
         for (signal, unit, offset, per_bit) in [
             (STEERING_WHEEL_ANGLE, rad, -31.374, 1.0 / 1024.0),
             (STEERING_WHEEL_ANGLE_SAS, rad, -31.374, 1.0 / 1024.0),
@@ -393,6 +395,12 @@ mod tests {
             (FRONT_AXLE_SPEED, kmh, 0.0, 1.0 / 256.0),
             (TRAILER_MASS, rad, 0.0, 2.0),
             (TRAILER_AXLE_LOAD, rad, 0.0, 2.0),
+            (LEVEL_FRONT_LEFT, rad, -3.2, 1e-4),
+            (LEVEL_FRONT_RIGHT, rad, -3.2, 1e-4),
+            (LEVEL_REAR_LEFT, rad, -3.2, 1e-4),
+            (LEVEL_REAR_RIGHT, rad, -3.2, 1e-4),
+            (BELLOWS_REAR_LEFT, kpa, 0.0, 0.1),
+            (BELLOWS_REAR_RIGHT, kpa, 0.0, 0.1),
             (CG_HEIGHT, rad, 0.0, 0.001),
             (CG_HEIGHT_SD, rad, 0.0, 0.005),
             (CG_THRESHOLD, rad, 0.0, 0.005),
@@ -437,6 +445,29 @@ mod tests {
         assert_eq!(seen(ROLL_FINE.identifier(0xE4), Quantity::RollToGravity), (1, Some(0)));
         assert_eq!(seen(FRONT_AXLE_SPEED.identifier(0x0B), Quantity::Speed), (1, Some(1)));
         assert_eq!(seen(CG_HEIGHT.identifier(0x0B), Quantity::Speed), (0, None));
+    }
+
+    /// Frames of two real trucks, ASC3 and VDC2. The raw values are 31965 and 31971; 31954, 32032,
+    /// 31967 and 31995; 32105, 32099 and 32599.
+    #[test]
+    fn frames_of_real_trucks_have_the_values_of_their_standard() {
+        let check = |signal: Signal, data: [u8; 8], expected: Option<f64>| {
+            let found = signal.decode::<f64>(&data);
+            let close = |expected: f64| found.is_some_and(|found| (found - expected).abs() < 1e-9);
+            assert!(expected.map_or(found.is_none(), close), "{signal:?}: {found:?}");
+        };
+        assert_eq!([pgn_of(0x18FE_592F), pgn_of(0x18FE_582F)], [65113, 65112]);
+        let levels = [LEVEL_FRONT_LEFT, LEVEL_FRONT_RIGHT, LEVEL_REAR_LEFT, LEVEL_REAR_RIGHT];
+        let of_rear = 0xFFFF_FFFF_DD7C_E37C_u64.to_be_bytes();
+        let of_all = 0xD27C_207D_DF7C_FB7C_u64.to_be_bytes();
+        for (k, signal) in levels.into_iter().enumerate() {
+            check(signal, of_rear, [None, None, Some(-0.0035), Some(-0.0029)][k]);
+            check(signal, of_all, Some([-0.0046, 0.0032, -0.0033, -0.0005][k]));
+        }
+        let vdc2 = 0x697D_7F63_7D57_7F7D_u64.to_be_bytes();
+        check(STEERING_WHEEL_ANGLE, vdc2, Some(32_105.0 / 1024.0 - 31.374));
+        check(YAW_RATE, vdc2, Some(32_099.0 / 8192.0 - 3.92));
+        check(LATERAL_ACCELERATION, vdc2, Some(32_599.0 / 2048.0 - 15.687));
     }
 
     /// From format 240 on, the group number has 18 bits.

@@ -96,8 +96,7 @@ impl<T: Real> AlignSettings<T> {
     /// load, from the pressure in the trailer's suspension, or from that in the tractor's, in this
     /// order. Values that fail [`believes`](Self::believes) are skipped.
     pub fn trailer_mass_kg(&self, at: impl Fn(Quantity) -> T) -> T {
-        let (left, right) =
-            (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
+        let (left, right) = (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
         let mean = match (left.present(), right.present()) {
             (true, true) => T::of(0.5) * (left + right),
             (true, false) => left,
@@ -148,5 +147,151 @@ impl<T: Real> AlignSettings<T> {
 impl<T: Real> Default for AlignSettings<T> {
     fn default() -> Self {
         Self::NONE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field of a sample.
+    type Field = fn(&Sample<f64>) -> f64;
+
+    const SETTINGS: AlignSettings<f64> = AlignSettings {
+        suspension_roll_of_level: Some(1.25), // level sensors 0.8 m apart
+        tractor_suspension_roll_of_level: Some(2.0),
+        mass_of_drive_pressure: Some([3000.0, 0.05]),
+        ..AlignSettings::NONE
+    };
+
+    /// The sample of these values; all other quantities are absent.
+    fn sample(settings: AlignSettings<f64>, values: &[(Quantity, f64)]) -> Sample<f64> {
+        settings.sample(7, |quantity| {
+            let value = values.iter().find(|(one, _)| *one == quantity);
+            value.map_or(f64::NAN, |(_, value)| *value)
+        })
+    }
+
+    fn close(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+
+    /// Every quantity that is a signal of a sample arrives in its own field.
+    #[test]
+    fn a_quantity_becomes_its_own_field() {
+        use Quantity as Q;
+        let fields: [(Quantity, Field); 13] = [
+            (Q::Steer, |s| s.steer_rad),
+            (Q::Roll, |s| s.roll_rad),
+            (Q::RollToGravity, |s| s.roll_to_gravity_rad),
+            (Q::Tilt, |s| s.tilt_rad),
+            (Q::SuspensionRoll, |s| s.suspension_roll_rad),
+            (Q::Speed, |s| s.speed_mps),
+            (Q::LateralAcceleration, |s| s.lateral_acceleration_mps2),
+            (Q::LateralSpecificForce, |s| s.lateral_specific_force_mps2),
+            (Q::TractorSuspensionRoll, |s| s.tractor_suspension_roll_rad),
+            (Q::TractorLateralSpecificForce, |s| s.tractor_lateral_specific_force_mps2),
+            (Q::TractorTilt, |s| s.tractor_tilt_rad),
+            (Q::YawRate, |s| s.yaw_rate_radps),
+            (Q::TrailerMass, |s| s.trailer_mass_kg),
+        ];
+        for (quantity, its) in fields {
+            let sample = sample(SETTINGS, &[(quantity, 0.25)]);
+            let present = fields.iter().filter(|(_, field)| field(&sample).present()).count();
+            assert_eq!((sample.time_us, its(&sample), present), (7, 0.25, 1), "{quantity:?}");
+        }
+    }
+
+    /// The left side is 30 mm and 10 mm higher: 0.03 · 1.25 and 0.01 · 2.
+    #[test]
+    fn levels_give_the_roll_of_the_suspension() {
+        let levels = [
+            (Quantity::LevelLeft, 0.32),
+            (Quantity::LevelRight, 0.29),
+            (Quantity::TractorLevelLeft, 0.11),
+            (Quantity::TractorLevelRight, 0.10),
+        ];
+        let found = sample(SETTINGS, &levels);
+        close(found.suspension_roll_rad, 0.0375);
+        close(found.tractor_suspension_roll_rad, 0.02);
+        // One side alone gives nothing, and neither do levels without their distance.
+        let one = sample(SETTINGS, &[levels[0], levels[3]]);
+        assert!(one.suspension_roll_rad.is_nan() && one.tractor_suspension_roll_rad.is_nan());
+        let bare = sample(AlignSettings::NONE, &levels);
+        assert!(bare.suspension_roll_rad.is_nan() && bare.tractor_suspension_roll_rad.is_nan());
+    }
+
+    /// The body tilts more than the axle: 0.25 − 0.20 and 0.23 − 0.21.
+    #[test]
+    fn two_inclinometers_give_the_roll_of_the_suspension() {
+        let found = sample(
+            AlignSettings::NONE,
+            &[
+                (Quantity::Tilt, 0.25),
+                (Quantity::AxleTilt, 0.20),
+                (Quantity::TractorTilt, 0.23),
+                (Quantity::TractorAxleTilt, 0.21),
+            ],
+        );
+        close(found.suspension_roll_rad, 0.05);
+        close(found.tractor_suspension_roll_rad, 0.02);
+        assert_eq!((found.tilt_rad, found.tractor_tilt_rad), (0.25, 0.23));
+    }
+
+    #[test]
+    fn a_measured_roll_comes_before_levels_and_levels_before_tilts() {
+        let trailer = [
+            (Quantity::Tilt, 0.25),
+            (Quantity::AxleTilt, 0.20),
+            (Quantity::LevelLeft, 0.32),
+            (Quantity::LevelRight, 0.29),
+            (Quantity::SuspensionRoll, 0.03),
+        ];
+        let tractor = [
+            (Quantity::TractorTilt, 0.25),
+            (Quantity::TractorAxleTilt, 0.20),
+            (Quantity::TractorLevelLeft, 0.32),
+            (Quantity::TractorLevelRight, 0.29),
+            (Quantity::TractorSuspensionRoll, 0.03),
+        ];
+        for (count, of_trailer, of_tractor) in [(2, 0.05, 0.05), (4, 0.0375, 0.06), (5, 0.03, 0.03)]
+        {
+            close(sample(SETTINGS, &trailer[..count]).suspension_roll_rad, of_trailer);
+            close(sample(SETTINGS, &tractor[..count]).tractor_suspension_roll_rad, of_tractor);
+        }
+    }
+
+    /// 3000 kg + 0.05 kg/Pa: both sides 4 bar and 5 bar, then one of them.
+    #[test]
+    fn the_pressure_of_the_drive_axles_is_the_mean_of_both_sides() {
+        let (left, right) =
+            ((Quantity::DrivePressureLeft, 4e5), (Quantity::DrivePressureRight, 5e5));
+        close(sample(SETTINGS, &[left, right]).trailer_mass_kg, 25_500.0);
+        close(sample(SETTINGS, &[left]).trailer_mass_kg, 23_000.0);
+        close(sample(SETTINGS, &[right]).trailer_mass_kg, 28_000.0);
+        assert!(sample(AlignSettings::NONE, &[left, right]).trailer_mass_kg.is_nan());
+    }
+
+    /// Each scale gives another mass, and the best one that is present counts.
+    #[test]
+    fn the_trailers_own_scales_come_before_the_tractors() {
+        let settings = AlignSettings {
+            mass_of_axle_load: Some([4000.0, 1.5]),
+            mass_of_suspension_pressure: Some([2000.0, 0.06]),
+            mass_range_kg: Some([5000.0, 40_000.0]),
+            ..SETTINGS
+        };
+        let scales = [
+            (Quantity::TrailerMass, 20_000.0),
+            (Quantity::TrailerAxleLoad, 12_000.0),
+            (Quantity::TrailerSuspensionPressure, 4e5),
+            (Quantity::DrivePressureLeft, 4e5),
+        ];
+        for (skipped, mass_kg) in [20_000.0, 22_000.0, 26_000.0, 23_000.0].into_iter().enumerate() {
+            close(sample(settings, &scales[skipped..]).trailer_mass_kg, mass_kg);
+        }
+        let mut broken = scales;
+        broken[0].1 = 41_000.0;
+        close(sample(settings, &broken).trailer_mass_kg, 22_000.0);
     }
 }

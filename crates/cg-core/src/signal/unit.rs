@@ -103,9 +103,7 @@ impl Dimension {
                     ]
                 }
             }
-            Self::Length => {
-                const { &[unit("m", &["m"], 1.0, 1.0), unit("mm", &["mm"], 1.0, 1e3)] }
-            }
+            Self::Length => const { &[unit("m", &["m"], 1.0, 1.0), unit("mm", &["mm"], 1.0, 1e3)] },
         }
     }
 

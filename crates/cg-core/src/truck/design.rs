@@ -61,7 +61,11 @@ impl<T: Real, const C: usize> Spread<T, C> {
     /// Correlation of the ratios at two places.
     pub fn correlation(&self, i: usize, j: usize) -> T {
         let scale = (self.at(i, i) * self.at(j, j)).root();
-        if scale > T::zero() { (self.at(i, j) / scale).max(-T::one()).min(T::one()) } else { T::zero() }
+        if scale > T::zero() {
+            (self.at(i, j) / scale).max(-T::one()).min(T::one())
+        } else {
+            T::zero()
+        }
     }
 }
 
@@ -163,9 +167,9 @@ impl<T: Real, const C: usize> Design<T, C> {
                 }),
                 compensation: to(c.compensation),
             }),
-            spread: self.spread.map(|row| {
-                row.map(|s| Spread { covariance: s.covariance.map(|row| row.map(to)) })
-            }),
+            spread: self
+                .spread
+                .map(|row| row.map(|s| Spread { covariance: s.covariance.map(|row| row.map(to)) })),
             nominal_speed_mps: to(self.nominal_speed_mps),
             nominal_trailer_mass_kg: to(self.nominal_trailer_mass_kg),
             reference_height_m: to(self.reference_height_m),

@@ -3,13 +3,23 @@
 
 pub(crate) mod told;
 
+use std::array::from_fn;
+
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
 use cg_core::truck::reduced::Simulation;
-use cg_core::{ChannelDesign, Design, Reduced5, RolloverDesign, Spread, ThresholdLine};
+use cg_core::{
+    Channel, ChannelDesign, Design, Estimator, Reduced5, RolloverDesign, Spread, ThresholdLine,
+};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, Normal};
+
+/// The channels of [`design`].
+pub(crate) const PAIR: [Channel; 2] = [Channel::Steer, Channel::LateralAcceleration];
+
+/// An estimator with these channels.
+pub(crate) type Pair<T, I> = Estimator<T, I, Design<T, 2>, 2>;
 
 /// Eq. 5.12 with ISO 8855 signs.
 pub(crate) const EQ_5_12: Reduced5<f64> = Reduced5 {
@@ -50,14 +60,31 @@ pub(crate) fn height_in(ratio: Measured<f64>) -> Measured<f64> {
     solve_height(&EQ_5_17, ratio, Measured::exact(COMPENSATION), 0.0).unwrap()
 }
 
-/// A design in which both channels are eq. 5.12 (34 m/s² of lateral acceleration per rad of steer),
-/// with the baseline's ratio line at every speed and mass, in meters.
-pub(crate) fn design() -> Design<f64> {
+/// Units of each channel's input per radian of steer: 34 m/s² of lateral acceleration, and more of
+/// the specific forces, which contain gravity.
+pub(crate) const INPUT_PER_STEER: [f64; 4] = [1.0, 34.0, 44.0, 50.0];
+
+/// A design with the steer and the lateral-acceleration channel.
+pub(crate) fn design() -> Design<f64, 2> {
+    design_with(PAIR)
+}
+
+/// A design with all channels.
+pub(crate) fn full_design() -> Design<f64> {
+    design_with(Channel::ALL)
+}
+
+/// A design in which every channel is eq. 5.12 times a factor, with the baseline's ratio line at
+/// every speed and mass, in meters. Each ratio has a standard deviation of 1.3 %, any two a
+/// correlation of one half.
+pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64, C> {
     let steer_line = RatioLine { a0: 0.013_731, a1: 0.280_738, b0: 1.159_981, b1: -0.081_082 };
-    let channel = |gain: f64| {
+    let channel = |channel: Channel| {
+        let gain = INPUT_PER_STEER[channel.index()];
         let scaled =
             |line: RatioLine<f64>| RatioLine { a0: line.a0 / gain, a1: line.a1 / gain, ..line };
         ChannelDesign {
+            index: u32::try_from(channel.index()).unwrap(),
             models: [Reduced5 {
                 numerator: EQ_5_12.numerator.map(|a| a / gain),
                 denominator: EQ_5_12.denominator,
@@ -66,11 +93,13 @@ pub(crate) fn design() -> Design<f64> {
             compensation: 1.489_6,
         }
     };
+    let correlation = |i, j| if i == j { 1.0 } else { 0.5 };
+    let covariance = from_fn(|i| from_fn(|j| correlation(i, j) * 0.013 * 0.013));
     let design = Design {
         speed_mps: [2.0, 5.0, 8.0, 11.0, 14.0, 18.0, 24.0, 30.0],
         trailer_mass_kg: [8e3, 15e3, 20e3, 25e3, 31e3, 40e3],
-        channels: [channel(1.0), channel(34.0)],
-        spread: [[Spread { sd: [0.013, 0.013], correlation: 0.5 }; MASSES]; SPEEDS],
+        channels: channels.map(channel),
+        spread: [[Spread { covariance }; MASSES]; SPEEDS],
         nominal_speed_mps: 13.9,
         nominal_trailer_mass_kg: 31.3e3,
         reference_height_m: 1.973,

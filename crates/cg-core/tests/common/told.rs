@@ -6,48 +6,42 @@ use cg_core::{
     Settings, Status, Unexcited,
 };
 
-/// The prescribed results besides the ratio, in the order of [`Channel::ALL`].
+/// The prescribed results besides the ratio, for the first `C` of all channels.
 #[derive(Clone, Copy)]
-pub(crate) struct Says {
-    pub(crate) ratio_sd: [f64; 2],
-    pub(crate) misfit: [f64; 2],
-    pub(crate) bend: [Measured<f64>; 2],
+pub(crate) struct Says<const C: usize = 2> {
+    pub(crate) ratio_sd: [f64; C],
+    pub(crate) misfit: [f64; C],
+    pub(crate) bend: [Measured<f64>; C],
 }
 
-impl Says {
+impl<const C: usize> Says<C> {
     pub(crate) const WELL: Self =
-        Self { ratio_sd: [0.01; 2], misfit: [0.0; 2], bend: [Measured { value: 0.0, sd: 0.0 }; 2] };
+        Self { ratio_sd: [0.01; C], misfit: [0.0; C], bend: [Measured { value: 0.0, sd: 0.0 }; C] };
 }
 
 /// An identifier that returns prescribed results. The ratio is that of the newest row used; the
 /// signal-to-noise ratio contains the weight of its rows.
 #[derive(Clone, Copy)]
-pub(crate) struct Told {
-    says: Says,
-    channel: Channel,
+pub(crate) struct Told<const C: usize = 2> {
+    says: Says<C>,
+    place: usize,
     rows: u32,
     weight: f64,
     ratio: f64,
     input: f64,
 }
 
-impl Identify<f64> for Told {
-    type Options = Says;
+impl<const C: usize> Identify<f64> for Told<C> {
+    type Options = Says<C>;
 
-    const EMPTY: Self = Self {
-        says: Says::WELL,
-        channel: Channel::Steer,
-        rows: 0,
-        weight: 0.0,
-        ratio: 0.0,
-        input: 0.0,
-    };
+    const EMPTY: Self =
+        Self { says: Says::WELL, place: 0, rows: 0, weight: 0.0, ratio: 0.0, input: 0.0 };
 
-    fn make_for(&mut self, model: &Reduced5<f64>, says: Says) {
-        // One radian of steer gives more roll than one meter per second squared.
-        let steer = model.dc_gain() > 0.1;
-        let channel = if steer { Channel::Steer } else { Channel::LateralAcceleration };
-        *self = Self { says, channel, ..Self::EMPTY };
+    fn make_for(&mut self, model: &Reduced5<f64>, says: Says<C>) {
+        let per_steer = super::EQ_5_12.dc_gain() / model.dc_gain();
+        let its = |gain: &f64| (per_steer / gain - 1.0).abs() < 1e-9;
+        let place = super::INPUT_PER_STEER.iter().position(its).unwrap();
+        *self = Self { says, place, ..Self::EMPTY };
     }
 
     fn push(&mut self, input: f64, roll_rad: f64, _: f64, use_row: bool) {
@@ -81,7 +75,7 @@ impl Identify<f64> for Told {
         if self.rows == 0 {
             return Answer::Unexcited(Unexcited::Input);
         }
-        let k = self.channel.index();
+        let k = self.place;
         Answer::Ready(Fit {
             ratio: Measured { value: self.ratio, sd: self.says.ratio_sd[k] },
             drift_radps: Measured::exact(0.0),
@@ -98,15 +92,19 @@ impl Identify<f64> for Told {
 /// Roll angle in the steady turns of [`Road`], rad: 1.6 m/s² at the reference height.
 pub(crate) const ROLL_RAD: f64 = 0.04;
 
-/// A truck whose trailer has one height according to the steer channel and one according to the
-/// lateral-acceleration channel.
-pub(crate) struct Road {
-    pub(crate) estimator: Estimator<f64, Told>,
+/// A truck whose trailer has a height for each channel. If it is NaN, the input of the channel is
+/// absent.
+pub(crate) struct Road<const C: usize = 2> {
+    pub(crate) estimator: Estimator<f64, Told<C>, Design<f64, C>, C>,
     pub(crate) time_us: u64,
-    pub(crate) heights_m: [f64; 2],
+    pub(crate) heights_m: [f64; C],
+    /// Whether the roll sensor shows the angle relative to gravity.
+    pub(crate) to_gravity: bool,
+    /// End of the range of the sensors of the trailer's suspension.
+    pub(crate) suspension_end_rad: f64,
     pub(crate) speed_mps: f64,
     pub(crate) trailer_mass_kg: f64,
-    pub(crate) closed: Vec<Maneuver<f64>>,
+    pub(crate) closed: Vec<Maneuver<f64, C>>,
     pub(crate) last_turn_us: u64,
 }
 
@@ -114,13 +112,17 @@ impl Road {
     pub(crate) fn new(says: Says) -> Self {
         Self::on(Estimator::new(super::design(), Settings::truck(), says))
     }
+}
 
+impl<const C: usize> Road<C> {
     #[allow(clippy::large_types_passed_by_value)] // called once per test
-    pub(crate) fn on(estimator: Estimator<f64, Told>) -> Self {
+    pub(crate) fn on(estimator: Estimator<f64, Told<C>, Design<f64, C>, C>) -> Self {
         Self {
             estimator,
             time_us: 0,
-            heights_m: [1.973; 2],
+            heights_m: [1.973; C],
+            to_gravity: false,
+            suspension_end_rad: f64::INFINITY,
             speed_mps: 10.0,
             trailer_mass_kg: f64::NAN,
             closed: Vec::new(),
@@ -130,9 +132,10 @@ impl Road {
 
     /// The input of a channel that gives this roll angle at the channel's height.
     fn input(&self, channel: Channel, roll_rad: f64) -> f64 {
-        let design: &Design<f64> = self.estimator.design();
-        let of = &design.channels[channel.index()];
-        roll_rad / of.lines[0][0].ratio_at(self.heights_m[channel.index()]) / of.compensation
+        let design = self.estimator.design();
+        let Some(place) = design.place(channel) else { return f64::NAN };
+        let of = &design.channels[place];
+        roll_rad / of.lines[0][0].ratio_at(self.heights_m[place]) / of.compensation
     }
 
     /// One row, 10 ms after the previous one. The sensor shows `shown_rad` while the roll angle is
@@ -140,7 +143,12 @@ impl Road {
     pub(crate) fn row(&mut self, shown_rad: f64, roll_rad: f64) -> Status {
         self.time_us += 10_000;
         let mut sample = Sample::absent(self.time_us);
-        sample.roll_rad = shown_rad;
+        *(if self.to_gravity { &mut sample.roll_to_gravity_rad } else { &mut sample.roll_rad }) =
+            shown_rad;
+        sample.suspension_roll_rad = roll_rad.min(self.suspension_end_rad);
+        sample.tractor_suspension_roll_rad = roll_rad;
+        sample.lateral_specific_force_mps2 = self.input(Channel::Suspension, roll_rad);
+        sample.tractor_lateral_specific_force_mps2 = self.input(Channel::Tractor, roll_rad);
         sample.steer_rad = self.input(Channel::Steer, roll_rad);
         sample.lateral_acceleration_mps2 = self.input(Channel::LateralAcceleration, roll_rad);
         sample.speed_mps = self.speed_mps;
@@ -169,14 +177,14 @@ impl Road {
     }
 
     /// Ends the maneuver, which must be the only one since the last call.
-    pub(crate) fn finish(&mut self) -> Maneuver<f64> {
+    pub(crate) fn finish(&mut self) -> Maneuver<f64, C> {
         self.closed.extend(self.estimator.finish());
         assert_eq!(self.closed.len(), 1);
         self.closed.remove(0)
     }
 
-    /// One maneuver after a second of straight driving; returns the results of both channels.
-    pub(crate) fn maneuver(&mut self, heights_m: [f64; 2]) -> [Outcome<f64>; 2] {
+    /// One maneuver after a second of straight driving; returns the results of all channels.
+    pub(crate) fn maneuver(&mut self, heights_m: [f64; C]) -> [Outcome<f64>; C] {
         self.heights_m = heights_m;
         self.hold(100, 0.0);
         self.turn();

@@ -1,0 +1,181 @@
+//! Tests of what the bank of the road does to the heights, and of trucks with all channels.
+
+#![allow(clippy::unwrap_used, clippy::float_cmp)] // without a bank, the numbers are the same
+
+mod common;
+
+use cg_core::{Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Settings};
+use common::told::{ROLL_RAD, Road, Says};
+use common::{PAIR, design_with};
+
+/// Standard deviation of the bank of public roads.
+const BANK_RAD: f64 = 0.02;
+const HEIGHT_M: f64 = 1.973;
+
+fn truck<const C: usize>(channels: [Channel; C], settings: Settings<f64>) -> Road<C> {
+    Road::on(Estimator::new(design_with(channels), settings, Says::WELL))
+}
+
+/// One turn of ten seconds with a constant lateral acceleration.
+fn turn<const C: usize>(mut road: Road<C>) -> Maneuver<f64, C> {
+    road.hold(1000, ROLL_RAD);
+    road.finish()
+}
+
+fn flat() -> Settings<f64> {
+    Settings::truck().on_road(0.0)
+}
+
+/// Roll angle per m/s² at the reference height, without the compensation.
+fn roll_per_mps2() -> f64 {
+    common::design().channels[1].lines[0][0].ratio_at(HEIGHT_M)
+}
+
+/// What a bank of one standard deviation does to a ratio: `g β / a_y`, and relative to gravity
+/// `(1 + 1/(g R))` times that.
+fn bank_share(to_gravity: bool) -> f64 {
+    let lateral_mps2 = ROLL_RAD / (roll_per_mps2() * 1.489_6);
+    let relative_to_road = 9.81 * BANK_RAD / lateral_mps2;
+    if to_gravity {
+        relative_to_road * (1.0 + 1.0 / (9.81 * roll_per_mps2()))
+    } else {
+        relative_to_road
+    }
+}
+
+/// Meters of height per relative change of the ratio.
+fn meters_per_share() -> f64 {
+    let line = common::design().channels[0].lines[0][0];
+    let slope = (line.ratio_at(HEIGHT_M + 1e-4) - line.ratio_at(HEIGHT_M - 1e-4)) / 2e-4;
+    line.ratio_at(HEIGHT_M) / slope
+}
+
+/// The ratio has 1 % of noise and 1.3 % of model. Half of the variance of the bank belongs to the
+/// curve, the other half to all curves.
+fn check(outcome: &Outcome<f64>, bank: f64) {
+    let random_m = 0.01_f64.hypot(bank / 2.0_f64.sqrt()) * meters_per_share();
+    let systematic_m = 0.013_f64.hypot(bank / 2.0_f64.sqrt()) * meters_per_share();
+    let height = outcome.height_m.unwrap();
+    assert!((height.value - HEIGHT_M).abs() < 1e-9, "{height:?}");
+    assert!((height.sd / random_m - 1.0).abs() < 1e-3, "{height:?} {random_m}");
+    assert!((outcome.systematic_sd_m / systematic_m - 1.0).abs() < 1e-3, "{outcome:?}");
+    assert!((outcome.road_sd_m - bank * meters_per_share()).abs() < 1e-3, "{outcome:?}");
+}
+
+#[test]
+fn a_roll_angle_relative_to_gravity_contains_the_bank_of_the_road() {
+    let mut road = truck(PAIR, Settings::truck());
+    road.to_gravity = true;
+    for outcome in turn(road).outcomes {
+        check(&outcome, bank_share(true));
+    }
+}
+
+#[test]
+fn on_a_flat_road_gravity_is_as_good_as_the_road() {
+    let mut to_gravity = truck(PAIR, flat());
+    to_gravity.to_gravity = true;
+    let found = turn(to_gravity);
+    assert_eq!(found, turn(truck(PAIR, flat())));
+    // A roll angle relative to the road comes from a test track, if it is the only one.
+    assert_eq!(found, turn(truck(PAIR, Settings::truck())));
+    assert_eq!(found.correlation, [[1.0, 0.5], [0.5, 1.0]]);
+    found.outcomes.iter().for_each(|outcome| check(outcome, 0.0));
+}
+
+/// A truck with other sensors is on a road, so its roll angle feels the bank, though it does not
+/// contain it.
+#[test]
+fn a_channel_that_does_not_feel_the_bank_shows_that_there_is_a_road() {
+    let [steer, lateral, suspension, tractor] =
+        turn(truck(Channel::ALL, Settings::truck())).outcomes;
+    check(&steer, bank_share(false));
+    check(&lateral, bank_share(false));
+    check(&suspension, 0.0);
+    check(&tractor, 0.0);
+    // The same truck whose other sensors do not send.
+    let mut silent = truck(Channel::ALL, Settings::truck());
+    (silent.heights_m[2], silent.heights_m[3]) = (f64::NAN, f64::NAN);
+    let [steer, lateral, suspension, tractor] = turn(silent).outcomes;
+    check(&steer, 0.0);
+    check(&lateral, 0.0);
+    assert_eq!([suspension, tractor].map(|outcome| outcome.height_m), [Err(Reject::Absent); 2]);
+}
+
+#[test]
+fn the_suspension_gives_the_same_height_on_every_road() {
+    let [.., suspension, tractor] = turn(truck(Channel::ALL, flat())).outcomes;
+    let mut road = truck(Channel::ALL, Settings::truck());
+    road.to_gravity = true;
+    let [steer, _, banked_suspension, banked_tractor] = turn(road).outcomes;
+    assert_eq!([banked_suspension, banked_tractor], [suspension, tractor]);
+    check(&steer, bank_share(true));
+}
+
+/// The model's variance is 0.013² with a correlation of one half. The common part of the bank is
+/// the same in both channels that feel it.
+#[test]
+fn channels_that_feel_the_bank_have_it_in_common() {
+    let bank = bank_share(false) / 2.0_f64.sqrt();
+    let (model, both) = (0.013 * 0.013, 0.013 * 0.013 + bank * bank);
+    let same = (0.5 * model + bank * bank) / both;
+    let other = 0.5 * model / (both * model).sqrt();
+    let expected = [
+        [1.0, same, other, other],
+        [same, 1.0, other, other],
+        [other, other, 1.0, 0.5],
+        [other, other, 0.5, 1.0],
+    ];
+    let found = turn(truck(Channel::ALL, Settings::truck())).correlation;
+    for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+}
+
+/// The roll angle grows to [`ROLL_RAD`] in four seconds, and the sensors with an end stop there.
+fn ramp(mut road: Road<4>, roll_end_rad: f64) -> [Option<Reject<f64>>; 4] {
+    road.hold(100, 0.0);
+    for k in 0..=400 {
+        let roll_rad = ROLL_RAD * f64::from(k) / 400.0;
+        road.row(roll_rad.min(roll_end_rad), roll_rad);
+    }
+    road.finish().outcomes.map(|outcome| outcome.height_m.err())
+}
+
+#[test]
+fn a_sensor_at_its_end_costs_the_channels_with_its_roll_angle() {
+    let at = |roll_rad| Some(Reject::Inconsistent(Inconsistency::Standstill { roll_rad }));
+    let mut road = truck(Channel::ALL, flat());
+    road.suspension_end_rad = 0.02;
+    assert_eq!(ramp(road, f64::INFINITY), [None, None, at(0.02), None]);
+    let road = truck(Channel::ALL, flat());
+    assert_eq!(ramp(road, 0.015), [at(0.015), at(0.015), None, None]);
+}
+
+#[test]
+fn a_bend_of_the_suspension_leaves_the_roll_angle_in_use() {
+    let mut says = Says::<4>::WELL;
+    says.bend[2].value = -1.5;
+    let road = Road::on(Estimator::new(common::full_design(), flat(), says));
+    let [steer, lateral, suspension, tractor] = turn(road).outcomes;
+    let bent = Reject::Inconsistent(Inconsistency::Bent { share: 1.5 });
+    assert_eq!(suspension.height_m, Err(bent));
+    assert!([steer, lateral, tractor].iter().all(|outcome| outcome.height_m.is_ok()));
+}
+
+/// On a flat road the suspension and the roll angle must agree. On a public road, the bank explains
+/// the difference, and the suspension has nearly all of the weight.
+#[test]
+fn a_suspension_that_contradicts_the_roll_angle_is_told() {
+    let combined = |settings, heights_m| {
+        let mut road = truck(Channel::ALL, settings);
+        road.to_gravity = true;
+        road.maneuver(heights_m);
+        road.estimator.combined().unwrap()
+    };
+    let apart = [1.7, 1.7, 2.2, 2.2];
+    assert!(matches!(combined(flat(), apart), Combined::Contradictory { .. }));
+    assert!(matches!(combined(flat(), [1.7; 4]), Combined::Agreed(_)));
+    let Combined::Agreed(height) = combined(Settings::truck(), apart) else { panic!("a bank") };
+    assert!((height.height_m.value - 2.2).abs() < 0.02, "{height:?}");
+}
