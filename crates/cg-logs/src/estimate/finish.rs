@@ -259,3 +259,6 @@ impl LogEstimator {
         outcomes.find_map(|outcome| outcome.height_m.err())
     }
 }
+
+#[cfg(test)]
+mod tests;
