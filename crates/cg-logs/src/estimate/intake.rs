@@ -262,7 +262,7 @@ mod tests {
         let row = LogRow { time_s: 0.0, trailer_mass_kg: 21e3, speed_mps: 12.0, ..LogRow::ABSENT };
         let sample = log.sample(&row);
         let found = [sample.speed_mps, sample.trailer_mass_kg, log.trailer_mass_kg];
-        assert_eq!(found, [13.0, 25e3, 25e3]);
+        assert_eq!(found.map(f64::to_bits), [13.0, 25e3, 25e3].map(f64::to_bits));
         assert!(log.seen.mass && log.seen.speed);
     }
 

@@ -374,12 +374,11 @@ fn metrics_and_state_are_written_live_at_their_intervals() {
     for (kind, interval_us) in [(Kind::Metrics, METRICS_US), (Kind::State, SAVE_US)] {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
-        let mut session = match kind {
-            Kind::State => kept_in(folder.path(), None),
-            _ => {
-                let metrics = Some(target(folder.path(), kind));
-                session_with(None, 0.0, Outputs::new(Vec::new(), None, metrics, None))
-            }
+        let mut session = if kind == Kind::State {
+            kept_in(folder.path(), None)
+        } else {
+            let metrics = Some(target(folder.path(), kind));
+            session_with(None, 0.0, Outputs::new(Vec::new(), None, metrics, None))
         };
         let times_us = [SECOND_US, SECOND_US + interval_us - 1, SECOND_US + interval_us];
         assert_eq!(written(&mut session, &file, &times_us, false), [false; 3]);

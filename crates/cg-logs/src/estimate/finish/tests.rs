@@ -10,6 +10,7 @@ const ABSENT: Found = Err(Reject::Absent);
 const IMPRECISE: Found = Err(Reject::Imprecise { ratio_sd_relative: 0.5 });
 const TOO_HIGH: Found = Err(Reject::Height(HeightError::OutOfRange { height_m: 5.0 }));
 
+#[allow(clippy::unnecessary_wraps, reason = "it stands beside reasons why there is none")]
 fn height(value: f64, sd: f64) -> Found {
     Ok(Measured { value, sd })
 }
