@@ -188,7 +188,7 @@ mutants: mutants-tool
 mutants-short:
 	$(MAKE) mutants MUTANTS='--sharding round-robin --shard 0/180' LEAST_PERCENT=75
 
-# The decisions outside the core: the end of a log, and the session of `cg run` (480 mutants, some hours).
+# The decisions outside the core: the end of a log, and the session of `cg run` (470 mutants, some hours).
 DECISIONS := $(addprefix --file crates/cg-logs/src/estimate/, finish.rs diagnosis.rs signals.rs intake.rs) \
   $(addprefix --file crates/cg-cli/src/run/, session.rs events.rs pace.rs presence.rs)
 mutants-decisions:

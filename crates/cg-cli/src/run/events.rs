@@ -177,3 +177,67 @@ pub(crate) fn write(out: &mut impl Write, time_s: f64, event: Event<'_>) -> io::
     out.write_all(b"\n")?;
     out.flush()
 }
+
+#[cfg(test)]
+mod tests {
+    use cg_core::Height;
+
+    use super::*;
+
+    const SOURCE: (f64, MassSource) = (20e3, MassSource::Signal);
+
+    fn height(value: f64, sd: f64) -> Height<f64> {
+        Height { height_m: Measured { value, sd }, random_sd_m: 0.5 * sd, maneuvers: 3 }
+    }
+
+    #[test]
+    fn a_height_is_a_result_and_a_contradiction_is_not() {
+        let good = height(2.0, 0.1);
+        for (combined, status, has_height) in [
+            (None, Verdict::Rejected, false),
+            (Some(Combined::Agreed(good)), Verdict::Ok, true),
+            (Some(Combined::Doubtful { height: good, chi_square: 9.0 }), Verdict::Ok, true),
+            (Some(Combined::Contradictory { chi_square: 50.0 }), Verdict::Inconsistent, false),
+            (Some(Combined::Impossible), Verdict::Inconsistent, false),
+        ] {
+            let result = Result::new(combined, None, SOURCE);
+            assert_eq!(result.status, status);
+            assert_eq!(result.height_m.is_some(), has_height);
+            assert_eq!(result.channel.is_some(), has_height);
+            assert_eq!((result.trailer_mass_kg, result.trailer_mass_source), SOURCE);
+        }
+    }
+
+    #[test]
+    fn a_result_has_its_interval_and_its_channel() {
+        let result = Result::new(Some(Combined::Agreed(height(2.0, 0.1))), None, SOURCE);
+        let [low, high] = result.height_ci95_m.unwrap();
+        assert!((low - 1.804_003_6).abs() < 1e-9 && (high - 2.195_996_4).abs() < 1e-9);
+        assert_eq!((result.height_m, result.height_sd_m), (Some(2.0), Some(0.1)));
+        assert_eq!((result.channel.as_deref(), result.maneuvers), (Some("combined"), 3));
+        let steer = Some(Channel::Steer);
+        let result = Result::new(Some(Combined::Agreed(height(2.0, 0.1))), steer, SOURCE);
+        assert_eq!(result.channel.as_deref(), Some("steer"));
+    }
+
+    #[test]
+    fn the_margin_is_what_is_left_of_the_threshold() {
+        let with = |limit| Result { static_rollover_threshold_g: limit, ..Result::default() };
+        for lateral_g in [0.1, -0.1] {
+            let margin_g = with(Some(0.4)).margin_g(Some(lateral_g)).unwrap();
+            assert!((margin_g - 0.3).abs() < 1e-12);
+        }
+        assert_eq!(with(Some(0.4)).margin_g(None), None);
+        assert_eq!(with(None).margin_g(Some(0.1)), None);
+    }
+
+    #[test]
+    fn a_line_is_an_object_with_its_time_and_an_end() {
+        let mut out = Vec::new();
+        let event = Event::Notice { subject: "trial", message: "text".to_owned() };
+        write(&mut out, 1.5, event).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let line = r#"{"time_s":1.5,"event":"notice","subject":"trial","message":"text"}"#;
+        assert_eq!(text, format!("{line}\n"));
+    }
+}

@@ -106,4 +106,56 @@ mod tests {
         }
         assert_eq!(passed, [10_000, 20_000, 30_000, 60_000_000, 60_010_000]);
     }
+
+    /// Three consecutive intervals of more than half a second and less than ten seconds.
+    #[test]
+    fn a_signal_is_slow_after_three_long_intervals() {
+        let told = |steps_us: &[u64]| {
+            let mut cadence = Cadence::default();
+            let mut now_us = 5;
+            let mut told = vec![cadence.push(now_us)];
+            for step_us in steps_us {
+                now_us += step_us;
+                told.push(cadence.push(now_us));
+            }
+            told.into_iter().flatten().collect::<Vec<f64>>()
+        };
+        let nothing: [f64; 0] = [];
+        assert_eq!(told(&[700_000; 2]), nothing);
+        assert_eq!(told(&[700_000; 3]), [0.7]);
+        assert_eq!(told(&[700_000, 700_000, 2_000_000, 900_000]), [2.0]);
+        assert_eq!(told(&[700_000, 700_000, 100_000, 700_000, 700_000]), nothing);
+        assert_eq!(told(&[10_000_000; 5]), nothing);
+        assert_eq!(told(&[499_999; 5]), nothing);
+    }
+
+    #[test]
+    fn a_value_is_late_after_more_than_half_a_second() {
+        let mut cadence = Cadence::default();
+        for (now_us, late) in [
+            (1_000_000, false),
+            (1_500_000, false),
+            (2_000_001, true),
+            (2_100_000, false),
+            (20_000_000, true),
+            (19_000_000, false),
+        ] {
+            cadence.push(now_us);
+            assert_eq!(cadence.late, late, "{now_us}");
+        }
+    }
+
+    #[test]
+    fn the_first_sample_waits_for_the_second() {
+        let mut pace = Pace::default();
+        let mut passed = |us| pace.push(Sample::absent(us)).0.map(|one| one.map(|one| one.time_us));
+        assert_eq!(passed(1_000_000), [None, None]);
+        assert_eq!(passed(1_500_000), [Some(1_000_000), Some(1_500_000)]);
+        assert_eq!(passed(2_000_000), [None, Some(2_000_000)]);
+    }
+
+    #[test]
+    fn the_message_names_the_interval() {
+        assert!(too_slow(0.7).starts_with("one value every 0.70 s is too slow"));
+    }
 }

@@ -119,4 +119,43 @@ mod tests {
         presence.saw(Quantity::YawRate, 9_100_000);
         assert!(presence.missing(9_100_000, |_| false).is_empty());
     }
+
+    /// Three seconds after the first look, not after time zero.
+    #[test]
+    fn a_signal_has_three_seconds_to_arrive() {
+        let mut presence = Presence::new(&AlignSettings::NONE, true, &[Quantity::Speed]);
+        presence.expected = [None, None, Some(Quantity::Speed), None, None];
+        for (now_us, missing) in [(60_000_000, false), (62_999_999, false), (63_000_000, true)] {
+            assert_eq!(presence.missing(now_us, |_| false).len(), usize::from(missing), "{now_us}");
+        }
+        presence.saw(Quantity::Speed, 63_000_000);
+        assert!(presence.missing(63_000_000, |_| false).is_empty());
+    }
+
+    #[test]
+    fn a_lost_signal_is_missing_at_once() {
+        let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);
+        presence.saw(Quantity::Tilt, 0);
+        assert_eq!(presence.missing(0, |quantity| quantity == Quantity::Tilt), ["tilt"]);
+        assert!(presence.missing(0, |_| false).is_empty());
+    }
+
+    /// The rate of roll angles is that of the samples, and speed and mass may change slowly.
+    #[test]
+    fn only_inputs_are_told_to_be_slow() {
+        for (quantity, told, late) in [
+            (Quantity::Steer, true, true),
+            (Quantity::LateralAcceleration, true, true),
+            (Quantity::Roll, false, true),
+            (Quantity::Tilt, false, true),
+            (Quantity::Speed, false, false),
+            (Quantity::TrailerMass, false, false),
+        ] {
+            let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);
+            let steps: Vec<f64> =
+                (0..6_u64).filter_map(|k| presence.saw(quantity, k * 700_000)).collect();
+            assert_eq!(steps, vec![0.7; usize::from(told)], "{quantity}");
+            assert_eq!(presence.missing(0, |_| false).len(), usize::from(late), "{quantity}");
+        }
+    }
 }

@@ -425,3 +425,6 @@ impl<W: Write> Session<W> {
         self.known.height_m.is_some()
     }
 }
+
+#[cfg(test)]
+mod tests;

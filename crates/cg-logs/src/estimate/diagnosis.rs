@@ -92,7 +92,7 @@ impl Evidence<'_> {
     /// The faults that explain a contradiction; empty if there is no contradiction or no
     /// explanation.
     pub(super) fn likely_causes(&self) -> Vec<Cause> {
-        if self.makes_sense(self.ratio) || self.ratio.iter().all(Option::is_none) {
+        if self.makes_sense(self.ratio) {
             return Vec::new();
         }
         let gravity = self.design.gravity_mps2;
@@ -174,5 +174,163 @@ impl Evidence<'_> {
             wanted(Channel::LateralAcceleration, Channel::Steer, steer)? / lateral.value;
         let told = steer_gain > 0.0 && (steer_gain - 1.0).abs() > NOTEWORTHY;
         told.then_some(Cause::Gain { steer: steer_gain, lateral: lateral_gain })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::trial::{MASS_KG, SPEED_MPS, design};
+
+    /// True ratios at a height of 2 m by [`design`].
+    const STEER: f64 = 0.2;
+    const LATERAL: f64 = 0.02;
+    const GRAVITY_MPS2: f64 = 9.81;
+
+    fn causes_of(design: &Design<f64>, ratio: [Option<f64>; 2]) -> Vec<Cause> {
+        let ratio = ratio.map(|ratio| ratio.map(Measured::exact));
+        let (speed_mps, trailer_mass_kg) = (SPEED_MPS, MASS_KG);
+        Evidence { design, steering_ratio: None, ratio, speed_mps, trailer_mass_kg }.likely_causes()
+    }
+
+    fn causes(steer: f64, lateral: f64) -> Vec<Cause> {
+        causes_of(&design(), [Some(steer), Some(lateral)])
+    }
+
+    #[test]
+    fn a_wrong_sign_is_found() {
+        assert_eq!(causes(-STEER, -LATERAL), [Cause::RollReversed]);
+        assert_eq!(causes(-STEER, LATERAL), [Cause::SteerReversed]);
+        assert_eq!(causes(STEER, -LATERAL), [Cause::LateralReversed]);
+    }
+
+    /// A signal that is too large gives a ratio that is too small.
+    #[test]
+    fn a_wrong_unit_is_found() {
+        let degrees = 1_f64.to_degrees();
+        assert_eq!(causes(STEER / degrees, LATERAL), [Cause::SteerInDegrees]);
+        assert_eq!(causes(STEER * degrees, LATERAL * degrees), [Cause::RollInDegrees]);
+        assert_eq!(causes(STEER, LATERAL * GRAVITY_MPS2), [Cause::LateralInG]);
+    }
+
+    #[test]
+    fn the_steering_wheel_is_found_by_the_ratio_of_the_truck() {
+        assert_eq!(causes(STEER / 20.0, LATERAL), [Cause::SteeringWheel]);
+        let design = design();
+        let evidence = Evidence {
+            design: &design,
+            steering_ratio: Some(30.0),
+            ratio: [STEER / 30.0, LATERAL].map(|ratio| Some(Measured::exact(ratio))),
+            speed_mps: SPEED_MPS,
+            trailer_mass_kg: MASS_KG,
+        };
+        assert_eq!(evidence.likely_causes(), [Cause::SteeringWheel]);
+    }
+
+    /// Roll and lateral acceleration are `R a` and `a`. With gravity, `a (1 + g R)` is measured; an
+    /// inclinometer measures `a (R + 1/g)`.
+    #[test]
+    fn gravity_in_a_signal_is_found() {
+        let body = 1.0 + GRAVITY_MPS2 * LATERAL;
+        assert_eq!(causes(STEER, LATERAL / body), [Cause::LateralHasGravity]);
+        let tilt = LATERAL + 1.0 / GRAVITY_MPS2;
+        assert_eq!(causes(STEER * tilt / LATERAL, tilt), [Cause::RollIsTilt]);
+    }
+
+    #[test]
+    fn a_gain_is_found_for_either_sensor() {
+        let found = causes(STEER / 1.3, LATERAL);
+        let [Cause::Gain { steer, lateral }] = found[..] else { panic!("{found:?}") };
+        assert!((steer - 1.3).abs() < 1e-12 && (lateral - 1.0 / 1.3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn a_gain_within_five_percent_is_not_reported() {
+        let mut design = design();
+        design.spread.iter_mut().flatten().for_each(|spread| spread.sd = [1e-4; 2]);
+        for (gain, told) in [(0.94, true), (0.96, false), (1.04, false), (1.06, true)] {
+            let found = causes_of(&design, [Some(STEER / gain), Some(LATERAL)]);
+            assert_eq!(found.len(), usize::from(told), "{gain}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn where_nothing_is_wrong_or_nothing_explains_it_there_is_no_cause() {
+        let design = design();
+        assert_eq!(causes(STEER, LATERAL), []);
+        // Heights of 9 m and −5 m.
+        assert_eq!(causes(0.9, -0.05), []);
+        assert_eq!(causes_of(&design, [None, None]), []);
+        assert_eq!(causes_of(&design, [Some(STEER), None]), []);
+        assert_eq!(causes_of(&design, [None, Some(LATERAL)]), []);
+        // One channel with an impossible height of 9 m: a gain cannot be compared.
+        assert_eq!(causes_of(&design, [Some(0.9), None]), []);
+    }
+
+    /// Heights of 2 and 2.05 m with standard deviations of 1 % are 1.75 joint standard deviations
+    /// apart, 2 and 2.07 m are 2.43.
+    #[test]
+    fn heights_agree_up_to_two_standard_deviations() {
+        let design = design();
+        let (speed_mps, trailer_mass_kg) = (SPEED_MPS, MASS_KG);
+        for (height_m, agree) in [(1.93, false), (1.95, true), (2.05, true), (2.07, false)] {
+            let ratio = [STEER, 0.01 * height_m].map(|ratio| Some(Measured::exact(ratio)));
+            let evidence = Evidence {
+                design: &design,
+                steering_ratio: None,
+                ratio,
+                speed_mps,
+                trailer_mass_kg,
+            };
+            assert_eq!(evidence.makes_sense(ratio), agree, "{height_m}");
+        }
+    }
+
+    #[test]
+    fn only_heights_of_this_trailer_are_possible() {
+        let design = design();
+        let ratio = [None, None];
+        let (speed_mps, trailer_mass_kg) = (SPEED_MPS, MASS_KG);
+        let evidence =
+            Evidence { design: &design, steering_ratio: None, ratio, speed_mps, trailer_mass_kg };
+        for (height_m, possible) in [(0.99, false), (1.01, true), (2.99, true), (3.01, false)] {
+            let found = evidence.height(Channel::Steer, Measured::exact(0.1 * height_m));
+            assert_eq!(found.is_some(), possible, "{height_m}");
+            assert!(found.is_none_or(|found| (found.value - height_m).abs() < 1e-9));
+        }
+        // The noise of the ratio and the uncertainty of the model add up: 5 % is √(4.9² + 1²) %.
+        let noisy = Measured { value: LATERAL, sd: LATERAL * 24_f64.sqrt() * 0.01 };
+        let found = evidence.height(Channel::LateralAcceleration, noisy).unwrap();
+        assert!((found.sd - 0.1).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_factor_scales_the_uncertainty_too() {
+        let design = design();
+        let ratio = [Some(Measured { value: 0.2, sd: 0.01 }), None];
+        let (speed_mps, trailer_mass_kg) = (SPEED_MPS, MASS_KG);
+        let evidence =
+            Evidence { design: &design, steering_ratio: None, ratio, speed_mps, trailer_mass_kg };
+        let expected = Measured { value: -0.8, sd: 0.04 };
+        assert_eq!(evidence.corrected([-4.0, 1.0]), [Some(expected), None]);
+    }
+
+    #[test]
+    fn each_cause_names_its_remedy() {
+        let gain = Cause::Gain { steer: 1.3, lateral: 0.769 };
+        for (cause, words) in [
+            (Cause::RollReversed, "⟨flip roll⟩"),
+            (Cause::SteerReversed, "⟨flip steer⟩"),
+            (Cause::LateralReversed, "⟨flip lateral_acceleration⟩"),
+            (Cause::RollIsTilt, "tilt_rad"),
+            (Cause::RollInDegrees, "⟨columns roll=NAME[deg]⟩"),
+            (Cause::SteeringWheel, "steering_wheel_rad"),
+            (Cause::SteerInDegrees, "⟨columns steer=NAME[deg]⟩"),
+            (Cause::LateralInG, "⟨columns lateral_acceleration=NAME[g]⟩"),
+            (Cause::LateralHasGravity, "measures gravity"),
+            (gain, "1.30 times its true value, or the lateral acceleration is 0.77 times"),
+        ] {
+            assert!(cause.to_string().contains(words), "{cause}");
+        }
     }
 }

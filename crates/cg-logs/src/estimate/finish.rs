@@ -265,3 +265,6 @@ impl LogEstimator {
         outcomes.find_map(|outcome| outcome.height_m.err())
     }
 }
+
+#[cfg(test)]
+mod tests;

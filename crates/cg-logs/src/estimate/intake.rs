@@ -145,3 +145,148 @@ impl LogEstimator {
         sample
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::trial::{MASS_KG, design, maneuver};
+
+    fn log(settings: AlignSettings<f64>, options: EstimateOptions) -> LogEstimator {
+        LogEstimator::from_design(&design(), settings, options)
+    }
+
+    fn plain() -> LogEstimator {
+        log(AlignSettings::NONE, EstimateOptions::default())
+    }
+
+    #[test]
+    fn maneuvers_beyond_the_limit_are_counted() {
+        let mut log = plain();
+        let one = maneuver();
+        log.maneuvers = vec![one; MOST_MANEUVERS - 1];
+        for (closed, kept, more) in [
+            (None, MOST_MANEUVERS - 1, 0),
+            (Some(&one), MOST_MANEUVERS, 0),
+            (Some(&one), MOST_MANEUVERS, 1),
+            (Some(&one), MOST_MANEUVERS, 2),
+            (None, MOST_MANEUVERS, 2),
+        ] {
+            log.keep(closed);
+            assert_eq!((log.maneuvers.len(), log.more_maneuvers), (kept, more));
+        }
+    }
+
+    #[test]
+    fn time_counts_from_the_first_row() {
+        let mut log = plain();
+        for (time_s, time_us) in
+            [(100.0, 0), (101.5, 1_500_000), (101.500_000_6, 1_500_001), (99.0, 0)]
+        {
+            assert_eq!(log.sample(&LogRow { time_s, ..LogRow::ABSENT }).time_us, time_us);
+        }
+        assert_eq!(log.origin_s, Some(100.0));
+    }
+
+    #[test]
+    fn a_steering_wheel_counts_as_unscaled_if_it_gives_no_steer_angle() {
+        let row = |steer_rad: f64, steering_wheel_rad: f64| LogRow {
+            time_s: 0.0,
+            steer_rad,
+            steering_wheel_rad,
+            ..LogRow::ABSENT
+        };
+        let (absent, wheel) = (row(f64::NAN, f64::NAN), row(f64::NAN, 2.0));
+        for (rows, unscaled) in [
+            (vec![absent], false),
+            (vec![row(0.1, 2.0)], false),
+            (vec![wheel], true),
+            (vec![wheel, absent], true),
+            (vec![absent, wheel], true),
+        ] {
+            let mut log = plain();
+            for row in &rows {
+                log.sample(row);
+            }
+            assert_eq!(log.seen.unscaled_steering_wheel, unscaled, "{rows:?}");
+        }
+        let settings = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
+        let mut scaled = log(settings, EstimateOptions::default());
+        assert!((scaled.sample(&wheel).steer_rad - 0.1).abs() < 1e-12);
+        assert!(!scaled.seen.unscaled_steering_wheel);
+    }
+
+    #[test]
+    fn a_pressure_counts_as_unscaled_if_it_gives_no_mass() {
+        let row = |trailer_mass_kg: f64, trailer_suspension_pressure_pa: f64| LogRow {
+            time_s: 0.0,
+            trailer_mass_kg,
+            trailer_suspension_pressure_pa,
+            ..LogRow::ABSENT
+        };
+        let (absent, pressure) = (row(f64::NAN, f64::NAN), row(f64::NAN, 4e5));
+        for (rows, unscaled) in [
+            (vec![absent], false),
+            (vec![row(20e3, 4e5)], false),
+            (vec![pressure], true),
+            (vec![pressure, absent], true),
+            (vec![absent, pressure], true),
+        ] {
+            let mut log = plain();
+            for row in &rows {
+                log.sample(row);
+            }
+            assert_eq!(log.seen.unscaled_pressure, unscaled, "{rows:?}");
+        }
+    }
+
+    #[test]
+    fn the_last_mass_of_the_log_is_kept() {
+        let mut log = plain();
+        assert_eq!((log.seen.mass, log.seen.speed), (false, false));
+        for (mass_kg, speed_mps, kept_kg, seen) in [
+            (f64::NAN, f64::NAN, MASS_KG, (false, false)),
+            (21e3, f64::NAN, 21e3, (true, false)),
+            (f64::NAN, 12.0, 21e3, (true, true)),
+            (22e3, f64::NAN, 22e3, (true, true)),
+        ] {
+            let row = LogRow { time_s: 0.0, trailer_mass_kg: mass_kg, speed_mps, ..LogRow::ABSENT };
+            log.sample(&row);
+            assert_eq!(log.trailer_mass_kg.to_bits(), kept_kg.to_bits());
+            assert_eq!((log.seen.mass, log.seen.speed), seen);
+        }
+    }
+
+    #[test]
+    fn speed_and_mass_of_the_options_replace_those_of_the_log() {
+        let options = EstimateOptions {
+            speed_mps: Some(13.0),
+            trailer_mass_kg: Some(25e3),
+            ..EstimateOptions::default()
+        };
+        let mut log = log(AlignSettings::NONE, options);
+        let row = LogRow { time_s: 0.0, trailer_mass_kg: 21e3, speed_mps: 12.0, ..LogRow::ABSENT };
+        let sample = log.sample(&row);
+        let found = [sample.speed_mps, sample.trailer_mass_kg, log.trailer_mass_kg];
+        assert_eq!(found.map(f64::to_bits), [13.0, 25e3, 25e3].map(f64::to_bits));
+        assert!(log.seen.mass && log.seen.speed);
+    }
+
+    #[test]
+    fn rows_without_roll_or_input_are_counted() {
+        let mut log = plain();
+        let row = |time_s: f64, roll_rad: f64| LogRow {
+            time_s,
+            roll_rad,
+            steer_rad: 0.01,
+            speed_mps: 15.0,
+            ..LogRow::ABSENT
+        };
+        assert_eq!(log.push(&row(0.0, f64::NAN)), Ok(Status::Absent));
+        assert_eq!(log.push(&row(0.1, f64::NAN)), Ok(Status::Absent));
+        assert_eq!(log.push(&row(0.2, 0.01)), Ok(Status::Straight));
+        assert!(log.push(&row(0.2, 0.01)).is_err());
+        assert_eq!((log.rows, log.absent_rows), (3, 2));
+        let turn = LogRow { lateral_acceleration_mps2: 3.0, ..row(0.3, 0.01) };
+        assert_eq!(log.push(&turn), Ok(Status::Turning));
+    }
+}

@@ -19,6 +19,8 @@ mod diagnosis;
 mod messages;
 mod finish;
 mod prediction;
+#[cfg(test)]
+mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use intake::{Identified, LogEstimator};

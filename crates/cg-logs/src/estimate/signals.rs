@@ -24,9 +24,8 @@ const GAP_S: f64 = 0.5;
 #[derive(Clone, Copy, Debug, Default)]
 struct Pair {
     mean: [f64; 2],
-    /// Sums of the squares of the first signal, of the products, and of the squares of the second
-    /// signal, about the means.
-    sums: [f64; 3],
+    /// Sums of the squares of the first signal and of the products, about the means.
+    sums: [f64; 2],
 }
 
 impl Pair {
@@ -34,10 +33,8 @@ impl Pair {
         let before = [x - self.mean[0], y - self.mean[1]];
         self.mean[0] += before[0] / rows;
         self.mean[1] += before[1] / rows;
-        let after = [x - self.mean[0], y - self.mean[1]];
-        self.sums[0] += before[0] * after[0];
-        self.sums[1] += before[0] * after[1];
-        self.sums[2] += before[1] * after[1];
+        self.sums[0] += before[0] * (x - self.mean[0]);
+        self.sums[1] += before[0] * (y - self.mean[1]);
     }
 
     /// Slope of the second signal with respect to the first.
@@ -205,5 +202,134 @@ mod tests {
             check.push(&Sample::absent(k * 1_000_000));
         }
         assert!(check.clock().unwrap().contains("most rows are more than 0.5 s apart"));
+    }
+
+    /// Slope 2.5 by hand: means 2 and 4, sums of squares 8 and of products 20.
+    #[test]
+    fn a_slope_is_that_of_the_least_squares_line() {
+        let mut pair = Pair::default();
+        for (rows, point) in [(1.0, [0.0, 0.0]), (2.0, [2.0, 2.0]), (3.0, [4.0, 10.0])] {
+            pair.push(rows, point);
+        }
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
+        near(pair.mean[0], 2.0);
+        near(pair.mean[1], 4.0);
+        near(pair.sums[0], 8.0);
+        near(pair.sums[1], 20.0);
+        near(pair.slope(), 2.5);
+    }
+
+    /// A sample at 10 m/s with this lateral acceleration by both sensors.
+    fn sample(time_us: u64, lateral_mps2: f64) -> Sample<f64> {
+        let mut sample = Sample::absent(time_us);
+        (sample.speed_mps, sample.yaw_rate_radps) = (10.0, lateral_mps2 / 10.0);
+        sample.lateral_acceleration_mps2 = lateral_mps2;
+        sample.roll_rad = 0.1 * lateral_mps2;
+        sample
+    }
+
+    /// After an interval of 0.5 s the share is 1/2, after 0.25 s 1/3; a longer interval starts
+    /// again.
+    #[test]
+    fn the_filter_answers_a_step_by_its_time_constant() {
+        let mut check = SignalCheck::default();
+        for (time_us, found, smooth) in
+            [(0, 0.0, 0.0), (500_000, 3.0, 1.5), (750_000, 3.0, 2.0), (1_250_001, 6.0, 6.0)]
+        {
+            check.push(&sample(time_us, found));
+            let [turn, lateral, roll] = check.smooth.unwrap();
+            for (value, expected) in [(turn, smooth), (lateral, smooth), (roll, 0.1 * smooth)] {
+                assert!((value - expected).abs() < 1e-12, "{time_us} µs: {value}");
+            }
+        }
+        assert!((check.rows - 4.0).abs() < 1e-12);
+        assert!((check.lateral.mean[1] - 9.5 / 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn slow_or_incomplete_rows_are_not_compared() {
+        let compared = |change: fn(&mut Sample<f64>)| {
+            let mut check = SignalCheck::default();
+            let mut sample = sample(0, 1.0);
+            change(&mut sample);
+            check.push(&sample);
+            (check.rows > 0.0, check.roll.mean[1] > 0.0)
+        };
+        assert_eq!(compared(|_| ()), (true, true));
+        assert_eq!(compared(|sample| sample.speed_mps = 3.01), (true, true));
+        assert_eq!(compared(|sample| sample.speed_mps = 3.0), (false, false));
+        assert_eq!(compared(|sample| sample.speed_mps = f64::NAN), (false, false));
+        assert_eq!(compared(|sample| sample.yaw_rate_radps = f64::NAN), (false, false));
+        assert_eq!(compared(|sample| sample.lateral_acceleration_mps2 = 31.0), (false, false));
+        assert_eq!(compared(|sample| sample.roll_rad = f64::NAN), (true, false));
+    }
+
+    /// What is said about a log with these statistics; the roll angle is 0.03 rad per m/s².
+    fn said(rows: f64, sd_mps2: f64, slope: f64) -> Option<String> {
+        let square = rows * sd_mps2 * sd_mps2;
+        let pair = |slope: f64| Pair { mean: [0.0; 2], sums: [square, slope * square] };
+        let check =
+            SignalCheck { rows, lateral: pair(slope), roll: pair(0.03), ..SignalCheck::default() };
+        check.contradiction(9.81)
+    }
+
+    #[test]
+    fn few_rows_or_weak_turns_are_not_judged() {
+        assert!(said(100.0, 0.31, 2.0).is_some());
+        assert!(said(99.0, 0.31, 2.0).is_none());
+        assert!(said(100.0, 0.29, 2.0).is_none());
+        assert!(said(1000.0, 0.29, 2.0).is_none());
+    }
+
+    #[test]
+    fn gains_within_fifteen_percent_are_good() {
+        for (slope, good) in [(0.84, false), (0.86, true), (1.14, true), (1.16, false)] {
+            assert_eq!(said(1000.0, 1.0, slope).is_none(), good, "{slope}");
+        }
+    }
+
+    #[test]
+    fn a_slope_near_that_of_a_known_fault_names_it() {
+        let known = [
+            (-1.0, "reversed"),
+            (1.0 / 9.81, "in g"),
+            (std::f64::consts::PI / 180.0, "degrees per second"),
+            (1.0 / 3.6, "km/h"),
+            (1.0 + 9.81 * 0.03, "fixed to the body"),
+        ];
+        for (slope, words) in known {
+            for (factor, named) in [(0.89, false), (0.91, true), (1.09, true), (1.11, false)] {
+                let told = said(1000.0, 1.0, slope * factor).unwrap();
+                assert!(told.contains(&format!(" {:.2} times", slope * factor)), "{told}");
+                assert_eq!(told.contains(words), named, "{told}");
+                assert_eq!(told.contains("the gain of one"), !named, "{told}");
+            }
+        }
+    }
+
+    /// What is said about the time of a log with `gaps` intervals of 0.7 s, one of 2 s and `close`
+    /// of 0.5 s.
+    fn clock(gaps: u64, close: u64) -> Option<String> {
+        let mut check = SignalCheck::default();
+        let mut time_us = 0;
+        check.push(&Sample::absent(time_us));
+        let mut steps = vec![2_000_000; usize::from(gaps > 0)];
+        for (count, step_us) in [(gaps.saturating_sub(1), 700_000), (close, 500_000)] {
+            steps.extend((0..count).map(|_| step_us));
+        }
+        for step_us in steps {
+            time_us += step_us;
+            check.push(&Sample::absent(time_us));
+        }
+        check.clock()
+    }
+
+    #[test]
+    fn gaps_are_most_rows_from_more_than_half() {
+        assert_eq!(clock(0, 5), None);
+        let some = clock(3, 2).unwrap();
+        assert!(some.starts_with("3 gaps of more than 0.5 s") && some.contains("is 2.0 s"));
+        let most = clock(4, 2).unwrap();
+        assert!(most.starts_with("most rows") && most.contains("up to 2.0 s"), "{most}");
     }
 }

@@ -1,0 +1,464 @@
+use std::cell::Cell;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::LazyLock;
+
+use cg_core::decide::height::Fusion;
+use cg_core::{Measured, Memory, ThresholdLine};
+use cg_logs::output::{Files, Kind, Target};
+use cg_vehicle::{Variant, Vehicle};
+use serde_json::Value;
+
+use super::*;
+use crate::run::state::StateFile;
+use crate::run::transmit::CYCLE_US;
+
+type Trial = Session<Vec<u8>>;
+
+const SECOND_US: u64 = 1_000_000;
+
+/// A truck with a threshold of 0.4 g at every height, mass and speed.
+fn design() -> Design<f64> {
+    static DESIGN: LazyLock<Design<f64>> = LazyLock::new(|| {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+        let vehicle = Vehicle::load(file).unwrap();
+        let mut design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        design.thresholds = [ThresholdLine { threshold_g: [[0.4; 8]; 2] }; 6];
+        design
+    });
+    *DESIGN
+}
+
+fn nominal_kg() -> f64 {
+    design().nominal_trailer_mass_kg
+}
+
+/// Warnings begin at 0.2 and 0.32 g.
+fn session_with(mass_kg: Option<f64>, status_s: f64, outputs: Outputs<Vec<u8>>) -> Trial {
+    let warner = Warner::new(&[0.5, 0.8], 0.05).unwrap();
+    Session::new(&design(), warner, mass_kg, status_s, outputs)
+}
+
+fn session(mass_kg: Option<f64>, status_s: f64) -> Trial {
+    session_with(mass_kg, status_s, Outputs::new(Vec::new(), None, None, None))
+}
+
+fn target(folder: &Path, kind: Kind) -> Target {
+    Files::new(false).writes("--file", &folder.join("file"), kind).unwrap()
+}
+
+/// A session with a state file.
+fn kept_in(folder: &Path, mass_kg: Option<f64>) -> Trial {
+    let state = StateFile::new(target(folder, Kind::State), &design());
+    session_with(mass_kg, 0.0, Outputs::new(Vec::new(), Some(state), None, None))
+}
+
+/// The events since the last call.
+fn told(session: &mut Trial) -> Vec<Value> {
+    let text = String::from_utf8(std::mem::take(&mut session.outputs.lines)).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// The names of the events since the last call; a notice is named by its subject.
+fn names(session: &mut Trial) -> Vec<String> {
+    let name = |event: &Value| {
+        let subject = &event["subject"];
+        let name = if subject.is_null() { &event["event"] } else { subject };
+        name.as_str().unwrap().to_owned()
+    };
+    told(session).iter().map(name).collect()
+}
+
+/// Straight driving; the mass is absent.
+fn sample(time_us: u64) -> Sample<f64> {
+    let mut sample = Sample::absent(time_us);
+    (sample.speed_mps, sample.roll_rad, sample.lateral_acceleration_mps2) = (15.0, 0.0, 0.0);
+    sample
+}
+
+/// A turn of five seconds.
+fn turn(session: &mut Trial, from_us: u64) {
+    for k in 0..500 {
+        let mut sample = sample(from_us + k * 10_000);
+        (sample.roll_rad, sample.lateral_acceleration_mps2) = (0.02, 1.0);
+        session.tick(0.0, sample.time_us);
+        session.push(sample).unwrap();
+    }
+}
+
+/// What was learned from maneuvers with these heights (steer angle, lateral acceleration), each with
+/// a standard deviation of 0.01 m.
+fn memory(heights_m: [Option<f64>; 2], trailer_mass_kg: f64) -> Memory<f64> {
+    let fused = heights_m.map(|height_m| {
+        let mut fusion = Fusion::new();
+        fusion.push(Measured { value: height_m.unwrap_or(f64::NAN), sd: 0.01 }, 0.0);
+        fusion
+    });
+    Memory { fused, correlation: 0.0, trailer_mass_kg, load_mass_kg: None, waiting: None }
+}
+
+fn learn(session: &mut Trial, heights_m: [Option<f64>; 2]) {
+    let memory = memory(heights_m, nominal_kg());
+    let (settings, prior) = (Settings::truck(), Prior::standard());
+    session.estimator = Estimator::restored(design(), settings, prior, &memory).unwrap();
+    session.update(nominal_kg());
+}
+
+fn near(found: &Value, expected: f64) {
+    assert!(found.as_f64().is_some_and(|found| (found - expected).abs() < 1e-9), "{found}");
+}
+
+#[test]
+fn events_have_the_time_stamp_of_their_cause() {
+    let mut session = session(None, 0.0);
+    session.tick(1000.5, 2 * SECOND_US);
+    session.notice("trial", "text").unwrap();
+    near(&told(&mut session)[0]["time_s"], 1000.5);
+    assert!((session.time_s(3 * SECOND_US) - 1001.5).abs() < 1e-9);
+}
+
+#[test]
+fn a_jump_of_the_time_stamps_is_told() {
+    let mut session = session(None, 0.0);
+    let instant = |jump_us| Instant { stream_us: SECOND_US, jump_us };
+    session.at(5 * SECOND_US, instant(0)).unwrap();
+    assert!(told(&mut session).is_empty());
+    session.at(5 * SECOND_US, instant(-1_500_000)).unwrap();
+    let [event] = &told(&mut session)[..] else { panic!("one event") };
+    near(&event["time_s"], 5.0);
+    assert_eq!(event["subject"], "clock");
+    assert_eq!(event["message"], "the time stamps jumped by -1.500 s");
+}
+
+#[test]
+fn a_given_mass_replaces_that_of_every_sample() {
+    let mut session = session(Some(21e3), 0.0);
+    for mass_kg in [f64::NAN, 30e3] {
+        let mut sample = Sample { trailer_mass_kg: mass_kg, ..sample(0) };
+        session.weigh(&mut sample).unwrap();
+        assert!((sample.trailer_mass_kg - 21e3).abs() < 1e-9);
+    }
+    session.tick(0.0, 60 * SECOND_US);
+    session.due(false).unwrap();
+    assert!(told(&mut session).is_empty());
+    let status = session.status();
+    assert!((status.result.trailer_mass_kg - 21e3).abs() < 1e-9);
+    assert_eq!(status.result.trailer_mass_source, MassSource::Given);
+}
+
+/// Five seconds after the first sample without a mass, and only once.
+#[test]
+fn the_nominal_mass_is_told_after_a_while() {
+    let mut session = session(None, 0.0);
+    session.tick(0.0, 60 * SECOND_US);
+    session.due(false).unwrap();
+    assert!(told(&mut session).is_empty(), "without a sample there is nothing to weigh");
+    for time_us in [60 * SECOND_US, 61 * SECOND_US] {
+        session.weigh(&mut sample(time_us)).unwrap();
+    }
+    for (now_us, expected) in [(64_999_999, 0), (65_000_000, 1), (66_000_000, 0)] {
+        session.tick(0.0, now_us);
+        session.due(false).unwrap();
+        let told = told(&mut session);
+        assert_eq!(told.len(), expected, "{now_us}");
+        let named = |event: &Value| event["message"].as_str().unwrap().starts_with("no signal");
+        assert!(told.iter().all(named));
+    }
+    let mut weighed = Sample { trailer_mass_kg: 21e3, ..sample(67 * SECOND_US) };
+    session.weigh(&mut weighed).unwrap();
+    session.weigh(&mut weighed).unwrap();
+    let [event] = &told(&mut session)[..] else { panic!("one event") };
+    let message = "a signal gives a trailer mass of 21000 kg, which is used from now on";
+    assert_eq!(event["message"], message);
+}
+
+#[test]
+fn a_mass_that_arrives_in_time_is_not_told() {
+    let mut session = session(None, 0.0);
+    session.push(sample(0)).unwrap();
+    let weighed = Sample { trailer_mass_kg: 21e3, ..sample(10_000) };
+    session.push(weighed).unwrap();
+    session.tick(0.0, 900_000);
+    session.due(false).unwrap();
+    session.tell_nominal().unwrap();
+    assert_eq!(names(&mut session), ["state"]);
+    let status = session.status();
+    assert!((status.result.trailer_mass_kg - 21e3).abs() < 1e-9);
+    assert_eq!(status.result.trailer_mass_source, MassSource::Signal);
+    assert_eq!(status.samples, 2);
+}
+
+/// 0.25 g is above 0.5 times the threshold of 0.4 g.
+#[test]
+fn a_warning_follows_the_lateral_acceleration_or_the_yaw_rate() {
+    let lateral_mps2 = 0.25 * design().gravity_mps2;
+    for [lateral_mps2, yaw_rate_radps] in
+        [[lateral_mps2, f64::NAN], [-lateral_mps2, 0.0], [f64::NAN, lateral_mps2 / 15.0]]
+    {
+        let mut session = session(None, 0.0);
+        learn(&mut session, [Some(2.0), None]);
+        let turn = Sample { lateral_acceleration_mps2: lateral_mps2, yaw_rate_radps, ..sample(0) };
+        session.warn(&turn).unwrap();
+        let [event] = &told(&mut session)[..] else { panic!("one event") };
+        assert_eq!((&event["event"], &event["level"]), (&"warning".into(), &1.into()));
+        let margin_g = event["margin_g"].as_f64().unwrap();
+        assert!((margin_g - 0.15).abs() < 1e-6, "{margin_g}");
+        let status = session.status();
+        assert_eq!(status.warning_level, 1);
+        assert!((status.margin_g.unwrap() - 0.15).abs() < 1e-6);
+        assert!((status.lateral_acceleration_g.unwrap().abs() - 0.25).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn the_last_speed_is_kept() {
+    let mut session = session(None, 0.0);
+    session.warn(&sample(0)).unwrap();
+    session.warn(&Sample { speed_mps: f64::NAN, ..sample(10_000) }).unwrap();
+    assert!((session.speed_mps - 15.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_state_is_told_when_it_changes() {
+    let mut session = session(Some(nominal_kg()), 0.0);
+    let roll_only = |time_us| Sample { lateral_acceleration_mps2: f64::NAN, ..sample(time_us) };
+    let turning = |time_us| Sample { lateral_acceleration_mps2: 3.0, ..sample(time_us) };
+    let samples = [sample(0), sample(100_000), turning(200_000), turning(300_000)];
+    for one in samples.into_iter().chain([roll_only(1_000_000), roll_only(1_100_000)]) {
+        session.push(one).unwrap();
+    }
+    let states: Vec<Value> =
+        told(&mut session).iter().map(|event| event["state"].clone()).collect();
+    assert_eq!(states, ["straight", "turning", "no signals"]);
+}
+
+#[test]
+fn missing_signals_are_told_when_they_change() {
+    let mut session = session(None, 0.0);
+    session.missing(Vec::new()).unwrap();
+    assert!(told(&mut session).is_empty());
+    for missing in [vec!["roll"], vec!["roll"], Vec::new()] {
+        session.missing(missing).unwrap();
+    }
+    let missing: Vec<Value> = told(&mut session).iter().map(|one| one["missing"].clone()).collect();
+    assert_eq!(missing, [serde_json::json!(["roll"]), serde_json::json!([])]);
+    session.missing(vec!["speed"]).unwrap();
+    session.drive("straight").unwrap();
+    let [_, event] = &told(&mut session)[..] else { panic!("two events") };
+    assert_eq!((&event["state"], &event["missing"][0]), (&"straight".into(), &"speed".into()));
+}
+
+#[test]
+fn samples_too_far_apart_are_told_once_and_not_used() {
+    for (roll_rad, subject) in [(0.0, "roll"), (f64::NAN, "tilt")] {
+        let mut session = session(None, 0.0);
+        for k in 0..10 {
+            session.push(Sample { roll_rad, ..sample(k * SECOND_US) }).unwrap();
+        }
+        assert_eq!(names(&mut session), [subject]);
+        assert_eq!(session.status().samples, 10);
+    }
+}
+
+#[test]
+fn silence_ends_the_maneuver() {
+    let mut session = session(Some(nominal_kg()), 0.0);
+    session.tick(0.0, 10 * SECOND_US);
+    session.due(false).unwrap();
+    assert!(told(&mut session).is_empty(), "before the first sample there is no silence");
+    turn(&mut session, 0);
+    assert_eq!(names(&mut session), ["state"]);
+    for (now_us, expected) in
+        [(5_990_000, &[][..]), (5_990_001, &["maneuver", "state"]), (6_990_000, &[])]
+    {
+        session.tick(0.0, now_us);
+        session.due(false).unwrap();
+        assert_eq!(names(&mut session), expected, "{now_us}");
+    }
+}
+
+#[test]
+fn a_maneuver_ends_with_its_result() {
+    let mut session = session(None, 0.0);
+    turn(&mut session, 0);
+    let maneuver = session.estimator.finish().unwrap();
+    told(&mut session);
+    // Another load is told only if the estimator detects it in this maneuver.
+    session.maneuver(&maneuver).unwrap();
+    assert_eq!(names(&mut session), ["mass", "maneuver"]);
+    learn(&mut session, [Some(1.5), Some(2.0)]);
+    session.known.status = Verdict::Ok;
+    session.maneuver(&maneuver).unwrap();
+    session.maneuver(&maneuver).unwrap();
+    assert_eq!(names(&mut session), ["maneuver", "channels", "maneuver"]);
+}
+
+#[test]
+fn a_contradiction_of_the_channels_is_told_when_it_begins() {
+    let mut session = session(None, 0.0);
+    learn(&mut session, [Some(1.5), Some(2.0)]);
+    assert!(!session.has_height());
+    session.compare(Verdict::Inconsistent).unwrap();
+    assert!(told(&mut session).is_empty());
+    session.compare(Verdict::Rejected).unwrap();
+    let [event] = &told(&mut session)[..] else { panic!("one event") };
+    let message = "inconsistent, so there is no height: steer channel 1.50 ± 0.01 m, \
+                   lateral-acceleration channel 2.00 ± 0.01 m; check the sensors";
+    assert_eq!(event["message"], message);
+    learn(&mut session, [Some(2.0), Some(2.0)]);
+    session.compare(Verdict::Ok).unwrap();
+    assert!(told(&mut session).is_empty());
+}
+
+#[test]
+fn the_result_names_the_channels_it_is_from() {
+    for (heights_m, channel) in [
+        ([Some(2.0), None], Some("steer")),
+        ([None, Some(2.0)], Some("lateral-acceleration")),
+        ([Some(2.0), Some(2.0)], Some("combined")),
+        ([None, None], None),
+    ] {
+        let mut session = session(None, 0.0);
+        learn(&mut session, heights_m);
+        assert_eq!(session.known.channel.as_deref(), channel);
+        assert_eq!(session.has_height(), channel.is_some());
+    }
+}
+
+#[test]
+fn status_follows_its_interval() {
+    let mut session = session(None, 2.0);
+    for (now_us, expected) in [(SECOND_US, 1), (2_999_999, 0), (3 * SECOND_US, 1), (4_999_999, 0)] {
+        session.tick(0.0, now_us);
+        session.due(false).unwrap();
+        assert_eq!(names(&mut session), vec!["status"; expected], "{now_us}");
+    }
+}
+
+#[test]
+fn without_an_interval_there_is_no_status() {
+    let mut session = session(None, 0.0);
+    session.tick(0.0, 100 * SECOND_US);
+    session.due(true).unwrap();
+    session.stop("end").unwrap();
+    assert_eq!(names(&mut session), ["stop"]);
+}
+
+#[test]
+fn frames_follow_their_cycle() {
+    let sent = Rc::new(Cell::new(0));
+    let count = Rc::clone(&sent);
+    let sender: crate::run::outputs::Sender = Box::new(move |_, _| count.set(count.get() + 1));
+    let outputs = Outputs::new(Vec::new(), None, None, Some((sender, 0x80)));
+    let mut session = session_with(None, 0.0, outputs);
+    let times = [SECOND_US, SECOND_US + CYCLE_US - 1, SECOND_US + CYCLE_US];
+    for (now_us, total) in times.into_iter().zip([1, 1, 2]) {
+        session.tick(0.0, now_us);
+        session.due(false).unwrap();
+        assert_eq!(sent.get(), total, "{now_us}");
+    }
+}
+
+/// Whether the file of an output is written at each of these times.
+fn written(session: &mut Trial, file: &Path, times_us: &[u64], live: bool) -> Vec<bool> {
+    let each = times_us.iter().map(|&now_us| {
+        session.tick(0.0, now_us);
+        session.due(live).unwrap();
+        std::fs::remove_file(file).is_ok()
+    });
+    each.collect()
+}
+
+#[test]
+fn metrics_and_state_are_written_live_at_their_intervals() {
+    for (kind, interval_us) in [(Kind::Metrics, METRICS_US), (Kind::State, SAVE_US)] {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        let mut session = if kind == Kind::State {
+            kept_in(folder.path(), None)
+        } else {
+            let metrics = Some(target(folder.path(), kind));
+            session_with(None, 0.0, Outputs::new(Vec::new(), None, metrics, None))
+        };
+        let times_us = [SECOND_US, SECOND_US + interval_us - 1, SECOND_US + interval_us];
+        assert_eq!(written(&mut session, &file, &times_us, false), [false; 3]);
+        assert_eq!(written(&mut session, &file, &times_us, true), [true, false, true]);
+        session.stop("end").unwrap();
+        assert!(file.exists());
+    }
+}
+
+#[test]
+fn an_output_that_fails_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = folder.path().join("gone");
+    std::fs::create_dir(&inside).unwrap();
+    let state = StateFile::new(target(&inside, Kind::State), &design());
+    let metrics = Some(target(&inside, Kind::Metrics));
+    let mut session = session_with(None, 0.0, Outputs::new(Vec::new(), Some(state), metrics, None));
+    std::fs::remove_dir(&inside).unwrap();
+    session.stop("end").unwrap();
+    assert_eq!(names(&mut session), ["state", "metrics", "stop"]);
+}
+
+#[test]
+fn the_end_tells_everything_once_more() {
+    let mut session = session(None, 2.0);
+    turn(&mut session, 0);
+    session.counters.frames = 7;
+    told(&mut session);
+    session.stop("end of file").unwrap();
+    let told = told(&mut session);
+    let names: Vec<&str> = told.iter().map(|event| event["event"].as_str().unwrap()).collect();
+    assert_eq!(names, ["notice", "maneuver", "status", "stop"]);
+    assert_eq!((&told[3]["reason"], &told[3]["frames"]), (&"end of file".into(), &7.into()));
+}
+
+#[test]
+fn without_a_state_nothing_is_restored() {
+    assert!(!session(None, 0.0).restore().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = kept_in(folder.path(), None);
+    assert!(!session.restore().unwrap());
+    assert!(told(&mut session).is_empty());
+}
+
+#[test]
+fn a_state_that_cannot_be_used_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut aside = kept_in(folder.path(), None);
+    std::fs::write(folder.path().join("file"), "garbage").unwrap();
+    assert!(!aside.restore().unwrap());
+    let [event] = &told(&mut aside)[..] else { panic!("one event") };
+    let message = event["message"].as_str().unwrap();
+    assert!(message.starts_with("not used and renamed to "), "{message}");
+    let mut unread = kept_in(folder.path(), None);
+    std::fs::create_dir(folder.path().join("file")).unwrap();
+    assert!(!unread.restore().unwrap());
+    let [event] = &told(&mut unread)[..] else { panic!("one event") };
+    let message = event["message"].as_str().unwrap();
+    assert!(message.starts_with("cannot be read"), "{message}");
+}
+
+/// The nominal mass means that the load was not weighed.
+#[test]
+fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
+    for (mass_kg, given_kg, source) in [
+        (nominal_kg(), None, MassSource::Nominal),
+        (nominal_kg() * (1.0 + 1e-7), None, MassSource::Nominal),
+        (nominal_kg() * (1.0 + 1e-5), None, MassSource::Kept),
+        (nominal_kg() * 0.9, None, MassSource::Kept),
+        (nominal_kg() * 0.9, Some(20e3), MassSource::Given),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut session = kept_in(folder.path(), given_kg);
+        let memory = memory([Some(2.0), None], mass_kg);
+        session.outputs.save(&memory, 5.0, Some(0.3));
+        assert!(session.restore().unwrap());
+        assert!(session.has_height());
+        let status = session.status();
+        assert_eq!(status.result.trailer_mass_source, source, "{mass_kg} kg");
+        assert_eq!(status.load_since_s, Some(0.3));
+        assert!((session.known.trailer_mass_kg - mass_kg).abs() < 1e-9);
+    }
+}
