@@ -236,8 +236,11 @@ mod tests {
             let body = &text[text.find("speed_mps").unwrap()..];
             let numbers: Vec<u32> = body
                 .split(|c: char| !(c.is_alphanumeric() || "+-._".contains(c)))
-                .filter_map(|word| word.strip_suffix(suffix).unwrap_or(word).parse::<f32>().ok())
-                .map(f32::to_bits)
+                .filter_map(|word| {
+                    let number = word.strip_suffix(suffix).unwrap_or(word);
+                    // A number without a point is an index.
+                    number.parse::<u32>().ok().or(number.parse().map(f32::to_bits).ok())
+                })
                 .collect();
             numbers
         };

@@ -55,6 +55,9 @@ pub struct Equations {
     pub(crate) mass: DMatrix<f64>,
     pub(crate) damping: DMatrix<f64>,
     pub(crate) stiffness: DMatrix<f64>,
+    /// Roll stiffness of the fifth wheel if `stiffness` does not contain it. A rigid one in the same
+    /// matrix would cost the other entries four digits.
+    pub(crate) hitch_roll_stiffness: f64,
     pub(crate) steer: DVector<f64>,
     /// Lateral acceleration of the trailer's sprung c.g.: its row on ẇ.
     pub(crate) lateral_rate: DVector<f64>,
@@ -83,6 +86,7 @@ impl Equations {
             mass: DMatrix::zeros(nw, nw),
             damping: DMatrix::zeros(nw, nw),
             stiffness: DMatrix::zeros(nw, nq),
+            hitch_roll_stiffness: 0.0,
             steer: DVector::zeros(nw),
             lateral_rate: DVector::zeros(nw),
             lateral_bias: DVector::zeros(nw),
@@ -105,7 +109,14 @@ impl Equations {
         let rates = |rhs: DMatrix<f64>| lu.solve(&rhs).ok_or_else(singular);
         let mut a = DMatrix::zeros(nw + nq, nw + nq);
         a.view_mut((0, 0), (nw, nw)).copy_from(&rates(-&self.damping)?);
-        a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-&self.stiffness)?);
+        let mut stiffness = self.stiffness.clone();
+        for (velocity, angle) in [(w::ROLL_1, q::ROLL_1), (w::ROLL_2, q::ROLL_2)] {
+            stiffness[(velocity, angle)] += self.hitch_roll_stiffness;
+        }
+        for (velocity, angle) in [(w::ROLL_1, q::ROLL_2), (w::ROLL_2, q::ROLL_1)] {
+            stiffness[(velocity, angle)] -= self.hitch_roll_stiffness;
+        }
+        a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-stiffness)?);
         a[(nw + q::ARTICULATION, w::YAW_1)] = 1.0;
         a[(nw + q::ARTICULATION, w::YAW_2)] = -1.0;
         for i in q::ROLL_1..nq {
@@ -163,14 +174,24 @@ impl Equations {
         row
     }
 
-    /// The steady-state system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…)`, without
-    /// accelerations and with the same yaw rate of both units.
-    pub(crate) fn steady(&self) -> DMatrix<f64> {
+    /// The steady-state system `S x = b` in `x = (v, r, ψ1 − ψ2, φ1, φ2, φu…, m)`, without
+    /// accelerations and with the same yaw rate of both units. The moment `m` of the fifth wheel is
+    /// an unknown of its own if the model has its stiffness as a number.
+    pub(crate) fn steady(&self) -> (DMatrix<f64>, DVector<f64>) {
         let (nw, nq) = self.stiffness.shape();
-        let mut s = DMatrix::zeros(nw, nw);
-        s.set_column(0, &self.damping.column(w::LATERAL));
-        s.set_column(1, &(self.damping.column(w::YAW_1) + self.damping.column(w::YAW_2)));
+        let own = usize::from(self.hitch_roll_stiffness > 0.0);
+        let (mut s, mut b) = (DMatrix::zeros(nw + own, nw + own), DVector::zeros(nw + own));
+        b.rows_mut(0, nw).copy_from(&self.steer);
+        s.view_mut((0, 0), (nw, 1)).copy_from(&self.damping.column(w::LATERAL));
+        let turning = self.damping.column(w::YAW_1) + self.damping.column(w::YAW_2);
+        s.view_mut((0, 1), (nw, 1)).copy_from(&turning);
         s.view_mut((0, 2), (nw, nq)).copy_from(&self.stiffness);
-        s
+        if own > 0 {
+            let (angles, moment) = (2, nw);
+            (s[(w::ROLL_1, moment)], s[(w::ROLL_2, moment)]) = (1.0, -1.0);
+            (s[(moment, angles + q::ROLL_1)], s[(moment, angles + q::ROLL_2)]) = (1.0, -1.0);
+            s[(moment, moment)] = -1.0 / self.hitch_roll_stiffness;
+        }
+        (s, b)
     }
 }

@@ -129,10 +129,11 @@ impl SteadyLines {
         let at = |cg_height_m: f64| {
             let equations =
                 Equations::new(vehicle, variant, speed_mps, Load { cg_height_m, ..load })?;
-            let lu = equations.steady().lu();
+            let (steady, steer) = equations.steady();
+            let lu = steady.lu();
             let determinant = lu.determinant();
             let none = || VehicleError::Model("the model has no steady turn".to_owned());
-            let unknowns = lu.solve(&equations.steer).ok_or_else(none)? * determinant;
+            let unknowns = lu.solve(&steer).ok_or_else(none)? * determinant;
             Ok::<_, VehicleError>((equations, unknowns, determinant))
         };
         let (equations, here, determinant) = at(load.cg_height_m)?;
@@ -267,10 +268,9 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     }
     // The fifth wheel: roll spring, and its vertical force above or below each sprung c.g.
     let k5 = hitch.roll_stiffness_nm_per_rad;
-    e.stiffness[(w::ROLL_1, q::ROLL_1)] += k5 + balance.hitch_load_n * tractor_above_m;
-    e.stiffness[(w::ROLL_2, q::ROLL_2)] += k5 - balance.hitch_load_n * trailer_above_m;
-    e.stiffness[(w::ROLL_1, q::ROLL_2)] -= k5;
-    e.stiffness[(w::ROLL_2, q::ROLL_1)] -= k5;
+    e.hitch_roll_stiffness = k5;
+    e.stiffness[(w::ROLL_1, q::ROLL_1)] += balance.hitch_load_n * tractor_above_m;
+    e.stiffness[(w::ROLL_2, q::ROLL_2)] -= balance.hitch_load_n * trailer_above_m;
     for (i, placed) in axles.iter().enumerate() {
         let cg = if placed.on_trailer { &trailer_cg } else { &tractor_cg };
         let (ahead_m, cg_height_m) = if placed.on_trailer {

@@ -29,7 +29,13 @@ fn errors(vehicle: &Vehicle, design: &Design<f64>) -> Vec<f64> {
                 let ratio = Measured::exact(model[channel.index()].ratio_at(height_m));
                 let line = design.line(channel, speed_mps, trailer_mass_kg).unwrap();
                 let found = solve_height(&line, ratio, Measured::exact(1.0), 0.0).unwrap();
-                errors.push(found.value / height_m - 1.0);
+                // An empty trailer hardly changes the tractor's roll, so for the tractor the ratio
+                // is compared, whose uncertainty is enlarged in the same way.
+                errors.push(if channel == Channel::Tractor {
+                    line.ratio_at(height_m) / ratio.value - 1.0
+                } else {
+                    found.value / height_m - 1.0
+                });
             }
         }
     }

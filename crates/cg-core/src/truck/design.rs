@@ -299,7 +299,7 @@ impl<T: Real, const C: usize> Design<T, C> {
     /// Each coefficient is interpolated cubically in speed and in mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(cell.line(&self.channels.get(self.place(channel)?)?.lines))
+        Some(cell.line(self.channels.get(self.place(channel)?)?))
     }
 
     /// The compensated ratio of every channel at the reference height, in radians of roll per unit
@@ -307,7 +307,7 @@ impl<T: Real, const C: usize> Design<T, C> {
     pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {
         let cell = self.cell(speed_mps, trailer_mass_kg)?;
         Some(self.channels.each_ref().map(|design| {
-            cell.line(&design.lines).ratio_at(self.reference_height_m) * design.compensation
+            cell.line(design).ratio_at(self.reference_height_m) * design.compensation
         }))
     }
 
@@ -370,8 +370,9 @@ impl<T: Real, const C: usize> Design<T, C> {
 
     fn cell(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Cell<T>> {
         Some(Cell {
-            speed: cubic(&self.speed_mps, speed_mps)?,
-            mass: cubic(&self.trailer_mass_kg, trailer_mass_kg)?,
+            speed: cubic(&self.speed_mps, speed_mps, |speed_mps| speed_mps)?,
+            curvature: cubic(&self.speed_mps, speed_mps, |u| T::one() / (u * u))?,
+            mass: cubic(&self.trailer_mass_kg, trailer_mass_kg, |mass_kg| mass_kg)?,
         })
     }
 }
@@ -379,15 +380,21 @@ impl<T: Real, const C: usize> Design<T, C> {
 /// A point in a table. On each axis: the index of the first of four nodes, and their weights.
 struct Cell<T> {
     speed: (usize, [T; 4]),
+    /// The same nodes, with weights on the axis 1/U², which is the curvature at a lateral
+    /// acceleration.
+    curvature: (usize, [T; 4]),
     mass: (usize, [T; 4]),
 }
 
 impl<T: Real> Cell<T> {
-    fn line(&self, table: &[[RatioLine<T>; MASSES]; SPEEDS]) -> RatioLine<T> {
-        let (i, speed) = self.speed;
+    /// The line of a channel. The effect of the steer angle is a smooth function of the speed, that of
+    /// an acceleration a smooth function of the curvature, by which the tires scrub.
+    fn line(&self, channel: &ChannelDesign<T>) -> RatioLine<T> {
+        let by_steer = channel.index as usize == Channel::Steer.index();
+        let (i, speed) = if by_steer { self.speed } else { self.curvature };
         let (j, mass) = self.mass;
         let mut sum = RatioLine { a0: T::zero(), a1: T::zero(), b0: T::zero(), b1: T::zero() };
-        for (row, u) in table.iter().skip(i).zip(speed) {
+        for (row, u) in channel.lines.iter().skip(i).zip(speed) {
             for (line, m) in row.iter().skip(j).zip(mass) {
                 sum.add(line, u * m);
             }
@@ -434,11 +441,16 @@ fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
 }
 
 /// Index of the first of the four nodes around `value` (near an end of the axis: the first or last
-/// four), and the Lagrange weights of the four.
-fn cubic<T: Real>(axis: &[T], value: T) -> Option<(usize, [T; 4])> {
+/// four), and the Lagrange weights of the four on the axis that `scale` makes of it.
+fn cubic<T: Real>(
+    axis: &[T],
+    value: T,
+    scale: impl Fn(T) -> T,
+) -> Option<(usize, [T; 4])> {
     let (interval, _) = locate(axis, value)?;
     let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
-    let nodes: &[T; 4] = axis.get(first..)?.first_chunk()?;
+    let nodes = axis.get(first..)?.first_chunk::<4>()?.map(&scale);
+    let value = scale(value);
     let mut place = 0;
     let weights = nodes.map(|node| {
         let (mut above, mut below) = (T::one(), T::one());
@@ -474,11 +486,11 @@ mod tests {
         let axis = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0];
         let law = |x: f64| 2.0 - x + 0.3 * x * x - 0.01 * x * x * x;
         for value in [3.0, 3.2, 4.7, 5.5, 7.0, 9.0, 16.0, 17.0_f64] {
-            let (first, weights) = cubic(&axis, value).unwrap();
+            let (first, weights) = cubic(&axis, value, |x| x).unwrap();
             let found: f64 = axis[first..].iter().zip(weights).map(|(x, w)| w * law(*x)).sum();
             assert!((found - law(value)).abs() < 1e-12, "{value}: {found}");
         }
-        assert!(cubic(&axis, 2.9).is_none() && cubic(&axis, 17.1).is_none());
+        assert!(cubic(&axis, 2.9, |x| x).is_none() && cubic(&axis, 17.1, |x| x).is_none());
     }
 
     #[test]

@@ -37,9 +37,13 @@ fn linear(vehicle: &Vehicle) -> Vehicle {
     vehicle
 }
 
-fn lines(vehicle: &Vehicle) -> [RatioLine<f64>; cg_core::CHANNELS] {
+/// The lines of the trailer's roll angle. That of the tractor's own roll changes with springs of the
+/// front axle that may have any value, so it tells nothing about the file.
+fn lines(vehicle: &Vehicle) -> [RatioLine<f64>; 2] {
     let (speed_mps, load) = (vehicle.nominal_speed_mps, vehicle.reference_load());
-    ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap()
+    let [steer, lateral, ..] =
+        ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap();
+    [steer, lateral]
 }
 
 /// The height that follows from a ratio of the model.
