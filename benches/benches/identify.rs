@@ -80,14 +80,13 @@ fn estimator_push<T: Real>(bencher: Bencher) {
         .iter()
         .take(ROWS)
         .map(|row| Sample {
-            time_us: (row.time_s * 1e6).round().max(0.0) as u64,
             steer_rad: T::of(row.steer_rad),
             roll_rad: T::of(row.roll_rad),
-            tilt_rad: T::absent(),
             speed_mps: T::of(row.speed_mps),
             lateral_acceleration_mps2: T::of(row.lateral_acceleration_mps2),
             yaw_rate_radps: T::of(row.yaw_rate_radps),
             trailer_mass_kg: T::of(row.trailer_mass_kg),
+            ..Sample::absent((row.time_s * 1e6).round().max(0.0) as u64)
         })
         .collect();
     bencher.counter(ItemsCount::new(ROWS)).bench(|| {

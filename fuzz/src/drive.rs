@@ -161,6 +161,13 @@ impl<T: Real + Debug> Truck<T> {
             lateral_acceleration_mps2: lateral,
             yaw_rate_radps: yaw,
             trailer_mass_kg: mass,
+            // The same numbers as the signals of the other channels.
+            roll_to_gravity_rad: tilt,
+            suspension_roll_rad: roll,
+            lateral_specific_force_mps2: lateral,
+            tractor_suspension_roll_rad: steer,
+            tractor_lateral_specific_force_mps2: yaw,
+            tractor_tilt_rad: tilt,
         };
         self.samples += 1;
         // A refusal (a time that goes back) is also a valid answer.

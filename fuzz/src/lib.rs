@@ -7,7 +7,7 @@
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Sample, Settings};
+use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Quantity, Sample, Settings};
 use cg_logs::can::{Content, Decoder, Frame, MappedSignal, Sampler, SignalMap, parse};
 use cg_logs::log::{LogError, LogOptions, LogReader, Signal};
 use cg_logs::state::{State, design_crc32};
@@ -227,7 +227,11 @@ pub fn vehicle_file(data: &[u8]) -> bool {
         }
     };
     let settings = vehicle.align_settings();
-    let kg = settings.trailer_mass_kg(f64::NAN, 1e4, 2e5);
+    let kg = settings.trailer_mass_kg(|quantity| match quantity {
+        Quantity::TrailerAxleLoad => 1e4,
+        Quantity::TrailerSuspensionPressure => 2e5,
+        _ => f64::NAN,
+    });
     assert!(finite_or_absent(kg), "{settings:?}");
     if is_chosen(data) {
         let variant =
@@ -287,7 +291,7 @@ pub fn state_file(data: &[u8]) -> bool {
         Ok(state) => {
             let (settings, prior) = (Settings::truck(), Prior::standard());
             let estimator: Option<Estimator<f64, FilteredArx<f64>>> =
-                Estimator::restored(*DESIGN, settings, prior, &state.memory);
+                Estimator::restored(*DESIGN, settings, prior, &state.memory());
             drive::hundred_samples(estimator.expect("what is accepted is sound"));
             true
         }

@@ -5,12 +5,13 @@
 //!     crc32 89abcdef
 //! ```
 
-use cg_core::{Design, Memory};
+use cg_core::decide::height::Fusion;
+use cg_core::{CHANNELS, Design, Measured, Memory};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 const FORMAT: &str = "cg-height state";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Beginning of the second line, which contains the checksum of the first line.
 const CHECKSUM: &str = "crc32 ";
 
@@ -27,8 +28,18 @@ pub struct State {
     pub saved_s: f64,
     /// Time of the last detected change of the load, s; `None` if no change was detected.
     pub load_since_s: Option<f64>,
-    /// The memory of the estimator.
-    pub memory: Memory<f64>,
+    memory: Stored,
+}
+
+/// The memory of the estimator, channels in the order of the design.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    fused: [Fusion<f64>; CHANNELS],
+    correlation: [[f64; CHANNELS]; CHANNELS],
+    trailer_mass_kg: f64,
+    load_mass_kg: Option<f64>,
+    waiting: Option<[Option<(Measured<f64>, f64)>; CHANNELS]>,
 }
 
 /// The reason why a text is not a usable state.
@@ -76,8 +87,20 @@ impl State {
             design_crc32,
             saved_s,
             load_since_s,
-            memory: *memory,
+            memory: Stored {
+                fused: memory.fused,
+                correlation: memory.correlation,
+                trailer_mass_kg: memory.trailer_mass_kg,
+                load_mass_kg: memory.load_mass_kg,
+                waiting: memory.waiting,
+            },
         }
+    }
+
+    /// The memory of the estimator.
+    pub fn memory(&self) -> Memory<f64> {
+        let Stored { fused, correlation, trailer_mass_kg, load_mass_kg, waiting } = self.memory;
+        Memory { fused, correlation, trailer_mass_kg, load_mass_kg, waiting }
     }
 
     /// The text of the state file.
@@ -114,7 +137,7 @@ impl State {
         if state.design_crc32 != design_crc32 {
             return Err(StateError::OtherDesign);
         }
-        if !state.memory.is_sound() {
+        if !state.memory().is_sound() {
             return Err(StateError::Unsound);
         }
         Ok(state)

@@ -73,6 +73,7 @@ fn single(row: &LogRow) -> Sample<f32> {
         lateral_acceleration_mps2: wide.lateral_acceleration_mps2 as f32,
         yaw_rate_radps: wide.yaw_rate_radps as f32,
         trailer_mass_kg: wide.trailer_mass_kg as f32,
+        ..Sample::absent(wide.time_us)
     }
 }
 

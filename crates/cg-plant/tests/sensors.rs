@@ -12,7 +12,7 @@ use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::balance::static_balance;
-use cg_vehicle::vehicle::SuspensionPressure;
+use cg_vehicle::sensor_places::SuspensionPressure;
 use cg_vehicle::{Load, Vehicle};
 
 fn vehicle(name: &str) -> Vehicle {

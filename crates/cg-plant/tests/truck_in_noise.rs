@@ -86,6 +86,7 @@ fn combined<T: Real>(design: &Design<T>, rows: &[LogRow]) -> f64 {
             lateral_acceleration_mps2: T::of(row.lateral_acceleration_mps2),
             yaw_rate_radps: T::of(row.yaw_rate_radps),
             trailer_mass_kg: T::of(row.trailer_mass_kg),
+            ..Sample::absent(time_us)
         };
         estimator.push(&sample).unwrap();
     }

@@ -57,38 +57,25 @@ impl Equations {
     /// Sets what the accelerometers and the sensors of suspension roll measure.
     fn place_sensors(&mut self, vehicle: &Vehicle, cg_height_m: f64, sprung: SprungMass) {
         let (tractor, hitch, sensors) = (&vehicle.tractor, &vehicle.hitch, &vehicle.sensors);
-        let axles = vehicle.axles();
-        let of_unit = |on_trailer: bool| {
-            let wanted = move |(_, axle): &(usize, &PlacedAxle<'_>)| {
-                axle.on_trailer == on_trailer && !axle.steered
-            };
-            axles.iter().enumerate().filter(wanted)
-        };
-        let mean_m = |on_trailer: bool| {
-            let positions: Vec<f64> = of_unit(on_trailer).map(|(_, axle)| axle.position_m).collect();
-            #[allow(clippy::cast_precision_loss)] // a number of axles
-            let count = positions.len().max(1) as f64;
-            positions.iter().sum::<f64>() / count
-        };
+        let (ahead_m, behind_m) = vehicle.accelerometer_positions_m();
         self.gravity_mps2 = vehicle.gravity_mps2;
         let place = &sensors.tractor_accelerometer;
         let mut velocity = DVector::zeros(self.mass.nrows());
         velocity[w::LATERAL] = 1.0;
         let tractor_cg = Point { velocity, on_trailer: false };
-        let ahead_m = place.ahead_of_cg_m.unwrap_or_else(|| mean_m(false));
         self.units[0].accelerometer = tractor_cg
             .moved(w::YAW_1, ahead_m)
             .moved(w::ROLL_1, tractor.cg_height_m - place.height_m)
             .velocity;
         let place = &sensors.accelerometer;
-        let behind_m = place.behind_hitch_m.unwrap_or_else(|| mean_m(true));
         let trailer_cg = trailer_cg(&tractor_cg, tractor, hitch, cg_height_m, &sprung);
         self.units[1].accelerometer = trailer_cg
             .moved(w::YAW_2, sprung.cg_behind_hitch_m - behind_m)
             .moved(w::ROLL_2, cg_height_m - place.height_m)
             .velocity;
         for (unit, sensors) in self.units.iter_mut().enumerate() {
-            sensors.axles = of_unit(unit == 1).map(|(number, _)| number).collect();
+            let axles = vehicle.axles_of_unit(unit == 1);
+            sensors.axles = axles.into_iter().map(|(number, _)| number).collect();
         }
     }
 }

@@ -437,6 +437,28 @@ impl Vehicle {
         .filter_map(|(path, readings)| Some((path, readings?)))
     }
 
+    /// The axles relative to which the suspension roll of a unit is measured, with their numbers: all
+    /// of the trailer, or the tractor's drive axles.
+    pub fn axles_of_unit(&self, on_trailer: bool) -> Vec<(usize, PlacedAxle<'_>)> {
+        let wanted = |axle: &PlacedAxle<'_>| axle.on_trailer == on_trailer && !axle.steered;
+        self.axles().into_iter().enumerate().filter(|(_, axle)| wanted(axle)).collect()
+    }
+
+    /// Positions of the accelerometers: ahead of the tractor's sprung c.g., and behind the fifth
+    /// wheel. Without a place in the file they are in the middle of the axles.
+    pub fn accelerometer_positions_m(&self) -> (f64, f64) {
+        let middle_m = |on_trailer: bool| {
+            let axles = self.axles_of_unit(on_trailer);
+            #[allow(clippy::cast_precision_loss)] // a number of axles
+            let count = axles.len().max(1) as f64;
+            axles.iter().map(|(_, axle)| axle.position_m).sum::<f64>() / count
+        };
+        (
+            self.sensors.tractor_accelerometer.ahead_of_cg_m.unwrap_or_else(|| middle_m(false)),
+            self.sensors.accelerometer.behind_hitch_m.unwrap_or_else(|| middle_m(true)),
+        )
+    }
+
     /// Mass of the trailer's axles.
     pub fn trailer_unsprung_mass_kg(&self) -> f64 {
         self.trailer.axle.iter().map(|a| a.axle.unsprung_mass_kg).sum()

@@ -247,7 +247,9 @@ mod tests {
     #[test]
     fn a_gain_within_five_percent_is_not_reported() {
         let mut design = design();
-        design.spread.iter_mut().flatten().for_each(|spread| spread.sd = [1e-4; 2]);
+        for spread in design.spread.iter_mut().flatten() {
+            (spread.covariance[0][0], spread.covariance[1][1]) = (1e-8, 1e-8);
+        }
         for (gain, told) in [(0.94, true), (0.96, false), (1.04, false), (1.06, true)] {
             let found = causes_of(&design, [Some(STEER / gain), Some(LATERAL)]);
             assert_eq!(found.len(), usize::from(told), "{gain}: {found:?}");

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use cg_core::decide::height::Fusion;
-use cg_core::{
+use cg_core::{CHANNELS, 
     AlignSettings, Design, Estimator, Fit, Maneuver, Measured, Memory, Prior, RatioLine, Reject,
     Sample, Settings, Spread, ThresholdLine,
 };
@@ -29,12 +29,15 @@ fn round() -> Design<f64> {
     let mut design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
     design.speed_mps = [5.0, 8.0, 11.0, 14.0, 17.0, 20.0, 23.0, 26.0];
     design.trailer_mass_kg = [5e3, 10e3, 15e3, 20e3, 25e3, 30e3];
-    for (channel, slope) in design.channels.iter_mut().zip([0.1, 0.01]) {
+    for (channel, slope) in design.channels.iter_mut().zip([0.1, 0.01, 0.01, 0.01]) {
         let line = RatioLine { a0: 0.0, a1: slope, b0: 1.0, b1: 0.0 };
         channel.lines.iter_mut().flatten().for_each(|one| *one = line);
         channel.compensation = 2.0;
     }
-    let spread = Spread { sd: [0.01, 0.01], correlation: 0.0 };
+    let mut spread = Spread { covariance: [[0.0; CHANNELS]; CHANNELS] };
+    for k in 0..CHANNELS {
+        spread.covariance[k][k] = 1e-4;
+    }
     design.spread.iter_mut().flatten().for_each(|one| *one = spread);
     design.thresholds = [ThresholdLine { threshold_g: [[0.4; 8]; 2] }; 6];
     (design.least_height_m, design.reference_height_m, design.greatest_height_m) = (1.0, 2.0, 3.0);
@@ -51,8 +54,8 @@ pub(super) fn log(
 ) -> LogEstimator {
     let design = design();
     let mut memory = Memory {
-        fused: [Fusion::new(); 2],
-        correlation: 0.0,
+        fused: [Fusion::new(); CHANNELS],
+        correlation: [[0.0; CHANNELS]; CHANNELS],
         trailer_mass_kg: MASS_KG,
         load_mass_kg: None,
         waiting: None,

@@ -17,7 +17,7 @@ use super::hitch::couple;
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::suspension::Group;
 use super::tyre::Contact;
-use super::vector::{Vector, add, inverse_symmetric, sin_cos, solve_spd, turned};
+use super::vector::{Vector, add, inverse_symmetric, scaled, sin_cos, solve_spd, turned};
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 
@@ -59,6 +59,8 @@ pub(super) struct Parameters {
     pub(super) gravity_mps2: f64,
     /// Bank of the road, right side lower positive.
     pub(super) bank_rad: f64,
+    /// Places of the accelerometers of tractor and trailer from the reference points, body axes.
+    pub(super) accelerometers: [Vector; 2],
 }
 
 /// Intermediate results of the rates, reused from one evaluation to the next to avoid clearing them.
@@ -265,19 +267,42 @@ impl Parameters {
         }
     }
 
-    /// Lateral accelerations of the sprung c.g.s at the last evaluation, horizontal, in each
-    /// unit's heading.
+    /// Lateral accelerations of the sprung c.g.s at the last evaluation, in the plane of the road, in
+    /// each unit's heading.
     pub(super) fn lateral_mps2(&self, probe: &Probe) -> [f64; 2] {
-        let Some(units) = &probe.units else { return [0.0; 2] };
         [0, 1].map(|unit| {
-            let sprung = [&self.tractor, &self.trailer][unit];
-            let (motion, acceleration) = (&units[unit], &probe.accelerations[unit]);
-            let rho = motion.attitude.outward(sprung.cg);
-            let arms = motion.attitude.arms(rho);
-            let turning: f64 = (0..3).map(|j| arms[j][1] * acceleration[3 + j]).sum();
-            acceleration[1] + turning + motion.point(rho).1[1]
+            let cg = [&self.tractor, &self.trailer][unit].cg;
+            acceleration(probe, unit, cg)[1]
         })
     }
+
+    /// What the accelerometers of tractor and trailer show at the last evaluation: acceleration minus
+    /// gravity along the lateral axis of the body. `turn_rad` is the trailer's yaw minus the
+    /// tractor's.
+    pub(super) fn specific_force_mps2(&self, probe: &Probe, turn_rad: f64) -> [f64; 2] {
+        let gravity = self.gravity(turn_rad);
+        [0, 1].map(|unit| {
+            let Some(units) = &probe.units else { return 0.0 };
+            let felt =
+                add(acceleration(probe, unit, self.accelerometers[unit]), scaled(gravity[unit], -1.0));
+            let left = units[unit].attitude.outward([0.0, 1.0, 0.0]);
+            (0..3).map(|i| felt[i] * left[i]).sum()
+        })
+    }
+}
+
+/// Acceleration of a point of a unit at the last evaluation, in the unit's yaw frame. `arm` is its
+/// place from the unit's reference point, body axes.
+fn acceleration(probe: &Probe, unit: usize, arm: Vector) -> Vector {
+    let Some(units) = &probe.units else { return [0.0; 3] };
+    let (motion, rates) = (&units[unit], &probe.accelerations[unit]);
+    let rho = motion.attitude.outward(arm);
+    let arms = motion.attitude.arms(rho);
+    let (_, bias) = motion.point(rho);
+    [0, 1, 2].map(|i| {
+        let turning: f64 = (0..3).map(|j| arms[j][i] * rates[3 + j]).sum();
+        rates[i] + turning + bias[i]
+    })
 }
 
 /// Attitudes of both units.

@@ -61,13 +61,16 @@ impl YawRollPlant {
             self.parameters.rates(&x, &control, &mut rate, &mut probe);
             rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
             let rates = places.iter().map(|&i| rate[i]);
-            DVector::from_iterator(n + 1, rates.chain([self.parameters.lateral_mps2(&probe)[1]]))
+            let turn_rad = x[Coordinate::TrailerYaw as usize] - x[Coordinate::TractorYaw as usize];
+            let [tractor, trailer] = self.parameters.specific_force_mps2(&probe, turn_rad);
+            let felt = [self.parameters.lateral_mps2(&probe)[1], tractor, trailer];
+            DVector::from_iterator(n + felt.len(), rates.chain(felt))
         };
         let slope = |index: usize, steer: f64| {
             let ahead = look(index, SHIFT, rest.steer_rad + steer);
             (ahead - look(index, -SHIFT, rest.steer_rad - steer)) / (2.0 * SHIFT)
         };
-        let mut all = DMatrix::zeros(n + 1, n);
+        let mut all = DMatrix::zeros(n + 3, n);
         for (k, &index) in places.iter().enumerate() {
             all.set_column(k, &slope(index, 0.0));
         }
@@ -80,14 +83,28 @@ impl YawRollPlant {
         let body = |c: Coordinate| row(BODIES.iter().position(|b| *b == c).unwrap_or(0), 1.0);
         let axles = self.parameters.axles.len();
         let own = places.len() - BODIES.len();
+        let axle_roll: Vec<_> =
+            (0..axles).map(|i| row(BODIES.len() + own / axles * i + 1, 1.0)).collect();
+        let suspension_roll = |on_trailer: bool| {
+            let roll = if on_trailer { Coordinate::TrailerRoll } else { Coordinate::TractorRoll };
+            let own: Vec<_> = (0..axles)
+                .filter(|&i| self.parameters.axles[i].on_trailer == on_trailer && !self.steered[i])
+                .map(|i| &axle_roll[i])
+                .collect();
+            #[allow(clippy::cast_precision_loss)] // a number of axles
+            let share = 1.0 / own.len().max(1) as f64;
+            own.iter().fold(body(roll), |rest, axle| rest - *axle * share)
+        };
         Ok(StateSpace {
+            suspension_roll: [false, true].map(suspension_roll),
+            specific_force: [1, 2].map(|k| (all.row(n + k).transpose(), by_steer[n + k])),
             trailer_roll: body(Coordinate::TrailerRoll),
             tractor_roll: body(Coordinate::TractorRoll),
             trailer_yaw_rate: body(Coordinate::TrailerYawRate),
             tractor_yaw_rate: body(Coordinate::TractorYawRate),
             articulation: row(trailer_yaw, -1.0),
             tractor_lateral_velocity: body(Coordinate::LateralVelocity),
-            axle_roll: (0..axles).map(|i| row(BODIES.len() + own / axles * i + 1, 1.0)).collect(),
+            axle_roll,
             lateral_acceleration: all.row(n).transpose(),
             lateral_feedthrough: by_steer[n],
             a: all.rows(0, n).into_owned(),

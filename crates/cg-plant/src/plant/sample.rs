@@ -1,6 +1,6 @@
 //! Outputs of the plant at an instant.
 
-use super::dynamics::{Control, Probe};
+use super::dynamics::{Control, Parameters, Probe};
 use super::state::{AxleCoordinate, Coordinate as C, MAX_AXLES, State};
 
 /// A sprung mass at an instant; ISO 8855 signs.
@@ -19,8 +19,12 @@ pub struct UnitSample {
     pub pitch_rate_radps: f64,
     /// Rate of the yaw angle.
     pub yaw_rate_radps: f64,
-    /// Lateral acceleration of the sprung c.g., horizontal, to the left of the heading.
+    /// Lateral acceleration of the sprung c.g. in the plane of the road, to the left of the heading.
     pub lateral_acceleration_mps2: f64,
+    /// Specific force at the accelerometer along the body's lateral axis, gravity included.
+    pub specific_force_mps2: f64,
+    /// Roll angle minus the mean of the axles: all of the trailer, or the tractor's drive axles.
+    pub suspension_roll_rad: f64,
 }
 
 /// An axle at an instant.
@@ -107,6 +111,7 @@ impl UnitSample {
             pitch_rate_radps: pitch_rate,
             yaw_rate_radps: yaw_rate,
             lateral_acceleration_mps2,
+            ..Self::default()
         }
     }
 }
@@ -120,11 +125,25 @@ impl PlantSample {
     pub(super) fn new(
         state: &State,
         control: &Control,
-        (probe, lateral_mps2): (&Probe, [f64; 2]),
+        (probe, parameters): (&Probe, &Parameters),
         steered: &[bool],
     ) -> Self {
-        let tractor = UnitSample::new(state, TRACTOR, lateral_mps2[0]);
-        let trailer = UnitSample::new(state, TRAILER, lateral_mps2[1]);
+        let lateral_mps2 = parameters.lateral_mps2(probe);
+        let mut tractor = UnitSample::new(state, TRACTOR, lateral_mps2[0]);
+        let mut trailer = UnitSample::new(state, TRAILER, lateral_mps2[1]);
+        let turn_rad = trailer.yaw_rad - tractor.yaw_rad;
+        let forces_mps2 = parameters.specific_force_mps2(probe, turn_rad);
+        for (unit, on_trailer) in [(&mut tractor, false), (&mut trailer, true)] {
+            unit.specific_force_mps2 = forces_mps2[usize::from(on_trailer)];
+            let (mut sum_rad, mut count) = (0.0, 0.0);
+            for (i, axle) in parameters.axles.iter().enumerate() {
+                if axle.on_trailer == on_trailer && !steered[i] {
+                    sum_rad += state.axle(i, AxleCoordinate::Roll);
+                    count += 1.0;
+                }
+            }
+            unit.suspension_roll_rad = unit.roll_rad - sum_rad / f64::max(count, 1.0);
+        }
         let mut axle = [AxleSample::default(); MAX_AXLES];
         let (mut difference, mut sum) = (0.0, 0.0);
         for (i, steered) in steered.iter().enumerate() {

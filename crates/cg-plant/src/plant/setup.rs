@@ -10,6 +10,7 @@ use super::dynamics::{Parameters, Sprung};
 use super::options::{Characteristics, PlantOptions};
 use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 use super::suspension::{Group, Law};
+use super::vector::Vector;
 use super::tyre::{PER_SIDE, Tyres};
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::characteristics::FifthWheel;
@@ -74,8 +75,19 @@ pub(super) fn parameters(
         kinds,
         gravity_mps2: g,
         bank_rad: options.bank_rad,
+        accelerometers: accelerometers(vehicle),
     };
     Ok((parameters, state))
+}
+
+/// Places of the accelerometers from the c.g. of the tractor and from the fifth wheel.
+fn accelerometers(vehicle: &Vehicle) -> [Vector; 2] {
+    let places = &vehicle.sensors;
+    let (ahead_m, behind_m) = vehicle.accelerometer_positions_m();
+    [
+        [ahead_m, 0.0, places.tractor_accelerometer.height_m - vehicle.tractor.cg_height_m],
+        [-behind_m, 0.0, places.accelerometer.height_m - vehicle.hitch.height_m],
+    ]
 }
 
 fn check(

@@ -93,8 +93,7 @@ impl YawRollPlant {
     pub fn sample(&self, state: &State, control: &Control) -> PlantSample {
         let mut probe = Probe::default();
         self.parameters.rates(&state.x, control, &mut [0.0; ROOM], &mut probe);
-        let lateral_mps2 = self.parameters.lateral_mps2(&probe);
-        PlantSample::new(state, control, (&probe, lateral_mps2), &self.steered)
+        PlantSample::new(state, control, (&probe, &self.parameters), &self.steered)
     }
 
     /// Step of the integration.

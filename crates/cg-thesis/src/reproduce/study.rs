@@ -5,7 +5,7 @@
 //! the height from the plant's own DC ratio.
 
 use cg_core::truck::reduced::ORDER;
-use cg_core::{RatioLine, Reduced5};
+use cg_core::{Channel, RatioLine, Reduced5};
 use serde::Deserialize;
 
 use super::baseline::{Baseline, METERS_PER_INCH, Options};
@@ -64,7 +64,7 @@ impl Setting {
         let model = &base.complete.state_space;
         let ratio = model.steady(&model.trailer_roll, 0.0)?;
         let experiment = Experiment::on_linear(model, RATE_PER_S, STEER_RAD.abs());
-        let nominal = reduce(model)?.steer;
+        let nominal = reduce(model)?.of_channels[Channel::Steer.index()];
         let line = (base.complete.ratio[0], 1.0);
         Self::new(("our complete linear model", experiment), nominal, line, ratio)
     }

@@ -1,4 +1,4 @@
-use cg_core::{HeightError, Sample};
+use cg_core::{CHANNELS, HeightError, Sample};
 
 use super::*;
 use crate::estimate::options::EstimateOptions;
@@ -243,7 +243,7 @@ fn the_speed_is_the_mean_of_the_maneuvers_with_a_height() {
 #[test]
 fn ratios_are_given_although_the_heights_contradict_each_other() {
     let identified = one(quiet(), [height(2.0, 0.01), height(2.1, 0.01)]).identified();
-    let [steer, lateral] = identified.ratio.map(Option::unwrap);
+    let [steer, lateral, ..] = identified.ratio.map(|ratio| ratio.unwrap_or(Measured::exact(0.0)));
     near(Some(steer.value), 2.0 * 0.1 * 2.0);
     near(Some(steer.sd), 2.0 * 0.1 * 0.01);
     near(Some(lateral.value), 2.0 * 0.01 * 2.1);
@@ -269,7 +269,7 @@ fn ratios_of_a_rejected_log_have_no_remark() {
     let mut log = one(quiet(), [ABSENT, IMPRECISE]);
     reverse_the_yaw_rate(&mut log);
     let identified = log.identified();
-    assert_eq!(identified.ratio, [None, None]);
+    assert_eq!(identified.ratio, [None; CHANNELS]);
     assert!(identified.speed_mps.is_nan());
     assert_eq!(identified.messages.len(), 2, "{:?}", identified.messages);
     assert!(identified.messages[0].starts_with("steer channel: rejected"));
