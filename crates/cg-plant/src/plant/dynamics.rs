@@ -283,8 +283,10 @@ impl Parameters {
         let gravity = self.gravity(turn_rad);
         [0, 1].map(|unit| {
             let Some(units) = &probe.units else { return 0.0 };
-            let felt =
-                add(acceleration(probe, unit, self.accelerometers[unit]), scaled(gravity[unit], -1.0));
+            let felt = add(
+                acceleration(probe, unit, self.accelerometers[unit]),
+                scaled(gravity[unit], -1.0),
+            );
             let left = units[unit].attitude.outward([0.0, 1.0, 0.0]);
             (0..3).map(|i| felt[i] * left[i]).sum()
         })
