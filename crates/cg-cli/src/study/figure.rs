@@ -26,9 +26,8 @@ const MARGIN: i32 = 12;
 const PLOT: i32 = 280;
 const LEGEND_LINE: i32 = 21;
 /// Heights of a bar with the space around it, of the title of a panel, of the numbers and the label
-/// below its axes, and of the gap below it; space to the right of it.
+/// below its axes, and of the gap below it; space to the right of it; all in pixels.
 const BAR: i32 = 22;
-const BAR_GAP: u32 = 30;
 const PANEL_TITLE: i32 = 28;
 const BELOW: i32 = 44;
 const GAP: i32 = 16;
@@ -352,11 +351,12 @@ fn bars(area: &Area<'_>, panel: &Panel, responses: &[Response]) -> anyhow::Resul
         .y_label_formatter(&name)
         .x_desc(axis(panel.y))
         .draw()?;
+    let space = (3 * PX).unsigned_abs();
     let text = font(TEXT - 1, false).pos(Pos::new(HPos::Left, VPos::Center));
     for ((response, change), row) in responses.iter().zip(changes).zip((last..1).rev()) {
         let ends = [(0.0, SegmentValue::Exact(row)), (change, SegmentValue::Exact(row + 1))];
         let mut bar = Rectangle::new(ends, KINDS[0].0.filled());
-        bar.set_margin(BAR_GAP, BAR_GAP, 0, 0);
+        bar.set_margin(space, space, 0, 0);
         chart.draw_series([bar])?;
         let end = (change.max(0.0), SegmentValue::CenterOf(row));
         let values = Text::new(values(response), (6 * PX, 0), text.clone());
