@@ -1,7 +1,7 @@
 //! The board: a counter of instructions or cycles, the memory in use, lines of text.
 
 use cg_core::Height;
-use cg_core::Maneuver;
+use cg_firmware::Maneuver;
 use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DWT, SYST};
@@ -172,11 +172,7 @@ impl Line {
 }
 
 /// Prints a maneuver and the height after it.
-pub(crate) fn maneuver(
-    out: &mut HostStream,
-    maneuver: &Maneuver<f32>,
-    height: Option<Height<f32>>,
-) {
+pub(crate) fn maneuver(out: &mut HostStream, maneuver: &Maneuver, height: Option<Height<f32>>) {
     let (value, sd) = height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
     #[allow(clippy::cast_precision_loss)] // printed
     let end_s = maneuver.end_us as f32 * 1e-6;

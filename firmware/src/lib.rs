@@ -11,6 +11,12 @@
 #![no_std]
 #![forbid(unsafe_op_in_unsafe_fn)]
 
+/// Number of channels on a microcontroller.
+pub const CHANNELS: usize = 2;
+
+/// The result of a maneuver in these channels.
+pub type Maneuver = cg_core::Maneuver<f32, CHANNELS>;
+
 pub mod log;
 #[allow(missing_docs)] // emitted
 #[path = "../../crates/cg-core/examples/kraz/design.rs"]
