@@ -4,7 +4,9 @@
 
 mod common;
 
-use cg_core::{Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Settings};
+use cg_core::{
+    Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Sample, Settings,
+};
 use common::told::{ROLL_RAD, Road, Says};
 use common::{PAIR, design_with};
 
@@ -76,9 +78,13 @@ fn on_a_flat_road_gravity_is_as_good_as_the_road() {
     let mut to_gravity = truck(PAIR, flat());
     to_gravity.to_gravity = true;
     let found = turn(to_gravity);
-    assert_eq!(found, turn(truck(PAIR, flat())));
     // A roll angle relative to the road comes from a test track, if it is the only one.
-    assert_eq!(found, turn(truck(PAIR, Settings::truck())));
+    for settings in [flat(), Settings::truck()] {
+        let to_road = turn(truck(PAIR, settings));
+        assert!(found.to_gravity && !to_road.to_gravity);
+        assert_eq!(found.outcomes, to_road.outcomes);
+        assert_eq!(found.correlation, to_road.correlation);
+    }
     assert_eq!(found.correlation, [[1.0, 0.5], [0.5, 1.0]]);
     found.outcomes.iter().for_each(|outcome| check(outcome, 0.0));
 }
@@ -178,4 +184,29 @@ fn a_suspension_that_contradicts_the_roll_angle_is_told() {
     assert!(matches!(combined(flat(), [1.7; 4]), Combined::Agreed(_)));
     let Combined::Agreed(height) = combined(Settings::truck(), apart) else { panic!("a bank") };
     assert!((height.height_m.value - 2.2).abs() < 0.02, "{height:?}");
+}
+
+/// The turn goes on after a gap, and no row after it shows its lateral acceleration. The bank then
+/// counts as in the gentlest turn, 0.3 m/s².
+#[test]
+fn without_a_lateral_acceleration_the_bank_counts_most() {
+    let channels = [Channel::Steer, Channel::Suspension];
+    let ratio = common::design().channels[0].lines[0][0].ratio_at(HEIGHT_M) * 1.489_6;
+    let steer_rad = ROLL_RAD / ratio;
+    let mut estimator = truck(channels, Settings::truck().on_road(BANK_RAD)).estimator;
+    for k in 0..1000_u64 {
+        let sample = Sample {
+            steer_rad,
+            roll_rad: ROLL_RAD,
+            speed_mps: 14.0,
+            trailer_mass_kg: 31.3e3,
+            lateral_acceleration_mps2: if k == 0 { 1.0 } else { f64::NAN },
+            ..Sample::absent(k * 10_000 + if k == 0 { 0 } else { 2_000_000 })
+        };
+        estimator.push(&sample).unwrap();
+    }
+    let found = estimator.finish().unwrap();
+    check(&found.outcomes[0], 9.81 * BANK_RAD / 0.3);
+    assert!(found.correlation.iter().flatten().all(|entry| entry.abs() <= 1.0));
+    assert!(estimator.combined_height().unwrap().height_m.sd.is_finite());
 }

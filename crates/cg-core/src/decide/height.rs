@@ -1,7 +1,7 @@
 //! Fusion of the heights of all maneuvers and of all channels.
 
 use crate::math::real::Real;
-use crate::truck::channel::Output;
+use crate::truck::channel::{CHANNELS, Output};
 use crate::truck::ratio::Measured;
 
 /// The height of the trailer's c.g. (sprung mass, above the ground, at rest).
@@ -15,9 +15,9 @@ pub struct Height<T> {
     pub maneuvers: u32,
 }
 
-/// χ² of one degree of freedom that chance exceeds with a probability of 1 %, and of 0.01 %.
-const DOUBTFUL: f64 = 6.635;
-const CONTRADICTION: f64 = 15.137;
+/// χ² that chance exceeds with a probability of 1 %, and of 0.01 %, for one, two and three degrees of
+/// freedom. There are at most four channels.
+const LIMITS: [[f64; 2]; CHANNELS - 1] = [[6.635, 15.137], [9.210, 18.421], [11.345, 21.108]];
 
 /// The result of comparing and combining the channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,19 +26,21 @@ pub enum Combined<T> {
     /// The heights agree within their joint uncertainty, or only one channel has a height.
     Agreed(Height<T>),
     /// The heights differ by more than chance explains (probability 1 %). There is a height, with
-    /// an interval that is wider by the Birge ratio `√χ²`.
+    /// an interval that is wider by the Birge ratio `√(χ²/freedom)`.
     Doubtful {
         /// The height.
         height: Height<T>,
-        /// Greatest squared difference of two heights divided by its variance; see
-        /// [`Heights::combined`].
+        /// χ² of the differences between the heights; see [`Heights::combined`].
         chi_square: T,
+        /// Its degrees of freedom: one less than the number of heights.
+        freedom: u32,
     },
     /// The heights contradict each other (probability 0.01 %). There is no combined height.
     Contradictory {
-        /// Greatest squared difference of two heights divided by its variance; see
-        /// [`Heights::combined`].
+        /// χ² of the differences between the heights; see [`Heights::combined`].
         chi_square: T,
+        /// Its degrees of freedom: one less than the number of heights.
+        freedom: u32,
     },
     /// One channel gives a height that this trailer cannot have, and no other channel shows that its
     /// input is wrong. The roll angle may be wrong. There is no height.
@@ -170,19 +172,21 @@ impl<T: Real, const C: usize> Heights<T, C> {
     ///
     /// The channels are added one by one, the most accurate first. Each is compared with the mean
     /// of those before it and gets the weight for which the variance of the new mean is smallest,
-    /// within 0 and 1. A weight outside would rely on the correlation of the errors.
+    /// within 0 and 1. A weight outside would rely on the correlation of the errors. χ² is the sum
+    /// of the squared differences, each divided by its variance.
     pub fn combined(&self) -> Option<Combined<T>> {
         let mut left = self.of_channels;
         let (mut mean, first) = Self::take_most_accurate(&mut left)?;
         let (mut value, mut maneuvers) = (first.height_m.value, first.maneuvers);
-        let mut greatest = T::zero();
+        let (mut chi_square, mut freedom) = (T::zero(), 0_u32);
         while let Some((alone, next)) = Self::take_most_accurate(&mut left) {
             let difference = value - next.height_m.value;
-            let chi_square = difference * difference / self.variance_of_difference(&mean, &alone);
+            let square = difference * difference / self.variance_of_difference(&mean, &alone);
             // This form of the comparison lets two heights without uncertainty (0/0) agree.
-            if chi_square > greatest {
-                greatest = chi_square;
+            if square > T::zero() {
+                chi_square += square;
             }
+            freedom += 1;
             let weight = self.best_weight(&mean, &alone);
             for (share, one) in mean.iter_mut().zip(alone) {
                 *share = *share * (T::one() - weight) + one * weight;
@@ -190,8 +194,13 @@ impl<T: Real, const C: usize> Heights<T, C> {
             value += weight * (next.height_m.value - value);
             maneuvers = maneuvers.max(next.maneuvers);
         }
-        if greatest > T::of(CONTRADICTION) {
-            return Some(Combined::Contradictory { chi_square: greatest });
+        let [doubtful, contradiction] = match freedom {
+            0 | 1 => LIMITS[0],
+            2 => LIMITS[1],
+            _ => LIMITS[2],
+        };
+        if chi_square > T::of(contradiction) {
+            return Some(Combined::Contradictory { chi_square, freedom });
         }
         let random = self.covariance(&mean, &mean, Part::Random).max(T::zero());
         let whole = self.covariance(&mean, &mean, Part::Whole).max(T::zero());
@@ -200,9 +209,9 @@ impl<T: Real, const C: usize> Heights<T, C> {
             random_sd_m: random.root(),
             maneuvers,
         };
-        Some(if greatest > T::of(DOUBTFUL) {
-            height.height_m.sd *= greatest.root();
-            Combined::Doubtful { height, chi_square: greatest }
+        Some(if chi_square > T::of(doubtful) {
+            height.height_m.sd *= (chi_square / T::of(f64::from(freedom))).root();
+            Combined::Doubtful { height, chi_square, freedom }
         } else {
             Combined::Agreed(height)
         })
@@ -389,7 +398,9 @@ mod tests {
             combined(height(2.0, 0.0), height(2.0 + deviations * sd, 0.04), 0.0).unwrap()
         };
         assert!(matches!(beside(2.57), Combined::Agreed(_)));
-        let Combined::Doubtful { height: wide, chi_square } = beside(2.6) else { panic!("1 %") };
+        let Combined::Doubtful { height: wide, chi_square, freedom: 1 } = beside(2.6) else {
+            panic!("1 %")
+        };
         assert!((chi_square - 2.6_f64.powi(2)).abs() < 1e-9);
         let Combined::Agreed(narrow) = beside(0.0) else { panic!("equal") };
         assert!((wide.height_m.sd / narrow.height_m.sd - 2.6).abs() < 1e-9);

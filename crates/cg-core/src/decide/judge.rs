@@ -42,7 +42,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let on_road = window.to_gravity || bank_free;
         let road = Road {
             bank_sd_rad: if on_road { settings.bank_sd_rad } else { settings.bank_sd_to_road_rad },
-            lateral_g: window.lateral_square.root() / gravity_mps2,
+            lateral_g: window.lateral_mps2() / gravity_mps2,
             roll_rad_per_g: roll.map_or(T::of(LEAST_ROLL_RAD_PER_G), |line| {
                 line.ratio_at(design.reference_height_m) * gravity_mps2
             }),
