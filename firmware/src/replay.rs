@@ -1,8 +1,7 @@
 //! Samples in, costs and heights out.
 
 use cg_core::{
-    Channel, Design, Estimator, FilteredArx, Height, Identify, Prior, Sample, Settings, Status,
-    Step,
+    Channel, Design, Estimator, FilteredArx, Height, Identify, Prior, Sample, Settings, Step,
 };
 
 use crate::log;
@@ -18,8 +17,8 @@ pub type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32, CHANNEL
 pub struct Cost {
     /// Number of calls.
     pub calls: u32,
-    /// Sum over all calls.
-    pub total: u64,
+    /// Sum over all calls; 32 bits are enough for the log, and their division is small.
+    pub total: u32,
     /// The worst case.
     pub worst: u32,
 }
@@ -27,14 +26,13 @@ pub struct Cost {
 impl Cost {
     fn add(&mut self, cost: u32) {
         self.calls += 1;
-        self.total += u64::from(cost);
+        self.total = self.total.saturating_add(cost);
         self.worst = self.worst.max(cost);
     }
 
     /// The mean, rounded up.
-    #[allow(clippy::cast_possible_truncation)] // below the worst, which has 32 bits
     pub fn mean(&self) -> u32 {
-        self.total.div_ceil(u64::from(self.calls.max(1))) as u32
+        self.total.div_ceil(self.calls.max(1))
     }
 }
 
@@ -72,11 +70,11 @@ pub fn replay(
         let step = estimator.push(&sample);
         let cost = clock().wrapping_sub(start);
         report.all.add(cost);
-        let closed = step.as_ref().ok().and_then(|step| step.closed);
-        match closed {
-            Some(_) => report.closing.add(cost),
-            None => report.running.add(cost),
-        }
+        let closed = match &step {
+            Ok(Step { closed, .. }) => closed.as_ref(),
+            Err(_) => None,
+        };
+        if closed.is_some() { &mut report.closing } else { &mut report.running }.add(cost);
         report.trace.step(&step);
         report.trace.height(estimator.combined_height());
         if let Some(maneuver) = closed {
@@ -84,15 +82,15 @@ pub fn replay(
             for channel in (0..CHANNELS).filter_map(|place| design.channel(place)) {
                 report.trace.height(estimator.height(channel));
             }
-            told(&maneuver, estimator.combined_height());
+            told(maneuver, estimator.combined_height());
         }
     }
     let start = clock();
     let last = estimator.finish();
     report.closing.add(clock().wrapping_sub(start));
-    if let Some(maneuver) = last {
-        report.trace.step(&Ok(Step { status: Status::Straight, closed: Some(maneuver) }));
-        told(&maneuver, estimator.combined_height());
+    if let Some(maneuver) = &last {
+        report.trace.maneuver(maneuver);
+        told(maneuver, estimator.combined_height());
     }
     report.height = estimator.combined_height();
     report.trace.height(report.height);

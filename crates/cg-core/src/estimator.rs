@@ -242,11 +242,11 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     /// Updates the window with this row.
     fn note(&mut self, row: &Row<T, C>) {
-        let design = self.design.borrow();
+        let expected = expected(self.design.borrow(), &self.lanes, row);
         let window = self.window.get_or_insert_with(|| Window::new(row));
-        for place in 0..C {
-            if let Some((roll_rad, expected)) = expected(design, &self.lanes, row, place) {
-                window.look(place, row.time_us, roll_rad, expected);
+        for (place, (roll_rad, expected)) in row.measured_rad.iter().zip(expected).enumerate() {
+            if expected.iter().all(|rad| rad.present()) {
+                window.look(place, row.time_us, *roll_rad, expected);
             }
         }
         if window.push(row, self.settings.fade_us) {
@@ -356,31 +356,28 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     }
 }
 
-/// The roll angle whose first channel is at this place, its input, and the roll angle of the
-/// reduced model; `None` if one is absent. Among several channels with this roll angle, the
-/// input is that of the last, because the lateral acceleration does not depend on the tires,
-/// and the model that of the first, because that of the steer angle includes faster motion.
+/// For each roll angle, at the place of its first channel: the expected roll angle from an input, and
+/// that of the reduced model; NaN if absent. Among several channels with this roll angle, the input
+/// is that of the last, because the lateral acceleration does not depend on the tires, and the model
+/// that of the first, because that of the steer angle includes faster motion.
 fn expected<T: Real, I: Identify<T>, const C: usize>(
     design: &Design<T, C>,
     lanes: &[Lane<T, I>; C],
     row: &Row<T, C>,
-    place: usize,
-) -> Option<(T, [T; 2])> {
-    if design.first_with_output(place) != place {
-        return None;
-    }
-    let (mut input_rad, mut model_rad) = (None, None);
-    for (other, lane) in lanes.iter().enumerate().skip(place) {
-        let expected_rad = row.expected_rad.get(other).filter(|expected| expected.present());
-        if design.output(other) != design.output(place) || expected_rad.is_none() {
+) -> [[T; 2]; C] {
+    let mut expected = [[T::absent(); 2]; C];
+    for (place, (lane, input_rad)) in lanes.iter().zip(row.expected_rad).enumerate() {
+        let Some([input, model]) = expected.get_mut(design.first_with_output(place)) else {
             continue;
-        }
-        input_rad = expected_rad.copied();
-        if model_rad.is_none() && lane.last_us == Some(row.time_us) {
-            model_rad = Some(lane.identifier.expected_roll_rad());
+        };
+        if input_rad.present() {
+            *input = input_rad;
+            if !model.present() && lane.last_us == Some(row.time_us) {
+                *model = lane.identifier.expected_roll_rad();
+            }
         }
     }
-    Some((*row.measured_rad.get(place)?, [input_rad?, model_rad?]))
+    expected
 }
 
 /// A faulty sensor affects all channels with its roll angle.

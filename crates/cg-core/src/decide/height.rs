@@ -175,19 +175,20 @@ impl<T: Real, const C: usize> Heights<T, C> {
     /// within 0 and 1. A weight outside would rely on the correlation of the errors. χ² is the sum
     /// of the squared differences, each divided by its variance.
     pub fn combined(&self) -> Option<Combined<T>> {
+        let covariances = self.covariances();
         let mut left = self.of_channels;
         let (mut mean, first) = Self::take_most_accurate(&mut left)?;
         let (mut value, mut maneuvers) = (first.height_m.value, first.maneuvers);
         let (mut chi_square, mut freedom) = (T::zero(), 0_u32);
         while let Some((alone, next)) = Self::take_most_accurate(&mut left) {
             let difference = value - next.height_m.value;
-            let square = difference * difference / self.variance_of_difference(&mean, &alone);
+            let square = difference * difference / covariances.of_difference(&mean, &alone);
             // This form of the comparison lets two heights without uncertainty (0/0) agree.
             if square > T::zero() {
                 chi_square += square;
             }
             freedom += 1;
-            let weight = self.best_weight(&mean, &alone);
+            let weight = covariances.best_weight(&mean, &alone);
             for (share, one) in mean.iter_mut().zip(alone) {
                 *share = *share * (T::one() - weight) + one * weight;
             }
@@ -202,8 +203,8 @@ impl<T: Real, const C: usize> Heights<T, C> {
         if chi_square > T::of(contradiction) {
             return Some(Combined::Contradictory { chi_square, freedom });
         }
-        let random = self.covariance(&mean, &mean, Part::Random).max(T::zero());
-        let whole = self.covariance(&mean, &mean, Part::Whole).max(T::zero());
+        let random = product(&mean, &covariances.random, &mean).max(T::zero());
+        let whole = product(&mean, &covariances.whole, &mean).max(T::zero());
         let mut height = Height {
             height_m: Measured { value, sd: whole.root() },
             random_sd_m: random.root(),
@@ -235,11 +236,51 @@ impl<T: Real, const C: usize> Heights<T, C> {
         Some((alone, height))
     }
 
+    /// The covariances of the heights; zero for a channel without one.
+    fn covariances(&self) -> Covariances<T, C> {
+        let mut found = Covariances {
+            random: [[T::zero(); C]; C],
+            whole: [[T::zero(); C]; C],
+            independent: [[T::zero(); C]; C],
+        };
+        let rows = found.random.iter_mut().zip(&mut found.whole).zip(&mut found.independent);
+        let heights = || self.of_channels.iter().zip(&self.outputs).enumerate();
+        for (((i, (one, output)), correlations), ((random, whole), independent)) in
+            heights().zip(&self.correlation).zip(rows)
+        {
+            let entries = random.iter_mut().zip(whole).zip(independent);
+            for (((j, (other, its_output)), correlation), ((random, whole), independent)) in
+                heights().zip(correlations).zip(entries)
+            {
+                let (Some(one), Some(other)) = (one, other) else { continue };
+                let noise = one.random_sd_m * other.random_sd_m;
+                let correlation = if i == j { T::one() } else { *correlation };
+                let systematic = correlation * one.systematic_sd_m() * other.systematic_sd_m();
+                *random = if output == its_output { noise } else { T::zero() };
+                *whole = *random + systematic;
+                *independent = if i == j { noise + systematic } else { systematic };
+            }
+        }
+        found
+    }
+}
+
+/// Covariances of the heights of all channels.
+struct Covariances<T, const C: usize> {
+    /// Noise, taken as fully correlated between channels with the same roll angle.
+    random: [[T; C]; C],
+    /// Noise as above, and the systematic part.
+    whole: [[T; C]; C],
+    /// The same, with noise that is independent in all channels.
+    independent: [[T; C]; C],
+}
+
+impl<T: Real, const C: usize> Covariances<T, C> {
     /// The weight of the height `alone` beside `mean` for the smallest variance.
     fn best_weight(&self, mean: &[T; C], alone: &[T; C]) -> T {
-        let mine = self.covariance(mean, mean, Part::Whole);
-        let its = self.covariance(alone, alone, Part::Whole);
-        let common = self.covariance(mean, alone, Part::Whole);
+        let mine = product(mean, &self.whole, mean);
+        let its = product(alone, &self.whole, alone);
+        let common = product(mean, &self.whole, alone);
         let spread = mine + its - T::of(2.0) * common;
         if spread > T::zero() {
             ((mine - common) / spread).max(T::zero()).min(T::one())
@@ -250,55 +291,25 @@ impl<T: Real, const C: usize> Heights<T, C> {
 
     /// The variance of the difference between `mean` and the height `alone`. The effects of noise
     /// on the heights are taken as independent.
-    fn variance_of_difference(&self, mean: &[T; C], alone: &[T; C]) -> T {
+    fn of_difference(&self, mean: &[T; C], alone: &[T; C]) -> T {
         let mut difference = *mean;
         for (share, one) in difference.iter_mut().zip(alone) {
             *share -= *one;
         }
-        self.covariance(&difference, &difference, Part::Independent)
+        product(&difference, &self.independent, &difference)
     }
+}
 
-    /// The covariance of two weighted sums of the heights.
-    fn covariance(&self, a: &[T; C], b: &[T; C], part: Part) -> T {
-        let heights = || self.of_channels.iter().zip(&self.outputs);
-        let mut sum = T::zero();
-        for (i, (((one, output), correlations), a)) in
-            heights().zip(&self.correlation).zip(a).enumerate()
-        {
-            for (j, (((other, its_output), correlation), b)) in
-                heights().zip(correlations).zip(b).enumerate()
-            {
-                let (Some(one), Some(other)) = (one, other) else { continue };
-                let shared = i == j || (part.shares_noise() && output == its_output);
-                let noise = if shared { one.random_sd_m * other.random_sd_m } else { T::zero() };
-                let systematic = if matches!(part, Part::Random) {
-                    T::zero()
-                } else {
-                    let correlation = if i == j { T::one() } else { *correlation };
-                    correlation * one.systematic_sd_m() * other.systematic_sd_m()
-                };
-                sum += *a * *b * (noise + systematic);
-            }
+/// `aᵀ M b`: the covariance of two weighted sums of the heights.
+#[inline(never)]
+fn product<T: Real, const C: usize>(a: &[T; C], matrix: &[[T; C]; C], b: &[T; C]) -> T {
+    let mut sum = T::zero();
+    for (a, row) in a.iter().zip(matrix) {
+        for (b, entry) in b.iter().zip(row) {
+            sum += *a * *b * *entry;
         }
-        sum
     }
-}
-
-/// The part of the uncertainty.
-#[derive(Clone, Copy)]
-enum Part {
-    /// Noise, taken as fully correlated between channels with the same roll angle.
-    Random,
-    /// Noise as above, and the systematic part.
-    Whole,
-    /// The same, with noise that is independent in all channels.
-    Independent,
-}
-
-impl Part {
-    const fn shares_noise(self) -> bool {
-        !matches!(self, Self::Independent)
-    }
+    sum
 }
 
 #[cfg(test)]

@@ -298,17 +298,21 @@ impl<T: Real, const C: usize> Design<T, C> {
     ///
     /// Each coefficient is interpolated cubically in speed and in mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
-        let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(cell.line(self.channels.get(self.place(channel)?)?))
+        let design = self.channels.get(self.place(channel)?)?;
+        let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
+        self.blended(design, speed_mps, &mass)
     }
 
     /// The compensated ratio of every channel at the reference height, in radians of roll per unit
     /// of input; `None` outside the axes.
     pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {
-        let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(self.channels.each_ref().map(|design| {
-            cell.line(design).ratio_at(self.reference_height_m) * design.compensation
-        }))
+        let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
+        let mut gains = [T::zero(); C];
+        for (gain, design) in gains.iter_mut().zip(&self.channels) {
+            let line = self.blended(design, speed_mps, &mass)?;
+            *gain = line.ratio_at(self.reference_height_m) * design.compensation;
+        }
+        Some(gains)
     }
 
     /// `R_c` of a channel; one if the design does not have it.
@@ -368,39 +372,32 @@ impl<T: Real, const C: usize> Design<T, C> {
         Some(self.rollover.at(height, trailer_mass_kg, &line.at_speed(speed_mps), span_m))
     }
 
-    fn cell(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Cell<T>> {
-        Some(Cell {
-            speed: cubic(&self.speed_mps, speed_mps, |speed_mps| speed_mps)?,
-            curvature: cubic(&self.speed_mps, speed_mps, |u| T::one() / (u * u))?,
-            mass: cubic(&self.trailer_mass_kg, trailer_mass_kg, |mass_kg| mass_kg)?,
-        })
-    }
-}
-
-/// A point in a table. On each axis: the index of the first of four nodes, and their weights.
-struct Cell<T> {
-    speed: (usize, [T; 4]),
-    /// The same nodes, with weights on the axis 1/U², which is the curvature at a lateral
-    /// acceleration.
-    curvature: (usize, [T; 4]),
-    mass: (usize, [T; 4]),
-}
-
-impl<T: Real> Cell<T> {
-    /// The line of a channel. The effect of the steer angle is a smooth function of the speed, that of
-    /// an acceleration a smooth function of the curvature, by which the tires scrub.
-    fn line(&self, channel: &ChannelDesign<T>) -> RatioLine<T> {
+    /// The line of a channel at a speed, with these weights of the masses. The effect of the steer
+    /// angle is a smooth function of the speed, that of an acceleration a smooth function of the
+    /// curvature, by which the tires scrub.
+    #[inline(never)]
+    fn blended(
+        &self,
+        channel: &ChannelDesign<T>,
+        speed_mps: T,
+        mass: &Weights<T>,
+    ) -> Option<RatioLine<T>> {
         let by_steer = channel.index as usize == Channel::Steer.index();
-        let (i, speed) = if by_steer { self.speed } else { self.curvature };
-        let (j, mass) = self.mass;
+        let speed = cubic(&self.speed_mps, speed_mps, !by_steer)?;
         let mut sum = RatioLine { a0: T::zero(), a1: T::zero(), b0: T::zero(), b1: T::zero() };
-        for (row, u) in channel.lines.iter().skip(i).zip(speed) {
-            for (line, m) in row.iter().skip(j).zip(mass) {
+        for (row, u) in channel.lines.iter().skip(speed.first).zip(speed.weights) {
+            for (line, m) in row.iter().skip(mass.first).zip(mass.weights) {
                 sum.add(line, u * m);
             }
         }
-        sum
+        Some(sum)
     }
+}
+
+/// A point on an axis: the index of the first of four nodes, and their weights.
+struct Weights<T> {
+    first: usize,
+    weights: [T; 4],
 }
 
 fn increasing<T: Real>(axis: &[T], field: &'static str) -> Result<(), DesignError> {
@@ -428,6 +425,7 @@ fn positive<T: Real>(value: T, field: &'static str) -> Result<(), DesignError> {
 
 /// The interval of a strictly increasing axis that contains `value`, and the relative position in
 /// it.
+#[inline(never)] // used often, and flash is scarce on a chip
 fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
     for (i, pair) in axis.windows(2).enumerate() {
         if let [low, high] = pair
@@ -440,12 +438,15 @@ fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
     None
 }
 
-/// Index of the first of the four nodes around `value` (near an end of the axis: the first or last
-/// four), and the Lagrange weights of the four on the axis that `scale` makes of it.
-fn cubic<T: Real>(axis: &[T], value: T, scale: impl Fn(T) -> T) -> Option<(usize, [T; 4])> {
+/// The four nodes around `value` (near an end of the axis: the first or last four) and their Lagrange
+/// weights. With `curvature`, the axis is 1/U² instead of a speed U, which is the curvature at a
+/// lateral acceleration.
+#[inline(never)]
+fn cubic<T: Real>(axis: &[T], value: T, curvature: bool) -> Option<Weights<T>> {
     let (interval, _) = locate(axis, value)?;
     let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
-    let nodes = axis.get(first..)?.first_chunk::<4>()?.map(&scale);
+    let scale = |u: T| if curvature { T::one() / (u * u) } else { u };
+    let nodes = axis.get(first..)?.first_chunk::<4>()?.map(scale);
     let value = scale(value);
     let mut place = 0;
     let weights = nodes.map(|node| {
@@ -459,7 +460,7 @@ fn cubic<T: Real>(axis: &[T], value: T, scale: impl Fn(T) -> T) -> Option<(usize
         place += 1;
         above / below
     });
-    Some((first, weights))
+    Some(Weights { first, weights })
 }
 
 #[cfg(test)]
@@ -482,11 +483,14 @@ mod tests {
         let axis = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0];
         let law = |x: f64| 2.0 - x + 0.3 * x * x - 0.01 * x * x * x;
         for value in [3.0, 3.2, 4.7, 5.5, 7.0, 9.0, 16.0, 17.0_f64] {
-            let (first, weights) = cubic(&axis, value, |x| x).unwrap();
-            let found: f64 = axis[first..].iter().zip(weights).map(|(x, w)| w * law(*x)).sum();
-            assert!((found - law(value)).abs() < 1e-12, "{value}: {found}");
+            for curvature in [false, true] {
+                let law = |x: f64| law(if curvature { 1.0 / (x * x) } else { x });
+                let Weights { first, weights } = cubic(&axis, value, curvature).unwrap();
+                let found: f64 = axis[first..].iter().zip(weights).map(|(x, w)| w * law(*x)).sum();
+                assert!((found - law(value)).abs() < 1e-12, "{value}: {found}");
+            }
         }
-        assert!(cubic(&axis, 2.9, |x| x).is_none() && cubic(&axis, 17.1, |x| x).is_none());
+        assert!(cubic(&axis, 2.9, false).is_none() && cubic(&axis, 17.1, true).is_none());
     }
 
     #[test]
