@@ -4,7 +4,7 @@ use cg_core::Height;
 use cg_firmware::log::samples;
 use cg_firmware::replay::replay;
 use cg_firmware::truck::DESIGN;
-use cg_firmware::{Maneuver, can};
+use cg_firmware::{Maneuver, can, pair};
 
 fn tell(maneuver: &Maneuver, height: Option<Height<f32>>) {
     // The chip's format: a dash if there is no number.
@@ -22,4 +22,6 @@ fn main() {
     println!("hash = {:016x}", report.trace.0);
     let trace = can::replay(|maneuver, estimator| tell(maneuver, estimator.combined_height()));
     println!("can_hash = {:016x}", trace.0);
+    let report = replay(&pair::DESIGN, pair::samples(), || 0, tell);
+    println!("pair_hash = {:016x}", report.trace.0);
 }

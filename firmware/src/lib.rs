@@ -6,6 +6,7 @@
 //! | [`log`] | the fixture logs, compiled in |
 //! | [`truck`] | the design, as `cg design --emit rust` wrote it |
 //! | [`trace`] | a hash of every bit of every answer |
+//! | [`pair`] | the same truck and log with other channels |
 //! | [`replay`] | samples in, costs and heights out |
 //! | [`can`] | J1939 frames in, heights out |
 #![no_std]
@@ -21,6 +22,7 @@ pub mod log;
 #[allow(missing_docs)] // emitted
 #[path = "../../crates/cg-core/examples/kraz/design.rs"]
 pub mod truck;
+pub mod pair;
 pub mod trace;
 pub mod replay;
 pub mod can;

@@ -300,7 +300,8 @@ impl<T: Real, const C: usize> Design<T, C> {
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let design = self.channels.get(self.place(channel)?)?;
         let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
-        self.blended(design, speed_mps, &mass)
+        let speed = cubic(&self.speed_mps, speed_mps, !design.is_steer())?;
+        Some(design.line(&speed, &mass))
     }
 
     /// The compensated ratio of every channel at the reference height, in radians of roll per unit
@@ -308,8 +309,17 @@ impl<T: Real, const C: usize> Design<T, C> {
     pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {
         let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
         let mut gains = [T::zero(); C];
+        // The weights of the speed are the same for all accelerations.
+        let mut curvature = None;
         for (gain, design) in gains.iter_mut().zip(&self.channels) {
-            let line = self.blended(design, speed_mps, &mass)?;
+            let line = if design.is_steer() {
+                design.line(&cubic(&self.speed_mps, speed_mps, false)?, &mass)
+            } else {
+                if curvature.is_none() {
+                    curvature = cubic(&self.speed_mps, speed_mps, true);
+                }
+                design.line(curvature.as_ref()?, &mass)
+            };
             *gain = line.ratio_at(self.reference_height_m) * design.compensation;
         }
         Some(gains)
@@ -371,26 +381,25 @@ impl<T: Real, const C: usize> Design<T, C> {
         let span_m = [self.least_height_m, self.greatest_height_m];
         Some(self.rollover.at(height, trailer_mass_kg, &line.at_speed(speed_mps), span_m))
     }
+}
 
-    /// The line of a channel at a speed, with these weights of the masses. The effect of the steer
-    /// angle is a smooth function of the speed, that of an acceleration a smooth function of the
-    /// curvature, by which the tires scrub.
+impl<T: Real> ChannelDesign<T> {
+    /// The effect of the steer angle is a smooth function of the speed, that of an acceleration a
+    /// smooth function of the curvature, by which the tires scrub.
+    fn is_steer(&self) -> bool {
+        self.index as usize == Channel::Steer.index()
+    }
+
+    /// The line at these weights of the speeds and masses.
     #[inline(never)]
-    fn blended(
-        &self,
-        channel: &ChannelDesign<T>,
-        speed_mps: T,
-        mass: &Weights<T>,
-    ) -> Option<RatioLine<T>> {
-        let by_steer = channel.index as usize == Channel::Steer.index();
-        let speed = cubic(&self.speed_mps, speed_mps, !by_steer)?;
+    fn line(&self, speed: &Weights<T>, mass: &Weights<T>) -> RatioLine<T> {
         let mut sum = RatioLine { a0: T::zero(), a1: T::zero(), b0: T::zero(), b1: T::zero() };
-        for (row, u) in channel.lines.iter().skip(speed.first).zip(speed.weights) {
+        for (row, u) in self.lines.iter().skip(speed.first).zip(speed.weights) {
             for (line, m) in row.iter().skip(mass.first).zip(mass.weights) {
                 sum.add(line, u * m);
             }
         }
-        Some(sum)
+        sum
     }
 }
 
