@@ -61,7 +61,7 @@ pub(crate) struct Watch<T> {
 }
 
 fn with<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
-    [low.min(x), high.max(x)]
+    [if x < low { x } else { low }, if x > high { x } else { high }]
 }
 
 impl<T: Real> Watch<T> {

@@ -76,7 +76,7 @@ impl LogEstimator {
             return inconsistent(remark.clone());
         }
         match combined {
-            Some(Combined::Doubtful { height, chi_square }) => Together {
+            Some(Combined::Doubtful { height, chi_square, .. }) => Together {
                 remark: Some(format!(
                     "{}: they differ by more than their uncertainty explains; the interval was \
                      made {:.1} times as wide",
@@ -85,7 +85,7 @@ impl LogEstimator {
                 )),
                 ..plain(Some(height))
             },
-            Some(Combined::Contradictory { chi_square }) => inconsistent(format!(
+            Some(Combined::Contradictory { chi_square, .. }) => inconsistent(format!(
                 "{}: {:.0} standard deviations apart",
                 self.heights(),
                 chi_square.sqrt()
