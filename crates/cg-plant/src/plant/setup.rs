@@ -10,8 +10,8 @@ use super::dynamics::{Parameters, Sprung};
 use super::options::{Characteristics, PlantOptions};
 use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 use super::suspension::{Group, Law};
-use super::vector::Vector;
 use super::tyre::{PER_SIDE, Tyres};
+use super::vector::Vector;
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
@@ -74,7 +74,6 @@ pub(super) fn parameters(
         groups,
         kinds,
         gravity_mps2: g,
-        bank_rad: options.bank_rad,
         accelerometers: accelerometers(vehicle),
     };
     Ok((parameters, state))
