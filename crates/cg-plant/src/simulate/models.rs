@@ -68,7 +68,11 @@ impl Models {
             super::scenario::Plant::Reduced => {
                 let model = model(scenario.speed_mps)?;
                 Some(Reduced {
-                    simulation: ReducedSimulation::new(&reduce(&model)?.of_channels[Channel::Steer.index()], interval_s, 0.0),
+                    simulation: ReducedSimulation::new(
+                        &reduce(&model)?.of_channels[Channel::Steer.index()],
+                        interval_s,
+                        0.0,
+                    ),
                     lateral_gain: model
                         .steady(&model.lateral_acceleration, model.lateral_feedthrough)?,
                     yaw_gain: model.steady(&model.trailer_yaw_rate, 0.0)?,
