@@ -142,6 +142,11 @@ impl<'a> Simulation<'a> {
         }
     }
 
+    /// Step of the integration.
+    pub fn step_s(&self) -> f64 {
+        self.plant.step_s()
+    }
+
     /// Time since the start.
     pub fn time_s(&self) -> f64 {
         self.time_s

@@ -17,6 +17,7 @@ mod kinds;
 mod file;
 
 pub use kinds::RoadKind;
+pub use pace::Pace;
 
 use cg_vehicle::error::VehicleError;
 
@@ -97,9 +98,12 @@ impl Road {
         self.points.iter().all(|point| point.speed_mps.is_finite())
     }
 
-    /// Time after which a drive on it usually ends; `None` for its whole length.
-    pub fn usual_duration_s(&self) -> Option<f64> {
-        self.usual_duration_s
+    /// Time of a usual drive on it, whole seconds: 120 or 150 s of the usual kinds, otherwise until
+    /// the end of the table. The road has a speed limit.
+    pub fn usual_duration_s(&self) -> f64 {
+        let [start_m, end_m] = self.ends_m();
+        let whole_s = self.pace().time_s(start_m, end_m).floor();
+        self.usual_duration_s.map_or(whole_s, |usual_s| usual_s.min(whole_s))
     }
 
     /// The same road with a speed limit that is nowhere higher than this.
