@@ -131,12 +131,7 @@ impl ChassisInstruments {
         };
         let [trailer, tractor] = self.roll_per_difference;
         row.suspension_roll_rad += trailer
-            * error_m(
-                row.level_left_m,
-                truth.level_left_m,
-                row.level_right_m,
-                truth.level_right_m,
-            );
+            * error_m(row.level_left_m, truth.level_left_m, row.level_right_m, truth.level_right_m);
         row.tractor_suspension_roll_rad += tractor
             * error_m(
                 row.tractor_level_left_m,

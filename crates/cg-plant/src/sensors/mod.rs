@@ -291,12 +291,10 @@ impl Instruments {
             self.past.pop_front();
         }
         match (self.past.front(), self.past.get(1)) {
-            (Some(before), Some(after)) if then_s > before.0 => {
-                [0, 1].map(|k| {
-                    let change_rad = after.1[k] - before.1[k];
-                    before.1[k] + change_rad * (then_s - before.0) / (after.0 - before.0)
-                })
-            }
+            (Some(before), Some(after)) if then_s > before.0 => [0, 1].map(|k| {
+                let change_rad = after.1[k] - before.1[k];
+                before.1[k] + change_rad * (then_s - before.0) / (after.0 - before.0)
+            }),
             (Some(before), _) => before.1,
             _ => now_rad,
         }

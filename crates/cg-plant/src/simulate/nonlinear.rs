@@ -46,11 +46,9 @@ impl Steering<'_> {
                 speed_mps: histories.speed_mps(until_s),
                 bank_rad: 0.0,
             },
-            Self::Path(driver, speed_mps) => Action {
-                steer_rad: driver.steer_rad(run),
-                speed_mps: *speed_mps,
-                bank_rad: 0.0,
-            },
+            Self::Path(driver, speed_mps) => {
+                Action { steer_rad: driver.steer_rad(run), speed_mps: *speed_mps, bank_rad: 0.0 }
+            }
             Self::Road(driver) => driver.next(run, step_s),
         }
     }

@@ -122,12 +122,7 @@ impl LogSimulation {
         Self { source, truth, ..Self::empty(vehicle, scenario, samples, Some(track)) }.with_noise()
     }
 
-    fn empty(
-        vehicle: &Vehicle,
-        scenario: Scenario,
-        samples: u64,
-        track: Option<Track>,
-    ) -> Self {
+    fn empty(vehicle: &Vehicle, scenario: Scenario, samples: u64, track: Option<Track>) -> Self {
         let has_chassis = scenario.sensors.chassis.is_some();
         Self {
             source: Source::Recorded(Vec::new()),
