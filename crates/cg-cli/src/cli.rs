@@ -20,7 +20,7 @@ use crate::numbers::{
 };
 use crate::run::args::RunArgs;
 use crate::sensors::SensorArgs;
-use crate::truck::TruckArgs;
+use crate::truck::{RoadArgs, TruckArgs};
 use crate::words::word;
 
 /// Maximum number of logs that are read at the same time.
@@ -72,13 +72,15 @@ pub(crate) struct EstimateArgs {
     pub(crate) logs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) truck: TruckArgs,
+    #[command(flatten)]
+    pub(crate) road: RoadArgs,
     /// Output format; JSON has one object per line
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
     /// Method by which the DC ratio is identified
     #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
     pub(crate) method: Method,
-    /// Input from which the height is estimated
+    /// Pair of signals from which the height is estimated
     #[arg(long, value_parser = word::<ChannelChoice>(), default_value_t = ChannelChoice::Auto)]
     pub(crate) channel: ChannelChoice,
     /// Order of the classical ARX (for --method arx)

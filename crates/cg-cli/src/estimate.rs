@@ -36,6 +36,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         channel: arguments.channel.into(),
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,
+        road: arguments.road.of(&vehicle),
     };
     if let Some(mass_kg) = arguments.trailer_mass_kg {
         let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };

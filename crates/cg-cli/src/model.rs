@@ -3,8 +3,8 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_core::RatioLine;
 use cg_core::truck::reduced::ORDER;
+use cg_core::{Channel, RatioLine};
 use cg_vehicle::reduction::{Method, reduce};
 use cg_vehicle::system::TransferFunction;
 use cg_vehicle::{LinearModel, Vehicle};
@@ -30,6 +30,8 @@ struct Description {
     dc_gain: f64,
     ratio: Line,
     lateral_acceleration_ratio: Line,
+    suspension_ratio: Line,
+    tractor_ratio: Line,
     reduced: Reduced,
     static_balance: Balance,
 }
@@ -80,7 +82,8 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
     let models = reduce(state_space).map_err(|error| error.of_vehicle(vehicle))?;
     let line = |line: &RatioLine<f64>| Line { a0: line.a0, a1: line.a1, b0: line.b0, b1: line.b1 };
     let mut reduced_denominator = vec![1.0];
-    reduced_denominator.extend(models.steer.denominator.iter().rev());
+    let steer = &models.of_channels[Channel::Steer.index()];
+    reduced_denominator.extend(steer.denominator.iter().rev());
     Ok(Description {
         vehicle: vehicle.name.clone(),
         speed_mps,
@@ -94,13 +97,15 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
         dc_gain,
         ratio: line(&model.ratio[0]),
         lateral_acceleration_ratio: line(&model.ratio[1]),
+        suspension_ratio: line(&model.ratio[2]),
+        tractor_ratio: line(&model.ratio[3]),
         reduced: Reduced {
             order: ORDER,
             method: match models.method {
                 Method::Pade => "pade",
                 Method::SlowestPoles => "slowest-poles",
             },
-            numerator: models.steer.numerator.iter().rev().copied().collect(),
+            numerator: steer.numerator.iter().rev().copied().collect(),
             denominator: reduced_denominator,
         },
         static_balance: Balance {
@@ -143,9 +148,12 @@ fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
         out,
         "\nDC ratio as a function of height, R = (a1 h + a0) / (b1 h + b0), h in meters"
     )?;
-    for (name, line) in
-        [("steer", &d.ratio), ("lateral acceleration", &d.lateral_acceleration_ratio)]
-    {
+    for (name, line) in [
+        ("steer", &d.ratio),
+        ("lateral acceleration", &d.lateral_acceleration_ratio),
+        ("suspension", &d.suspension_ratio),
+        ("tractor", &d.tractor_ratio),
+    ] {
         writeln!(
             out,
             "  {name:<21} a0 {:+.6}  a1 {:+.6}  b0 {:+.6}  b1 {:+.6}",

@@ -68,14 +68,17 @@ fn csv(answers: &[Answer]) -> anyhow::Result<()> {
         "steer_height_sd_m",
         "lateral_acceleration_height_m",
         "lateral_acceleration_height_sd_m",
+        "suspension_height_m",
+        "suspension_height_sd_m",
+        "tractor_height_m",
+        "tractor_height_sd_m",
     ])?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for answer in answers {
         let e = &answer.estimate;
         let alone =
             |channel: Channel| e.channels.iter().find(|alone| alone.channel == channel.to_string());
-        let [steer, lateral] = Channel::ALL.map(alone);
-        out.write_record([
+        let mut record = vec![
             answer.log.clone(),
             status(e).to_owned(),
             number(e.height_m),
@@ -94,11 +97,12 @@ fn csv(answers: &[Answer]) -> anyhow::Result<()> {
             e.maneuvers.len().to_string(),
             number(answer.known_m),
             e.messages.join("; "),
-            number(steer.and_then(|alone| alone.height_m)),
-            number(steer.and_then(|alone| alone.height_sd_m)),
-            number(lateral.and_then(|alone| alone.height_m)),
-            number(lateral.and_then(|alone| alone.height_sd_m)),
-        ])?;
+        ];
+        for alone in Channel::ALL.map(alone) {
+            record.push(number(alone.and_then(|alone| alone.height_m)));
+            record.push(number(alone.and_then(|alone| alone.height_sd_m)));
+        }
+        out.write_record(record)?;
     }
     out.flush()?;
     Ok(())

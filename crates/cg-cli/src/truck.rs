@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use cg_core::Design;
+use cg_logs::estimate::RoadChoice;
 use cg_logs::output::Files;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
@@ -37,6 +38,23 @@ pub(crate) fn load(path: &Path) -> anyhow::Result<Vehicle> {
         let _ = writeln!(std::io::stderr(), "cg: {}", warning.in_file(&file));
     }
     Ok(vehicle)
+}
+
+/// The roads of the logs.
+#[derive(Debug, Args)]
+pub(crate) struct RoadArgs {
+    /// Roads: flat (test track), public, or the standard deviation of their bank in curves, rad.
+    /// Default: that of the vehicle file; without it, roll angles relative to gravity and those
+    /// beside sensors that do not feel the bank are taken as measured on public roads
+    #[arg(long, value_name = "flat|public|SD")]
+    road: Option<RoadChoice>,
+}
+
+impl RoadArgs {
+    /// The given roads, or those of the vehicle file.
+    pub(crate) fn of(&self, vehicle: &Vehicle) -> Option<RoadChoice> {
+        self.road.or_else(|| RoadChoice::of_vehicle(vehicle))
+    }
 }
 
 impl TruckArgs {

@@ -81,7 +81,8 @@ pub fn calibrate<E: From<VehicleError>>(
                 variant,
                 trailer_mass_kg: known.trailer_mass_kg,
                 ..EstimateOptions::default()
-            };
+            }
+            .on_roads_of(vehicle);
             let mut estimator =
                 LogEstimator::from_design(&design, vehicle.align_settings(), options);
             feed(known, &mut estimator)?;

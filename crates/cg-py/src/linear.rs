@@ -82,6 +82,8 @@ pub(crate) fn linear_model<'py>(
     set_state_space(&fields, &computed.model)?;
     fields.set_item("ratio", ratio_line(py, &computed.model.ratio[0])?)?;
     fields.set_item("lateral_acceleration_ratio", ratio_line(py, &computed.model.ratio[1])?)?;
+    fields.set_item("suspension_ratio", ratio_line(py, &computed.model.ratio[2])?)?;
+    fields.set_item("tractor_ratio", ratio_line(py, &computed.model.ratio[3])?)?;
     fields.set_item("reduced", reduced_model(py, &computed.reduced)?)?;
     fields.set_item("static_balance", static_balance(py, computed.model)?)?;
     make(py, "LinearModel", &fields)
@@ -122,7 +124,7 @@ fn ratio_line<'py>(py: Python<'py>, line: &RatioLine<f64>) -> PyResult<Bound<'py
 }
 
 fn reduced_model<'py>(py: Python<'py>, models: &ReducedModels) -> PyResult<Bound<'py, PyAny>> {
-    let steer = &models.steer;
+    let steer = &models.of_channels[cg_core::Channel::Steer.index()];
     let numerator = steer.numerator.iter().rev().copied().collect();
     let denominator = std::iter::once(1.0).chain(steer.denominator.iter().rev().copied()).collect();
     let method = match models.method {

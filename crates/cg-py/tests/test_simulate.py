@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import tomllib
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -32,6 +33,17 @@ def test_a_simulated_log_gives_its_height_back_whichever_way_it_is_read(baseline
     back = cgheight.read_log(path)
     for name, values in log.signals.items():
         assert np.max(np.abs(back[name] - values)) <= (5e-7 if name == "time_s" else 0.0)
+
+
+@pytest.mark.parametrize("sensors", [Sensors(), Sensors(snr_db=20, roll_limit_rad=0.05)])
+def test_the_truth_has_the_documented_keys_and_types(baseline, sensors):
+    log = cgheight.simulate(baseline, Scenario("sine", duration_s=5, sensors=sensors))
+    types = get_type_hints(cgheight.Truth)
+    assert set(log.truth) == set(types)
+    for key, value in log.truth.items():
+        assert isinstance(value, types[key]), key
+    for field in fields(Sensors):
+        assert log.truth[field.name] == getattr(sensors, field.name)
 
 
 def test_sensors_do_what_their_keywords_say(baseline):

@@ -91,10 +91,8 @@ impl Equations {
             lateral_rate: DVector::zeros(nw),
             lateral_bias: DVector::zeros(nw),
             gravity_mps2: 0.0,
-            units: [(); 2].map(|()| UnitSensors {
-                accelerometer: DVector::zeros(nw),
-                axles: Vec::new(),
-            }),
+            units: [(); 2]
+                .map(|()| UnitSensors { accelerometer: DVector::zeros(nw), axles: Vec::new() }),
         }
     }
 

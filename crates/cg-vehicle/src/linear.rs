@@ -139,12 +139,7 @@ impl SteadyLines {
         let ([n0, n1], [d0, d1]) =
             ([0, 1].map(|k| self.output(output, k)), [0, 1].map(|k| self.input(input, k)));
         let (a1, b1) = ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0);
-        RatioLine {
-            a0: n0 / d0 - a1 * self.cg_height_m,
-            a1,
-            b0: 1.0 - b1 * self.cg_height_m,
-            b1,
-        }
+        RatioLine { a0: n0 / d0 - a1 * self.cg_height_m, a1, b0: 1.0 - b1 * self.cg_height_m, b1 }
     }
 
     /// The DC ratio of a channel as a function of the height.

@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args};
 use crate::args::ColumnArgs;
 use crate::can::CanArgs;
 use crate::numbers::{not_negative, trailer_mass_kg};
-use crate::truck::TruckArgs;
+use crate::truck::{RoadArgs, TruckArgs};
 
 /// Source of the signals, truck, and outputs.
 #[derive(Debug, Args)]
@@ -28,6 +28,8 @@ pub(crate) struct RunArgs {
     pub(crate) realtime: bool,
     #[command(flatten)]
     pub(crate) truck: TruckArgs,
+    #[command(flatten)]
+    pub(crate) road: RoadArgs,
     /// Mass of the whole semitrailer, kg; replaces the mass from the bus
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,

@@ -47,6 +47,10 @@ pub(crate) struct ManeuverLine {
     pub(crate) speed_mps: f64,
     pub(crate) steer: ManeuverEstimate,
     pub(crate) lateral_acceleration: ManeuverEstimate,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) suspension: Option<ManeuverEstimate>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) tractor: Option<ManeuverEstimate>,
     #[serde(flatten)]
     pub(crate) result: Result,
 }

@@ -33,7 +33,7 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use anyhow::bail;
-use cg_core::Warner;
+use cg_core::{Settings, Warner};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::Vehicle;
@@ -64,7 +64,9 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
     let mass_kg = arguments.trailer_mass_kg;
-    let mut session = Session::new(&design, warner, mass_kg, arguments.status_s, outputs);
+    let road = arguments.road.of(&vehicle).map(|road| road.bank_sd_rad);
+    let rules = road.map_or(Settings::truck(), |sd| Settings::truck().on_road(sd));
+    let mut session = Session::new((&design, rules), warner, mass_kg, arguments.status_s, outputs);
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(socket::wall_us() as f64 * 1e-6, 0);

@@ -70,12 +70,23 @@ impl Pace {
 }
 
 /// The quantities that determine the motion of the truck at an instant. All others change slowly.
-pub(crate) const MOTION: [Quantity; 6] = [
+pub(crate) const MOTION: [Quantity; 17] = [
     Quantity::Steer,
     Quantity::SteeringWheel,
     Quantity::Roll,
+    Quantity::RollToGravity,
     Quantity::Tilt,
+    Quantity::AxleTilt,
+    Quantity::SuspensionRoll,
+    Quantity::LevelLeft,
+    Quantity::LevelRight,
     Quantity::LateralAcceleration,
+    Quantity::LateralSpecificForce,
+    Quantity::TractorSuspensionRoll,
+    Quantity::TractorLateralSpecificForce,
+    Quantity::TractorTilt,
+    Quantity::TractorLevelLeft,
+    Quantity::TractorLevelRight,
     Quantity::YawRate,
 ];
 

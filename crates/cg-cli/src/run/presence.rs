@@ -12,10 +12,33 @@ const BEGUN_US: u64 = 3_000_000;
 /// Groups of signals of which one is enough.
 const PURPOSES: [&[Quantity]; 5] = [
     &[Quantity::SteeringWheel, Quantity::Steer],
-    &[Quantity::Roll, Quantity::Tilt],
+    ROLLS,
     &[Quantity::Speed],
-    &[Quantity::LateralAcceleration, Quantity::YawRate],
-    &[Quantity::TrailerMass, Quantity::TrailerAxleLoad, Quantity::TrailerSuspensionPressure],
+    &[
+        Quantity::LateralAcceleration,
+        Quantity::YawRate,
+        Quantity::LateralSpecificForce,
+        Quantity::TractorLateralSpecificForce,
+        Quantity::TractorTilt,
+    ],
+    &[
+        Quantity::TrailerMass,
+        Quantity::TrailerAxleLoad,
+        Quantity::TrailerSuspensionPressure,
+        Quantity::DrivePressureLeft,
+        Quantity::DrivePressureRight,
+    ],
+];
+
+/// The signals that give a roll angle.
+const ROLLS: &[Quantity] = &[
+    Quantity::Roll,
+    Quantity::RollToGravity,
+    Quantity::Tilt,
+    Quantity::SuspensionRoll,
+    Quantity::LevelLeft,
+    Quantity::TractorSuspensionRoll,
+    Quantity::TractorLevelLeft,
 ];
 
 /// The signals that have been received and those that are expected.
@@ -58,7 +81,7 @@ impl Presence {
         let cadence = self.cadence.get_mut(index).filter(|_| MOTION.contains(&quantity))?;
         let slow = cadence.push(now_us);
         // Roll angles become samples, and the rate of samples is checked separately.
-        slow.filter(|_| !matches!(quantity, Quantity::Roll | Quantity::Tilt))
+        slow.filter(|_| !ROLLS.contains(&quantity))
     }
 
     /// Names of the signals that are missing: lost, too slow, or never received.

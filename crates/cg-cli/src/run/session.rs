@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 
-use cg_core::SampleError;
 use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
     Warner,
 };
+use cg_core::{Reject, SampleError};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
 
@@ -30,6 +30,7 @@ const WEIGHED_US: u64 = 5_000_000;
 /// The processing of samples of one run.
 pub(crate) struct Session<W: Write> {
     estimator: Estimator<f64, FilteredArx<f64>>,
+    settings: Settings<f64>,
     trailer_mass_kg: Option<f64>,
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
@@ -66,7 +67,7 @@ struct Due {
 
 impl<W: Write> Session<W> {
     pub(crate) fn new(
-        design: &Design<f64>,
+        (design, settings): (&Design<f64>, Settings<f64>),
         warner: Warner<f64>,
         trailer_mass_kg: Option<f64>,
         status_s: f64,
@@ -80,7 +81,8 @@ impl<W: Write> Session<W> {
         Self {
             known: Known::new(None, None, (mass_kg, mass_source)),
             speed_mps: f64::NAN,
-            estimator: Estimator::new(*design, Settings::truck(), Prior::standard()),
+            estimator: Estimator::new(*design, settings, Prior::standard()),
+            settings,
             trailer_mass_kg,
             mass_source,
             unweighed_us: None,
@@ -106,18 +108,19 @@ impl<W: Write> Session<W> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
                 let design = *self.estimator.design();
-                let (settings, prior) = (Settings::truck(), Prior::standard());
-                let restored = Estimator::restored(design, settings, prior, &state.memory);
+                let (settings, prior) = (self.settings, Prior::standard());
+                let memory = state.memory();
+                let restored = Estimator::restored(design, settings, prior, &memory);
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 self.load_since_s = state.load_since_s;
                 // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
-                let weighed = (state.memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
+                let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
                 if weighed && self.mass_source == MassSource::Nominal {
                     self.mass_source = MassSource::Kept;
                 }
-                self.update(state.memory.load_mass_kg.unwrap_or(state.memory.trailer_mass_kg));
+                self.update(memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg));
                 Ok(true)
             }
             Some(Ok(Found::PutAside(path, reason))) => {
@@ -229,11 +232,7 @@ impl<W: Write> Session<W> {
     }
 
     fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
-        let lateral_mps2 = if sample.lateral_acceleration_mps2.is_nan() {
-            sample.yaw_rate_radps * sample.speed_mps
-        } else {
-            sample.lateral_acceleration_mps2
-        };
+        let lateral_mps2 = self.felt_mps2(sample);
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         // Without a speed, the last one is used.
         if sample.speed_mps.is_finite() {
@@ -245,6 +244,35 @@ impl<W: Write> Session<W> {
         let Some(level) = level else { return Ok(()) };
         let margin_g = self.known.margin_g(self.lateral_g());
         self.say(Event::Warning { level, margin_g })
+    }
+
+    /// The lateral acceleration in the plane of the road, which the truck feels: with the part of
+    /// gravity that a bank adds, if an accelerometer shows it (`f = a_e + g φ`, `φ = R a_e`).
+    fn felt_mps2(&self, sample: &Sample<f64>) -> f64 {
+        let path_mps2 = if sample.lateral_acceleration_mps2.is_nan() {
+            sample.yaw_rate_radps * sample.speed_mps
+        } else {
+            sample.lateral_acceleration_mps2
+        };
+        let design = self.estimator.design();
+        let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
+        let height_m = self.known.height_m.unwrap_or(design.reference_height_m);
+        let line = design.line(Channel::LateralAcceleration, self.speed_mps, mass_kg);
+        let roll = line.map_or(0.0, |line| {
+            line.ratio_at(height_m) * design.compensation(Channel::LateralAcceleration)
+        });
+        let banked = |force_mps2: f64| force_mps2 / (1.0 + design.gravity_mps2 * roll);
+        let trailer = banked(sample.lateral_specific_force_mps2);
+        if trailer.is_finite() {
+            return trailer;
+        }
+        // The tractor leads the trailer and rolls less, so the greater of both is taken.
+        let tractor = banked(sample.tractor_lateral_specific_force_mps2);
+        if path_mps2.is_finite() && !(tractor.abs() > path_mps2.abs()) {
+            path_mps2
+        } else {
+            tractor
+        }
     }
 
     fn lateral_g(&self) -> Option<f64> {
@@ -283,10 +311,16 @@ impl<W: Write> Session<W> {
         let of = |channel: Channel| {
             ManeuverEstimate::new(maneuver, &maneuver.outcomes[channel.index()], self.offset_s)
         };
+        let there = |channel: Channel| {
+            let outcome = &maneuver.outcomes[channel.index()];
+            (outcome.height_m != Err(Reject::Absent)).then(|| of(channel))
+        };
         let line = ManeuverLine {
             speed_mps: maneuver.speed_mps,
             steer: of(Channel::Steer),
             lateral_acceleration: of(Channel::LateralAcceleration),
+            suspension: there(Channel::Suspension),
+            tractor: there(Channel::Tractor),
             result: self.known.clone(),
         };
         self.say(Event::Maneuver(Box::new(line)))?;
@@ -296,12 +330,10 @@ impl<W: Write> Session<W> {
 
     /// Updates the result from the estimator.
     fn update(&mut self, trailer_mass_kg: f64) {
-        let heights = Channel::ALL.map(|channel| self.estimator.height(channel));
-        let channel = match heights {
-            [Some(_), None] => Some(Channel::Steer),
-            [None, Some(_)] => Some(Channel::LateralAcceleration),
-            _ => None,
-        };
+        let with_height = |channel: &Channel| self.estimator.height(*channel).is_some();
+        let mut channels = Channel::ALL.into_iter().filter(with_height);
+        // One channel alone is named.
+        let channel = channels.next().filter(|_| channels.next().is_none());
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.estimator.combined();
         self.known = Known::new(combined, channel, mass);
@@ -313,15 +345,20 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        let told = Channel::ALL.map(|channel| match self.estimator.height(channel) {
-            Some(height) => {
-                format!(
+        let told: Vec<String> = Channel::ALL
+            .into_iter()
+            .filter_map(|channel| match self.estimator.height(channel) {
+                Some(height) => Some(format!(
                     "{channel} channel {:.2} ± {:.2} m",
                     height.height_m.value, height.height_m.sd
-                )
-            }
-            None => format!("{channel} channel without a possible height"),
-        });
+                )),
+                // The others may have no sensors.
+                None if channel.feels_bank() => {
+                    Some(format!("{channel} channel without a possible height"))
+                }
+                None => None,
+            })
+            .collect();
         self.notice(
             "channels",
             &format!("inconsistent, so there is no height: {}; check the sensors", told.join(", ")),

@@ -114,11 +114,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, mut memory) = subject(folder.path());
         assert_eq!(file.load().unwrap(), Found::Nothing);
-        memory.correlation = 0.1 + 0.2;
+        memory.correlation[0][1] = 0.1 + 0.2;
         file.save(&memory, 1.5, Some(0.3)).unwrap();
         file.save(&memory, 2.5, None).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
-        assert_eq!((state.memory, state.saved_s, state.load_since_s), (memory, 2.5, None));
+        assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

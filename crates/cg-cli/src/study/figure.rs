@@ -1,264 +1,370 @@
 //! A study as a page: its main finding on top, panels, and the scenario below.
+//!
+//! The page is one column, so that its text is still legible when it is printed 85 mm wide. Series
+//! differ in color and in the shape of their markers, secondary ones are dashed with open markers:
+//! they can be distinguished without color.
+
+use std::ops::Range;
 
 use cg_logs::output::kind::STUDY_COMMENT;
-use cg_thesis::study::{Abscissa, Panel, Response, Series, Study};
-use plotters::style::RGBColor;
+use cg_thesis::study::{Abscissa, Panel, Quantity, Response, Series, Study};
+use plotters::chart::MeshStyle;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::BoldPoints;
+use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axes::{Axes, Room, Scale};
-use super::canvas::{Anchor, Canvas, FAINT, INK, PAPER, Words, width};
 use crate::units::{axis, shown};
 
-const TITLE: f64 = 19.0;
-const PANEL_TITLE: f64 = 14.0;
-const LEGEND: f64 = 13.0;
-const NOTE: f64 = 11.0;
-const MARGIN: f64 = 24.0;
-/// Height of a panel with titles and axes.
-const PANEL_HIGH: f64 = 400.0;
-/// Height of the part below the axes: numbers, label, and space.
-const BELOW: f64 = 68.0;
-/// Number of points above which a series is drawn as a curve without dots.
+/// Units of the drawing per pixel of the page. The backend draws in whole units.
+const PX: i32 = 10;
+/// Width of the page, its margin, heights of a plot and of a line of a legend, all in pixels.
+const WIDE: i32 = 480;
+const MARGIN: i32 = 12;
+const PLOT: i32 = 280;
+const LEGEND_LINE: i32 = 21;
+/// Heights of a bar with the space around it, of the title of a panel, of the numbers and the label
+/// below its axes, and of the gap below it; space to the right of it; all in pixels.
+const BAR: i32 = 22;
+const PANEL_TITLE: i32 = 28;
+const BELOW: i32 = 44;
+const GAP: i32 = 16;
+const RIGHT: i32 = 10;
+/// Greatest number of ticks of an axis.
+const TICKS: usize = 7;
+/// Sizes of the fonts.
+const TITLE: i32 = 17;
+const TEXT: i32 = 13;
+/// Number of points above which a series is drawn as a curve with few markers.
 const DOTS: usize = 40;
 
-/// Colors that color-blind people can distinguish (Okabe and Ito).
-const COLORS: [RGBColor; 6] = [
-    RGBColor(0x00, 0x72, 0xb2),
-    RGBColor(0xd5, 0x5e, 0x00),
-    RGBColor(0x00, 0x9e, 0x73),
-    RGBColor(0xcc, 0x79, 0xa7),
-    RGBColor(0xe6, 0x9f, 0x00),
-    RGBColor(0x56, 0xb4, 0xe9),
+const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+/// Colors that color-blind people can distinguish (Okabe and Ito), each with its marker: a regular
+/// polygon, given by its number of corners and the turn of the first one.
+const KINDS: [(RGBColor, u8, f64); 6] = [
+    (RGBColor(0x00, 0x72, 0xb2), 24, 0.0),
+    (RGBColor(0xd5, 0x5e, 0x00), 4, 0.125),
+    (RGBColor(0x00, 0x9e, 0x73), 3, 0.0),
+    (RGBColor(0xcc, 0x79, 0xa7), 4, 0.0),
+    (RGBColor(0xe6, 0x9f, 0x00), 3, 0.5),
+    (RGBColor(0x56, 0xb4, 0xe9), 6, 0.0),
 ];
 
-fn color(kind: usize) -> RGBColor {
-    COLORS[kind % COLORS.len()]
-}
-
-/// A part of the page.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    left: f64,
-    top: f64,
-    right: f64,
-    bottom: f64,
-}
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Point = (i32, i32);
 
 /// The whole page as SVG.
 pub(super) fn svg(study: &Study) -> anyhow::Result<String> {
-    let wide = if study.panels.len() == 1 { 860.0 } else { 1180.0 };
-    let inner = wide - 2.0 * MARGIN;
-    let bold = Words { bold: true, ..Words::of(TITLE, Anchor::Left) };
-    let faint = Words { color: FAINT, ..Words::of(NOTE, Anchor::Left) };
-    let title = wrap(&format!("{}.", study.finding), bold, inner);
-    let notes = wrap(&format!("{}.", study.scenario.join("; ")), faint, inner);
-    #[allow(clippy::cast_precision_loss)] // lines of a page
-    let [title_high, notes_high] =
-        [1.3 * TITLE * title.len() as f64, 1.4 * NOTE * notes.len() as f64];
-    let panel_high = if study.panels.len() == 1 { 1.2 * PANEL_HIGH } else { PANEL_HIGH };
-    let rows = rows(&study.panels);
-    #[allow(clippy::cast_precision_loss)]
-    let panels_high = panel_high * rows.len() as f64;
-    let high = MARGIN + title_high + 10.0 + panels_high + notes_high + MARGIN;
-    let made = format!("{STUDY_COMMENT} {}", study.name);
-    Canvas::page([wide, high], &made, |canvas| {
-        paragraph(canvas, &title, MARGIN, bold)?;
-        let mut top = MARGIN + title_high + 10.0;
-        for row in rows {
-            #[allow(clippy::cast_precision_loss)]
-            let own = inner / row.len() as f64;
-            let mut left = MARGIN;
-            for panel in row {
-                let part = Part { left, top, right: left + own, bottom: top + panel_high };
-                draw(canvas, panel, part)?;
-                left += own;
-            }
-            top += panel_high;
+    let title = wrap(&format!("{}.", study.finding), &font(TITLE, true));
+    let notes = wrap(&format!("{}.", study.scenario.join("; ")), &font(TEXT, false));
+    let title_high = count(&title) * (TITLE + 5) + 8;
+    let panels_high: i32 = study.panels.iter().map(height).sum();
+    let high = 2 * MARGIN + title_high + panels_high + count(&notes) * (TEXT + 4);
+    let size = [WIDE, high].map(|length| (PX * length).unsigned_abs());
+    let mut text = String::new();
+    {
+        let page = SVGBackend::with_string(&mut text, size.into()).into_drawing_area();
+        page.fill(&WHITE)?;
+        let edge = PX * MARGIN;
+        let (head, mut rest) =
+            page.margin(edge, edge, edge, edge).split_vertically(PX * title_high);
+        paragraph(&head, title, TITLE + 5, &font(TITLE, true))?;
+        for panel in &study.panels {
+            let (part, below) = rest.split_vertically(PX * height(panel));
+            draw(&part, panel)?;
+            rest = below;
         }
-        paragraph(canvas, &notes, top, faint)
-    })
-}
-
-/// Rows of two panels; if their number is odd, the first panel has its own row.
-fn rows(panels: &[Panel]) -> Vec<&[Panel]> {
-    let (first, rest) = panels.split_at(panels.len() % 2);
-    let alone = (!first.is_empty()).then_some(first);
-    alone.into_iter().chain(rest.chunks(2)).collect()
-}
-
-/// Draws lines of text below the position `top`.
-fn paragraph(canvas: &Canvas<'_>, lines: &[String], top: f64, words: Words) -> anyhow::Result<()> {
-    let mut y = top + 0.65 * words.size;
-    for line in lines {
-        canvas.words(line, [MARGIN, y], words)?;
-        y += 1.35 * words.size;
+        paragraph(&rest, notes, TEXT + 4, &font(TEXT, false))?;
+        page.present()?;
     }
-    Ok(())
+    // The page is shown at its proper size; the view box keeps the finer units.
+    let drawn = format!("<svg width=\"{}\" height=\"{}\"", size[0], size[1]);
+    let shown = format!("<svg width=\"{WIDE}\" height=\"{high}\"");
+    let head = format!(">\n<!-- {STUDY_COMMENT} {} -->\n", study.name);
+    Ok(text.replacen(&drawn, &shown, 1).replacen(">\n", &head, 1))
 }
 
-/// Breaks a text between words. A percent sign stays with its number.
-fn wrap(text: &str, words: Words, wide: f64) -> Vec<String> {
-    let text = text.replace(" %", "\u{a0}%");
+fn count<T>(items: &[T]) -> i32 {
+    i32::try_from(items.len()).unwrap_or(i32::MAX)
+}
+
+/// A font of this size in pixels; the backend divides every size by 1.24.
+fn font(size: i32, bold: bool) -> TextStyle<'static> {
+    let style = if bold { FontStyle::Bold } else { FontStyle::Normal };
+    let font = ("Helvetica, Arial, sans-serif", 1.24 * f64::from(PX * size)).into_font();
+    font.style(style).color(&INK)
+}
+
+/// Approximate width of a text in units of the drawing.
+fn width(text: &str, style: &TextStyle<'_>) -> i32 {
+    style.font.box_size(text).map_or(0, |(wide, _)| wide.cast_signed())
+}
+
+/// Breaks a text between words. A number stays with the word behind it, such as its unit.
+fn wrap(text: &str, style: &TextStyle<'_>) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if width(&format!("{line} {word}"), words) <= wide => {
+        let open = lines.last_mut().filter(|line| {
+            line.ends_with(|c: char| c.is_ascii_digit())
+                || width(&format!("{line} {word}"), style) <= PX * (WIDE - 2 * MARGIN)
+        });
+        match open {
+            Some(line) => {
                 line.push(' ');
                 line.push_str(word);
             }
-            _ => lines.push(word.to_owned()),
+            None => lines.push(word.to_owned()),
         }
     }
     lines
 }
 
-fn draw(canvas: &Canvas<'_>, panel: &Panel, part: Part) -> anyhow::Result<()> {
+fn paragraph(
+    area: &Area<'_>,
+    lines: Vec<String>,
+    line_high: i32,
+    style: &TextStyle<'_>,
+) -> anyhow::Result<()> {
+    for (k, line) in (0..).zip(lines) {
+        area.draw(&Text::new(line, (0, PX * line_high * k), style.clone()))?;
+    }
+    Ok(())
+}
+
+/// Height of a panel in pixels.
+fn height(panel: &Panel) -> i32 {
+    match &panel.x {
+        Abscissa::Over(_) => PANEL_TITLE + legend_height(panel) + PLOT,
+        Abscissa::Responses(responses) => PANEL_TITLE + count(responses) * BAR + BELOW + GAP,
+    }
+}
+
+fn draw(area: &Area<'_>, panel: &Panel) -> anyhow::Result<()> {
     let title = match panel.figure {
         "" => panel.title.to_owned(),
         figure => format!("Fig. {}: {}", figure.replace('-', "–"), panel.title),
     };
-    let words = Words { bold: true, ..Words::of(PANEL_TITLE, Anchor::Left) };
-    canvas.words(&title, [part.left, part.top + 14.0], words)?;
-    let top = part.top + 34.0;
+    let (head, rest) = area.split_vertically(PX * PANEL_TITLE);
+    head.draw(&Text::new(title, (0, 6 * PX), font(TEXT + 1, true)))?;
     match &panel.x {
         Abscissa::Over(quantity) => {
-            let inner = Part { top: legend(canvas, panel, part, top)?, ..part };
-            curves(canvas, panel, &axis(*quantity), shown(quantity.unit).factor, inner)
+            let (names, plot) = rest.split_vertically(PX * legend_height(panel));
+            legend(&names, panel)?;
+            curves(&plot, panel, *quantity)
         }
-        Abscissa::Responses(responses) => bars(canvas, panel, responses, Part { top, ..part }),
+        Abscissa::Responses(responses) => bars(&rest, panel, responses),
     }
 }
 
-/// Draws the names of the series in rows below the panel's title; returns where the axes may begin.
-fn legend(canvas: &Canvas<'_>, panel: &Panel, part: Part, top: f64) -> anyhow::Result<f64> {
+/// Number of columns of a legend: two, if all names are short.
+fn columns(panel: &Panel) -> usize {
+    let half = PX * (WIDE / 2 - 60);
+    if panel.series.iter().all(|s| width(&s.name, &font(TEXT, false)) < half) { 2 } else { 1 }
+}
+
+/// Height of a legend in pixels. A single series has none.
+fn legend_height(panel: &Panel) -> i32 {
+    let rows: Vec<_> = panel.series.chunks(columns(panel)).collect();
+    if panel.series.len() < 2 { 0 } else { LEGEND_LINE * count(&rows) }
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy)]
+struct Look {
+    color: RGBColor,
+    corners: u8,
+    turn: f64,
+    aside: bool,
+}
+
+impl Look {
+    fn of(series: &Series) -> Self {
+        let (color, corners, turn) = KINDS[series.kind % KINDS.len()];
+        Self { color, corners, turn, aside: series.aside }
+    }
+
+    fn line(self) -> ShapeStyle {
+        self.color.stroke_width((PX * 2).unsigned_abs())
+    }
+
+    /// The length of a dash; a solid line is a single one.
+    fn dash(self) -> i32 {
+        if self.aside { 6 * PX } else { i32::MAX }
+    }
+
+    /// The marker around the origin: its area and its outline.
+    fn marker(self) -> (Polygon<Point>, PathElement<Point>) {
+        // Polygons with few corners need a greater radius to look as large as a circle.
+        let radius = f64::from(PX) * if self.corners > 6 { 3.6 } else { 4.6 };
+        #[allow(clippy::cast_possible_truncation)] // some dozens
+        let corner = |k: u8| {
+            let turns = self.turn + f64::from(k) / f64::from(self.corners);
+            let (sin, cos) = (std::f64::consts::TAU * turns).sin_cos();
+            ((radius * sin).round() as i32, (-radius * cos).round() as i32)
+        };
+        let corners: Vec<Point> = (0..=self.corners).map(corner).collect();
+        let fill = if self.aside { WHITE } else { self.color };
+        (Polygon::new(corners.clone(), fill), PathElement::new(corners, self.line()))
+    }
+}
+
+/// Draws the names of the series row by row above the plot, where no curve is.
+fn legend(area: &Area<'_>, panel: &Panel) -> anyhow::Result<()> {
     if panel.series.len() < 2 {
-        return Ok(top + 4.0);
+        return Ok(());
     }
-    let first = part.left + 68.0;
-    let (mut x, mut y) = (first, top + 6.0);
-    for series in &panel.series {
-        let own = 34.0 + width(&series.name, Words::of(LEGEND, Anchor::Left)) + 12.0;
-        if x > first && x + own > part.right {
-            (x, y) = (first, y + 20.0);
+    let columns = columns(panel);
+    for (column, part) in area.split_evenly((1, columns)).iter().enumerate() {
+        let mut names = ChartBuilder::on(part).build_cartesian_2d(0.0..1.0, 0.0..1.0)?;
+        for series in panel.series.iter().skip(column).step_by(columns) {
+            let look = Look::of(series);
+            let named = names.draw_series(None::<PathElement<(f64, f64)>>)?.label(&series.name);
+            named.legend(move |at| {
+                let ends = [(0, 0), (32 * PX, 0)].into_iter();
+                let line = DashedPathElement::new(ends, look.dash(), 4 * PX, look.line());
+                let (fill, outline) = look.marker();
+                let center = EmptyElement::at((16 * PX, 0)) + fill + outline;
+                EmptyElement::at(at) + line + center
+            });
         }
-        stroke(canvas, series, &[[x, y], [x + 28.0, y]])?;
-        if dotted(series) {
-            canvas.dot([x + 14.0, y], color(series.kind), series.aside)?;
-        }
-        canvas.words(&series.name, [x + 34.0, y], Words::of(LEGEND, Anchor::Left))?;
-        x += own;
+        let labels = &mut names.configure_series_labels();
+        labels.position(SeriesLabelPosition::UpperLeft).legend_area_size(40 * PX).margin(0);
+        labels.label_font(font(TEXT, false)).draw()?;
     }
-    Ok(y + 20.0)
+    Ok(())
 }
 
-fn dotted(series: &Series) -> bool {
-    series.points.len() <= DOTS
-}
-
-fn stroke(canvas: &Canvas<'_>, series: &Series, points: &[[f64; 2]]) -> anyhow::Result<()> {
-    if series.aside {
-        canvas.dashes(points, color(series.kind), 1.6)
-    } else {
-        canvas.line(points, color(series.kind), 2.0)
+/// The values of an axis and some space around them. It covers at least one percent of the values,
+/// so that a small change is drawn small, and it does not become negative with the space.
+fn range(values: impl Iterator<Item = f64>, space: f64) -> Range<f64> {
+    let finite = values.filter(|value| value.is_finite());
+    let (least, most) =
+        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    if least > most {
+        return 0.0..1.0;
     }
+    let span = (most - least).max(0.01 * least.abs().max(most.abs())).max(1e-9);
+    let pad = (space * span).max(0.5 * (span - (most - least)));
+    let low = least - pad;
+    (if least >= 0.0 { low.max(0.0) } else { low })..most + pad
 }
 
-fn curves(
-    canvas: &Canvas<'_>,
-    panel: &Panel,
-    x_label: &str,
-    x_factor: f64,
-    part: Part,
-) -> anyhow::Result<()> {
-    let y_factor = shown(panel.y.unit).factor;
-    let all = || panel.series.iter().flat_map(|series| series.points.iter().copied());
-    let curve = panel.series.iter().any(|series| !dotted(series));
-    let room = if curve { Room::None } else { Room::Around };
+/// Writes the numbers at the ticks of an axis with as many decimals as they need.
+fn numbers(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
+    let ticks = RangedCoordf64::from(range.clone()).key_points(BoldPoints(TICKS));
+    let whole = |value: f64| (value - value.round()).abs() < 1e-6;
+    let exact = |d: &u8| ticks.iter().all(|tick| whole(tick * 10f64.powi(i32::from(*d))));
+    let decimals = usize::from((0..6).find(exact).unwrap_or(6));
+    // The sum avoids a negative zero.
+    move |value| format!("{:.decimals$}", (value * 1e9).round() / 1e9 + 0.0).replace('-', "−")
+}
+
+/// Fonts and lines of axes, and the number of their ticks.
+fn plain<X: Ranged, Y: Ranged, D: DrawingBackend>(axes: &mut MeshStyle<'_, '_, X, Y, D>) {
+    axes.label_style(font(TEXT, false))
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GRID.stroke_width(PX.unsigned_abs()))
+        .axis_style(INK.stroke_width(PX.unsigned_abs()))
+        .set_all_tick_mark_size(4 * PX)
+        .x_labels(TICKS)
+        .y_labels(TICKS);
+}
+
+fn curves(area: &Area<'_>, panel: &Panel, over: Quantity) -> anyhow::Result<()> {
+    let factors = [shown(over.unit).factor, shown(panel.y.unit).factor];
+    let points = |series: &Series| -> Vec<(f64, f64)> {
+        series.points.iter().map(|p| (p[0] * factors[0], p[1] * factors[1])).collect()
+    };
+    let all = || panel.series.iter().flat_map(points);
+    let dense = |series: &Series| series.points.len() > DOTS;
+    let tight = range(all().map(|p| p.1), 0.0);
     // A few peak values for comparison are drawn from zero, like bars.
     let few = panel.series.iter().all(|series| series.points.len() <= 3);
-    let zero = few.then_some([0.0, 0.0]);
-    let axes = Axes {
-        left: part.left + 68.0,
-        top: part.top,
-        right: part.right - 16.0,
-        bottom: part.bottom - BELOW,
-        x: Scale::over(all().map(|p| p[0] * x_factor), 7.0, room),
-        y: Scale::over(all().chain(zero).map(|p| p[1] * y_factor), 6.0, Room::ToTicks),
-    };
-    axes.draw_x(canvas, x_label)?;
-    axes.draw_y(canvas, &axis(panel.y))?;
+    let zero = few || (0.0..tight.end / 3.0).contains(&tight.start);
+    let x_space = if panel.series.iter().any(dense) { 0.0 } else { 0.05 };
+    let x = range(all().map(|p| p.0), x_space);
+    let y = range(all().map(|p| p.1).chain(zero.then_some(0.0)), 0.07);
+    let (x_numbers, y_numbers) = (numbers(&x), numbers(&y));
+    let mut chart = ChartBuilder::on(area)
+        .margin_right(PX * RIGHT)
+        .margin_top(PX * 8)
+        .margin_bottom(PX * GAP)
+        .x_label_area_size(PX * BELOW)
+        .y_label_area_size(PX * 64)
+        .build_cartesian_2d(x, y)?;
+    let mut axes = chart.configure_mesh();
+    plain(&mut axes);
+    axes.x_label_formatter(&x_numbers)
+        .y_label_formatter(&y_numbers)
+        .x_desc(axis(over))
+        .y_desc(axis(panel.y))
+        .draw()?;
     for series in &panel.series {
-        let places: Vec<[f64; 2]> =
-            series.points.iter().map(|p| axes.place([p[0] * x_factor, p[1] * y_factor])).collect();
-        stroke(canvas, series, &thinned(&places))?;
-        if dotted(series) {
-            for place in &places {
-                canvas.dot(*place, color(series.kind), series.aside)?;
-            }
-        }
+        let (look, points) = (Look::of(series), points(series));
+        // A curve has eight markers, those of other kinds elsewhere.
+        let step = if dense(series) { points.len() / 8 } else { 1 };
+        let first = step * (1 + 2 * (series.kind % KINDS.len())) / (2 * KINDS.len());
+        let marked: Vec<_> = points.iter().copied().skip(first).step_by(step).collect();
+        // A thousandth of the curve is finer than print.
+        let fine: Vec<_> = points.iter().copied().step_by(1 + points.len() / 1000).collect();
+        chart.draw_series(DashedLineSeries::new(fine, look.dash(), 4 * PX, look.line()))?;
+        chart.draw_series(marked.into_iter().map(|at| {
+            let (fill, outline) = look.marker();
+            EmptyElement::at(at) + fill + outline
+        }))?;
     }
-    axes.frame(canvas)
-}
-
-/// Removes points that are within 1.5 pixels of the previous one.
-fn thinned(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut kept: Vec<[f64; 2]> = Vec::new();
-    for place in places {
-        let near = kept.last().is_some_and(|k| (k[0] - place[0]).hypot(k[1] - place[1]) < 1.5);
-        if !near {
-            kept.push(*place);
-        }
-    }
-    kept.extend(places.last().copied());
-    kept
+    Ok(())
 }
 
 /// Draws one bar for each response, with its change and its values at the end.
-fn bars(
-    canvas: &Canvas<'_>,
-    panel: &Panel,
-    responses: &[Response],
-    part: Part,
-) -> anyhow::Result<()> {
+fn bars(area: &Area<'_>, panel: &Panel, responses: &[Response]) -> anyhow::Result<()> {
     let factor = shown(panel.y.unit).factor;
-    let changes = panel.series.iter().flat_map(Series::values);
-    let (least, most) =
-        changes.fold((0.0_f64, 0.0_f64), |(a, b), y| (a.min(y * factor), b.max(y * factor)));
-    #[allow(clippy::cast_precision_loss)] // a dozen
-    let rows = responses.len() as f64;
-    let axes = Axes {
-        left: part.left + 220.0,
-        top: part.top,
-        right: part.right - 16.0,
-        bottom: part.bottom - BELOW,
-        // A third of the width is for the values next to the longest bar.
-        x: Scale::between(1.1 * least, 1.5 * most, 8.0),
-        y: Scale::between(rows, 0.0, 1.0),
+    let changes = panel.series.iter().flat_map(Series::values).map(|change| change * factor);
+    let all = range(changes.clone().chain([0.0]), 0.0);
+    // More than half of the width is for the values next to the longest bar.
+    let x = 1.1 * all.start..(2.4 * all.end).max(-all.start);
+    let x_numbers = numbers(&x);
+    // The first response is on top: the rows are 0, -1, -2 from there.
+    let last = 1 - count(responses);
+    let rows = (last..0).into_segmented();
+    let name = |row: &SegmentValue<i32>| match row {
+        SegmentValue::CenterOf(row) => {
+            responses.get(row.unsigned_abs() as usize).map_or("", |response| response.name).into()
+        }
+        SegmentValue::Exact(_) | SegmentValue::Last => String::new(),
     };
-    axes.draw_x(canvas, &axis(panel.y))?;
-    for point in panel.series.iter().flat_map(|series| &series.points) {
-        // The x value of a point is the index of a response.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let Some(response) = responses.get(point[0] as usize) else { continue };
-        let middle = point[0] + 0.5;
-        let change = point[1] * factor;
-        let corners = [[0.0, middle - 0.32], [change, middle + 0.32]].map(|p| axes.place(p));
-        let corners = [
-            [corners[0][0].min(corners[1][0]), corners[0][1].min(corners[1][1])],
-            [corners[0][0].max(corners[1][0]), corners[0][1].max(corners[1][1])],
-        ];
-        canvas.bar(corners, color(0))?;
-        let [_, y] = axes.place([0.0, middle]);
-        let name = [axes.left - 10.0, y];
-        canvas.words(response.name, name, Words::of(LEGEND, Anchor::Right))?;
-        let (text, words) = (values(response), Words::of(12.0, Anchor::Left));
-        let start = corners[1][0].max(axes.place([0.0, 0.0])[0]) + 8.0;
-        // No grid line crosses the numbers.
-        let end = start + 0.85 * width(&text, words);
-        canvas.bar([[start - 4.0, y - 8.0], [end, y + 8.0]], PAPER)?;
-        canvas.words(&text, [start, y], words)?;
+    let mut chart = ChartBuilder::on(area)
+        .margin_right(PX * RIGHT)
+        .margin_bottom(PX * GAP)
+        .x_label_area_size(PX * BELOW)
+        .y_label_area_size(PX * 200)
+        .build_cartesian_2d(x, rows)?;
+    let mut axes = chart.configure_mesh();
+    plain(&mut axes);
+    axes.disable_mesh()
+        .axis_style(GRID.stroke_width(PX.unsigned_abs()))
+        .y_labels(responses.len())
+        .x_label_formatter(&x_numbers)
+        .y_label_formatter(&name)
+        .x_desc(axis(panel.y))
+        .draw()?;
+    let space = (3 * PX).unsigned_abs();
+    let text = font(TEXT - 1, false).pos(Pos::new(HPos::Left, VPos::Center));
+    for ((response, change), row) in responses.iter().zip(changes).zip((last..1).rev()) {
+        let ends = [(0.0, SegmentValue::Exact(row)), (change, SegmentValue::Exact(row + 1))];
+        let mut bar = Rectangle::new(ends, KINDS[0].0.filled());
+        bar.set_margin(space, space, 0, 0);
+        chart.draw_series([bar])?;
+        let end = (change.max(0.0), SegmentValue::CenterOf(row));
+        let values = Text::new(values(response), (6 * PX, 0), text.clone());
+        chart.draw_series([EmptyElement::at(end) + values])?;
     }
-    let zero = [axes.place([0.0, 0.0])[0], axes.top];
-    canvas.line(&[zero, [zero[0], axes.bottom]], INK, 1.0)
+    let zero = [(0.0, SegmentValue::Exact(last)), (0.0, SegmentValue::Last)];
+    chart.draw_series([PathElement::new(zero, INK.stroke_width(PX.unsigned_abs()))])?;
+    Ok(())
 }
 
 /// The text at a bar, such as `+21.8 % (2.63 → 3.20°)`.
@@ -271,4 +377,40 @@ fn values(response: &Response) -> String {
     let text =
         format!("{change:+.1} % ({before:.decimals$} → {after:.decimals$}{space}{})", shown.symbol);
     text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_holds_all_values_and_space_that_does_not_cross_zero() {
+        let axis = range([2.0, 4.0, f64::NAN].into_iter(), 0.05);
+        assert!((axis.start - 1.9).abs() < 1e-12 && (axis.end - 4.1).abs() < 1e-12, "{axis:?}");
+        assert_eq!(range([0.0, 1.0].into_iter(), 0.05), 0.0..1.05);
+    }
+
+    #[test]
+    fn a_constant_and_nothing_at_all_have_axes_too() {
+        for values in [vec![2.63, 2.63], vec![-2.63], vec![0.0, 0.0], vec![f64::NAN], vec![]] {
+            let axis = range(values.iter().copied(), 0.05);
+            assert!(axis.start < axis.end, "{values:?}: {axis:?}");
+            assert!(values.iter().all(|v| v.is_nan() || axis.contains(v)), "{axis:?}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_the_decimals_of_the_ticks_and_zero_has_no_minus() {
+        let number = numbers(&(-0.5..0.5));
+        assert_eq!([-0.2, -1e-17, 0.4].map(|v| number(&v)), ["−0.2", "0.0", "0.4"]);
+        assert_eq!(numbers(&(0.0..60.0))(&20.0), "20");
+        assert_eq!(numbers(&(0.0..0.2))(&0.1), "0.10");
+    }
+
+    #[test]
+    fn kinds_of_series_differ_without_color() {
+        for (i, (_, corners, turn)) in KINDS.iter().enumerate() {
+            assert!(KINDS[..i].iter().all(|(_, c, t)| (c, t) != (corners, turn)), "kind {i}");
+        }
+    }
 }

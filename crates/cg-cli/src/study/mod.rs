@@ -3,14 +3,8 @@
 //! | file | what |
 //! |---|---|
 //! | `table` | the CSV file |
-//! | `figure` | panels on a page: title, legends, footnote |
-//! | `axes` | ranges, ticks, grid |
-//! | `canvas` | lines and words on an SVG page |
+//! | `figure` | the panels on a page, drawn with `plotters` |
 
-#[cfg(feature = "plots")]
-mod axes;
-#[cfg(feature = "plots")]
-mod canvas;
 #[cfg_attr(not(feature = "plots"), path = "no_figure.rs")]
 mod figure;
 mod table;

@@ -442,11 +442,7 @@ fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
 
 /// Index of the first of the four nodes around `value` (near an end of the axis: the first or last
 /// four), and the Lagrange weights of the four on the axis that `scale` makes of it.
-fn cubic<T: Real>(
-    axis: &[T],
-    value: T,
-    scale: impl Fn(T) -> T,
-) -> Option<(usize, [T; 4])> {
+fn cubic<T: Real>(axis: &[T], value: T, scale: impl Fn(T) -> T) -> Option<(usize, [T; 4])> {
     let (interval, _) = locate(axis, value)?;
     let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
     let nodes = axis.get(first..)?.first_chunk::<4>()?.map(&scale);

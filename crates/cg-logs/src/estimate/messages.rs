@@ -116,7 +116,9 @@ impl LogEstimator {
                       or inclinometers on frame and axle) does not feel it; if the road was flat: \
                       ⟨road flat⟩";
         let Some(fused) = fused else {
-            return Some(format!("the bank of the road is not known and changes the roll angle; {remedy}"));
+            return Some(format!(
+                "the bank of the road is not known and changes the roll angle; {remedy}"
+            ));
         };
         let road_m = self
             .maneuvers
@@ -212,8 +214,7 @@ impl LogEstimator {
             weight += one;
             sum += one * fit.ratio.value / usual;
         }
-        let usual = at(speed_mps, self.trailer_mass_kg)?
-            / self.design.compensation(channel);
+        let usual = at(speed_mps, self.trailer_mass_kg)? / self.design.compensation(channel);
         (weight > 0.0).then(|| Measured { value: sum / weight * usual, sd: usual / weight.sqrt() })
     }
 

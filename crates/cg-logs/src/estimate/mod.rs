@@ -24,5 +24,5 @@ mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use intake::{Identified, LogEstimator};
-pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95};
+pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;

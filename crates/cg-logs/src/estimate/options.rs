@@ -64,6 +64,13 @@ pub struct RoadChoice {
 /// Greatest standard deviation of the bank that is accepted, rad. No road is so steep.
 const GREATEST_BANK_SD_RAD: f64 = 0.15;
 
+impl RoadChoice {
+    /// The roads that the vehicle file states.
+    pub fn of_vehicle(vehicle: &Vehicle) -> Option<Self> {
+        vehicle.road.map(|road| Self { bank_sd_rad: road.bank_sd_rad })
+    }
+}
+
 impl FromStr for RoadChoice {
     type Err = UnknownRoad;
 
@@ -83,7 +90,9 @@ impl FromStr for RoadChoice {
 
 /// The error for a text that describes no road.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected flat, public, or the standard deviation of the bank in rad, from 0 to {GREATEST_BANK_SD_RAD}")]
+#[error(
+    "expected flat, public, or the standard deviation of the bank in rad, from 0 to {GREATEST_BANK_SD_RAD}"
+)]
 pub struct UnknownRoad;
 
 impl From<ChannelChoice> for Option<Channel> {
@@ -122,8 +131,7 @@ impl EstimateOptions {
     /// The same options, with the roads of the vehicle file if no others are given.
     #[must_use]
     pub fn on_roads_of(self, vehicle: &Vehicle) -> Self {
-        let of_file = || vehicle.road.map(|road| RoadChoice { bank_sd_rad: road.bank_sd_rad });
-        Self { road: self.road.or_else(of_file), ..self }
+        Self { road: self.road.or_else(|| RoadChoice::of_vehicle(vehicle)), ..self }
     }
 }
 

@@ -91,8 +91,7 @@ impl Prediction {
         });
         if fresh {
             let model = self.design.model(self.channel.index(), mass_kg);
-            self.running =
-                model.map(|m| Running::at_rest(&m, mass_kg, sample.time_us, input_rad));
+            self.running = model.map(|m| Running::at_rest(&m, mass_kg, sample.time_us, input_rad));
         }
         Ok(self
             .running

@@ -3,9 +3,9 @@
 use std::sync::LazyLock;
 
 use cg_core::decide::height::Fusion;
-use cg_core::{CHANNELS, 
-    AlignSettings, Design, Estimator, Fit, Maneuver, Measured, Memory, Prior, RatioLine, Reject,
-    Sample, Settings, Spread, ThresholdLine,
+use cg_core::{
+    AlignSettings, CHANNELS, Design, Estimator, Fit, Maneuver, Measured, Memory, Prior, RatioLine,
+    Reject, Sample, Settings, Spread, ThresholdLine,
 };
 use cg_vehicle::{Variant, Vehicle};
 

@@ -152,8 +152,10 @@ impl Header<'_> {
 
     /// Requires a roll angle and an input that belong together.
     fn require_channel(&self) -> Result<(), LogError> {
-        let sides =
-            [(Signal::LevelLeft, Signal::LevelRight), (Signal::TractorLevelLeft, Signal::TractorLevelRight)];
+        let sides = [
+            (Signal::LevelLeft, Signal::LevelRight),
+            (Signal::TractorLevelLeft, Signal::TractorLevelRight),
+        ];
         for (left, right) in sides {
             if self.find(left).is_some() || self.find(right).is_some() {
                 self.require(&[left])?;

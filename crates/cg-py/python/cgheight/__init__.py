@@ -41,7 +41,7 @@ from cgheight._predict import predict_roll
 from cgheight._reproduce import reproduce
 from cgheight._results import ChannelEstimate, Estimate, Maneuver
 from cgheight._scenario import Scenario, Sensors
-from cgheight._simulate import SimulatedLog, accuracy_map, simulate
+from cgheight._simulate import SimulatedLog, Truth, accuracy_map, simulate
 from cgheight._transfer import TransferFunction
 
 __all__ = [
@@ -62,6 +62,7 @@ __all__ = [
     "SimulatedLog",
     "StaticBalance",
     "TransferFunction",
+    "Truth",
     "Vehicle",
     "__version__",
     "accuracy_map",

@@ -50,6 +50,7 @@ def shared_options(
     model: str,
     speed_mps: object = None,
     trailer_mass_kg: object = None,
+    road: str | float | None = None,
 ) -> dict[str, Any]:
     """Return the options of all estimates in the form of the compiled module."""
     mass, speed = trailer_mass_kg, speed_mps
@@ -60,6 +61,7 @@ def shared_options(
         "model": model,
         "speed_mps": None if speed is None else number("speed_mps", speed),
         "trailer_mass_kg": None if mass is None else number("trailer_mass_kg", mass),
+        "road": None if road is None else str(road),
     }
 
 

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,62 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+class Truth(TypedDict):
+    """The true values of a simulated log, a dict with these keys.
+
+    Attributes
+    ----------
+    vehicle : str
+        Name of the vehicle.
+    height_m : float
+        Height of the trailer's sprung c.g. above ground at rest, m.
+    trailer_mass_kg : float
+        Mass of the whole semitrailer, kg.
+    speed_mps : float
+        Forward speed, m/s; in a drive, the speed about which it varies.
+    steer_rad : float
+        Amplitude of the steer angle at the road wheels, rad; with a driver, the greatest angle.
+    ratio : float
+        DC ratio of roll angle to steer angle of the linear model, rad/rad.
+    noise_sd_rad : float
+        Standard deviation of the noise on the roll angle, rad.
+    snr_db, noise_lag_s, steer_noise_rad, lateral_noise_mps2, steer_play_rad, roll_limit_rad
+        Noise, play and limit of the sensors, in the units of `Sensors`.
+    roll_offset_rad, steer_offset_rad, quantisation_rad, delay_s, inclinometer, jitter_s
+        Their offsets, quantization, delay and kind, as in `Sensors`.
+    drop_out, steering_wheel
+        The share of lost roll angles, and the kind of the steer angle, as in `Sensors`.
+    rolled_over_s : float or None
+        Time of the rollover, s, if there was one.
+    seed : int
+        Seed of the random numbers.
+    """
+
+    vehicle: str
+    height_m: float
+    trailer_mass_kg: float
+    speed_mps: float
+    steer_rad: float
+    ratio: float
+    noise_sd_rad: float
+    snr_db: float | None
+    noise_lag_s: float
+    steer_noise_rad: float
+    lateral_noise_mps2: float
+    steer_play_rad: float
+    roll_limit_rad: float | None
+    roll_offset_rad: float
+    steer_offset_rad: float
+    quantisation_rad: float
+    delay_s: float
+    inclinometer: bool
+    jitter_s: float
+    drop_out: float
+    steering_wheel: bool
+    rolled_over_s: float | None
+    seed: int
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SimulatedLog:
     """A simulated log and its true values.
@@ -31,13 +87,12 @@ class SimulatedLog:
     signals : dict of str to array, shape (n,)
         The columns of the log by their SI names (``time_s``, ``steer_rad``, ``roll_rad``, …),
         with the errors of the sensors; NaN where a value was lost.
-    truth : dict
-        ``height_m``, ``trailer_mass_kg``, ``speed_mps``, ``steer_rad`` (amplitude), ``ratio``,
-        ``noise_sd_rad`` and all other errors that the sensors added.
+    truth : Truth
+        The true height, the load and the maneuver, and the errors that the sensors added.
     """
 
     signals: dict[str, NDArray[np.float64]]
-    truth: dict[str, Any]
+    truth: Truth
 
     def to_frame(self) -> pd.DataFrame:
         """Return the columns as a pandas DataFrame, which `estimate_log` accepts."""

@@ -408,23 +408,17 @@ fn statement(
     };
     let prior = Belief::prior(vehicle);
     for run in runs {
-        let covariance = |belief: &Belief| {
-            belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load)
-        };
+        let covariance =
+            |belief: &Belief| belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load);
         let (before, after) = (covariance(&prior)?, covariance(&fitted.belief)?);
         let told: Vec<String> = Channel::ALL
             .into_iter()
             .filter(|channel| run.ratio[channel.index()].is_some())
             .map(|channel| {
                 let k = channel.index();
-                let percent = |covariance: &[[f64; CHANNELS]; CHANNELS]| {
-                    100.0 * covariance[k][k].sqrt()
-                };
-                format!(
-                    "{channel} ratio to {:.1} % (was {:.1})",
-                    percent(&after),
-                    percent(&before)
-                )
+                let percent =
+                    |covariance: &[[f64; CHANNELS]; CHANNELS]| 100.0 * covariance[k][k].sqrt();
+                format!("{channel} ratio to {:.1} % (was {:.1})", percent(&after), percent(&before))
             })
             .collect();
         statement.push(format!(

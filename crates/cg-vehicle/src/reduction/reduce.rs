@@ -11,8 +11,8 @@
 //! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
 
-use cg_core::{CHANNELS, Channel, Reduced5};
 use cg_core::truck::reduced::ORDER;
+use cg_core::{CHANNELS, Channel, Reduced5};
 
 use crate::error::VehicleError;
 use crate::reduction::pade::pade;

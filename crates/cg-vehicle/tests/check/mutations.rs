@@ -41,8 +41,7 @@ fn linear(vehicle: &Vehicle) -> Vehicle {
 /// front axle that may have any value, so it tells nothing about the file.
 fn lines(vehicle: &Vehicle) -> [RatioLine<f64>; 2] {
     let (speed_mps, load) = (vehicle.nominal_speed_mps, vehicle.reference_load());
-    let [steer, lateral, ..] =
-        ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap();
+    let [steer, lateral, ..] = ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap();
     [steer, lateral]
 }
 

@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::sync::LazyLock;
 
 use cg_core::decide::height::Fusion;
-use cg_core::{Measured, Memory, ThresholdLine};
+use cg_core::{CHANNELS, Measured, Memory, ThresholdLine};
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::{Variant, Vehicle};
 use serde_json::Value;
@@ -36,7 +36,7 @@ fn nominal_kg() -> f64 {
 /// Warnings begin at 0.2 and 0.32 g.
 fn session_with(mass_kg: Option<f64>, status_s: f64, outputs: Outputs<Vec<u8>>) -> Trial {
     let warner = Warner::new(&[0.5, 0.8], 0.05).unwrap();
-    Session::new(&design(), warner, mass_kg, status_s, outputs)
+    Session::new((&design(), Settings::truck()), warner, mass_kg, status_s, outputs)
 }
 
 fn session(mass_kg: Option<f64>, status_s: f64) -> Trial {
@@ -89,12 +89,12 @@ fn turn(session: &mut Trial, from_us: u64) {
 /// What was learned from maneuvers with these heights (steer angle, lateral acceleration), each with
 /// a standard deviation of 0.01 m.
 fn memory(heights_m: [Option<f64>; 2], trailer_mass_kg: f64) -> Memory<f64> {
-    let fused = heights_m.map(|height_m| {
-        let mut fusion = Fusion::new();
+    let mut fused = [Fusion::new(); CHANNELS];
+    for (fusion, height_m) in fused.iter_mut().zip(heights_m) {
         fusion.push(Measured { value: height_m.unwrap_or(f64::NAN), sd: 0.01 }, 0.0);
-        fusion
-    });
-    Memory { fused, correlation: 0.0, trailer_mass_kg, load_mass_kg: None, waiting: None }
+    }
+    let correlation = [[0.0; CHANNELS]; CHANNELS];
+    Memory { fused, correlation, trailer_mass_kg, load_mass_kg: None, waiting: None }
 }
 
 fn learn(session: &mut Trial, heights_m: [Option<f64>; 2]) {
