@@ -19,7 +19,7 @@ use crate::numbers::{
     steer_rad, step_rate, trailer_mass_kg, turn_deg,
 };
 use crate::run::args::RunArgs;
-use crate::sensors::SensorArgs;
+use crate::sensors::{ChassisArgs, SensorArgs};
 use crate::truck::{RoadArgs, TruckArgs};
 use crate::words::word;
 
@@ -171,8 +171,14 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
     /// Maneuver of the driver
-    #[arg(long, value_parser = word::<Maneuver>())]
-    pub(crate) maneuver: Maneuver,
+    #[arg(long, required_unless_present = "road", value_parser = word::<Maneuver>())]
+    pub(crate) maneuver: Option<Maneuver>,
+    /// Road to drive along instead of a maneuver, with the nonlinear plant and the sensors of the
+    /// chassis: rural, motorway or roundabouts (--seed determines the curves), or a CSV file with the
+    /// columns distance_m, curvature_per_m, bank_rad and, if it has speed limits, speed_mps
+    #[arg(long, value_name = "KIND|FILE", conflicts_with_all = ["maneuver", "plant", "steer_rad",
+        "start_s", "step_rate", "turn_deg", "radius_m", "gate_m", "speed_change", "to_rollover"])]
+    pub(crate) road: Option<PathBuf>,
     /// Simulated vehicle
     #[arg(long, value_parser = word::<Plant>(), default_value_t = Plant::Linear)]
     pub(crate) plant: Plant,
@@ -181,7 +187,8 @@ pub(crate) struct SimulateArgs {
     pub(crate) model: Variant,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
-    /// Forward speed, m/s [default: from the vehicle file]
+    /// Forward speed, m/s; on a road, the greatest [default: from the vehicle file, or the limits of
+    /// the road]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
     /// Amplitude of the road-wheel angle, rad [default: the angle for 0.17 g]
@@ -194,7 +201,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "T", default_value_t = 2.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) start_s: f64,
     /// Duration of the log from time 0, s [default: 20; 300 for a drive; as long as necessary for
-    /// a driver on a path]
+    /// a driver on a path; 120 to 150 on a road, or as long as it is]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = duration_s)]
     pub(crate) duration_s: Option<f64>,
     /// Rate of rounded steps, 1/s
@@ -221,6 +228,8 @@ pub(crate) struct SimulateArgs {
     pub(crate) to_rollover: bool,
     #[command(flatten)]
     pub(crate) sensors: SensorArgs,
+    #[command(flatten)]
+    pub(crate) chassis: ChassisArgs,
     /// Seed of the random numbers of the sensors and of the drive
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,

@@ -1,10 +1,10 @@
 //! Arguments for the sensor errors of a simulated log.
 
-use cg_plant::sensors::Sensors;
+use cg_plant::sensors::{ChassisSensors, Sensors};
 use clap::Args;
 
 use crate::numbers::{
-    decibels, delay_s, jitter_s, not_negative, offset_rad, quantisation_rad, share,
+    decibels, delay_s, jitter_s, not_negative, number, offset_rad, quantisation_rad, share,
 };
 
 #[derive(Debug, Args)]
@@ -73,6 +73,60 @@ impl From<&SensorArgs> for Sensors {
             jitter_s: arguments.jitter_s,
             drop_out: arguments.drop_out,
             steering_wheel: arguments.steering_wheel,
+            chassis: None,
+        }
+    }
+}
+
+/// Errors of the sensors on frames and axles.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sensors of the chassis (with --road)")]
+pub(crate) struct ChassisArgs {
+    /// Constant offset of the left level sensors, m
+    #[arg(long, value_name = "M", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    level_offset_m: f64,
+    /// Standard deviation of white noise on each level, m
+    #[arg(long, value_name = "M", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    level_noise_m: f64,
+    /// Resolution of the levels, m; 0 for unlimited
+    #[arg(long, value_name = "M", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    level_quantisation_m: f64,
+    /// Constant offset of the accelerometers, m/s²
+    #[arg(long, value_name = "A", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    accelerometer_offset_mps2: f64,
+    /// Standard deviation of white noise on the accelerometers, m/s²
+    #[arg(long, value_name = "A", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    accelerometer_noise_mps2: f64,
+    /// Resolution of the accelerometers, m/s²; 0 for unlimited
+    #[arg(long, value_name = "A", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    accelerometer_quantisation_mps2: f64,
+    /// Constant offset of the inclinometers on the frames, rad
+    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    tilt_offset_rad: f64,
+    /// Standard deviation of white noise on each inclinometer, rad
+    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    tilt_noise_rad: f64,
+    /// Resolution of the inclinometers, rad; 0 for unlimited
+    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    tilt_quantisation_rad: f64,
+    /// Roll angle at which accelerometers and inclinometers are mounted on the frames, rad
+    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    mounting_rad: f64,
+}
+
+impl From<&ChassisArgs> for ChassisSensors {
+    fn from(arguments: &ChassisArgs) -> Self {
+        Self {
+            level_offset_m: arguments.level_offset_m,
+            level_noise_m: arguments.level_noise_m,
+            level_quantisation_m: arguments.level_quantisation_m,
+            accelerometer_offset_mps2: arguments.accelerometer_offset_mps2,
+            accelerometer_noise_mps2: arguments.accelerometer_noise_mps2,
+            accelerometer_quantisation_mps2: arguments.accelerometer_quantisation_mps2,
+            tilt_offset_rad: arguments.tilt_offset_rad,
+            tilt_noise_rad: arguments.tilt_noise_rad,
+            tilt_quantisation_rad: arguments.tilt_quantisation_rad,
+            mounting_rad: arguments.mounting_rad,
         }
     }
 }

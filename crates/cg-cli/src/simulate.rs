@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
+use cg_core::Word;
 use cg_logs::log::{CandumpWriter, LogWriter, Signal};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
+use cg_plant::road::{Road, RoadKind};
+use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
@@ -17,19 +20,40 @@ fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
     let turn = arguments.turn_deg.is_some() || arguments.radius_m.is_some();
     match (arguments.maneuver, turn, arguments.gate_m) {
         (_, false, None) => Ok(None),
-        (Maneuver::SteadyTurn, true, None) => Ok(Some(Course::Turn {
+        (Some(Maneuver::SteadyTurn), true, None) => Ok(Some(Course::Turn {
             angle_rad: arguments.turn_deg.unwrap_or(90.0).to_radians(),
             radius_m: arguments.radius_m.unwrap_or(100.0),
         })),
-        (Maneuver::LaneChange, false, Some(gate_m)) => Ok(Some(Course::Gate { gate_m })),
+        (Some(Maneuver::LaneChange), false, Some(gate_m)) => Ok(Some(Course::Gate { gate_m })),
         _ => Err(anyhow!(
             "--turn-deg and --radius-m are for --maneuver steady-turn, --gate-m for lane-change"
         )),
     }
 }
 
+/// The road, if one is asked for.
+fn road(arguments: &SimulateArgs) -> anyhow::Result<Option<Road>> {
+    let Some(name) = &arguments.road else { return Ok(None) };
+    let road = match kind(name) {
+        Some(kind) => Road::kind(kind, arguments.seed)?,
+        None => Road::load(name).with_context(|| {
+            let kinds: Vec<&str> = RoadKind::WORDS.iter().map(|(_, word, _)| *word).collect();
+            format!("--road is a file or one of {}", kinds.join(", "))
+        })?,
+    };
+    Ok(Some(match arguments.speed_mps {
+        Some(speed_mps) => road.limited_to(speed_mps),
+        None => road,
+    }))
+}
+
+/// A word is a usual kind; a file of the same name is `./rural`.
+fn kind(name: &Path) -> Option<RoadKind> {
+    name.to_str()?.parse().ok()
+}
+
 fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
-    let usual = Scenario::of(vehicle, arguments.maneuver);
+    let usual = Scenario::of(vehicle, arguments.maneuver.unwrap_or(Maneuver::Drive));
     let scenario = Scenario {
         course: course(arguments)?,
         step_rate_per_s: arguments.step_rate,
@@ -52,8 +76,26 @@ fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scena
     })
 }
 
+fn simulation(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<LogSimulation> {
+    let scenario = scenario(arguments, vehicle)?;
+    let Some(road) = road(arguments)? else {
+        return Ok(LogSimulation::new(vehicle, scenario)?);
+    };
+    let duration_s = match arguments.duration_s {
+        Some(duration_s) => duration_s,
+        None if road.has_speed() => road.usual_duration_s(),
+        None => road.clone().limited_to(scenario.speed_mps).usual_duration_s(),
+    };
+    let chassis = Some((&arguments.chassis).into());
+    let sensors = Sensors { chassis, ..scenario.sensors };
+    Ok(LogSimulation::on_road(vehicle, Scenario { duration_s, sensors, ..scenario }, &road)?)
+}
+
 pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outcome> {
     let mut files = files.reads("--vehicle", &arguments.vehicle);
+    if let Some(name) = arguments.road.as_deref().filter(|name| kind(name).is_none()) {
+        files = files.reads("--road", name);
+    }
     let output = match arguments.output.as_path() {
         path if path.as_os_str() == "-" => None,
         path => {
@@ -65,16 +107,18 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
         arguments.truth.as_deref().map(|path| files.writes("--truth", path, Kind::Truth));
     let truth_target = truth_target.transpose()?;
     let vehicle = truck::load(&arguments.vehicle)?;
-    let scenario = scenario(arguments, &vehicle)?;
-    let columns = scenario.sensors.columns();
-    let simulation = LogSimulation::new(&vehicle, scenario)?;
-    let truth = serde_json::to_value(&simulation.truth)?;
+    let simulation = simulation(arguments, &vehicle)?;
+    let columns = simulation.columns();
+    let mut truth = serde_json::to_value(&simulation.truth)?;
     let comments: Vec<String> = truth
         .as_object()
         .into_iter()
         .flatten()
         .map(|(key, value)| format!("truth {key} = {value}"))
         .collect();
+    if let Some(track) = &simulation.track {
+        truth["track"] = serde_json::to_value(track)?;
+    }
     // The truth is written to the disk before the log is begun. If this fails, there is no log
     // either.
     let draft = match &truth_target {

@@ -4,6 +4,7 @@
 //! | module | contents | reference |
 //! |---|---|---|
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator and driver | ch. 2, UMTRI |
+//! | [`road`] | curvature, bank and speed limit over the distance | – |
 //! | [`maneuver`] | steer and speed histories | section 5.3 |
 //! | [`sensors`] | sensor errors added to the truth | section 5.3 |
 //! | [`simulate`] | logs with known truth | section 5.3 |
@@ -14,6 +15,7 @@
 //! See [`plant`].
 
 pub mod maneuver;
+pub mod road;
 pub mod plant;
 pub mod sensors;
 pub mod rollover;

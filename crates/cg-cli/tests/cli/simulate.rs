@@ -248,3 +248,65 @@ fn paths_without_their_maneuver_or_plant_are_refused() {
     refused(&["--maneuver", "sine", "--drop-out", "1"], &["between 0 and 0.95"]);
     assert!(scratch.names().is_empty());
 }
+
+/// A drive on a road: the sensors of the chassis are columns, truth and comments say which road it
+/// was, and the truth file has the bank on the way.
+#[test]
+fn a_road_brings_the_sensors_of_the_chassis_and_its_bank() {
+    let scratch = Scratch::new();
+    let truth_file = scratch.path("truth.json");
+    let drive = |name: &str, more: &[&str]| {
+        let road = ["--road", "roundabouts", "--duration-s", "20", "--truth", &truth_file];
+        let path = scratch.simulate(name, &kraz(), &[&road, more].concat());
+        std::fs::read_to_string(path).unwrap()
+    };
+    let text = drive("log.csv", &["--level-noise-m", "0.0005"]);
+    let truth: Value = serde_json::from_slice(&std::fs::read(&truth_file).unwrap()).unwrap();
+    assert_eq!(truth["road"]["name"], "roundabouts");
+    assert_eq!(truth["level_noise_m"], 0.0005);
+    let banks = truth["track"]["bank_rad"].as_array().unwrap();
+    assert_eq!(banks.len(), 201);
+    assert_eq!(banks[0], 0.02);
+    assert_eq!(truth["road"]["bank_rad"][1], 0.02);
+    assert!(text.contains("# truth road = {") && !text.contains("track"));
+    let header = text.lines().find(|line| !line.starts_with('#')).unwrap();
+    assert!(header.starts_with("time_s,steer_rad,roll_rad,speed_mps,lateral_acceleration_mps2"));
+    for column in ["roll_to_gravity_rad", "suspension_roll_rad", "tractor_level_left_m", "tilt_rad"]
+    {
+        assert!(header.split(',').any(|name| name == column), "{header}");
+    }
+    // The readings of the gauge on the drive axles are not in this vehicle file.
+    assert!(!header.contains("drive_pressure"), "{header}");
+    assert_eq!(text, drive("again.csv", &["--level-noise-m", "0.0005"]));
+    assert_ne!(text, drive("other.csv", &["--level-noise-m", "0.0005", "--seed", "2"]));
+
+    let frames = drive("drive.log", &[]);
+    let first = |group: &str| frames.lines().find(|line| line.contains(group)).unwrap();
+    // Levels of the rear axle about 0.25 m: (0.25 + 3.2)/0.0001 is 0x86C4; the front axle is absent.
+    assert!(first("18FE592F#").contains("#FFFFFFFF"), "{}", first("18FE592F#"));
+    let specific_force = &first("18F0090B#").split_once('#').unwrap().1[8..];
+    assert!(!specific_force.starts_with("FFFF"), "{specific_force}");
+}
+
+#[test]
+fn a_road_is_a_kind_or_a_file_and_excludes_maneuvers() {
+    let scratch = Scratch::new();
+    let log = scratch.path("log.csv");
+    let simulate = |more: &[&str]| {
+        let vehicle = kraz();
+        cg(&[&["simulate", "--vehicle", &vehicle, "-o", &log][..], more].concat())
+    };
+    simulate(&["--road", "rurla"]).refused(&["rurla", "rural, motorway, roundabouts"]);
+    let bad = scratch.file("bad.csv", "distance_m,curvature_per_m,bank_rad\n0,0,0\n9,0,x\n");
+    simulate(&["--road", &bad]).refused(&["bad.csv: line 3, column 3 `bank_rad`"]);
+    simulate(&["--road", "rural", "--maneuver", "sine"]).refused(&["--maneuver", "--road"]);
+    simulate(&["--road", "rural", "--inclinometer"]).refused(&["--inclinometer"]);
+    simulate(&["--maneuver", "sine", "--level-noise-m", "0.001"]).refused(&["--road"]);
+    simulate(&[]).refused(&["--maneuver"]);
+    let road = "distance_m,curvature_per_m,bank_rad\n0,0,0.02\n100,0,0.02\n";
+    let short = scratch.file("short.csv", road);
+    let limited = ["--road", &short, "--speed-mps", "10", "--duration-s"];
+    simulate(&[&limited[..], &["12"]].concat())
+        .refused(&["the road ends after 10.0 s", "--duration-s"]);
+    simulate(&[&limited[..], &["8"]].concat()).done();
+}

@@ -30,6 +30,8 @@ pub struct Control {
     pub speed_mps: f64,
     /// Rate of the speed.
     pub acceleration_mps2: f64,
+    /// Bank of the road under the vehicle, right side lower positive.
+    pub bank_rad: f64,
 }
 
 /// A sprung mass.
@@ -57,8 +59,6 @@ pub(super) struct Parameters {
     pub(super) groups: Vec<Group>,
     pub(super) kinds: Vec<Grip>,
     pub(super) gravity_mps2: f64,
-    /// Bank of the road, right side lower positive.
-    pub(super) bank_rad: f64,
     /// Places of the accelerometers of tractor and trailer from the reference points, body axes.
     pub(super) accelerometers: [Vector; 2],
 }
@@ -75,7 +75,7 @@ pub(super) struct Probe {
     pub(super) contacts: [Contact; MAX_AXLES],
     eliminated: [Eliminated; MAX_AXLES],
     poses: [Pose; MAX_AXLES],
-    springs_n: [[f64; 2]; MAX_AXLES],
+    pub(super) springs_n: [[f64; 2]; MAX_AXLES],
 }
 
 /// Positions and inputs at one instant.
@@ -113,11 +113,11 @@ impl Parameters {
 
     /// Gravity in both yaw frames; on a banked road it is tilted about the mean heading.
     #[inline]
-    fn gravity(&self, turn_rad: f64) -> [Vector; 2] {
-        if self.bank_rad == 0.0 {
+    pub(super) fn gravity(&self, bank_rad: f64, turn_rad: f64) -> [Vector; 2] {
+        if bank_rad == 0.0 {
             return [[0.0, 0.0, -self.gravity_mps2]; 2];
         }
-        let (side, down) = sin_cos(self.bank_rad);
+        let (side, down) = sin_cos(bank_rad);
         let (sin, cos) = sin_cos(0.5 * turn_rad);
         let (side, down) = (self.gravity_mps2 * side, -self.gravity_mps2 * down);
         [[side * sin, -side * cos, down], [-side * sin, -side * cos, down]]
@@ -149,7 +149,8 @@ impl Parameters {
                 rate[at(group.first_axle, c)] = group.law.rate_n_per_s(x, x_rate, force[side]);
             }
         });
-        let instant = Instant { x, control, turn, gravity: self.gravity(turn_rad) };
+        let instant =
+            Instant { x, control, turn, gravity: self.gravity(control.bank_rad, turn_rad) };
         self.solve(&instant, &units, hitch_rho, rate, probe);
     }
 
@@ -267,6 +268,18 @@ impl Parameters {
         }
     }
 
+    /// Roll angles of tractor and trailer against the true vertical at the last evaluation.
+    pub(super) fn roll_to_gravity_rad(probe: &Probe, gravity: &[Vector; 2]) -> [f64; 2] {
+        [0, 1].map(|unit| {
+            let Some(units) = &probe.units else { return 0.0 };
+            let up = |axis: Vector| {
+                let axis = units[unit].attitude.outward(axis);
+                -(0..3).map(|i| axis[i] * gravity[unit][i]).sum::<f64>()
+            };
+            up([0.0, 1.0, 0.0]).atan2(up([0.0, 0.0, 1.0]))
+        })
+    }
+
     /// Lateral accelerations of the sprung c.g.s at the last evaluation, in the plane of the road, in
     /// each unit's heading.
     pub(super) fn lateral_mps2(&self, probe: &Probe) -> [f64; 2] {
@@ -277,10 +290,8 @@ impl Parameters {
     }
 
     /// What the accelerometers of tractor and trailer show at the last evaluation: acceleration minus
-    /// gravity along the lateral axis of the body. `turn_rad` is the trailer's yaw minus the
-    /// tractor's.
-    pub(super) fn specific_force_mps2(&self, probe: &Probe, turn_rad: f64) -> [f64; 2] {
-        let gravity = self.gravity(turn_rad);
+    /// gravity along the lateral axis of the body.
+    pub(super) fn specific_force_mps2(&self, probe: &Probe, gravity: &[Vector; 2]) -> [f64; 2] {
         [0, 1].map(|unit| {
             let Some(units) = &probe.units else { return 0.0 };
             let felt = add(

@@ -85,19 +85,18 @@ fn accelerations(parameters: &Parameters, rest: &Rest, control: &Control) -> DVe
     DVector::from_vec(bodies.chain(own).collect())
 }
 
-/// Finds straight driving at a speed, starting from a position near it.
+/// Finds straight driving at the speed and on the bank of `control`, starting from a position near it.
 ///
 /// # Errors
 /// If there is none: the vehicle tips over, or slides off the banked road.
 pub(super) fn settle(
     parameters: &Parameters,
     start: &State,
-    speed_mps: f64,
+    control: &Control,
 ) -> Result<Rest, VehicleError> {
-    let control = Control { speed_mps, ..Control::default() };
     let axles = parameters.axles.len();
-    let mut rest = Rest { state: *start, steer_rad: 0.0 }.relaxed(parameters, &control);
-    let mut residual = accelerations(parameters, &rest, &control);
+    let mut rest = Rest { state: *start, steer_rad: 0.0 }.relaxed(parameters, control);
+    let mut residual = accelerations(parameters, &rest, control);
     for _ in 0..50 {
         if residual.amax() < ROUNDING {
             return Ok(rest);
@@ -106,8 +105,8 @@ pub(super) fn settle(
         let n = unknowns.len();
         let mut jacobian = DMatrix::zeros(n, n);
         let moved = |unknowns: &DVector<f64>| {
-            let rest = rest.with(axles, unknowns).relaxed(parameters, &control);
-            let residual = accelerations(parameters, &rest, &control);
+            let rest = rest.with(axles, unknowns).relaxed(parameters, control);
+            let residual = accelerations(parameters, &rest, control);
             (rest, residual)
         };
         for k in 0..n {
@@ -133,8 +132,9 @@ pub(super) fn settle(
         return Ok(rest);
     }
     Err(VehicleError::Model(format!(
-        "no straight running at {speed_mps:.1} m/s: {:.3} m/s² (or rad/s²) remain; the bank or the \
+        "no straight running at {:.1} m/s: {:.3} m/s² (or rad/s²) remain; the bank or the \
          payload's lateral offset may be too much for this vehicle",
+        control.speed_mps,
         residual.amax()
     )))
 }

@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::dynamics::{Control, Probe};
-use super::equilibrium::settle;
 use super::state::{AxleCoordinate, Coordinate, ROOM, at};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
@@ -47,7 +46,7 @@ impl YawRollPlant {
     /// # Errors
     /// If the vehicle cannot drive straight.
     pub fn linearized(&self, speed_mps: f64) -> Result<StateSpace, VehicleError> {
-        let rest = settle(&self.parameters, &self.design, speed_mps)?;
+        let rest = self.settled(speed_mps)?;
         let places = self.places();
         let n = places.len();
         let trailer_yaw = 3;
@@ -56,13 +55,15 @@ impl YawRollPlant {
             if index < ROOM {
                 x[index] += shift;
             }
-            let control = Control { steer_rad, speed_mps, acceleration_mps2: 0.0 };
+            let control =
+                Control { steer_rad, speed_mps, bank_rad: self.bank_rad, ..Control::default() };
             let (mut rate, mut probe) = ([0.0; ROOM], Probe::default());
             self.parameters.rates(&x, &control, &mut rate, &mut probe);
             rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
             let rates = places.iter().map(|&i| rate[i]);
             let turn_rad = x[Coordinate::TrailerYaw as usize] - x[Coordinate::TractorYaw as usize];
-            let [tractor, trailer] = self.parameters.specific_force_mps2(&probe, turn_rad);
+            let gravity = self.parameters.gravity(self.bank_rad, turn_rad);
+            let [tractor, trailer] = self.parameters.specific_force_mps2(&probe, &gravity);
             let felt = [self.parameters.lateral_mps2(&probe)[1], tractor, trailer];
             DVector::from_iterator(n + felt.len(), rates.chain(felt))
         };

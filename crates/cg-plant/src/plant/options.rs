@@ -20,7 +20,8 @@ pub struct PlantOptions {
     pub springs: Characteristics,
     /// Lateral force and aligning moment of the tires.
     pub tyres: Characteristics,
-    /// Bank of the road, right side lower positive.
+    /// Bank of the road at the start of a run, right side lower positive. It stays unless
+    /// [`push_banked`](super::Simulation::push_banked) changes it.
     pub bank_rad: f64,
     /// Distance of the payload's c.g. to the left of the middle.
     pub payload_left_m: f64,

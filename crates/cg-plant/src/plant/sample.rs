@@ -21,6 +21,9 @@ pub struct UnitSample {
     pub yaw_rate_radps: f64,
     /// Lateral acceleration of the sprung c.g. in the plane of the road, to the left of the heading.
     pub lateral_acceleration_mps2: f64,
+    /// Roll angle against the true vertical: roll angle plus the bank of the road (exactly, if the
+    /// road is banked about the heading of this unit).
+    pub roll_to_gravity_rad: f64,
     /// Specific force at the accelerometer along the body's lateral axis, gravity included.
     pub specific_force_mps2: f64,
     /// Roll angle minus the mean of the axles: all of the trailer, or the tractor's drive axles.
@@ -35,6 +38,14 @@ pub struct AxleSample {
     pub left_load_n: f64,
     /// Vertical load of the right tires.
     pub right_load_n: f64,
+    /// Force of the left spring.
+    pub left_spring_n: f64,
+    /// Force of the right spring.
+    pub right_spring_n: f64,
+    /// Whether the axle is steered.
+    pub is_steered: bool,
+    /// Whether the axle belongs to the trailer.
+    pub is_on_trailer: bool,
     /// Lateral force of all tires, to the left of the wheels.
     pub lateral_force_n: f64,
     /// Slip angle at the middle of the axle.
@@ -63,6 +74,8 @@ pub struct PlantSample {
     pub steer_rad: f64,
     /// Forward speed.
     pub speed_mps: f64,
+    /// Bank of the road.
+    pub bank_rad: f64,
     /// The tractor's sprung mass.
     pub tractor: UnitSample,
     /// The trailer's sprung mass.
@@ -132,9 +145,12 @@ impl PlantSample {
         let mut tractor = UnitSample::new(state, TRACTOR, lateral_mps2[0]);
         let mut trailer = UnitSample::new(state, TRAILER, lateral_mps2[1]);
         let turn_rad = trailer.yaw_rad - tractor.yaw_rad;
-        let forces_mps2 = parameters.specific_force_mps2(probe, turn_rad);
+        let gravity = parameters.gravity(control.bank_rad, turn_rad);
+        let forces_mps2 = parameters.specific_force_mps2(probe, &gravity);
+        let rolls_rad = Parameters::roll_to_gravity_rad(probe, &gravity);
         for (unit, on_trailer) in [(&mut tractor, false), (&mut trailer, true)] {
             unit.specific_force_mps2 = forces_mps2[usize::from(on_trailer)];
+            unit.roll_to_gravity_rad = rolls_rad[usize::from(on_trailer)];
             let (mut sum_rad, mut count) = (0.0, 0.0);
             for (i, axle) in parameters.axles.iter().enumerate() {
                 if axle.on_trailer == on_trailer && !steered[i] {
@@ -148,9 +164,14 @@ impl PlantSample {
         let (mut difference, mut sum) = (0.0, 0.0);
         for (i, steered) in steered.iter().enumerate() {
             let contact = &probe.contacts[i];
+            let [left_spring_n, right_spring_n] = probe.springs_n[parameters.axles[i].group];
             axle[i] = AxleSample {
                 left_load_n: contact.left_n,
                 right_load_n: contact.right_n,
+                left_spring_n,
+                right_spring_n,
+                is_steered: *steered,
+                is_on_trailer: parameters.axles[i].on_trailer,
                 lateral_force_n: contact.lateral_n,
                 slip_rad: contact.slip_rad,
                 roll_rad: state.axle(i, AxleCoordinate::Roll),
@@ -163,6 +184,7 @@ impl PlantSample {
         Self {
             steer_rad: control.steer_rad,
             speed_mps: control.speed_mps,
+            bank_rad: control.bank_rad,
             tractor,
             trailer,
             articulation_rad: tractor.yaw_rad - trailer.yaw_rad,

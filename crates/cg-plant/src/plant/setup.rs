@@ -74,7 +74,6 @@ pub(super) fn parameters(
         groups,
         kinds,
         gravity_mps2: g,
-        bank_rad: options.bank_rad,
         accelerometers: accelerometers(vehicle),
     };
     Ok((parameters, state))

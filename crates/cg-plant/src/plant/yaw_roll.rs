@@ -2,7 +2,7 @@
 
 use super::body::Attitude;
 use super::dynamics::{Control, Parameters, Probe};
-use super::equilibrium::settle;
+use super::equilibrium::{Rest, settle};
 use super::method::Method;
 use super::options::PlantOptions;
 use super::sample::PlantSample;
@@ -18,6 +18,7 @@ pub struct YawRollPlant {
     pub(super) parameters: Parameters,
     pub(super) design: State,
     pub(super) steered: Vec<bool>,
+    pub(super) bank_rad: f64,
     pub(super) step_s: f64,
     pub(super) method: Method,
 }
@@ -35,8 +36,8 @@ impl YawRollPlant {
     ) -> Result<Self, VehicleError> {
         let (parameters, design) = setup::parameters(vehicle, load, options)?;
         let steered = vehicle.axles().iter().map(|axle| axle.steered).collect();
-        let (step_s, method) = (options.step_s, Method::RungeKutta);
-        let mut plant = Self { parameters, design, steered, step_s, method };
+        let (bank_rad, step_s, method) = (options.bank_rad, options.step_s, Method::RungeKutta);
+        let mut plant = Self { parameters, design, steered, bank_rad, step_s, method };
         if options.design_load.is_some() {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
@@ -47,10 +48,16 @@ impl YawRollPlant {
     /// Moves the trailer's c.g. in its body so that it rests at this height.
     fn lift_to(&mut self, height_m: f64, speed_mps: f64) -> Result<(), VehicleError> {
         for _ in 0..5 {
-            let state = settle(&self.parameters, &self.design, speed_mps)?.state;
+            let state = self.settled(speed_mps)?.state;
             self.parameters.trailer.cg[2] += height_m - self.trailer_cg_height_m(&state);
         }
         Ok(())
+    }
+
+    /// Straight driving at a speed.
+    pub(super) fn settled(&self, speed_mps: f64) -> Result<Rest, VehicleError> {
+        let control = Control { speed_mps, bank_rad: self.bank_rad, ..Control::default() };
+        settle(&self.parameters, &self.design, &control)
     }
 
     /// Height of the trailer's sprung c.g. above the road in a state.

@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `scenario` | what to simulate, and what is true of it |
 //! | `models` | the linear and the reduced model in time |
-//! | `nonlinear` | the nonlinear plant, steered by a steer history or by the driver |
+//! | `signals` | what perfect sensors show of the nonlinear plant |
+//! | `on_road` | a driver who follows a road |
+//! | `nonlinear` | the nonlinear plant, steered by a steer history or by a driver |
 //! | `simulation` | a scenario ready to run, and its log |
 
 mod scenario;
 mod models;
+mod signals;
+mod on_road;
 mod nonlinear;
 mod simulation;
 
-pub use scenario::{Plant, Scenario, Truth};
+pub use scenario::{Plant, RoadTruth, Scenario, Track, Truth};
 pub use simulation::LogSimulation;

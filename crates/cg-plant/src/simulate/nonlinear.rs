@@ -1,16 +1,21 @@
-//! Runs the nonlinear plant through a scenario, steered by a steer history or by the driver.
+//! Runs the nonlinear plant through a scenario, steered by a steer history, by the driver on a path,
+//! or by the driver on a road.
 
-use super::scenario::{Motion, Scenario};
+use super::on_road::{Action, RoadDriver};
+use super::scenario::{Scenario, Track};
+use super::signals::Signals;
 use crate::maneuver::{Course, Histories};
-use crate::plant::{Driver, DriverSettings, Path, PlantOptions, YawRollPlant};
+use crate::plant::{Driver, DriverSettings, Path, PlantOptions, Simulation, YawRollPlant};
+use crate::road::Road;
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};
+use cg_logs::log::LogRow;
 use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
 
-/// The motions of the plant, sample by sample, and the time of a rollover, if one happened and is
-/// allowed.
+/// The true rows of the plant, and the time of a rollover, if one happened and is allowed.
 pub(super) struct Recorded {
-    pub(super) motions: Vec<Motion>,
+    pub(super) rows: Vec<LogRow>,
+    pub(super) track: Option<Track>,
     pub(super) rolled_over_s: Option<f64>,
 }
 
@@ -25,6 +30,31 @@ fn path(course: Course, scenario: &Scenario) -> Path {
     }
 }
 
+/// Who steers.
+enum Steering<'a> {
+    History(&'a Histories),
+    Path(Box<Driver>, f64),
+    Road(Box<RoadDriver>),
+}
+
+impl Steering<'_> {
+    /// What happens until a time, one step ahead.
+    fn next(&mut self, run: &Simulation<'_>, until_s: f64, step_s: f64) -> Action {
+        match self {
+            Self::History(histories) => Action {
+                steer_rad: histories.steer_rad(until_s),
+                speed_mps: histories.speed_mps(until_s),
+                bank_rad: 0.0,
+            },
+            Self::Path(driver, speed_mps) => {
+                Action { steer_rad: driver.steer_rad(run), speed_mps: *speed_mps, bank_rad: 0.0 }
+            }
+            Self::Road(driver) => driver.next(run, step_s),
+        }
+    }
+}
+
+/// A drive by a steer history, or along the course of the scenario.
 pub(super) fn record(
     vehicle: &Vehicle,
     scenario: &Scenario,
@@ -32,29 +62,59 @@ pub(super) fn record(
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
     let plant = YawRollPlant::new(vehicle, scenario.load, &PlantOptions::default())?;
-    let mut run = plant.start(histories.speed_mps(0.0))?;
+    let run = plant.start(histories.speed_mps(0.0))?;
     let driver = |course| {
         Driver::new(&plant, path(course, scenario), scenario.speed_mps, DriverSettings::default())
     };
-    let mut driver = scenario.course.map(driver).transpose()?;
-    let mut recorded = Recorded { motions: Vec::new(), rolled_over_s: None };
+    let mut steering = match scenario.course {
+        Some(course) => Steering::Path(Box::new(driver(course)?), scenario.speed_mps),
+        None => Steering::History(histories),
+    };
+    run_through(vehicle, scenario, run, &mut steering, samples)
+}
+
+/// A drive along a road that has a speed limit.
+pub(super) fn record_on_road(
+    vehicle: &Vehicle,
+    scenario: &Scenario,
+    road: &Road,
+    samples: u64,
+) -> Result<Recorded, VehicleError> {
+    let driver = RoadDriver::new(vehicle, scenario.variant, scenario.load, road)?;
+    let (speed_mps, bank_rad) = driver.start();
+    let options = PlantOptions { bank_rad, ..PlantOptions::default() };
+    let plant = YawRollPlant::new(vehicle, scenario.load, &options)?;
+    let run = plant.start(speed_mps)?;
+    run_through(vehicle, scenario, run, &mut Steering::Road(Box::new(driver)), samples)
+}
+
+fn run_through(
+    vehicle: &Vehicle,
+    scenario: &Scenario,
+    mut run: Simulation<'_>,
+    steering: &mut Steering<'_>,
+    samples: u64,
+) -> Result<Recorded, VehicleError> {
+    let mass_kg = scenario.load.trailer_mass_kg;
+    let signals = Signals::new(vehicle, mass_kg, scenario.sensors.chassis.is_some());
+    let on_road = matches!(steering, Steering::Road(_));
+    let track = on_road.then(Track::default);
+    let mut recorded = Recorded { rows: Vec::new(), track, rolled_over_s: None };
     for k in 0..samples {
+        #[allow(clippy::cast_precision_loss)]
+        let time_s = k as f64 / scenario.rate_hz;
         if k > 0 {
             // The steer history is evaluated at each step of the plant, not interpolated between samples.
-            #[allow(clippy::cast_precision_loss)]
-            let time_s = k as f64 / scenario.rate_hz;
             let interval_s = time_s - run.time_s();
-            let steps = (interval_s / plant.step_s()).ceil().max(1.0);
+            let steps = (interval_s / run.step_s()).ceil().max(1.0);
             let start_s = run.time_s();
             let mut done = 0.0;
             while done < steps {
                 done += 1.0;
                 let now_s = start_s + interval_s * done / steps;
-                let steer_rad = match &mut driver {
-                    Some(driver) => driver.steer_rad(&run),
-                    None => histories.steer_rad(now_s),
-                };
-                run.push(steer_rad, histories.speed_mps(now_s), interval_s / steps);
+                let Action { steer_rad, speed_mps, bank_rad } =
+                    steering.next(&run, now_s, interval_s / steps);
+                run.push_banked(steer_rad, speed_mps, bank_rad, interval_s / steps);
             }
             if let Err(rolled) = run.upright() {
                 if scenario.to_rollover {
@@ -65,13 +125,10 @@ pub(super) fn record(
             }
         }
         let sample = run.sample();
-        recorded.motions.push(Motion {
-            steer_rad: sample.steer_rad,
-            speed_mps: sample.speed_mps,
-            roll_rad: sample.trailer.roll_rad,
-            lateral_acceleration_mps2: sample.trailer.lateral_acceleration_mps2,
-            yaw_rate_radps: sample.trailer.yaw_rate_radps,
-        });
+        recorded.rows.push(signals.row(time_s, &sample));
+        if let (Steering::Road(driver), Some(track)) = (&*steering, &mut recorded.track) {
+            track.push(time_s, driver.distance_m(), sample.bank_rad);
+        }
     }
     Ok(recorded)
 }

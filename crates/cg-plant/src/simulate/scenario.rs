@@ -13,6 +13,9 @@ const AFTER_S: f64 = 5.0;
 /// Default of the greatest share by which the speed of a drive of the nonlinear plant changes.
 const USUAL_SPEED_CHANGE: f64 = 0.3;
 
+/// Interval of a track.
+const TRACK_INTERVAL_S: f64 = 0.1;
+
 /// The simulated model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -151,6 +154,9 @@ impl Scenario {
                 "⟨steering_wheel⟩: the vehicle file has no steering_ratio; add one".into(),
             );
         }
+        if self.sensors.chassis.is_some() && self.plant != Plant::Nonlinear {
+            return refuse("the sensors of the chassis need ⟨plant nonlinear⟩".into());
+        }
         self.sensors.check(self.rate_hz)
     }
 }
@@ -176,10 +182,66 @@ pub struct Truth {
     /// Everything else that the sensors added.
     #[serde(flatten)]
     pub sensors: Sensors,
+    /// The road, if it is not flat and straight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub road: Option<RoadTruth>,
     /// Time of the rollover, if there was one.
     pub rolled_over_s: Option<f64>,
     /// Seed.
     pub seed: u64,
+}
+
+impl Truth {
+    /// Without noise, road and rollover.
+    pub(super) fn of(vehicle: &Vehicle, scenario: &Scenario, steer_rad: f64, ratio: f64) -> Self {
+        Self {
+            vehicle: vehicle.name.clone(),
+            height_m: scenario.load.cg_height_m,
+            trailer_mass_kg: scenario.load.trailer_mass_kg,
+            speed_mps: scenario.speed_mps,
+            steer_rad,
+            ratio,
+            noise_sd_rad: 0.0,
+            sensors: scenario.sensors,
+            road: None,
+            rolled_over_s: None,
+            seed: scenario.seed,
+        }
+    }
+}
+
+/// The road of a simulated log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct RoadTruth {
+    /// Its kind, or the name of its file.
+    pub name: String,
+    /// Distance driven.
+    pub driven_m: f64,
+    /// The least and the greatest bank on the way, left side higher positive.
+    pub bank_rad: [f64; 2],
+}
+
+/// Where the vehicle was on the road, about ten times a second.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Track {
+    /// Time of the log.
+    pub time_s: Vec<f64>,
+    /// Distance of the front axle along the road.
+    pub distance_m: Vec<f64>,
+    /// Bank of the road under the vehicle, left side higher positive.
+    pub bank_rad: Vec<f64>,
+}
+
+impl Track {
+    pub(super) fn push(&mut self, time_s: f64, distance_m: f64, bank_rad: f64) {
+        if self.time_s.last().is_none_or(|last_s| time_s - last_s > TRACK_INTERVAL_S - 1e-9) {
+            self.time_s.push(time_s);
+            self.distance_m.push(distance_m);
+            self.bank_rad.push(bank_rad);
+        }
+    }
 }
 
 /// The vehicle at a sample.

@@ -1,11 +1,13 @@
 //! A scenario ready to run, and its log.
 
 use super::models::Models;
-use super::nonlinear::{Recorded, record};
-use super::scenario::{Motion, Plant, Scenario, Truth};
+use super::nonlinear::{Recorded, record, record_on_road};
+use super::scenario::{Motion, Plant, RoadTruth, Scenario, Track, Truth};
+use super::signals::Signals;
 use crate::maneuver::Histories;
+use crate::road::Road;
 use crate::sensors::Instruments;
-use cg_logs::log::LogRow;
+use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
@@ -17,22 +19,24 @@ const ROLLOVER_LATERAL_G: f64 = 1.2;
 
 /// The source of the motions.
 enum Source {
-    /// Stored motions of the nonlinear plant, to avoid computing them twice.
-    Recorded(Vec<Motion>),
+    /// Stored rows of the nonlinear plant, to avoid computing them twice.
+    Recorded(Vec<LogRow>),
     /// Models that are fast enough to run each time.
-    Models(Box<Models>),
+    Models(Box<(Models, Histories)>),
 }
 
 /// A scenario ready to run.
 pub struct LogSimulation {
     source: Source,
-    histories: Histories,
     scenario: Scenario,
     gravity_mps2: f64,
     steering_ratio: f64,
+    signals: Signals,
     samples: u64,
     /// The truth of the log.
     pub truth: Truth,
+    /// Where the vehicle was, if it drove on a road.
+    pub track: Option<Track>,
 }
 
 impl LogSimulation {
@@ -43,50 +47,118 @@ impl LogSimulation {
     pub fn new(vehicle: &Vehicle, scenario: Scenario) -> Result<Self, VehicleError> {
         scenario.check(vehicle)?;
         let (histories, ratio) = histories(vehicle, &scenario)?;
-        // Rounded to the nearest sample; the cast number is positive and checked.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let samples = (scenario.duration_s * scenario.rate_hz).round() as u64 + 1;
-        let mut truth = Truth {
-            vehicle: vehicle.name.clone(),
-            height_m: scenario.load.cg_height_m,
-            trailer_mass_kg: scenario.load.trailer_mass_kg,
-            speed_mps: scenario.speed_mps,
-            steer_rad: histories.amplitude_rad(),
-            ratio,
-            noise_sd_rad: 0.0,
-            sensors: scenario.sensors,
-            rolled_over_s: None,
-            seed: scenario.seed,
-        };
+        let samples = samples(&scenario);
+        let mut truth = Truth::of(vehicle, &scenario, histories.amplitude_rad(), ratio);
         let source = match scenario.plant {
             Plant::Nonlinear => {
-                let Recorded { motions, rolled_over_s } =
+                let Recorded { rows, rolled_over_s, .. } =
                     record(vehicle, &scenario, &histories, samples)?;
                 truth.rolled_over_s = rolled_over_s;
                 if scenario.course.is_some() {
-                    let greater = |most: f64, motion: &Motion| most.max(motion.steer_rad.abs());
-                    truth.steer_rad = motions.iter().fold(0.0, greater);
+                    truth.steer_rad = greatest_steer_rad(&rows);
                 }
-                Source::Recorded(motions)
+                Source::Recorded(rows)
             }
             Plant::Linear | Plant::Reduced => {
-                Source::Models(Box::new(Models::new(vehicle, &scenario, &histories, samples)?))
+                let models = Models::new(vehicle, &scenario, &histories, samples)?;
+                Source::Models(Box::new((models, histories)))
             }
         };
-        let (gravity_mps2, steering_ratio) =
-            (vehicle.gravity_mps2, vehicle.steering_ratio.unwrap_or(1.0));
-        let mut simulation =
-            Self { source, histories, scenario, gravity_mps2, steering_ratio, samples, truth };
-        if let Some(snr_db) = scenario.sensors.snr_db {
+        Self { source, truth, ..Self::empty(vehicle, scenario, samples, None) }.with_noise()
+    }
+
+    /// Drives the nonlinear plant along a road, with the sensors of its chassis. The steer history,
+    /// the course and the start time of the scenario are not used. Where the road has no speed
+    /// limit, the limit is the speed of the scenario.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); also if the road is too short, or if the vehicle rolls over.
+    pub fn on_road(
+        vehicle: &Vehicle,
+        scenario: Scenario,
+        road: &Road,
+    ) -> Result<Self, VehicleError> {
+        let limited;
+        let road = if road.has_speed() {
+            road
+        } else {
+            limited = road.clone().limited_to(scenario.speed_mps);
+            &limited
+        };
+        let (pace, [start_m, end_m]) = (road.pace(), road.ends_m());
+        let whole_s = pace.time_s(start_m, end_m);
+        let mut scenario = Scenario { plant: Plant::Nonlinear, start_s: 0.0, ..scenario };
+        scenario.course = None;
+        scenario.speed_change = 0.0;
+        scenario.sensors.chassis.get_or_insert_default();
+        if scenario.duration_s > whole_s + 1.0 / scenario.rate_hz {
+            return Err(VehicleError::Model(format!(
+                "{}: the road ends after {whole_s:.1} s; reduce ⟨duration_s⟩",
+                road.name()
+            )));
+        }
+        scenario.check(vehicle)?;
+        let samples = samples(&scenario);
+        let recorded = record_on_road(vehicle, &scenario, road, samples)?;
+        let track = recorded.track.unwrap_or_default();
+        let end_m = track.distance_m.last().copied().unwrap_or(start_m);
+        scenario.speed_mps = (end_m - start_m) / scenario.duration_s;
+        let (_, ratio) = histories(vehicle, &scenario)?;
+        let steer_rad = greatest_steer_rad(&recorded.rows);
+        let banks = || track.bank_rad.iter().copied();
+        let truth = Truth {
+            road: Some(RoadTruth {
+                name: road.name().to_owned(),
+                driven_m: end_m - start_m,
+                bank_rad: [
+                    banks().fold(f64::INFINITY, f64::min),
+                    banks().fold(f64::NEG_INFINITY, f64::max),
+                ],
+            }),
+            rolled_over_s: recorded.rolled_over_s,
+            ..Truth::of(vehicle, &scenario, steer_rad, ratio)
+        };
+        let source = Source::Recorded(recorded.rows);
+        Self { source, truth, ..Self::empty(vehicle, scenario, samples, Some(track)) }.with_noise()
+    }
+
+    fn empty(vehicle: &Vehicle, scenario: Scenario, samples: u64, track: Option<Track>) -> Self {
+        let has_chassis = scenario.sensors.chassis.is_some();
+        Self {
+            source: Source::Recorded(Vec::new()),
+            scenario,
+            gravity_mps2: vehicle.gravity_mps2,
+            steering_ratio: vehicle.steering_ratio.unwrap_or(1.0),
+            signals: Signals::new(vehicle, scenario.load.trailer_mass_kg, has_chassis),
+            samples,
+            truth: Truth::of(vehicle, &scenario, 0.0, 0.0),
+            track,
+        }
+    }
+
+    /// With the standard deviation of the noise that its signal-to-noise ratio requires.
+    fn with_noise(mut self) -> Result<Self, VehicleError> {
+        if let Some(snr_db) = self.scenario.sensors.snr_db {
             let (mut square, mut rows) = (0.0, 0.0);
-            simulation.run_true(|row| {
+            self.run_true(|row| {
                 square += row.roll_rad * row.roll_rad;
                 rows += 1.0;
                 Ok::<(), VehicleError>(())
             })?;
-            simulation.truth.noise_sd_rad = (square / rows * 10f64.powf(-snr_db / 10.0)).sqrt();
+            self.truth.noise_sd_rad = (square / rows * 10f64.powf(-snr_db / 10.0)).sqrt();
         }
-        Ok(simulation)
+        Ok(self)
+    }
+
+    /// The columns of the log: those of its sensors; of the pressures only what the vehicle has.
+    pub fn columns(&self) -> Vec<Signal> {
+        let mut columns = self.scenario.sensors.columns();
+        if !self.signals.has_drive_pressure() {
+            columns.retain(|signal| {
+                !matches!(signal, Signal::DrivePressureLeft | Signal::DrivePressureRight)
+            });
+        }
+        columns
     }
 
     /// Runs the scenario row by row, as measured by its sensors.
@@ -100,7 +172,8 @@ impl LogSimulation {
             self.gravity_mps2,
             self.steering_ratio,
             self.scenario.seed,
-        );
+        )
+        .with_levels(self.signals.roll_per_difference);
         self.run_true(|row| write(&instruments.measure(row)))
     }
 
@@ -110,7 +183,7 @@ impl LogSimulation {
     /// The first error of `write`.
     pub fn run_true<E>(&self, mut write: impl FnMut(&LogRow) -> Result<(), E>) -> Result<(), E> {
         let trailer_mass_kg = self.scenario.load.trailer_mass_kg;
-        let mut write = |time_s: f64, motion: Motion| {
+        let write_motion = |time_s: f64, motion: Motion| {
             write(&LogRow {
                 time_s,
                 steer_rad: motion.steer_rad,
@@ -123,16 +196,22 @@ impl LogSimulation {
             })
         };
         match &self.source {
-            Source::Models(models) => models.run(&self.histories, self.samples, write),
-            Source::Recorded(motions) => {
-                for (k, motion) in motions.iter().enumerate() {
-                    #[allow(clippy::cast_precision_loss)]
-                    write(k as f64 / self.scenario.rate_hz, *motion)?;
-                }
-                Ok(())
-            }
+            Source::Models(models) => models.0.run(&models.1, self.samples, write_motion),
+            Source::Recorded(rows) => rows.iter().try_for_each(write),
         }
     }
+}
+
+/// The number of samples, rounded.
+fn samples(scenario: &Scenario) -> u64 {
+    // The cast number is positive and checked.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let intervals = (scenario.duration_s * scenario.rate_hz).round() as u64;
+    intervals + 1
+}
+
+fn greatest_steer_rad(rows: &[LogRow]) -> f64 {
+    rows.iter().map(|row| row.steer_rad.abs()).fold(0.0, f64::max)
 }
 
 /// Steer and speed over time, and the DC ratio of roll to steer of the linear model.

@@ -4,6 +4,7 @@
 
 #[path = "../../../cg-logs/tests/common/mod.rs"]
 mod common;
+mod banked;
 mod convergence;
 mod linear;
 mod published;

@@ -6,6 +6,16 @@
 //!     lateral acceleration ─ + noise ─►
 //!     time ─ + jitter ─► time stamp
 //! ```
+//!
+//! A roll angle relative to gravity is measured like the roll angle, by the same sensor. `chassis`
+//! has the sensors of suspension roll and specific force.
+
+mod chassis;
+
+pub use chassis::{
+    ChassisSensors, GREATEST_ACCELEROMETER_ERROR_MPS2, GREATEST_LEVEL_ERROR_M,
+    GREATEST_TILT_ERROR_RAD,
+};
 
 use std::collections::VecDeque;
 
@@ -13,6 +23,8 @@ use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use serde::Serialize;
+
+use chassis::ChassisInstruments;
 
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
@@ -63,6 +75,9 @@ pub struct Sensors {
     pub drop_out: f64,
     /// The angle of the steering wheel in place of the road wheels.
     pub steering_wheel: bool,
+    /// The sensors of suspension roll and specific force; without them their columns are left out.
+    #[serde(flatten)]
+    pub chassis: Option<ChassisSensors>,
 }
 
 impl Sensors {
@@ -72,7 +87,8 @@ impl Sensors {
     /// [`VehicleError::Model`] with the value and its limits.
     pub fn check(&self, rate_hz: f64) -> Result<(), VehicleError> {
         let half_s = 0.5 / rate_hz;
-        for (name, value, least, greatest) in [
+        let chassis = self.chassis.unwrap_or_default().limits();
+        let own = [
             ("roll offset (rad)", self.roll_offset_rad, -GREATEST_OFFSET_RAD, GREATEST_OFFSET_RAD),
             (
                 "steer offset (rad)",
@@ -90,19 +106,36 @@ impl Sensors {
             ("drop-out (share)", self.drop_out, 0.0, GREATEST_DROP_OUT),
             // Less than half an interval, so that time increases.
             ("jitter (s)", self.jitter_s, 0.0, 0.98 * half_s),
-        ] {
+        ];
+        for (name, value, least, greatest) in own.into_iter().chain(chassis) {
             if !(least..=greatest).contains(&value) {
                 return Err(VehicleError::Model(format!(
                     "{name} {value} must lie between {least} and {greatest}"
                 )));
             }
         }
+        if self.inclinometer && self.chassis.is_some() {
+            return Err(VehicleError::Model(
+                "⟨inclinometer⟩: a log with the sensors of the chassis has the tilt already".into(),
+            ));
+        }
         Ok(())
     }
 
+    /// What the roll sensor can show: limited and rounded.
+    fn within_roll_sensor(&self, mut roll_rad: f64) -> f64 {
+        if let Some(limit_rad) = self.roll_limit_rad {
+            roll_rad = roll_rad.clamp(-limit_rad, limit_rad);
+        }
+        if self.quantisation_rad > 0.0 {
+            roll_rad = (roll_rad / self.quantisation_rad).round() * self.quantisation_rad;
+        }
+        roll_rad
+    }
+
     /// The columns of a log of these sensors.
-    pub fn columns(&self) -> [Signal; 7] {
-        [
+    pub fn columns(&self) -> Vec<Signal> {
+        let mut columns = vec![
             Signal::Time,
             if self.steering_wheel { Signal::SteeringWheel } else { Signal::Steer },
             if self.inclinometer { Signal::Tilt } else { Signal::Roll },
@@ -110,7 +143,11 @@ impl Sensors {
             Signal::LateralAcceleration,
             Signal::YawRate,
             Signal::TrailerMass,
-        ]
+        ];
+        if self.chassis.is_some() {
+            columns.extend(ChassisSensors::COLUMNS);
+        }
+        columns
     }
 }
 
@@ -129,8 +166,9 @@ pub struct Instruments {
     noise_before: Option<(f64, f64)>,
     /// The steer angle on the sensor's side of the play.
     steer_shown_rad: Option<f64>,
-    /// True times and roll angles, as far back as the delay.
-    past: VecDeque<(f64, f64)>,
+    /// True times and roll angles (to the road, to gravity), as far back as the delay.
+    past: VecDeque<(f64, [f64; 2])>,
+    chassis: Option<ChassisInstruments>,
     is_first: bool,
 }
 
@@ -154,8 +192,20 @@ impl Instruments {
             noise_before: None,
             steer_shown_rad: None,
             past: VecDeque::new(),
+            chassis: sensors
+                .chassis
+                .map(|chassis| ChassisInstruments::new(chassis, gravity_mps2, [1.0; 2], seed)),
             is_first: true,
         }
+    }
+
+    /// The same with these suspension roll angles per difference of the levels: trailer, tractor.
+    #[must_use]
+    pub(crate) fn with_levels(mut self, roll_per_difference: [f64; 2]) -> Self {
+        if let Some(chassis) = &mut self.chassis {
+            chassis.roll_per_difference = roll_per_difference;
+        }
+        self
     }
 
     /// The measured row for a true row.
@@ -170,28 +220,29 @@ impl Instruments {
             row.steering_wheel_rad = row.steer_rad * self.steering_ratio;
             row.steer_rad = f64::NAN;
         }
-        let mut roll_rad = self.delayed_roll_rad(truth);
-        if sensors.inclinometer {
-            roll_rad += truth.lateral_acceleration_mps2 / self.gravity_mps2;
-        }
-        roll_rad += sensors.roll_offset_rad;
-        roll_rad += self.roll_noise_rad(truth.time_s);
-        if let Some(limit_rad) = sensors.roll_limit_rad {
-            roll_rad = roll_rad.clamp(-limit_rad, limit_rad);
-        }
-        if sensors.quantisation_rad > 0.0 {
-            let step_rad = sensors.quantisation_rad;
-            roll_rad = (roll_rad / step_rad).round() * step_rad;
-        }
-        if sensors.drop_out > 0.0 && self.chance.random_bool(sensors.drop_out) {
-            roll_rad = f64::NAN;
+        let felt_rad = if sensors.inclinometer {
+            truth.lateral_acceleration_mps2 / self.gravity_mps2
+        } else {
+            0.0
+        };
+        let noise_rad = self.roll_noise_rad(truth.time_s);
+        let lost = sensors.drop_out > 0.0 && self.chance.random_bool(sensors.drop_out);
+        let [mut roll_rad, to_gravity_rad] = self.delayed_roll_rad(truth).map(|true_rad| {
+            let shown_rad = true_rad + felt_rad + sensors.roll_offset_rad + noise_rad;
+            if lost { f64::NAN } else { sensors.within_roll_sensor(shown_rad) }
+        });
+        row.roll_to_gravity_rad = to_gravity_rad;
+        if let Some(chassis) = &mut self.chassis {
+            chassis.measure(truth, &mut row);
         }
         if sensors.jitter_s > 0.0 && !self.is_first {
             row.time_s += sensors.jitter_s * self.chance.random_range(-1.0..1.0);
         }
         self.is_first = false;
-        (row.roll_rad, row.tilt_rad) =
-            if sensors.inclinometer { (f64::NAN, roll_rad) } else { (roll_rad, f64::NAN) };
+        if sensors.inclinometer {
+            row.tilt_rad = std::mem::replace(&mut roll_rad, f64::NAN);
+        }
+        row.roll_rad = roll_rad;
         row
     }
 
@@ -229,21 +280,23 @@ impl Instruments {
     }
 
     /// The roll angle `delay_s` ago, interpolated linearly between rows; before the first row, its value.
-    fn delayed_roll_rad(&mut self, truth: &LogRow) -> f64 {
+    fn delayed_roll_rad(&mut self, truth: &LogRow) -> [f64; 2] {
+        let now_rad = [truth.roll_rad, truth.roll_to_gravity_rad];
         if self.sensors.delay_s <= 0.0 {
-            return truth.roll_rad;
+            return now_rad;
         }
-        self.past.push_back((truth.time_s, truth.roll_rad));
+        self.past.push_back((truth.time_s, now_rad));
         let then_s = truth.time_s - self.sensors.delay_s;
         while self.past.get(1).is_some_and(|next| next.0 <= then_s) {
             self.past.pop_front();
         }
         match (self.past.front(), self.past.get(1)) {
-            (Some(before), Some(after)) if then_s > before.0 => {
-                before.1 + (after.1 - before.1) * (then_s - before.0) / (after.0 - before.0)
-            }
+            (Some(before), Some(after)) if then_s > before.0 => [0, 1].map(|k| {
+                let change_rad = after.1[k] - before.1[k];
+                before.1[k] + change_rad * (then_s - before.0) / (after.0 - before.0)
+            }),
             (Some(before), _) => before.1,
-            _ => truth.roll_rad,
+            _ => now_rad,
         }
     }
 }
