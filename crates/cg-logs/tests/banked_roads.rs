@@ -27,7 +27,7 @@ fn truck() -> Vehicle {
 
 fn rows(log: &str) -> Vec<LogRow> {
     let path = fixture(&format!("roads/{log}.csv.gz"));
-    let reader = LogReader::open(path, &LogOptions::default()).unwrap();
+    let reader = LogReader::open(&path, &LogOptions::default()).unwrap();
     reader.map(Result::unwrap).collect()
 }
 
@@ -53,11 +53,8 @@ fn estimate(
     channel: Option<Channel>,
     mass_kg: f64,
 ) -> LogEstimate {
-    let options = EstimateOptions {
-        channel,
-        trailer_mass_kg: Some(mass_kg),
-        ..EstimateOptions::default()
-    };
+    let options =
+        EstimateOptions { channel, trailer_mass_kg: Some(mass_kg), ..EstimateOptions::default() };
     let mut estimator = LogEstimator::from_design(design, truck().align_settings(), options);
     for row in rows {
         estimator.push(row).unwrap();
@@ -85,7 +82,8 @@ fn calibrated_on_flat_steps_both_pairs_hold_on_banked_roads() {
     let design = calibrated(&[known("A_step_p00", EMPTY), known("A_step_p16_h170", LADEN)]);
     for log in ROADS {
         let rows = rows(log);
-        for (channel, limit) in [Channel::Suspension, Channel::Tractor].into_iter().zip(limits(log)) {
+        for (channel, limit) in [Channel::Suspension, Channel::Tractor].into_iter().zip(limits(log))
+        {
             let found = estimate(&design, &rows, Some(channel), LADEN.1);
             let case = format!("{log} {channel}");
             assert!(error(&found, LADEN.0, &case).abs() <= limit, "{case}");
@@ -113,12 +111,9 @@ fn calibrated_on_the_empty_step_alone() {
 /// Nothing fitted: the data sheet alone. The steps' static gains differ from it by 0.8 %.
 #[test]
 fn without_calibration_the_height_is_within_two_percent() {
-    let design = design_with(
-        &truck(),
-        Variant::Complete,
-        &cg_vehicle::belief::Belief::prior(&truck()),
-    )
-    .unwrap();
+    let design =
+        design_with(&truck(), Variant::Complete, &cg_vehicle::belief::Belief::prior(&truck()))
+            .unwrap();
     for log in ROADS {
         let found = estimate(&design, &rows(log), None, LADEN.1);
         assert_eq!(found.channel.as_deref(), Some("combined"));
