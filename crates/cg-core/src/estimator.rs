@@ -8,9 +8,10 @@
 
 use core::borrow::Borrow;
 
+use crate::decide::combined::{Combined, Heights};
 use crate::decide::condition::{Conditioner, Row, SampleError};
 use crate::decide::consistency::Inconsistency;
-use crate::decide::height::{Combined, Height, Heights};
+use crate::decide::height::Height;
 use crate::decide::judge::Judge;
 use crate::decide::lane::Lane;
 use crate::decide::load::{LoadWatch, Said, Verdict};

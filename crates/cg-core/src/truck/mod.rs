@@ -5,4 +5,5 @@ pub mod channel;
 pub mod reduced;
 pub mod ratio;
 pub mod rollover;
+pub(crate) mod axis;
 pub mod design;
