@@ -8,7 +8,7 @@
 
 use core::borrow::Borrow;
 
-use crate::decide::combine::{Combined, Heights};
+use crate::decide::combined::{Combined, Heights};
 use crate::decide::condition::{Conditioner, Row, SampleError};
 use crate::decide::consistency::Inconsistency;
 use crate::decide::height::Height;
@@ -95,13 +95,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         let first = !self.weighed && sample.trailer_mass_kg.present();
         self.weighed |= first;
         let weighed = self.is_other_mass(&row, first);
-        let closed = if weighed || self.must_close(&row) { self.close() } else { None };
+        let status = if row.turning { Status::Turning } else { Status::Straight };
+        if !weighed && !self.must_close(&row) {
+            self.take_row(&row);
+            return Ok(Step { status, closed: None });
+        }
+        let closed = self.close();
         if weighed {
             self.make_for(row.trailer_mass_kg);
         }
-        self.identify(&row);
-        self.note(&row);
-        let status = if row.turning { Status::Turning } else { Status::Straight };
+        self.take_row(&row);
         Ok(Step { status, closed })
     }
 
@@ -247,11 +250,13 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             })
     }
 
-    fn identify(&mut self, row: &Row<T, C>) {
+    #[inline(never)]
+    fn take_row(&mut self, row: &Row<T, C>) {
         let design = self.design.borrow();
         for (place, lane) in self.lanes.iter_mut().enumerate() {
             lane.identify(row, place, !design.feels_bank(place), &self.settings);
         }
+        self.note(row);
     }
 
     /// Updates the window with this row.

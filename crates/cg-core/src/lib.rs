@@ -66,7 +66,7 @@ pub mod identify;
 pub mod decide;
 pub mod estimator;
 
-pub use decide::combine::Combined;
+pub use decide::combined::Combined;
 pub use decide::condition::{Conditioner, SampleError};
 pub use decide::consistency::Inconsistency;
 pub use decide::height::Height;

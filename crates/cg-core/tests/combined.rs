@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp, clippy::panic, clippy::cast_precision_loss)] // one height is passed on unchanged; few heights
 
-use cg_core::decide::combine::Heights;
+use cg_core::decide::combined::Heights;
 use cg_core::{Combined, Height, Measured, Output};
 
 use Output::{Roll, SuspensionRoll, TractorSuspensionRoll};

@@ -1,4 +1,4 @@
-//! Fusion of the heights of all maneuvers and of all channels.
+//! Fusion of the heights of all maneuvers of a channel.
 
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;

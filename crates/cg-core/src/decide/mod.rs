@@ -4,7 +4,7 @@
 pub mod condition;
 pub mod consistency;
 pub mod height;
-pub mod combine;
+pub mod combined;
 pub(crate) mod load;
 pub mod memory;
 pub mod maneuver;

@@ -1,4 +1,4 @@
-//! Interpolation along the axes of a design.
+//! Interpolation on the axes of a table.
 
 use crate::math::real::Real;
 

@@ -1,4 +1,4 @@
-//! Compares the heights of all channels and combines them.
+//! Comparison and combination of the heights of all channels.
 
 use crate::decide::height::Height;
 use crate::math::real::Real;
