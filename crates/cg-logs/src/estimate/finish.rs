@@ -187,7 +187,7 @@ impl LogEstimator {
         if verdict != Verdict::Rejected {
             identified.messages.splice(0..0, remark);
         }
-        for channel in Channel::ALL {
+        for channel in self.asked() {
             let Some(height) = self.engine.height(channel) else {
                 identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
                 continue;
