@@ -16,8 +16,6 @@ use serde::Serialize;
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
 
-use super::refuse_outside;
-
 /// The greatest offset, noise or step of a level.
 pub const GREATEST_LEVEL_ERROR_M: f64 = 0.1;
 /// The same of an accelerometer.
@@ -100,6 +98,16 @@ impl ChassisSensors {
 
     fn tilt(&self, offset_rad: f64) -> Fault {
         (offset_rad, self.tilt_noise_rad, self.tilt_quantisation_rad)
+    }
+}
+
+/// Refuses the first value that is not within its limits; in a row: name, value, limits.
+pub(super) fn refuse_outside(rows: &[(&str, f64, f64, f64)]) -> Result<(), VehicleError> {
+    match rows.iter().find(|(_, value, least, greatest)| !(least..=greatest).contains(&value)) {
+        None => Ok(()),
+        Some((name, value, least, greatest)) => Err(VehicleError::Model(format!(
+            "{name} {value} must lie between {least} and {greatest}"
+        ))),
     }
 }
 

@@ -24,7 +24,7 @@ use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
-use chassis::ChassisInstruments;
+use chassis::{ChassisInstruments, refuse_outside};
 
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
@@ -127,16 +127,6 @@ impl Sensors {
             Signal::YawRate,
             Signal::TrailerMass,
         ]
-    }
-}
-
-/// Refuses the first value that is not within its limits; in a row: name, value, limits.
-fn refuse_outside(rows: &[(&str, f64, f64, f64)]) -> Result<(), VehicleError> {
-    match rows.iter().find(|(_, value, least, greatest)| !(least..=greatest).contains(&value)) {
-        None => Ok(()),
-        Some((name, value, least, greatest)) => Err(VehicleError::Model(format!(
-            "{name} {value} must lie between {least} and {greatest}"
-        ))),
     }
 }
 
