@@ -185,7 +185,7 @@ pub(crate) struct SimulateArgs {
     pub(crate) maneuver: Option<Maneuver>,
     /// Road to drive along instead of a maneuver, with the nonlinear plant and the sensors of the
     /// chassis: rural, motorway or roundabouts (--seed determines the curves), or a CSV file with the
-    /// columns distance_m, curvature_per_m, bank_rad and, if it has speed limits, speed_mps
+    /// columns `distance_m`, `curvature_per_m`, `bank_rad` and, if it has limits, `speed_mps`
     #[arg(long, value_name = "KIND|FILE", conflicts_with_all = ["maneuver", "plant", "steer_rad",
         "start_s", "step_rate", "turn_deg", "radius_m", "gate_m", "speed_change", "to_rollover"])]
     pub(crate) road: Option<PathBuf>,

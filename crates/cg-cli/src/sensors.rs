@@ -73,7 +73,6 @@ impl From<&SensorArgs> for Sensors {
             jitter_s: arguments.jitter_s,
             drop_out: arguments.drop_out,
             steering_wheel: arguments.steering_wheel,
-            chassis: None,
         }
     }
 }

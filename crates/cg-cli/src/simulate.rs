@@ -8,7 +8,6 @@ use cg_logs::log::{CandumpWriter, LogWriter, Signal};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::road::{Road, RoadKind};
-use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
@@ -86,9 +85,8 @@ fn simulation(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Log
         None if road.has_speed() => road.usual_duration_s(),
         None => road.clone().limited_to(scenario.speed_mps).usual_duration_s(),
     };
-    let chassis = Some((&arguments.chassis).into());
-    let sensors = Sensors { chassis, ..scenario.sensors };
-    Ok(LogSimulation::on_road(vehicle, Scenario { duration_s, sensors, ..scenario }, &road)?)
+    let scenario = Scenario { duration_s, ..scenario };
+    Ok(LogSimulation::on_road(vehicle, scenario, &road, &(&arguments.chassis).into())?)
 }
 
 pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outcome> {

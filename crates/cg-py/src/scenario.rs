@@ -123,7 +123,6 @@ impl SensorRequest {
             jitter_s: self.jitter_s,
             drop_out: self.drop_out,
             steering_wheel: self.steering_wheel,
-            chassis: None,
         }
     }
 }

@@ -38,6 +38,20 @@ const OWN: [AxleCoordinate; 4] = [
 const SHIFT: f64 = 1e-6;
 
 impl YawRollPlant {
+    /// Rates at these places of the state (articulation in place of the trailer's yaw), then lateral
+    /// acceleration of the trailer and specific forces of tractor and trailer.
+    fn rates_and_felt(&self, x: &[f64; ROOM], control: &Control, places: &[usize]) -> DVector<f64> {
+        let (mut rate, mut probe) = ([0.0; ROOM], Probe::default());
+        self.parameters.rates(x, control, &mut rate, &mut probe);
+        rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
+        let rates = places.iter().map(|&i| rate[i]);
+        let turn_rad = x[Coordinate::TrailerYaw as usize] - x[Coordinate::TractorYaw as usize];
+        let gravity = self.parameters.gravity(control.bank_rad, turn_rad);
+        let [tractor, trailer] = self.parameters.specific_force_mps2(&probe, &gravity);
+        let felt = [self.parameters.lateral_mps2(&probe)[1], tractor, trailer];
+        DVector::from_iterator(places.len() + felt.len(), rates.chain(felt))
+    }
+
     /// The state-space model of small motion about straight driving at a speed.
     ///
     /// It is meant for linear springs: the force of a measured spring has no derivative at rest, and
@@ -57,15 +71,7 @@ impl YawRollPlant {
             }
             let control =
                 Control { steer_rad, speed_mps, bank_rad: self.bank_rad, ..Control::default() };
-            let (mut rate, mut probe) = ([0.0; ROOM], Probe::default());
-            self.parameters.rates(&x, &control, &mut rate, &mut probe);
-            rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
-            let rates = places.iter().map(|&i| rate[i]);
-            let turn_rad = x[Coordinate::TrailerYaw as usize] - x[Coordinate::TractorYaw as usize];
-            let gravity = self.parameters.gravity(self.bank_rad, turn_rad);
-            let [tractor, trailer] = self.parameters.specific_force_mps2(&probe, &gravity);
-            let felt = [self.parameters.lateral_mps2(&probe)[1], tractor, trailer];
-            DVector::from_iterator(n + felt.len(), rates.chain(felt))
+            self.rates_and_felt(&x, &control, &places)
         };
         let slope = |index: usize, steer: f64| {
             let ahead = look(index, SHIFT, rest.steer_rad + steer);

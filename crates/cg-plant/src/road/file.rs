@@ -5,7 +5,7 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::{Road, RoadPoint, falling};
+use super::table::{Road, RoadPoint, falling};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::files::{TABLE_BYTES, read_text};
 

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
-use super::{Road, RoadPoint};
+use super::table::{Road, RoadPoint};
 use cg_vehicle::error::VehicleError;
 
 /// A usual kind of road.
@@ -63,8 +63,9 @@ impl Road {
             RoadKind::Motorway => draft.motorway(120.0),
             RoadKind::Roundabouts => draft.roundabouts(120.0),
         };
-        let road = Self::new(&kind.to_string(), averaged(&draft.sampled()))?;
-        Ok(Self { usual_duration_s: Some(duration_s), ..road })
+        let mut road = Self::new(&kind.to_string(), averaged(&draft.sampled()))?;
+        road.usual_duration_s = Some(duration_s);
+        Ok(road)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The speed along a road: at most its limits, with gentle accelerations.
 
-use super::Road;
+use super::table::Road;
 use cg_vehicle::limits::GREATEST_SPEED_MPS;
 
 /// Greatest acceleration of a laden truck.
@@ -20,6 +20,14 @@ pub struct Pace {
 }
 
 impl Road {
+    /// Time of a usual drive on it, whole seconds: 120 or 150 s of the usual kinds, otherwise until
+    /// the end of the table. The road has a speed limit.
+    pub fn usual_duration_s(&self) -> f64 {
+        let [start_m, end_m] = self.ends_m();
+        let whole_s = self.pace().time_s(start_m, end_m).floor();
+        self.usual_duration_s.map_or(whole_s, |usual_s| usual_s.min(whole_s))
+    }
+
     /// The speed that a driver chooses: the limits, reduced where the next curve demands it and after
     /// it. The square of the speed is averaged over 20 m, so that the acceleration has no jumps.
     pub fn pace(&self) -> Pace {

@@ -14,6 +14,7 @@ use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
 use cg_logs::log::{LogRow, Signal};
+use cg_vehicle::error::VehicleError;
 
 /// The greatest offset, noise or step of a level.
 pub const GREATEST_LEVEL_ERROR_M: f64 = 0.1;
@@ -70,11 +71,14 @@ impl ChassisSensors {
         Signal::DrivePressureRight,
     ];
 
-    /// Names, values and limits.
-    pub(super) fn limits(&self) -> [(&'static str, f64, f64, f64); 10] {
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] with the value and its limits.
+    pub fn check(&self) -> Result<(), VehicleError> {
         let [level, force, tilt] =
             [GREATEST_LEVEL_ERROR_M, GREATEST_ACCELEROMETER_ERROR_MPS2, GREATEST_TILT_ERROR_RAD];
-        [
+        refuse_outside(&[
             ("level offset (m)", self.level_offset_m, -level, level),
             ("level noise (m)", self.level_noise_m, 0.0, level),
             ("level quantisation (m)", self.level_quantisation_m, 0.0, level),
@@ -85,7 +89,7 @@ impl ChassisSensors {
             ("tilt noise (rad)", self.tilt_noise_rad, 0.0, tilt),
             ("tilt quantisation (rad)", self.tilt_quantisation_rad, 0.0, tilt),
             ("mounting angle (rad)", self.mounting_rad, -tilt, tilt),
-        ]
+        ])
     }
 
     fn level(&self, offset_m: f64) -> Fault {
@@ -97,13 +101,23 @@ impl ChassisSensors {
     }
 }
 
+/// Refuses the first value that is not within its limits; in a row: name, value, limits.
+pub(super) fn refuse_outside(rows: &[(&str, f64, f64, f64)]) -> Result<(), VehicleError> {
+    match rows.iter().find(|(_, value, least, greatest)| !(least..=greatest).contains(&value)) {
+        None => Ok(()),
+        Some((name, value, least, greatest)) => Err(VehicleError::Model(format!(
+            "{name} {value} must lie between {least} and {greatest}"
+        ))),
+    }
+}
+
 /// Turns the chassis signals of true rows into measured ones, with random numbers of their own.
 #[derive(Clone, Debug)]
 pub(super) struct ChassisInstruments {
     sensors: ChassisSensors,
     gravity_mps2: f64,
     /// Suspension roll per difference of the levels: trailer, tractor.
-    pub(super) roll_per_difference: [f64; 2],
+    roll_per_difference: [f64; 2],
     chance: StdRng,
 }
 

@@ -24,7 +24,7 @@ use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
-use chassis::ChassisInstruments;
+use chassis::{ChassisInstruments, refuse_outside};
 
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
@@ -75,9 +75,6 @@ pub struct Sensors {
     pub drop_out: f64,
     /// The angle of the steering wheel in place of the road wheels.
     pub steering_wheel: bool,
-    /// The sensors of suspension roll and specific force; without them their columns are left out.
-    #[serde(flatten)]
-    pub chassis: Option<ChassisSensors>,
 }
 
 impl Sensors {
@@ -87,8 +84,7 @@ impl Sensors {
     /// [`VehicleError::Model`] with the value and its limits.
     pub fn check(&self, rate_hz: f64) -> Result<(), VehicleError> {
         let half_s = 0.5 / rate_hz;
-        let chassis = self.chassis.unwrap_or_default().limits();
-        let own = [
+        refuse_outside(&[
             ("roll offset (rad)", self.roll_offset_rad, -GREATEST_OFFSET_RAD, GREATEST_OFFSET_RAD),
             (
                 "steer offset (rad)",
@@ -106,20 +102,7 @@ impl Sensors {
             ("drop-out (share)", self.drop_out, 0.0, GREATEST_DROP_OUT),
             // Less than half an interval, so that time increases.
             ("jitter (s)", self.jitter_s, 0.0, 0.98 * half_s),
-        ];
-        for (name, value, least, greatest) in own.into_iter().chain(chassis) {
-            if !(least..=greatest).contains(&value) {
-                return Err(VehicleError::Model(format!(
-                    "{name} {value} must lie between {least} and {greatest}"
-                )));
-            }
-        }
-        if self.inclinometer && self.chassis.is_some() {
-            return Err(VehicleError::Model(
-                "⟨inclinometer⟩: a log with the sensors of the chassis has the tilt already".into(),
-            ));
-        }
-        Ok(())
+        ])
     }
 
     /// What the roll sensor can show: limited and rounded.
@@ -134,8 +117,8 @@ impl Sensors {
     }
 
     /// The columns of a log of these sensors.
-    pub fn columns(&self) -> Vec<Signal> {
-        let mut columns = vec![
+    pub fn columns(&self) -> [Signal; 7] {
+        [
             Signal::Time,
             if self.steering_wheel { Signal::SteeringWheel } else { Signal::Steer },
             if self.inclinometer { Signal::Tilt } else { Signal::Roll },
@@ -143,11 +126,7 @@ impl Sensors {
             Signal::LateralAcceleration,
             Signal::YawRate,
             Signal::TrailerMass,
-        ];
-        if self.chassis.is_some() {
-            columns.extend(ChassisSensors::COLUMNS);
-        }
-        columns
+        ]
     }
 }
 
@@ -192,19 +171,23 @@ impl Instruments {
             noise_before: None,
             steer_shown_rad: None,
             past: VecDeque::new(),
-            chassis: sensors
-                .chassis
-                .map(|chassis| ChassisInstruments::new(chassis, gravity_mps2, [1.0; 2], seed)),
+            chassis: None,
             is_first: true,
         }
     }
 
-    /// The same with these suspension roll angles per difference of the levels: trailer, tractor.
+    /// The same with sensors of the chassis. `roll_per_difference` is the suspension roll per
+    /// difference of the levels: trailer, tractor.
     #[must_use]
-    pub(crate) fn with_levels(mut self, roll_per_difference: [f64; 2]) -> Self {
-        if let Some(chassis) = &mut self.chassis {
-            chassis.roll_per_difference = roll_per_difference;
-        }
+    pub(crate) fn with_chassis(
+        mut self,
+        sensors: &ChassisSensors,
+        roll_per_difference: [f64; 2],
+        seed: u64,
+    ) -> Self {
+        let gravity_mps2 = self.gravity_mps2;
+        self.chassis =
+            Some(ChassisInstruments::new(*sensors, gravity_mps2, roll_per_difference, seed));
         self
     }
 

@@ -96,8 +96,8 @@ fn run_through(
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
     let mass_kg = scenario.load.trailer_mass_kg;
-    let signals = Signals::new(vehicle, mass_kg, scenario.sensors.chassis.is_some());
     let on_road = matches!(steering, Steering::Road(_));
+    let signals = Signals::new(vehicle, mass_kg, on_road);
     let track = on_road.then(Track::default);
     let mut recorded = Recorded { rows: Vec::new(), track, rolled_over_s: None };
     for k in 0..samples {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::maneuver::{Course, Histories, Maneuver};
-use crate::sensors::Sensors;
+use crate::sensors::{ChassisSensors, Sensors};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::limits;
 use cg_vehicle::{Load, Variant, Vehicle};
@@ -154,9 +154,6 @@ impl Scenario {
                 "⟨steering_wheel⟩: the vehicle file has no steering_ratio; add one".into(),
             );
         }
-        if self.sensors.chassis.is_some() && self.plant != Plant::Nonlinear {
-            return refuse("the sensors of the chassis need ⟨plant nonlinear⟩".into());
-        }
         self.sensors.check(self.rate_hz)
     }
 }
@@ -185,6 +182,9 @@ pub struct Truth {
     /// The road, if it is not flat and straight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub road: Option<RoadTruth>,
+    /// What the sensors of the chassis added.
+    #[serde(flatten)]
+    pub chassis: Option<ChassisSensors>,
     /// Time of the rollover, if there was one.
     pub rolled_over_s: Option<f64>,
     /// Seed.
@@ -204,6 +204,7 @@ impl Truth {
             noise_sd_rad: 0.0,
             sensors: scenario.sensors,
             road: None,
+            chassis: None,
             rolled_over_s: None,
             seed: scenario.seed,
         }

@@ -6,7 +6,7 @@ use super::scenario::{Motion, Plant, RoadTruth, Scenario, Track, Truth};
 use super::signals::Signals;
 use crate::maneuver::Histories;
 use crate::road::Road;
-use crate::sensors::Instruments;
+use crate::sensors::{ChassisSensors, Instruments};
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::equations::Equations;
@@ -67,7 +67,7 @@ impl LogSimulation {
         Self { source, truth, ..Self::empty(vehicle, scenario, samples, None) }.with_noise()
     }
 
-    /// Drives the nonlinear plant along a road, with the sensors of its chassis. The steer history,
+    /// Drives the nonlinear plant along a road, with sensors of the chassis. The steer history,
     /// the course and the start time of the scenario are not used. Where the road has no speed
     /// limit, the limit is the speed of the scenario.
     ///
@@ -77,6 +77,7 @@ impl LogSimulation {
         vehicle: &Vehicle,
         scenario: Scenario,
         road: &Road,
+        chassis: &ChassisSensors,
     ) -> Result<Self, VehicleError> {
         let limited;
         let road = if road.has_speed() {
@@ -90,7 +91,11 @@ impl LogSimulation {
         let mut scenario = Scenario { plant: Plant::Nonlinear, start_s: 0.0, ..scenario };
         scenario.course = None;
         scenario.speed_change = 0.0;
-        scenario.sensors.chassis.get_or_insert_default();
+        if scenario.sensors.inclinometer {
+            return Err(VehicleError::Model(
+                "⟨inclinometer⟩: a log of a drive on a road has the tilt already".to_owned(),
+            ));
+        }
         if scenario.duration_s > whole_s + 1.0 / scenario.rate_hz {
             return Err(VehicleError::Model(format!(
                 "{}: the road ends after {whole_s:.1} s; reduce ⟨duration_s⟩",
@@ -98,6 +103,7 @@ impl LogSimulation {
             )));
         }
         scenario.check(vehicle)?;
+        chassis.check()?;
         let samples = samples(&scenario);
         let recorded = record_on_road(vehicle, &scenario, road, samples)?;
         let track = recorded.track.unwrap_or_default();
@@ -115,6 +121,7 @@ impl LogSimulation {
                     banks().fold(f64::NEG_INFINITY, f64::max),
                 ],
             }),
+            chassis: Some(*chassis),
             rolled_over_s: recorded.rolled_over_s,
             ..Truth::of(vehicle, &scenario, steer_rad, ratio)
         };
@@ -123,13 +130,12 @@ impl LogSimulation {
     }
 
     fn empty(vehicle: &Vehicle, scenario: Scenario, samples: u64, track: Option<Track>) -> Self {
-        let has_chassis = scenario.sensors.chassis.is_some();
         Self {
             source: Source::Recorded(Vec::new()),
             scenario,
             gravity_mps2: vehicle.gravity_mps2,
             steering_ratio: vehicle.steering_ratio.unwrap_or(1.0),
-            signals: Signals::new(vehicle, scenario.load.trailer_mass_kg, has_chassis),
+            signals: Signals::new(vehicle, scenario.load.trailer_mass_kg, track.is_some()),
             samples,
             truth: Truth::of(vehicle, &scenario, 0.0, 0.0),
             track,
@@ -152,7 +158,10 @@ impl LogSimulation {
 
     /// The columns of the log: those of its sensors; of the pressures only what the vehicle has.
     pub fn columns(&self) -> Vec<Signal> {
-        let mut columns = self.scenario.sensors.columns();
+        let mut columns = self.scenario.sensors.columns().to_vec();
+        if self.truth.chassis.is_some() {
+            columns.extend(ChassisSensors::COLUMNS);
+        }
         if !self.signals.has_drive_pressure() {
             columns.retain(|signal| {
                 !matches!(signal, Signal::DrivePressureLeft | Signal::DrivePressureRight)
@@ -172,8 +181,12 @@ impl LogSimulation {
             self.gravity_mps2,
             self.steering_ratio,
             self.scenario.seed,
-        )
-        .with_levels(self.signals.roll_per_difference);
+        );
+        if let Some(chassis) = &self.truth.chassis {
+            let roll_per_difference = self.signals.roll_per_difference;
+            instruments =
+                instruments.with_chassis(chassis, roll_per_difference, self.scenario.seed);
+        }
         self.run_true(|row| write(&instruments.measure(row)))
     }
 
