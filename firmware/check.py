@@ -26,7 +26,8 @@ CYCLES_PER_INSTRUCTION = 2.0  # a conservative assumption: loads and flash wait 
 WORDS = {
     "identify_mean": "identify, one row of one channel (13 unknowns), mean",
     "identify_worst": "identify, worst-case row (reduces a block of five rows)",
-    "push_mean": "`push`, both channels, mean",
+    "push_mean": "`push`, steer and lateral channel, mean",
+    "pair_push_mean": "`push`, the suspensions of trailer and tractor, mean",
     "push_running_worst": "worst-case `push` while driving (filters rediscretized)",
     "push_closing_worst": "worst-case `push` (a maneuver ends: solve, check, fuse)",
     "identify_jitter_mean": "identify, one row whose sampling interval differs from the last",
@@ -69,7 +70,7 @@ def same_as_host(chip: str) -> list[str]:
         if ours != theirs
     ]
     ours, theirs = numbers(host), numbers(chip)
-    for name in ("samples", "hash", "can_hash"):
+    for name in ("samples", "hash", "can_hash", "pair_hash"):
         if ours[name] != theirs[name]:
             faults.append(f"{name}: host {ours[name]}, chip {theirs[name]}")
         print(f"{name}: host {ours[name]}, chip {theirs[name]}", file=sys.stderr)
@@ -81,7 +82,7 @@ def linked() -> list[str]:
     faults = []
     if not any(FORBIDDEN.search(line) for line in symbols("firmware", "--features", "control")):
         faults.append("the search for panics misses the one in the control image")
-    for image in ("firmware", "identify", "can"):
+    for image in ("firmware", "identify", "can", "pair"):
         lines = symbols(image)
         faults += [f"{image} links {line}" for line in lines if FORBIDDEN.search(line)]
         if not any("cg_core::" in line for line in lines):
@@ -135,7 +136,9 @@ def main() -> None:
     faults = linked()
     chip = run("cargo", "run", "--release")
     said = numbers(chip)
-    faults += same_as_host(chip + run("cargo", "run", "--release", "--bin", "can"))
+    pair = run("cargo", "run", "--release", "--bin", "pair")
+    faults += same_as_host(chip + run("cargo", "run", "--release", "--bin", "can") + pair)
+    said |= numbers(pair)
     said |= numbers(run("cargo", "run", "--release", "--bin", "identify"))
     measured = {name: int(said[name]) for name in WORDS}
     if "--update" in sys.argv:

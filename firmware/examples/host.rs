@@ -1,10 +1,12 @@
 //! The same replays on the host: the answers that the chip must give, bit for bit.
 
 use cg_core::Height;
-use cg_core::Maneuver;
-use cg_firmware::{can, replay};
+use cg_firmware::log::samples;
+use cg_firmware::replay::replay;
+use cg_firmware::truck::DESIGN;
+use cg_firmware::{Maneuver, can, pair};
 
-fn tell(maneuver: &Maneuver<f32>, height: Option<Height<f32>>) {
+fn tell(maneuver: &Maneuver, height: Option<Height<f32>>) {
     // The chip's format: a dash if there is no number.
     let number = |x: Option<f32>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
     let value = number(height.map(|h| h.height_m.value));
@@ -15,9 +17,11 @@ fn tell(maneuver: &Maneuver<f32>, height: Option<Height<f32>>) {
 }
 
 fn main() {
-    let report = replay::replay(|| 0, tell);
+    let report = replay(&DESIGN, samples(), || 0, tell);
     println!("samples = {}", report.all.calls);
     println!("hash = {:016x}", report.trace.0);
     let trace = can::replay(|maneuver, estimator| tell(maneuver, estimator.combined_height()));
     println!("can_hash = {:016x}", trace.0);
+    let report = replay(&pair::DESIGN, pair::samples(), || 0, tell);
+    println!("pair_hash = {:016x}", report.trace.0);
 }

@@ -1,7 +1,7 @@
 //! The board: a counter of instructions or cycles, the memory in use, lines of text.
 
 use cg_core::Height;
-use cg_core::Maneuver;
+use cg_firmware::Maneuver;
 use cortex_m::Peripherals;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DWT, SYST};
@@ -118,8 +118,8 @@ impl Line {
     }
 
     #[inline(never)]
-    fn digits(mut self, mut value: u64, base: u64, least: usize) -> Self {
-        let mut digits = [b'0'; 20];
+    fn digits(mut self, mut value: u32, base: u32, least: usize) -> Self {
+        let mut digits = [b'0'; 10];
         let mut count = 0;
         for place in digits.iter_mut().rev() {
             if value == 0 && count >= least {
@@ -143,13 +143,16 @@ impl Line {
     /// Adds a whole number.
     #[must_use]
     pub(crate) fn whole(self, value: u32) -> Self {
-        self.digits(u64::from(value), 10, 1)
+        self.digits(value, 10, 1)
     }
 
     /// Adds 64 bits as sixteen digits.
     #[must_use]
+    #[allow(clippy::cast_possible_truncation)] // halves
     pub(crate) fn hexadecimal(self, value: u64) -> Self {
-        self.digits(value, 16, 16)
+        // Halves, because a division of 64 bits would enlarge the image.
+        let [high, low] = [value >> 32, value & 0xFFFF_FFFF].map(|half| half as u32);
+        self.digits(high, 16, 8).digits(low, 16, 8)
     }
 
     /// Adds a number from 0 to 400 000 with four decimals; a dash for any other.
@@ -161,7 +164,7 @@ impl Line {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in range
         let scaled = scaled as u32;
-        self.whole(scaled / 10_000).text(".").digits(u64::from(scaled % 10_000), 10, 4)
+        self.whole(scaled / 10_000).text(".").digits(scaled % 10_000, 10, 4)
     }
 
     /// Writes the line; without a debugger it is lost.
@@ -172,11 +175,7 @@ impl Line {
 }
 
 /// Prints a maneuver and the height after it.
-pub(crate) fn maneuver(
-    out: &mut HostStream,
-    maneuver: &Maneuver<f32>,
-    height: Option<Height<f32>>,
-) {
+pub(crate) fn maneuver(out: &mut HostStream, maneuver: &Maneuver, height: Option<Height<f32>>) {
     let (value, sd) = height.map_or((f32::NAN, f32::NAN), |h| (h.height_m.value, h.height_m.sd));
     #[allow(clippy::cast_precision_loss)] // printed
     let end_s = maneuver.end_us as f32 * 1e-6;

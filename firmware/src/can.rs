@@ -1,10 +1,10 @@
 //! J1939 frames in, heights out: the work of an ECU on the bus, with any `embedded-can` driver.
 
-use cg_core::Maneuver;
 use cg_core::signal::j1939::{self, Compensation, NOT_AVAILABLE, Signal};
 use cg_core::{AlignSettings, Aligner, Prior, Sample, Settings};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
+use crate::Maneuver;
 use crate::log;
 use crate::replay::Onboard;
 use crate::trace::Trace;
@@ -17,7 +17,7 @@ pub fn listen(
     estimator: &mut Onboard,
     frame: &impl Frame,
     time_us: u64,
-    mut told: impl FnMut(&Maneuver<f32>, &Onboard),
+    mut told: impl FnMut(&Maneuver, &Onboard),
 ) {
     // J1939 uses extended identifiers only.
     let Id::Extended(identifier) = frame.id() else { return };
@@ -76,7 +76,8 @@ impl Frame for Received {
 }
 
 /// The frames that the truck's devices send for one row of the log: brakes, roll sensor, engine,
-/// scale.
+/// scale. The road is flat, so the roll angle to gravity is that to the road. The brakes measure the
+/// specific force of the tractor, which is taken to roll like the trailer.
 fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
     let frame = |source: u8, signals: &[(Signal, f32)]| {
         let (mut data, mut identifier) = (NOT_AVAILABLE, 0);
@@ -87,13 +88,15 @@ fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
         }
         Received { identifier, data }
     };
+    let tractor_force_mps2 =
+        sample.lateral_acceleration_mps2 + DESIGN.gravity_mps2 * sample.roll_rad;
     [
         frame(
             0x0B,
             &[
                 (j1939::STEERING_WHEEL_ANGLE, sample.steer_rad * steering_ratio),
                 (j1939::YAW_RATE, sample.yaw_rate_radps),
-                (j1939::LATERAL_ACCELERATION, sample.lateral_acceleration_mps2),
+                (j1939::LATERAL_ACCELERATION, tractor_force_mps2),
             ],
         ),
         frame(0xE4, &[(j1939::ROLL_FINE, sample.roll_rad)]),
@@ -104,11 +107,11 @@ fn frames(sample: &Sample<f32>, steering_ratio: f32) -> [Received; 4] {
 
 /// Sends the log as the frames of a truck's bus and listens to them. Returns a hash of every
 /// maneuver.
-pub fn replay(mut told: impl FnMut(&Maneuver<f32>, &Onboard)) -> Trace {
+pub fn replay(mut told: impl FnMut(&Maneuver, &Onboard)) -> Trace {
     const STEERING_RATIO: f32 = 20.0;
     let mut aligner =
         Aligner::new(AlignSettings { steering_ratio: Some(STEERING_RATIO), ..AlignSettings::NONE });
-    let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
+    let mut estimator = Onboard::new(&DESIGN, Settings::truck().on_road(0.0), Prior::standard());
     let mut trace = Trace::default();
     for sample in log::samples() {
         for frame in frames(&sample, STEERING_RATIO) {

@@ -8,7 +8,9 @@
 mod board;
 
 use board::{Counter, Line, Memory, output};
+use cg_firmware::log::samples;
 use cg_firmware::replay::{Cost, Report, replay};
+use cg_firmware::truck::DESIGN;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::hio::HostStream;
@@ -32,6 +34,8 @@ fn main() -> ! {
 fn show(counter: Counter, out: &mut HostStream) {
     let mut maneuvers = 0;
     let report = replay(
+        &DESIGN,
+        samples(),
         || counter.now(),
         |maneuver, height| {
             maneuvers += 1;

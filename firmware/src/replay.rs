@@ -1,24 +1,24 @@
 //! Samples in, costs and heights out.
 
-use cg_core::Maneuver;
 use cg_core::{
-    Channel, Design, Estimator, FilteredArx, Height, Identify, Prior, Settings, Status, Step,
+    Channel, Design, Estimator, FilteredArx, Height, Identify, Prior, Sample, Settings, Step,
 };
 
 use crate::log;
 use crate::trace::Trace;
 use crate::truck::DESIGN;
+use crate::{CHANNELS, Maneuver};
 
 /// The estimator on a microcontroller: the design stays in flash.
-pub type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32>>;
+pub type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32, CHANNELS>, CHANNELS>;
 
 /// The cost of one kind of call, in the clock's unit.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cost {
     /// Number of calls.
     pub calls: u32,
-    /// Sum over all calls.
-    pub total: u64,
+    /// Sum over all calls; 32 bits are enough for the log, and their division is small.
+    pub total: u32,
     /// The worst case.
     pub worst: u32,
 }
@@ -26,14 +26,13 @@ pub struct Cost {
 impl Cost {
     fn add(&mut self, cost: u32) {
         self.calls += 1;
-        self.total += u64::from(cost);
+        self.total = self.total.saturating_add(cost);
         self.worst = self.worst.max(cost);
     }
 
     /// The mean, rounded up.
-    #[allow(clippy::cast_possible_truncation)] // below the worst, which has 32 bits
     pub fn mean(&self) -> u32 {
-        self.total.div_ceil(u64::from(self.calls.max(1))) as u32
+        self.total.div_ceil(self.calls.max(1))
     }
 }
 
@@ -55,45 +54,47 @@ pub struct Report {
     pub threshold_g: f32,
 }
 
-/// Runs the log through the estimator. `clock` counts up in any unit; `told` is called with each
+/// Runs samples through the estimator. `clock` counts up in any unit; `told` is called with each
 /// maneuver and the height after it.
 pub fn replay(
+    design: &'static Design<f32, CHANNELS>,
+    samples: impl Iterator<Item = Sample<f32>>,
     clock: impl Fn() -> u32,
-    mut told: impl FnMut(&Maneuver<f32>, Option<Height<f32>>),
+    mut told: impl FnMut(&Maneuver, Option<Height<f32>>),
 ) -> Report {
-    let mut estimator = Onboard::new(&DESIGN, Settings::truck(), Prior::standard());
+    let mut estimator = Onboard::new(design, Settings::truck(), Prior::standard());
     let mut report = Report::default();
-    let (mut mass_kg, mut speed_mps) = (DESIGN.nominal_trailer_mass_kg, f32::NAN);
-    for sample in log::samples() {
+    let (mut mass_kg, mut speed_mps) = (design.nominal_trailer_mass_kg, f32::NAN);
+    for sample in samples {
         let start = clock();
         let step = estimator.push(&sample);
         let cost = clock().wrapping_sub(start);
         report.all.add(cost);
-        let closed = step.as_ref().ok().and_then(|step| step.closed);
-        match closed {
-            Some(_) => report.closing.add(cost),
-            None => report.running.add(cost),
-        }
+        let closed = match &step {
+            Ok(Step { closed, .. }) => closed.as_ref(),
+            Err(_) => None,
+        };
+        if closed.is_some() { &mut report.closing } else { &mut report.running }.add(cost);
         report.trace.step(&step);
         report.trace.height(estimator.combined_height());
         if let Some(maneuver) = closed {
             (mass_kg, speed_mps) = (maneuver.trailer_mass_kg, maneuver.speed_mps);
-            for channel in Channel::ALL {
+            for channel in (0..CHANNELS).filter_map(|place| design.channel(place)) {
                 report.trace.height(estimator.height(channel));
             }
-            told(&maneuver, estimator.combined_height());
+            told(maneuver, estimator.combined_height());
         }
     }
     let start = clock();
     let last = estimator.finish();
     report.closing.add(clock().wrapping_sub(start));
-    if let Some(maneuver) = last {
-        report.trace.step(&Ok(Step { status: Status::Straight, closed: Some(maneuver) }));
-        told(&maneuver, estimator.combined_height());
+    if let Some(maneuver) = &last {
+        report.trace.maneuver(maneuver);
+        told(maneuver, estimator.combined_height());
     }
     report.height = estimator.combined_height();
     report.trace.height(report.height);
-    let rollover = report.height.and_then(|h| DESIGN.rollover(h.height_m, mass_kg, speed_mps));
+    let rollover = report.height.and_then(|h| design.rollover(h.height_m, mass_kg, speed_mps));
     report.threshold_g = rollover.map_or(0.0, |r| r.static_rollover_threshold_g.value);
     report.trace.number(report.threshold_g);
     report
@@ -114,8 +115,10 @@ const JITTER_ROWS: usize = 400;
 
 /// Measures the cost of the identifier alone on the log's lateral acceleration and roll.
 pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
-    let model = DESIGN.model(Channel::LateralAcceleration, DESIGN.nominal_trailer_mass_kg);
     let mut costs = IdentifyCosts::default();
+    let place = DESIGN.place(Channel::LateralAcceleration);
+    let model = place.and_then(|place| DESIGN.model(place, DESIGN.nominal_trailer_mass_kg));
+    let Some(model) = model else { return costs };
     let mut run = |jitter: bool, rows: usize| {
         let mut identifier = FilteredArx::for_model(&model, Prior::standard());
         for (k, sample) in log::samples().take(rows).enumerate() {

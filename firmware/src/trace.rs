@@ -1,7 +1,9 @@
 //! A hash of every bit of every answer.
 
 use cg_core::{Height, HeightError, Inconsistency, Measured, SampleError, Status, Step, Unexcited};
-use cg_core::{Maneuver, Outcome, Reject};
+use cg_core::{Outcome, Reject};
+
+use crate::{CHANNELS, Maneuver};
 
 /// FNV-1a, 64 bits, over 32-bit words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +39,7 @@ impl Trace {
     }
 
     /// Adds the answer to a sample.
-    pub fn step(&mut self, step: &Result<Step<f32>, SampleError>) {
+    pub fn step(&mut self, step: &Result<Step<f32, CHANNELS>, SampleError>) {
         let Ok(step) = step else { return self.word(9) };
         self.word(match step.status {
             Status::Absent => 1,
@@ -50,11 +52,14 @@ impl Trace {
     }
 
     /// Adds a maneuver.
-    pub fn maneuver(&mut self, closed: &Maneuver<f32>) {
+    pub fn maneuver(&mut self, closed: &Maneuver) {
         self.long(closed.start_us);
         self.long(closed.end_us);
-        for value in [closed.speed_mps, closed.trailer_mass_kg, closed.correlation] {
+        for value in [closed.speed_mps, closed.trailer_mass_kg] {
             self.number(value);
+        }
+        for value in closed.correlation.as_flattened() {
+            self.number(*value);
         }
         for outcome in &closed.outcomes {
             self.outcome(outcome);
@@ -76,6 +81,7 @@ impl Trace {
             Err(reject) => self.reject(reject),
         }
         self.number(outcome.systematic_sd_m);
+        self.number(outcome.road_sd_m);
     }
 
     fn reject(&mut self, reject: Reject<f32>) {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use cg_core::Channel;
 use cg_core::identify::arx::SampledArx;
 use cg_logs::calibrate::KnownLog;
 use cg_logs::estimate::{ChannelChoice, Method};
@@ -142,6 +143,15 @@ pub(crate) struct DesignArgs {
     /// Language of the output
     #[arg(long, value_parser = word::<Language>())]
     pub(crate) emit: Language,
+    /// The two channels of the design: steer, lateral-acceleration, suspension, tractor
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        default_value = "steer,lateral-acceleration",
+        value_parser = word::<Channel>()
+    )]
+    pub(crate) channels: Vec<Channel>,
     /// File to write
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,

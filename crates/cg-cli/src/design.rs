@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
+use cg_core::{Channel, Design};
 use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::Vehicle;
 use cg_vehicle::emit::emit;
@@ -13,7 +14,13 @@ use crate::outcome::Outcome;
 pub(crate) fn run(arguments: &DesignArgs, files: Files) -> anyhow::Result<Outcome> {
     let target = arguments.truck.read(files).writes("--output", &arguments.output, Kind::Design)?;
     let vehicle = arguments.truck.load()?;
-    let design = arguments.truck.design(&vehicle)?.cast();
+    let chosen = <[Channel; 2]>::try_from(arguments.channels.as_slice()).ok();
+    let chosen = chosen.filter(|[first, second]| first != second).ok_or_else(|| {
+        anyhow!("--channels: expected two different channels, such as suspension,tractor")
+    })?;
+    let all = arguments.truck.design(&vehicle)?;
+    let design: Design<f32, 2> =
+        all.with_channels(chosen).context("--channels: the design has no such channel")?.cast();
     // In single precision, ranges are narrower and neighboring values may become equal. The check
     // is the same as in the firmware.
     design.validate().context("in single precision")?;
@@ -37,11 +44,12 @@ fn comment(arguments: &DesignArgs, vehicle: &Vehicle) -> Vec<String> {
         format!("Design of the vehicle \"{}\", {calibrated}.", vehicle.name),
         "Make it again, do not edit it:".to_owned(),
         format!(
-            "cg design{}{} --model {} --emit {}{}",
+            "cg design{}{} --model {} --emit {} --channels {}{}",
             option("--vehicle", Some(&truck.vehicle)),
             option("--calibration", calibration),
             truck.model,
             arguments.emit,
+            arguments.channels.iter().map(ToString::to_string).collect::<Vec<_>>().join(","),
             option("--output", Some(&arguments.output))
         ),
     ]

@@ -8,9 +8,10 @@
 
 use core::borrow::Borrow;
 
+use crate::decide::combined::{Combined, Heights};
 use crate::decide::condition::{Conditioner, Row, SampleError};
 use crate::decide::consistency::Inconsistency;
-use crate::decide::height::{Combined, Height, Heights};
+use crate::decide::height::Height;
 use crate::decide::judge::Judge;
 use crate::decide::lane::Lane;
 use crate::decide::load::{LoadWatch, Said, Verdict};
@@ -94,13 +95,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         let first = !self.weighed && sample.trailer_mass_kg.present();
         self.weighed |= first;
         let weighed = self.is_other_mass(&row, first);
-        let closed = if weighed || self.must_close(&row) { self.close() } else { None };
+        let status = if row.turning { Status::Turning } else { Status::Straight };
+        if !weighed && !self.must_close(&row) {
+            self.take_row(&row);
+            return Ok(Step { status, closed: None });
+        }
+        let closed = self.close();
         if weighed {
             self.make_for(row.trailer_mass_kg);
         }
-        self.identify(&row);
-        self.note(&row);
-        let status = if row.turning { Status::Turning } else { Status::Straight };
+        self.take_row(&row);
         Ok(Step { status, closed })
     }
 
@@ -156,7 +160,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     /// uncertainties. If only one channel has a height, this is the result. `None` before the first
     /// good maneuver.
     pub fn combined(&self) -> Option<Combined<T>> {
-        let of_channels = self.lanes.each_ref().map(|lane| lane.fusion.height());
+        let mut of_channels = self.lanes.each_ref().map(|lane| lane.fusion.height());
         let alone = of_channels.iter().flatten().count() == 1;
         if alone && self.lanes.iter().any(|lane| lane.impossible) {
             return Some(Combined::Impossible);
@@ -164,6 +168,18 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         let mut outputs = [None; C];
         for (place, output) in outputs.iter_mut().enumerate() {
             *output = self.design().output(place);
+        }
+        // Where the bank of the road is not known, channels that do not feel it are used alone. The
+        // bank of real roads is systematic, so no Gaussian of it would weigh the others rightly.
+        let bank_free = |(place, height): (usize, &Option<Height<T>>)| {
+            height.is_some() && !self.design().feels_bank(place)
+        };
+        if self.settings.bank_sd_rad > T::zero() && of_channels.iter().enumerate().any(bank_free) {
+            for (place, height) in of_channels.iter_mut().enumerate() {
+                if self.design().feels_bank(place) {
+                    *height = None;
+                }
+            }
         }
         Heights { of_channels, correlation: self.correlation, outputs }.combined()
     }
@@ -234,19 +250,22 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             })
     }
 
-    fn identify(&mut self, row: &Row<T, C>) {
+    #[inline(never)]
+    fn take_row(&mut self, row: &Row<T, C>) {
+        let design = self.design.borrow();
         for (place, lane) in self.lanes.iter_mut().enumerate() {
-            lane.identify(row, place, &self.settings);
+            lane.identify(row, place, !design.feels_bank(place), &self.settings);
         }
+        self.note(row);
     }
 
     /// Updates the window with this row.
     fn note(&mut self, row: &Row<T, C>) {
-        let design = self.design.borrow();
+        let seen = seen(self.design.borrow(), &self.lanes, row);
         let window = self.window.get_or_insert_with(|| Window::new(row));
-        for place in 0..C {
-            if let Some((roll_rad, expected)) = expected(design, &self.lanes, row, place) {
-                window.look(place, row.time_us, roll_rad, expected);
+        for (place, [roll_rad, input_rad, model_rad]) in seen.into_iter().enumerate() {
+            if model_rad.present() {
+                window.look(place, row.time_us, roll_rad, [input_rad, model_rad]);
             }
         }
         if window.push(row, self.settings.fade_us) {
@@ -356,31 +375,31 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     }
 }
 
-/// The roll angle whose first channel is at this place, its input, and the roll angle of the
-/// reduced model; `None` if one is absent. Among several channels with this roll angle, the
-/// input is that of the last, because the lateral acceleration does not depend on the tires,
-/// and the model that of the first, because that of the steer angle includes faster motion.
-fn expected<T: Real, I: Identify<T>, const C: usize>(
+/// For each roll angle, at the place of its first channel: the measured one, the expected one from an
+/// input, and that of the reduced model; NaN if absent. Among several channels with this roll angle,
+/// the input is that of the last, because the lateral acceleration does not depend on the tires, and
+/// the model that of the first, because that of the steer angle includes faster motion.
+fn seen<T: Real, I: Identify<T>, const C: usize>(
     design: &Design<T, C>,
     lanes: &[Lane<T, I>; C],
     row: &Row<T, C>,
-    place: usize,
-) -> Option<(T, [T; 2])> {
-    if design.first_with_output(place) != place {
-        return None;
-    }
-    let (mut input_rad, mut model_rad) = (None, None);
-    for (other, lane) in lanes.iter().enumerate().skip(place) {
-        let expected_rad = row.expected_rad.get(other).filter(|expected| expected.present());
-        if design.output(other) != design.output(place) || expected_rad.is_none() {
-            continue;
+) -> [[T; 3]; C] {
+    let mut seen = [[T::absent(); 3]; C];
+    for (place, lane) in lanes.iter().enumerate() {
+        let first = seen.get_mut(design.first_with_output(place));
+        if let Some([roll, input, model]) = first
+            && lane.last_us == Some(row.time_us)
+        {
+            let expected_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
+            let [measured, its_input, its_model] =
+                lane.views_rad(expected_rad, !design.feels_bank(place));
+            (*roll, *input) = (measured, its_input);
+            if !model.present() {
+                *model = its_model;
+            }
         }
-        input_rad = expected_rad.copied();
-        if model_rad.is_none() && lane.last_us == Some(row.time_us) {
-            model_rad = Some(lane.identifier.expected_roll_rad());
-        }
     }
-    Some((*row.measured_rad.get(place)?, [input_rad?, model_rad?]))
+    seen
 }
 
 /// A faulty sensor affects all channels with its roll angle.

@@ -66,9 +66,10 @@ pub mod identify;
 pub mod decide;
 pub mod estimator;
 
+pub use decide::combined::Combined;
 pub use decide::condition::{Conditioner, SampleError};
 pub use decide::consistency::Inconsistency;
-pub use decide::height::{Combined, Height};
+pub use decide::height::Height;
 pub use decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 pub use decide::memory::Memory;
 pub use decide::settings::Settings;

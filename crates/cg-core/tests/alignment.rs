@@ -244,3 +244,29 @@ fn a_value_after_a_long_silence_makes_no_line() {
         assert!(at(&mut silent, 10_000_000).is_nan(), "{gap_us}");
     }
 }
+
+/// A level that arrives every 0.4 s, which is later than samples wait, delays each by 0.12 s and no
+/// more. When it no longer arrives at all, nothing is delayed after half a second.
+#[test]
+fn a_late_level_delays_samples_by_no_more_than_the_waiting_time() {
+    let mut aligner = aligner();
+    let (mut samples, mut delayed, mut greatest_us) = (0, 0, 0);
+    for us in (1000_u64..4_000_000).step_by(1000) {
+        if us % 400_000 == 1000 && us < 2_000_000 {
+            aligner.push(Quantity::LevelLeft, BRAKES, us, 0.1);
+        }
+        if us % 10_000 == 5000 {
+            aligner.push(Quantity::Roll, ROLL_SENSOR, us, 0.01);
+        }
+        while let Some(sample) = aligner.next(us) {
+            let delay_us = us - sample.time_us;
+            assert!(us < 2_300_000 || delay_us == 0, "{us} {delay_us}");
+            samples += 1;
+            delayed += u32::from(delay_us > 0);
+            greatest_us = greatest_us.max(delay_us);
+        }
+    }
+    // The first level comes before the first roll angle and makes a sample of its own.
+    assert_eq!((samples, greatest_us), (1 + 400, 120_000));
+    assert!(delayed > 100, "{delayed}");
+}

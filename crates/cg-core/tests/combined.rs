@@ -1,8 +1,8 @@
 //! Tests of the combination of the heights of more than two channels.
 
-#![allow(clippy::unwrap_used, clippy::float_cmp, clippy::panic)] // one height is passed on unchanged
+#![allow(clippy::unwrap_used, clippy::float_cmp, clippy::panic, clippy::cast_precision_loss)] // one height is passed on unchanged; few heights
 
-use cg_core::decide::height::Heights;
+use cg_core::decide::combined::Heights;
 use cg_core::{Combined, Height, Measured, Output};
 
 use Output::{Roll, SuspensionRoll, TractorSuspensionRoll};
@@ -79,16 +79,20 @@ fn a_third_height_can_contradict_two_that_agree() {
         let variance: f64 = 0.000_45 + 0.031 * 0.031;
         (heights([third, two, two], APART).combined().unwrap(), 0.001_35 / variance)
     };
-    let (combined, share) = beside(4.0);
-    let Combined::Contradictory { chi_square } = combined else { panic!("{combined:?}") };
-    close(chi_square, 16.0 * share);
-    let (combined, share) = beside(3.0);
-    let Combined::Doubtful { height, chi_square } = combined else { panic!("{combined:?}") };
-    close(chi_square, 9.0 * share);
-    // The standard deviation of the mean of three, wider by √χ².
+    let (combined, share) = beside(5.0);
+    let Combined::Contradictory { chi_square, freedom } = combined else { panic!("{combined:?}") };
+    assert_eq!(freedom, 2);
+    close(chi_square, 25.0 * share);
+    let (combined, share) = beside(3.5);
+    let Combined::Doubtful { height, chi_square, freedom } = combined else {
+        panic!("{combined:?}")
+    };
+    assert_eq!(freedom, 2);
+    close(chi_square, 12.25 * share);
+    // The standard deviation of the mean of three, wider by √(χ²/2).
     let sd_m = (1.0 / (2.0 / 0.0009 + 1.0 / 0.000_961_f64)).sqrt();
-    close(height.height_m.sd, sd_m * chi_square.sqrt());
-    assert!(matches!(beside(2.0).0, Combined::Agreed(_)));
+    close(height.height_m.sd, sd_m * (chi_square / 2.0).sqrt());
+    assert!(matches!(beside(3.0).0, Combined::Agreed(_)));
 }
 
 /// Whichever of them is wrong: by 0.5 m where two have 0.03 m, by 1.2 m where one has 0.2 m.
@@ -118,6 +122,51 @@ fn the_order_of_the_channels_does_not_matter() {
         close(other.height_m.value, first.height_m.value);
         close(other.height_m.sd, first.height_m.sd);
         close(other.random_sd_m, first.random_sd_m);
+    }
+}
+
+/// The limits of χ² for every number of heights: the last one is this far from the mean of the
+/// others, which are equal.
+#[test]
+fn the_limits_are_those_of_the_degrees_of_freedom() {
+    fn beside<const C: usize>(chi_square: f64) -> Combined<f64> {
+        let others = C as f64 - 1.0;
+        let far_m = (chi_square * 0.03 * 0.03 * (1.0 / others + 1.0)).sqrt();
+        let mut found = [height(2.0, 0.0, 0.03); C];
+        // A little less accurate, so that it is compared last.
+        found[0] = height(2.0 + far_m, 0.0, 0.03 + 1e-9);
+        heights(found, [Roll; C]).combined().unwrap()
+    }
+    fn check<const C: usize>(doubtful: f64, contradiction: f64) {
+        let freedom = u32::try_from(C).unwrap() - 1;
+        assert!(matches!(beside::<C>(doubtful - 1e-3), Combined::Agreed(_)));
+        for chi in [doubtful + 1e-3, contradiction - 1e-3] {
+            let found = beside::<C>(chi);
+            assert!(matches!(found, Combined::Doubtful { freedom: f, .. } if f == freedom));
+        }
+        let found = beside::<C>(contradiction + 1e-3);
+        assert!(matches!(found, Combined::Contradictory { freedom: f, .. } if f == freedom));
+    }
+    check::<2>(6.635, 15.137);
+    check::<3>(9.210, 18.421);
+    check::<4>(11.345, 21.108);
+}
+
+/// χ² of independent heights is `Σ (h − mean)²/σ²`, whichever of them is compared first. The
+/// greatest of its two steps would depend on the order.
+#[test]
+fn the_verdict_does_not_depend_on_the_order_of_comparison() {
+    let values = [1.95, 2.0, 2.09];
+    let mean = values.iter().sum::<f64>() / 3.0;
+    let known = values.iter().map(|h| (h - mean) * (h - mean) / (0.03 * 0.03)).sum::<f64>();
+    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+        // The standard deviations differ so little that they only set the order.
+        let found = [0, 1, 2].map(|k| height(values[order[k]], 0.0, 0.03 + 1e-10 * k as f64));
+        let combined = heights(found, APART).combined();
+        let Some(Combined::Doubtful { chi_square, freedom: 2, .. }) = combined else {
+            panic!("{combined:?}")
+        };
+        assert!((chi_square - known).abs() < 1e-6, "{order:?} {chi_square} {known}");
     }
 }
 

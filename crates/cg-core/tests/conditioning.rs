@@ -176,14 +176,15 @@ fn yaw_rate_times_speed_stands_in_for_lateral_acceleration() {
     assert!((row.lateral_acceleration_mps2 - 1.39).abs() < 1e-15);
 }
 
-/// A design whose ratios are those of the plain design, multiplied by speed and mass relative to
-/// the nominal values.
+/// A design whose ratios are those of the plain design, multiplied by mass and speed relative to the
+/// nominal values; those to the lateral acceleration are divided by the square of the speed.
 fn scheduled() -> Design<f64, 2> {
     let mut design = design();
     for (i, speed) in design.speed_mps.into_iter().enumerate() {
         for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
-            let factor = speed / 13.9 * mass / 31.3e3;
-            for channel in &mut design.channels {
+            let (speed, mass) = (speed / 13.9, mass / 31.3e3);
+            let factors = [speed * mass, mass / (speed * speed)];
+            for (channel, factor) in design.channels.iter_mut().zip(factors) {
                 let line = &mut channel.lines[i][j];
                 (line.a0, line.a1) = (line.a0 * factor, line.a1 * factor);
             }
@@ -213,19 +214,22 @@ fn inputs_are_scaled_by_what_speed_and_mass_make_of_them() {
         row.unwrap()
     };
     let (nan, nominal, heavy) = (f64::NAN, 1.0, 35.0 / 31.3);
-    for (speed, mass, factor) in [
-        (nan, nan, nominal),
-        (13.9, 31.3e3, nominal),
-        (20.0, nan, 20.0 / 13.9),
-        (nan, 35e3, 20.0 / 13.9 * heavy), // the last speed remains
-        (10.0, 0.0, 10.0 / 13.9 * heavy), // a scale that shows zero has not measured
-        (nan, -1.0, 10.0 / 13.9 * heavy),
-        (90.0, nan, 10.0 / 13.9 * heavy), // no truck is this fast
+    for (speed, mass, of_speed, of_mass) in [
+        (nan, nan, nominal, nominal),
+        (13.9, 31.3e3, nominal, nominal),
+        (20.0, nan, 20.0 / 13.9, nominal),
+        (nan, 35e3, 20.0 / 13.9, heavy), // the last speed remains
+        (10.0, 0.0, 10.0 / 13.9, heavy), // a scale that shows zero has not measured
+        (nan, -1.0, 10.0 / 13.9, heavy),
+        (90.0, nan, 10.0 / 13.9, heavy), // no truck is this fast
     ] {
         let row = inputs(speed, mass);
         let [steer, lateral] = factors(&row);
-        assert!((steer - 0.1 * factor).abs() < 1e-13, "{speed} {mass}: {steer}");
-        assert!((lateral - 2.0 * factor).abs() < 1e-12, "{speed} {mass}: {lateral}");
+        assert!((steer - 0.1 * of_mass * of_speed).abs() < 1e-13, "{speed} {mass}: {steer}");
+        assert!(
+            (lateral - 2.0 * of_mass / (of_speed * of_speed)).abs() < 1e-12,
+            "{speed} {mass}: {lateral}"
+        );
     }
     let row = inputs(nan, nan);
     assert_eq!((row.speed_mps, row.trailer_mass_kg), (10.0, 35e3));

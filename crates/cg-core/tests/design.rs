@@ -154,7 +154,7 @@ fn lawful() -> Design<f64, 2> {
         for (j, mass) in design.trailer_mass_kg.into_iter().enumerate() {
             for channel in PAIR {
                 let line = &mut design.channels[channel.index()].lines[i][j];
-                let factor = cubic(speed, mass);
+                let factor = cubic(channel, speed, mass);
                 (line.a0, line.a1) = (line.a0 * factor, line.a1 * factor);
             }
             design.spread[i][j].covariance = covariance(speed, mass);
@@ -248,8 +248,13 @@ fn covariance(speed_mps: f64, mass_kg: f64) -> [[f64; 2]; 2] {
     [[1e-5 * speed_mps, common], [common, 1e-9 * mass_kg]]
 }
 
-fn cubic(speed_mps: f64, mass_kg: f64) -> f64 {
-    let (v, m) = (speed_mps / 30.0, mass_kg / 40e3);
+/// Cubic in the mass, and in the speed for the steer angle or in 1/U² for the lateral acceleration.
+fn cubic(channel: Channel, speed_mps: f64, mass_kg: f64) -> f64 {
+    let v = match channel {
+        Channel::Steer => speed_mps / 30.0,
+        _ => (2.0 / speed_mps).powi(2),
+    };
+    let m = mass_kg / 40e3;
     (1.0 + v - 0.5 * v * v + 0.3 * v * v * v) * (2.0 - m + 0.4 * m * m - 0.1 * m * m * m)
 }
 
@@ -270,14 +275,14 @@ const OUTSIDE: [(f64, f64); 6] = [
 ];
 
 #[test]
-fn ratio_lines_are_cubic_in_speed_and_mass() {
+fn ratio_lines_are_cubic_in_speed_or_curvature_and_mass() {
     let (design, plain) = (lawful(), design());
     for channel in PAIR {
         let flat = plain.channels[channel.index()].lines[0][0];
         for (speed, mass) in places() {
             let line = design.line(channel, speed, mass).unwrap();
             // Rounding of weights of order one: some tens of ε.
-            let expected = flat.ratio_at(2.2) * cubic(speed, mass);
+            let expected = flat.ratio_at(2.2) * cubic(channel, speed, mass);
             assert!((line.ratio_at(2.2) / expected - 1.0).abs() < 1e-13, "{speed} {mass}");
         }
         assert!(OUTSIDE.iter().all(|&(speed, mass)| design.line(channel, speed, mass).is_none()));

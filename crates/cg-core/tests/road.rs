@@ -4,7 +4,9 @@
 
 mod common;
 
-use cg_core::{Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Settings};
+use cg_core::{
+    Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Sample, Settings,
+};
 use common::told::{ROLL_RAD, Road, Says};
 use common::{PAIR, design_with};
 
@@ -20,6 +22,13 @@ fn truck<const C: usize>(channels: [Channel; C], settings: Settings<f64>) -> Roa
 fn turn<const C: usize>(mut road: Road<C>) -> Maneuver<f64, C> {
     road.hold(1000, ROLL_RAD);
     road.finish()
+}
+
+/// Public roads, on which a ratio may be uncertain by any amount.
+fn public() -> Settings<f64> {
+    let mut settings = Settings::truck();
+    settings.road_sd_relative = f64::INFINITY;
+    settings
 }
 
 fn flat() -> Settings<f64> {
@@ -64,7 +73,7 @@ fn check(outcome: &Outcome<f64>, bank: f64) {
 
 #[test]
 fn a_roll_angle_relative_to_gravity_contains_the_bank_of_the_road() {
-    let mut road = truck(PAIR, Settings::truck());
+    let mut road = truck(PAIR, public());
     road.to_gravity = true;
     for outcome in turn(road).outcomes {
         check(&outcome, bank_share(true));
@@ -76,9 +85,13 @@ fn on_a_flat_road_gravity_is_as_good_as_the_road() {
     let mut to_gravity = truck(PAIR, flat());
     to_gravity.to_gravity = true;
     let found = turn(to_gravity);
-    assert_eq!(found, turn(truck(PAIR, flat())));
     // A roll angle relative to the road comes from a test track, if it is the only one.
-    assert_eq!(found, turn(truck(PAIR, Settings::truck())));
+    for settings in [flat(), Settings::truck()] {
+        let to_road = turn(truck(PAIR, settings));
+        assert!(found.to_gravity && !to_road.to_gravity);
+        assert_eq!(found.outcomes, to_road.outcomes);
+        assert_eq!(found.correlation, to_road.correlation);
+    }
     assert_eq!(found.correlation, [[1.0, 0.5], [0.5, 1.0]]);
     found.outcomes.iter().for_each(|outcome| check(outcome, 0.0));
 }
@@ -105,11 +118,26 @@ fn a_channel_that_does_not_feel_the_bank_shows_that_there_is_a_road() {
 #[test]
 fn the_suspension_gives_the_same_height_on_every_road() {
     let [.., suspension, tractor] = turn(truck(Channel::ALL, flat())).outcomes;
-    let mut road = truck(Channel::ALL, Settings::truck());
+    let mut road = truck(Channel::ALL, public());
     road.to_gravity = true;
     let [steer, _, banked_suspension, banked_tractor] = turn(road).outcomes;
     assert_eq!([banked_suspension, banked_tractor], [suspension, tractor]);
     check(&steer, bank_share(true));
+}
+
+/// An interval of several times the height tells nothing, so there is none.
+#[test]
+fn a_bank_that_hides_the_height_is_the_reason_for_none() {
+    let mut road = truck(PAIR, Settings::truck());
+    road.to_gravity = true;
+    for outcome in turn(road).outcomes {
+        let Err(Reject::Road { ratio_sd_relative }) = outcome.height_m else {
+            panic!("{outcome:?}")
+        };
+        assert!(
+            (ratio_sd_relative / bank_share(true) - 1.0).abs() < 1e-9 && ratio_sd_relative > 0.5
+        );
+    }
 }
 
 /// The model's variance is 0.013² with a correlation of one half. The common part of the bank is
@@ -132,11 +160,11 @@ fn channels_that_feel_the_bank_have_it_in_common() {
     }
 }
 
-/// The roll angle grows to [`ROLL_RAD`] in four seconds, and the sensors with an end stop there.
-fn ramp(mut road: Road<4>, roll_end_rad: f64) -> [Option<Reject<f64>>; 4] {
+/// The roll angle grows to [`ROLL_RAD`], and the sensors with an end stop there.
+fn ramp(mut road: Road<4>, rows: u32, roll_end_rad: f64) -> [Option<Reject<f64>>; 4] {
     road.hold(100, 0.0);
-    for k in 0..=400 {
-        let roll_rad = ROLL_RAD * f64::from(k) / 400.0;
+    for k in 0..=rows {
+        let roll_rad = ROLL_RAD * f64::from(k) / f64::from(rows);
         road.row(roll_rad.min(roll_end_rad), roll_rad);
     }
     road.finish().outcomes.map(|outcome| outcome.height_m.err())
@@ -144,12 +172,18 @@ fn ramp(mut road: Road<4>, roll_end_rad: f64) -> [Option<Reject<f64>>; 4] {
 
 #[test]
 fn a_sensor_at_its_end_costs_the_channels_with_its_roll_angle() {
-    let at = |roll_rad| Some(Reject::Inconsistent(Inconsistency::Standstill { roll_rad }));
     let mut road = truck(Channel::ALL, flat());
     road.suspension_end_rad = 0.02;
-    assert_eq!(ramp(road, f64::INFINITY), [None, None, at(0.02), None]);
+    // A smoothed channel needs a slower turn, in which its lags do not hide the end.
+    let [steer, lateral, suspension, tractor] = ramp(road, 1200, f64::INFINITY);
+    assert_eq!([steer, lateral, tractor], [None; 3]);
+    let Some(Reject::Inconsistent(Inconsistency::Standstill { roll_rad })) = suspension else {
+        panic!("{suspension:?}")
+    };
+    assert!((roll_rad - 0.02).abs() < 5e-4, "{roll_rad}");
+    let at = |roll_rad| Some(Reject::Inconsistent(Inconsistency::Standstill { roll_rad }));
     let road = truck(Channel::ALL, flat());
-    assert_eq!(ramp(road, 0.015), [at(0.015), at(0.015), None, None]);
+    assert_eq!(ramp(road, 400, 0.015), [at(0.015), at(0.015), None, None]);
 }
 
 #[test]
@@ -178,4 +212,29 @@ fn a_suspension_that_contradicts_the_roll_angle_is_told() {
     assert!(matches!(combined(flat(), [1.7; 4]), Combined::Agreed(_)));
     let Combined::Agreed(height) = combined(Settings::truck(), apart) else { panic!("a bank") };
     assert!((height.height_m.value - 2.2).abs() < 0.02, "{height:?}");
+}
+
+/// The turn goes on after a gap, and no row after it shows its lateral acceleration. The bank then
+/// counts as in the gentlest turn, 0.3 m/s².
+#[test]
+fn without_a_lateral_acceleration_the_bank_counts_most() {
+    let channels = [Channel::Steer, Channel::Suspension];
+    let ratio = common::design().channels[0].lines[0][0].ratio_at(HEIGHT_M) * 1.489_6;
+    let steer_rad = ROLL_RAD / ratio;
+    let mut estimator = truck(channels, public().on_road(BANK_RAD)).estimator;
+    for k in 0..1000_u64 {
+        let sample = Sample {
+            steer_rad,
+            roll_rad: ROLL_RAD,
+            speed_mps: 14.0,
+            trailer_mass_kg: 31.3e3,
+            lateral_acceleration_mps2: if k == 0 { 1.0 } else { f64::NAN },
+            ..Sample::absent(k * 10_000 + if k == 0 { 0 } else { 2_000_000 })
+        };
+        estimator.push(&sample).unwrap();
+    }
+    let found = estimator.finish().unwrap();
+    check(&found.outcomes[0], 9.81 * BANK_RAD / 0.3);
+    assert!(found.correlation.iter().flatten().all(|entry| entry.abs() <= 1.0));
+    assert!(estimator.combined_height().unwrap().height_m.sd.is_finite());
 }

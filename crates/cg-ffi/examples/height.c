@@ -39,13 +39,23 @@ static void print_step(const cg_step *step)
 {
     printf("maneuver %llu %llu %08lx %08lx", (unsigned long long)step->start_us,
            (unsigned long long)step->end_us, bits(step->speed_mps), bits(step->trailer_mass_kg));
-    for (int channel = 0; channel < 2; channel++) {
-        const cg_outcome *o = &step->outcomes[channel];
-        printf(" | %d %08lx %08lx %08lx %08lx %08lx %08lx", (int)o->reject,
+    for (int place = 0; place < CG_CHANNELS; place++) {
+        const cg_outcome *o = &step->outcomes[place];
+        printf(" | %d %08lx %08lx %08lx %08lx %08lx %08lx %08lx", (int)o->reject,
                bits(o->ratio.value), bits(o->ratio.sd), bits(o->snr_db),
-               bits(o->height_m.value), bits(o->height_m.sd), bits(o->systematic_sd_m));
+               bits(o->height_m.value), bits(o->height_m.sd), bits(o->systematic_sd_m),
+               bits(o->road_sd_m));
     }
     printf("\n");
+}
+
+static void print_height(const cg_estimator *estimator, int32_t channel)
+{
+    cg_height height;
+    if (cg_estimator_height(estimator, channel, &height) == CG_OK)
+        printf("height %d: %08lx %08lx %08lx of %lu\n",
+               (int)channel, bits(height.height_m.value), bits(height.height_m.sd),
+               bits(height.random_sd_m), (unsigned long)height.maneuvers);
 }
 
 static int refused(void)
@@ -65,6 +75,9 @@ static int refused(void)
     faults += cg_estimator_init((cg_estimator *)((char *)&estimator + 1), sizeof estimator,
                                 &CG_DESIGN, sizeof CG_DESIGN)
               != CG_MISALIGNED;
+    faults += cg_estimator_init_on_road(&estimator, sizeof estimator, &CG_DESIGN, sizeof CG_DESIGN,
+                                        -0.01f)
+              != CG_BAD_ROAD;
     broken.speed_mps[3] = NAN;
     faults += cg_estimator_init(&estimator, sizeof estimator, &broken, sizeof broken)
               != CG_BAD_DESIGN;
@@ -72,7 +85,12 @@ static int refused(void)
     faults += cg_estimator_init(&estimator, sizeof estimator, &CG_DESIGN, sizeof CG_DESIGN)
               != CG_OK;
     faults += cg_estimator_height(&estimator, CG_COMBINED, &height) != CG_NO_ANSWER;
-    faults += cg_estimator_height(&estimator, 3, &height) != CG_BAD_CHANNEL;
+    for (int32_t channel = CG_STEER; channel <= CG_TRACTOR + 1; channel++) {
+        int known = channel == (int32_t)CG_DESIGN.channels[0].index
+                    || channel == (int32_t)CG_DESIGN.channels[1].index;
+        int expected = known ? CG_NO_ANSWER : CG_BAD_CHANNEL;
+        faults += cg_estimator_height(&estimator, channel, &height) != expected;
+    }
     faults += cg_estimator_push(&estimator, sample, NULL) != CG_OK;
     faults += cg_estimator_push(&estimator, sample, NULL) != CG_TIME_ORDER;
     return faults;
@@ -82,7 +100,6 @@ int main(void)
 {
     static cg_estimator estimator;
     cg_step step;
-    cg_height height;
     cg_rollover rollover;
     float mass_kg = CG_DESIGN.nominal_trailer_mass_kg;
     float speed_mps = CG_DESIGN.nominal_speed_mps;
@@ -106,11 +123,9 @@ int main(void)
     if (step.closed)
         print_step(&step);
     printf("turning %lu\n", (unsigned long)turning);
-    for (int32_t channel = CG_STEER; channel <= CG_COMBINED; channel++)
-        if (cg_estimator_height(&estimator, channel, &height) == CG_OK)
-            printf("height %d: %08lx %08lx %08lx of %lu\n",
-                   (int)channel, bits(height.height_m.value), bits(height.height_m.sd),
-                   bits(height.random_sd_m), (unsigned long)height.maneuvers);
+    for (int place = 0; place < CG_CHANNELS; place++)
+        print_height(&estimator, (int32_t)CG_DESIGN.channels[place].index);
+    print_height(&estimator, CG_COMBINED);
     if (cg_estimator_threshold(&estimator, mass_kg, speed_mps, &rollover) == CG_OK)
         printf("threshold %08lx %08lx\n",
                bits(rollover.static_rollover_threshold_g.value),

@@ -32,6 +32,7 @@ extern "C" {
 #define CG_MASSES 6
 #define CG_HEIGHTS 8
 #define CG_ORDER 5
+#define CG_CHANNELS 2
 
 /* The reduced model of one channel at one mass, in ascending powers of s; s^5 has the coefficient 1. */
 typedef struct cg_reduced_model {
@@ -45,15 +46,16 @@ typedef struct cg_ratio_line {
 } cg_ratio_line;
 
 typedef struct cg_channel_design {
+    /* enum cg_channel. */
+    uint32_t index;
     cg_reduced_model models[CG_MASSES];
     cg_ratio_line lines[CG_SPEEDS][CG_MASSES];
     float compensation;
 } cg_channel_design;
 
-/* Relative standard deviations of both channels' ratios, and their correlation. */
+/* Covariance of the logarithms of the channels' ratios. */
 typedef struct cg_spread {
-    float sd[2];
-    float correlation;
+    float covariance[CG_CHANNELS][CG_CHANNELS];
 } cg_spread;
 
 typedef struct cg_rollover_design {
@@ -68,12 +70,12 @@ typedef struct cg_threshold_line {
     float threshold_g[2][CG_HEIGHTS];
 } cg_threshold_line;
 
-/* The constants of one truck. Do not write them by hand. Keep them in flash; the estimator reads them
+/* The constants of one truck, with two channels chosen for its sensors. Do not write them by hand. Keep them in flash; the estimator reads them
  * there. */
 typedef struct cg_design {
     float speed_mps[CG_SPEEDS];
     float trailer_mass_kg[CG_MASSES];
-    cg_channel_design channels[2];
+    cg_channel_design channels[CG_CHANNELS];
     cg_spread spread[CG_SPEEDS][CG_MASSES];
     float nominal_speed_mps;
     float nominal_trailer_mass_kg;
@@ -86,7 +88,7 @@ typedef struct cg_design {
 } cg_design;
 
 /* Size of an estimator in bytes. */
-#define CG_ESTIMATOR_SIZE 4064
+#define CG_ESTIMATOR_SIZE 4168
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {
@@ -102,8 +104,8 @@ enum cg_error {
     CG_MISALIGNED = 2,
     /* A size differs from that of the type: header and library are of different versions. */
     CG_WRONG_SIZE = 3,
-    /* The design is invalid: a number is not finite, an axis does not increase, or a model is
-       unstable. */
+    /* The design is invalid: a number is not finite, an axis does not increase, a model is unstable, or
+       a channel is unknown or occurs twice. */
     CG_BAD_DESIGN = 4,
     /* The estimator was not initialized. */
     CG_NOT_INITIALISED = 5,
@@ -111,16 +113,24 @@ enum cg_error {
     CG_TIME_ORDER = 6,
     /* No maneuver has given a height yet, or the mass is outside the design. */
     CG_NO_ANSWER = 7,
-    /* There is no such channel. */
-    CG_BAD_CHANNEL = 8
+    /* There is no such channel, or the design does not have it. */
+    CG_BAD_CHANNEL = 8,
+    /* The bank of the road is negative or not finite. */
+    CG_BAD_ROAD = 9
 };
 
-/* The input that causes the roll angle. */
+/* A channel: the roll angle and the input from which a height is identified. */
 enum cg_channel {
+    /* Both channels of the design, weighted by their uncertainty. */
+    CG_COMBINED = -1,
+    /* Roll angle by steer angle. */
     CG_STEER = 0,
+    /* Roll angle by lateral acceleration, or by yaw rate times speed. */
     CG_LATERAL_ACCELERATION = 1,
-    /* Both, weighted by their uncertainty. */
-    CG_COMBINED = 2
+    /* Suspension roll of the trailer by its specific force; does not depend on the bank of the road. */
+    CG_SUSPENSION = 2,
+    /* The same for the tractor; needs no sensor on the trailer. */
+    CG_TRACTOR = 3
 };
 
 /* The state that a sample shows. */
@@ -153,23 +163,42 @@ typedef struct cg_sample {
     /* Microseconds from any origin, strictly increasing. Use the time of sampling, not of arrival:
        an interval that differs from the last one costs ten times the instructions. */
     uint64_t time_us;
-    /* Mean road-wheel angle of the steered axle. */
+    /* Mean road-wheel angle of the steered axle, rad, positive to the left. */
     float steer_rad;
-    /* Roll angle of the trailer's sprung mass to the road. */
+    /* Roll angle of the trailer's sprung mass to the road, rad, positive right side down. */
     float roll_rad;
-    /* Angle of an inclinometer, which also feels lateral acceleration; used if roll_rad is NAN. */
+    /* Roll angle of the trailer's sprung mass to gravity (roll plus the bank of the road), rad, positive
+       right side down; used if roll_rad is NAN. */
+    float roll_to_gravity_rad;
+    /* Angle of an accelerometer-type inclinometer on the trailer's body, rad: its lateral specific
+       force divided by g; used if lateral_specific_force_mps2 is NAN. */
     float tilt_rad;
-    /* Forward speed; while it is NAN the last known speed is used. */
+    /* Roll angle of the trailer's sprung mass to its axles, rad, positive right side down. */
+    float suspension_roll_rad;
+    /* Forward speed, m/s; while it is NAN the last known speed is used. */
     float speed_mps;
-    /* Lateral acceleration of the trailer's sprung mass. */
+    /* Lateral acceleration of the trailer's sprung mass, m/s^2, positive to the left. */
     float lateral_acceleration_mps2;
-    /* Yaw rate of the trailer; multiplied by speed it replaces an absent lateral acceleration. */
+    /* Reading of an accelerometer fixed to the trailer's body, along its lateral axis, gravity
+       included, m/s^2, positive to the left. */
+    float lateral_specific_force_mps2;
+    /* Roll angle of the tractor's sprung mass to its drive axles, rad, positive right side down. */
+    float tractor_suspension_roll_rad;
+    /* Reading of an accelerometer fixed to the tractor's body, as above, m/s^2, positive to the left
+       (in J1939: VDC2). */
+    float tractor_lateral_specific_force_mps2;
+    /* Angle of an accelerometer-type inclinometer on the tractor's body, rad; used if
+       tractor_lateral_specific_force_mps2 is NAN. */
+    float tractor_tilt_rad;
+    /* Yaw rate of the trailer, rad/s, positive to the left; multiplied by speed it replaces an absent
+       lateral acceleration. */
     float yaw_rate_radps;
-    /* Mass of the whole semitrailer as weighed; while it is NAN the last known mass is used. */
+    /* Mass of the whole semitrailer as weighed, kg; while it is NAN the last known mass is used. */
     float trailer_mass_kg;
 } cg_sample;
 
-#define CG_NO_SIGNALS(time) {(time), NAN, NAN, NAN, NAN, NAN, NAN, NAN}
+#define CG_NO_SIGNALS(time) \
+    {(time), NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN}
 
 /* A value and its standard deviation. */
 typedef struct cg_measured {
@@ -185,10 +214,13 @@ typedef struct cg_outcome {
     cg_measured ratio;
     /* Signal-to-noise ratio, dB; NAN if there is none. */
     float snr_db;
-    /* Height with the standard deviation due to noise; NAN if rejected. */
+    /* Height with the standard deviation due to noise and to this curve's own bank; NAN if rejected. */
     cg_measured height_m;
-    /* Standard deviation of the height due to calibration and model. */
+    /* Standard deviation of the height due to calibration, model and the bank that all curves have in
+       common. */
     float systematic_sd_m;
+    /* Standard deviation of the height due to the bank of the road, contained in the other two. */
+    float road_sd_m;
 } cg_outcome;
 
 /* Result of a sample. */
@@ -203,8 +235,8 @@ typedef struct cg_step {
     /* Means over the maneuver. */
     float speed_mps;
     float trailer_mass_kg;
-    /* Indexed by CG_STEER and CG_LATERAL_ACCELERATION. */
-    cg_outcome outcomes[2];
+    /* In the order of the design's channels. */
+    cg_outcome outcomes[CG_CHANNELS];
 } cg_step;
 
 /* Height of the c.g. of the trailer's sprung mass above ground at rest. */
@@ -228,6 +260,13 @@ typedef struct cg_rollover {
  * Errors: CG_NULL_POINTER, CG_MISALIGNED, CG_WRONG_SIZE, CG_BAD_DESIGN. */
 int32_t cg_estimator_init(cg_estimator *estimator, size_t estimator_size, const cg_design *design,
                           size_t design_size);
+
+/* The same for roads whose bank in curves has this standard deviation, rad: 0 for a flat test track. The
+ * function above assumes public roads for roll angles to gravity, and for trucks with a channel that does
+ * not depend on the bank; otherwise a roll angle to the road is taken to come from a flat test track.
+ * Errors: as above, CG_BAD_ROAD. */
+int32_t cg_estimator_init_on_road(cg_estimator *estimator, size_t estimator_size,
+                                  const cg_design *design, size_t design_size, float bank_sd_rad);
 
 /* Processes a sample. `step` may be NULL.
  * Errors: CG_NULL_POINTER, CG_MISALIGNED, CG_NOT_INITIALISED, CG_TIME_ORDER. */

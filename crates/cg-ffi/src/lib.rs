@@ -10,12 +10,12 @@
 mod types;
 
 use cg_core::Maneuver;
-use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, Step};
+use cg_core::{Channel, Estimator, FilteredArx, Prior, Settings, Status, Step};
 
-pub use types::{CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
+pub use types::{CHANNELS, CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
 
 /// Size of an estimator in bytes, as in the header.
-pub const CG_ESTIMATOR_SIZE: usize = 4064;
+pub const CG_ESTIMATOR_SIZE: usize = 4168;
 
 /// The errors of the header, with the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,11 @@ pub enum CgError {
     TimeOrder = 6,
     NoAnswer = 7,
     BadChannel = 8,
+    BadRoad = 9,
 }
+
+/// The design that C passes.
+pub type Design = cg_core::Design<f32, CHANNELS>;
 
 /// Memory for an estimator, as C sees it.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +49,7 @@ impl CgEstimator {
     pub const EMPTY: Self = Self { opaque: [0; CG_ESTIMATOR_SIZE / 8] };
 }
 
-type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design<f32>>;
+type Onboard = Estimator<f32, FilteredArx<f32>, &'static Design, CHANNELS>;
 
 /// The contents of that memory.
 #[repr(C)]
@@ -54,6 +58,9 @@ struct State {
     mark: u64,
     estimator: Onboard,
 }
+
+/// The channel number of the combined height.
+const COMBINED: i32 = -1;
 
 const INITIALISED: u64 = 0x6367_6865_6967_6874;
 
@@ -141,31 +148,57 @@ fn code(result: Result<(), CgError>) -> i32 {
 pub unsafe extern "C" fn cg_estimator_init(
     estimator: *mut CgEstimator,
     estimator_size: usize,
-    design: *const Design<f32>,
+    design: *const Design,
     design_size: usize,
 ) -> i32 {
-    let make = || {
-        check(estimator)?;
-        if estimator_size != CG_ESTIMATOR_SIZE || design_size != size_of::<Design<f32>>() {
-            check(design)?;
-            return Err(CgError::WrongSize);
-        }
-        // SAFETY: the caller's guarantee, and the size was checked.
-        let design: &'static Design<f32> = unsafe { shared(design) }?;
-        design.validate().map_err(|_| CgError::BadDesign)?;
-        let state = estimator.cast::<State>();
-        // SAFETY: not null, aligned, large enough (asserted above), and not used elsewhere.
-        unsafe {
-            (&raw mut (*state).estimator).write(Onboard::new(
-                design,
-                Settings::truck(),
-                Prior::standard(),
-            ));
-            (&raw mut (*state).mark).write(INITIALISED);
-        }
-        Ok(())
-    };
-    code(make())
+    // SAFETY: the caller guarantees it.
+    code(unsafe { make(estimator, estimator_size, design, design_size, Settings::truck()) })
+}
+
+/// Constructs an estimator for roads with this bank; see the header.
+///
+/// # Safety
+/// As [`cg_estimator_init`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_init_on_road(
+    estimator: *mut CgEstimator,
+    estimator_size: usize,
+    design: *const Design,
+    design_size: usize,
+    bank_sd_rad: f32,
+) -> i32 {
+    if !(bank_sd_rad.is_finite() && bank_sd_rad >= 0.0) {
+        return CgError::BadRoad as i32;
+    }
+    let settings = Settings::truck().on_road(bank_sd_rad);
+    // SAFETY: the caller guarantees it.
+    code(unsafe { make(estimator, estimator_size, design, design_size, settings) })
+}
+
+/// # Safety
+/// As [`cg_estimator_init`].
+unsafe fn make(
+    estimator: *mut CgEstimator,
+    estimator_size: usize,
+    design: *const Design,
+    design_size: usize,
+    settings: Settings<f32>,
+) -> Result<(), CgError> {
+    check(estimator)?;
+    if estimator_size != CG_ESTIMATOR_SIZE || design_size != size_of::<Design>() {
+        check(design)?;
+        return Err(CgError::WrongSize);
+    }
+    // SAFETY: the caller's guarantee, and the size was checked.
+    let design: &'static Design = unsafe { shared(design) }?;
+    design.validate().map_err(|_| CgError::BadDesign)?;
+    let state = estimator.cast::<State>();
+    // SAFETY: not null, aligned, large enough (asserted above), and not used elsewhere.
+    unsafe {
+        (&raw mut (*state).estimator).write(Onboard::new(design, settings, Prior::standard()));
+        (&raw mut (*state).mark).write(INITIALISED);
+    }
+    Ok(())
 }
 
 /// Processes a sample; see the header.
@@ -206,7 +239,7 @@ pub unsafe extern "C" fn cg_estimator_finish(
         let estimator = unsafe { running(estimator) }?;
         // SAFETY: the caller guarantees it; may be null.
         let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
-        let closed: Option<Maneuver<f32>> = estimator.finish();
+        let closed: Option<Maneuver<f32, CHANNELS>> = estimator.finish();
         if let Some(told) = told {
             *told = CgStep::new(&Step { status: Status::Absent, closed });
         }
@@ -228,11 +261,13 @@ pub unsafe extern "C" fn cg_estimator_height(
     let ask = || {
         // SAFETY: the caller guarantees it; only read.
         let (estimator, told) = unsafe { (asked(estimator)?, exclusive(height)?) };
-        let height = match channel {
-            0 => estimator.height(Channel::Steer),
-            1 => estimator.height(Channel::LateralAcceleration),
-            2 => estimator.combined_height(),
-            _ => return Err(CgError::BadChannel),
+        let height = if channel == COMBINED {
+            estimator.combined_height()
+        } else {
+            let index = usize::try_from(channel).ok();
+            let channel = index.and_then(|index| Channel::ALL.get(index).copied());
+            let known = channel.filter(|channel| estimator.design().place(*channel).is_some());
+            estimator.height(known.ok_or(CgError::BadChannel)?)
         };
         *told = CgHeight::new(&height.ok_or(CgError::NoAnswer)?);
         Ok(())

@@ -4,15 +4,24 @@
 use cg_core::{Height, Measured, Rollover, Sample, Status, Step};
 use cg_core::{Outcome, Reject};
 
+/// Number of channels of a design for C.
+pub const CHANNELS: usize = 2;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct CgSample {
     pub time_us: u64,
     pub steer_rad: f32,
     pub roll_rad: f32,
+    pub roll_to_gravity_rad: f32,
     pub tilt_rad: f32,
+    pub suspension_roll_rad: f32,
     pub speed_mps: f32,
     pub lateral_acceleration_mps2: f32,
+    pub lateral_specific_force_mps2: f32,
+    pub tractor_suspension_roll_rad: f32,
+    pub tractor_lateral_specific_force_mps2: f32,
+    pub tractor_tilt_rad: f32,
     pub yaw_rate_radps: f32,
     pub trailer_mass_kg: f32,
 }
@@ -24,9 +33,15 @@ impl CgSample {
             time_us: self.time_us,
             steer_rad: self.steer_rad,
             roll_rad: self.roll_rad,
+            roll_to_gravity_rad: self.roll_to_gravity_rad,
             tilt_rad: self.tilt_rad,
+            suspension_roll_rad: self.suspension_roll_rad,
             speed_mps: self.speed_mps,
             lateral_acceleration_mps2: self.lateral_acceleration_mps2,
+            lateral_specific_force_mps2: self.lateral_specific_force_mps2,
+            tractor_suspension_roll_rad: self.tractor_suspension_roll_rad,
+            tractor_lateral_specific_force_mps2: self.tractor_lateral_specific_force_mps2,
+            tractor_tilt_rad: self.tractor_tilt_rad,
             yaw_rate_radps: self.yaw_rate_radps,
             trailer_mass_kg: self.trailer_mass_kg,
         }
@@ -56,6 +71,7 @@ pub struct CgOutcome {
     pub snr_db: f32,
     pub height_m: CgMeasured,
     pub systematic_sd_m: f32,
+    pub road_sd_m: f32,
 }
 
 impl CgOutcome {
@@ -65,6 +81,7 @@ impl CgOutcome {
         snr_db: 0.0,
         height_m: CgMeasured { value: 0.0, sd: 0.0 },
         systematic_sd_m: 0.0,
+        road_sd_m: 0.0,
     };
 
     fn new(outcome: &Outcome<f32>) -> Self {
@@ -84,6 +101,7 @@ impl CgOutcome {
             snr_db: fit.map_or(f32::NAN, |fit| fit.snr_db),
             height_m: outcome.height_m.map_or(CgMeasured::NONE, CgMeasured::new),
             systematic_sd_m: outcome.systematic_sd_m,
+            road_sd_m: outcome.road_sd_m,
         }
     }
 }
@@ -97,12 +115,12 @@ pub struct CgStep {
     pub end_us: u64,
     pub speed_mps: f32,
     pub trailer_mass_kg: f32,
-    pub outcomes: [CgOutcome; 2],
+    pub outcomes: [CgOutcome; CHANNELS],
 }
 
 impl CgStep {
     /// Converts to the structure of the header.
-    pub fn new(step: &Step<f32>) -> Self {
+    pub fn new(step: &Step<f32, CHANNELS>) -> Self {
         let mut told = Self {
             status: match step.status {
                 Status::Absent => 0,
@@ -114,7 +132,7 @@ impl CgStep {
             end_us: 0,
             speed_mps: 0.0,
             trailer_mass_kg: 0.0,
-            outcomes: [CgOutcome::ZERO; 2],
+            outcomes: [CgOutcome::ZERO; CHANNELS],
         };
         if let Some(closed) = &step.closed {
             told.closed = 1;

@@ -5,12 +5,15 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use cg_core::{Channel, Design, Estimator, FilteredArx, Prior, Settings, Status, Step};
-use cg_ffi::{CgHeight, CgRollover, CgSample, CgStep};
+use cg_core::truck::reduced::Simulation;
+use cg_core::{Channel, Estimator, FilteredArx, Prior, Sample, Settings, Status, Step};
+use cg_ffi::{CHANNELS, CgHeight, CgRollover, CgSample, CgStep, Design};
 use cg_logs::log::{LogOptions, LogReader};
 use cg_vehicle::emit::{Language, emit};
 use cg_vehicle::{Variant, Vehicle};
 use tempfile::TempDir;
+
+mod common;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 
@@ -18,25 +21,53 @@ fn repository(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-fn design() -> Design<f32> {
+fn design(channels: [Channel; CHANNELS]) -> Design {
     let vehicle = Vehicle::load(repository("fixtures/vehicles/kraz.toml")).unwrap();
-    cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap().cast()
+    let all = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+    all.cast().with_channels(channels).unwrap()
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn samples() -> Vec<CgSample> {
+fn log() -> Vec<CgSample> {
     let path = repository("fixtures/logs/F_drive1_p15_h155.csv.gz");
     let mut reader = LogReader::open(&path, &LogOptions::default()).unwrap();
     std::iter::from_fn(|| reader.next_row().unwrap())
-        .map(|row| CgSample {
-            time_us: (row.time_s * 1e6).round() as u64,
-            steer_rad: row.steer_rad as f32,
-            roll_rad: row.roll_rad as f32,
-            tilt_rad: f32::NAN,
-            speed_mps: row.speed_mps as f32,
-            lateral_acceleration_mps2: row.lateral_acceleration_mps2 as f32,
-            yaw_rate_radps: row.yaw_rate_radps as f32,
-            trailer_mass_kg: row.trailer_mass_kg as f32,
+        .map(|row| {
+            common::for_c(&Sample {
+                steer_rad: row.steer_rad as f32,
+                roll_rad: row.roll_rad as f32,
+                speed_mps: row.speed_mps as f32,
+                lateral_acceleration_mps2: row.lateral_acceleration_mps2 as f32,
+                yaw_rate_radps: row.yaw_rate_radps as f32,
+                trailer_mass_kg: row.trailer_mass_kg as f32,
+                ..Sample::absent((row.time_s * 1e6).round() as u64)
+            })
+        })
+        .collect()
+}
+
+/// Seven turns of eight seconds to either side, with ten seconds of straight driving after each. The
+/// reduced models of the suspensions are the truck.
+fn turns(design: &Design) -> Vec<CgSample> {
+    let mut rolls = design.channels.each_ref().map(|channel| {
+        let [.., model, _, _] = &channel.models;
+        Simulation::new(model, 0.02, 0.0)
+    });
+    (0..6300_u16)
+        .map(|k| {
+            let (side, phase) = (if (k / 900) % 2 == 0 { 1.0 } else { -1.0 }, f32::from(k % 900));
+            let turn = ((phase - 200.0) / 400.0).clamp(0.0, 1.0);
+            let force_mps2 = side * 6.4 * turn * (1.0 - turn);
+            let [suspension, tractor] = &mut rolls;
+            common::for_c(&Sample {
+                suspension_roll_rad: suspension.push(force_mps2),
+                lateral_specific_force_mps2: force_mps2,
+                tractor_suspension_roll_rad: tractor.push(0.9 * force_mps2),
+                tractor_lateral_specific_force_mps2: 0.9 * force_mps2,
+                speed_mps: design.nominal_speed_mps,
+                trailer_mass_kg: design.trailer_mass_kg[3],
+                ..Sample::absent(u64::from(k) * 20_000)
+            })
         })
         .collect()
 }
@@ -49,9 +80,15 @@ fn bytes(samples: &[CgSample]) -> Vec<u8> {
         for value in [
             s.steer_rad,
             s.roll_rad,
+            s.roll_to_gravity_rad,
             s.tilt_rad,
+            s.suspension_roll_rad,
             s.speed_mps,
             s.lateral_acceleration_mps2,
+            s.lateral_specific_force_mps2,
+            s.tractor_suspension_roll_rad,
+            s.tractor_lateral_specific_force_mps2,
+            s.tractor_tilt_rad,
             s.yaw_rate_radps,
             s.trailer_mass_kg,
         ] {
@@ -67,7 +104,7 @@ fn bits(value: f32) -> u32 {
     if value.is_nan() { 0x7fc0_0000 } else { value.to_bits() }
 }
 
-fn maneuver(step: &Step<f32>, out: &mut String) {
+fn maneuver(step: &Step<f32, CHANNELS>, out: &mut String) {
     let told = CgStep::new(step);
     if told.closed == 0 {
         return;
@@ -83,6 +120,7 @@ fn maneuver(step: &Step<f32>, out: &mut String) {
             o.height_m.value,
             o.height_m.sd,
             o.systematic_sd_m,
+            o.road_sd_m,
         ] {
             write!(out, " {:08x}", bits(value)).unwrap();
         }
@@ -91,21 +129,27 @@ fn maneuver(step: &Step<f32>, out: &mut String) {
 }
 
 /// The output that the example must print.
-fn expected(design: &Design<f32>, samples: &[CgSample]) -> String {
-    // The numbers of a design in the order of C: all fields are single precision.
+fn expected(design: &Design, samples: &[CgSample]) -> String {
+    // The numbers of a design in the order of C: all fields are single precision, but an index is whole.
     let text = emit(design, Language::Rust, &[]);
     let body = &text[text.find("speed_mps").unwrap()..];
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut is_index = false;
     for word in body.split(|c: char| !(c.is_alphanumeric() || "+-._".contains(c))) {
         if let Ok(value) = word.parse::<f32>() {
-            for byte in value.to_le_bytes() {
+            let bits = if is_index { word.parse().unwrap() } else { value.to_bits() };
+            for byte in bits.to_le_bytes() {
                 hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
             }
         }
+        is_index = word == "index" || (is_index && word.is_empty());
     }
     let mut out = format!("design {hash:016x}\nrefusals missed 0\n");
-    let mut estimator =
-        Estimator::<f32, FilteredArx<f32>>::new(*design, Settings::truck(), Prior::standard());
+    let mut estimator = Estimator::<f32, FilteredArx<f32>, _, CHANNELS>::new(
+        *design,
+        Settings::truck(),
+        Prior::standard(),
+    );
     let mut turning = 0;
     for sample in samples {
         let step = estimator.push(&sample.sample()).unwrap();
@@ -115,12 +159,11 @@ fn expected(design: &Design<f32>, samples: &[CgSample]) -> String {
     let closed = estimator.finish();
     maneuver(&Step { status: Status::Absent, closed }, &mut out);
     writeln!(out, "turning {turning}").unwrap();
-    let heights = [
-        estimator.height(Channel::Steer),
-        estimator.height(Channel::LateralAcceleration),
-        estimator.combined_height(),
-    ];
-    for (channel, height) in heights.iter().enumerate() {
+    let alone = [0, 1].map(|place| {
+        let channel = design.channel(place).unwrap();
+        (i32::try_from(channel.index()).unwrap(), estimator.height(channel))
+    });
+    for (channel, height) in alone.iter().chain(&[(-1, estimator.combined_height())]) {
         let h = CgHeight::new(height.as_ref().unwrap());
         let [value, sd, random] = [h.height_m.value, h.height_m.sd, h.random_sd_m].map(bits);
         writeln!(out, "height {channel}: {value:08x} {sd:08x} {random:08x} of {}", h.maneuvers)
@@ -163,14 +206,24 @@ struct Scene {
 }
 
 impl Scene {
-    fn new() -> Self {
+    /// Steer angle and lateral acceleration of a log.
+    fn log() -> Self {
+        Self::new(&design([Channel::Steer, Channel::LateralAcceleration]), &log())
+    }
+
+    /// The suspensions of trailer and tractor in simulated turns.
+    fn turns() -> Self {
+        let design = design([Channel::Suspension, Channel::Tractor]);
+        Self::new(&design, &turns(&design))
+    }
+
+    fn new(design: &Design, samples: &[CgSample]) -> Self {
         let folder = TempDir::new().unwrap();
-        let (design, samples) = (design(), samples());
         let comment = ["The truck of the tests.".to_owned()];
-        let text = emit(&design, Language::C, &comment);
+        let text = emit(design, Language::C, &comment);
         std::fs::write(folder.path().join("truck.h"), text).unwrap();
-        std::fs::write(folder.path().join("log.bin"), bytes(&samples)).unwrap();
-        let expected = expected(&design, &samples);
+        std::fs::write(folder.path().join("log.bin"), bytes(samples)).unwrap();
+        let expected = expected(design, samples);
         assert!(expected.matches("maneuver").count() > 5, "{expected}");
         Self { folder, expected }
     }
@@ -196,9 +249,7 @@ impl Scene {
     }
 }
 
-#[test]
-fn c_says_what_rust_says_and_touches_nothing_else() {
-    let scene = Scene::new();
+fn runs_here(scene: &Scene) {
     let library = library(None);
     let system = ["-lpthread", "-ldl", "-lm"];
     run(scene.compiler("gcc", "plain").arg(&library).args(system));
@@ -208,9 +259,7 @@ fn c_says_what_rust_says_and_touches_nothing_else() {
     assert_eq!(run(&mut scene.program("checked")), scene.expected);
 }
 
-#[test]
-fn c_on_a_cortex_m4f_says_what_rust_says_here() {
-    let scene = Scene::new();
+fn runs_on_a_chip(scene: &Scene) {
     let library = library(Some(TARGET));
     let example = |name: &str| repository("crates/cg-ffi/examples").join(name);
     run(scene
@@ -231,6 +280,23 @@ fn c_on_a_cortex_m4f_says_what_rust_says_here() {
         .args(["-semihosting-config", "enable=on,target=native", "-kernel"])
         .arg(&image));
     assert_eq!(said, scene.expected);
+}
+
+#[test]
+fn c_says_what_rust_says_and_touches_nothing_else() {
+    runs_here(&Scene::log());
+}
+
+#[test]
+fn c_on_a_cortex_m4f_says_what_rust_says_here() {
+    runs_on_a_chip(&Scene::log());
+}
+
+#[test]
+fn the_suspensions_of_trailer_and_tractor_say_the_same_in_c() {
+    let scene = Scene::turns();
+    runs_here(&scene);
+    runs_on_a_chip(&scene);
 }
 
 #[test]

@@ -1,25 +1,27 @@
 //! For any samples, the functions for C give the same answers as the estimator, bit for bit.
-#![allow(unsafe_code)] // calls of functions for C
+#![allow(unsafe_code, clippy::unwrap_used)] // calls of functions for C; small indices
+
+mod common;
 
 use std::ptr::{from_ref, null_mut};
 
 use cg_core::{
-    ChannelDesign, Design, Estimator, FilteredArx, Prior, RatioLine, Reduced5, RolloverDesign,
-    Settings, Spread, ThresholdLine,
+    Channel, ChannelDesign, Estimator, FilteredArx, Prior, RatioLine, Reduced5, RolloverDesign,
+    Sample, Settings, Spread, ThresholdLine,
 };
 use cg_ffi::{
-    CG_ESTIMATOR_SIZE, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgSample, CgStep,
-    cg_estimator_finish, cg_estimator_height, cg_estimator_init, cg_estimator_push,
-    cg_estimator_threshold,
+    CG_ESTIMATOR_SIZE, CHANNELS, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgStep,
+    Design, cg_estimator_finish, cg_estimator_height, cg_estimator_init, cg_estimator_init_on_road,
+    cg_estimator_push, cg_estimator_threshold,
 };
 use proptest::prelude::*;
 
 /// A truck that rolls 0.025 rad per m/s² at every speed and mass.
-static DESIGN: Design<f32> = Design {
+static DESIGN: Design = Design {
     speed_mps: [2.0, 5.0, 8.0, 11.0, 14.0, 18.0, 24.0, 30.0],
     trailer_mass_kg: [8e3, 15e3, 20e3, 25e3, 31e3, 40e3],
-    channels: [channel(0.85), channel(0.025)],
-    spread: [[Spread { sd: [0.1, 0.05], correlation: 0.5 }; 6]; 8],
+    channels: [channel(0, 0.85), channel(1, 0.025)],
+    spread: [[Spread { covariance: [[0.01, 0.0025], [0.0025, 0.0025]] }; 6]; 8],
     nominal_speed_mps: 13.9,
     nominal_trailer_mass_kg: 25e3,
     reference_height_m: 2.0,
@@ -35,8 +37,9 @@ static DESIGN: Design<f32> = Design {
     }; 6],
 };
 
-const fn channel(gain: f32) -> ChannelDesign<f32> {
+const fn channel(index: u32, gain: f32) -> ChannelDesign<f32> {
     ChannelDesign {
+        index,
         models: [Reduced5 {
             numerator: [61.0 * gain, 28.0 * gain, 24.0 * gain, 0.0, 0.0, 0.0],
             denominator: [61.0, 83.0, 57.0, 22.0, 6.0],
@@ -46,19 +49,31 @@ const fn channel(gain: f32) -> ChannelDesign<f32> {
     }
 }
 
-fn new() -> CgEstimator {
+/// An estimator for the roads that it assumes, or for roads with this bank.
+fn new(bank_sd_rad: Option<f32>) -> CgEstimator {
     let mut estimator = CgEstimator::EMPTY;
+    let (memory, design) = (&raw mut estimator, &raw const DESIGN);
     // SAFETY: valid pointers; the design is static.
     let code = unsafe {
-        cg_estimator_init(
-            &raw mut estimator,
-            CG_ESTIMATOR_SIZE,
-            &raw const DESIGN,
-            size_of::<Design<f32>>(),
-        )
+        match bank_sd_rad {
+            None => cg_estimator_init(memory, CG_ESTIMATOR_SIZE, design, size_of::<Design>()),
+            Some(bank) => {
+                let size = size_of::<Design>();
+                cg_estimator_init_on_road(memory, CG_ESTIMATOR_SIZE, design, size, bank)
+            }
+        }
     };
     assert_eq!(code, CgError::Ok as i32);
     estimator
+}
+
+/// The height of a channel, or the error.
+fn height(estimator: &CgEstimator, channel: i32) -> Result<CgHeight, i32> {
+    let zero = CgMeasured { value: 0.0, sd: 0.0 };
+    let mut height = CgHeight { height_m: zero, random_sd_m: 0.0, maneuvers: 0 };
+    // SAFETY: valid pointers.
+    let code = unsafe { cg_estimator_height(estimator, channel, &raw mut height) };
+    if code == CgError::Ok as i32 { Ok(height) } else { Err(code) }
 }
 
 fn words<T>(value: &T) -> Vec<u32> {
@@ -86,25 +101,32 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn c_and_rust_answer_alike(samples in prop::collection::vec(sample(), 50..900)) {
-        let mut for_c = new();
-        let mut ours = Estimator::<f32, FilteredArx<f32>, &Design<f32>>::new(
-            &DESIGN, Settings::truck(), Prior::standard());
+    fn c_and_rust_answer_alike(
+        samples in prop::collection::vec(sample(), 50..900),
+        bank in prop::option::of(0.0_f32..0.05),
+        to_gravity in any::<bool>(),
+    ) {
+        let mut for_c = new(bank);
+        let settings = bank.map_or(Settings::truck(), |bank| Settings::truck().on_road(bank));
+        let mut ours = Estimator::<f32, FilteredArx<f32>, &Design, CHANNELS>::new(
+            &DESIGN, settings, Prior::standard());
         let (mut time_us, mut phase) = (0_u64, 0.0_f32);
         for (interval_us, [steer, roll, speed, lateral, yaw, mass], tame) in samples {
             time_us += interval_us;
             phase += 0.02;
             let swing = if tame { 1.5 * (0.7 * phase).sin() } else { 0.0 };
-            let sample = CgSample {
-                time_us,
+            let roll_rad = roll + 0.025 * swing;
+            let nan = f32::NAN;
+            let sample = common::for_c(&Sample {
                 steer_rad: steer + 0.03 * swing,
-                roll_rad: roll + 0.025 * swing,
-                tilt_rad: f32::NAN,
+                roll_rad: if to_gravity { nan } else { roll_rad },
+                roll_to_gravity_rad: if to_gravity { roll_rad } else { nan },
                 speed_mps: speed,
                 lateral_acceleration_mps2: lateral + swing,
                 yaw_rate_radps: yaw,
                 trailer_mass_kg: mass,
-            };
+                ..Sample::absent(time_us)
+            });
             let mut step = EMPTY_STEP;
             // SAFETY: valid pointers.
             let code = unsafe { cg_estimator_push(&raw mut for_c, &raw const sample, &raw mut step) };
@@ -121,14 +143,21 @@ proptest! {
         // SAFETY: valid pointers; a step may be null.
         unsafe { cg_estimator_finish(&raw mut for_c, null_mut()) };
         let _ = ours.finish();
-        let zero = CgMeasured { value: 0.0, sd: 0.0 };
-        let mut height = CgHeight { height_m: zero, random_sd_m: 0.0, maneuvers: 0 };
-        // SAFETY: valid pointers.
-        let code = unsafe { cg_estimator_height(&raw const for_c, 2, &raw mut height) };
+        for channel in Channel::ALL {
+            let error = match DESIGN.place(channel) {
+                Some(_) => CgError::NoAnswer,
+                None => CgError::BadChannel,
+            };
+            let known = ours.height(channel).as_ref().map(CgHeight::new).ok_or(error as i32);
+            let found = height(&for_c, i32::try_from(channel.index()).unwrap());
+            prop_assert_eq!(found.as_ref().map(words), known.as_ref().map(words));
+        }
         let combined = ours.combined_height();
-        prop_assert_eq!(code == CgError::Ok as i32, combined.is_some());
-        if let Some(combined) = combined {
-            prop_assert_eq!(words(&height), words(&CgHeight::new(&combined)));
+        let found = height(&for_c, -1);
+        prop_assert_eq!(found.is_ok(), combined.is_some());
+        if let (Some(combined), Ok(found)) = (combined, found) {
+            prop_assert_eq!(words(&found), words(&CgHeight::new(&combined)));
+            let zero = CgMeasured { value: 0.0, sd: 0.0 };
             let mut rollover =
                 CgRollover { static_stability_factor_g: 0.0, static_rollover_threshold_g: zero };
             // SAFETY: valid pointers.
@@ -138,5 +167,24 @@ proptest! {
             let found = DESIGN.rollover(combined.height_m, 25e3, 15.0).unwrap();
             prop_assert_eq!(words(&rollover), words(&CgRollover::new(&found)));
         }
+    }
+}
+
+#[test]
+fn a_bank_that_is_not_a_number_from_zero_is_refused() {
+    let mut estimator = CgEstimator::EMPTY;
+    for bank_sd_rad in [-0.01, f32::NAN, f32::INFINITY] {
+        // SAFETY: valid pointers; the design is static.
+        let code = unsafe {
+            cg_estimator_init_on_road(
+                &raw mut estimator,
+                CG_ESTIMATOR_SIZE,
+                &raw const DESIGN,
+                size_of::<Design>(),
+                bank_sd_rad,
+            )
+        };
+        assert_eq!(code, CgError::BadRoad as i32);
+        assert_eq!(height(&estimator, -1).err(), Some(CgError::NotInitialised as i32));
     }
 }

@@ -15,16 +15,20 @@ use proptest::prelude::*;
 const DBC: &str = include_str!("../../../fixtures/can/j1939.dbc");
 
 /// The signals of the core's table with their names in the DBC file; SSI also as tilt.
-const NAMES: [(&str, Quantity, u32); 9] = [
+const NAMES: [(&str, Quantity, u32); 13] = [
     ("VDC2.SteeringWheelAngle", Quantity::SteeringWheel, 61449),
     ("VDC2.YawRate", Quantity::YawRate, 61449),
-    ("VDC2.LateralAcceleration", Quantity::LateralAcceleration, 61449),
-    ("SSI2.RollAngle", Quantity::Roll, 61481),
+    ("VDC2.LateralAcceleration", Quantity::TractorLateralSpecificForce, 61449),
+    ("SSI2.RollAngle", Quantity::RollToGravity, 61481),
     ("SAS.SteeringWheelAngle", Quantity::SteeringWheel, 61469),
     ("CCVS1.WheelBasedVehicleSpeed", Quantity::Speed, 65265),
     ("EBC2.FrontAxleSpeed", Quantity::Speed, 65215),
     ("VW.TrailerWeight", Quantity::TrailerMass, 65258),
     ("EBS22.AxleLoadSum", Quantity::TrailerAxleLoad, 65220),
+    ("ASC3.RearLeftLevel", Quantity::TractorLevelLeft, 65113),
+    ("ASC3.RearRightLevel", Quantity::TractorLevelRight, 65113),
+    ("ASC4.RearLeftPressure", Quantity::DrivePressureLeft, 65112),
+    ("ASC4.RearRightPressure", Quantity::DrivePressureRight, 65112),
 ];
 
 fn mapped(signal: &str, quantity: Quantity) -> MappedSignal {

@@ -5,7 +5,7 @@
 mod common;
 
 use cg_core::{AlignSettings, Estimator, FilteredArx, Prior, Sample, Settings};
-use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Verdict};
 use cg_logs::log::{CandumpWriter, LogOptions, LogReader, LogRow, LogWriter, Signal};
 use cg_logs::output::{Files, Kind};
 use cg_vehicle::design::design;
@@ -53,7 +53,9 @@ fn from_the_key_on(drive: &[LogRow]) -> Vec<LogRow> {
 }
 
 fn estimate(rows: &[LogRow]) -> LogEstimate {
-    let mut estimator = LogEstimator::new(&truck(), EstimateOptions::default()).unwrap();
+    // The roll angle of a bus is relative to gravity.
+    let options = EstimateOptions { road: Some(RoadChoice::FLAT), ..EstimateOptions::default() };
+    let mut estimator = LogEstimator::new(&truck(), options).unwrap();
     for row in rows {
         estimator.push(row).unwrap();
     }

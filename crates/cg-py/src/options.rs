@@ -2,7 +2,7 @@
 
 use cg_core::identify::arx::SampledArx;
 use cg_core::{Channel, Word};
-use cg_logs::estimate::{ChannelChoice, EstimateOptions, Method, RoadChoice};
+use cg_logs::estimate::{ChannelChoice, EstimateOptions, Method};
 use pyo3::prelude::*;
 
 use crate::error::value_error;
@@ -17,7 +17,6 @@ pub(crate) struct Options {
     model: String,
     speed_mps: Option<f64>,
     trailer_mass_kg: Option<f64>,
-    road: Option<String>,
 }
 
 impl Options {
@@ -39,7 +38,7 @@ impl Options {
             channel,
             speed_mps: positive("speed_mps", self.speed_mps)?,
             trailer_mass_kg: positive("trailer_mass_kg", self.trailer_mass_kg)?,
-            road: self.road.as_deref().map(road).transpose()?,
+            road: None, // that of the vehicle
         })
     }
 }
@@ -57,11 +56,6 @@ pub(crate) fn word<T: Word>(keyword: &str, text: &str) -> PyResult<T> {
         };
         value_error(format!("{keyword} is {text:?}: it must be {known}"))
     })
-}
-
-/// The roads that a text describes.
-fn road(text: &str) -> PyResult<RoadChoice> {
-    text.parse().map_err(|error| value_error(format!("road is {text:?}: {error}")))
 }
 
 /// The channel that a word names; `None` for both.

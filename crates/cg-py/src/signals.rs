@@ -40,16 +40,21 @@ impl<'a> Columns<'a> {
         let time_s = values[Signal::Time as usize]
             .filter(|time_s| !time_s.is_empty())
             .ok_or_else(|| value_error("time_s is empty: an estimate needs at least one row"))?;
-        if absent(&[Signal::Roll, Signal::Tilt]) {
-            return Err(value_error("roll_rad is missing: give roll_rad or tilt_rad"));
-        }
-        let inputs =
-            [Signal::Steer, Signal::SteeringWheel, Signal::LateralAcceleration, Signal::YawRate];
-        if absent(&inputs) {
-            return Err(value_error(
-                "steer_rad is missing: give steer_rad, steering_wheel_rad, \
-                 lateral_acceleration_mps2 or yaw_rate_radps",
-            ));
+        let present: Vec<Signal> = Signal::ALL.into_iter().filter(|&s| !absent(&[s])).collect();
+        match Signal::lacking(&present) {
+            [] => {}
+            [first, ..] if *first == Signal::Roll => {
+                return Err(value_error("roll_rad is missing: give roll_rad or tilt_rad"));
+            }
+            [first, ..] if *first == Signal::Steer => {
+                return Err(value_error(
+                    "steer_rad is missing: give steer_rad, steering_wheel_rad, \
+                     lateral_acceleration_mps2 or yaw_rate_radps",
+                ));
+            }
+            [first, ..] => {
+                return Err(value_error(format!("{} is missing", first.column())));
+            }
         }
         for (signal, column) in Signal::ALL.iter().zip(&values) {
             let Some(column) = column else { continue };

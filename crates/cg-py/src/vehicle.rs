@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cg_core::Design;
+use cg_logs::estimate::RoadChoice;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::files;
+use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Variant, VehicleError};
 use pyo3::prelude::*;
 
-use crate::error::{vehicle_error, warn};
+use crate::error::{value_error, vehicle_error, warn};
 
 /// A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`.
 ///
@@ -34,6 +36,13 @@ impl Vehicle {
         calibration: Option<Calibration>,
     ) -> Self {
         Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
+    }
+
+    /// The same vehicle on roads whose bank has this standard deviation, rad.
+    fn with_road(&self, bank_sd_rad: Option<f64>) -> Self {
+        let mut inner = self.inner.clone();
+        inner.road = bank_sd_rad.map(|bank_sd_rad| Road { bank_sd_rad }).or(inner.road);
+        Self::new(inner, self.source.clone(), self.calibration.clone())
     }
 
     /// The path of the vehicle file.
@@ -129,6 +138,33 @@ impl Vehicle {
         Ok(Self::new(self.inner.clone(), self.source.clone(), Some(calibration)))
     }
 
+    /// Return the same vehicle on other roads.
+    ///
+    /// A roll angle relative to gravity contains the bank of the road, so the bank is part of the
+    /// uncertainty of its height.
+    ///
+    /// Parameters
+    /// ----------
+    /// road : str or float
+    ///     "flat" (test track), "public", or the standard deviation of the bank in curves, rad.
+    ///
+    /// Returns
+    /// -------
+    /// Vehicle
+    ///     A new vehicle; this one does not change.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     `road` is none of these.
+    #[pyo3(signature = (road, /))]
+    fn on_road(&self, road: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let text = road.str()?.to_string();
+        let choice: RoadChoice =
+            text.parse().map_err(|error| value_error(format!("road is {text:?}: {error}")))?;
+        Ok(self.with_road(Some(choice.bank_sd_rad)))
+    }
+
     /// Whether the vehicle has a calibration, bool.
     #[getter]
     fn is_calibrated(&self) -> bool {
@@ -183,7 +219,8 @@ impl Vehicle {
         let this = slf.get();
         let calibration = this.calibration.as_ref().map(Calibration::to_toml).transpose();
         let (text, file) = this.source.clone();
-        Ok((restore, (text, file, calibration.map_err(vehicle_error)?)))
+        let bank_sd_rad = this.inner.road.map(|road| road.bank_sd_rad);
+        Ok((restore, (text, file, calibration.map_err(vehicle_error)?, bank_sd_rad)))
     }
 
     fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -204,20 +241,22 @@ impl Vehicle {
 }
 
 /// Text and name of a vehicle file, and the text of a calibration.
-type Restored = (String, String, Option<String>);
+type Restored = (String, String, Option<String>, Option<f64>);
 
-/// Return a vehicle from the text of its file and of its calibration, if it has one.
+/// Return a vehicle from the text of its file, the text of its calibration and the bank of its roads
+/// (rad), if it has them.
 #[pyfunction]
-#[pyo3(signature = (text, file, calibration, /))]
+#[pyo3(signature = (text, file, calibration, bank_sd_rad, /))]
 pub(crate) fn restore_vehicle(
     text: String,
     file: String,
     calibration: Option<String>,
+    bank_sd_rad: Option<f64>,
 ) -> PyResult<Vehicle> {
     let inner = cg_vehicle::Vehicle::parse(&text, &file).map_err(vehicle_error)?;
     let calibration = calibration
         .map(|calibration| Calibration::parse(&calibration, "calibration", &inner))
         .transpose()
         .map_err(vehicle_error)?;
-    Ok(Vehicle::new(inner, (text, file), calibration))
+    Ok(Vehicle::new(inner, (text, file), calibration).with_road(bank_sd_rad))
 }

@@ -6,7 +6,9 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rand_distr::{Distribution, StandardNormal};
 
-use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Method, QUANTILE_95};
+use cg_logs::estimate::{
+    EstimateOptions, LogEstimate, LogEstimator, Method, QUANTILE_95, RoadChoice,
+};
 use cg_logs::log::LogRow;
 use cg_plant::sensors::Instruments;
 use cg_plant::simulate::{LogSimulation, Scenario};
@@ -136,6 +138,7 @@ impl Experiment {
             channel: self.channel,
             method: self.method,
             variant: scenario.variant,
+            road: Some(RoadChoice::FLAT), // that of the plant
             ..EstimateOptions::default()
         };
         let fresh = LogEstimator::from_design(design, vehicle.align_settings(), options);

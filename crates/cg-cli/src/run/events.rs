@@ -200,8 +200,16 @@ mod tests {
         for (combined, status, has_height) in [
             (None, Verdict::Rejected, false),
             (Some(Combined::Agreed(good)), Verdict::Ok, true),
-            (Some(Combined::Doubtful { height: good, chi_square: 9.0 }), Verdict::Ok, true),
-            (Some(Combined::Contradictory { chi_square: 50.0 }), Verdict::Inconsistent, false),
+            (
+                Some(Combined::Doubtful { height: good, chi_square: 9.0, freedom: 1 }),
+                Verdict::Ok,
+                true,
+            ),
+            (
+                Some(Combined::Contradictory { chi_square: 50.0, freedom: 1 }),
+                Verdict::Inconsistent,
+                false,
+            ),
             (Some(Combined::Impossible), Verdict::Inconsistent, false),
         ] {
             let result = Result::new(combined, None, SOURCE);

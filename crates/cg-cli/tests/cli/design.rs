@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cg_core::Design;
+use cg_core::{Channel, Design};
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::{design, design_with};
 use cg_vehicle::emit::{Language, emit};
@@ -17,8 +17,8 @@ fn emitted(arguments: &[&str], output: &str) -> String {
     std::fs::read_to_string(output).unwrap()
 }
 
-fn narrowed(design: &Design<f64>) -> Design<f32> {
-    design.cast()
+fn narrowed(design: &Design<f64>) -> Design<f32, 2> {
+    design.with_channels([Channel::Steer, Channel::LateralAcceleration]).unwrap().cast()
 }
 
 #[test]

@@ -27,7 +27,8 @@ pub(crate) fn drive() -> Drive {
     let (truck, csv, candump) = (path("truck.toml"), path("drive.csv"), path("drive.log"));
     let text = std::fs::read_to_string(kraz()).unwrap();
     let text = text.replacen("nominal_speed_mps", "steering_ratio = 20.0\nnominal_speed_mps", 1);
-    std::fs::write(&truck, text).unwrap();
+    // A roll angle of the bus is relative to gravity.
+    std::fs::write(&truck, format!("{text}\n[road]\nbank_sd_rad = 0.0\n")).unwrap();
     for log in [&csv, &candump] {
         let fixed = ["--maneuver", "drive", "--duration-s", "120", "--seed", "5", "--snr-db", "25"];
         let mut arguments = vec!["simulate", "--vehicle", &truck, "-o", log];

@@ -28,7 +28,7 @@ use crate::truck::design::Design;
 /// Lateral acceleration above which the truck is in a turn.
 const TURNING_MPS2: f64 = 0.5;
 /// Lateral acceleration below which the truck drives straight again.
-const STRAIGHT_MPS2: f64 = 0.3;
+pub(crate) const STRAIGHT_MPS2: f64 = 0.3;
 /// Lateral acceleration above which the linear model is not accurate.
 const LINEAR_MPS2: f64 = 3.5;
 

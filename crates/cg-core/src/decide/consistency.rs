@@ -61,7 +61,7 @@ pub(crate) struct Watch<T> {
 }
 
 fn with<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
-    [low.min(x), high.max(x)]
+    [if x < low { x } else { low }, if x > high { x } else { high }]
 }
 
 impl<T: Real> Watch<T> {
@@ -87,8 +87,8 @@ impl<T: Real> Watch<T> {
         self.lagged_rad += (input_rad - self.lagged_rad) * interval_s / (T::of(LAG_S) + interval_s);
         let step_rad = (roll_rad - self.roll_rad).abs();
         self.roll_rad = roll_rad;
-        if step_rad > T::zero() {
-            self.least_step_rad = self.least_step_rad.min(step_rad);
+        if step_rad > T::zero() && step_rad < self.least_step_rad {
+            self.least_step_rad = step_rad;
         }
         let views = [self.lagged_rad, model_rad];
         self.all = with(self.all, self.lagged_rad);

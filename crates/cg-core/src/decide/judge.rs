@@ -42,7 +42,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let on_road = window.to_gravity || bank_free;
         let road = Road {
             bank_sd_rad: if on_road { settings.bank_sd_rad } else { settings.bank_sd_to_road_rad },
-            lateral_g: window.lateral_square.root() / gravity_mps2,
+            lateral_g: window.lateral_mps2() / gravity_mps2,
             roll_rad_per_g: roll.map_or(T::of(LEAST_ROLL_RAD_PER_G), |line| {
                 line.ratio_at(design.reference_height_m) * gravity_mps2
             }),
@@ -84,6 +84,11 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         fit.ratio.sd = ratio_sd_relative * fit.ratio.value.abs();
         fit.ratio.value *= expected;
         fit.ratio.sd *= expected;
+        let road_sd_relative = self.road.sd_relative(channel);
+        if !(road_sd_relative <= self.settings.road_sd_relative) {
+            let reject = Reject::Road { ratio_sd_relative: road_sd_relative };
+            return (rejected(Some(fit), reject), None);
+        }
         if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
             return (rejected(Some(fit), Reject::Imprecise { ratio_sd_relative }), None);
         }
@@ -99,7 +104,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let exact = Measured::exact(fit.ratio.value);
         let height = solve_height(&line, fit.ratio, compensation, own_bank);
         let systematic = solve_height(&line, exact, compensation, model_sd);
-        let road = solve_height(&line, exact, compensation, self.road.sd_relative(channel));
+        let road = solve_height(&line, exact, compensation, road_sd_relative);
         let outcome = match (height, systematic, road) {
             (Ok(height), Ok(systematic), Ok(road)) if self.is_possible(height.value) => Outcome {
                 fit: Some(fit),

@@ -6,12 +6,19 @@ use crate::decide::settings::Settings;
 use crate::identify::identifier::Identify;
 use crate::math::real::Real;
 
+/// Time constant of the two lags of a smoothed channel. At 0.3 Hz, up to which the reduced models are
+/// accurate to a few percent, a third of the motion is left, at 1 Hz a twenty-fifth.
+const SMOOTH_S: f64 = 0.8;
+
 /// The state of one channel: its identifier, the time of its last sample, and its fused heights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lane<T: Real, I> {
     pub(crate) identifier: I,
     pub(crate) last_us: Option<u64>,
     settled_us: u64,
+    /// Expected and measured roll angle after two first-order lags each; without lags, the second of
+    /// each are the signals themselves.
+    smooth: [[T; 2]; 2],
     rest: Rest<T>,
     pub(crate) fusion: Fusion<T>,
     /// Whether the last height of this channel is impossible for this trailer, and no other
@@ -46,16 +53,24 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         identifier: I::EMPTY,
         last_us: None,
         settled_us: 0,
+        smooth: [[T::ZERO; 2]; 2],
         rest: Rest::new(0),
         fusion: Fusion::new(),
         impossible: false,
     };
 
-    /// Gives a row to the identifier of the channel at this `place` of the design.
+    /// Gives a row to the identifier of the channel at this `place` of the design. With `smooth`,
+    /// both signals pass the same lags before: the ratio at slow motion is not changed, and motion
+    /// that the reduced model does not have counts less.
+    ///
+    /// The specific force of a trailer follows its suspension roll, because the tractor rolls it
+    /// through the fifth wheel. The exact transfer function from the force to the roll angle has a
+    /// pole in the right half-plane and amplifies motion at 1 Hz up to tenfold.
     pub(crate) fn identify<const C: usize>(
         &mut self,
         row: &Row<T, C>,
         place: usize,
+        smooth: bool,
         settings: &Settings<T>,
     ) {
         let (Some(&expected_rad), Some(&measured_rad), Some(&usable)) =
@@ -76,9 +91,18 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
                 self.settled_us = row.time_us.saturating_add(wait);
                 let rest_us = if row.turning { 0 } else { settings.rest_us };
                 self.rest = Rest::new(row.time_us.saturating_add(rest_us));
+                self.smooth = [[expected_rad; 2], [measured_rad; 2]];
             }
         }
         self.last_us = Some(row.time_us);
+        let [expected_rad, measured_rad] = if smooth {
+            let interval_s: T = seconds(interval_us.unwrap_or(0));
+            let share = interval_s / (T::of(SMOOTH_S) + interval_s);
+            self.smoothed([expected_rad, measured_rad], share)
+        } else {
+            self.smooth = [[expected_rad; 2], [measured_rad; 2]];
+            [expected_rad, measured_rad]
+        };
         if row.time_us < self.rest.until_us && !row.turning {
             let rest_rad = self.rest.with(expected_rad);
             self.identifier.restart();
@@ -88,6 +112,23 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         let interval_s = seconds(interval_us.unwrap_or(0));
         let use_row = usable && row.time_us >= self.settled_us;
         self.identifier.push(expected_rad, measured_rad, interval_s, use_row);
+    }
+
+    fn smoothed(&mut self, signals: [T; 2], share: T) -> [T; 2] {
+        for ([first, second], signal) in self.smooth.iter_mut().zip(signals) {
+            *first += (signal - *first) * share;
+            *second += (*first - *second) * share;
+        }
+        self.smooth.map(|[_, second]| second)
+    }
+
+    /// What shows a roll angle that stands still: the measured one, and two views of the motion that
+    /// is expected, by the input and by the reduced model. A smoothed channel has all of them after
+    /// one lag, which makes up for the lead of its roll angle.
+    pub(crate) fn views_rad(&self, expected_rad: T, smooth: bool) -> [T; 3] {
+        let [[expected_once, _], [measured_once, _]] = self.smooth;
+        let model = if smooth { expected_once } else { self.identifier.expected_roll_rad() };
+        [measured_once, expected_rad, model]
     }
 
     /// Deletes the heights after a change of the load.
@@ -149,7 +190,7 @@ mod tests {
             turning,
             usable: [true; 2],
         };
-        lane.identify(&row, 1, &Settings::truck());
+        lane.identify(&row, 1, false, &Settings::truck());
         lane.identifier.last
     }
 

@@ -41,6 +41,11 @@ pub enum Reject<T> {
     },
     /// No height, or no physically possible height, explains the ratio.
     Height(HeightError<T>),
+    /// The bank of the road is not known and changes the ratio by too much.
+    Road {
+        /// Relative standard deviation of the ratio due to the bank.
+        ratio_sd_relative: T,
+    },
     /// The roll angle cannot be true.
     Inconsistent(Inconsistency<T>),
 }
@@ -53,6 +58,11 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Imprecise { ratio_sd_relative } => {
                 write!(f, "the ratio is uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
             }
+            Self::Road { ratio_sd_relative } => write!(
+                f,
+                "the bank of the road is not known and makes the ratio uncertain by {:.0} %",
+                ratio_sd_relative.as_f64() * 100.0
+            ),
             Self::OutsideDesign { speed_mps, trailer_mass_kg } => write!(
                 f,
                 "speed {:.1} m/s or trailer mass {:.0} kg is outside the design",

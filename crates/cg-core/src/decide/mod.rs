@@ -4,6 +4,7 @@
 pub mod condition;
 pub mod consistency;
 pub mod height;
+pub mod combined;
 pub(crate) mod load;
 pub mod memory;
 pub mod maneuver;

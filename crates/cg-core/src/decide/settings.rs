@@ -51,6 +51,8 @@ pub struct Settings<T> {
     /// The same for roll angles relative to the road without such other sensors. Such angles come
     /// from a simulation or a test track, so it is usually zero.
     pub bank_sd_to_road_rad: T,
+    /// Greatest relative standard deviation of a ratio due to the bank of the road.
+    pub road_sd_relative: T,
 }
 
 impl<T: Real> Settings<T> {
@@ -78,6 +80,7 @@ impl<T: Real> Settings<T> {
             weighing_us: 10_000_000,
             mass_change: T::of(0.05),
             bank_sd_rad: T::of(PUBLIC_BANK_SD_RAD),
+            road_sd_relative: T::of(0.5),
             bank_sd_to_road_rad: T::zero(),
         }
     }

@@ -1,6 +1,6 @@
 //! The part of a drive whose rows are in the identifiers.
 
-use crate::decide::condition::Row;
+use crate::decide::condition::{Row, STRAIGHT_MPS2};
 use crate::decide::consistency::Watch;
 use crate::math::real::Real;
 
@@ -15,8 +15,10 @@ pub(crate) struct Window<T, const C: usize> {
     /// Mean speed of the rows in turns, and their number.
     pub(crate) speed_mps: T,
     turning_rows: T,
-    /// Mean square of the lateral acceleration of the rows in turns, m²/s⁴.
-    pub(crate) lateral_square: T,
+    /// Mean square of the lateral acceleration of the rows in turns that have one, m²/s⁴, and their
+    /// number.
+    lateral_square: T,
+    lateral_rows: T,
     /// Whether a roll angle in it was relative to gravity.
     pub(crate) to_gravity: bool,
     /// Mean trailer mass of all rows, because the load signal oscillates, and their weight.
@@ -39,6 +41,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             speed_mps: T::zero(),
             turning_rows: T::zero(),
             lateral_square: T::zero(),
+            lateral_rows: T::zero(),
             to_gravity: false,
             trailer_mass_kg: T::zero(),
             weight: T::zero(),
@@ -59,8 +62,9 @@ impl<T: Real, const C: usize> Window<T, C> {
             self.speed_mps += (row.speed_mps - self.speed_mps) / self.turning_rows;
             let lateral = row.lateral_acceleration_mps2;
             if lateral.present() {
+                self.lateral_rows += T::one();
                 self.lateral_square +=
-                    (lateral * lateral - self.lateral_square) / self.turning_rows;
+                    (lateral * lateral - self.lateral_square) / self.lateral_rows;
             }
             self.to_gravity |= row.to_gravity;
             return false;
@@ -76,6 +80,12 @@ impl<T: Real, const C: usize> Window<T, C> {
         fades
     }
 
+    /// Root mean square of the lateral acceleration in the turns, m/s². It is at least the one below
+    /// which a turn ends, also if no row of the turns has a lateral acceleration.
+    pub(crate) fn lateral_mps2(&self) -> T {
+        self.lateral_square.root().max(T::of(STRAIGHT_MPS2))
+    }
+
     /// Adds a measured roll angle, its input and the expected one to the watch at this place.
     pub(crate) fn look(&mut self, place: usize, time_us: u64, roll_rad: T, expected: [T; 2]) {
         let [input_rad, model_rad] = expected;
@@ -89,5 +99,44 @@ impl<T: Real, const C: usize> Window<T, C> {
     /// The watch at this place.
     pub(crate) fn watch(&self, place: usize) -> Option<&Watch<T>> {
         self.watches.get(place)?.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The root mean square that remains of rows in a turn with these lateral accelerations.
+    fn lateral_mps2(rows: &[f64]) -> f64 {
+        let mut window: Option<Window<f64, 1>> = None;
+        for (time_us, lateral) in (0..).zip(rows) {
+            let row = Row {
+                time_us,
+                measured_rad: [0.0],
+                expected_rad: [0.0],
+                to_gravity: false,
+                speed_mps: 10.0,
+                trailer_mass_kg: 2e4,
+                lateral_acceleration_mps2: *lateral,
+                turning: true,
+                usable: [true],
+            };
+            window.get_or_insert_with(|| Window::new(&row)).push(&row, 2_000_000);
+        }
+        window.map_or(f64::NAN, |window| window.lateral_mps2())
+    }
+
+    /// √((1.2² + 1.6²)/2) = √2.
+    #[test]
+    fn rows_without_a_lateral_acceleration_do_not_count() {
+        let found = lateral_mps2(&[1.2, f64::NAN, -1.6, f64::NAN, f64::NAN]);
+        assert!((found - 2.0_f64.sqrt()).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn a_turn_without_a_lateral_acceleration_has_the_least_one() {
+        for rows in [&[f64::NAN; 3], &[0.0; 3], &[0.1; 3]] {
+            assert!((lateral_mps2(rows) - 0.3).abs() < 1e-12);
+        }
     }
 }

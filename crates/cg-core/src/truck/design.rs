@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::math::real::Real;
+use crate::truck::axis::{Weights, cubic, locate};
 use crate::truck::channel::{CHANNELS, Channel, Output};
 use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
@@ -253,6 +254,11 @@ impl<T: Real, const C: usize> Design<T, C> {
         self.channels.iter().position(|design| design.index as usize == channel.index())
     }
 
+    /// Whether a bank of the road changes the ratio of the channel at this place.
+    pub(crate) fn feels_bank(&self, place: usize) -> bool {
+        self.channel(place).is_none_or(Channel::feels_bank)
+    }
+
     /// The roll angle that the channel at this place explains.
     pub(crate) fn output(&self, place: usize) -> Option<Output> {
         Some(self.channel(place)?.output())
@@ -298,17 +304,31 @@ impl<T: Real, const C: usize> Design<T, C> {
     ///
     /// Each coefficient is interpolated cubically in speed and in mass.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
-        let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(cell.line(self.channels.get(self.place(channel)?)?))
+        let design = self.channels.get(self.place(channel)?)?;
+        let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
+        let speed = cubic(&self.speed_mps, speed_mps, !design.is_steer())?;
+        Some(design.line(&speed, &mass))
     }
 
     /// The compensated ratio of every channel at the reference height, in radians of roll per unit
     /// of input; `None` outside the axes.
     pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {
-        let cell = self.cell(speed_mps, trailer_mass_kg)?;
-        Some(self.channels.each_ref().map(|design| {
-            cell.line(design).ratio_at(self.reference_height_m) * design.compensation
-        }))
+        let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
+        let mut gains = [T::zero(); C];
+        // The weights of the speed are the same for all accelerations.
+        let mut curvature = None;
+        for (gain, design) in gains.iter_mut().zip(&self.channels) {
+            let line = if design.is_steer() {
+                design.line(&cubic(&self.speed_mps, speed_mps, false)?, &mass)
+            } else {
+                if curvature.is_none() {
+                    curvature = cubic(&self.speed_mps, speed_mps, true);
+                }
+                design.line(curvature.as_ref()?, &mass)
+            };
+            *gain = line.ratio_at(self.reference_height_m) * design.compensation;
+        }
+        Some(gains)
     }
 
     /// `R_c` of a channel; one if the design does not have it.
@@ -367,35 +387,21 @@ impl<T: Real, const C: usize> Design<T, C> {
         let span_m = [self.least_height_m, self.greatest_height_m];
         Some(self.rollover.at(height, trailer_mass_kg, &line.at_speed(speed_mps), span_m))
     }
+}
 
-    fn cell(&self, speed_mps: T, trailer_mass_kg: T) -> Option<Cell<T>> {
-        Some(Cell {
-            speed: cubic(&self.speed_mps, speed_mps, |speed_mps| speed_mps)?,
-            curvature: cubic(&self.speed_mps, speed_mps, |u| T::one() / (u * u))?,
-            mass: cubic(&self.trailer_mass_kg, trailer_mass_kg, |mass_kg| mass_kg)?,
-        })
+impl<T: Real> ChannelDesign<T> {
+    /// The effect of the steer angle is a smooth function of the speed, that of an acceleration a
+    /// smooth function of the curvature, by which the tires scrub.
+    fn is_steer(&self) -> bool {
+        self.index as usize == Channel::Steer.index()
     }
-}
 
-/// A point in a table. On each axis: the index of the first of four nodes, and their weights.
-struct Cell<T> {
-    speed: (usize, [T; 4]),
-    /// The same nodes, with weights on the axis 1/U², which is the curvature at a lateral
-    /// acceleration.
-    curvature: (usize, [T; 4]),
-    mass: (usize, [T; 4]),
-}
-
-impl<T: Real> Cell<T> {
-    /// The line of a channel. The effect of the steer angle is a smooth function of the speed, that of
-    /// an acceleration a smooth function of the curvature, by which the tires scrub.
-    fn line(&self, channel: &ChannelDesign<T>) -> RatioLine<T> {
-        let by_steer = channel.index as usize == Channel::Steer.index();
-        let (i, speed) = if by_steer { self.speed } else { self.curvature };
-        let (j, mass) = self.mass;
+    /// The line at these weights of the speeds and masses.
+    #[inline(never)]
+    fn line(&self, speed: &Weights<T>, mass: &Weights<T>) -> RatioLine<T> {
         let mut sum = RatioLine { a0: T::zero(), a1: T::zero(), b0: T::zero(), b1: T::zero() };
-        for (row, u) in channel.lines.iter().skip(i).zip(speed) {
-            for (line, m) in row.iter().skip(j).zip(mass) {
+        for (row, u) in self.lines.iter().skip(speed.first).zip(speed.weights) {
+            for (line, m) in row.iter().skip(mass.first).zip(mass.weights) {
                 sum.add(line, u * m);
             }
         }
@@ -426,68 +432,9 @@ fn positive<T: Real>(value: T, field: &'static str) -> Result<(), DesignError> {
     }
 }
 
-/// The interval of a strictly increasing axis that contains `value`, and the relative position in
-/// it.
-fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
-    for (i, pair) in axis.windows(2).enumerate() {
-        if let [low, high] = pair
-            && value >= *low
-            && value <= *high
-        {
-            return Some((i, (value - *low) / (*high - *low)));
-        }
-    }
-    None
-}
-
-/// Index of the first of the four nodes around `value` (near an end of the axis: the first or last
-/// four), and the Lagrange weights of the four on the axis that `scale` makes of it.
-fn cubic<T: Real>(axis: &[T], value: T, scale: impl Fn(T) -> T) -> Option<(usize, [T; 4])> {
-    let (interval, _) = locate(axis, value)?;
-    let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
-    let nodes = axis.get(first..)?.first_chunk::<4>()?.map(&scale);
-    let value = scale(value);
-    let mut place = 0;
-    let weights = nodes.map(|node| {
-        let (mut above, mut below) = (T::one(), T::one());
-        for (k, other) in nodes.iter().enumerate() {
-            if k != place {
-                above *= value - *other;
-                below *= node - *other;
-            }
-        }
-        place += 1;
-        above / below
-    });
-    Some((first, weights))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_axis_ends_belong_to_it_and_nothing_beyond() {
-        let axis = [1.0, 2.0, 4.0];
-        assert_eq!(locate(&axis, 1.0), Some((0, 0.0)));
-        assert_eq!(locate(&axis, 4.0), Some((1, 1.0)));
-        assert_eq!(locate(&axis, 3.0), Some((1, 0.5)));
-        assert_eq!(locate(&axis, 0.99), None);
-        assert_eq!(locate(&axis, f64::NAN), None);
-    }
-
-    /// In any interval of an axis with unequal spacing; exact at the nodes.
-    #[test]
-    fn a_cubic_is_met_by_its_nodes() {
-        let axis = [3.0, 4.0, 5.5, 8.0, 12.0, 17.0];
-        let law = |x: f64| 2.0 - x + 0.3 * x * x - 0.01 * x * x * x;
-        for value in [3.0, 3.2, 4.7, 5.5, 7.0, 9.0, 16.0, 17.0_f64] {
-            let (first, weights) = cubic(&axis, value, |x| x).unwrap();
-            let found: f64 = axis[first..].iter().zip(weights).map(|(x, w)| w * law(*x)).sum();
-            assert!((found - law(value)).abs() < 1e-12, "{value}: {found}");
-        }
-        assert!(cubic(&axis, 2.9, |x| x).is_none() && cubic(&axis, 17.1, |x| x).is_none());
-    }
 
     #[test]
     fn an_axis_that_does_not_increase_is_refused() {

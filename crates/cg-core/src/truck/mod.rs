@@ -2,6 +2,7 @@
 //! and the design that contains them.
 
 pub mod channel;
+pub(crate) mod axis;
 pub mod reduced;
 pub mod ratio;
 pub mod rollover;

@@ -107,6 +107,7 @@ impl<T: Real> core::error::Error for HeightError<T> {}
 /// # Errors
 /// [`HeightError::NoSolution`] if the ratio is not finite or the line does not depend on the height
 /// there.
+#[inline(never)]
 pub fn solve_height<T: Real>(
     line: &RatioLine<T>,
     identified: Measured<T>,

@@ -211,6 +211,29 @@ fn product<T: Real, const N: usize>(
     a * b
 }
 
+// Loops over all entries: one copy of each in the firmware image, not unrolled.
+
+#[inline(never)]
+fn scale<T: Real>(entries: &mut [T], factor: T) {
+    for entry in entries {
+        *entry *= factor;
+    }
+}
+
+#[inline(never)]
+fn divide<T: Real>(entries: &mut [T], divisor: T) {
+    for entry in entries {
+        *entry /= divisor;
+    }
+}
+
+#[inline(never)]
+fn add<T: Real>(entries: &mut [T], others: &[T]) {
+    for (entry, other) in entries.iter_mut().zip(others) {
+        *entry += *other;
+    }
+}
+
 /// `exp(M) − I` by scaling, a 12-term Taylor series and `(I + F)² − I = 2F + F²`.
 fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7> {
     let mut largest = T::zero();
@@ -226,17 +249,20 @@ fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7>
     // ‖M‖ ≤ 1/4 leaves a remainder of 4⁻¹³/13! = 2e-18.
     while largest > T::of(0.25) && squarings < 40 {
         largest *= T::of(0.5);
-        scaled *= T::of(0.5);
+        scale(scaled.as_mut_slice(), T::of(0.5));
         squarings += 1;
     }
     let mut term = scaled;
     let mut f = scaled;
     for k in 2..=12 {
-        term = product(&term, &scaled) / T::of(f64::from(k));
-        f += term;
+        term = product(&term, &scaled);
+        divide(term.as_mut_slice(), T::of(f64::from(k)));
+        add(f.as_mut_slice(), term.as_slice());
     }
     for _ in 0..squarings {
-        f = f * T::of(2.0) + product(&f, &f);
+        let square = product(&f, &f);
+        scale(f.as_mut_slice(), T::of(2.0));
+        add(f.as_mut_slice(), square.as_slice());
     }
     f
 }

@@ -258,8 +258,8 @@ BO_ 291 PLAIN: 8 TILT
     #[test]
     fn a_mapped_signal_replaces_j1939() {
         let j1939s = [
-            (sent(j1939::ROLL_FINE, 0.1), Quantity::Roll),
-            (sent(j1939::ROLL, 0.1), Quantity::Roll),
+            (sent(j1939::ROLL_FINE, 0.1), Quantity::RollToGravity),
+            (sent(j1939::ROLL, 0.1), Quantity::RollToGravity),
             (sent(j1939::STEERING_WHEEL_ANGLE, 0.1), Quantity::SteeringWheel),
             (sent(j1939::TRAILER_MASS, 2e4), Quantity::TrailerMass),
             (sent(j1939::TRAILER_AXLE_LOAD, 2e4), Quantity::TrailerAxleLoad),
@@ -306,7 +306,7 @@ BO_ 291 PLAIN: 8 TILT
         let (identifier, mut data) = sent(j1939::ROLL_FINE, 0.1);
         for compensated in [true, false] {
             j1939::ROLL_FINE.set_compensated(compensated, &mut data);
-            let expected = if compensated { Quantity::Roll } else { Quantity::Tilt };
+            let expected = if compensated { Quantity::RollToGravity } else { Quantity::Tilt };
             for (asked, address, count) in [("roll", 0xE4, 1), ("tilt", 0xE4, 1), ("roll", 5, 0)] {
                 let filter = format!("{asked}={address}").parse().unwrap();
                 let flip = named(asked).unwrap();

@@ -76,7 +76,7 @@ impl LogEstimator {
             return inconsistent(remark.clone());
         }
         match combined {
-            Some(Combined::Doubtful { height, chi_square }) => Together {
+            Some(Combined::Doubtful { height, chi_square, .. }) => Together {
                 remark: Some(format!(
                     "{}: they differ by more than their uncertainty explains; the interval was \
                      made {:.1} times as wide",
@@ -85,7 +85,7 @@ impl LogEstimator {
                 )),
                 ..plain(Some(height))
             },
-            Some(Combined::Contradictory { chi_square }) => inconsistent(format!(
+            Some(Combined::Contradictory { chi_square, .. }) => inconsistent(format!(
                 "{}: {:.0} standard deviations apart",
                 self.heights(),
                 chi_square.sqrt()
@@ -187,7 +187,7 @@ impl LogEstimator {
         if verdict != Verdict::Rejected {
             identified.messages.splice(0..0, remark);
         }
-        for channel in Channel::ALL {
+        for channel in self.asked() {
             let Some(height) = self.engine.height(channel) else {
                 identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
                 continue;

@@ -65,6 +65,9 @@ pub struct RoadChoice {
 const GREATEST_BANK_SD_RAD: f64 = 0.15;
 
 impl RoadChoice {
+    /// A flat test track.
+    pub const FLAT: Self = Self { bank_sd_rad: 0.0 };
+
     /// The roads that the vehicle file states.
     pub fn of_vehicle(vehicle: &Vehicle) -> Option<Self> {
         vehicle.road.map(|road| Self { bank_sd_rad: road.bank_sd_rad })

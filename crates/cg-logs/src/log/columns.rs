@@ -152,39 +152,9 @@ impl Header<'_> {
 
     /// Requires a roll angle and an input that belong together.
     fn require_channel(&self) -> Result<(), LogError> {
-        let sides = [
-            (Signal::LevelLeft, Signal::LevelRight),
-            (Signal::TractorLevelLeft, Signal::TractorLevelRight),
-        ];
-        for (left, right) in sides {
-            if self.find(left).is_some() || self.find(right).is_some() {
-                self.require(&[left])?;
-                self.require(&[right])?;
-            }
-        }
-        let has = |signals: &[Signal]| signals.iter().any(|&signal| self.find(signal).is_some());
-        let trailer = has(&[Signal::SuspensionRoll, Signal::LevelLeft, Signal::AxleTilt])
-            && has(&[Signal::LateralSpecificForce, Signal::Tilt]);
-        let tractor = has(&[
-            Signal::TractorSuspensionRoll,
-            Signal::TractorLevelLeft,
-            Signal::TractorAxleTilt,
-        ]) && has(&[Signal::TractorLateralSpecificForce, Signal::TractorTilt]);
-        if trailer || tractor {
-            return Ok(());
-        }
-        if !has(&[Signal::LateralSpecificForce]) {
-            self.require(&[
-                Signal::Steer,
-                Signal::SteeringWheel,
-                Signal::LateralAcceleration,
-                Signal::YawRate,
-            ])?;
-        }
-        if !has(&[Signal::RollToGravity]) {
-            self.require(&[Signal::Roll, Signal::Tilt])?;
-        }
-        Ok(())
+        let present: Vec<Signal> = self.columns.iter().map(|column| column.signal).collect();
+        let lacking = Signal::lacking(&present);
+        if lacking.is_empty() { Ok(()) } else { self.require(lacking) }
     }
 
     fn missing(&self, wanted: &str, near: &[(Signal, &str)]) -> LogError {

@@ -68,7 +68,7 @@ class Estimates(Sequence[Estimate]):
                     row[field.name] = value
             row |= {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
             alone = {each.channel: each for each in one.channels}
-            for channel in ("steer", "lateral-acceleration"):
+            for channel in ("steer", "lateral-acceleration", "suspension", "tractor"):
                 name = channel.replace("-", "_")
                 each = alone.get(channel)
                 row[f"{name}_height_m"] = each and each.height_m

@@ -40,7 +40,7 @@ class Arx:
 
 
 Method = Literal["filtered", "arx", "gain"] | Arx
-ChannelName = Literal["auto", "steer", "lateral-acceleration"]
+ChannelName = Literal["auto", "steer", "lateral-acceleration", "suspension", "tractor"]
 ModelName = Literal["complete", "as-printed"]
 
 
@@ -50,7 +50,6 @@ def shared_options(
     model: str,
     speed_mps: object = None,
     trailer_mass_kg: object = None,
-    road: str | float | None = None,
 ) -> dict[str, Any]:
     """Return the options of all estimates in the form of the compiled module."""
     mass, speed = trailer_mass_kg, speed_mps
@@ -61,7 +60,6 @@ def shared_options(
         "model": model,
         "speed_mps": None if speed is None else number("speed_mps", speed),
         "trailer_mass_kg": None if mass is None else number("trailer_mass_kg", mass),
-        "road": None if road is None else str(road),
     }
 
 
@@ -99,8 +97,10 @@ def estimate(
     method : {"filtered", "arx", "gain"} or Arx
         Identification: ARX on filtered signals, classical ARX (`Arx` sets its order), or the gain
         only.
-    channel : {"auto", "steer", "lateral-acceleration"}
-        The input; "auto" combines both inputs, weighted by their uncertainty.
+    channel : {"auto", "steer", "lateral-acceleration", "suspension", "tractor"}
+        The pair of signals: roll angle by steer angle or by lateral acceleration, suspension roll
+        by specific force of the trailer or of the tractor; "auto" combines all, weighted by their
+        uncertainty.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
     **signals : array, shape (n,), optional
@@ -152,8 +152,9 @@ def estimate_log(
     """Estimate the height of the trailer's c.g. from a log.
 
     Columns are found by the names in `cgheight.SIGNALS`. Required are ``time_s``, a roll angle
-    (``roll_rad`` or ``tilt_rad``) and an input (``steer_rad``, ``steering_wheel_rad``,
-    ``lateral_acceleration_mps2`` or ``yaw_rate_radps``); all other columns are optional. The suffix
+    (``roll_rad``, ``roll_to_gravity_rad`` or ``tilt_rad``) and an input (``steer_rad``,
+    ``steering_wheel_rad``, ``lateral_acceleration_mps2`` or ``yaw_rate_radps``), or a suspension
+    roll and a specific force of the same unit; all other columns are optional. The suffix
     gives the unit, which may also be ``_deg``, ``_degps``, ``_kmh``, ``_g``, ``_ms``, ``_t``,
     ``_bar``, …. The same rules apply to files and data frames. A CAN log is read in the same way as
     in `cg run`; if it needs a DBC file, read it with `cgheight.can.read_log` first.

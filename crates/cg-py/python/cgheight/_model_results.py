@@ -273,6 +273,8 @@ class LinearModel:
     ratio, lateral_acceleration_ratio : RatioLine
         DC ratio as a function of height: roll angle per steer angle (rad/rad), and per lateral
         acceleration (rad per m/s²).
+    suspension_ratio, tractor_ratio : RatioLine
+        The same for the suspension roll per specific force (rad per m/s²) of trailer and tractor.
     reduced : ReducedModel
         The reduced model.
     static_balance : StaticBalance
@@ -293,6 +295,8 @@ class LinearModel:
     dc_gain: float
     ratio: RatioLine
     lateral_acceleration_ratio: RatioLine
+    suspension_ratio: RatioLine
+    tractor_ratio: RatioLine
     reduced: ReducedModel
     static_balance: StaticBalance
     A: _Array

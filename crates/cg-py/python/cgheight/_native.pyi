@@ -47,6 +47,8 @@ class Vehicle:
         """Read and check a vehicle file."""
     def calibrated(self, path: str | os.PathLike[str], /) -> Vehicle:
         """Return the same vehicle with a calibration."""
+    def on_road(self, road: str | float, /) -> Vehicle:
+        """Return the same vehicle on other roads."""
     @property
     def is_calibrated(self) -> bool:
         """Whether the vehicle has a calibration, bool."""
@@ -240,7 +242,9 @@ def score_accuracy(
 def reproduce_tables(name: str | None, runs: int, seed: int, /) -> dict[str, list[Any]]:
     """Recompute one table of the thesis, or all: a dict of columns."""
 
-def restore_vehicle(text: str, file: str, calibration: str | None, /) -> Vehicle:
+def restore_vehicle(
+    text: str, file: str, calibration: str | None, bank_sd_rad: float | None, /
+) -> Vehicle:
     """Return a vehicle from the text of its file and of its calibration, if it has one."""
 
 def may_write(request: dict[str, Any], /) -> None:

@@ -19,7 +19,9 @@ def predict_roll(
     height_m: float,
     *,
     vehicle: _native.Vehicle,
-    channel: Literal["steer", "lateral-acceleration"] = "lateral-acceleration",
+    channel: Literal["steer", "lateral-acceleration", "suspension", "tractor"] = (
+        "lateral-acceleration"
+    ),
     columns: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
     speed_mps: float | None = None,
@@ -39,7 +41,7 @@ def predict_roll(
         Height of the trailer's sprung c.g. above ground, m.
     vehicle : Vehicle
         The vehicle.
-    channel : {"steer", "lateral-acceleration"}
+    channel : {"steer", "lateral-acceleration", "suspension", "tractor"}
         The input.
     columns, flip, speed_mps, trailer_mass_kg, model
         As for `estimate_log`.

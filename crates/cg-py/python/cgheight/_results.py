@@ -55,7 +55,7 @@ class ChannelEstimate:
 
     Attributes
     ----------
-    channel : {"steer", "lateral-acceleration"}
+    channel : {"steer", "lateral-acceleration", "suspension", "tractor"}
         The input of the channel.
     height_m, height_sd_m : float or None
         Height and its standard deviation, which includes the uncertainty of the vehicle model, m.
@@ -65,7 +65,7 @@ class ChannelEstimate:
         The reason if there is no height.
     """
 
-    channel: Literal["steer", "lateral-acceleration"]
+    channel: Literal["steer", "lateral-acceleration", "suspension", "tractor"]
     height_m: float | None
     height_sd_m: float | None
     status: Literal["ok", "rejected"]
@@ -91,7 +91,7 @@ class Estimate:
         (lateral-acceleration channel), and its standard deviation due to noise.
     method : {"filtered", "arx", "gain"}
         The identification method.
-    channel : {"steer", "lateral-acceleration", "combined"} or None
+    channel : {"steer", "lateral-acceleration", "suspension", "tractor", "combined"} or None
         The input used. "combined" means both inputs; ratio, fit and maneuvers are then those of the
         channel with more information.
     speed_mps : float or None
@@ -117,7 +117,7 @@ class Estimate:
     ratio: float | None
     ratio_sd: float | None
     method: Literal["filtered", "arx", "gain"]
-    channel: Literal["steer", "lateral-acceleration", "combined"] | None
+    channel: Literal["steer", "lateral-acceleration", "suspension", "tractor", "combined"] | None
     speed_mps: float | None
     trailer_mass_kg: float
     snr_db: float | None
