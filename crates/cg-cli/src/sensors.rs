@@ -82,34 +82,34 @@ impl From<&SensorArgs> for Sensors {
 #[command(next_help_heading = "Sensors of the chassis (with --road)")]
 pub(crate) struct ChassisArgs {
     /// Constant offset of the left level sensors, m
-    #[arg(long, value_name = "M", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     level_offset_m: f64,
     /// Standard deviation of white noise on each level, m
-    #[arg(long, value_name = "M", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     level_noise_m: f64,
     /// Resolution of the levels, m; 0 for unlimited
-    #[arg(long, value_name = "M", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     level_quantisation_m: f64,
     /// Constant offset of the accelerometers, m/s²
-    #[arg(long, value_name = "A", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     accelerometer_offset_mps2: f64,
     /// Standard deviation of white noise on the accelerometers, m/s²
-    #[arg(long, value_name = "A", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     accelerometer_noise_mps2: f64,
     /// Resolution of the accelerometers, m/s²; 0 for unlimited
-    #[arg(long, value_name = "A", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "A", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     accelerometer_quantisation_mps2: f64,
     /// Constant offset of the inclinometers on the frames, rad
-    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     tilt_offset_rad: f64,
     /// Standard deviation of white noise on each inclinometer, rad
-    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     tilt_noise_rad: f64,
     /// Resolution of the inclinometers, rad; 0 for unlimited
-    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative)]
     tilt_quantisation_rad: f64,
     /// Roll angle at which accelerometers and inclinometers are mounted on the frames, rad
-    #[arg(long, value_name = "R", requires = "road", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     mounting_rad: f64,
 }
 

@@ -8,6 +8,7 @@ use cg_logs::log::{CandumpWriter, LogWriter, Signal};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::road::{Road, RoadKind};
+use cg_plant::sensors::ChassisSensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
@@ -77,7 +78,13 @@ fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scena
 
 fn simulation(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<LogSimulation> {
     let scenario = scenario(arguments, vehicle)?;
+    let chassis = ChassisSensors::from(&arguments.chassis);
     let Some(road) = road(arguments)? else {
+        if chassis != ChassisSensors::default() {
+            return Err(anyhow!(
+                "--level-…, --accelerometer-…, --tilt-… and --mounting-rad are for --road"
+            ));
+        }
         return Ok(LogSimulation::new(vehicle, scenario)?);
     };
     let duration_s = match arguments.duration_s {
@@ -86,7 +93,7 @@ fn simulation(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Log
         None => road.clone().limited_to(scenario.speed_mps).usual_duration_s(),
     };
     let scenario = Scenario { duration_s, ..scenario };
-    Ok(LogSimulation::on_road(vehicle, scenario, &road, &(&arguments.chassis).into())?)
+    Ok(LogSimulation::on_road(vehicle, scenario, &road, &chassis)?)
 }
 
 pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outcome> {

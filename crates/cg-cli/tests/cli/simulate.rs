@@ -254,10 +254,12 @@ fn paths_without_their_maneuver_or_plant_are_refused() {
 #[test]
 fn a_road_brings_the_sensors_of_the_chassis_and_its_bank() {
     let scratch = Scratch::new();
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let vehicle = scratch.file("v.toml", format!("steering_ratio = 20.0\n{text}"));
     let truth_file = scratch.path("truth.json");
     let drive = |name: &str, more: &[&str]| {
         let road = ["--road", "roundabouts", "--duration-s", "20", "--truth", &truth_file];
-        let path = scratch.simulate(name, &kraz(), &[&road, more].concat());
+        let path = scratch.simulate(name, &vehicle, &[&road, more].concat());
         std::fs::read_to_string(path).unwrap()
     };
     let text = drive("log.csv", &["--level-noise-m", "0.0005"]);
