@@ -131,9 +131,8 @@ fn one_run_fixes_the_compensation_and_nothing_else() {
     let runs = runs_of(&vehicle, &truth, &loads);
     let fitted = fit(&vehicle, Variant::Complete, &runs).unwrap();
     for k in 0..PARAMETERS {
-        let is_sensor = cg_core::Input::ALL
-            .into_iter()
-            .any(|input| k == Parameter::of_input(input) as usize);
+        let is_sensor =
+            cg_core::Input::ALL.into_iter().any(|input| k == Parameter::of_input(input) as usize);
         assert!(is_sensor || fitted.belief.mean[k].abs() < 1e-15);
     }
     for (residual, channel) in fitted.residuals.iter().zip(Channel::ALL) {

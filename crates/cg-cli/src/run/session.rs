@@ -6,7 +6,7 @@ use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
     Warner,
 };
-use cg_core::{Reject, SampleError};
+use cg_core::{Quantity, Reject, SampleError};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
 
@@ -176,8 +176,7 @@ impl<W: Write> Session<W> {
         self.warn(&sample)?;
         let (samples, slow_s) = self.pace.push(sample);
         if let Some(step_s) = slow_s {
-            let signal = if sample.roll_rad.is_nan() { "tilt" } else { "roll" };
-            self.notice(signal, &too_slow(step_s))?;
+            self.notice(pacing(&sample), &too_slow(step_s))?;
         }
         samples.into_iter().flatten().try_for_each(|sample| self.estimate(&sample))
     }
@@ -461,6 +460,18 @@ impl<W: Write> Session<W> {
     pub(crate) fn has_height(&self) -> bool {
         self.known.height_m.is_some()
     }
+}
+
+/// The signal whose values became this sample: the first of the aligner's order that is present.
+fn pacing(sample: &Sample<f64>) -> &'static str {
+    let signals = [
+        (sample.roll_rad, Quantity::Roll),
+        (sample.roll_to_gravity_rad, Quantity::RollToGravity),
+        (sample.tilt_rad, Quantity::Tilt),
+        (sample.suspension_roll_rad, Quantity::SuspensionRoll),
+    ];
+    let present = signals.into_iter().find(|(value, _)| value.is_finite());
+    present.map_or(Quantity::TractorSuspensionRoll, |(_, quantity)| quantity).name()
 }
 
 #[cfg(test)]

@@ -243,10 +243,11 @@ fn a_slow_roll_signal_is_diagnosed_once() {
     let slow: Vec<&str> = rows.map(|(_, line)| line).collect();
     std::fs::write(drive.path("slow.csv"), slow.join("\n") + "\n").unwrap();
     let csv = drive.path("slow.csv");
-    for run in [drive.replay(&log, &[]), cg(&["run", "--vehicle", &drive.truck, "--csv", &csv])] {
+    let of_csv = cg(&["run", "--vehicle", &drive.truck, "--csv", &csv]);
+    for (run, signal) in [(drive.replay(&log, &[]), "roll_to_gravity"), (of_csv, "roll")] {
         assert_eq!(run.code, Some(1));
         let found = lines(&run);
-        let told = notices(&found, "roll");
+        let told = notices(&found, signal);
         assert!(told.len() == 1 && told[0].contains("every 1.00 s"), "{told:?}");
         let others = found.iter().filter(|line| line["event"] != "status").count();
         assert!(others < 12, "{others}");

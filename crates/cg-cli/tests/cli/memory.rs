@@ -88,6 +88,7 @@ fn a_month_in_the_memory_of_a_day() {
     let drives: u32 = std::env::var("CG_SOAK_DRIVES").map_or(2, |drives| drives.parse().unwrap());
     let text = std::fs::read_to_string(kraz()).unwrap();
     let text = text.replacen("nominal_speed_mps", "steering_ratio = 20.0\nnominal_speed_mps", 1);
+    let text = format!("{text}\n[road]\nbank_sd_rad = 0.0\n");
     let truck = scratch.file("truck.toml", text.as_bytes());
     let more = ["--maneuver", "drive", "--duration-s", "120", "--snr-db", "25"];
     let drive = std::fs::read_to_string(scratch.simulate("drive.log", &truck, &more)).unwrap();

@@ -63,7 +63,7 @@ fn a_bad_column_is_refused_with_the_form_it_should_have() {
     let column = |text| ["--column", text];
     refused(&column("roll"), &["`roll` is not of the form", "SIGNAL=NAME[UNIT]"]);
     refused(&column("roll="), &["roll=", "is not of the form"]);
-    refused(&column("bank=X[deg]"), &["`bank` is not a signal", "roll, tilt"]);
+    refused(&column("bank=X[deg]"), &["`bank` is not a signal", "roll, roll_to_gravity, tilt"]);
     refused(&column("roll=X[kmh]"), &["`kmh` is not a unit of roll", "rad, deg"]);
     refused(&column("roll=X_kmh"), &["not a unit of roll", "roll=X_kmh[rad]"]);
     // Only reading the log shows that it has no such column.
@@ -73,7 +73,7 @@ fn a_bad_column_is_refused_with_the_form_it_should_have() {
 
 #[test]
 fn a_bad_flip_is_refused_with_the_reason() {
-    refused(&["--flip", "bank"], &["`bank` is not a signal", "roll, tilt"]);
+    refused(&["--flip", "bank"], &["`bank` is not a signal", "roll, roll_to_gravity, tilt"]);
     refused(&["--flip", "roll,bank"], &["`bank` is not a signal"]);
     refused(&["--flip", "time"], &[&log(), "time cannot be flipped", "remove it from --flip"]);
     refused(&["--flip", "tilt"], &[&log(), "no such signal", "remove it from --flip"]);
