@@ -43,36 +43,39 @@ fn json(answers: &[Answer]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The columns of the CSV output.
+const COLUMNS: [&str; 26] = [
+    "log",
+    "status",
+    "height_m",
+    "height_sd_m",
+    "height_ci95_low_m",
+    "height_ci95_high_m",
+    "ratio",
+    "ratio_sd",
+    "method",
+    "channel",
+    "speed_mps",
+    "trailer_mass_kg",
+    "snr_db",
+    "fit_percent",
+    "static_rollover_threshold_g",
+    "maneuvers",
+    "known_height_m",
+    "messages",
+    "steer_height_m",
+    "steer_height_sd_m",
+    "lateral_acceleration_height_m",
+    "lateral_acceleration_height_sd_m",
+    "suspension_height_m",
+    "suspension_height_sd_m",
+    "tractor_height_m",
+    "tractor_height_sd_m",
+];
+
 fn csv(answers: &[Answer]) -> anyhow::Result<()> {
     let mut out = csv::Writer::from_writer(std::io::stdout().lock());
-    out.write_record([
-        "log",
-        "status",
-        "height_m",
-        "height_sd_m",
-        "height_ci95_low_m",
-        "height_ci95_high_m",
-        "ratio",
-        "ratio_sd",
-        "method",
-        "channel",
-        "speed_mps",
-        "trailer_mass_kg",
-        "snr_db",
-        "fit_percent",
-        "static_rollover_threshold_g",
-        "maneuvers",
-        "known_height_m",
-        "messages",
-        "steer_height_m",
-        "steer_height_sd_m",
-        "lateral_acceleration_height_m",
-        "lateral_acceleration_height_sd_m",
-        "suspension_height_m",
-        "suspension_height_sd_m",
-        "tractor_height_m",
-        "tractor_height_sd_m",
-    ])?;
+    out.write_record(COLUMNS)?;
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for answer in answers {
         let e = &answer.estimate;

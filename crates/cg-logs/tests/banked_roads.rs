@@ -1,6 +1,6 @@
 //! An independent multibody truck on banked roads (`fixtures/roads`): the pairs of suspension roll
 //! and specific force beside the roll angle relative to gravity.
-#![allow(clippy::unwrap_used)] // helpers of tests
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use std::path::PathBuf;
 

@@ -174,10 +174,10 @@ fn subjects(name: &str) -> [Subject; 2] {
         .unwrap();
     let plain = design(&vehicle, Variant::Complete).unwrap();
     let known = design_with(&vehicle, Variant::Complete, &calibration.belief()).unwrap();
-    [("", plain), (", calibrated", known)].map(|(how, design)| Subject {
+    [("", &plain), (", calibrated", &known)].map(|(how, design)| Subject {
         name: format!("{name}{how}"),
         vehicle: vehicle.clone(),
-        design,
+        design: *design,
         drives: drives.clone(),
     })
 }

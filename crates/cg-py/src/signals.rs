@@ -35,7 +35,7 @@ pub(crate) struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn new(values: [Option<&'a [f64]>; Signal::COUNT]) -> PyResult<Self> {
+    fn new(values: &[Option<&'a [f64]>; Signal::COUNT]) -> PyResult<Self> {
         let absent = |signals: &[Signal]| signals.iter().all(|&s| values[s as usize].is_none());
         let time_s = values[Signal::Time as usize]
             .filter(|time_s| !time_s.is_empty())
@@ -56,7 +56,7 @@ impl<'a> Columns<'a> {
                 return Err(value_error(format!("{} is missing", first.column())));
             }
         }
-        for (signal, column) in Signal::ALL.iter().zip(&values) {
+        for (signal, column) in Signal::ALL.iter().zip(values) {
             let Some(column) = column else { continue };
             if column.len() != time_s.len() {
                 return Err(value_error(format!(
@@ -67,7 +67,7 @@ impl<'a> Columns<'a> {
                 )));
             }
         }
-        Ok(Self { values, time_s })
+        Ok(Self { values: *values, time_s })
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -155,7 +155,7 @@ pub(crate) fn columns<'a>(arrays: &'a Borrowed<'_>) -> PyResult<Columns<'a>> {
     for ((value, array), signal) in values.iter_mut().zip(arrays).zip(Signal::ALL) {
         *value = array.as_ref().map(|array| slice(signal.column(), array)).transpose()?;
     }
-    Columns::new(values)
+    Columns::new(&values)
 }
 
 /// Estimate from a dict of SI column names to 1-D contiguous float64 arrays.

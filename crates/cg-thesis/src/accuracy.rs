@@ -13,7 +13,7 @@ use cg_logs::log::LogRow;
 use cg_plant::sensors::Instruments;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
-use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
+use cg_vehicle::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
 
@@ -83,7 +83,11 @@ impl Drawn {
         if truck == Truck::OfTheFile {
             return Self { deviations: Deviations::zeros(), residual: [0.0; 2] };
         }
-        let standard = Deviations::from_fn(|_, _| normal());
+        // The logs have no sensors of suspension roll and specific force.
+        let standard =
+            Deviations::from_fn(
+                |k, _| if k <= Parameter::Compensation as usize { normal() } else { 0.0 },
+            );
         // The prior is uncorrelated.
         let sd = Deviations::from_fn(|k, _| belief.covariance[(k, k)].sqrt());
         Self {

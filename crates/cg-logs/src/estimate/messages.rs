@@ -60,27 +60,7 @@ impl LogEstimator {
                 self.design.nominal_trailer_mass_kg
             ));
         }
-        if self.seen.unscaled_steering_wheel {
-            messages.push(
-                "the log has the steering-wheel angle, but the vehicle file has no steering_ratio: \
-                 the steer channel is not used"
-                    .to_owned(),
-            );
-        }
-        if self.seen.unscaled_pressure && !self.seen.mass {
-            messages.push(
-                "the log has the suspension pressure, but the vehicle file has no \
-                 trailer.suspension_pressure: the mass is not computed from it"
-                    .to_owned(),
-            );
-        }
-        if self.seen.unscaled_level {
-            messages.push(
-                "the log has levels, but the vehicle file has no sensors.level or \
-                 sensors.tractor_level for them: they are not used"
-                    .to_owned(),
-            );
-        }
+        messages.extend(self.unscaled());
         if let Some(since_us) = self.engine.load_since_us() {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;
@@ -95,6 +75,30 @@ impl LogEstimator {
             ));
         }
         messages
+    }
+
+    /// Signals that are not used because the vehicle file does not say what they mean.
+    fn unscaled(&self) -> impl Iterator<Item = String> {
+        [
+            (
+                self.seen.unscaled_steering_wheel,
+                "the log has the steering-wheel angle, but the vehicle file has no steering_ratio: \
+                 the steer channel is not used",
+            ),
+            (
+                self.seen.unscaled_pressure && !self.seen.mass,
+                "the log has the suspension pressure, but the vehicle file has no \
+                 trailer.suspension_pressure: the mass is not computed from it",
+            ),
+            (
+                self.seen.unscaled_level,
+                "the log has levels, but the vehicle file has no sensors.level or \
+                 sensors.tractor_level for them: they are not used",
+            ),
+        ]
+        .into_iter()
+        .filter(|(seen, _)| *seen)
+        .map(|(_, text)| text.to_owned())
     }
 
     /// A message for a height that is unusual for a load.

@@ -102,15 +102,21 @@ impl LogRow {
     }
 }
 
+/// Signals that are needed on both sides.
+const SIDES: [[Signal; 2]; 2] = [
+    [Signal::LevelLeft, Signal::LevelRight],
+    [Signal::TractorLevelLeft, Signal::TractorLevelRight],
+];
+
+/// Inputs of the roll angle, of which one is needed.
+const INPUTS: &[Signal] =
+    &[Signal::Steer, Signal::SteeringWheel, Signal::LateralAcceleration, Signal::YawRate];
+
 impl Signal {
     /// What a log with these signals lacks for an estimate: signals of which one is needed; empty if
     /// it has a roll angle and an input that belong together.
     pub fn lacking(present: &[Self]) -> &'static [Self] {
         let has = |signals: &[Self]| signals.iter().any(|signal| present.contains(signal));
-        const SIDES: [[Signal; 2]; 2] = [
-            [Signal::LevelLeft, Signal::LevelRight],
-            [Signal::TractorLevelLeft, Signal::TractorLevelRight],
-        ];
         for sides in &SIDES {
             if has(sides)
                 && let Some(k) = (0..2).find(|&k| !has(&sides[k..=k]))
@@ -123,8 +129,6 @@ impl Signal {
         let tractor =
             has(&[Self::TractorSuspensionRoll, Self::TractorLevelLeft, Self::TractorAxleTilt])
                 && has(&[Self::TractorLateralSpecificForce, Self::TractorTilt]);
-        const INPUTS: &[Signal] =
-            &[Signal::Steer, Signal::SteeringWheel, Signal::LateralAcceleration, Signal::YawRate];
         if trailer || tractor {
             &[]
         } else if !has(INPUTS) && !has(&[Self::LateralSpecificForce]) {
