@@ -40,7 +40,9 @@ kernel=$(find "$work/packages/boot" -name 'vmlinuz-*')
 modules=$(find "$work/packages" -path '*/modules/*/kernel' -prune)
 
 # A truck with a steering ratio, because J1939 carries the angle of the steering wheel; and its drive.
+# The plant's road is flat, so the roll angle on the bus, which is relative to gravity, contains no bank.
 sed 's/^nominal_speed_mps/steering_ratio = 20.0\n&/' fixtures/vehicles/kraz.toml > "$work/truck.toml"
+printf '\n[road]\nbank_sd_rad = 0.0\n\n[sensors.tractor_level]\nspread_m = 1.0\n' >> "$work/truck.toml"
 for log in csv log; do
   "$cg" simulate --vehicle "$work/truck.toml" --maneuver drive --duration-s 45 --seed 5 --snr-db 25 -o "$work/drive.$log"
 done
