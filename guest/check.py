@@ -122,7 +122,17 @@ verdict(
     + ("" if told[0] == "ok" else (results / "listener.err").read_text()[-500:]),
 )
 
-for name in ("live.err", "resumed.err"):
+# The last result of each is from the same frames, with the tolerance of the first drive.
+played, by_file = (lines(path, "maneuver") for path in (results / "tractor.jsonl", work / "tractor.jsonl"))
+height_m = played[-1]["height_m"] if played else None
+wanted_m = by_file[-1]["height_m"]
+verdict(
+    "a height from the tractor's levels and specific force alone, on a banked road",
+    bool(height_m) and abs(height_m / wanted_m - 1) < 5e-3 and played[-1]["channel"] == "tractor",
+    f"{height_m} m, from the file {wanted_m} m",
+)
+
+for name in ("live.err", "resumed.err", "tractor.err"):
     text = (results / name).read_text().strip()
     verdict(f"nothing on standard error ({name})", not text, text or "empty")
 sys.exit(bad > 0)

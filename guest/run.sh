@@ -46,6 +46,11 @@ printf '\n[road]\nbank_sd_rad = 0.0\n\n[sensors.tractor_level]\nspread_m = 1.0\n
 for log in csv log; do
   "$cg" simulate --vehicle "$work/truck.toml" --maneuver drive --duration-s 45 --seed 5 --snr-db 25 -o "$work/drive.$log"
 done
+# The same truck on a banked road, without any sensor on the trailer: levels and specific force of the tractor.
+"$cg" simulate --vehicle "$work/truck.toml" --road rural --seed 2 --duration-s 60 --level-noise-m 0.0005 \
+  --accelerometer-noise-mps2 0.1 -o "$work/road.log"
+grep -v -e 0CF029E4 -e 0CF013E4 "$work/road.log" > "$work/tractor.log"
+"$cg" run --candump "$work/tractor.log" --vehicle "$work/truck.toml" --status-s 0 > "$work/tractor.jsonl"
 "$cg" run --csv "$work/drive.csv" --vehicle "$work/truck.toml" --status-s 0 > "$work/csv.jsonl"
 
 # The initial file system.
@@ -109,7 +114,7 @@ find "$root/python" "$root/site" -name '*.so*' -exec ldd {} + 2>/dev/null | cat 
 cp guest/listener.py "$root/"
 cp guest/init "$root/init"
 chmod +x "$root/init"
-cp "$work/truck.toml" "$work/drive.log" "$root/"
+cp "$work/truck.toml" "$work/drive.log" "$work/tractor.log" "$root/"
 printf 'seconds=%s\nrate=%s\ndowns=20\n' "$seconds" "$rate" > "$root/settings"
 (cd "$root" && find . | cpio --quiet -o -H newc) | gzip -1 > "$work/initramfs.gz"
 
