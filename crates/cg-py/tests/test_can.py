@@ -18,10 +18,9 @@ from cgheight import Scenario, Sensors
 from cgheight.can import HeightListener, read_log
 from conftest import FIXTURES
 
-# Half a bit of J1939's roll angle (SSI2), lateral acceleration, yaw rate and steering wheel.
+# Half a bit of J1939's roll angle (SSI2), yaw rate and steering wheel.
 HALF_A_BIT = {
-    "roll_rad": np.radians(0.5 / 32768),
-    "lateral_acceleration_mps2": 0.5 / 2048,
+    "roll_to_gravity_rad": np.radians(0.5 / 32768),
     "yaw_rate_radps": 0.5 / 8192,
     "steering_wheel_rad": 0.5 / 1024,
     "speed_mps": 0.5 / 256 / 3.6,
@@ -52,10 +51,13 @@ SIGNALS = {
 
 @pytest.fixture(scope="module")
 def truck_file(tmp_path_factory):
-    """Return the independent truck with a steering ratio; CAN has the steering wheel only."""
+    """Return the independent truck with a steering ratio, because CAN has the steering wheel only.
+
+    Its roads are flat: on CAN, the roll angle is relative to gravity.
+    """
     path = tmp_path_factory.mktemp("truck") / "wheel.toml"
     text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
-    path.write_text("steering_ratio = 20.0\n" + text)
+    path.write_text(f"steering_ratio = 20.0\n{text}\n[road]\nbank_sd_rad = 0.0\n")
     return path
 
 
@@ -80,6 +82,7 @@ def test_a_candump_log_is_the_simulated_one_to_half_a_bit(truck, drive):
     assert len(frame) == len(log.signals["time_s"])
     assert np.max(np.abs(frame.time_s - log.signals["time_s"])) <= 5e-7
     expected = dict(log.signals)
+    expected["roll_to_gravity_rad"] = expected.pop("roll_rad")
     expected["steering_wheel_rad"] = truck.steering_ratio * expected.pop("steer_rad")
     for name, half in HALF_A_BIT.items():
         seen = frame[name].dropna()
@@ -221,10 +224,10 @@ VDC2 = "(0.000000) can0 18F0090B#7F7DFF007D007DFF\n"
 def test_what_a_slope_sensor_measures_can_be_told(tmp_path):
     path = tmp_path / "slope.log"
     path.write_text(VDC2 + UNSAID)
-    for word, column in [("bit", "tilt_rad"), ("yes", "roll_rad"), ("no", "tilt_rad")]:
+    for word, column in [("bit", "tilt_rad"), ("yes", "roll_to_gravity_rad"), ("no", "tilt_rad")]:
         frame = read_log(path, roll_compensated=word, flip="roll")
         assert frame[column][0] < 0  # the sign is reversed for both
-        assert len({"roll_rad", "tilt_rad"} & set(frame)) == 1
+        assert len({"roll_to_gravity_rad", "tilt_rad"} & set(frame)) == 1
         doubts = frame.attrs["remarks"]
         assert ['roll_compensated="yes"' in doubt for doubt in doubts] == [True] * (word == "bit")
     with pytest.raises(ValueError, match='roll_compensated is "on": it must be "bit", "inverted'):

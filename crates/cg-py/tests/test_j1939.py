@@ -15,21 +15,27 @@ from cgheight._frames import reading
 FIXTURES = Path(__file__).parents[3] / "fixtures" / "can"
 J1939 = cantools.database.load_file(FIXTURES / "j1939.dbc")
 TO_SI = {"rad": 1.0, "rad/s": 1.0, "m/s2": 1.0, "kg": 1.0, "deg": math.pi / 180, "km/h": 1 / 3.6}
+TO_SI |= {"mm": 1e-3, "kPa": 1e3}
 # Message, signal, column of a log.
 SIGNALS = [
     ("VDC2", "SteeringWheelAngle", "steering_wheel_rad"),
     ("VDC2", "YawRate", "yaw_rate_radps"),
-    ("VDC2", "LateralAcceleration", "lateral_acceleration_mps2"),
+    ("VDC2", "LateralAcceleration", "tractor_lateral_specific_force_mps2"),
     ("SAS", "SteeringWheelAngle", "steering_wheel_rad"),
-    ("SSI2", "RollAngle", "roll_rad"),
+    ("SSI2", "RollAngle", "roll_to_gravity_rad"),
     ("SSI", "RollAngle", "tilt_rad"),
     ("CCVS1", "WheelBasedVehicleSpeed", "speed_mps"),
     ("EBC2", "FrontAxleSpeed", "speed_mps"),
     ("VW", "TrailerWeight", "trailer_mass_kg"),
     ("EBS22", "AxleLoadSum", "trailer_axle_load_kg"),
+    ("ASC3", "RearLeftLevel", "tractor_level_left_m"),
+    ("ASC3", "RearRightLevel", "tractor_level_right_m"),
+    ("ASC4", "RearLeftPressure", "drive_pressure_left_pa"),
+    ("ASC4", "RearRightPressure", "drive_pressure_right_pa"),
 ]
 # The largest plausible values of these signals; larger values are treated as absent.
-GREATEST = {"roll_rad": 1.0, "speed_mps": 60.0}
+GREATEST = {"roll_to_gravity_rad": 1.0, "speed_mps": 60.0, "drive_pressure_left_pa": 2e6}
+GREATEST["drive_pressure_right_pa"] = 2e6
 SSI, SSI2, CCVS1 = 0x0CF013E4, 0x0CF029E4, 0x18FEF100
 
 
@@ -39,7 +45,7 @@ def row_of(identifier: int, data: bytes, column: str, word: str = "bit") -> dict
     if column != "speed_mps":
         table.push((0.0, 0), CCVS1, True, bytes.fromhex("FF0032FFFFFFFFFF"))
     table.push((0.0, 0), identifier, True, data)
-    if column not in ("roll_rad", "tilt_rad"):
+    if column not in ("roll_to_gravity_rad", "tilt_rad"):
         table.push((0.0, 0), SSI2, True, bytes.fromhex("FFFFFF00007DCFFF"))
     return {name: values[0] for name, values in table.finish().items()}
 
