@@ -90,10 +90,10 @@ def test_what_is_not_available_is_absent(
 @pytest.mark.parametrize(
     ("bits", "expected"),
     [
-        (0, ["roll_rad", "tilt_rad", "roll_rad", "tilt_rad"]),
-        (1, ["tilt_rad", "roll_rad", "roll_rad", "tilt_rad"]),
-        (2, [None, None, "roll_rad", "tilt_rad"]),
-        (3, ["tilt_rad", "tilt_rad", "roll_rad", "tilt_rad"]),
+        (0, ["roll_to_gravity_rad", "tilt_rad", "roll_to_gravity_rad", "tilt_rad"]),
+        (1, ["tilt_rad", "roll_to_gravity_rad", "roll_to_gravity_rad", "tilt_rad"]),
+        (2, [None, None, "roll_to_gravity_rad", "tilt_rad"]),
+        (3, ["tilt_rad", "tilt_rad", "roll_to_gravity_rad", "tilt_rad"]),
     ],
 )
 def test_the_compensation_bits_tell_roll_from_tilt(
@@ -102,12 +102,12 @@ def test_the_compensation_bits_tell_roll_from_tilt(
     data = bytearray.fromhex("0000007D007DFFFF")  # close to zero degrees in both
     data[6] = 0xFF & ~(3 << at) | bits << at
     for word, column in zip(["bit", "inverted-bit", "yes", "no"], expected, strict=True):
-        found = row_of(identifier, bytes(data), "roll_rad", word)
-        assert {"roll_rad", "tilt_rad"} & found.keys() == ({column} - {None})
+        found = row_of(identifier, bytes(data), "roll_to_gravity_rad", word)
+        assert {"roll_to_gravity_rad", "tilt_rad"} & found.keys() == ({column} - {None})
     data[6] = data[6] & ~(3 << merit_at) | 2 << merit_at  # the figure of merit: error
-    assert row_of(identifier, bytes(data), "roll_rad", "yes") == {}
+    assert row_of(identifier, bytes(data), "roll_to_gravity_rad", "yes") == {}
     with pytest.raises(ValueError, match='roll_compensated is "maybe": it must be "bit"'):
-        row_of(identifier, bytes(data), "roll_rad", "maybe")
+        row_of(identifier, bytes(data), "roll_to_gravity_rad", "maybe")
 
 
 def test_cantools_reads_the_frame_that_is_sent() -> None:
