@@ -12,10 +12,13 @@ use cg_core::{CHANNELS, Channel, Input, Output};
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
+use crate::balance::static_balance;
+use crate::characteristics::Envelope;
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::linear::ratio_line;
+use crate::linear::{SteadyLines, ratio_line};
 use crate::load::Load;
+use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// Number of parameters.
@@ -216,9 +219,53 @@ impl Belief {
                 covariance[j][i] = covariance[i][j];
             }
             covariance[i][i] += self.residual_sd * self.residual_sd;
+            let friction =
+                friction_share(vehicle, Channel::ALL[i].output(), (variant, speed_mps), load)?;
+            covariance[i][i] += friction * friction;
         }
         Ok(covariance)
     }
+}
+
+/// Lateral acceleration at which the friction of springs is compared with their moment: that of
+/// usual turns, g.
+const USUAL_TURN_G: f64 = 0.15;
+
+/// Relative standard deviation of a suspension roll due to the friction of measured springs.
+///
+/// Friction holds a spring anywhere between its two curves, depending on its past motion. The
+/// suspension roll at a moment is therefore uncertain by the moment of friction divided by the roll
+/// stiffness, as a share of the roll in a usual turn; it is taken as distributed evenly.
+pub(crate) fn friction_share(
+    vehicle: &Vehicle,
+    output: Output,
+    (variant, speed_mps): (Variant, f64),
+    load: Load,
+) -> Result<f64, VehicleError> {
+    let on_trailer = match output {
+        Output::Roll => return Ok(0.0), // part of the residual
+        Output::SuspensionRoll => true,
+        Output::TractorSuspensionRoll => false,
+    };
+    let balance = static_balance(vehicle, load)?;
+    let (mut friction_nm, mut stiffness) = (0.0, 0.0);
+    for (i, placed) in vehicle.axles_of_unit(on_trailer) {
+        stiffness += placed.suspension_roll_stiffness_nm_per_rad();
+        let named = |spring: &&Spring| Some(&spring.name) == placed.axle.spring.as_ref();
+        let Some(spring) = vehicle.spring.iter().find(named) else { continue };
+        let sprung_n = balance.axle_load_n[i] - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2;
+        let envelope = Envelope::new(spring);
+        let friction_n = envelope.friction_n(envelope.deflection_at(0.5 * sprung_n));
+        friction_nm += friction_n.max(0.0) * placed.axle.spring_spread_m;
+    }
+    if friction_nm <= 0.0 {
+        return Ok(0.0);
+    }
+    let line = SteadyLines::new(vehicle, variant, speed_mps, load)?
+        .line(output, Input::LateralAcceleration);
+    let usual_mps2 = USUAL_TURN_G * vehicle.gravity_mps2;
+    let moment_nm = stiffness * line.ratio_at(load.cg_height_m).abs() * usual_mps2;
+    Ok(friction_nm / moment_nm / 3.0_f64.sqrt())
 }
 
 /// Logarithms of all channels' DC ratios at a height, and their derivatives with respect to the

@@ -19,7 +19,9 @@
 use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
-use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
+use crate::belief::{
+    Belief, Covariance, Deviations, PARAMETERS, Parameter, friction_share, log_ratios,
+};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::load::Load;
@@ -106,10 +108,7 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
     let prior = Belief::prior(vehicle);
     let observations = observations(runs)?;
     let n = observations.len();
-    let noise = DMatrix::from_diagonal(&DVector::from_iterator(
-        n,
-        observations.iter().map(|o| o.variance + prior.residual_sd * prior.residual_sd),
-    ));
+    let noise = noise(vehicle, variant, runs, &observations)?;
     let procedure =
         if runs.len() == 1 { Procedure::Compensation } else { Procedure::MaximumAPosteriori };
     let linearized =
@@ -162,6 +161,25 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
     let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
     let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
     Ok(Fitted { procedure, belief, residuals, chi_square })
+}
+
+/// Covariance of what no parameter explains: the noise of each ratio, the residual of the model, and
+/// the friction of springs.
+fn noise(
+    vehicle: &Vehicle,
+    variant: Variant,
+    runs: &[Run],
+    observations: &[Observation],
+) -> Result<DMatrix<f64>, VehicleError> {
+    let residual_sd = vehicle.uncertainty.residual_sd;
+    let mut diagonal = DVector::zeros(observations.len());
+    for (entry, o) in diagonal.iter_mut().zip(observations) {
+        let run = &runs[o.run];
+        let situation = (variant, run.speed_mps);
+        let friction = friction_share(vehicle, o.channel.output(), situation, run.load)?;
+        *entry = o.variance + residual_sd * residual_sd + friction * friction;
+    }
+    Ok(DMatrix::from_diagonal(&diagonal))
 }
 
 /// What the observations leave unexplained at a state of the parameters, and their slopes.
