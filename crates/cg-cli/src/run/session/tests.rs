@@ -250,10 +250,10 @@ fn missing_signals_are_told_when_they_change() {
 
 #[test]
 fn samples_too_far_apart_are_told_once_and_not_used() {
-    for (roll_rad, subject) in [(0.0, "roll"), (f64::NAN, "tilt")] {
+    for (roll_rad, tilt_rad, subject) in [(0.0, f64::NAN, "roll"), (f64::NAN, 0.0, "tilt")] {
         let mut session = session(None, 0.0);
         for k in 0..10 {
-            session.push(Sample { roll_rad, ..sample(k * SECOND_US) }).unwrap();
+            session.push(Sample { roll_rad, tilt_rad, ..sample(k * SECOND_US) }).unwrap();
         }
         assert_eq!(names(&mut session), [subject]);
         assert_eq!(session.status().samples, 10);
