@@ -44,7 +44,7 @@ $(TOOLS):
 # features compiles and names the feature that is missing.
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
-	cargo test --quiet --package cg-cli --no-default-features --test cli left_out | tee /dev/stderr | grep --quiet "ok. [1-9]" # not none
+	cargo test --quiet --package cg-cli --no-default-features --test cli left_out | tee -a /dev/stderr | grep --quiet "ok. [1-9]" # not none
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
 rust: firmware-tools
