@@ -74,7 +74,9 @@ impl Trace {
             row.time_s,
             or(row.steer_rad, row.steering_wheel_rad),
             or(row.lateral_acceleration_mps2, row.yaw_rate_radps * row.speed_mps),
-            or(row.roll_rad, row.tilt_rad),
+            [row.roll_to_gravity_rad, row.tilt_rad, row.suspension_roll_rad]
+                .into_iter()
+                .fold(row.roll_rad, or),
         ]);
         if self.open.rows < self.rows_per_block {
             return;

@@ -27,7 +27,7 @@ impl Cadence {
         let step_us = self.last_us.replace(now_us).map(|last_us| now_us.saturating_sub(last_us));
         self.late = step_us.is_some_and(|step_us| step_us > GREATEST_US);
         match step_us {
-            Some(step_us) if (GREATEST_US..PAUSE_US).contains(&step_us) => self.slow_steps += 1,
+            Some(step_us) if (GREATEST_US + 1..PAUSE_US).contains(&step_us) => self.slow_steps += 1,
             _ => self.slow_steps = 0,
         }
         if self.slow_steps < SLOW_STEPS || std::mem::replace(&mut self.told, true) {

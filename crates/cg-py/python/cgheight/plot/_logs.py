@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _STANDARD_GRAVITY_MPS2 = 9.80665
 _QUANTILE_95 = 1.96
-Channel = Literal["steer", "lateral-acceleration"]
+Channel = Literal["steer", "lateral-acceleration", "suspension", "tractor"]
 _Table = dict[str, NDArray[np.float64]]
 
 
@@ -69,11 +69,13 @@ def log(
     made, (top, middle, bottom) = figure(3, [1.9, 2.9, 1.5])
     with style():
         _inputs(top, table)
-        roll_rad = _roll(table, vehicle)
+        channel = _shown(answer, table)
+        roll_rad = _roll(table, vehicle, channel)
         middle.plot(time_s, np.degrees(roll_rad), color=BLUE, label="measured")
-        middle.set_ylabel("trailer roll\nangle (°)")
+        middle.set_ylabel("roll angle\nof the suspension (°)" if channel in _SUSPENSION else
+                          "trailer roll\nangle (°)")  # fmt: skip
         if answer.height_m is not None:
-            _prediction(middle, bottom, table, roll_rad, answer, vehicle, options)
+            _prediction(middle, bottom, table, (channel, roll_rad), answer, vehicle, options)
         bottom.axhline(0.0, color=GREY, linewidth=0.8)
         bottom.set_ylabel("measured −\npredicted (°)")
         bottom.set_xlabel("time (s)")
@@ -112,10 +114,27 @@ def _inputs(axes: Axes, table: _Table) -> None:
         axes.yaxis.label.set_color(BLUE)
 
 
-def _roll(table: _Table, vehicle: _native.Vehicle) -> NDArray[np.float64]:
+# The column of the roll angle of each channel that is not that of the trailer's body.
+_SUSPENSION: dict[Channel, str] = {
+    "suspension": "suspension_roll_rad",
+    "tractor": "tractor_suspension_roll_rad",
+}
+
+
+def _shown(answer: Estimate, table: _Table) -> Channel:
+    """Return the channel that is drawn: one that does not feel the bank, if it gave the height."""
+    good = {each.channel for each in answer.channels if each.status == "ok"}
+    for channel, column in _SUSPENSION.items():
+        if channel in good and column in table and answer.channel in (channel, "combined"):
+            return channel
+    return "steer" if answer.channel == "steer" else "lateral-acceleration"
+
+
+def _roll(table: _Table, vehicle: _native.Vehicle, channel: Channel) -> NDArray[np.float64]:
     """Return the measured roll angle, or the one that follows from the inclinometer's tilt."""
-    if "roll_rad" in table:
-        return table["roll_rad"]
+    for name in (_SUSPENSION.get(channel), "roll_rad", "roll_to_gravity_rad"):
+        if name is not None and name in table:
+            return table[name]
     lateral = table.get("lateral_acceleration_mps2")
     if lateral is None:
         speed = table.get("speed_mps", np.full_like(table["time_s"], vehicle.nominal_speed_mps))
@@ -127,13 +146,13 @@ def _prediction(
     axes: Axes,
     below: Axes,
     table: _Table,
-    roll_rad: NDArray[np.float64],
+    shown: tuple[Channel, NDArray[np.float64]],
     answer: Estimate,
     vehicle: _native.Vehicle,
     options: Mapping[str, Any],
 ) -> None:
     assert answer.height_m is not None
-    channel: Channel = "steer" if answer.channel == "steer" else "lateral-acceleration"
+    channel, roll_rad = shown
     calibration = options.get("calibration")
     truck = vehicle if calibration is None else vehicle.calibrated(calibration)
     known = {key: options[key] for key in ("speed_mps", "trailer_mass_kg", "model")
