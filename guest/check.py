@@ -122,7 +122,7 @@ verdict(
     + ("" if told[0] == "ok" else (results / "listener.err").read_text()[-500:]),
 )
 
-# The last result of each is from the same frames, with the tolerance of the first drive.
+# The same frames, with the tolerance of the first drive.
 played, by_file = (lines(path, "maneuver") for path in (results / "tractor.jsonl", work / "tractor.jsonl"))
 height_m = played[-1]["height_m"] if played else None
 wanted_m = by_file[-1]["height_m"]

@@ -57,4 +57,4 @@ def _rows_of_frames():
     table = _native.FrameTable(reading())
     for k in range(100):
         table.push((0.01 * k, 0), 0x0CF029E4, True, bytes.fromhex("FFFFFF00007DCFFF"))
-    assert len(table.finish()["roll_rad"]) == 100
+    assert len(table.finish()["roll_to_gravity_rad"]) == 100

@@ -196,7 +196,8 @@ def test_wheel_and_tilt_stand_in_for_steer_and_roll(kraz, turn, tmp_path):
     file = tomllib.loads(text)
     tilt_rad = turn["roll_rad"] + turn["lateral_acceleration_mps2"] / file["gravity_mps2"]
     signals = {key: value for key, value in turn.items() if key != "roll_rad"}
-    answer = cgheight.estimate(**signals, roll_rad=None, tilt_rad=tilt_rad, vehicle=kraz)
+    flat = kraz.on_road("flat")  # a tilt gives the roll angle relative to gravity
+    answer = cgheight.estimate(**signals, roll_rad=None, tilt_rad=tilt_rad, vehicle=flat)
     # One rounding of each angle: 1e-16 of 0.3 rad against a roll angle of 0.03 rad.
     assert answer.height_m == pytest.approx(arrays(ONE_TURN, kraz).height_m, rel=1e-9)
     assert "steering_ratio" not in file
