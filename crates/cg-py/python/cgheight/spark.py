@@ -45,6 +45,10 @@ _COLUMNS = {
     "steer_height_sd_m": "double",
     "lateral_acceleration_height_m": "double",
     "lateral_acceleration_height_sd_m": "double",
+    "suspension_height_m": "double",
+    "suspension_height_sd_m": "double",
+    "tractor_height_m": "double",
+    "tractor_height_sd_m": "double",
 }
 _SCHEMA = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
 
