@@ -4,7 +4,7 @@
 mod common;
 
 use cg_core::truck::ratio::solve_height;
-use cg_core::{Channel, Design, Measured};
+use cg_core::{CHANNELS, Channel, Design, Measured};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle};
@@ -55,5 +55,38 @@ fn between_its_nodes_a_design_keeps_the_heights_of_the_model() {
         let (rms, worst) = (common::rms(&errors), common::largest(&errors));
         println!("{name}: {:.3} % rms, {:.2} % at worst", 100.0 * rms, 100.0 * worst);
         assert!(rms < 2e-3 && worst < 7e-3, "{name}: {rms} {worst}");
+    }
+}
+
+/// Covariance of the ratios at the reference load.
+fn covariance(vehicle: &Vehicle) -> [[f64; CHANNELS]; CHANNELS] {
+    let (speed_mps, load) = (vehicle.nominal_speed_mps, vehicle.reference_load());
+    Belief::prior(vehicle).ratio_covariance(vehicle, Variant::Complete, speed_mps, load).unwrap()
+}
+
+/// A spring with twice the friction makes the suspension rolls twice as uncertain by it; the roll of
+/// the body keeps its uncertainty.
+#[test]
+fn the_friction_of_springs_makes_suspension_rolls_uncertain() {
+    let usual = common::vehicle("baseline-tables.toml");
+    let (mut without, mut double) = (usual.clone(), usual.clone());
+    for (vehicle, factor) in [(&mut without, 0.0), (&mut double, 2.0)] {
+        for spring in &mut vehicle.spring {
+            for (up, down) in spring.compression_n.iter_mut().zip(&mut spring.extension_n) {
+                let (middle, half) = (0.5 * (*up + *down), 0.5 * (*up - *down));
+                (*up, *down) = (middle + factor * half, middle - factor * half);
+            }
+        }
+    }
+    let [none, usual, double] = [&without, &usual, &double].map(covariance);
+    for channel in Channel::ALL {
+        let k = channel.index();
+        let added = usual[k][k] - none[k][k];
+        if channel.feels_bank() {
+            assert!(added.abs() < 1e-15, "{channel}: {added}");
+        } else {
+            assert!(added.sqrt() > 0.05, "{channel}: {added}");
+            assert!(((double[k][k] - none[k][k]) / added - 4.0).abs() < 1e-6, "{channel}");
+        }
     }
 }

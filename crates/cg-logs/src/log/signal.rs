@@ -262,4 +262,32 @@ mod tests {
             assert_eq!(signal.name().parse::<Signal>().unwrap(), signal);
         }
     }
+
+    /// A roll angle and an input of one unit are enough; levels are needed on both sides.
+    #[test]
+    fn a_log_needs_a_roll_angle_and_an_input_that_belong_together() {
+        use Signal::{
+            AxleTilt, LateralSpecificForce, LevelLeft, LevelRight, Roll, RollToGravity, Speed,
+            Steer, SuspensionRoll, Tilt, TractorLateralSpecificForce, TractorSuspensionRoll,
+        };
+        for enough in [
+            &[Steer, Roll][..],
+            &[Steer, RollToGravity],
+            &[LateralSpecificForce, RollToGravity],
+            &[SuspensionRoll, LateralSpecificForce],
+            &[LevelLeft, LevelRight, LateralSpecificForce],
+            &[Tilt, AxleTilt],
+            &[TractorSuspensionRoll, TractorLateralSpecificForce],
+        ] {
+            assert_eq!(Signal::lacking(enough), &[], "{enough:?}");
+        }
+        for (signals, first) in [
+            (&[Roll, Speed][..], Steer),
+            (&[Steer, Speed], Roll),
+            (&[SuspensionRoll, TractorLateralSpecificForce], Steer),
+            (&[LevelLeft, LateralSpecificForce, Steer, Roll], LevelRight),
+        ] {
+            assert_eq!(Signal::lacking(signals).first(), Some(&first), "{signals:?}");
+        }
+    }
 }
