@@ -314,6 +314,19 @@ pub(crate) fn determined(vehicle: &Vehicle) -> Result<(), (String, String, Strin
             "static balance: the tractor needs at least two axles (or load groups)".to_owned(),
         ));
     }
+    if let Some(i) = axles.iter().position(|placed| placed.axle.leveled)
+        && depends_on_stiffness(vehicle)
+    {
+        let tractor = vehicle.tractor.axle.len();
+        let (unit, i) = if i < tractor { ("tractor", i) } else { ("trailer", i - tractor) };
+        return Err((
+            format!("{unit}.axle[{i}].leveled"),
+            "true".to_owned(),
+            "static balance: leveled axles of a unit have the same pressure; give axles that share \
+             their load a load_group"
+                .to_owned(),
+        ));
+    }
     let missing = vehicle.tyre.iter().enumerate().find(|(_, tyre)| {
         tyre.unloaded_radius_m.is_none() && axles.iter().any(|placed| placed.tyre == *tyre)
     });

@@ -13,12 +13,10 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::balance::static_balance;
-use crate::characteristics::Envelope;
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::linear::{SteadyLines, ratio_line};
+use crate::linear::{ratio_line, usual_roll_rad};
 use crate::load::Load;
-use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// Number of parameters.
@@ -211,62 +209,63 @@ impl Belief {
         load: Load,
     ) -> Result<[[f64; CHANNELS]; CHANNELS], VehicleError> {
         let (_, slopes) = log_ratios(vehicle, variant, speed_mps, load, &self.mean)?;
+        let mut parameters = self.covariance;
+        for (parameter, variance) in
+            STIFFNESSES.into_iter().zip(stiffness_variances(vehicle, load)?)
+        {
+            parameters[(parameter as usize, parameter as usize)] += variance;
+        }
         let mut covariance = [[0.0; CHANNELS]; CHANNELS];
         for i in 0..CHANNELS {
-            let moved = self.covariance * slopes[i];
+            let moved = parameters * slopes[i];
             for j in 0..=i {
                 covariance[i][j] = slopes[j].dot(&moved);
                 covariance[j][i] = covariance[i][j];
             }
             covariance[i][i] += self.residual_sd * self.residual_sd;
-            let friction =
-                friction_share(vehicle, Channel::ALL[i].output(), (variant, speed_mps), load)?;
-            covariance[i][i] += friction * friction;
         }
         Ok(covariance)
     }
 }
 
-/// Lateral acceleration at which the friction of springs is compared with their moment: that of
-/// usual turns, g.
-const USUAL_TURN_G: f64 = 0.15;
+/// Amplitudes of usual drives, as factors of the one in the usual turn.
+const AMPLITUDES: [f64; 2] = [0.5, 2.0];
+/// Relative standard deviation of the friction of a measured spring: wear, rust and grease change it.
+const FRICTION_SD: f64 = 0.3;
 
-/// Relative standard deviation of a suspension roll due to the friction of measured springs.
-///
-/// Friction holds a spring anywhere between its two curves, depending on its past motion. The
-/// suspension roll at a moment is therefore uncertain by the moment of friction divided by the roll
-/// stiffness, as a share of the roll in a usual turn; it is taken as distributed evenly.
-pub(crate) fn friction_share(
-    vehicle: &Vehicle,
-    output: Output,
-    (variant, speed_mps): (Variant, f64),
-    load: Load,
-) -> Result<f64, VehicleError> {
-    let on_trailer = match output {
-        Output::Roll => return Ok(0.0), // part of the residual
-        Output::SuspensionRoll => true,
-        Output::TractorSuspensionRoll => false,
-    };
+/// Relative variances of the roll stiffness of the suspensions of tractor and trailer due to measured
+/// springs, which differ in every situation: the friction is not known exactly, and its effect
+/// depends on the amplitude of the motion. Within the usual amplitudes the stiffness is taken as
+/// distributed evenly.
+pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64; 2], VehicleError> {
+    if !vehicle.has_measured_springs() {
+        return Ok([0.0; 2]);
+    }
+    let vehicle = &*vehicle.with_springs_at(load)?;
     let balance = static_balance(vehicle, load)?;
-    let (mut friction_nm, mut stiffness) = (0.0, 0.0);
-    for (i, placed) in vehicle.axles_of_unit(on_trailer) {
-        stiffness += placed.suspension_roll_stiffness_nm_per_rad();
-        let named = |spring: &&Spring| Some(&spring.name) == placed.axle.spring.as_ref();
-        let Some(spring) = vehicle.spring.iter().find(named) else { continue };
-        let sprung_n = balance.axle_load_n[i] - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2;
-        let envelope = Envelope::new(spring);
-        let friction_n = envelope.friction_n(envelope.deflection_at(0.5 * sprung_n));
-        friction_nm += friction_n.max(0.0) * placed.axle.spring_spread_m;
-    }
-    if friction_nm <= 0.0 {
-        return Ok(0.0);
-    }
-    let line = SteadyLines::new(vehicle, variant, speed_mps, load)?
-        .line(output, Input::LateralAcceleration);
-    let usual_mps2 = USUAL_TURN_G * vehicle.gravity_mps2;
-    let moment_nm = stiffness * line.ratio_at(load.cg_height_m).abs() * usual_mps2;
-    Ok(friction_nm / moment_nm / 3.0_f64.sqrt())
+    let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
+    let axles = vehicle.axles();
+    Ok([false, true].map(|on_trailer| {
+        let logarithm = |amplitude: f64, friction: f64| {
+            let amplitude_rad = amplitude * usual_rad[usize::from(on_trailer)];
+            let of_unit = axles.iter().zip(&balance.axle_load_n);
+            let stiffness = of_unit
+                .filter(|(placed, _)| placed.on_trailer == on_trailer)
+                .map(|(placed, &n)| vehicle.roll_stiffness(placed, n, amplitude_rad, friction))
+                .sum::<f64>();
+            stiffness.ln()
+        };
+        let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 1.0));
+        let by_amplitude = (small - large) / 12.0_f64.sqrt();
+        // More friction changes more than less.
+        let by_friction = logarithm(1.0, 1.0 + FRICTION_SD) - logarithm(1.0, 1.0);
+        by_amplitude * by_amplitude + by_friction * by_friction
+    }))
 }
+
+/// The parameters whose variance in every situation [`stiffness_variances`] gives.
+pub(crate) const STIFFNESSES: [Parameter; 2] =
+    [Parameter::TractorRollStiffness, Parameter::TrailerRollStiffness];
 
 /// Logarithms of all channels' DC ratios at a height, and their derivatives with respect to the
 /// parameters.

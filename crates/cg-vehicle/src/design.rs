@@ -74,7 +74,7 @@ fn computed(
         lines: lines[channel.index()],
         compensation: belief.gain(channel),
     };
-    let design = Design {
+    let mut design = Design {
         speed_mps,
         trailer_mass_kg,
         channels: Channel::ALL.map(channel),
@@ -88,10 +88,46 @@ fn computed(
         rollover: rollover(vehicle, load)?,
         thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,
     };
+    if variant == Variant::Complete && vehicle.has_measured_springs() {
+        add_interpolation_error(&mut design, vehicle)?;
+    }
     design.validate().map_err(|error| {
         VehicleError::Model(format!("vehicle \"{}\" gives no usable design: {error}", vehicle.name))
     })?;
     Ok(design)
+}
+
+/// Adds to the uncertainty at each mass what the lines between it and its neighbors miss: measured
+/// springs have slopes that no smooth curve through six masses follows. The error hardly depends on
+/// the speed.
+fn add_interpolation_error(
+    design: &mut Design<f64>,
+    vehicle: &Vehicle,
+) -> Result<(), VehicleError> {
+    const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
+    let (masses_kg, speed_mps) = (design.trailer_mass_kg, design.nominal_speed_mps);
+    for (j, pair) in masses_kg.windows(2).enumerate() {
+        for place in PLACES {
+            let trailer_mass_kg = pair[0] + place * (pair[1] - pair[0]);
+            let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+            let exact = ratio_line(vehicle, Variant::Complete, speed_mps, load)?;
+            let error = Channel::ALL.map(|channel| {
+                let ratio = exact[channel.index()].ratio_at(load.cg_height_m);
+                let line = design.line(channel, speed_mps, trailer_mass_kg);
+                line.map_or(0.0, |line| line.ratio_at(load.cg_height_m) / ratio - 1.0)
+            });
+            for at_speed in &mut design.spread {
+                for Spread { covariance } in &mut at_speed[j..=j + 1] {
+                    for (row, a) in covariance.iter_mut().zip(error) {
+                        for (entry, b) in row.iter_mut().zip(error) {
+                            *entry += a * b / 3.0;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The reduced models at each mass. If the vehicle is unstable at a mass, the model at the

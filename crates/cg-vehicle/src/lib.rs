@@ -50,6 +50,8 @@ pub mod vehicle;
 pub mod balance;
 pub mod check;
 pub mod characteristics;
+mod measured_springs;
+mod leveled;
 pub mod system;
 mod output_error;
 pub mod response;

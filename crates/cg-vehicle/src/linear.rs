@@ -225,9 +225,11 @@ fn trailer_cg(
 }
 
 fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {
+    let vehicle = &*vehicle.with_springs_at(load)?;
     let sprung = vehicle.trailer_sprung_mass(load)?;
     let balance = static_balance(vehicle, load)?;
     let axles = vehicle.axles();
+    let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
     let mut e = Equations::zeros(axles.len(), speed_mps);
     let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
     // A point z above a c.g. moves to the left by −z φ̇; a point x ahead of it by +x r.
@@ -260,9 +262,12 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
         } else {
             (placed.position_m, tractor.cg_height_m)
         };
+        let (total_n, amplitude_rad) =
+            (balance.axle_load_n[i], usual_rad[usize::from(placed.on_trailer)]);
         let load = AxleLoad {
-            total_n: balance.axle_load_n[i],
-            sprung_n: balance.axle_load_n[i] - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
+            total_n,
+            sprung_n: total_n - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
+            roll_stiffness: vehicle.roll_stiffness(placed, total_n, amplitude_rad, 1.0),
         };
         add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
     }
@@ -281,9 +286,36 @@ fn add_mass(e: &mut Equations, mass_kg: f64, point: &Point) {
     column += mass_kg * e.speed_mps * j;
 }
 
+/// Lateral acceleration of usual turns, g.
+const USUAL_TURN_G: f64 = 0.15;
+/// The least amplitude at which a measured spring is linearized: a tenth of a degree.
+const LEAST_ROLL_RAD: f64 = 0.0017;
+
+/// Amplitudes of the suspension roll of tractor and trailer in a usual turn at which measured springs
+/// are linearized; zero without such springs. They are those of the linear springs of the file and
+/// of a load at its reference height, so the ratio lines over the height stay straight.
+pub(crate) fn usual_roll_rad(
+    vehicle: &Vehicle,
+    trailer_mass_kg: f64,
+) -> Result<[f64; 2], VehicleError> {
+    if !vehicle.has_measured_springs() {
+        return Ok([0.0; 2]);
+    }
+    let mut linear = vehicle.clone();
+    linear.spring.clear();
+    let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+    let lines = SteadyLines::new(&linear, Variant::Complete, vehicle.nominal_speed_mps, load)?;
+    Ok([Output::TractorSuspensionRoll, Output::SuspensionRoll].map(|output| {
+        let ratio = lines.line(output, Input::LateralAcceleration).ratio_at(load.cg_height_m);
+        (ratio.abs() * USUAL_TURN_G * vehicle.gravity_mps2).max(LEAST_ROLL_RAD)
+    }))
+}
+
 struct AxleLoad {
     total_n: f64,
     sprung_n: f64,
+    /// Between body and axle.
+    roll_stiffness: f64,
 }
 
 fn add_axle(
@@ -324,7 +356,7 @@ fn add_axle(
     // Springs and dampers. The static loads act on lever arms that grow with the roll angle
     // (second-order geometry of the roll center that slides along the axle; see the potential in
     // docs/model.md).
-    let spring = placed.suspension_roll_stiffness_nm_per_rad();
+    let spring = load.roll_stiffness;
     let tyres = placed.tyre_roll_stiffness_nm_per_rad();
     e.stiffness[(body, body_angle)] += spring - load.sprung_n * below_cg_m;
     e.stiffness[(body, own_angle)] -= spring;

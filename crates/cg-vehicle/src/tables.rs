@@ -1,6 +1,7 @@
 //! Measured characteristics in the vehicle file: leaf springs with friction, and tires beyond the
-//! linear range. All are optional. The nonlinear plant uses them; the linear model uses the
-//! stiffnesses in the same file.
+//! linear range. All are optional. The nonlinear plant uses them. The linear model uses the
+//! springs as linear ones at their load and usual amplitude, and the tires' stiffnesses in the same
+//! file.
 
 use serde::{Deserialize, Serialize};
 

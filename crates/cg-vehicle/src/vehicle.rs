@@ -259,9 +259,14 @@ pub struct Axle {
     /// If absent, that of the springs is used. Nonlinear plant only.
     #[serde(default)]
     pub damper_spread_m: Option<f64>,
-    /// Name of the measured spring; if absent, the spring is linear. Nonlinear plant only.
+    /// Name of the measured spring; if absent, the spring is linear. The linear model uses its
+    /// stiffness at the static load and the amplitude of a usual turn.
     #[serde(default)]
     pub spring: Option<String>,
+    /// Whether the springs are air springs with a leveling valve: their stiffness and curves are
+    /// those at the reference load, and in proportion to the load at others.
+    #[serde(default)]
+    pub leveled: bool,
     /// Steer angle of the axle per roll angle between body and axle, positive if it steers into the
     /// turn. Nonlinear plant only.
     #[serde(default)]

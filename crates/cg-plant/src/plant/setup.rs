@@ -29,9 +29,11 @@ pub(super) fn parameters(
     load: Load,
     options: &PlantOptions,
 ) -> Result<(Parameters, State), VehicleError> {
+    let design_load = options.design_load.unwrap_or(load);
+    let vehicle = &*vehicle.with_springs_at(design_load)?;
     let placed = vehicle.axles();
     check(vehicle, &placed, options)?;
-    let balance = static_balance(vehicle, options.design_load.unwrap_or(load))?;
+    let balance = static_balance(vehicle, design_load)?;
     let g = vehicle.gravity_mps2;
     let sprung_n: Vec<f64> = placed
         .iter()

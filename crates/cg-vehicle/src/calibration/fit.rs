@@ -20,7 +20,8 @@ use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
 use crate::belief::{
-    Belief, Covariance, Deviations, PARAMETERS, Parameter, friction_share, log_ratios,
+    Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios,
+    stiffness_variances,
 };
 use crate::equations::Variant;
 use crate::error::VehicleError;
@@ -107,14 +108,13 @@ impl Fitted {
 pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, VehicleError> {
     let prior = Belief::prior(vehicle);
     let observations = observations(runs)?;
-    let n = observations.len();
-    let noise = noise(vehicle, variant, runs, &observations)?;
     let procedure =
         if runs.len() == 1 { Procedure::Compensation } else { Procedure::MaximumAPosteriori };
     let linearized =
         |mean: &Deviations| linearized((vehicle, variant), (runs, &observations), mean);
     let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);
-    let (before, _) = linearized(&prior.mean)?;
+    let (before, slopes) = linearized(&prior.mean)?;
+    let noise = noise(vehicle, (runs, &observations), &slopes)?;
     let mut mean = prior.mean;
     let mut step = f64::INFINITY;
     let mut covariance = p0.clone();
@@ -152,7 +152,8 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
         after: after[k],
     };
     let residuals = observations.iter().enumerate().map(residual).collect();
-    let mut chi_square = (0..n).map(|k| after[k] * after[k] / noise[(k, k)]).sum::<f64>();
+    let explained = noise.cholesky().map(|cholesky| cholesky.solve(&after)).ok_or_else(singular)?;
+    let mut chi_square = after.dot(&explained);
     if procedure == Procedure::MaximumAPosteriori {
         // A parameter without prior variance does not change.
         let moved = (0..PARAMETERS).filter(|&k| p0[(k, k)] > 0.0);
@@ -164,22 +165,27 @@ pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, 
 }
 
 /// Covariance of what no parameter explains: the noise of each ratio, the residual of the model, and
-/// the friction of springs.
+/// in each run the roll stiffness of measured springs.
 fn noise(
     vehicle: &Vehicle,
-    variant: Variant,
-    runs: &[Run],
-    observations: &[Observation],
+    (runs, observations): (&[Run], &[Observation]),
+    slopes: &DMatrix<f64>,
 ) -> Result<DMatrix<f64>, VehicleError> {
     let residual_sd = vehicle.uncertainty.residual_sd;
-    let mut diagonal = DVector::zeros(observations.len());
-    for (entry, o) in diagonal.iter_mut().zip(observations) {
-        let run = &runs[o.run];
-        let situation = (variant, run.speed_mps);
-        let friction = friction_share(vehicle, o.channel.output(), situation, run.load)?;
-        *entry = o.variance + residual_sd * residual_sd + friction * friction;
+    let variances = observations.iter().map(|o| o.variance + residual_sd * residual_sd);
+    let mut noise = DMatrix::from_diagonal(&DVector::from_iterator(observations.len(), variances));
+    for (run, Run { load, .. }) in runs.iter().enumerate() {
+        let of_run = |k: usize| f64::from(u8::from(observations[k].run == run));
+        for (parameter, variance) in
+            STIFFNESSES.into_iter().zip(stiffness_variances(vehicle, *load)?)
+        {
+            let moved = DVector::from_fn(observations.len(), |k, _| {
+                of_run(k) * slopes[(k, parameter as usize)]
+            });
+            noise.ger(variance, &moved, &moved, 1.0);
+        }
     }
-    Ok(DMatrix::from_diagonal(&diagonal))
+    Ok(noise)
 }
 
 /// What the observations leave unexplained at a state of the parameters, and their slopes.
@@ -250,10 +256,12 @@ fn optimal_gain(
 ) -> Result<DMatrix<f64>, VehicleError> {
     let innovation = h * p0 * h.transpose() + noise;
     let solved = innovation.cholesky().map(|cholesky| cholesky.solve(&(h * p0)));
-    solved.map(|gain| gain.transpose()).ok_or_else(|| {
-        VehicleError::Model(
-            "the calibration is singular: give the vehicle file's [uncertainty] positive numbers"
-                .to_owned(),
-        )
-    })
+    solved.map(|gain| gain.transpose()).ok_or_else(singular)
+}
+
+fn singular() -> VehicleError {
+    VehicleError::Model(
+        "the calibration is singular: give the vehicle file's [uncertainty] positive numbers"
+            .to_owned(),
+    )
 }

@@ -1,6 +1,11 @@
 //! Measured springs: two force curves that enclose the friction.
 
+use std::f64::consts::PI;
+
 use crate::tables::Spring;
+
+/// Nodes of the integral over half a cycle (midpoint rule): the stiffness is exact to 1e-4.
+const CYCLE_NODES: u32 = 48;
 
 /// Two curves with common nodes; the end segments are extended.
 #[derive(Clone, Debug)]
@@ -22,6 +27,16 @@ impl Envelope {
             })
             .collect();
         Self { deflection_m: x.clone(), segment }
+    }
+
+    /// The curves of a measured spring with its friction multiplied by a factor.
+    pub fn with_friction(spring: &Spring, factor: f64) -> Self {
+        let mut changed = spring.clone();
+        for (up, down) in changed.compression_n.iter_mut().zip(&mut changed.extension_n) {
+            let (middle, half) = (f64::midpoint(*up, *down), 0.5 * (*up - *down));
+            (*up, *down) = (middle + factor * half, middle - factor * half);
+        }
+        Self::new(&changed)
     }
 
     #[inline]
@@ -58,6 +73,49 @@ impl Envelope {
         0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx)
     }
 
+    /// Stiffness of the linear spring that takes the place of this one in motion of an amplitude
+    /// about its static load: the describing function, `∮ F sin θ dθ/(π A)` over a full cycle.
+    ///
+    /// With straight curves of slope `k` at a distance of `±C` from their middle, a cycle of the law
+    /// of [`Spring`] is
+    ///
+    /// ```text
+    ///     F = k x + (C − k β) (1 − 2 e^(−(x + A)/β)/(1 + e^(−2A/β)))      while x rises from −A to A
+    /// ```
+    ///
+    /// and the slope of the middle between the curves is its secant over the amplitude. With `β = C/k`,
+    /// the greatest that is used, the force follows the middle without loss.
+    ///
+    /// `deflection_m` is `β`.
+    pub fn stiffness_n_per_m(&self, load_n: f64, amplitude_m: f64, deflection_m: f64) -> f64 {
+        let start_m = self.deflection_at(load_n);
+        let ends = [1.0, -1.0].map(|side| self.middle(start_m + side * amplitude_m).0);
+        let slope = (ends[0] - ends[1]) / (2.0 * amplitude_m);
+        // Means over the amplitude, because the slopes of the tables jump at their nodes.
+        let (mut friction_n, mut usable_m) = (0.0, 0.0);
+        for side in [-0.75, -0.25, 0.25, 0.75] {
+            let x = start_m + side * amplitude_m;
+            let here_n = self.friction_n(x).max(0.0);
+            friction_n += 0.25 * here_n;
+            usable_m += 0.25 * deflection_m.min(here_n / self.steepest(x));
+        }
+        let deflection_m = usable_m;
+        let lost_n = friction_n - slope * deflection_m;
+        if !(lost_n > 0.0 && deflection_m > 0.0) {
+            return slope;
+        }
+        let reach = amplitude_m / deflection_m;
+        let begin = 2.0 / (1.0 + (-2.0 * reach).exp());
+        // x = −A cos θ rises for θ in (0, π); the falling half contributes the same.
+        let sum: f64 = (0..CYCLE_NODES)
+            .map(|i| {
+                let x = -((f64::from(i) + 0.5) / f64::from(CYCLE_NODES) * PI).cos();
+                x * (1.0 - begin * (-reach * (x + 1.0)).exp())
+            })
+            .sum();
+        slope + 2.0 * lost_n / amplitude_m * sum / f64::from(CYCLE_NODES)
+    }
+
     /// Deflection at which the force midway between the curves is `force_n`. The curves must be
     /// increasing.
     pub fn deflection_at(&self, force_n: f64) -> f64 {
@@ -66,5 +124,80 @@ impl Envelope {
         let i = (0..last).find(|&i| segment(i + 1).0 >= force_n).unwrap_or(last);
         let (start, slope) = segment(i);
         self.deflection_m[i] + (force_n - start) / slope
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slope of both curves, N/m, and half their distance, N.
+    const SLOPE: f64 = 1e6;
+    const FRICTION_N: f64 = 2000.0;
+
+    fn straight() -> Envelope {
+        let x = [-0.1, 0.1];
+        let side = |shift_n: f64| x.map(|x| 50_000.0 + SLOPE * x + shift_n).to_vec();
+        Envelope::new(&Spring {
+            name: "leaf".to_owned(),
+            deflection_m: x.to_vec(),
+            compression_n: side(FRICTION_N),
+            extension_n: side(-FRICTION_N),
+            friction_deflection_m: 0.001,
+        })
+    }
+
+    /// `∮ F sin θ dθ/(π A)` of the law `dF/dx = (F_env − F)/β`, integrated by Heun's method over ten
+    /// cycles, of which the last one counts: a cycle reduces what is left of the start by `e^(−4A/β)`.
+    fn integrated(envelope: &Envelope, amplitude_m: f64, deflection_m: f64) -> f64 {
+        const STEPS: u32 = 50_000;
+        const CYCLES: u32 = 10;
+        let angle = |k: u32| f64::from(k) / f64::from(STEPS) * 2.0 * PI;
+        let (mut force_n, mut sum) = (50_000.0, 0.0);
+        for k in 0..CYCLES * STEPS {
+            let [x, next] = [k, k + 1].map(|k| amplitude_m * angle(k).sin());
+            let rate = |x: f64, force_n: f64, dx: f64| {
+                dx.abs() * (envelope.towards(x, dx) - force_n) / deflection_m
+            };
+            let first = rate(x, force_n, next - x);
+            let change = 0.5 * (first + rate(next, force_n + first, next - x));
+            if k >= (CYCLES - 1) * STEPS {
+                let middle = f64::midpoint(angle(k), angle(k + 1)).sin();
+                sum += (force_n + 0.5 * change) * middle * 2.0 * PI / f64::from(STEPS);
+            }
+            force_n += change;
+        }
+        sum / (PI * amplitude_m)
+    }
+
+    /// The closed cycle is the one to which the law settles. The integral over 48 nodes is exact to
+    /// 1e-4, the integration to 1e-5.
+    #[test]
+    fn the_stiffness_is_that_of_a_cycle() {
+        let envelope = straight();
+        for deflection_m in [1e-4, 5e-4, 1.5e-3] {
+            for reach in [0.3, 1.0, 3.0, 10.0, 20.0] {
+                let amplitude_m = reach * deflection_m;
+                let found = envelope.stiffness_n_per_m(50_000.0, amplitude_m, deflection_m);
+                let expected = integrated(&envelope, amplitude_m, deflection_m);
+                assert!((found / expected - 1.0).abs() < 2e-4, "{reach}: {found} {expected}");
+            }
+        }
+    }
+
+    /// Small motion meets the stiffness `C/β` with which the force leaves a curve, great motion the
+    /// slope alone; with `β ≥ C/k` nothing is lost.
+    #[test]
+    fn friction_stiffens_small_motion() {
+        let envelope = straight();
+        let stiffness = |amplitude_m, deflection_m| {
+            envelope.stiffness_n_per_m(50_000.0, amplitude_m, deflection_m)
+        };
+        let (small, great) = (stiffness(1e-7, 1e-4), stiffness(0.09, 1e-4));
+        assert!((small / (FRICTION_N / 1e-4) - 1.0).abs() < 1e-3, "{small}");
+        // The bends at both ends are what is in phase: 4 (C − kβ)/(πA) √(πβ/(2A)) for A ≫ β.
+        let bends = 4.0 * 1900.0 / (PI * 0.09) * (PI * 1e-4 / 0.18).sqrt();
+        assert!((great / (SLOPE + bends) - 1.0).abs() < 1e-4, "{great}");
+        assert!((stiffness(0.002, 0.005) / SLOPE - 1.0).abs() < 1e-12);
     }
 }

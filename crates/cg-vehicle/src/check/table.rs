@@ -217,6 +217,7 @@ const AXLE: &[Key] = &[
     number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between body and axle").optional().or(0.0, "none"),
     number("damper_spread_m", "m", [0.4, 1.9], [0.2, 2.6], "distance between left and right dampers").optional(),
     other("spring", Kind::Text, "name of the measured spring").optional(),
+    other("leveled", Kind::Flag, "whether a leveling valve keeps the height of its air springs").optional(),
     number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per roll angle between body and axle").optional(),
     other("load_group", Kind::Whole, "axles of one unit with the same number share their load equally").optional(),
     number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "height by which the unloaded springs lift the frame").optional().or(0.0, "none"),

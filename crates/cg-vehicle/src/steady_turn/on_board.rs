@@ -20,6 +20,7 @@ pub(crate) fn threshold_line(
     compliance: f64,
     height_m: [f64; HEIGHTS],
 ) -> Result<ThresholdLine<f64>, VehicleError> {
+    let vehicle = &*vehicle.with_springs_at(load)?;
     let mut line = ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] };
     for (threshold_g, speed_mps) in line.threshold_g.iter_mut().zip(TURN_MPS) {
         let plane = RollPlane::new(vehicle, load, speed_mps, compliance)?;
@@ -57,5 +58,6 @@ pub fn steady_turn_threshold_g(
     load: Load,
     speed_mps: f64,
 ) -> Result<f64, VehicleError> {
+    let vehicle = &*vehicle.with_springs_at(load)?;
     Ok(RollPlane::new(vehicle, load, speed_mps, 1.0)?.threshold_g(load.cg_height_m))
 }

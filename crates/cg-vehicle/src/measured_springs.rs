@@ -1,0 +1,44 @@
+//! Measured springs in the linear model: their roll stiffness at the static load.
+//!
+//! A measured spring is neither linear nor free of friction. The linear model uses the describing
+//! function of its two curves ([`Envelope::stiffness_n_per_m`]) at the load that it carries, and at
+//! the amplitude that it has in a usual turn.
+
+use crate::characteristics::Envelope;
+use crate::tables::Spring;
+use crate::vehicle::{PlacedAxle, Vehicle};
+
+impl Vehicle {
+    fn spring_of(&self, placed: &PlacedAxle<'_>) -> Option<&Spring> {
+        let name = placed.axle.spring.as_ref()?;
+        self.spring.iter().find(|spring| spring.name == *name)
+    }
+
+    /// Whether an axle has measured springs.
+    pub(crate) fn has_measured_springs(&self) -> bool {
+        self.axles().iter().any(|placed| self.spring_of(placed).is_some())
+    }
+
+    /// Roll stiffness between body and axle (springs and anti-roll bar, N m/rad) of an axle that carries
+    /// `load_n` on the road, for rolling of an amplitude, with the friction multiplied by a factor.
+    pub(crate) fn roll_stiffness(
+        &self,
+        placed: &PlacedAxle<'_>,
+        load_n: f64,
+        amplitude_rad: f64,
+        friction: f64,
+    ) -> f64 {
+        let linear = placed.suspension_roll_stiffness_nm_per_rad();
+        let Some(spring) = self.spring_of(placed) else { return linear };
+        let axle = placed.axle;
+        let half_spread_m = 0.5 * axle.spring_spread_m;
+        let spring_n = 0.5 * (load_n - axle.unsprung_mass_kg * self.gravity_mps2);
+        let stiffness_n_per_m = Envelope::with_friction(spring, friction).stiffness_n_per_m(
+            spring_n,
+            half_spread_m * amplitude_rad,
+            spring.friction_deflection_m,
+        );
+        let change = stiffness_n_per_m - axle.spring_stiffness_n_per_m;
+        linear + 2.0 * half_spread_m * half_spread_m * change
+    }
+}
