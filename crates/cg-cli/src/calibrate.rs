@@ -16,7 +16,7 @@ use indicatif::ProgressBar;
 
 use crate::cli::CalibrateArgs;
 use crate::estimate::feed;
-use crate::outcome::{Outcome, tell};
+use crate::outcome::{Outcome, print_error};
 use crate::truck;
 
 /// Errors of reading logs and errors of the model.
@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
         let take = |row: &_| estimator.push(row).map(|_| ());
         let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
         for remark in remarks {
-            tell(&anyhow!("{}: {remark}", known.log));
+            print_error(&anyhow!("{}: {remark}", known.log));
         }
         Ok(())
     })

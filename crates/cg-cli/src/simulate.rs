@@ -13,7 +13,7 @@ use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
 use crate::cli::SimulateArgs;
-use crate::outcome::{Outcome, tell};
+use crate::outcome::{Outcome, print_error};
 use crate::truck;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
@@ -172,14 +172,14 @@ fn write_candump(
     let lost = writer.out_of_range();
     writer.finish()?;
     if vehicle.steering_ratio.is_none() {
-        tell(&anyhow!(
+        print_error(&anyhow!(
             "{}: the log has no steering angle, because J1939 has only the steering-wheel angle \
              and the vehicle file has no steering_ratio",
             output.display()
         ));
     }
     if lost > 0 {
-        tell(&anyhow!(
+        print_error(&anyhow!(
             "{}: {lost} values are outside the range of their J1939 signal and were written as \
              \"not available\"",
             output.display()
