@@ -9,6 +9,7 @@ use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::calibration::file::{ParameterEntry, Unit};
+use cg_vehicle::sensor_places::Road;
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -29,7 +30,8 @@ impl From<VehicleError> for Failure {
 }
 
 pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Outcome> {
-    let vehicle = truck::load(&arguments.vehicle)?;
+    let mut vehicle = truck::load(&arguments.vehicle)?;
+    vehicle.road = arguments.road.of(&vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
     check_output(&arguments.output)?;
     refuse_standard_input(&arguments.run)?;
     let logs = &arguments.run;

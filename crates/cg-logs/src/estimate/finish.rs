@@ -196,6 +196,11 @@ impl LogEstimator {
             identified.ratio[channel.index()] =
                 self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
         }
+        let by_road = |one: &Channel| matches!(self.last_reject(*one), Some(Reject::Road { .. }));
+        let hidden = Channel::ALL.into_iter().find(by_road);
+        if let Some(channel) = hidden.filter(|_| identified.ratio.iter().all(Option::is_none)) {
+            identified.messages.extend(self.road(channel, None));
+        }
         identified
     }
 
