@@ -9,6 +9,7 @@ use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::calibration::file::{ParameterEntry, Unit};
+use cg_vehicle::sensor_places::Road;
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -16,7 +17,7 @@ use indicatif::ProgressBar;
 
 use crate::cli::CalibrateArgs;
 use crate::estimate::feed;
-use crate::outcome::{Outcome, tell};
+use crate::outcome::{Outcome, print_error};
 use crate::truck;
 
 /// Errors of reading logs and errors of the model.
@@ -29,7 +30,8 @@ impl From<VehicleError> for Failure {
 }
 
 pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Outcome> {
-    let vehicle = truck::load(&arguments.vehicle)?;
+    let mut vehicle = truck::load(&arguments.vehicle)?;
+    vehicle.road = arguments.road.of(&vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
     check_output(&arguments.output)?;
     refuse_standard_input(&arguments.run)?;
     let logs = &arguments.run;
@@ -47,7 +49,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
         let take = |row: &_| estimator.push(row).map(|_| ());
         let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
         for remark in remarks {
-            tell(&anyhow!("{}: {remark}", known.log));
+            print_error(&anyhow!("{}: {remark}", known.log));
         }
         Ok(())
     })

@@ -131,6 +131,8 @@ pub(crate) struct CalibrateArgs {
     #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
     pub(crate) model: Variant,
     #[command(flatten)]
+    pub(crate) road: RoadArgs,
+    #[command(flatten)]
     pub(crate) columns: ColumnArgs,
     #[command(flatten)]
     pub(crate) frames: CanArgs,

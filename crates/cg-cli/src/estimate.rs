@@ -18,7 +18,7 @@ use serde::Deserialize;
 use crate::answer::Answer;
 use crate::cli::EstimateArgs;
 use crate::flags;
-use crate::outcome::{Outcome, tell, told};
+use crate::outcome::{Outcome, error_message, print_error};
 use crate::report::trace::Trace;
 use crate::report::{self, About};
 use crate::sink;
@@ -124,8 +124,8 @@ fn gathered(
                 batch.answers.push(Answer { log: name, estimate, known_m, trace });
             }
             Err(error) => {
-                batch.unreadable.push((name, told(&error)));
-                tell(&error);
+                batch.unreadable.push((name, error_message(&error)));
+                print_error(&error);
                 batch.outcome = Outcome::Unreadable;
             }
         }
@@ -154,7 +154,7 @@ fn estimate_log(
     let mut estimate = estimator.finish();
     estimate.messages.extend(remarks);
     for message in &mut estimate.messages {
-        *message = flags::told(message);
+        *message = flags::with_flags(message);
     }
     Ok((estimate, trace))
 }

@@ -3,7 +3,7 @@
 use cg_vehicle::hint;
 
 /// A message of a library with its options written as flags.
-pub(crate) fn told(message: &str) -> String {
+pub(crate) fn with_flags(message: &str) -> String {
     hint::told(message, |name, value| {
         let flag = flag(name);
         // A value with characters that a shell interprets is quoted.
@@ -39,8 +39,8 @@ mod tests {
             "⟨flip roll⟩, ⟨force⟩, ⟨columns roll=Gyro X[deg]⟩, ⟨turn_rad⟩ or ⟨columns a=b[s]⟩";
         let expected =
             "--flip roll, --force, --column 'roll=Gyro X[deg]', --turn-deg or --column a=b[s]";
-        assert_eq!(told(message), expected);
-        assert_eq!(told("no option ⟨ here"), "no option ⟨ here");
+        assert_eq!(with_flags(message), expected);
+        assert_eq!(with_flags("no option ⟨ here"), "no option ⟨ here");
     }
 
     fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -13,13 +13,13 @@ use signal_hook::low_level::emulate_default_handler;
 
 /// Ends the program at a signal. With a flag, the first signal sets it, and the second one ends the
 /// program.
-pub(crate) fn watch(flag: Option<Arc<AtomicBool>>) -> io::Result<()> {
-    let mut wanted = vec![SIGINT, SIGTERM];
+pub(crate) fn handle_signals(flag: Option<Arc<AtomicBool>>) -> io::Result<()> {
+    let mut handled = vec![SIGINT, SIGTERM];
     // If `nohup` has set SIGHUP to be ignored, it remains ignored.
     if !ignores(SIGHUP) {
-        wanted.push(SIGHUP);
+        handled.push(SIGHUP);
     }
-    let mut signals = Signals::new(wanted)?;
+    let mut signals = Signals::new(handled)?;
     Builder::new().name("signals".to_owned()).spawn(move || {
         for signal in signals.forever() {
             if flag.as_ref().is_some_and(|flag| !flag.swap(true, Ordering::Relaxed)) {

@@ -55,7 +55,7 @@ use cg_logs::output::Files;
 use clap::Parser;
 
 use cli::{Cli, Command};
-use outcome::{Outcome, tell};
+use outcome::{Outcome, print_error};
 
 fn main() -> ExitCode {
     match answer(&Cli::parse()) {
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
         Ok(Outcome::Unreadable) => ExitCode::from(2),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            tell(&error);
+            print_error(&error);
             ExitCode::from(2)
         }
     }
@@ -74,7 +74,7 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
     // `cg run` handles signals itself, so that it can save its state.
     #[cfg(unix)]
     if !matches!(cli.command, Command::Run(_)) {
-        interrupt::watch(None)?;
+        interrupt::handle_signals(None)?;
     }
     let files = Files::new(cli.force);
     match &cli.command {

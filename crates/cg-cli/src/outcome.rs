@@ -17,7 +17,7 @@ pub(crate) enum Outcome {
 
 /// An error with its causes. A cause that the message of a library already contains is not
 /// repeated.
-pub(crate) fn told(error: &anyhow::Error) -> String {
+pub(crate) fn error_message(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
         if !text.contains(&cause) {
@@ -25,11 +25,11 @@ pub(crate) fn told(error: &anyhow::Error) -> String {
             text += &cause;
         }
     }
-    flags::told(&text)
+    flags::with_flags(&text)
 }
 
 /// Prints an error to standard error.
-pub(crate) fn tell(error: &anyhow::Error) {
+pub(crate) fn print_error(error: &anyhow::Error) {
     // Standard error may be closed, and `eprintln!` would then panic.
-    let _ = writeln!(std::io::stderr(), "cg: {}", told(error));
+    let _ = writeln!(std::io::stderr(), "cg: {}", error_message(error));
 }

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use cg_core::Word;
 use cg_logs::log::{CandumpWriter, LogWriter, Signal};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
@@ -13,7 +12,7 @@ use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::Vehicle;
 
 use crate::cli::SimulateArgs;
-use crate::outcome::{Outcome, tell};
+use crate::outcome::{Outcome, print_error};
 use crate::truck;
 
 fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
@@ -34,22 +33,11 @@ fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
 /// The road, if one is asked for.
 fn road(arguments: &SimulateArgs) -> anyhow::Result<Option<Road>> {
     let Some(name) = &arguments.road else { return Ok(None) };
-    let road = match kind(name) {
-        Some(kind) => Road::kind(kind, arguments.seed)?,
-        None => Road::load(name).with_context(|| {
-            let kinds: Vec<&str> = RoadKind::WORDS.iter().map(|(_, word, _)| *word).collect();
-            format!("--road is a file or one of {}", kinds.join(", "))
-        })?,
-    };
+    let road = Road::named(name, arguments.seed).context("--road")?;
     Ok(Some(match arguments.speed_mps {
         Some(speed_mps) => road.limited_to(speed_mps),
         None => road,
     }))
-}
-
-/// A word is a usual kind; a file of the same name is `./rural`.
-fn kind(name: &Path) -> Option<RoadKind> {
-    name.to_str()?.parse().ok()
 }
 
 fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
@@ -87,18 +75,14 @@ fn simulation(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Log
         }
         return Ok(LogSimulation::new(vehicle, scenario)?);
     };
-    let duration_s = match arguments.duration_s {
-        Some(duration_s) => duration_s,
-        None if road.has_speed() => road.usual_duration_s(),
-        None => road.clone().limited_to(scenario.speed_mps).usual_duration_s(),
-    };
+    let duration_s = arguments.duration_s.unwrap_or_else(|| scenario.usual_duration_on_s(&road));
     let scenario = Scenario { duration_s, ..scenario };
     Ok(LogSimulation::on_road(vehicle, scenario, &road, &chassis)?)
 }
 
 pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outcome> {
     let mut files = files.reads("--vehicle", &arguments.vehicle);
-    if let Some(name) = arguments.road.as_deref().filter(|name| kind(name).is_none()) {
+    if let Some(name) = arguments.road.as_deref().filter(|name| RoadKind::of_name(name).is_none()) {
         files = files.reads("--road", name);
     }
     let output = match arguments.output.as_path() {
@@ -172,14 +156,14 @@ fn write_candump(
     let lost = writer.out_of_range();
     writer.finish()?;
     if vehicle.steering_ratio.is_none() {
-        tell(&anyhow!(
+        print_error(&anyhow!(
             "{}: the log has no steering angle, because J1939 has only the steering-wheel angle \
              and the vehicle file has no steering_ratio",
             output.display()
         ));
     }
     if lost > 0 {
-        tell(&anyhow!(
+        print_error(&anyhow!(
             "{}: {lost} values are outside the range of their J1939 signal and were written as \
              \"not available\"",
             output.display()

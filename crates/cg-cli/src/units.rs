@@ -6,18 +6,18 @@ use cg_thesis::study::{Quantity, Unit};
 
 /// How a unit is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shown {
+pub(crate) struct DisplayUnit {
     /// Suffix of a column's name.
     pub(crate) suffix: &'static str,
     /// Symbol in the label of an axis.
     pub(crate) symbol: &'static str,
-    /// Shown value divided by SI value.
+    /// Displayed value divided by SI value.
     pub(crate) factor: f64,
 }
 
 /// How a unit is shown. Some units occur only in figures and are not in the table of units.
-pub(crate) fn shown(unit: Unit) -> Shown {
-    let own = |suffix, symbol, factor| Shown { suffix, symbol, factor };
+pub(crate) fn display_unit(unit: Unit) -> DisplayUnit {
+    let own = |suffix, symbol, factor| DisplayUnit { suffix, symbol, factor };
     let listed = |unit: cg_core::Unit| own(unit.suffix, unit.spellings[0], unit.per / unit.times);
     match unit {
         Unit::One => own("percent", "%", 100.0),
@@ -35,13 +35,13 @@ pub(crate) fn shown(unit: Unit) -> Shown {
 
 /// The name of a column.
 pub(crate) fn column(quantity: Quantity) -> String {
-    format!("{}_{}", quantity.name, shown(quantity.unit).suffix)
+    format!("{}_{}", quantity.name, display_unit(quantity.unit).suffix)
 }
 
 /// The label of an axis.
 #[cfg(feature = "plots")]
 pub(crate) fn axis(quantity: Quantity) -> String {
-    format!("{} ({})", quantity.label, shown(quantity.unit).symbol)
+    format!("{} ({})", quantity.label, display_unit(quantity.unit).symbol)
 }
 
 #[cfg(test)]
@@ -52,6 +52,6 @@ mod tests {
     fn a_column_has_its_unit_and_an_axis_its_symbol() {
         let speed = Quantity { name: "speed", label: "Speed", unit: Unit::MeterPerSecond };
         assert_eq!((column(speed).as_str(), axis(speed).as_str()), ("speed_kmh", "Speed (km/h)"));
-        assert!((13.888_888_888_9 * shown(speed.unit).factor - 50.0).abs() < 1e-9);
+        assert!((13.888_888_888_9 * display_unit(speed.unit).factor - 50.0).abs() < 1e-9);
     }
 }

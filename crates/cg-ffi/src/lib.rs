@@ -130,7 +130,7 @@ unsafe fn running<'a>(estimator: *mut CgEstimator) -> Result<&'a mut Onboard, Cg
 ///
 /// # Safety
 /// As [`initialised`], and nothing changes the estimator meanwhile.
-unsafe fn asked<'a>(estimator: *const CgEstimator) -> Result<&'a Onboard, CgError> {
+unsafe fn for_reading<'a>(estimator: *const CgEstimator) -> Result<&'a Onboard, CgError> {
     // SAFETY: as in `running`.
     unsafe { Ok(&*initialised(estimator)?) }
 }
@@ -215,10 +215,10 @@ pub unsafe extern "C" fn cg_estimator_push(
         // SAFETY: the caller guarantees it.
         let (estimator, sample) = unsafe { (running(estimator)?, shared(sample)?) };
         // SAFETY: the caller guarantees it; may be null.
-        let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
+        let out = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
         let answer = estimator.push(&sample.sample()).map_err(|_| CgError::TimeOrder)?;
-        if let Some(told) = told {
-            *told = CgStep::new(&answer);
+        if let Some(out) = out {
+            *out = CgStep::new(&answer);
         }
         Ok(())
     };
@@ -238,10 +238,10 @@ pub unsafe extern "C" fn cg_estimator_finish(
         // SAFETY: the caller guarantees it.
         let estimator = unsafe { running(estimator) }?;
         // SAFETY: the caller guarantees it; may be null.
-        let told = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
+        let out = if step.is_null() { None } else { Some(unsafe { exclusive(step) }?) };
         let closed: Option<Maneuver<f32, CHANNELS>> = estimator.finish();
-        if let Some(told) = told {
-            *told = CgStep::new(&Step { status: Status::Absent, closed });
+        if let Some(out) = out {
+            *out = CgStep::new(&Step { status: Status::Absent, closed });
         }
         Ok(())
     };
@@ -260,7 +260,7 @@ pub unsafe extern "C" fn cg_estimator_height(
 ) -> i32 {
     let ask = || {
         // SAFETY: the caller guarantees it; only read.
-        let (estimator, told) = unsafe { (asked(estimator)?, exclusive(height)?) };
+        let (estimator, out) = unsafe { (for_reading(estimator)?, exclusive(height)?) };
         let height = if channel == COMBINED {
             estimator.combined_height()
         } else {
@@ -269,7 +269,7 @@ pub unsafe extern "C" fn cg_estimator_height(
             let known = channel.filter(|channel| estimator.design().place(*channel).is_some());
             estimator.height(known.ok_or(CgError::BadChannel)?)
         };
-        *told = CgHeight::new(&height.ok_or(CgError::NoAnswer)?);
+        *out = CgHeight::new(&height.ok_or(CgError::NoAnswer)?);
         Ok(())
     };
     code(ask())
@@ -288,10 +288,10 @@ pub unsafe extern "C" fn cg_estimator_threshold(
 ) -> i32 {
     let ask = || {
         // SAFETY: the caller guarantees it; only read.
-        let (estimator, told) = unsafe { (asked(estimator)?, exclusive(rollover)?) };
+        let (estimator, out) = unsafe { (for_reading(estimator)?, exclusive(rollover)?) };
         let height = estimator.combined_height().ok_or(CgError::NoAnswer)?.height_m;
         let found = estimator.design().rollover(height, trailer_mass_kg, speed_mps);
-        *told = CgRollover::new(&found.ok_or(CgError::NoAnswer)?);
+        *out = CgRollover::new(&found.ok_or(CgError::NoAnswer)?);
         Ok(())
     };
     code(ask())

@@ -121,7 +121,7 @@ pub struct CgStep {
 impl CgStep {
     /// Converts to the structure of the header.
     pub fn new(step: &Step<f32, CHANNELS>) -> Self {
-        let mut told = Self {
+        let mut out = Self {
             status: match step.status {
                 Status::Absent => 0,
                 Status::Straight => 1,
@@ -135,12 +135,12 @@ impl CgStep {
             outcomes: [CgOutcome::ZERO; CHANNELS],
         };
         if let Some(closed) = &step.closed {
-            told.closed = 1;
-            (told.start_us, told.end_us) = (closed.start_us, closed.end_us);
-            (told.speed_mps, told.trailer_mass_kg) = (closed.speed_mps, closed.trailer_mass_kg);
-            told.outcomes = closed.outcomes.each_ref().map(CgOutcome::new);
+            out.closed = 1;
+            (out.start_us, out.end_us) = (closed.start_us, closed.end_us);
+            (out.speed_mps, out.trailer_mass_kg) = (closed.speed_mps, closed.trailer_mass_kg);
+            out.outcomes = closed.outcomes.each_ref().map(CgOutcome::new);
         }
-        told
+        out
     }
 }
 

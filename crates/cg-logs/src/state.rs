@@ -39,11 +39,11 @@ struct Stored {
     correlation: [[f64; CHANNELS]; CHANNELS],
     trailer_mass_kg: f64,
     load_mass_kg: Option<f64>,
-    waiting: Option<[Said; CHANNELS]>,
+    waiting: Option<[ChannelHeight; CHANNELS]>,
 }
 
 /// The height of a maneuver in one channel and its systematic standard deviation.
-type Said = Option<(Measured<f64>, f64)>;
+type ChannelHeight = Option<(Measured<f64>, f64)>;
 
 /// The reason why a text is not a usable state.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]

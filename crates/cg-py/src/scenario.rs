@@ -1,18 +1,23 @@
 //! Scenarios as Python passes them: the dataclasses of `cgheight._scenario`.
 
+use std::path::PathBuf;
+
 use cg_plant::maneuver::{Course, Maneuver};
-use cg_plant::sensors::Sensors;
-use cg_plant::simulate::Scenario;
-use cg_vehicle::{Load, Vehicle};
+use cg_plant::road::Road;
+use cg_plant::sensors::{ChassisSensors, Sensors};
+use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::{Load, Vehicle, VehicleError};
 use pyo3::prelude::*;
 
-use crate::error::value_error;
+use crate::error::{value_error, vehicle_error};
 use crate::options::word;
 
 /// `cgheight.Scenario`.
 #[derive(FromPyObject)]
 pub(crate) struct Request {
-    maneuver: String,
+    maneuver: Option<String>,
+    road: Option<PathBuf>,
+    chassis: ChassisRequest,
     plant: String,
     model: String,
     height_m: Option<f64>,
@@ -52,10 +57,55 @@ struct SensorRequest {
     steering_wheel: bool,
 }
 
+/// `cgheight.ChassisSensors`.
+#[derive(FromPyObject)]
+struct ChassisRequest {
+    level_offset_m: f64,
+    level_noise_m: f64,
+    level_quantisation_m: f64,
+    accelerometer_offset_mps2: f64,
+    accelerometer_noise_mps2: f64,
+    accelerometer_quantisation_mps2: f64,
+    tilt_offset_rad: f64,
+    tilt_noise_rad: f64,
+    tilt_quantisation_rad: f64,
+    mounting_rad: f64,
+}
+
 impl Request {
-    /// The scenario for a vehicle. Absent values are those of the vehicle, or the defaults.
+    /// Whether it is a drive on a road.
+    pub(crate) fn is_on_road(&self) -> bool {
+        self.road.is_some()
+    }
+
+    /// Simulates the scenario.
+    pub(crate) fn simulation(&self, py: Python<'_>, vehicle: &Vehicle) -> PyResult<LogSimulation> {
+        let scenario = self.scenario(vehicle)?;
+        let Some(name) = &self.road else {
+            return py.detach(|| LogSimulation::new(vehicle, scenario)).map_err(vehicle_error);
+        };
+        let chassis = self.chassis.sensors();
+        let run = || -> Result<LogSimulation, VehicleError> {
+            let road = Road::named(name, self.seed)?;
+            let road = match self.speed_mps {
+                Some(speed_mps) => road.limited_to(speed_mps),
+                None => road,
+            };
+            let usual_s = scenario.usual_duration_on_s(&road);
+            let duration_s = self.duration_s.unwrap_or(usual_s);
+            LogSimulation::on_road(vehicle, Scenario { duration_s, ..scenario }, &road, &chassis)
+        };
+        py.detach(run).map_err(vehicle_error)
+    }
+
+    /// The scenario for a vehicle, without its road. Absent values are those of the vehicle, or the
+    /// defaults.
     pub(crate) fn scenario(&self, vehicle: &Vehicle) -> PyResult<Scenario> {
-        let usual = Scenario::of(vehicle, word("maneuver", &self.maneuver)?);
+        let maneuver = match &self.maneuver {
+            Some(maneuver) => word("maneuver", maneuver)?,
+            None => Maneuver::Drive,
+        };
+        let usual = Scenario::of(vehicle, maneuver);
         let scenario = Scenario {
             course: self.course(usual.maneuver)?,
             step_rate_per_s: self.step_rate_per_s.unwrap_or(usual.step_rate_per_s),
@@ -102,6 +152,23 @@ impl Request {
             _ => Err(value_error(
                 "turn_rad and radius_m are for maneuver \"steady-turn\", gate_m for \"lane-change\"",
             )),
+        }
+    }
+}
+
+impl ChassisRequest {
+    fn sensors(&self) -> ChassisSensors {
+        ChassisSensors {
+            level_offset_m: self.level_offset_m,
+            level_noise_m: self.level_noise_m,
+            level_quantisation_m: self.level_quantisation_m,
+            accelerometer_offset_mps2: self.accelerometer_offset_mps2,
+            accelerometer_noise_mps2: self.accelerometer_noise_mps2,
+            accelerometer_quantisation_mps2: self.accelerometer_quantisation_mps2,
+            tilt_offset_rad: self.tilt_offset_rad,
+            tilt_noise_rad: self.tilt_noise_rad,
+            tilt_quantisation_rad: self.tilt_quantisation_rad,
+            mounting_rad: self.mounting_rad,
         }
     }
 }

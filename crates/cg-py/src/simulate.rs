@@ -1,7 +1,6 @@
 //! `simulate_log` simulates a log with known truth; `score_accuracy` scores estimates of many logs.
 
 use cg_logs::log::LogRow;
-use cg_plant::simulate::LogSimulation;
 use cg_thesis::accuracy::{Experiment, Truck};
 use cg_vehicle::VehicleError;
 use numpy::PyArray1;
@@ -13,35 +12,42 @@ use crate::options::{self, word};
 use crate::scenario::Request;
 use crate::vehicle::Vehicle;
 
-/// Simulate a log: a dict of columns, and the truth as JSON.
+/// A simulated log: a dict of columns, the truth as JSON, and a dict of the places on the road.
+type Simulated<'py> = (Bound<'py, PyDict>, String, Option<Bound<'py, PyDict>>);
+
+/// Simulate a log: a dict of columns, the truth as JSON, and on a road a dict of the places.
 #[pyfunction]
 #[pyo3(signature = (vehicle, request, /))]
 pub(crate) fn simulate_log<'py>(
     py: Python<'py>,
     vehicle: &Bound<'py, Vehicle>,
     request: Request,
-) -> PyResult<(Bound<'py, PyDict>, String)> {
-    let vehicle = &vehicle.get().inner;
-    let scenario = request.scenario(vehicle)?;
-    let run = || -> Result<(LogSimulation, Vec<LogRow>), VehicleError> {
-        let simulation = LogSimulation::new(vehicle, scenario)?;
+) -> PyResult<Simulated<'py>> {
+    let simulation = request.simulation(py, &vehicle.get().inner)?;
+    let run = || -> Result<Vec<LogRow>, VehicleError> {
         let mut rows = Vec::new();
-        let keep = |row: &LogRow| {
+        simulation.run(|row| {
             rows.push(*row);
             Ok::<(), VehicleError>(())
-        };
-        simulation.run(keep)?;
-        Ok((simulation, rows))
+        })?;
+        Ok(rows)
     };
-    let (simulation, rows) = py.detach(run).map_err(vehicle_error)?;
+    let rows = py.detach(run).map_err(vehicle_error)?;
     let truth =
         serde_json::to_string(&simulation.truth).map_err(|error| value_error(error.to_string()))?;
     let table = PyDict::new(py);
-    for signal in scenario.sensors.columns() {
+    for signal in simulation.columns() {
         let values = PyArray1::from_iter(py, rows.iter().map(|row| row.get(signal)));
         table.set_item(signal.column(), values)?;
     }
-    Ok((table, truth))
+    let track = simulation.track.map(|track| -> PyResult<_> {
+        let places = PyDict::new(py);
+        places.set_item("time_s", PyArray1::from_vec(py, track.time_s))?;
+        places.set_item("distance_m", PyArray1::from_vec(py, track.distance_m))?;
+        places.set_item("bank_rad", PyArray1::from_vec(py, track.bank_rad))?;
+        Ok(places)
+    });
+    Ok((table, truth, track.transpose()?))
 }
 
 /// Estimate the same scenario `runs` times with new noise, and score the heights.
@@ -59,6 +65,9 @@ pub(crate) fn score_accuracy<'py>(
     runs: u32,
 ) -> PyResult<Bound<'py, PyDict>> {
     let vehicle = &vehicle.get().inner;
+    if request.is_on_road() {
+        return Err(value_error("road: the accuracy is mapped with a maneuver; give one instead"));
+    }
     let scenario = request.scenario(vehicle)?;
     let truck: Truck = word("truck", truck)?;
     if runs == 0 {

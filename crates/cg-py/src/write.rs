@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use cg_logs::log::{CandumpWriter, LogError, LogWriter, Signal};
 use cg_logs::output::kind::LOG_COMMENT;
 use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_plant::road::RoadKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -23,6 +24,8 @@ pub(crate) struct Request<'py> {
     path: PathBuf,
     /// The log that is read, if it is a file.
     log: Option<PathBuf>,
+    /// The road of a simulated log: a kind or a file.
+    road: Option<PathBuf>,
     vehicle: Option<Bound<'py, Vehicle>>,
     force: bool,
 }
@@ -43,8 +46,10 @@ impl Request<'_> {
             )));
         };
         let vehicle = self.vehicle.as_ref().map(|vehicle| vehicle.get().path());
+        let road = self.road.as_deref().filter(|name| RoadKind::of_name(name).is_none());
         Files::new(self.force)
             .reads_some("log", self.log.as_deref())
+            .reads_some("road", road)
             .reads_some("vehicle", vehicle)
             .writes(&self.keyword, &self.path, kind)
             .map_err(output_error)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,17 @@ def read(name: str) -> dict[str, np.ndarray]:
     """Read a log of the independent truck as arrays, without the package under test."""
     table = np.genfromtxt(FIXTURES / "logs" / name, delimiter=",", names=True)
     return {column: np.ascontiguousarray(table[column]) for column in table.dtype.names}
+
+
+def cg() -> str:
+    """Return the command-line program: the one that `make` gives in CG, or the newest build."""
+    builds = [FIXTURES.parent / "target" / profile / "cg" for profile in ("release", "debug")]
+    there = sorted(
+        (path for path in builds if path.exists()), key=lambda path: path.stat().st_mtime
+    )
+    found = os.environ.get("CG") or (str(there[-1]) if there else None)
+    assert found, "no cg: run cargo build --package cg-cli"
+    return found
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 import subprocess
 import time
 
@@ -16,7 +15,7 @@ import pytest
 import cgheight
 from cgheight import Scenario, Sensors
 from cgheight.can import HeightListener, read_log
-from conftest import FIXTURES
+from conftest import FIXTURES, cg
 
 # Half a bit of J1939's roll angle (SSI2), yaw rate and steering wheel.
 HALF_A_BIT = {
@@ -262,7 +261,7 @@ def asynchronous(truck, tmp_path_factory):
 def maneuvers_of_cg_run(vehicle, log, *options):
     """Return the maneuver lines of `cg run --candump`."""
     told = subprocess.run(
-        [os.environ["CG"], "run", "--vehicle", vehicle, "--candump", log, *options],
+        [cg(), "run", "--vehicle", vehicle, "--candump", log, *options],
         check=True, capture_output=True, text=True,
     )  # fmt: skip
     lines = [json.loads(line) for line in told.stdout.splitlines()]

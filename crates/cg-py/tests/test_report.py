@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
 import subprocess
@@ -13,23 +12,12 @@ import pytest
 from selenium import webdriver
 from selenium.webdriver.common.by import By
 
-from conftest import FIXTURES, LOGS
+from conftest import FIXTURES, LOGS, cg
 
 ROOT = FIXTURES.parent
 PATHS = [str(FIXTURES / "logs" / name) for name in LOGS]
 PHONE = (390, 844)
 HOSTILE = "<img src=x onerror=alert(1)>&\"'.csv"
-
-
-def cg() -> str:
-    """Return the command-line program: the one that `make` gives in CG, or the newest build."""
-    builds = [ROOT / "target" / profile / "cg" for profile in ("release", "debug")]
-    there = sorted(
-        (path for path in builds if path.exists()), key=lambda path: path.stat().st_mtime
-    )
-    found = os.environ.get("CG") or (str(there[-1]) if there else None)
-    assert found, "no cg: run cargo build --package cg-cli"
-    return found
 
 
 @pytest.fixture(scope="module")

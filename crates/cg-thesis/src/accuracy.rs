@@ -98,7 +98,7 @@ impl Drawn {
 
     /// The row with the gains of this truck's sensors, before other sensor errors. The gains multiply the
     /// ratio of roll to measured input.
-    fn shown(&self, row: &LogRow) -> LogRow {
+    fn with_sensor_gains(&self, row: &LogRow) -> LogRow {
         let by = |channel: Channel| {
             (log_gain(&self.deviations, channel) + self.residual[channel.index()]).exp()
         };
@@ -164,7 +164,7 @@ impl Experiment {
             let mut estimator = fresh.clone();
             for row in &rows {
                 estimator
-                    .push(&instruments.measure(&drawn.shown(row)))
+                    .push(&instruments.measure(&drawn.with_sensor_gains(row)))
                     .map_err(|error| VehicleError::Model(error.to_string()))?;
             }
             take(&estimator.finish());

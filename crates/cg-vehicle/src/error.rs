@@ -25,7 +25,7 @@ pub enum VehicleError {
         message: String,
     },
     /// Some values are impossible. Contains all findings of the check.
-    #[error("{}", told(file, findings))]
+    #[error("{}", findings_text(file, findings))]
     Invalid {
         /// Name of the file.
         file: String,
@@ -82,7 +82,7 @@ impl VehicleError {
     }
 }
 
-fn told(file: &str, findings: &[Finding]) -> String {
+fn findings_text(file: &str, findings: &[Finding]) -> String {
     let lines: Vec<String> = findings.iter().map(|finding| finding.in_file(file)).collect();
     lines.join("\n")
 }

@@ -2,15 +2,15 @@
 //! its messages name options as `⟨speed_mps⟩` or `⟨flip roll⟩`, and whoever shows them to people (the
 //! command line, Python) writes flags or keywords instead, with [`told`].
 
-/// A message with its options written by `door`, which gets the name and the value (empty if there is
-/// none).
+/// A message with its options written by `write_option`, which gets the name and the value (empty if
+/// there is none).
 ///
 /// ```
 /// let flag = |name: &str, value: &str| format!("--{name} {value}");
 /// let told = cg_vehicle::hint::told("the roll sensor is reversed (⟨flip roll⟩)", flag);
 /// assert_eq!(told, "the roll sensor is reversed (--flip roll)");
 /// ```
-pub fn told(message: &str, door: impl Fn(&str, &str) -> String) -> String {
+pub fn told(message: &str, write_option: impl Fn(&str, &str) -> String) -> String {
     let mut parts = message.split('⟨');
     let mut text = parts.next().unwrap_or_default().to_owned();
     for part in parts {
@@ -19,7 +19,7 @@ pub fn told(message: &str, door: impl Fn(&str, &str) -> String) -> String {
             continue;
         };
         let (name, value) = option.split_once(' ').unwrap_or((option, ""));
-        text.push_str(&door(name, value));
+        text.push_str(&write_option(name, value));
         text.push_str(rest);
     }
     text

@@ -17,7 +17,7 @@ const LOOK_US: u64 = 100_000;
 pub(crate) struct Frames {
     sampler: Sampler,
     presence: Presence,
-    heard: Vec<Quantity>,
+    received: Vec<Quantity>,
     looked_us: u64,
     /// Whether frames arrive in real time, and not as fast as a log is read.
     live: bool,
@@ -33,7 +33,7 @@ impl Frames {
         let mapped: Vec<Quantity> = decoder.mapped().collect();
         let presence = Presence::new(&settings, mass_is_given, &mapped);
         let sampler = Sampler::new(decoder, settings);
-        Self { sampler, presence, heard: Vec::new(), looked_us: 0, live }
+        Self { sampler, presence, received: Vec::new(), looked_us: 0, live }
     }
 
     /// Adds a frame and returns its stream time. `monotonic_us` is the monotonic clock at
@@ -44,13 +44,13 @@ impl Frames {
         monotonic_us: Option<u64>,
         session: &mut Session<W>,
     ) -> io::Result<u64> {
-        let heard = &mut self.heard;
-        heard.clear();
-        let instant = self.sampler.push(frame, monotonic_us, |quantity| heard.push(quantity));
+        let received = &mut self.received;
+        received.clear();
+        let instant = self.sampler.push(frame, monotonic_us, |quantity| received.push(quantity));
         session.at(frame.time_us, instant)?;
         session.counters.frames += 1;
-        for &quantity in &self.heard {
-            if let Some(step_s) = self.presence.saw(quantity, instant.stream_us) {
+        for &quantity in &self.received {
+            if let Some(step_s) = self.presence.received(quantity, instant.stream_us) {
                 session.notice(Signal::from(quantity).name(), &too_slow(step_s))?;
             }
         }
@@ -77,7 +77,7 @@ impl Frames {
             let sampler = &self.sampler;
             session.missing(self.presence.missing(now_us, |q| sampler.is_stale(q)))?;
         }
-        session.due(self.live)
+        session.run_periodic(self.live)
     }
 
     /// Advances the time without a frame.
@@ -102,7 +102,7 @@ impl Frames {
     }
 
     /// Identifiers and masks of the frames that a kernel filter must pass.
-    pub(crate) fn wanted(&self) -> Vec<(u32, bool, u32)> {
+    pub(crate) fn filters(&self) -> Vec<(u32, bool, u32)> {
         self.sampler.decoder().frames()
     }
 }

@@ -63,7 +63,7 @@ pub(crate) fn run<W: Write>(
         alive: Instant::now(),
     };
     notify(&[NotifyState::Ready, NotifyState::Status("listening")]);
-    while !stop.asked() {
+    while !stop.is_requested() {
         let Some(bus) = live.open(frames, session)? else {
             live.pause(frames, session, stop)?;
             continue;
@@ -89,7 +89,7 @@ impl Live<'_> {
         frames: &Frames,
         session: &mut Session<W>,
     ) -> io::Result<Option<Bus>> {
-        match Bus::open(self.interface, &frames.wanted()) {
+        match Bus::open(self.interface, &frames.filters()) {
             Ok(bus) => {
                 if let Some(address) = self.transmit_address {
                     session.outputs.sender = Some((Box::new(bus.sender()), address));
@@ -120,7 +120,7 @@ impl Live<'_> {
         stop: &Stop,
     ) -> io::Result<()> {
         let until = Instant::now() + RETRY;
-        while Instant::now() < until && !stop.asked() {
+        while Instant::now() < until && !stop.is_requested() {
             std::thread::sleep(WAIT);
             self.idle(frames, session)?;
         }
@@ -148,7 +148,7 @@ impl Live<'_> {
         stop: &Stop,
     ) -> io::Result<()> {
         let mut gone = false;
-        while !stop.asked() {
+        while !stop.is_requested() {
             if !gone && !bus.wait(WAIT)? {
                 self.idle(frames, session)?;
             }

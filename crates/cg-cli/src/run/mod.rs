@@ -75,7 +75,12 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let restored = session.restore()?;
     let source = source(arguments);
     let version = env!("CARGO_PKG_VERSION");
-    session.say(Event::Start { version, vehicle: &vehicle.name, source: &source, restored })?;
+    session.write_event(Event::Start {
+        version,
+        vehicle: &vehicle.name,
+        source: &source,
+        restored,
+    })?;
     let reason = match (&arguments.can, &arguments.candump, &arguments.csv) {
         (Some(interface), ..) => {
             let address = arguments.transmit.then_some(arguments.transmit_address);

@@ -17,7 +17,7 @@ pub(crate) struct Cadence {
     slow_steps: u32,
     /// Whether the last value came too late after the previous one.
     pub(crate) late: bool,
-    told: bool,
+    reported: bool,
 }
 
 impl Cadence {
@@ -30,7 +30,7 @@ impl Cadence {
             Some(step_us) if (GREATEST_US + 1..PAUSE_US).contains(&step_us) => self.slow_steps += 1,
             _ => self.slow_steps = 0,
         }
-        if self.slow_steps < SLOW_STEPS || std::mem::replace(&mut self.told, true) {
+        if self.slow_steps < SLOW_STEPS || std::mem::replace(&mut self.reported, true) {
             return None;
         }
         #[allow(clippy::cast_precision_loss)] // seconds
@@ -59,12 +59,12 @@ impl Pace {
     /// is to be reported.
     pub(crate) fn push(&mut self, sample: Sample<f64>) -> ([Option<Sample<f64>>; 2], Option<f64>) {
         let first = self.cadence.last_us.is_none();
-        let told = self.cadence.push(sample.time_us);
+        let slow_step_s = self.cadence.push(sample.time_us);
         if first || self.cadence.late {
             self.lone = Some(sample);
-            ([None, None], told)
+            ([None, None], slow_step_s)
         } else {
-            ([self.lone.take(), Some(sample)], told)
+            ([self.lone.take(), Some(sample)], slow_step_s)
         }
     }
 }
@@ -97,13 +97,13 @@ mod tests {
     #[test]
     fn samples_of_one_a_second_never_pass_and_are_told_once() {
         let mut pace = Pace::default();
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for second in 0..100 {
             let (passed, slow) = pace.push(Sample::absent(1_000_000 * (second + 1)));
             assert_eq!(passed, [None, None]);
-            told.extend(slow);
+            reported.extend(slow);
         }
-        assert_eq!(told, [1.0]);
+        assert_eq!(reported, [1.0]);
     }
 
     #[test]
@@ -111,8 +111,8 @@ mod tests {
         let mut pace = Pace::default();
         let mut passed = Vec::new();
         for us in [10_000, 20_000, 30_000, 5_000_000, 60_000_000, 60_010_000] {
-            let (samples, told) = pace.push(Sample::absent(us));
-            assert_eq!(told, None);
+            let (samples, slow_step_s) = pace.push(Sample::absent(us));
+            assert_eq!(slow_step_s, None);
             passed.extend(samples.into_iter().flatten().map(|sample| sample.time_us));
         }
         assert_eq!(passed, [10_000, 20_000, 30_000, 60_000_000, 60_010_000]);
@@ -121,23 +121,23 @@ mod tests {
     /// Three consecutive intervals of more than half a second and less than ten seconds.
     #[test]
     fn a_signal_is_slow_after_three_long_intervals() {
-        let told = |steps_us: &[u64]| {
+        let reported = |steps_us: &[u64]| {
             let mut cadence = Cadence::default();
             let mut now_us = 5;
-            let mut told = vec![cadence.push(now_us)];
+            let mut reported = vec![cadence.push(now_us)];
             for step_us in steps_us {
                 now_us += step_us;
-                told.push(cadence.push(now_us));
+                reported.push(cadence.push(now_us));
             }
-            told.into_iter().flatten().collect::<Vec<f64>>()
+            reported.into_iter().flatten().collect::<Vec<f64>>()
         };
         let nothing: [f64; 0] = [];
-        assert_eq!(told(&[700_000; 2]), nothing);
-        assert_eq!(told(&[700_000; 3]), [0.7]);
-        assert_eq!(told(&[700_000, 700_000, 2_000_000, 900_000]), [2.0]);
-        assert_eq!(told(&[700_000, 700_000, 100_000, 700_000, 700_000]), nothing);
-        assert_eq!(told(&[10_000_000; 5]), nothing);
-        assert_eq!(told(&[499_999; 5]), nothing);
+        assert_eq!(reported(&[700_000; 2]), nothing);
+        assert_eq!(reported(&[700_000; 3]), [0.7]);
+        assert_eq!(reported(&[700_000, 700_000, 2_000_000, 900_000]), [2.0]);
+        assert_eq!(reported(&[700_000, 700_000, 100_000, 700_000, 700_000]), nothing);
+        assert_eq!(reported(&[10_000_000; 5]), nothing);
+        assert_eq!(reported(&[499_999; 5]), nothing);
     }
 
     #[test]

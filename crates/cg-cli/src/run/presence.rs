@@ -73,7 +73,7 @@ impl Presence {
 
     /// Registers a value. Returns the interval in seconds if the signal is too slow and this has
     /// not been reported.
-    pub(crate) fn saw(&mut self, quantity: Quantity, now_us: u64) -> Option<f64> {
+    pub(crate) fn received(&mut self, quantity: Quantity, now_us: u64) -> Option<f64> {
         let index = quantity.index();
         if let Some(seen) = self.seen.get_mut(index) {
             *seen = true;
@@ -117,7 +117,7 @@ mod tests {
         let missing = |settings, given, mapped: &[Quantity], seen: &[Quantity]| {
             let mut presence = Presence::new(settings, given, mapped);
             for quantity in seen {
-                presence.saw(*quantity, 0);
+                presence.received(*quantity, 0);
             }
             assert!(presence.missing(0, |_| false).is_empty());
             presence.missing(BEGUN_US, |_| false)
@@ -135,11 +135,12 @@ mod tests {
     #[test]
     fn a_slow_signal_is_missing_steadily() {
         let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);
-        let told: Vec<f64> =
-            (0..10_u64).filter_map(|k| presence.saw(Quantity::YawRate, k * 1_000_000)).collect();
-        assert_eq!(told, [1.0]);
+        let reported: Vec<f64> = (0..10_u64)
+            .filter_map(|k| presence.received(Quantity::YawRate, k * 1_000_000))
+            .collect();
+        assert_eq!(reported, [1.0]);
         assert_eq!(presence.missing(9_000_001, |_| false), ["yaw_rate"]);
-        presence.saw(Quantity::YawRate, 9_100_000);
+        presence.received(Quantity::YawRate, 9_100_000);
         assert!(presence.missing(9_100_000, |_| false).is_empty());
     }
 
@@ -151,14 +152,14 @@ mod tests {
         for (now_us, missing) in [(60_000_000, false), (62_999_999, false), (63_000_000, true)] {
             assert_eq!(presence.missing(now_us, |_| false).len(), usize::from(missing), "{now_us}");
         }
-        presence.saw(Quantity::Speed, 63_000_000);
+        presence.received(Quantity::Speed, 63_000_000);
         assert!(presence.missing(63_000_000, |_| false).is_empty());
     }
 
     #[test]
     fn a_lost_signal_is_missing_at_once() {
         let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);
-        presence.saw(Quantity::Tilt, 0);
+        presence.received(Quantity::Tilt, 0);
         assert_eq!(presence.missing(0, |quantity| quantity == Quantity::Tilt), ["tilt"]);
         assert!(presence.missing(0, |_| false).is_empty());
     }
@@ -166,7 +167,7 @@ mod tests {
     /// The rate of roll angles is that of the samples, and speed and mass may change slowly.
     #[test]
     fn only_inputs_are_told_to_be_slow() {
-        for (quantity, told, late) in [
+        for (quantity, reported, late) in [
             (Quantity::Steer, true, true),
             (Quantity::LateralAcceleration, true, true),
             (Quantity::Roll, false, true),
@@ -176,8 +177,8 @@ mod tests {
         ] {
             let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);
             let steps: Vec<f64> =
-                (0..6_u64).filter_map(|k| presence.saw(quantity, k * 700_000)).collect();
-            assert_eq!(steps, vec![0.7; usize::from(told)], "{quantity}");
+                (0..6_u64).filter_map(|k| presence.received(quantity, k * 700_000)).collect();
+            assert_eq!(steps, vec![0.7; usize::from(reported)], "{quantity}");
             assert_eq!(presence.missing(0, |_| false).len(), usize::from(late), "{quantity}");
         }
     }

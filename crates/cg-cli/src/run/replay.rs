@@ -64,7 +64,7 @@ pub(crate) fn candump<W: Write>(
             session.notice("source", &format!("{name}, {message}"))?;
         }
         let Some(frame) = frame else { break };
-        if stop.asked() {
+        if stop.is_requested() {
             return Ok("signal");
         }
         let stream_us = frames.take(&frame, None, session)?;
@@ -97,7 +97,7 @@ pub(crate) fn csv<W: Write>(
     let mut clock = Clock::default();
     let mut pace = Pace { began: None, realtime };
     while let Some(row) = next_row(&mut reader, session)? {
-        if stop.asked() {
+        if stop.is_requested() {
             return Ok("signal");
         }
         // The reader ensures that there is a time; microseconds since 1970 fit.
@@ -112,14 +112,14 @@ pub(crate) fn csv<W: Write>(
         }
         for quantity in Quantity::ALL {
             if !row.get(Signal::from(quantity)).is_nan()
-                && let Some(step_s) = presence.saw(quantity, instant.stream_us)
+                && let Some(step_s) = presence.received(quantity, instant.stream_us)
             {
                 session.notice(Signal::from(quantity).name(), &too_slow(step_s))?;
             }
         }
         session.push(row.sample(instant.stream_us, &settings))?;
         session.missing(presence.missing(instant.stream_us, |_| false))?;
-        session.due(realtime)?;
+        session.run_periodic(realtime)?;
         pace.wait(instant.stream_us);
     }
     Ok("end of log")

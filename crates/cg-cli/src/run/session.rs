@@ -35,7 +35,7 @@ pub(crate) struct Session<W: Write> {
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
-    told_nominal: bool,
+    nominal_mass_reported: bool,
     pace: Pace,
     warner: Warner<f64>,
     known: Known,
@@ -50,7 +50,7 @@ pub(crate) struct Session<W: Write> {
     offset_s: f64,
     now_us: u64,
     sampled_us: u64,
-    due: Due,
+    next: NextTimes,
     status_us: Option<u64>,
     pub(crate) outputs: Outputs<W>,
 }
@@ -58,7 +58,7 @@ pub(crate) struct Session<W: Write> {
 /// Stream times of the next periodic actions.
 #[derive(Default)]
 #[allow(clippy::struct_field_names, reason = "names contain units")]
-struct Due {
+struct NextTimes {
     status_us: u64,
     save_us: u64,
     metrics_us: u64,
@@ -86,7 +86,7 @@ impl<W: Write> Session<W> {
             trailer_mass_kg,
             mass_source,
             unweighed_us: None,
-            told_nominal: false,
+            nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
             load_since_s: None,
@@ -97,7 +97,7 @@ impl<W: Write> Session<W> {
             offset_s: 0.0,
             now_us: 0,
             sampled_us: 0,
-            due: Due::default(),
+            next: NextTimes::default(),
             status_us,
             outputs,
         }
@@ -153,13 +153,13 @@ impl<W: Write> Session<W> {
         self.notice("clock", &format!("the time stamps jumped by {jump_s:.3} s"))
     }
 
-    pub(crate) fn say(&mut self, event: Event<'_>) -> io::Result<()> {
+    pub(crate) fn write_event(&mut self, event: Event<'_>) -> io::Result<()> {
         let time_s = self.time_s(self.now_us);
         events::write(&mut self.outputs.lines, time_s, event)
     }
 
     pub(crate) fn notice(&mut self, subject: &'static str, message: &str) -> io::Result<()> {
-        self.say(Event::Notice { subject, message: flags::told(message) })
+        self.write_event(Event::Notice { subject, message: flags::with_flags(message) })
     }
 
     #[allow(clippy::cast_precision_loss)]
@@ -205,7 +205,7 @@ impl<W: Write> Session<W> {
             self.unweighed_us.get_or_insert(sample.time_us);
         } else if self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
-            if self.told_nominal {
+            if self.nominal_mass_reported {
                 let message = format!(
                     "a signal gives a trailer mass of {:.0} kg, which is used from now on",
                     sample.trailer_mass_kg
@@ -217,9 +217,9 @@ impl<W: Write> Session<W> {
     }
 
     /// Reports once that the vehicle file's mass is used as that of the trailer.
-    fn tell_nominal(&mut self) -> io::Result<()> {
+    fn report_nominal_mass(&mut self) -> io::Result<()> {
         let nominal = self.mass_source == MassSource::Nominal && self.unweighed_us.is_some();
-        if !nominal || std::mem::replace(&mut self.told_nominal, true) {
+        if !nominal || std::mem::replace(&mut self.nominal_mass_reported, true) {
             return Ok(());
         }
         let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
@@ -242,7 +242,7 @@ impl<W: Write> Session<W> {
         let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
         let Some(level) = level else { return Ok(()) };
         let margin_g = self.known.margin_g(self.lateral_g());
-        self.say(Event::Warning { level, margin_g })
+        self.write_event(Event::Warning { level, margin_g })
     }
 
     /// The lateral acceleration in the plane of the road, which the truck feels: with the part of
@@ -284,7 +284,7 @@ impl<W: Write> Session<W> {
         }
         self.driving = state;
         let missing = self.missing.clone();
-        self.say(Event::State { state, missing })
+        self.write_event(Event::State { state, missing })
     }
 
     /// Reports changes of the missing signals.
@@ -293,17 +293,17 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         self.missing.clone_from(&missing);
-        self.say(Event::State { state: self.driving, missing })
+        self.write_event(Event::State { state: self.driving, missing })
     }
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
-        self.tell_nominal()?;
+        self.report_nominal_mass()?;
         let since_us = self.estimator.load_since_us();
         let since_s = since_us.map(|us| self.time_s(us));
         if since_us == Some(maneuver.end_us) {
             self.load_since_s = since_s;
             let message = "the heights so far belong to another load and were discarded";
-            self.say(Event::LoadChanged { message })?;
+            self.write_event(Event::LoadChanged { message })?;
         }
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
@@ -322,7 +322,7 @@ impl<W: Write> Session<W> {
             tractor: there(Channel::Tractor),
             result: self.known.clone(),
         };
-        self.say(Event::Maneuver(Box::new(line)))?;
+        self.write_event(Event::Maneuver(Box::new(line)))?;
         self.compare(before)?;
         self.save()
     }
@@ -344,7 +344,7 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        let told: Vec<String> = Channel::ALL
+        let heights: Vec<String> = Channel::ALL
             .into_iter()
             .filter_map(|channel| match self.estimator.height(channel) {
                 Some(height) => Some(format!(
@@ -360,7 +360,10 @@ impl<W: Write> Session<W> {
             .collect();
         self.notice(
             "channels",
-            &format!("inconsistent, so there is no height: {}; check the sensors", told.join(", ")),
+            &format!(
+                "inconsistent, so there is no height: {}; check the sensors",
+                heights.join(", ")
+            ),
         )
     }
 
@@ -385,10 +388,10 @@ impl<W: Write> Session<W> {
     }
 
     /// Performs what is due: detection of silence, status, metrics, frames, state file.
-    pub(crate) fn due(&mut self, live: bool) -> io::Result<()> {
+    pub(crate) fn run_periodic(&mut self, live: bool) -> io::Result<()> {
         let now_us = self.now_us;
         if self.unweighed_us.is_some_and(|since| now_us.saturating_sub(since) >= WEIGHED_US) {
-            self.tell_nominal()?;
+            self.report_nominal_mass()?;
         }
         if self.driving != "waiting" && now_us.saturating_sub(self.sampled_us) > SILENT_US {
             // The gap would end the maneuver anyway. Ending it now gives a parking truck its height
@@ -399,23 +402,23 @@ impl<W: Write> Session<W> {
             self.drive("no signals")?;
         }
         if let Some(cycle_us) = self.status_us
-            && now_us >= self.due.status_us
+            && now_us >= self.next.status_us
         {
-            self.due.status_us = now_us + cycle_us;
+            self.next.status_us = now_us + cycle_us;
             let status = self.status();
-            self.say(Event::Status(Box::new(status)))?;
+            self.write_event(Event::Status(Box::new(status)))?;
         }
-        if self.outputs.transmits() && now_us >= self.due.transmit_us {
-            self.due.transmit_us = now_us + super::transmit::CYCLE_US;
+        if self.outputs.transmits() && now_us >= self.next.transmit_us {
+            self.next.transmit_us = now_us + super::transmit::CYCLE_US;
             let status = self.status();
             self.outputs.transmit(&status);
         }
         // A replay as fast as possible writes them only at its end.
-        if live && now_us >= self.due.metrics_us {
-            self.due.metrics_us = now_us + METRICS_US;
+        if live && now_us >= self.next.metrics_us {
+            self.next.metrics_us = now_us + METRICS_US;
             self.measure()?;
         }
-        if live && now_us >= self.due.save_us {
+        if live && now_us >= self.next.save_us {
             self.save()?;
         }
         Ok(())
@@ -430,7 +433,7 @@ impl<W: Write> Session<W> {
     }
 
     fn save(&mut self) -> io::Result<()> {
-        self.due.save_us = self.now_us + SAVE_US;
+        self.next.save_us = self.now_us + SAVE_US;
         let memory = self.estimator.memory();
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
         match self.outputs.save(&memory, saved_s, since_s) {
@@ -444,16 +447,16 @@ impl<W: Write> Session<W> {
         if let Some(maneuver) = self.estimator.finish() {
             self.maneuver(&maneuver)?;
         }
-        self.tell_nominal()?;
+        self.report_nominal_mass()?;
         self.save()?;
         self.measure()?;
         if self.status_us.is_some() {
             let status = self.status();
-            self.say(Event::Status(Box::new(status)))?;
+            self.write_event(Event::Status(Box::new(status)))?;
         }
         let Counters { frames, frames_lost, .. } = self.counters;
         let latency_ms = self.outputs.latency.summary();
-        self.say(Event::Stop { reason, frames, frames_lost, latency_ms })
+        self.write_event(Event::Stop { reason, frames, frames_lost, latency_ms })
     }
 
     /// Whether any maneuver has given a height.

@@ -14,11 +14,11 @@ impl Stop {
     /// Handles the signals. A second signal ends the program at once.
     pub(crate) fn listen() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
-        interrupt::watch(Some(Arc::clone(&flag)))?;
+        interrupt::handle_signals(Some(Arc::clone(&flag)))?;
         Ok(Self(flag))
     }
 
-    pub(crate) fn asked(&self) -> bool {
+    pub(crate) fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

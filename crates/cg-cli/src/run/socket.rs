@@ -53,13 +53,13 @@ impl Shared {
     fn send(&self, identifier: u32, data: [u8; 8]) {
         let frame = ExtendedId::new(identifier).and_then(|id| CanFrame::new(id, &data));
         if let Some(Err(error)) = frame.map(|frame| self.can.write_frame(&frame)) {
-            self.heard(error.raw_os_error());
+            self.note_error(error.raw_os_error());
         }
     }
 
     /// Handles an error of sending. After a full queue, the next frame follows a tenth of a second
     /// later; the loss of the interface is reported by the reader.
-    fn heard(&self, code: Option<i32>) {
+    fn note_error(&self, code: Option<i32>) {
         let errno = Errno::from_raw(code.unwrap_or(0));
         if matches!(errno, Errno::ENETDOWN | Errno::ENODEV | Errno::ENXIO) {
             self.fault.set(Some(errno));
@@ -237,7 +237,7 @@ mod tests {
         assert!(bus.read().unwrap().is_none());
         for (code, lost) in [(Errno::ENOBUFS, false), (Errno::ENETDOWN, true), (Errno::ENXIO, true)]
         {
-            bus.socket.heard(Some(code as i32));
+            bus.socket.note_error(Some(code as i32));
             assert_eq!(
                 bus.read().err().and_then(|e| e.raw_os_error()),
                 lost.then_some(code as i32)

@@ -16,7 +16,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::units::{axis, shown};
+use crate::units::{axis, display_unit};
 
 /// Units of the drawing per pixel of the page. The backend draws in whole units.
 const PX: i32 = 10;
@@ -274,7 +274,7 @@ fn plain<X: Ranged, Y: Ranged, D: DrawingBackend>(axes: &mut MeshStyle<'_, '_, X
 }
 
 fn curves(area: &Area<'_>, panel: &Panel, over: Quantity) -> anyhow::Result<()> {
-    let factors = [shown(over.unit).factor, shown(panel.y.unit).factor];
+    let factors = [display_unit(over.unit).factor, display_unit(panel.y.unit).factor];
     let points = |series: &Series| -> Vec<(f64, f64)> {
         series.points.iter().map(|p| (p[0] * factors[0], p[1] * factors[1])).collect()
     };
@@ -321,7 +321,7 @@ fn curves(area: &Area<'_>, panel: &Panel, over: Quantity) -> anyhow::Result<()> 
 
 /// Draws one bar for each response, with its change and its values at the end.
 fn bars(area: &Area<'_>, panel: &Panel, responses: &[Response]) -> anyhow::Result<()> {
-    let factor = shown(panel.y.unit).factor;
+    let factor = display_unit(panel.y.unit).factor;
     let changes = panel.series.iter().flat_map(Series::values).map(|change| change * factor);
     let all = range(changes.clone().chain([0.0]), 0.0);
     // More than half of the width is for the values next to the longest bar.
@@ -369,13 +369,13 @@ fn bars(area: &Area<'_>, panel: &Panel, responses: &[Response]) -> anyhow::Resul
 
 /// The text at a bar, such as `+21.8 % (2.63 → 3.20°)`.
 fn values(response: &Response) -> String {
-    let shown = shown(response.unit);
-    let [before, after] = [response.before, response.after].map(|v| v * shown.factor);
+    let unit = display_unit(response.unit);
+    let [before, after] = [response.before, response.after].map(|v| v * unit.factor);
     let change = 100.0 * (response.after / response.before - 1.0);
-    let decimals = if shown.symbol == "g" { 3 } else { 2 };
-    let space = if shown.symbol.starts_with('°') { "" } else { " " };
+    let decimals = if unit.symbol == "g" { 3 } else { 2 };
+    let space = if unit.symbol.starts_with('°') { "" } else { " " };
     let text =
-        format!("{change:+.1} % ({before:.decimals$} → {after:.decimals$}{space}{})", shown.symbol);
+        format!("{change:+.1} % ({before:.decimals$} → {after:.decimals$}{space}{})", unit.symbol);
     text.replace('-', "−")
 }
 

@@ -5,7 +5,7 @@ use anyhow::Context;
 use cg_logs::output::kind::STUDY_COMMENT;
 use cg_thesis::study::{Abscissa, Panel, Study};
 
-use crate::units::{column, shown};
+use crate::units::{column, display_unit};
 
 /// Columns of panels with bars for responses.
 const RESPONSE: [&str; 4] = ["response", "before", "after", "unit"];
@@ -34,10 +34,11 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
     }
     let rows = String::from_utf8(writer.into_inner().context("the table is not complete")?)?;
     let made = format!("{STUDY_COMMENT} {}", study.name);
-    let told = [&made, &study.finding].into_iter().chain(&study.scenario);
+    let lines = [&made, &study.finding].into_iter().chain(&study.scenario);
     // A line break in a vehicle's name would end the comment.
-    let told = told.map(|line| line.replace(char::is_control, " "));
-    let comments: String = told.flat_map(|line| ["# ".to_owned(), line, "\n".to_owned()]).collect();
+    let lines = lines.map(|line| line.replace(char::is_control, " "));
+    let comments: String =
+        lines.flat_map(|line| ["# ".to_owned(), line, "\n".to_owned()]).collect();
     Ok(comments + &rows)
 }
 
@@ -63,22 +64,22 @@ fn cells(panel: &Panel, [x, y]: [f64; 2]) -> Vec<(String, String)> {
     let number = |value: f64| format!("{value:.6}");
     let mut cells = match &panel.x {
         Abscissa::Over(quantity) => {
-            vec![(column(*quantity), number(x * shown(quantity.unit).factor))]
+            vec![(column(*quantity), number(x * display_unit(quantity.unit).factor))]
         }
         Abscissa::Responses(responses) => {
             // The x value of a point is the index of a response.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let response = responses.get(x as usize);
             let texts = response.map(|response| {
-                let shown = shown(response.unit);
+                let unit = display_unit(response.unit);
                 let [before, after] =
-                    [response.before, response.after].map(|value| number(value * shown.factor));
-                [response.name.to_owned(), before, after, shown.suffix.to_owned()]
+                    [response.before, response.after].map(|value| number(value * unit.factor));
+                [response.name.to_owned(), before, after, unit.suffix.to_owned()]
             });
             let names = RESPONSE.map(str::to_owned);
             texts.map_or_else(Vec::new, |texts| names.into_iter().zip(texts).collect())
         }
     };
-    cells.push((column(panel.y), number(y * shown(panel.y.unit).factor)));
+    cells.push((column(panel.y), number(y * display_unit(panel.y.unit).factor)));
     cells
 }

@@ -161,3 +161,26 @@ fn a_calibration_of_something_else_is_refused() {
     estimate(&log, &kraz(), &["--calibration", "none.toml"])
         .refused(&["none.toml", "cannot be read"]);
 }
+
+/// Roll angles relative to gravity contain the bank of a public road. On a flat track they are those
+/// relative to the road. The option replaces the roads of the vehicle file.
+#[test]
+fn runs_are_from_the_given_road() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let flat = scratch.file("flat.toml", format!("{text}\n[road]\nbank_sd_rad = 0.0\n"));
+    let with = |vehicle: &str, more: &[&str]| {
+        let run = format!("{}=1.90", fixture(LADEN));
+        let arguments = ["calibrate", "--vehicle", vehicle, "--output", &file, "--run", &run];
+        cg(&[&arguments[..], more].concat())
+    };
+    let gravity = ["--column", "roll_to_gravity=roll_rad"];
+    let to_road = with(&kraz(), &[]).done().out;
+    let on = |road: &[&str], vehicle: &str| with(vehicle, &[&gravity, road].concat());
+    assert_eq!(on(&["--road", "flat"], &kraz()).done().out, to_road);
+    assert_eq!(on(&[], &flat).done().out, to_road);
+    let unknown = "the bank of the road is not known";
+    on(&[], &kraz()).refused(&[LADEN, unknown, "--road flat"]);
+    on(&["--road", "public"], &flat).refused(&[LADEN, unknown]);
+}

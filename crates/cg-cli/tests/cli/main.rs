@@ -12,6 +12,7 @@
 //! | `usage` | wrong arguments |
 //! | `output` | the formats of `cg estimate` |
 //! | `design` | designs for firmware |
+//! | `gateway` | signals of the trailer that a gateway repeats, by a DBC file |
 //! | `files` | which files may be written, and what an interrupt leaves |
 //! | `model` | `cg model` compared with the printed numbers |
 //! | `simulate` | logs with known truth |
@@ -28,6 +29,7 @@ mod can;
 mod common;
 mod consistent;
 mod design;
+mod gateway;
 #[cfg(unix)]
 mod files;
 #[cfg(not(any(feature = "dbc", feature = "parquet", feature = "plots")))]

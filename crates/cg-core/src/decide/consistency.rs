@@ -10,11 +10,11 @@ use crate::math::real::Real;
 /// The roll angle counts as constant while it changes by less than this share of the expected
 /// motion. It is a seventh of the longest permitted standstill. During such a standstill, a roll
 /// angle that is merely late changes by a third.
-const STILL: f64 = 0.02;
+const CONSTANT_SHARE: f64 = 0.02;
 /// Time constant of a first-order lag of the input, similar to that of the roll motion of trailers.
 const LAG_S: f64 = 0.5;
 /// Number of its own smallest steps during which the value of a coarse sensor may be constant.
-const STEPS: f64 = 3.0;
+const CONSTANT_STEPS: f64 = 3.0;
 
 /// The reason why the roll angle of a maneuver is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,40 +42,40 @@ pub enum Inconsistency<T> {
 /// Compares the roll angle during a maneuver with two expected roll angles: the response of the
 /// reduced model to the input, and the input after a first-order lag.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Watch<T> {
+pub(crate) struct RollSensorCheck<T> {
     time_us: u64,
     roll_rad: T,
     lagged_rad: T,
     /// Least and greatest values since the roll angle has been constant: of the roll angle and of
     /// both expected angles. The mean of both expected ranges is used, because a wrong model
     /// overshoots where the truck does not, and the lag is late where a motion ends.
-    stood: [T; 2],
-    standing: [[T; 2]; 2],
+    constant_range_rad: [T; 2],
+    expected_ranges_rad: [[T; 2]; 2],
     /// Least and greatest lagged input of the whole maneuver.
-    all: [T; 2],
+    input_range_rad: [T; 2],
     /// The greatest motion that was expected while the roll angle was constant, and that roll
     /// angle.
-    still_rad: T,
-    still_at_rad: T,
+    standstill_motion_rad: T,
+    standstill_roll_rad: T,
     least_step_rad: T,
 }
 
-fn with<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
+fn extended<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
     [if x < low { x } else { low }, if x > high { x } else { high }]
 }
 
-impl<T: Real> Watch<T> {
+impl<T: Real> RollSensorCheck<T> {
     /// Starts at the first row of a maneuver.
     pub(crate) fn new(time_us: u64, roll_rad: T, input_rad: T, model_rad: T) -> Self {
         Self {
             time_us,
             roll_rad,
             lagged_rad: input_rad,
-            stood: [roll_rad; 2],
-            standing: [[input_rad; 2], [model_rad; 2]],
-            all: [input_rad; 2],
-            still_rad: T::zero(),
-            still_at_rad: roll_rad,
+            constant_range_rad: [roll_rad; 2],
+            expected_ranges_rad: [[input_rad; 2], [model_rad; 2]],
+            input_range_rad: [input_rad; 2],
+            standstill_motion_rad: T::zero(),
+            standstill_roll_rad: roll_rad,
             least_step_rad: T::one() / T::zero(),
         }
     }
@@ -90,19 +90,22 @@ impl<T: Real> Watch<T> {
         if step_rad > T::zero() && step_rad < self.least_step_rad {
             self.least_step_rad = step_rad;
         }
-        let views = [self.lagged_rad, model_rad];
-        self.all = with(self.all, self.lagged_rad);
-        self.stood = with(self.stood, roll_rad);
-        if self.stood[1] - self.stood[0] > T::of(STILL) * (self.all[1] - self.all[0]) {
-            (self.stood, self.standing) = ([roll_rad; 2], views.map(|view| [view; 2]));
+        let expected_rad = [self.lagged_rad, model_rad];
+        self.input_range_rad = extended(self.input_range_rad, self.lagged_rad);
+        self.constant_range_rad = extended(self.constant_range_rad, roll_rad);
+        if self.constant_range_rad[1] - self.constant_range_rad[0]
+            > T::of(CONSTANT_SHARE) * (self.input_range_rad[1] - self.input_range_rad[0])
+        {
+            (self.constant_range_rad, self.expected_ranges_rad) =
+                ([roll_rad; 2], expected_rad.map(|angle_rad| [angle_rad; 2]));
         }
-        let mut way_rad = T::zero();
-        for (range, view) in self.standing.iter_mut().zip(views) {
-            *range = with(*range, view);
-            way_rad += T::of(0.5) * (range[1] - range[0]);
+        let mut motion_rad = T::zero();
+        for (range, angle_rad) in self.expected_ranges_rad.iter_mut().zip(expected_rad) {
+            *range = extended(*range, angle_rad);
+            motion_rad += T::of(0.5) * (range[1] - range[0]);
         }
-        if way_rad > self.still_rad {
-            (self.still_rad, self.still_at_rad) = (way_rad, roll_rad);
+        if motion_rad > self.standstill_motion_rad {
+            (self.standstill_motion_rad, self.standstill_roll_rad) = (motion_rad, roll_rad);
         }
     }
 
@@ -115,7 +118,7 @@ impl<T: Real> Watch<T> {
     /// error then decreases as `exp(−2π² σ²/q²)`; here the slower `(1 + 2π² σ²/q²)⁻²` is used.
     pub(crate) fn step_share(&self, noise_sd_rad: T) -> T {
         let step = self.least_step_rad;
-        let motion = self.all[1] - self.all[0];
+        let motion = self.input_range_rad[1] - self.input_range_rad[0];
         // This form of the condition returns zero if the roll angle or the expected angle never
         // changed.
         if !step.present() || !(motion > T::zero()) {
@@ -131,12 +134,12 @@ impl<T: Real> Watch<T> {
     /// Returns the standstill if the roll angle was constant for more than `share` of the expected
     /// motion.
     pub(crate) fn standstill(&self, share: T) -> Option<Inconsistency<T>> {
-        let usual = share * (self.all[1] - self.all[0]);
-        let long =
-            self.still_rad > usual && !(self.still_rad <= T::of(STEPS) * self.least_step_rad);
+        let usual = share * (self.input_range_rad[1] - self.input_range_rad[0]);
+        let long = self.standstill_motion_rad > usual
+            && !(self.standstill_motion_rad <= T::of(CONSTANT_STEPS) * self.least_step_rad);
         // A sensor whose value never changed has no step.
-        let hangs = self.still_rad > usual && !self.least_step_rad.present();
-        (long || hangs).then_some(Inconsistency::Standstill { roll_rad: self.still_at_rad })
+        let hangs = self.standstill_motion_rad > usual && !self.least_step_rad.present();
+        (long || hangs).then_some(Inconsistency::Standstill { roll_rad: self.standstill_roll_rad })
     }
 }
 
@@ -146,12 +149,12 @@ mod tests {
 
     /// A turn to 2.5 degrees in 5 s, measured by a sensor with this characteristic.
     fn shown(sensor: impl Fn(f64) -> f64) -> Option<Inconsistency<f64>> {
-        let mut watch = Watch::new(0, sensor(0.0), 0.0, 0.0);
+        let mut check = RollSensorCheck::new(0, sensor(0.0), 0.0, 0.0);
         for k in 1..=1000_u32 {
             let expected = 2.5 * (f64::from(k) / 500.0).min(1.0);
-            watch.push(10_000 * u64::from(k), sensor(1.1 * expected), expected, expected);
+            check.push(10_000 * u64::from(k), sensor(1.1 * expected), expected, expected);
         }
-        watch.standstill(0.15)
+        check.standstill(0.15)
     }
 
     #[test]
@@ -171,17 +174,18 @@ mod tests {
     /// steps.
     #[test]
     fn coarse_steps_are_counted_unless_noise_carries_the_angle_over_them() {
-        let mut watch = Watch::new(0, 0.0, 0.0, 0.0);
+        let mut check = RollSensorCheck::new(0, 0.0, 0.0, 0.0);
         for k in 1..=50_u32 {
             let expected = f64::from(k) * 0.05;
-            watch.push(slow(k), (f64::from(k) * 0.1).round() * 0.5, expected, expected);
+            check.push(slow(k), (f64::from(k) * 0.1).round() * 0.5, expected, expected);
         }
-        let (steps, motion) = (0.5 / 12.0_f64.sqrt(), watch.all[1] - watch.all[0]);
+        let (steps, motion) =
+            (0.5 / 12.0_f64.sqrt(), check.input_range_rad[1] - check.input_range_rad[0]);
         assert!((motion - 2.5).abs() < 0.001);
-        assert!((watch.step_share(steps) - steps / motion).abs() < 1e-12);
-        assert!(watch.step_share(0.5_f64.hypot(steps)) < 0.003 * steps);
-        assert!(watch.step_share(0.0) > 0.0);
-        assert!(Watch::new(0, 0.0, 0.0, 0.0).step_share(0.1) == 0.0);
+        assert!((check.step_share(steps) - steps / motion).abs() < 1e-12);
+        assert!(check.step_share(0.5_f64.hypot(steps)) < 0.003 * steps);
+        assert!(check.step_share(0.0) > 0.0);
+        assert!(RollSensorCheck::new(0, 0.0, 0.0, 0.0).step_share(0.1) == 0.0);
     }
 
     #[test]
@@ -206,13 +210,13 @@ mod tests {
     fn a_seventh_of_the_motion_is_the_longest_standstill() {
         // Before and after, the angle also counts as constant within 2 % of the motion.
         for (share, hangs) in [(0.10, false), (0.16, true)] {
-            let mut watch = Watch::new(0, -1.0, -1.0, -1.0);
+            let mut check = RollSensorCheck::new(0, -1.0, -1.0, -1.0);
             for k in 1..=2000_u32 {
                 let expected = f64::from(k) / 1000.0 - 1.0;
                 let stands = expected > 0.3 && expected <= 0.3 + 2.0 * share;
-                watch.push(slow(k), if stands { 0.3 } else { expected }, expected, expected);
+                check.push(slow(k), if stands { 0.3 } else { expected }, expected, expected);
             }
-            match watch.standstill(0.15) {
+            match check.standstill(0.15) {
                 Some(Inconsistency::Standstill { roll_rad }) => {
                     assert!(hangs && (roll_rad - 0.3).abs() < 0.04, "{share}: {roll_rad}");
                 }
@@ -226,14 +230,14 @@ mod tests {
     #[test]
     fn three_steps_are_the_longest_standstill_of_a_coarse_sensor() {
         for (left_out, hangs) in [(1, false), (3, true)] {
-            let mut watch = Watch::new(0, 0.0, 0.0, 0.0);
+            let mut check = RollSensorCheck::new(0, 0.0, 0.0, 0.0);
             for k in 1..=1000_u32 {
                 let place = k / 100;
                 let shown = if place > 4 && place <= 4 + left_out { 4 } else { place };
                 let expected = f64::from(k) / 1000.0;
-                watch.push(slow(k), 0.1 * f64::from(shown), expected, expected);
+                check.push(slow(k), 0.1 * f64::from(shown), expected, expected);
             }
-            assert_eq!(watch.standstill(0.15).is_some(), hangs, "{left_out}");
+            assert_eq!(check.standstill(0.15).is_some(), hangs, "{left_out}");
         }
     }
 
@@ -241,15 +245,15 @@ mod tests {
     /// reduces the effect of the steps to a quarter.
     #[test]
     fn noise_of_a_step_carries_by_the_law_that_is_written_there() {
-        let mut watch = Watch::new(0, 0.0, -1.0, -1.0);
+        let mut check = RollSensorCheck::new(0, 0.0, -1.0, -1.0);
         for k in 1..=8_u32 {
             let expected = f64::from(k) / 4.0 - 1.0;
-            watch.push(slow(k), 0.25 * f64::from(k), expected, expected);
+            check.push(slow(k), 0.25 * f64::from(k), expected, expected);
         }
         let q = 0.25_f64;
         let sd = q * (1.0 / 12.0 + 1.0 / (2.0 * core::f64::consts::PI.powi(2))).sqrt();
         let expected = q / 12.0_f64.sqrt() / 2.0 / 4.0;
         // The lag reduces the motion by 1.2e-4.
-        assert!((watch.step_share(sd) / expected - 1.0).abs() < 1e-3);
+        assert!((check.step_share(sd) / expected - 1.0).abs() < 1e-3);
     }
 }

@@ -1,7 +1,7 @@
 //! The part of a drive whose rows are in the identifiers.
 
 use crate::decide::condition::{Row, STRAIGHT_MPS2};
-use crate::decide::consistency::Watch;
+use crate::decide::consistency::RollSensorCheck;
 use crate::math::real::Real;
 
 /// The part of the drive whose rows are in the identifiers.
@@ -26,7 +26,7 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) weight: T,
     /// One for each roll angle, at the place of its first channel. It starts with the first row,
     /// because a dead band shows at the beginning of a turn.
-    watches: [Option<Watch<T>>; C],
+    sensor_checks: [Option<RollSensorCheck<T>>; C],
 }
 
 impl<T: Real, const C: usize> Window<T, C> {
@@ -45,7 +45,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             to_gravity: false,
             trailer_mass_kg: T::zero(),
             weight: T::zero(),
-            watches: [None; C],
+            sensor_checks: [None; C],
         }
     }
 
@@ -86,19 +86,21 @@ impl<T: Real, const C: usize> Window<T, C> {
         self.lateral_square.root().max(T::of(STRAIGHT_MPS2))
     }
 
-    /// Adds a measured roll angle, its input and the expected one to the watch at this place.
+    /// Adds a measured roll angle, its input and the expected one to the check at this place.
     pub(crate) fn look(&mut self, place: usize, time_us: u64, roll_rad: T, expected: [T; 2]) {
         let [input_rad, model_rad] = expected;
-        match self.watches.get_mut(place) {
-            Some(Some(watch)) => watch.push(time_us, roll_rad, input_rad, model_rad),
-            Some(watch) => *watch = Some(Watch::new(time_us, roll_rad, input_rad, model_rad)),
+        match self.sensor_checks.get_mut(place) {
+            Some(Some(check)) => check.push(time_us, roll_rad, input_rad, model_rad),
+            Some(check) => {
+                *check = Some(RollSensorCheck::new(time_us, roll_rad, input_rad, model_rad));
+            }
             None => {}
         }
     }
 
-    /// The watch at this place.
-    pub(crate) fn watch(&self, place: usize) -> Option<&Watch<T>> {
-        self.watches.get(place)?.as_ref()
+    /// The check of the roll angle at this place.
+    pub(crate) fn watch(&self, place: usize) -> Option<&RollSensorCheck<T>> {
+        self.sensor_checks.get(place)?.as_ref()
     }
 }
 

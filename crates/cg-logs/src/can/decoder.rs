@@ -323,9 +323,9 @@ BO_ 291 PLAIN: 8 TILT
         let (identifier, mut data) = sent(j1939::ROLL_FINE, 0.1);
         data[6] = 0x9F; // not compensated, error
         let frame = Frame::new(0, identifier, true, &data).unwrap();
-        let said = |decoder: &Decoder| decoder.decode(&frame, |_, _, _| panic!("no value"));
-        assert_eq!(said(&decoder(&[])), Some(Slope { compensation: 1, merit: 2 }));
-        assert_eq!(said(&decoder(&["roll=SLOPE.Angle"])), None);
+        let slope = |decoder: &Decoder| decoder.decode(&frame, |_, _, _| panic!("no value"));
+        assert_eq!(slope(&decoder(&[])), Some(Slope { compensation: 1, merit: 2 }));
+        assert_eq!(slope(&decoder(&["roll=SLOPE.Angle"])), None);
     }
 
     #[test]

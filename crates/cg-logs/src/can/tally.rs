@@ -7,14 +7,14 @@ use crate::place::Position;
 
 /// A counted kind of finding: its count, its first value and the position of this value in a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Found {
+struct FindingCount {
     count: u64,
     first: f64,
     place: Option<Position>,
-    told: bool,
+    reported: bool,
 }
 
-impl Found {
+impl FindingCount {
     fn add(&mut self, value: f64, place: Option<Position>) -> bool {
         if self.count == 0 {
             (self.first, self.place) = (value, place);
@@ -27,10 +27,10 @@ impl Found {
 /// Counts of implausible and doubtful values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    implausible: [Found; Quantity::COUNT],
-    degraded: Found,
-    faulty: Found,
-    unsaid: Found,
+    implausible: [FindingCount; Quantity::COUNT],
+    degraded: FindingCount,
+    faulty: FindingCount,
+    compensation_unknown: FindingCount,
     /// Whether there is a finding that has not been reported.
     fresh: bool,
 }
@@ -44,15 +44,15 @@ impl Tally {
     }
 
     /// Counts what a slope sensor reports about its roll angle.
-    pub fn slope(&mut self, said: Slope, rule: Compensation) {
-        if said.quantity(rule).is_none() {
+    pub fn slope(&mut self, slope: Slope, rule: Compensation) {
+        if slope.quantity(rule).is_none() {
             self.fresh |= self.faulty.add(0.0, None);
-        } else if said.merit == 1 {
+        } else if slope.merit == 1 {
             self.fresh |= self.degraded.add(0.0, None);
         }
         let by_bits = matches!(rule, Compensation::Bits | Compensation::InvertedBits);
-        if by_bits && said.compensation == 3 {
-            self.fresh |= self.unsaid.add(0.0, None);
+        if by_bits && slope.compensation == 3 {
+            self.fresh |= self.compensation_unknown.add(0.0, None);
         }
     }
 
@@ -78,28 +78,37 @@ impl Tally {
             return Vec::new();
         }
         let all = self.sentences(settings);
-        let told =
-            self.counts_mut().map(|count| std::mem::replace(&mut count.told, count.count > 0));
-        all.into_iter().zip(told).filter(|(_, told)| !told).filter_map(|(found, _)| found).collect()
+        let reported =
+            self.counts_mut().map(|count| std::mem::replace(&mut count.reported, count.count > 0));
+        all.into_iter()
+            .zip(reported)
+            .filter(|(_, reported)| !reported)
+            .filter_map(|(found, _)| found)
+            .collect()
     }
 
     /// All findings with their counts.
     pub fn remarks(&self, settings: &AlignSettings<f64>) -> Vec<String> {
-        let counted = |(said, count): (Option<(&'static str, String)>, Found)| {
-            said.map(|(signal, sentence)| format!("{signal}: {sentence} ({} in all)", count.count))
+        let counted = |(finding, count): (Option<(&'static str, String)>, FindingCount)| {
+            finding
+                .map(|(signal, sentence)| format!("{signal}: {sentence} ({} in all)", count.count))
         };
         self.sentences(settings).into_iter().zip(self.counts()).filter_map(counted).collect()
     }
 
-    fn counts(&self) -> [Found; Quantity::COUNT + 3] {
-        let mut counts = [Found::default(); Quantity::COUNT + 3];
+    fn counts(&self) -> [FindingCount; Quantity::COUNT + 3] {
+        let mut counts = [FindingCount::default(); Quantity::COUNT + 3];
         counts[..Quantity::COUNT].copy_from_slice(&self.implausible);
-        counts[Quantity::COUNT..].copy_from_slice(&[self.degraded, self.faulty, self.unsaid]);
+        counts[Quantity::COUNT..].copy_from_slice(&[
+            self.degraded,
+            self.faulty,
+            self.compensation_unknown,
+        ]);
         counts
     }
 
-    fn counts_mut(&mut self) -> impl Iterator<Item = &mut Found> {
-        let slope = [&mut self.degraded, &mut self.faulty, &mut self.unsaid];
+    fn counts_mut(&mut self) -> impl Iterator<Item = &mut FindingCount> {
+        let slope = [&mut self.degraded, &mut self.faulty, &mut self.compensation_unknown];
         self.implausible.iter_mut().chain(slope)
     }
 
@@ -128,7 +137,7 @@ impl Tally {
                  values count as absent",
             ),
             (
-                self.unsaid,
+                self.compensation_unknown,
                 "the slope sensor does not report whether it compensates its angle for the \
                  vehicle's accelerations; it is treated as an inclinometer, which does not; if it \
                  does, give ⟨roll_compensated yes⟩",

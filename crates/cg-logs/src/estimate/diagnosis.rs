@@ -172,8 +172,8 @@ impl Evidence<'_> {
             wanted(Channel::Steer, Channel::LateralAcceleration, lateral)? / steer.value;
         let lateral_gain =
             wanted(Channel::LateralAcceleration, Channel::Steer, steer)? / lateral.value;
-        let told = steer_gain > 0.0 && (steer_gain - 1.0).abs() > NOTEWORTHY;
-        told.then_some(Cause::Gain { steer: steer_gain, lateral: lateral_gain })
+        let is_noteworthy = steer_gain > 0.0 && (steer_gain - 1.0).abs() > NOTEWORTHY;
+        is_noteworthy.then_some(Cause::Gain { steer: steer_gain, lateral: lateral_gain })
     }
 }
 
@@ -250,9 +250,9 @@ mod tests {
         for spread in design.spread.iter_mut().flatten() {
             (spread.covariance[0][0], spread.covariance[1][1]) = (1e-8, 1e-8);
         }
-        for (gain, told) in [(0.94, true), (0.96, false), (1.04, false), (1.06, true)] {
+        for (gain, named) in [(0.94, true), (0.96, false), (1.04, false), (1.06, true)] {
             let found = causes_of(&design, [Some(STEER / gain), Some(LATERAL)]);
-            assert_eq!(found.len(), usize::from(told), "{gain}: {found:?}");
+            assert_eq!(found.len(), usize::from(named), "{gain}: {found:?}");
         }
     }
 

@@ -26,9 +26,9 @@ impl LogEstimator {
         let channel = self.options.channel.or_else(|| self.engine.best_channel());
         // If no channel has a height, the reason comes from a channel whose signal is present.
         let there = |one: &Channel| self.last_reject(*one).is_some_and(|why| why != Reject::Absent);
-        let told = || Channel::ALL.into_iter().rev().find(there);
-        let shown = channel.or_else(told).unwrap_or(Channel::LateralAcceleration);
-        let mut estimate = self.unanswered(shown, channel);
+        let with_signal = || Channel::ALL.into_iter().rev().find(there);
+        let shown = channel.or_else(with_signal).unwrap_or(Channel::LateralAcceleration);
+        let mut estimate = self.empty_estimate(shown, channel);
         estimate.messages = self.messages();
         let together = self.together();
         estimate.status = together.verdict;
@@ -187,7 +187,7 @@ impl LogEstimator {
         if verdict != Verdict::Rejected {
             identified.messages.splice(0..0, remark);
         }
-        for channel in self.asked() {
+        for channel in self.reported_channels() {
             let Some(height) = self.engine.height(channel) else {
                 identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
                 continue;
@@ -196,11 +196,16 @@ impl LogEstimator {
             identified.ratio[channel.index()] =
                 self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
         }
+        let by_road = |one: &Channel| matches!(self.last_reject(*one), Some(Reject::Road { .. }));
+        let hidden = Channel::ALL.into_iter().find(by_road);
+        if let Some(channel) = hidden.filter(|_| identified.ratio.iter().all(Option::is_none)) {
+            identified.messages.extend(self.road(channel, None));
+        }
         identified
     }
 
     /// The result without a height.
-    fn unanswered(&self, shown: Channel, channel: Option<Channel>) -> LogEstimate {
+    fn empty_estimate(&self, shown: Channel, channel: Option<Channel>) -> LogEstimate {
         let origin_s = self.origin_s.unwrap_or(0.0);
         LogEstimate {
             status: Verdict::Rejected,
@@ -217,7 +222,11 @@ impl LogEstimator {
             snr_db: None,
             fit_percent: None,
             static_rollover_threshold_g: None,
-            channels: self.asked().into_iter().map(|channel| self.alone(channel)).collect(),
+            channels: self
+                .reported_channels()
+                .into_iter()
+                .map(|channel| self.alone(channel))
+                .collect(),
             maneuvers: self
                 .maneuvers
                 .iter()
@@ -231,7 +240,7 @@ impl LogEstimator {
 
     /// The channels of the result: the requested one, or the two of the roll angle and those others
     /// whose signals are present.
-    fn asked(&self) -> Vec<Channel> {
+    fn reported_channels(&self) -> Vec<Channel> {
         if let Some(channel) = self.options.channel {
             return vec![channel];
         }

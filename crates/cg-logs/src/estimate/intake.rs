@@ -42,7 +42,7 @@ pub struct LogEstimator {
     pub(super) origin_s: Option<f64>,
     pub(super) rows: u64,
     pub(super) absent_rows: u64,
-    pub(super) seen: Seen,
+    pub(super) seen: SignalsSeen,
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
@@ -53,7 +53,7 @@ pub struct LogEstimator {
 /// Which optional signals the log contains.
 #[derive(Clone, Copy, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "one flag per signal")]
-pub(super) struct Seen {
+pub(super) struct SignalsSeen {
     pub(super) speed: bool,
     pub(super) mass: bool,
     pub(super) unscaled_steering_wheel: bool,
@@ -85,7 +85,7 @@ impl LogEstimator {
             origin_s: None,
             rows: 0,
             absent_rows: 0,
-            seen: Seen::default(),
+            seen: SignalsSeen::default(),
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             check: SignalCheck::default(),
             maneuvers: Vec::new(),

@@ -151,11 +151,11 @@ impl LogEstimator {
 
     /// The heights of all channels in words.
     pub(super) fn heights(&self) -> String {
-        let told = |channel: Channel| {
+        let text = |channel: Channel| {
             let height = self.engine.height(channel)?.height_m;
             Some(format!("{channel} channel {:.3} ± {:.3} m", height.value, height.sd))
         };
-        Channel::ALL.into_iter().filter_map(told).collect::<Vec<_>>().join(", ")
+        Channel::ALL.into_iter().filter_map(text).collect::<Vec<_>>().join(", ")
     }
 
     /// The reason why the height of one channel is not used.

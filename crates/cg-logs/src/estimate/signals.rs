@@ -178,9 +178,9 @@ mod tests {
 
     #[test]
     fn each_fault_is_named() {
-        let named = |told: Option<String>, word: &str| {
-            let told = told.unwrap();
-            assert!(told.contains(word), "{told}");
+        let named = |message: Option<String>, word: &str| {
+            let message = message.unwrap();
+            assert!(message.contains(word), "{message}");
         };
         named(checked(|a| -a, 1.0), "reversed");
         named(checked(|a| a / 9.81, 1.0), "in g");
@@ -265,7 +265,7 @@ mod tests {
     }
 
     /// What is said about a log with these statistics; the roll angle is 0.03 rad per m/s².
-    fn said(rows: f64, sd_mps2: f64, slope: f64) -> Option<String> {
+    fn gain_message(rows: f64, sd_mps2: f64, slope: f64) -> Option<String> {
         let square = rows * sd_mps2 * sd_mps2;
         let pair = |slope: f64| Pair { mean: [0.0; 2], sums: [square, slope * square] };
         let check =
@@ -275,16 +275,16 @@ mod tests {
 
     #[test]
     fn few_rows_or_weak_turns_are_not_judged() {
-        assert!(said(100.0, 0.31, 2.0).is_some());
-        assert!(said(99.0, 0.31, 2.0).is_none());
-        assert!(said(100.0, 0.29, 2.0).is_none());
-        assert!(said(1000.0, 0.29, 2.0).is_none());
+        assert!(gain_message(100.0, 0.31, 2.0).is_some());
+        assert!(gain_message(99.0, 0.31, 2.0).is_none());
+        assert!(gain_message(100.0, 0.29, 2.0).is_none());
+        assert!(gain_message(1000.0, 0.29, 2.0).is_none());
     }
 
     #[test]
     fn gains_within_fifteen_percent_are_good() {
         for (slope, good) in [(0.84, false), (0.86, true), (1.14, true), (1.16, false)] {
-            assert_eq!(said(1000.0, 1.0, slope).is_none(), good, "{slope}");
+            assert_eq!(gain_message(1000.0, 1.0, slope).is_none(), good, "{slope}");
         }
     }
 
@@ -299,10 +299,10 @@ mod tests {
         ];
         for (slope, words) in known {
             for (factor, named) in [(0.89, false), (0.91, true), (1.09, true), (1.11, false)] {
-                let told = said(1000.0, 1.0, slope * factor).unwrap();
-                assert!(told.contains(&format!(" {:.2} times", slope * factor)), "{told}");
-                assert_eq!(told.contains(words), named, "{told}");
-                assert_eq!(told.contains("the gain of one"), !named, "{told}");
+                let message = gain_message(1000.0, 1.0, slope * factor).unwrap();
+                assert!(message.contains(&format!(" {:.2} times", slope * factor)), "{message}");
+                assert_eq!(message.contains(words), named, "{message}");
+                assert_eq!(message.contains("the gain of one"), !named, "{message}");
             }
         }
     }

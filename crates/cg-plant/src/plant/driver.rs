@@ -100,21 +100,21 @@ impl Driver {
 
     /// The steer angle for the next step.
     pub fn steer_rad(&mut self, run: &Simulation<'_>) -> f64 {
-        let wanted = self.wanted(run);
-        let answered = match self.delayed.get_mut(self.next) {
-            Some(oldest) => std::mem::replace(oldest, wanted),
-            None => wanted,
+        let demanded_rad = self.demanded_steer_rad(run);
+        let delayed_rad = match self.delayed.get_mut(self.next) {
+            Some(oldest) => std::mem::replace(oldest, demanded_rad),
+            None => demanded_rad,
         };
         self.next = if self.next + 1 < self.delayed.len() { self.next + 1 } else { 0 };
         if self.lag_s > 0.0 {
-            self.steer_rad += (answered - self.steer_rad) * self.interval_s / self.lag_s;
+            self.steer_rad += (delayed_rad - self.steer_rad) * self.interval_s / self.lag_s;
         } else {
-            self.steer_rad = answered;
+            self.steer_rad = delayed_rad;
         }
         self.steer_rad
     }
 
-    fn wanted(&mut self, run: &Simulation<'_>) -> f64 {
+    fn demanded_steer_rad(&mut self, run: &Simulation<'_>) -> f64 {
         let value = |c| run.state.get(c);
         let position = [value(Coordinate::PositionX), value(Coordinate::PositionY)];
         self.arc_m = self.path.nearest(position, self.arc_m);

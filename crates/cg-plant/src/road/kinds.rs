@@ -11,7 +11,9 @@
 //! 0.8 s, as a driver rounds the ends of a clothoid.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 
+use cg_core::Word;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
@@ -51,7 +53,35 @@ const LANE_CHANGE_S: f64 = 7.0;
 const RAMP_M: f64 = 257.0;
 const KMH: f64 = 1.0 / 3.6;
 
+impl RoadKind {
+    /// The kind with this name; `None` for the path of a file. A file that is named like a kind is
+    /// `./rural`.
+    pub fn of_name(name: &Path) -> Option<Self> {
+        name.to_str()?.parse().ok()
+    }
+}
+
 impl Road {
+    /// The road of a usual kind with this name, or the one in this CSV file.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn named(name: &Path, seed: u64) -> Result<Self, VehicleError> {
+        match RoadKind::of_name(name) {
+            Some(kind) => Self::kind(kind, seed),
+            None => Self::load(name).map_err(|error| match error {
+                VehicleError::Read { file, source } => {
+                    let kinds: Vec<&str> =
+                        RoadKind::WORDS.iter().map(|(_, word, _)| *word).collect();
+                    let kinds = kinds.join(", ");
+                    let file = format!("{file} (a road is a file or one of {kinds})");
+                    VehicleError::Read { file, source }
+                }
+                other => other,
+            }),
+        }
+    }
+
     /// A road of a usual kind; `seed` determines its curves. A drive on it takes 120 s (rural: 150 s).
     ///
     /// # Errors

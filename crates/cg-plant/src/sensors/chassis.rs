@@ -136,10 +136,10 @@ impl ChassisInstruments {
         let sensors = self.sensors;
         let left = sensors.level(sensors.level_offset_m);
         let right = sensors.level(0.0);
-        row.level_left_m = self.shown(truth.level_left_m, left);
-        row.level_right_m = self.shown(truth.level_right_m, right);
-        row.tractor_level_left_m = self.shown(truth.tractor_level_left_m, left);
-        row.tractor_level_right_m = self.shown(truth.tractor_level_right_m, right);
+        row.level_left_m = self.measured(truth.level_left_m, left);
+        row.level_right_m = self.measured(truth.level_right_m, right);
+        row.tractor_level_left_m = self.measured(truth.tractor_level_left_m, left);
+        row.tractor_level_right_m = self.measured(truth.tractor_level_right_m, right);
         let error_m = |left: f64, true_left: f64, right: f64, true_right: f64| {
             (left - true_left) - (right - true_right)
         };
@@ -158,10 +158,10 @@ impl ChassisInstruments {
             self.force(truth.tractor_lateral_specific_force_mps2);
         let frame = sensors.tilt(sensors.tilt_offset_rad);
         let axle = sensors.tilt(0.0);
-        row.tilt_rad = self.shown(truth.tilt_rad + sensors.mounting_rad, frame);
-        row.axle_tilt_rad = self.shown(truth.axle_tilt_rad, axle);
-        row.tractor_tilt_rad = self.shown(truth.tractor_tilt_rad + sensors.mounting_rad, frame);
-        row.tractor_axle_tilt_rad = self.shown(truth.tractor_axle_tilt_rad, axle);
+        row.tilt_rad = self.measured(truth.tilt_rad + sensors.mounting_rad, frame);
+        row.axle_tilt_rad = self.measured(truth.axle_tilt_rad, axle);
+        row.tractor_tilt_rad = self.measured(truth.tractor_tilt_rad + sensors.mounting_rad, frame);
+        row.tractor_axle_tilt_rad = self.measured(truth.tractor_axle_tilt_rad, axle);
     }
 
     /// The reading of an accelerometer. Vertically it feels gravity.
@@ -173,14 +173,14 @@ impl ChassisInstruments {
             sensors.accelerometer_noise_mps2,
             sensors.accelerometer_quantisation_mps2,
         );
-        self.shown(true_mps2 * cos + self.gravity_mps2 * sin, fault)
+        self.measured(true_mps2 * cos + self.gravity_mps2 * sin, fault)
     }
 
-    fn shown(&mut self, value: f64, (offset, sd, step): Fault) -> f64 {
-        let mut shown = value + offset;
+    fn measured(&mut self, value: f64, (offset, sd, step): Fault) -> f64 {
+        let mut measured = value + offset;
         if sd > 0.0 {
-            shown += Normal::new(0.0, sd).map_or(0.0, |noise| noise.sample(&mut self.chance));
+            measured += Normal::new(0.0, sd).map_or(0.0, |noise| noise.sample(&mut self.chance));
         }
-        if step > 0.0 { (shown / step).round() * step } else { shown }
+        if step > 0.0 { (measured / step).round() * step } else { measured }
     }
 }

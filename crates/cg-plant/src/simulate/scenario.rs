@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::maneuver::{Course, Histories, Maneuver};
+use crate::road::Road;
 use crate::sensors::{ChassisSensors, Sensors};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::limits;
@@ -97,6 +98,15 @@ impl Scenario {
         self.course.map_or(self.duration_s, |course| {
             self.start_s + course.length_m() / self.speed_mps + AFTER_S
         })
+    }
+
+    /// The default length of a drive on a road.
+    pub fn usual_duration_on_s(&self, road: &Road) -> f64 {
+        if road.has_speed() {
+            road.usual_duration_s()
+        } else {
+            road.clone().limited_to(self.speed_mps).usual_duration_s()
+        }
     }
 
     /// The default speed change: some in a drive of the nonlinear plant, otherwise none.

@@ -40,8 +40,8 @@ from cgheight._native import Vehicle, __version__, linear_model
 from cgheight._predict import predict_roll
 from cgheight._reproduce import reproduce
 from cgheight._results import ChannelEstimate, Estimate, Maneuver
-from cgheight._scenario import Scenario, Sensors
-from cgheight._simulate import SimulatedLog, Truth, accuracy_map, simulate
+from cgheight._scenario import ChassisSensors, Scenario, Sensors
+from cgheight._simulate import RoadTruth, SimulatedLog, Truth, accuracy_map, simulate
 from cgheight._transfer import TransferFunction
 
 __all__ = [
@@ -49,6 +49,7 @@ __all__ = [
     "Arx",
     "ArxModel",
     "ChannelEstimate",
+    "ChassisSensors",
     "Estimate",
     "Estimates",
     "Estimator",
@@ -57,6 +58,7 @@ __all__ = [
     "OrderSelection",
     "RatioLine",
     "ReducedModel",
+    "RoadTruth",
     "Scenario",
     "Sensors",
     "SimulatedLog",

@@ -87,6 +87,7 @@ def write_request(
         "keyword": keyword,
         "path": os.fspath(path),
         "log": source,
+        "road": None,
         "vehicle": vehicle,
         "force": bool(force),
     }

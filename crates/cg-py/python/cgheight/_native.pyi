@@ -225,8 +225,8 @@ def simulate_log(
     vehicle: Vehicle,
     request: Scenario,
     /,
-) -> tuple[dict[str, NDArray[np.float64]], str]:
-    """Simulate a log: a dict of columns, and the truth as JSON."""
+) -> tuple[dict[str, NDArray[np.float64]], str, dict[str, NDArray[np.float64]] | None]:
+    """Simulate a log: columns, the truth as JSON, and on a road the places on the way."""
 
 def score_accuracy(
     vehicle: Vehicle,

@@ -3,13 +3,28 @@
 from __future__ import annotations
 
 import operator
+import os
 from dataclasses import KW_ONLY, dataclass, fields
 from typing import Any, Literal
 
 from cgheight._arrays import number
 
 ManeuverName = Literal["rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"]
+RoadName = Literal["rural", "motorway", "roundabouts"]
 PlantName = Literal["linear", "reduced", "nonlinear"]
+
+
+# What a drive on a road does not have.
+_OF_MANEUVERS = (
+    "steer_rad",
+    "start_s",
+    "step_rate_per_s",
+    "turn_rad",
+    "radius_m",
+    "gate_m",
+    "speed_change",
+    "to_rollover",
+)
 
 
 def _numbers(options: Any) -> None:
@@ -71,16 +86,57 @@ class Sensors:
         _numbers(self)
 
 
-@dataclass(frozen=True, slots=True)
-class Scenario:
-    """A maneuver of a vehicle, and how it is simulated and measured.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChassisSensors:
+    """Errors of the sensors on frames and axles, in a drive on a road; the default is none.
 
     Attributes
     ----------
-    maneuver : {"rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"}
-        The maneuver after `start_s` of straight driving.
+    level_offset_m, level_noise_m, level_quantisation_m : float
+        Constant offset of the left level sensors, standard deviation of white noise on each level,
+        and quantization step, m.
+    accelerometer_offset_mps2, accelerometer_noise_mps2, accelerometer_quantisation_mps2 : float
+        The same of the accelerometers, m/s².
+    tilt_offset_rad, tilt_noise_rad, tilt_quantisation_rad : float
+        The same of the inclinometers, rad; those on the axles have no offset.
+    mounting_rad : float
+        Roll angle at which accelerometers and inclinometers are mounted on the frames, rad.
+    """
+
+    level_offset_m: float = 0.0
+    level_noise_m: float = 0.0
+    level_quantisation_m: float = 0.0
+    accelerometer_offset_mps2: float = 0.0
+    accelerometer_noise_mps2: float = 0.0
+    accelerometer_quantisation_mps2: float = 0.0
+    tilt_offset_rad: float = 0.0
+    tilt_noise_rad: float = 0.0
+    tilt_quantisation_rad: float = 0.0
+    mounting_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        _numbers(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A maneuver or a drive on a road, and how it is simulated and measured.
+
+    Attributes
+    ----------
+    maneuver : {"rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"}, optional
+        The maneuver after `start_s` of straight driving; give it or `road`.
+    road : {"rural", "motorway", "roundabouts"} or path, optional
+        A road that the nonlinear plant drives along: a usual kind, whose curves `seed` determines,
+        or a CSV file (``distance_m, curvature_per_m, bank_rad`` and, with speed limits,
+        ``speed_mps``). The log then also has the signals of the chassis: levels, specific forces,
+        inclinometers, suspension roll, of trailer and tractor.
+    chassis : ChassisSensors
+        The errors of these signals.
     plant : {"linear", "reduced", "nonlinear"}
-        The simulated model: the full linear model, its 5th-order reduction, or the nonlinear plant.
+        The simulated model of a maneuver: the full linear model, its 5th-order reduction, or the
+        nonlinear plant. A drive on a road always takes the nonlinear plant.
     model : {"complete", "as-printed"}
         Equations of the linear model.
     height_m : float, optional
@@ -88,12 +144,14 @@ class Scenario:
     trailer_mass_kg, payload_kg : float, optional
         Mass of the whole semitrailer, or of its payload, kg; give at most one of them.
     speed_mps : float, optional
-        Forward speed, m/s; the vehicle's nominal speed if absent.
+        Forward speed, m/s, on a road the greatest one; if absent, the vehicle's nominal speed, or
+        the limits of the road.
     steer_rad : float, optional
         Amplitude of the road-wheel angle, rad; if absent, the one that gives 0.17 g.
     rate_hz, start_s, duration_s : float
         Samples per second; straight driving before the maneuver, s; length of the log, s. The
-        default length is 20 s, 300 s for a drive, and as long as needed for a driver's path.
+        default length is 20 s, 300 s for a drive, as long as needed for a driver's path, and 120 to
+        150 s on a road.
     step_rate_per_s : float, optional
         Rate of the rounded steps, 1/s.
     turn_rad, radius_m, gate_m : float, optional
@@ -107,11 +165,13 @@ class Scenario:
     sensors : Sensors
         The errors of the sensors.
     seed : int
-        Seed of the random numbers for sensors and drive.
+        Seed of the random numbers for sensors, drive and road.
     """
 
-    maneuver: ManeuverName
+    maneuver: ManeuverName | None = None
     _: KW_ONLY
+    road: RoadName | str | os.PathLike[str] | None = None
+    chassis: ChassisSensors = ChassisSensors()
     plant: PlantName = "linear"
     model: Literal["complete", "as-printed"] = "complete"
     height_m: float | None = None
@@ -132,6 +192,14 @@ class Scenario:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Check the numbers, and that they are those of a maneuver or those of a road."""
+        if (self.maneuver is None) == (self.road is None):
+            raise ValueError("give either maneuver or road")
+        others = ("chassis",) if self.road is None else _OF_MANEUVERS
+        usual = {each.name: each.default for each in fields(self)}
+        given = [name for name in others if getattr(self, name) != usual[name]]
+        if given:
+            kind = "a drive on a road" if self.road is None else "a maneuver"
+            raise ValueError(f"{', '.join(given)}: only for {kind}; leave it out")
         _numbers(self)
         object.__setattr__(self, "seed", operator.index(self.seed))

@@ -22,7 +22,39 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-class Truth(TypedDict):
+class RoadTruth(TypedDict):
+    """The road of a simulated log, a dict with these keys.
+
+    Attributes
+    ----------
+    name : str
+        The kind of the road, or the path of its file.
+    driven_m : float
+        Distance driven, m.
+    bank_rad : list of float
+        Least and greatest bank on the way, left side higher positive, rad.
+    """
+
+    name: str
+    driven_m: float
+    bank_rad: list[float]
+
+
+class _OnRoad(TypedDict, total=False):
+    road: RoadTruth
+    level_offset_m: float
+    level_noise_m: float
+    level_quantisation_m: float
+    accelerometer_offset_mps2: float
+    accelerometer_noise_mps2: float
+    accelerometer_quantisation_mps2: float
+    tilt_offset_rad: float
+    tilt_noise_rad: float
+    tilt_quantisation_rad: float
+    mounting_rad: float
+
+
+class Truth(_OnRoad):
     """The true values of a simulated log, a dict with these keys.
 
     Attributes
@@ -34,7 +66,7 @@ class Truth(TypedDict):
     trailer_mass_kg : float
         Mass of the whole semitrailer, kg.
     speed_mps : float
-        Forward speed, m/s; in a drive, the speed about which it varies.
+        Forward speed, m/s; in a drive, the speed about which it varies; on a road, the mean.
     steer_rad : float
         Amplitude of the steer angle at the road wheels, rad; with a driver, the greatest angle.
     ratio : float
@@ -51,6 +83,14 @@ class Truth(TypedDict):
         Time of the rollover, s, if there was one.
     seed : int
         Seed of the random numbers.
+    road : RoadTruth
+        The road, only in a drive on one, as are all that follow.
+    level_offset_m, level_noise_m, level_quantisation_m
+        Errors of the level sensors, as in `ChassisSensors`.
+    accelerometer_offset_mps2, accelerometer_noise_mps2, accelerometer_quantisation_mps2
+        Those of the accelerometers.
+    tilt_offset_rad, tilt_noise_rad, tilt_quantisation_rad, mounting_rad
+        Those of the inclinometers, and the roll angle at which both are mounted.
     """
 
     vehicle: str
@@ -89,10 +129,14 @@ class SimulatedLog:
         with the errors of the sensors; NaN where a value was lost.
     truth : Truth
         The true height, the load and the maneuver, and the errors that the sensors added.
+    track : dict of str to array, shape (m,), or None
+        Where the vehicle was on its road, every 0.1 s: ``time_s``, ``distance_m`` (of the front
+        axle) and ``bank_rad``; None for a maneuver.
     """
 
     signals: dict[str, NDArray[np.float64]]
     truth: Truth
+    track: dict[str, NDArray[np.float64]] | None = None
 
     def to_frame(self) -> pd.DataFrame:
         """Return the columns as a pandas DataFrame, which `estimate_log` accepts."""
@@ -124,12 +168,12 @@ def simulate(
     vehicle : Vehicle
         The vehicle.
     scenario : Scenario
-        The maneuver, the load and the sensors.
+        The maneuver or the road, the load and the sensors.
     output : str or os.PathLike, optional
         Path to which the log is also written, as by `write_log`.
     force : bool
-        Whether `output` may replace a file that this package did not write. The vehicle file is
-        never replaced.
+        Whether `output` may replace a file that this package did not write. The vehicle file and
+        the file of a road are never replaced.
 
     Returns
     -------
@@ -143,6 +187,8 @@ def simulate(
         other.
     FileExistsError
         `output` exists, was not written by this package, and `force` is false.
+    FileNotFoundError
+        `road` is neither a kind of road nor a file.
     OSError
         `output` cannot be written.
 
@@ -161,9 +207,10 @@ def simulate(
     True
     """
     if output is not None:
-        _native.may_write(write_request("output", output, None, vehicle, force))
-    signals, truth = _native.simulate_log(vehicle, scenario)
-    log = SimulatedLog(signals, json.loads(truth))
+        request = write_request("output", output, None, vehicle, force)
+        _native.may_write(request | {"road": scenario.road})
+    signals, truth, track = _native.simulate_log(vehicle, scenario)
+    log = SimulatedLog(signals, json.loads(truth), track)
     if output is not None:
         write_log(log, output, vehicle=vehicle, force=force)
     return log

@@ -168,20 +168,20 @@ pub(super) fn over_range(
     let calibrated = printed
         .row
         .iter()
-        .find(|row| (row.true_m.meant() - calibration_m).abs() < 1e-3)
+        .find(|row| (row.true_m.corrected_value() - calibration_m).abs() < 1e-3)
         .ok_or_else(|| VehicleError::Model("Table 5.11 has no row at 1.973 m".to_owned()))?;
-    let at_m = calibrated.true_m.meant();
+    let at_m = calibrated.true_m.corrected_value();
     let [as_printed, complete] = [&base.as_printed, &base.complete].map(|model| model.ratio[0]);
     let [for_printed, for_complete] = [as_printed, complete]
-        .map(|line| gain(calibrated.estimated_m.meant()) / line.ratio_at(at_m));
+        .map(|line| gain(calibrated.estimated_m.corrected_value()) / line.ratio_at(at_m));
     let note = "R_c that the complete model needs at 1.973 m: nearly one";
     let mut rows = vec![
         Row::ours(table, "R_c, as printed", for_printed, "eq. 5.19 has 1.4894"),
         Row::ours(table, "R_c, complete", for_complete, note),
     ];
     for row in &printed.row {
-        let true_m = row.true_m.meant();
-        let gain = gain(row.estimated_m.meant());
+        let true_m = row.true_m.corrected_value();
+        let gain = gain(row.estimated_m.corrected_value());
         let name = format!("true {true_m:.3} m");
         let note = "from the printed estimated height through eqs. 5.17 to 5.20; ISO 8855";
         rows.push(Row::ours(table, format!("{name}: Yaw/Roll gain"), gain, note));

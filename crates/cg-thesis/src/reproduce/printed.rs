@@ -65,14 +65,14 @@ impl Printed {
     }
 
     /// The intended value: corrected if it is a misprint.
-    pub(super) fn meant(&self) -> f64 {
+    pub(super) fn corrected_value(&self) -> f64 {
         self.misprint.as_ref().map_or(self.value, |misprint| misprint.corrected)
     }
 }
 
 /// The values of a list.
 pub(super) fn values(list: &[Printed]) -> Vec<f64> {
-    list.iter().map(Printed::meant).collect()
+    list.iter().map(Printed::corrected_value).collect()
 }
 
 /// A list of known length.

@@ -88,7 +88,7 @@ impl Drive {
     }
 
     /// Maneuver and speed as one line of text.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn description(&self) -> String {
         let kmh = 3.6 * self.speed_mps;
         match self.course {
             Course::Turn { angle_rad } => format!(
@@ -149,7 +149,7 @@ impl Record {
     }
 
     /// A rollover as a line of the scenario.
-    pub(super) fn told(&self, name: &str) -> Option<String> {
+    pub(super) fn rollover_remark(&self, name: &str) -> Option<String> {
         self.rolled_over_s.map(|time_s| format!("{name}: rolled over at {time_s:.1} s (no point)"))
     }
 
@@ -171,11 +171,11 @@ pub(super) fn trailer_lateral(sample: &PlantSample) -> f64 {
     sample.trailer.lateral_acceleration_mps2
 }
 
-/// Peaks of the semitrailer's roll over a parameter. Each rollover is added to `told` instead, with the
+/// Peaks of the semitrailer's roll over a parameter. Each rollover is added to `remarks` instead, with the
 /// name from `name`.
 pub(super) fn peak_rolls(
     values: &[f64],
-    told: &mut Vec<String>,
+    remarks: &mut Vec<String>,
     name: impl Fn(f64) -> String,
     drive: impl Fn(f64) -> Drive,
 ) -> Result<Vec<[f64; 2]>, VehicleError> {
@@ -183,7 +183,7 @@ pub(super) fn peak_rolls(
     for &value in values {
         let record = drive(value).run()?;
         points.extend(record.greatest(trailer_roll).map(|peak| [value, peak]));
-        told.extend(record.told(&name(value)));
+        remarks.extend(record.rollover_remark(&name(value)));
     }
     Ok(points)
 }

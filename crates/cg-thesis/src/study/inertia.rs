@@ -58,7 +58,7 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         for payload_kgm2 in PAYLOAD_KGM2 {
             let (vehicle, _) = shaped(&setting.vehicle, payload_kgm2)?;
             let record = Drive::turn(&vehicle).along(course, speed_mps).run()?;
-            lines.extend(record.told(&format!("{name}, {payload_kgm2:.0} kg m²")));
+            lines.extend(record.rollover_remark(&format!("{name}, {payload_kgm2:.0} kg m²")));
             points.extend(record.peak(trailer_roll).map(|peak| [payload_kgm2, peak]));
         }
         series.push(Series::new(name, kind, points));

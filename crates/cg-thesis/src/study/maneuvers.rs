@@ -65,7 +65,7 @@ pub(super) fn cornering_angle(setting: &Setting) -> Result<Study, VehicleError> 
     for (kind, degrees) in [60.0_f64, 90.0, 120.0].into_iter().enumerate() {
         let angle_rad = degrees.to_radians();
         let record = base.clone().along(Course::Turn { angle_rad }, TURN_SPEED_MPS).run()?;
-        lines.extend(record.told(&format!("{degrees}°")));
+        lines.extend(record.rollover_remark(&format!("{degrees}°")));
         histories.extend(rolls(&format!("{degrees}°"), kind, &record));
         runs.push((angle_rad, record));
     }
@@ -132,7 +132,7 @@ pub(super) fn gate_length(setting: &Setting) -> Result<Study, VehicleError> {
         let drive = base.clone().along(course, LANE_SPEED_MPS);
         let record = drive.run()?;
         let name = format!("{gate_m} m");
-        lines.extend(record.told(&name));
+        lines.extend(record.rollover_remark(&name));
         histories.extend(rolls(&name, kind, &record));
         let path = course.path();
         let on_road = |[x, y]: [f64; 2]| [x - RUN_IN_M, y];

@@ -99,7 +99,9 @@ pub fn replay(
             log.rows.iter().map(|row| row.lateral_acceleration_mps2).collect(),
         ];
         let [roll, lateral] = [(&theirs[0], &plant.roll_rad), (&theirs[1], &plant.lateral_mps2)]
-            .map(|(theirs, ours)| compare(theirs, ours).map_or_else(|| "—".to_owned(), told));
+            .map(|(theirs, ours)| {
+                compare(theirs, ours).map_or_else(|| "—".to_owned(), difference_text)
+            });
         let name = &log.known.log;
         scenario.push(format!("{name}: roll {roll}; lateral acceleration {lateral}"));
         let height_m = log.known.height_m;
@@ -138,7 +140,7 @@ fn compare(theirs: &[f64], ours: &[f64]) -> Option<[f64; 2]> {
     (slope.is_finite() && left.is_finite()).then(|| [slope, left.sqrt()])
 }
 
-fn told([slope, left]: [f64; 2]) -> String {
+fn difference_text([slope, left]: [f64; 2]) -> String {
     format!("{:+.1} %, remaining difference {:.1} %", 100.0 * (slope - 1.0), 100.0 * left)
 }
 

@@ -88,8 +88,8 @@ fn raised(setting: &Setting, maneuver: &Maneuver) -> Result<Study, VehicleError>
 
     let most = responses[0];
     let statements = vec![most_sensitive(maneuver, &responses), axles_next(maneuver, &responses)];
-    let mut said = scenario(setting, &base);
-    said.push(format!(
+    let mut scenario_lines = scenario(setting, &base);
+    scenario_lines.push(format!(
         "payload c.g. raised by {RAISED_M} m: sprung c.g. {:.3} to {:.3} m",
         base.load.cg_height_m, high.load.cg_height_m
     ));
@@ -100,7 +100,7 @@ fn raised(setting: &Setting, maneuver: &Maneuver) -> Result<Study, VehicleError>
             most.name,
             100.0 * change(&most)
         ),
-        scenario: said,
+        scenario: scenario_lines,
         panels: vec![Panel {
             figure: maneuver.figure,
             title: maneuver.title,

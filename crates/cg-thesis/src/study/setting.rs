@@ -27,7 +27,7 @@ pub(super) fn scenario(setting: &Setting, drive: &Drive) -> Vec<String> {
             "semitrailer of {:.0} kg, sprung c.g. at {:.3} m unless stated otherwise",
             drive.load.trailer_mass_kg, drive.load.cg_height_m
         ),
-        drive.told(),
+        drive.description(),
     ]
 }
 

@@ -21,7 +21,7 @@ impl Sweep {
     fn drive(&mut self, base: &Drive, lines: &mut Vec<String>) -> Result<(), VehicleError> {
         for &kmh in self.kmh {
             let record = base.clone().along(self.course, kmh * KMH).run()?;
-            lines.extend(record.told(&format!("{} at {kmh} km/h", self.name)));
+            lines.extend(record.rollover_remark(&format!("{} at {kmh} km/h", self.name)));
             let peaks = record.peak(trailer_lateral).zip(record.peak(trailer_roll));
             if let Some((lateral, roll)) = peaks {
                 self.lateral.push([kmh * KMH, lateral]);

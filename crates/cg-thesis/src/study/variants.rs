@@ -23,9 +23,9 @@ fn over_height(
     let each = vehicles.iter().enumerate();
     each.map(|(kind, (name, vehicle))| {
         let base = Drive::turn(vehicle);
-        let told = |height_m: f64| format!("{name}, c.g. at {height_m:.2} m");
+        let name_at = |height_m: f64| format!("{name}, c.g. at {height_m:.2} m");
         let points =
-            peak_rolls(&HEIGHTS_M, lines, told, |height_m| base.clone().at_height(height_m))?;
+            peak_rolls(&HEIGHTS_M, lines, name_at, |height_m| base.clone().at_height(height_m))?;
         Ok(Series::new(name.clone(), kind, points))
     })
     .collect()

@@ -315,13 +315,13 @@ fn checksum(text: &str) -> u32 {
 fn check_sum(text: &str) -> Result<(), String> {
     let text = text.trim_ascii_end();
     let (content, last) = text.rsplit_once('\n').unwrap_or(("", text));
-    let (content, told) = match last.strip_prefix(CHECKSUM) {
-        Some(told) => (content, Some(told)),
+    let (content, stated) = match last.strip_prefix(CHECKSUM) {
+        Some(stated) => (content, Some(stated)),
         None => (text, None),
     };
     let now = checksum(content);
-    let what = match told {
-        Some(told) if u32::from_str_radix(told, 16) == Ok(now) => return Ok(()),
+    let what = match stated {
+        Some(stated) if u32::from_str_radix(stated, 16) == Ok(now) => return Ok(()),
         Some(_) => "was edited or damaged since it was made: its checksum is wrong",
         None => "was edited, cut short or made by an older version: it has no checksum",
     };
@@ -411,7 +411,7 @@ fn statement(
         let covariance =
             |belief: &Belief| belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load);
         let (before, after) = (covariance(&prior)?, covariance(&fitted.belief)?);
-        let told: Vec<String> = Channel::ALL
+        let ratios: Vec<String> = Channel::ALL
             .into_iter()
             .filter(|channel| run.ratio[channel.index()].is_some())
             .map(|channel| {
@@ -425,7 +425,7 @@ fn statement(
             "{:.1} t at {:.1} m/s: {}",
             run.load.trailer_mass_kg / 1e3,
             run.speed_mps,
-            told.join(", ")
+            ratios.join(", ")
         ));
     }
     if fitted.chi_square > fitted.chi_square_limit() {

@@ -62,22 +62,22 @@ fn in_value(value: &Value, path: &str, key: &str, place: &str, found: &mut Vec<N
 /// Numbers outside the ranges of their keys. Of a list, only the first one of each severity is
 /// reported, with the number of the others.
 pub(super) fn findings(numbers: &[Number]) -> Vec<Finding> {
-    let mut told: Vec<Finding> = Vec::new();
+    let mut merged: Vec<Finding> = Vec::new();
     let mut of: Vec<(&str, usize)> = Vec::new(); // key and number of values of each finding
     for number in numbers {
         let Some(key) = table::key(&number.place) else { continue };
         let Some(range) = key.range() else { continue };
         let Some(finding) = finding(number, key, range) else { continue };
-        let known = (0..told.len())
-            .find(|&i| of[i].0 == number.key && told[i].severity == finding.severity);
+        let known = (0..merged.len())
+            .find(|&i| of[i].0 == number.key && merged[i].severity == finding.severity);
         if let Some(i) = known {
             of[i].1 += 1;
         } else {
-            told.push(finding);
+            merged.push(finding);
             of.push((&number.key, 1));
         }
     }
-    for (finding, (_, values)) in told.iter_mut().zip(of) {
+    for (finding, (_, values)) in merged.iter_mut().zip(of) {
         if values > 1 {
             finding.remedy = format!(
                 "{}; the same applies to {} more values of the list",
@@ -86,7 +86,7 @@ pub(super) fn findings(numbers: &[Number]) -> Vec<Finding> {
             );
         }
     }
-    told
+    merged
 }
 
 fn finding(number: &Number, key: &Key, range: Range) -> Option<Finding> {
@@ -163,11 +163,11 @@ pub(super) fn farthest(numbers: &[Number], most: usize) -> Vec<Unusual> {
         })
         .collect();
     all.sort_by(|a, b| b.1.distance.total_cmp(&a.1.distance));
-    let mut told: Vec<&str> = Vec::new();
+    let mut named: Vec<&str> = Vec::new();
     let mut chosen = Vec::new();
     for (place, unusual) in all {
-        if chosen.len() < most && !told.contains(&place) {
-            told.push(place);
+        if chosen.len() < most && !named.contains(&place) {
+            named.push(place);
             chosen.push(unusual);
         }
     }

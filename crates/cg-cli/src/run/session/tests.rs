@@ -54,7 +54,7 @@ fn kept_in(folder: &Path, mass_kg: Option<f64>) -> Trial {
 }
 
 /// The events since the last call.
-fn told(session: &mut Trial) -> Vec<Value> {
+fn events(session: &mut Trial) -> Vec<Value> {
     let text = String::from_utf8(std::mem::take(&mut session.outputs.lines)).unwrap();
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
@@ -66,7 +66,7 @@ fn names(session: &mut Trial) -> Vec<String> {
         let name = if subject.is_null() { &event["event"] } else { subject };
         name.as_str().unwrap().to_owned()
     };
-    told(session).iter().map(name).collect()
+    events(session).iter().map(name).collect()
 }
 
 /// Straight driving; the mass is absent.
@@ -113,7 +113,7 @@ fn events_have_the_time_stamp_of_their_cause() {
     let mut session = session(None, 0.0);
     session.tick(1000.5, 2 * SECOND_US);
     session.notice("trial", "text").unwrap();
-    near(&told(&mut session)[0]["time_s"], 1000.5);
+    near(&events(&mut session)[0]["time_s"], 1000.5);
     assert!((session.time_s(3 * SECOND_US) - 1001.5).abs() < 1e-9);
 }
 
@@ -122,9 +122,9 @@ fn a_jump_of_the_time_stamps_is_told() {
     let mut session = session(None, 0.0);
     let instant = |jump_us| Instant { stream_us: SECOND_US, jump_us };
     session.at(5 * SECOND_US, instant(0)).unwrap();
-    assert!(told(&mut session).is_empty());
+    assert!(events(&mut session).is_empty());
     session.at(5 * SECOND_US, instant(-1_500_000)).unwrap();
-    let [event] = &told(&mut session)[..] else { panic!("one event") };
+    let [event] = &events(&mut session)[..] else { panic!("one event") };
     near(&event["time_s"], 5.0);
     assert_eq!(event["subject"], "clock");
     assert_eq!(event["message"], "the time stamps jumped by -1.500 s");
@@ -139,8 +139,8 @@ fn a_given_mass_replaces_that_of_every_sample() {
         assert!((sample.trailer_mass_kg - 21e3).abs() < 1e-9);
     }
     session.tick(0.0, 60 * SECOND_US);
-    session.due(false).unwrap();
-    assert!(told(&mut session).is_empty());
+    session.run_periodic(false).unwrap();
+    assert!(events(&mut session).is_empty());
     let status = session.status();
     assert!((status.result.trailer_mass_kg - 21e3).abs() < 1e-9);
     assert_eq!(status.result.trailer_mass_source, MassSource::Given);
@@ -151,23 +151,23 @@ fn a_given_mass_replaces_that_of_every_sample() {
 fn the_nominal_mass_is_told_after_a_while() {
     let mut session = session(None, 0.0);
     session.tick(0.0, 60 * SECOND_US);
-    session.due(false).unwrap();
-    assert!(told(&mut session).is_empty(), "without a sample there is nothing to weigh");
+    session.run_periodic(false).unwrap();
+    assert!(events(&mut session).is_empty(), "without a sample there is nothing to weigh");
     for time_us in [60 * SECOND_US, 61 * SECOND_US] {
         session.weigh(&mut sample(time_us)).unwrap();
     }
     for (now_us, expected) in [(64_999_999, 0), (65_000_000, 1), (66_000_000, 0)] {
         session.tick(0.0, now_us);
-        session.due(false).unwrap();
-        let told = told(&mut session);
-        assert_eq!(told.len(), expected, "{now_us}");
+        session.run_periodic(false).unwrap();
+        let all = events(&mut session);
+        assert_eq!(all.len(), expected, "{now_us}");
         let named = |event: &Value| event["message"].as_str().unwrap().starts_with("no signal");
-        assert!(told.iter().all(named));
+        assert!(all.iter().all(named));
     }
     let mut weighed = Sample { trailer_mass_kg: 21e3, ..sample(67 * SECOND_US) };
     session.weigh(&mut weighed).unwrap();
     session.weigh(&mut weighed).unwrap();
-    let [event] = &told(&mut session)[..] else { panic!("one event") };
+    let [event] = &events(&mut session)[..] else { panic!("one event") };
     let message = "a signal gives a trailer mass of 21000 kg, which is used from now on";
     assert_eq!(event["message"], message);
 }
@@ -179,8 +179,8 @@ fn a_mass_that_arrives_in_time_is_not_told() {
     let weighed = Sample { trailer_mass_kg: 21e3, ..sample(10_000) };
     session.push(weighed).unwrap();
     session.tick(0.0, 900_000);
-    session.due(false).unwrap();
-    session.tell_nominal().unwrap();
+    session.run_periodic(false).unwrap();
+    session.report_nominal_mass().unwrap();
     assert_eq!(names(&mut session), ["state"]);
     let status = session.status();
     assert!((status.result.trailer_mass_kg - 21e3).abs() < 1e-9);
@@ -199,7 +199,7 @@ fn a_warning_follows_the_lateral_acceleration_or_the_yaw_rate() {
         learn(&mut session, [Some(2.0), None]);
         let turn = Sample { lateral_acceleration_mps2: lateral_mps2, yaw_rate_radps, ..sample(0) };
         session.warn(&turn).unwrap();
-        let [event] = &told(&mut session)[..] else { panic!("one event") };
+        let [event] = &events(&mut session)[..] else { panic!("one event") };
         assert_eq!((&event["event"], &event["level"]), (&"warning".into(), &1.into()));
         let margin_g = event["margin_g"].as_f64().unwrap();
         assert!((margin_g - 0.15).abs() < 1e-6, "{margin_g}");
@@ -228,7 +228,7 @@ fn a_state_is_told_when_it_changes() {
         session.push(one).unwrap();
     }
     let states: Vec<Value> =
-        told(&mut session).iter().map(|event| event["state"].clone()).collect();
+        events(&mut session).iter().map(|event| event["state"].clone()).collect();
     assert_eq!(states, ["straight", "turning", "no signals"]);
 }
 
@@ -236,15 +236,16 @@ fn a_state_is_told_when_it_changes() {
 fn missing_signals_are_told_when_they_change() {
     let mut session = session(None, 0.0);
     session.missing(Vec::new()).unwrap();
-    assert!(told(&mut session).is_empty());
+    assert!(events(&mut session).is_empty());
     for missing in [vec!["roll"], vec!["roll"], Vec::new()] {
         session.missing(missing).unwrap();
     }
-    let missing: Vec<Value> = told(&mut session).iter().map(|one| one["missing"].clone()).collect();
+    let missing: Vec<Value> =
+        events(&mut session).iter().map(|one| one["missing"].clone()).collect();
     assert_eq!(missing, [serde_json::json!(["roll"]), serde_json::json!([])]);
     session.missing(vec!["speed"]).unwrap();
     session.drive("straight").unwrap();
-    let [_, event] = &told(&mut session)[..] else { panic!("two events") };
+    let [_, event] = &events(&mut session)[..] else { panic!("two events") };
     assert_eq!((&event["state"], &event["missing"][0]), (&"straight".into(), &"speed".into()));
 }
 
@@ -264,15 +265,15 @@ fn samples_too_far_apart_are_told_once_and_not_used() {
 fn silence_ends_the_maneuver() {
     let mut session = session(Some(nominal_kg()), 0.0);
     session.tick(0.0, 10 * SECOND_US);
-    session.due(false).unwrap();
-    assert!(told(&mut session).is_empty(), "before the first sample there is no silence");
+    session.run_periodic(false).unwrap();
+    assert!(events(&mut session).is_empty(), "before the first sample there is no silence");
     turn(&mut session, 0);
     assert_eq!(names(&mut session), ["state"]);
     for (now_us, expected) in
         [(5_990_000, &[][..]), (5_990_001, &["maneuver", "state"]), (6_990_000, &[])]
     {
         session.tick(0.0, now_us);
-        session.due(false).unwrap();
+        session.run_periodic(false).unwrap();
         assert_eq!(names(&mut session), expected, "{now_us}");
     }
 }
@@ -282,7 +283,7 @@ fn a_maneuver_ends_with_its_result() {
     let mut session = session(None, 0.0);
     turn(&mut session, 0);
     let maneuver = session.estimator.finish().unwrap();
-    told(&mut session);
+    events(&mut session);
     // Another load is told only if the estimator detects it in this maneuver.
     session.maneuver(&maneuver).unwrap();
     assert_eq!(names(&mut session), ["mass", "maneuver"]);
@@ -299,15 +300,15 @@ fn a_contradiction_of_the_channels_is_told_when_it_begins() {
     learn(&mut session, [Some(1.5), Some(2.0)]);
     assert!(!session.has_height());
     session.compare(Verdict::Inconsistent).unwrap();
-    assert!(told(&mut session).is_empty());
+    assert!(events(&mut session).is_empty());
     session.compare(Verdict::Rejected).unwrap();
-    let [event] = &told(&mut session)[..] else { panic!("one event") };
+    let [event] = &events(&mut session)[..] else { panic!("one event") };
     let message = "inconsistent, so there is no height: steer channel 1.50 ± 0.01 m, \
                    lateral-acceleration channel 2.00 ± 0.01 m; check the sensors";
     assert_eq!(event["message"], message);
     learn(&mut session, [Some(2.0), Some(2.0)]);
     session.compare(Verdict::Ok).unwrap();
-    assert!(told(&mut session).is_empty());
+    assert!(events(&mut session).is_empty());
 }
 
 #[test]
@@ -330,7 +331,7 @@ fn status_follows_its_interval() {
     let mut session = session(None, 2.0);
     for (now_us, expected) in [(SECOND_US, 1), (2_999_999, 0), (3 * SECOND_US, 1), (4_999_999, 0)] {
         session.tick(0.0, now_us);
-        session.due(false).unwrap();
+        session.run_periodic(false).unwrap();
         assert_eq!(names(&mut session), vec!["status"; expected], "{now_us}");
     }
 }
@@ -339,7 +340,7 @@ fn status_follows_its_interval() {
 fn without_an_interval_there_is_no_status() {
     let mut session = session(None, 0.0);
     session.tick(0.0, 100 * SECOND_US);
-    session.due(true).unwrap();
+    session.run_periodic(true).unwrap();
     session.stop("end").unwrap();
     assert_eq!(names(&mut session), ["stop"]);
 }
@@ -354,7 +355,7 @@ fn frames_follow_their_cycle() {
     let times = [SECOND_US, SECOND_US + CYCLE_US - 1, SECOND_US + CYCLE_US];
     for (now_us, total) in times.into_iter().zip([1, 1, 2]) {
         session.tick(0.0, now_us);
-        session.due(false).unwrap();
+        session.run_periodic(false).unwrap();
         assert_eq!(sent.get(), total, "{now_us}");
     }
 }
@@ -363,7 +364,7 @@ fn frames_follow_their_cycle() {
 fn written(session: &mut Trial, file: &Path, times_us: &[u64], live: bool) -> Vec<bool> {
     let each = times_us.iter().map(|&now_us| {
         session.tick(0.0, now_us);
-        session.due(live).unwrap();
+        session.run_periodic(live).unwrap();
         std::fs::remove_file(file).is_ok()
     });
     each.collect()
@@ -406,12 +407,12 @@ fn the_end_tells_everything_once_more() {
     let mut session = session(None, 2.0);
     turn(&mut session, 0);
     session.counters.frames = 7;
-    told(&mut session);
+    events(&mut session);
     session.stop("end of file").unwrap();
-    let told = told(&mut session);
-    let names: Vec<&str> = told.iter().map(|event| event["event"].as_str().unwrap()).collect();
+    let all = events(&mut session);
+    let names: Vec<&str> = all.iter().map(|event| event["event"].as_str().unwrap()).collect();
     assert_eq!(names, ["notice", "maneuver", "status", "stop"]);
-    assert_eq!((&told[3]["reason"], &told[3]["frames"]), (&"end of file".into(), &7.into()));
+    assert_eq!((&all[3]["reason"], &all[3]["frames"]), (&"end of file".into(), &7.into()));
 }
 
 #[test]
@@ -420,7 +421,7 @@ fn without_a_state_nothing_is_restored() {
     let folder = tempfile::tempdir().unwrap();
     let mut session = kept_in(folder.path(), None);
     assert!(!session.restore().unwrap());
-    assert!(told(&mut session).is_empty());
+    assert!(events(&mut session).is_empty());
 }
 
 #[test]
@@ -429,13 +430,13 @@ fn a_state_that_cannot_be_used_is_told() {
     let mut aside = kept_in(folder.path(), None);
     std::fs::write(folder.path().join("file"), "garbage").unwrap();
     assert!(!aside.restore().unwrap());
-    let [event] = &told(&mut aside)[..] else { panic!("one event") };
+    let [event] = &events(&mut aside)[..] else { panic!("one event") };
     let message = event["message"].as_str().unwrap();
     assert!(message.starts_with("not used and renamed to "), "{message}");
     let mut unread = kept_in(folder.path(), None);
     std::fs::create_dir(folder.path().join("file")).unwrap();
     assert!(!unread.restore().unwrap());
-    let [event] = &told(&mut unread)[..] else { panic!("one event") };
+    let [event] = &events(&mut unread)[..] else { panic!("one event") };
     let message = event["message"].as_str().unwrap();
     assert!(message.starts_with("cannot be read"), "{message}");
 }
