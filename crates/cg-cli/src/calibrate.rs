@@ -4,11 +4,10 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate};
 use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::VehicleError;
-use cg_vehicle::calibration::Calibration;
-use cg_vehicle::calibration::file::{ParameterEntry, Unit};
+use cg_vehicle::calibration::{Calibration, ParameterEntry, Unit};
 use cg_vehicle::sensor_places::Road;
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
@@ -35,6 +34,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     check_output(&arguments.output)?;
     refuse_standard_input(&arguments.run)?;
     let logs = &arguments.run;
+    let force = files.replaces_foreign();
     let mut files = files
         .reads("--vehicle", &arguments.vehicle)
         .reads_some("--dbc", arguments.frames.dbc.as_deref());
@@ -44,8 +44,9 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
-    let variant = arguments.model;
-    let mut calibration = calibrate(&vehicle, variant, logs, |known, estimator| {
+    let &CalibrateArgs { model: variant, procedure, part, .. } = arguments;
+    let how = CalibrateOptions { variant, procedure, part, force };
+    let mut calibration = calibrate(&vehicle, how, logs, |known, estimator| {
         let take = |row: &_| estimator.push(row).map(|_| ());
         let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
         for remark in remarks {
@@ -116,7 +117,7 @@ fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
         }
         writeln!(out, "{}\n", table.trim_fmt())?;
     }
-    for sentence in &calibration.statement {
+    for sentence in calibration.statement.iter().chain(&calibration.contradiction) {
         writeln!(out, " {sentence}")?;
     }
     let compensation = &calibration.compensation;

@@ -10,6 +10,7 @@ use cg_plant::maneuver::{Histories, Maneuver};
 use cg_plant::simulate::Plant;
 use cg_thesis::reproduce::Options;
 use cg_vehicle::Variant;
+use cg_vehicle::calibration::{Part, Procedure};
 use cg_vehicle::emit::Language;
 use clap::{Args, Parser, Subcommand};
 
@@ -114,14 +115,13 @@ pub(crate) struct CalibrateArgs {
     /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// A log with turns at steady speed and its known c.g. height; may be repeated. One run
-    /// determines the compensation; several runs (an empty and a laden one) also determine
-    /// parameters of the truck
+    /// A log with turns at steady speed and its known c.g. height, or LOG=empty for the empty
+    /// trailer, whose height and mass are in the vehicle file; may be repeated
     #[arg(
         long,
         required = true,
         allow_hyphen_values = true,
-        value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]"
+        value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]|LOG=empty"
     )]
     pub(crate) run: Vec<KnownLog>,
     /// Calibration file to write; its name ends in .toml
@@ -130,6 +130,12 @@ pub(crate) struct CalibrateArgs {
     /// Equations of the vehicle model
     #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
     pub(crate) model: Variant,
+    /// What the runs determine
+    #[arg(long, value_parser = word::<Procedure>(), default_value_t = Procedure::default())]
+    pub(crate) procedure: Procedure,
+    /// What the calibration is for; one of the tractor alone holds with any trailer
+    #[arg(long, value_parser = word::<Part>(), default_value_t = Part::default())]
+    pub(crate) part: Part,
     #[command(flatten)]
     pub(crate) road: RoadArgs,
     #[command(flatten)]

@@ -29,6 +29,7 @@ const ROWS_PER_TICK: u32 = 8192;
 pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outcome> {
     let target = report_target(arguments, files)?;
     let vehicle = arguments.truck.load()?;
+    let (design, judgement) = arguments.truck.judged_design(&vehicle)?;
     let options = EstimateOptions {
         variant: arguments.truck.model,
         method: arguments.method,
@@ -37,6 +38,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,
         road: arguments.road.of(&vehicle),
+        judgement,
     };
     if let Some(mass_kg) = arguments.trailer_mass_kg {
         let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };
@@ -47,7 +49,6 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
                 .context("--trailer-mass-kg")?;
         }
     }
-    let design = arguments.truck.design(&vehicle)?;
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
     if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read only once"));

@@ -8,11 +8,12 @@ use cg_core::Design;
 use cg_logs::estimate::RoadChoice;
 use cg_logs::output::Files;
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::Calibration;
+use cg_vehicle::calibration::{Calibration, Judgement};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Variant, Vehicle};
 use clap::Args;
 
+use crate::outcome::print_error;
 use crate::words::word;
 
 /// The truck and its calibration.
@@ -69,10 +70,23 @@ impl TruckArgs {
         load(&self.vehicle)
     }
 
-    /// The design of the vehicle, with the calibration if there is one.
+    /// The design of the vehicle, with the calibration if there is one. A calibration whose runs
+    /// contradict the vehicle file is told on standard error.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
+        let (design, judgement) = self.judged_design(vehicle)?;
+        if let Some(message) = judgement.message() {
+            print_error(&anyhow!(message));
+        }
+        Ok(design)
+    }
+
+    /// The design, and whether the runs of the calibration are possible.
+    pub(crate) fn judged_design(
+        &self,
+        vehicle: &Vehicle,
+    ) -> anyhow::Result<(Design<f64>, Judgement)> {
         let variant = self.model;
-        let belief = match &self.calibration {
+        let (belief, judgement) = match &self.calibration {
             Some(path) => {
                 let calibration = Calibration::load(path, vehicle)?;
                 if calibration.model != variant {
@@ -82,10 +96,10 @@ impl TruckArgs {
                         path.display()
                     ));
                 }
-                calibration.belief()
+                (calibration.belief(), calibration.judgement())
             }
-            None => Belief::prior(vehicle),
+            None => (Belief::prior(vehicle), Judgement::Sound),
         };
-        Ok(design_with(vehicle, variant, &belief)?)
+        Ok((design_with(vehicle, variant, &belief)?, judgement))
     }
 }

@@ -6,7 +6,7 @@
 use std::str::FromStr;
 
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::{Calibration, Run, fit};
+use cg_vehicle::calibration::{Calibration, Judgement, Part, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
@@ -21,19 +21,52 @@ const PASSES: usize = 2;
 pub struct KnownLog {
     /// Name of the log.
     pub log: String,
-    /// Height of the c.g. of the trailer's sprung mass, m.
-    pub height_m: f64,
-    /// Mass of the whole semitrailer, kg; `None` uses the mass in the log.
-    pub trailer_mass_kg: Option<f64>,
+    /// What is known of the load.
+    pub load: KnownLoad,
 }
 
-/// Reads `LOG=HEIGHT_M[,TRAILER_MASS_KG]`.
+/// What is known of the load of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum KnownLoad {
+    /// The empty trailer: height and mass are in the vehicle file.
+    Empty,
+    /// A load whose height was measured.
+    Laden {
+        /// Height of the c.g. of the trailer's sprung mass, m.
+        height_m: f64,
+        /// Mass of the whole semitrailer, kg; `None` uses the mass in the log.
+        trailer_mass_kg: Option<f64>,
+    },
+}
+
+impl KnownLoad {
+    /// Height of the c.g. of the trailer's sprung mass, m, and the mass of the whole semitrailer, kg,
+    /// if it is known.
+    pub fn of(self, vehicle: &Vehicle) -> (f64, Option<f64>) {
+        match self {
+            Self::Empty => {
+                (vehicle.trailer.tare.cg_height_m, Some(vehicle.empty_trailer_mass_kg()))
+            }
+            Self::Laden { height_m, trailer_mass_kg } => (height_m, trailer_mass_kg),
+        }
+    }
+}
+
+/// Reads `LOG=HEIGHT_M[,TRAILER_MASS_KG]` and `LOG=empty`.
 impl FromStr for KnownLog {
     type Err = Malformed;
 
     fn from_str(text: &str) -> Result<Self, Malformed> {
-        let form = "expected LOG=HEIGHT_M or LOG=HEIGHT_M,TRAILER_MASS_KG";
+        let form = "expected LOG=HEIGHT_M, LOG=HEIGHT_M,TRAILER_MASS_KG or LOG=empty";
         let (log, load) = text.rsplit_once('=').ok_or(form)?;
+        if log.is_empty() {
+            return Err(form.into());
+        }
+        let log = log.to_owned();
+        if load.trim() == "empty" {
+            return Ok(Self { log, load: KnownLoad::Empty });
+        }
         let (height, mass) = match load.split_once(',') {
             Some((height, mass)) => (height, Some(mass)),
             None => (load, None),
@@ -45,29 +78,40 @@ impl FromStr for KnownLog {
                 .filter(|value| value.is_finite() && *value > 0.0)
                 .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
         };
-        if log.is_empty() {
-            return Err(form.into());
-        }
-        Ok(Self {
-            log: log.to_owned(),
-            height_m: positive("height", height)?,
-            trailer_mass_kg: mass.map(|mass| positive("trailer mass", mass)).transpose()?,
-        })
+        let height_m = positive("height", height)?;
+        let trailer_mass_kg = mass.map(|mass| positive("trailer mass", mass)).transpose()?;
+        Ok(Self { log, load: KnownLoad::Laden { height_m, trailer_mass_kg } })
     }
+}
+
+/// Options of a calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CalibrateOptions {
+    /// Equations of the vehicle model.
+    pub variant: Variant,
+    /// Method of estimation.
+    pub procedure: Procedure,
+    /// What the calibration is for.
+    pub part: Part,
+    /// Whether it is made even if its runs contradict the vehicle file with a probability of chance
+    /// below 1e-4.
+    pub force: bool,
 }
 
 /// Calibrates a vehicle with logs. `feed` passes the rows of a log to the given estimator.
 ///
 /// # Errors
 /// The errors of `feed`, and [`VehicleError`] if a log is given twice, if it has no turn or no
-/// trailer mass, or if its load is impossible for the vehicle.
+/// trailer mass, if its load is impossible for the vehicle, or if the runs contradict the vehicle file
+/// beyond chance.
 pub fn calibrate<E: From<VehicleError>>(
     vehicle: &Vehicle,
-    variant: Variant,
+    options: CalibrateOptions,
     logs: &[KnownLog],
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
     check(vehicle, logs)?;
+    let CalibrateOptions { variant, procedure, part, force } = options;
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
     for _ in 0..PASSES {
@@ -79,7 +123,7 @@ pub fn calibrate<E: From<VehicleError>>(
         for known in logs {
             let options = EstimateOptions {
                 variant,
-                trailer_mass_kg: known.trailer_mass_kg,
+                trailer_mass_kg: known.load.of(vehicle).1,
                 ..EstimateOptions::default()
             }
             .on_roads_of(vehicle);
@@ -88,29 +132,43 @@ pub fn calibrate<E: From<VehicleError>>(
             feed(known, &mut estimator)?;
             runs.push(run(vehicle, known, estimator)?);
         }
-        let fitted = fit(vehicle, variant, &runs)?;
+        let fitted = fit(vehicle, variant, procedure, &runs)?;
         belief = fitted.belief.clone();
         outcome = Some((runs, fitted));
     }
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
-    Ok(Calibration::new(vehicle, variant, &runs, &fitted)?)
+    let calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
+    if let (Judgement::Contradictory { .. }, false) = (calibration.judgement(), force) {
+        return Err(VehicleError::Model(format!(
+            "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
+             wide",
+            calibration.contradiction.join("; "),
+            calibration.judgement().birge()
+        ))
+        .into());
+    }
+    Ok(match part {
+        Part::Tractor => calibration.of_tractor(vehicle),
+        _ => calibration,
+    })
 }
 
 /// Checks what can be checked before a log is read.
 fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
     let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
     for (i, known) in logs.iter().enumerate() {
-        if !(least_m..=greatest_m).contains(&known.height_m) {
+        let (height_m, mass_kg) = known.load.of(vehicle);
+        if !(least_m..=greatest_m).contains(&height_m) {
             return Err(VehicleError::Model(format!(
-                "{}: height {} m is outside the vehicle file's range {least_m} to {greatest_m} m",
-                known.log, known.height_m
+                "{}: height {height_m} m is outside the vehicle file's range {least_m} to {greatest_m} m",
+                known.log
             )));
         }
         if logs[..i].iter().any(|other| other.log == known.log) {
             return Err(VehicleError::Model(format!("{}: given twice", known.log)));
         }
-        if let Some(trailer_mass_kg) = known.trailer_mass_kg {
-            vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: known.height_m })?;
+        if let Some(trailer_mass_kg) = mass_kg {
+            vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: height_m })?;
         }
     }
     Ok(())
@@ -132,7 +190,8 @@ fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<R
             identified.messages.join("; ")
         )));
     }
-    let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m: known.height_m };
+    let (cg_height_m, _) = known.load.of(vehicle);
+    let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m };
     vehicle.trailer_sprung_mass(load)?;
     Ok(Run {
         log: known.log.clone(),

@@ -6,7 +6,7 @@
 mod common;
 
 use cg_core::Design;
-use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
@@ -159,12 +159,13 @@ fn subjects(name: &str) -> [Subject; 2] {
         .collect();
     let runs = [(0.0, 1.4, "light"), (18e3, 1.9, "heavy")].map(|(payload_kg, height_m, log)| {
         let step = scenario(&vehicle, Maneuver::RoundedStep, payload_kg, height_m);
-        let known = KnownLog { log: log.to_owned(), height_m, trailer_mass_kg: None };
+        let load = KnownLoad::Laden { height_m, trailer_mass_kg: None };
+        let known = KnownLog { log: log.to_owned(), load };
         (known, rows(&vehicle, step))
     });
     let logs: Vec<KnownLog> = runs.iter().map(|(known, _)| known.clone()).collect();
     let calibration =
-        calibrate::<VehicleError>(&vehicle, Variant::Complete, &logs, |log, intake| {
+        calibrate::<VehicleError>(&vehicle, CalibrateOptions::default(), &logs, |log, intake| {
             let (_, rows) = runs.iter().find(|(known, _)| known == log).unwrap();
             for row in rows {
                 intake.push(row).unwrap();

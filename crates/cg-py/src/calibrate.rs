@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind};
 use cg_vehicle::VehicleError;
@@ -23,24 +23,37 @@ impl From<VehicleError> for Failure {
     }
 }
 
-/// Calibrate with log files and write the calibration file.
-#[pyfunction]
-#[pyo3(signature = (vehicle, runs, output, model, columns, flip, date, force, /))]
-#[allow(clippy::too_many_arguments)] // the keywords of `cgheight.calibrate`
-pub(crate) fn calibrate_files(
-    py: Python<'_>,
-    vehicle: &Bound<'_, Vehicle>,
-    runs: Vec<(PathBuf, f64, Option<f64>)>,
-    output: PathBuf,
-    model: &str,
+/// The keywords of `cgheight.calibrate`, and the date.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request {
+    model: String,
+    procedure: String,
+    part: String,
     columns: Vec<String>,
     flip: Vec<String>,
     date: String,
     force: bool,
+}
+
+/// Calibrate with log files and write the calibration file.
+#[pyfunction]
+#[pyo3(signature = (vehicle, runs, output, request, /))]
+pub(crate) fn calibrate_files(
+    py: Python<'_>,
+    vehicle: &Bound<'_, Vehicle>,
+    runs: Vec<(PathBuf, Option<f64>, Option<f64>)>,
+    output: PathBuf,
+    request: Request,
 ) -> PyResult<()> {
-    let options = log_options(&columns, &flip)?;
-    let variant = word("model", model)?;
-    let mut files = Files::new(force).reads("vehicle", vehicle.get().path());
+    let options = log_options(&request.columns, &request.flip)?;
+    let how = CalibrateOptions {
+        variant: word("model", &request.model)?,
+        procedure: word("procedure", &request.procedure)?,
+        part: word("part", &request.part)?,
+        force: request.force,
+    };
+    let mut files = Files::new(request.force).reads("vehicle", vehicle.get().path());
     for (log, ..) in &runs {
         files = files.reads("runs", log);
     }
@@ -50,11 +63,13 @@ pub(crate) fn calibrate_files(
         .into_iter()
         .map(|(log, height_m, trailer_mass_kg)| KnownLog {
             log: log.display().to_string(),
-            height_m,
-            trailer_mass_kg,
+            load: height_m.map_or(KnownLoad::Empty, |height_m| KnownLoad::Laden {
+                height_m,
+                trailer_mass_kg,
+            }),
         })
         .collect();
-    let mut calibration = calibrate(vehicle, variant, &logs, |known, estimator| {
+    let mut calibration = calibrate(vehicle, how, &logs, |known, estimator| {
         let path = PathBuf::from(&known.log);
         let open = || LogReader::open(&path, &options);
         let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
@@ -67,7 +82,7 @@ pub(crate) fn calibrate_files(
         Ok(())
     })
     .map_err(|Failure(error)| error)?;
-    calibration.date = date;
+    calibration.date = request.date;
     let text = calibration.to_toml().map_err(vehicle_error)?;
     let draft = target.write(&text).map_err(output_error)?;
     draft.map_or(Ok(()), Draft::publish).map_err(|error| output_error(target.failed(error)))

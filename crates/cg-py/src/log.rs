@@ -29,7 +29,7 @@ pub(crate) fn estimate_file<'py>(
     let options = options.checked()?;
     let log_options = log_options(&columns, &flip)?;
     let vehicle = vehicle.get();
-    let options = options.on_roads_of(&vehicle.inner);
+    let options = vehicle.options(options);
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
     let log_options = LogOptions { settings: Some(settings), ..log_options };

@@ -38,7 +38,7 @@ impl Options {
             channel,
             speed_mps: positive("speed_mps", self.speed_mps)?,
             trailer_mass_kg: positive("trailer_mass_kg", self.trailer_mass_kg)?,
-            road: None, // that of the vehicle
+            ..EstimateOptions::default() // road and calibration are those of the vehicle
         })
     }
 }

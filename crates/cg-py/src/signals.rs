@@ -171,7 +171,7 @@ pub(crate) fn estimate_arrays<'py>(
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
     let vehicle = vehicle.get();
-    let options = options.on_roads_of(&vehicle.inner);
+    let options = vehicle.options(options);
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
     let mut estimator = LogEstimator::from_design(design, settings, options);

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cg_core::Design;
+use cg_logs::estimate::EstimateOptions;
 use cg_logs::estimate::RoadChoice;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
@@ -48,6 +49,12 @@ impl Vehicle {
     /// The path of the vehicle file.
     pub(crate) fn path(&self) -> &Path {
         Path::new(&self.source.1)
+    }
+
+    /// The options with the roads of the vehicle and the judgement of its calibration.
+    pub(crate) fn options(&self, options: EstimateOptions) -> EstimateOptions {
+        let judgement = self.calibration.as_ref().map(Calibration::judgement).unwrap_or_default();
+        EstimateOptions { judgement, ..options }.on_roads_of(&self.inner)
     }
 
     /// The design for one set of equations, which is computed on first use.

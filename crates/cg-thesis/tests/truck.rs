@@ -3,11 +3,11 @@
 
 use std::path::PathBuf;
 
-use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_thesis::study::{Recorded, Replayed, drive_again};
-use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+use cg_vehicle::{Load, Vehicle, VehicleError};
 
 #[path = "../../cg-vehicle/tests/common/mod.rs"]
 mod common;
@@ -62,8 +62,10 @@ fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
     let rows = reader.collect::<Result<_, _>>().unwrap();
     let known = KnownLog {
         log: truth.log.clone(),
-        height_m: truth.load.cg_height_m,
-        trailer_mass_kg: Some(truth.load.trailer_mass_kg),
+        load: KnownLoad::Laden {
+            height_m: truth.load.cg_height_m,
+            trailer_mass_kg: Some(truth.load.trailer_mass_kg),
+        },
     };
     let log = Recorded { known, rows };
     let options = PlantOptions { bank_rad: truth.bank_rad, ..PlantOptions::default() };
@@ -123,19 +125,22 @@ fn calibrated_the_plant_rolls_as_the_independent_truck_does() {
         .filter_map(|name| truths.iter().find(|truth| truth.log.starts_with(name)))
         .map(|truth| KnownLog {
             log: truth.log.clone(),
-            height_m: truth.load.cg_height_m,
-            trailer_mass_kg: None,
+            load: KnownLoad::Laden { height_m: truth.load.cg_height_m, trailer_mass_kg: None },
         })
         .collect();
-    let calibration =
-        calibrate::<VehicleError>(&vehicle, Variant::Complete, &known, |known, estimator| {
+    let calibration = calibrate::<VehicleError>(
+        &vehicle,
+        CalibrateOptions::default(),
+        &known,
+        |known, estimator| {
             let rows = LogReader::open(&logs().join(&known.log), &LogOptions::default()).unwrap();
             for row in rows {
                 estimator.push(&row.unwrap()).unwrap();
             }
             Ok(())
-        })
-        .unwrap();
+        },
+    )
+    .unwrap();
     let calibrated = calibration.belief().applied_to(&vehicle);
     let gain = calibration.compensation.steer;
     for truth in &truths {

@@ -35,3 +35,9 @@ pub fn read_text(path: impl AsRef<Path>, most: u64) -> io::Result<String> {
         io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8")
     })
 }
+
+/// CRC-32 of a text. Line endings of another operating system and empty lines at the end do not
+/// change it.
+pub(crate) fn checksum(text: &str) -> u32 {
+    crc32fast::hash(text.trim_ascii_end().replace("\r\n", "\n").as_bytes())
+}

@@ -38,22 +38,78 @@ pub(crate) fn two_runs_make_a_calibration_that_mends_another_log() {
 }
 
 #[test]
-fn one_run_fixes_the_compensation() {
+fn the_compensation_alone_needs_one_run() {
     let scratch = Scratch::new();
     let file = scratch.path("c.toml");
-    let runs = [format!("{}=1.90", fixture(LADEN))];
-    let run = calibrate(&kraz(), &runs, &file).done();
-    assert!(
-        run.out.contains("one run: it determines the compensation of each channel"),
-        "{}",
-        run.out
-    );
+    let one = format!("{}=1.90", fixture(LADEN));
+    let (vehicle, two) = (kraz(), two_runs());
+    let mut arguments = vec!["calibrate", "--procedure", "compensation", "--vehicle", &vehicle];
+    arguments.extend(["--output", &file, "--run"]);
+    let run = cg(&[&arguments[..], &[&one]].concat()).done();
+    assert!(run.out.contains("one factor for each channel and no parameter"), "{}", run.out);
+    cg(&[&arguments[..], &[&two[0], "--run", &two[1]]].concat()).refused(&["exactly one run"]);
     for channel in ["steer", "lateral-acceleration"] {
         let arguments = ["--calibration", &file, "--channel", channel];
         let answer = estimate(&fixture(LADEN), &kraz(), &arguments).done().answer();
         // The calibration uses this log, identified with the calibrated design.
         assert!((height_m(&answer) / 1.90 - 1.0).abs() < 1e-3, "{answer}");
     }
+}
+
+/// Height and mass of the empty trailer are in the vehicle file.
+#[test]
+fn the_empty_run_needs_no_numbers() {
+    let scratch = Scratch::new();
+    let files = [scratch.path("a.toml"), scratch.path("b.toml")];
+    let log = fixture(EMPTY);
+    let runs = [format!("{log}=empty"), format!("{log}=1.33,8684")];
+    let written = files.each_ref().map(|file| {
+        let run = &runs[usize::from(file.ends_with("b.toml"))];
+        calibrate(&kraz(), std::slice::from_ref(run), file).done();
+        let text = std::fs::read_to_string(file).unwrap();
+        text.lines().filter(|l| !l.starts_with("date") && !l.starts_with('#')).collect::<String>()
+    });
+    // 8684 kg are the tare's 6500 kg and the axles.
+    assert_eq!(written[0], written[1]);
+    assert!(written[0].contains("maximum-a-posteriori"));
+}
+
+/// The laden log with a height of 1.3 m instead of 1.9 m: ratios that no truck of this file has.
+#[test]
+fn runs_that_contradict_the_vehicle_file_need_force() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    let run = format!("{}=1.3,28684", fixture(LADEN));
+    calibrate(&kraz(), std::slice::from_ref(&run), &file).refused(&[
+        "no calibration is made",
+        "standard deviations",
+        "--force makes it",
+    ]);
+    assert!(scratch.names().is_empty());
+    let (vehicle, log) = (kraz(), fixture("logs/A_p10_h170_v50_L.csv"));
+    cg(&["calibrate", "--vehicle", &vehicle, "--output", &file, "--run", &run, "--force"]).done();
+    let answer = estimate(&log, &vehicle, &["--calibration", &file]).done().answer();
+    let messages = answer["messages"].to_string();
+    assert!(messages.contains("the runs of the calibration contradict"), "{messages}");
+}
+
+#[test]
+fn a_calibration_of_the_tractor_holds_with_another_trailer() {
+    let scratch = Scratch::new();
+    let (file, vehicle, runs) = (scratch.path("c.toml"), kraz(), two_runs());
+    let arguments = ["calibrate", "--part", "tractor", "--vehicle", &vehicle, "--output", &file];
+    let run = cg(&[&arguments[..], &["--run", &runs[0], "--run", &runs[1]]].concat()).done();
+    assert!(run.out.contains("of the tractor alone"), "{}", run.out);
+    let text = std::fs::read_to_string(&vehicle).unwrap();
+    let (tractor, trailer) = text.split_at(text.find("[trailer]").unwrap());
+    let other = trailer.replacen("roll_center_height_m = 0.51 ", "roll_center_height_m = 0.61 ", 1);
+    assert_ne!(trailer, other);
+    let named = tractor.replacen("\"kraz\"", "\"kraz, other trailer\"", 1);
+    let other = scratch.file("other.toml", named + &other);
+    estimate(&fixture(LADEN), &other, &["--calibration", &file]).done();
+    let tractor = tractor.replacen("cg_height_m = 1.34", "cg_height_m = 1.35", 1);
+    let changed = scratch.file("changed.toml", tractor + trailer);
+    estimate(&fixture(LADEN), &changed, &["--calibration", &file]).refused(&["another tractor"]);
 }
 
 #[test]

@@ -34,7 +34,8 @@ impl LogEstimator {
     }
 
     pub(super) fn messages(&self) -> Vec<String> {
-        let mut messages: Vec<String> = self.check.clock().into_iter().collect();
+        let doubt = self.options.judgement.message();
+        let mut messages: Vec<String> = doubt.into_iter().chain(self.check.clock()).collect();
         if let Some(drift) = Channel::ALL.into_iter().find_map(|channel| self.drift(channel)) {
             messages.push(format!(
                 "the roll sensor drifts by {drift:.1} degrees per minute; a constant drift was \

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use cg_core::Channel;
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
+use cg_vehicle::calibration::Judgement;
 use cg_vehicle::{Variant, Vehicle};
 use serde::Serialize;
 
@@ -128,6 +129,8 @@ pub struct EstimateOptions {
     /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
     /// public roads, roll angles relative to the road as measured on a flat test track.
     pub road: Option<RoadChoice>,
+    /// Whether the runs of the calibration are possible; if not, the messages say so.
+    pub judgement: Judgement,
 }
 
 impl EstimateOptions {
@@ -148,6 +151,7 @@ impl Default for EstimateOptions {
             speed_mps: None,
             trailer_mass_kg: None,
             road: None,
+            judgement: Judgement::Sound,
         }
     }
 }

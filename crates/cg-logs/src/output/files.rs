@@ -42,6 +42,11 @@ impl Files {
         Self { force, inputs: Vec::new(), outputs }
     }
 
+    /// Whether outputs may replace files that cg did not write (`--force`).
+    pub fn replaces_foreign(&self) -> bool {
+        self.force
+    }
+
     /// Registers an input. `-` is the file from which standard input is redirected.
     #[must_use]
     pub fn reads(mut self, flag: &str, path: &Path) -> Self {

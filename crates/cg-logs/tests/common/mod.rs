@@ -2,7 +2,7 @@
 #![allow(dead_code, unused_imports, clippy::unwrap_used)] // each test file uses its part
 
 use cg_core::{AlignSettings, Channel, Design};
-use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::calibration::Calibration;
@@ -13,6 +13,7 @@ mod trucks;
 pub(crate) use trucks::*;
 
 pub(crate) struct Known {
+    folder: &'static str,
     pub(crate) log: String,
     pub(crate) load: Load,
     pub(crate) axle_load_n: Vec<f64>,
@@ -20,7 +21,7 @@ pub(crate) struct Known {
 
 impl Known {
     pub(crate) fn rows(&self) -> Vec<LogRow> {
-        let path = fixtures().join("logs").join(&self.log);
+        let path = fixtures().join(self.folder).join(&self.log);
         let reader = LogReader::open(&path, &LogOptions::default()).unwrap();
         reader.map(Result::unwrap).collect()
     }
@@ -44,8 +45,14 @@ impl Known {
     }
 }
 
+/// The logs of the first independent truck.
 pub(crate) fn known() -> Vec<Known> {
-    let text = std::fs::read_to_string(fixtures().join("logs/truth.json")).unwrap();
+    known_in("logs")
+}
+
+/// The logs of a folder in the fixtures.
+pub(crate) fn known_in(folder: &'static str) -> Vec<Known> {
+    let text = std::fs::read_to_string(fixtures().join(folder).join("truth.json")).unwrap();
     let entries: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap();
     let number = |entry: &serde_json::Value, key: &str| entry[key].as_f64().unwrap();
     entries
@@ -54,6 +61,7 @@ pub(crate) fn known() -> Vec<Known> {
             let loads = &entry["static_axle_load_n"];
             let unit = |name: &str| loads[name].as_array().unwrap().clone();
             Known {
+                folder,
                 log: entry["log"].as_str().unwrap().to_owned(),
                 load: Load {
                     trailer_mass_kg: number(entry, "trailer_mass_kg"),
@@ -75,11 +83,10 @@ pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
         .iter()
         .map(|known| KnownLog {
             log: known.log.clone(),
-            height_m: known.load.cg_height_m,
-            trailer_mass_kg: None,
+            load: KnownLoad::Laden { height_m: known.load.cg_height_m, trailer_mass_kg: None },
         })
         .collect();
-    calibrate::<VehicleError>(vehicle, Variant::Complete, &logs, |log, estimator| {
+    calibrate::<VehicleError>(vehicle, CalibrateOptions::default(), &logs, |log, estimator| {
         let known = runs.iter().find(|known| known.log == log.log).unwrap();
         known.feed(estimator);
         Ok(())

@@ -11,7 +11,11 @@ from cgheight import _native
 from cgheight._arrays import number
 from cgheight._columns import flips, maps
 
-Run = tuple[str | os.PathLike[str], float] | tuple[str | os.PathLike[str], float, float]
+Run = (
+    tuple[str | os.PathLike[str], float]
+    | tuple[str | os.PathLike[str], float, float]
+    | tuple[str | os.PathLike[str], Literal["empty"]]
+)
 
 
 def calibrate(
@@ -20,33 +24,40 @@ def calibrate(
     output: str | os.PathLike[str],
     *,
     model: Literal["complete", "as-printed"] = "complete",
+    procedure: Literal["maximum-a-posteriori", "compensation"] = "maximum-a-posteriori",
+    part: Literal["vehicle", "tractor"] = "vehicle",
     columns: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
     force: bool = False,
 ) -> _native.Vehicle:
     """Calibrate a vehicle with logs whose height is known.
 
-    One run determines the compensation of each channel, as in the thesis. With several runs (such
-    as one empty and one laden), the uncertain parameters of the truck are fitted to the runs and to
-    ``[uncertainty]`` in the vehicle file. The calibration file contains what the runs could and
-    could not determine.
+    The uncertain parameters of the truck are fitted to the runs and to ``[uncertainty]`` in the
+    vehicle file. One run with the empty trailer is enough; a laden one makes it better. The
+    calibration file contains what the runs could and could not determine.
 
     Parameters
     ----------
     vehicle : Vehicle
         The vehicle.
-    runs : iterable of (log, height_m) or (log, height_m, trailer_mass_kg)
+    runs : iterable of (log, height_m), (log, height_m, trailer_mass_kg) or (log, "empty")
         Log files with turns at constant speed; height of the trailer's sprung c.g., m; mass of the
-        whole semitrailer, kg, needed if it is not in the log.
+        whole semitrailer, kg, needed if it is not in the log. Height and mass of the empty trailer
+        are in the vehicle file.
     output : str or os.PathLike
         The calibration file (TOML) to write; it appears only when it is complete.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
+    procedure : {"maximum-a-posteriori", "compensation"}
+        What the runs determine: all parameters, or with one run the compensation of each channel
+        alone, as in the thesis.
+    part : {"vehicle", "tractor"}
+        What the calibration is for. One of the tractor alone holds with any trailer.
     columns, flip
         As for `estimate_log`.
     force : bool
-        Whether `output` may replace a file that is not a calibration. The runs and the vehicle file
-        are never replaced.
+        Whether `output` may replace a file that is not a calibration, and whether it is made of runs
+        that contradict the vehicle file. The runs and the vehicle file are never replaced.
 
     Returns
     -------
@@ -61,7 +72,8 @@ def calibrate(
         `output` exists, is not a calibration, and `force` is false.
     ValueError
         `output` is a run or the vehicle file; a run is not as described, has no turn, or has a load
-        that is impossible for the vehicle.
+        that is impossible for the vehicle; or the runs contradict the vehicle file, and `force` is
+        false.
 
     Examples
     --------
@@ -77,12 +89,21 @@ def calibrate(
     known = []
     for run in runs:
         if not 2 <= len(run) <= 3:
-            raise ValueError(f"run {run!r}: expected (log, height_m[, trailer_mass_kg])")
+            raise ValueError(f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")')
         log, height_m, *mass = run
+        if height_m == "empty":
+            known.append((os.fspath(log), None, None))
+            continue
         mass_kg = number("trailer_mass_kg", mass[0]) if mass else None
         known.append((os.fspath(log), number("height_m", height_m), mass_kg))
-    date = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
-    _native.calibrate_files(
-        vehicle, known, output, model, maps(columns), flips(flip), date, bool(force)
-    )
+    request: dict[str, object] = {
+        "model": model,
+        "procedure": procedure,
+        "part": part,
+        "columns": maps(columns),
+        "flip": flips(flip),
+        "date": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "force": bool(force),
+    }
+    _native.calibrate_files(vehicle, known, output, request)
     return vehicle.calibrated(output)

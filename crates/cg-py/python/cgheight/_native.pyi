@@ -187,13 +187,9 @@ def linear_model(
 
 def calibrate_files(
     vehicle: Vehicle,
-    runs: list[tuple[str, float, float | None]],
+    runs: list[tuple[str, float | None, float | None]],
     output: str | os.PathLike[str],
-    model: str,
-    columns: list[str],
-    flip: list[str],
-    date: str,
-    force: bool,
+    request: dict[str, object],
     /,
 ) -> None:
     """Calibrate with log files and write the calibration file."""

@@ -10,11 +10,12 @@ use super::baseline::Baseline;
 use super::printed::Printed;
 use super::row::Row;
 use super::solved::bias_percent;
-use cg_logs::calibrate::{KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_plant::maneuver::Maneuver;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::belief::Belief;
+use cg_vehicle::calibration::Procedure;
 use cg_vehicle::design::design_with;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Variant, Vehicle};
@@ -36,9 +37,11 @@ pub(super) fn rows(
     let truth_m = vehicle.trailer.reference_cg_height_m;
     let estimate = |belief: &Belief| height_m(vehicle, &truck, belief);
     let unaware_m = estimate(&Belief::prior(vehicle))?;
-    let log = KnownLog { log: name.to_owned(), height_m: truth_m, trailer_mass_kg: None };
-    let calibration =
-        calibrate(vehicle, Variant::Complete, &[log], |_, estimator| drive(&truck, estimator))?;
+    let load = KnownLoad::Laden { height_m: truth_m, trailer_mass_kg: None };
+    let log = KnownLog { log: name.to_owned(), load };
+    let options =
+        CalibrateOptions { procedure: Procedure::Compensation, ..CalibrateOptions::default() };
+    let calibration = calibrate(vehicle, options, &[log], |_, estimator| drive(&truck, estimator))?;
     let aware_m = estimate(&calibration.belief())?;
     let item = |what: &str| format!("{name}: own plant, {what}");
     let beside = |what: &str, printed: &Printed, estimate_m: f64, note: &str| {

@@ -40,12 +40,13 @@ pub fn drive_again(
     let name = &log.known.log;
     let known = |of: fn(&LogRow) -> f64| log.rows.iter().map(of).find(|value| value.is_finite());
     let none = |what: &str| VehicleError::Model(format!("{name}: no row has {what}"));
-    let trailer_mass_kg = (log.known.trailer_mass_kg)
+    let (cg_height_m, mass_kg) = log.known.load.of(vehicle);
+    let trailer_mass_kg = mass_kg
         .or_else(|| known(|row| row.trailer_mass_kg))
         .ok_or_else(|| none("the trailer's mass; give it after the height"))?;
     let mut steer_rad = known(|row| row.steer_rad).ok_or_else(|| none("a steer angle"))?;
     let mut speed_mps = known(|row| row.speed_mps).ok_or_else(|| none("a speed"))?;
-    let load = Load { trailer_mass_kg, cg_height_m: log.known.height_m };
+    let load = Load { trailer_mass_kg, cg_height_m };
     let plant = YawRollPlant::new(vehicle, load, options)?;
     let mut run = plant.start(speed_mps)?;
     let (mut roll_rad, mut lateral_mps2) = (Vec::new(), Vec::new());
@@ -104,7 +105,7 @@ pub fn replay(
             });
         let name = &log.known.log;
         scenario.push(format!("{name}: roll {roll}; lateral acceleration {lateral}"));
-        let height_m = log.known.height_m;
+        let (height_m, _) = log.known.load.of(&vehicle);
         for (panel, values) in
             panels.iter_mut().zip([(&theirs[0], plant.roll_rad), (&theirs[1], plant.lateral_mps2)])
         {

@@ -3,21 +3,21 @@
 
 use std::path::Path;
 
-use cg_core::{CHANNELS, Channel};
+use cg_core::Channel;
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
+use crate::calibration::entry::ParameterEntry;
 use crate::calibration::fit::{Fitted, Procedure, Run};
+use crate::calibration::judgement::Judgement;
+use crate::calibration::part::{Part, tractor};
+use crate::calibration::statement::{contradiction, statement};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// Share of the prior variance that the runs must remove so that a parameter counts as determined.
-const DETERMINED: f64 = 0.5;
-/// Below this share a parameter counts as not determined.
-const UNDETERMINED: f64 = 0.1;
 /// Start of the line with the checksum of all lines before it; a comment in TOML.
 const CHECKSUM: &str = "# crc32 ";
 /// Greatest relative difference between a model ratio in the file and that of the present vehicle
@@ -31,6 +31,12 @@ const SAME_RATIO: f64 = 1e-6;
 pub struct Calibration {
     /// Name of the vehicle.
     pub vehicle: String,
+    /// What it is for.
+    #[serde(default)]
+    pub part: Part,
+    /// For the tractor alone: checksum of its data in the vehicle file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tractor: Option<String>,
     /// Version of the equations of the vehicle model.
     pub model: Variant,
     /// Date of the calibration.
@@ -40,6 +46,9 @@ pub struct Calibration {
     pub procedure: Procedure,
     /// Text lines on what the runs could and could not determine.
     pub statement: Vec<String>,
+    /// Text lines on where the runs and the vehicle file contradict each other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contradiction: Vec<String>,
     /// Relative standard deviation of the model error that no calibration removes.
     pub residual_sd: f64,
     /// Sum of the squared residuals and squared parameter changes, each divided by its variance. It
@@ -75,32 +84,15 @@ fn one() -> f64 {
     1.0
 }
 
-/// One parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ParameterEntry {
-    /// The parameter.
-    pub name: Parameter,
-    /// `factor` to multiply the value of the vehicle file with, or `m` to add to it.
-    pub unit: Unit,
-    /// Value of the factor or of the shift.
-    pub value: f64,
-    /// Standard deviation (relative for a factor).
-    pub sd: f64,
-    /// Standard deviation before the calibration.
-    pub prior_sd: f64,
-    /// Share of the prior variance that the runs removed.
-    pub determined: f64,
-}
-
-/// Unit of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Unit {
-    /// A factor of the value in the vehicle file.
-    Factor,
-    /// A shift of the value in the vehicle file, in meters.
-    M,
+impl Compensations {
+    pub(super) fn of(belief: &Belief) -> Self {
+        Self {
+            steer: belief.gain(Channel::Steer),
+            lateral_acceleration: belief.gain(Channel::LateralAcceleration),
+            suspension: belief.gain(Channel::Suspension),
+            tractor: belief.gain(Channel::Tractor),
+        }
+    }
 }
 
 /// One run.
@@ -150,21 +142,20 @@ impl Calibration {
     ) -> Result<Self, VehicleError> {
         let prior = Belief::prior(vehicle);
         let belief = &fitted.belief;
-        let parameter = Parameter::ALL.map(|name| entry(name, &prior, belief)).to_vec();
+        let parameter =
+            Parameter::ALL.map(|name| ParameterEntry::new(name, &prior, belief)).to_vec();
         Ok(Self {
             vehicle: vehicle.name.clone(),
+            part: Part::Vehicle,
+            tractor: None,
             model: variant,
             date: String::new(),
             procedure: fitted.procedure,
             statement: statement(vehicle, variant, runs, fitted, &parameter)?,
+            contradiction: contradiction(vehicle, variant, runs, fitted, &parameter)?,
             residual_sd: belief.residual_sd,
             chi_square: fitted.chi_square,
-            compensation: Compensations {
-                steer: belief.gain(Channel::Steer),
-                lateral_acceleration: belief.gain(Channel::LateralAcceleration),
-                suspension: belief.gain(Channel::Suspension),
-                tractor: belief.gain(Channel::Tractor),
-            },
+            compensation: Compensations::of(belief),
             covariance: (0..PARAMETERS)
                 .map(|i| (0..PARAMETERS).map(|j| belief.covariance[(i, j)]).collect())
                 .collect(),
@@ -193,11 +184,13 @@ impl Calibration {
     pub fn parse(text: &str, file: &str, vehicle: &Vehicle) -> Result<Self, VehicleError> {
         let mut calibration: Self =
             toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
-        calibration.add_new_parameters(&Belief::prior(vehicle));
+        let prior = Belief::prior(vehicle);
+        calibration.add_new_parameters(&prior);
         calibration
             .check(vehicle)
             .and_then(|()| check_sum(text))
             .map_err(|reason| VehicleError::Model(format!("{file}: {reason}")))?;
+        calibration.take_prior(&prior);
         Ok(calibration)
     }
 
@@ -214,18 +207,62 @@ impl Calibration {
             // A line break in a name would end the comment.
             self.vehicle.replace(char::is_control, " ")
         );
-        Ok(format!("{text}{CHECKSUM}{:08x}\n", checksum(&text)))
+        Ok(format!("{text}{CHECKSUM}{:08x}\n", files::checksum(&text)))
     }
 
-    /// The posterior distribution of the parameters.
+    /// Whether its runs are possible for the vehicle file.
+    pub fn judgement(&self) -> Judgement {
+        match self.procedure {
+            // One factor for each ratio explains everything.
+            Procedure::Compensation => Judgement::Sound,
+            Procedure::MaximumAPosteriori => {
+                Judgement::of(self.chi_square, self.run.iter().map(|run| run.channel.len()).sum())
+            }
+        }
+    }
+
+    /// The posterior distribution of the parameters. If the runs contradict the vehicle file, all
+    /// standard deviations are multiplied by the Birge ratio.
     pub fn belief(&self) -> Belief {
         let mut mean = Deviations::zeros();
         for entry in &self.parameter {
-            let value = if entry.name.is_factor() { entry.value.ln() } else { entry.value };
-            mean[entry.name as usize] = value;
+            mean[entry.name as usize] = entry.deviation();
         }
-        let covariance = Covariance::from_fn(|i, j| self.covariance[i][j]);
-        Belief { mean, covariance, residual_sd: self.residual_sd }
+        let birge = self.judgement().birge();
+        let covariance = Covariance::from_fn(|i, j| birge * birge * self.covariance[i][j]);
+        Belief { mean, covariance, residual_sd: birge * self.residual_sd }
+    }
+
+    /// The same calibration for the tractor alone: it holds with any trailer.
+    #[must_use]
+    pub fn of_tractor(mut self, vehicle: &Vehicle) -> Self {
+        self.part = Part::Tractor;
+        self.tractor = Some(tractor(vehicle));
+        self.take_prior(&Belief::prior(vehicle));
+        self.compensation = Compensations::of(&self.belief());
+        self.statement.push(
+            "of the tractor alone: the trailer, and what it shares with the tractor (tires, roll \
+             centers), is as in the vehicle file"
+                .to_owned(),
+        );
+        self
+    }
+
+    /// Replaces what is not of the calibrated part by the prior. The parameters that remain keep
+    /// their joint uncertainty.
+    fn take_prior(&mut self, prior: &Belief) {
+        for entry in &mut self.parameter {
+            let k = entry.name as usize;
+            if self.part.keeps(entry.name) {
+                continue;
+            }
+            *entry = ParameterEntry::new(entry.name, prior, prior);
+            for j in 0..self.covariance.len() {
+                self.covariance[j][k] = 0.0;
+                self.covariance[k][j] = 0.0;
+            }
+            self.covariance[k][k] = prior.covariance[(k, k)];
+        }
     }
 
     /// Adds the parameters that did not exist when the calibration was made: it did not change them.
@@ -236,7 +273,7 @@ impl Calibration {
         }
         for &name in Parameter::ALL.iter().skip(known) {
             let k = name as usize;
-            self.parameter.push(entry(name, prior, prior));
+            self.parameter.push(ParameterEntry::new(name, prior, prior));
             self.covariance.iter_mut().for_each(|row| row.push(0.0));
             let mut row = vec![0.0; k + 1];
             row[k] = prior.covariance[(k, k)];
@@ -245,7 +282,7 @@ impl Calibration {
     }
 
     fn check(&self, vehicle: &Vehicle) -> Result<(), String> {
-        if self.vehicle != vehicle.name {
+        if self.part == Part::Vehicle && self.vehicle != vehicle.name {
             return Err(format!(
                 "this calibration belongs to the vehicle \"{}\", not to \"{}\"",
                 self.vehicle, vehicle.name
@@ -276,7 +313,15 @@ impl Calibration {
         if !(0.0..=1.0).contains(&self.residual_sd) {
             return Err(format!("residual_sd = {} must lie between 0 and 1", self.residual_sd));
         }
-        self.check_model(vehicle)
+        match self.part {
+            Part::Vehicle => self.check_model(vehicle),
+            Part::Tractor if self.tractor == Some(tractor(vehicle)) => Ok(()),
+            Part::Tractor => Err(
+                "this calibration belongs to another tractor: [tractor], its tires and springs, or \
+                 [hitch] differ from those of the vehicle file with which it was made"
+                    .to_owned(),
+            ),
+        }
     }
 
     /// Detects a change of the vehicle file since the calibration by its model ratios.
@@ -305,12 +350,6 @@ impl Calibration {
     }
 }
 
-/// CRC-32 of a text. Line endings of another operating system and empty lines at the end do not
-/// change it.
-fn checksum(text: &str) -> u32 {
-    crc32fast::hash(text.trim_ascii_end().replace("\r\n", "\n").as_bytes())
-}
-
 /// Whether the text is unchanged since it was written.
 fn check_sum(text: &str) -> Result<(), String> {
     let text = text.trim_ascii_end();
@@ -319,7 +358,7 @@ fn check_sum(text: &str) -> Result<(), String> {
         Some(stated) => (content, Some(stated)),
         None => (text, None),
     };
-    let now = checksum(content);
+    let now = files::checksum(content);
     let what = match stated {
         Some(stated) if u32::from_str_radix(stated, 16) == Ok(now) => return Ok(()),
         Some(_) => "was edited or damaged since it was made: its checksum is wrong",
@@ -329,18 +368,6 @@ fn check_sum(text: &str) -> Result<(), String> {
         "the calibration {what}; run cg calibrate again, or make \"{CHECKSUM}{now:08x}\" its last \
          line if you have checked every number in it"
     ))
-}
-
-fn entry(name: Parameter, prior: &Belief, belief: &Belief) -> ParameterEntry {
-    let k = name as usize;
-    let (before, after) = (prior.covariance[(k, k)], belief.covariance[(k, k)]);
-    let (unit, value) = if name.is_factor() {
-        (Unit::Factor, belief.mean[k].exp())
-    } else {
-        (Unit::M, belief.mean[k])
-    };
-    let determined = if before > 0.0 { 1.0 - after / before } else { 0.0 };
-    ParameterEntry { name, unit, value, sd: after.sqrt(), prior_sd: before.sqrt(), determined }
 }
 
 fn run_entry(index: usize, run: &Run, fitted: &Fitted) -> RunEntry {
@@ -368,73 +395,4 @@ fn run_entry(index: usize, run: &Run, fitted: &Fitted) -> RunEntry {
         speed_mps: run.speed_mps,
         channel,
     }
-}
-
-fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
-    let named = |title: &str, wanted: &dyn Fn(f64) -> bool| {
-        let words: Vec<&str> = parameter
-            .iter()
-            .filter(|entry| entry.prior_sd > 0.0 && wanted(entry.determined))
-            .map(|entry| entry.name.words())
-            .collect();
-        let list = if words.is_empty() { "none".to_owned() } else { words.join(", ") };
-        format!("{title}: {list}")
-    };
-    vec![
-        named("determined", &|share| share >= DETERMINED),
-        named("partly determined", &|share| (UNDETERMINED..DETERMINED).contains(&share)),
-        named("not determined by these runs", &|share| share < UNDETERMINED),
-        "single parameters are less certain than the ratios that they determine together:"
-            .to_owned(),
-    ]
-}
-
-/// Text lines on what the runs could and could not determine.
-fn statement(
-    vehicle: &Vehicle,
-    variant: Variant,
-    runs: &[Run],
-    fitted: &Fitted,
-    parameter: &[ParameterEntry],
-) -> Result<Vec<String>, VehicleError> {
-    let mut statement = match fitted.procedure {
-        Procedure::Compensation => vec![
-            "one run: it determines the compensation of each channel but no parameter of the truck; \
-             the more speed and load differ from the run's, the more of the vehicle file's \
-             uncertainty remains"
-                .to_owned(),
-        ],
-        Procedure::MaximumAPosteriori => what_was_determined(parameter),
-    };
-    let prior = Belief::prior(vehicle);
-    for run in runs {
-        let covariance =
-            |belief: &Belief| belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load);
-        let (before, after) = (covariance(&prior)?, covariance(&fitted.belief)?);
-        let ratios: Vec<String> = Channel::ALL
-            .into_iter()
-            .filter(|channel| run.ratio[channel.index()].is_some())
-            .map(|channel| {
-                let k = channel.index();
-                let percent =
-                    |covariance: &[[f64; CHANNELS]; CHANNELS]| 100.0 * covariance[k][k].sqrt();
-                format!("{channel} ratio to {:.1} % (was {:.1})", percent(&after), percent(&before))
-            })
-            .collect();
-        statement.push(format!(
-            "{:.1} t at {:.1} m/s: {}",
-            run.load.trailer_mass_kg / 1e3,
-            run.speed_mps,
-            ratios.join(", ")
-        ));
-    }
-    if fitted.chi_square > fitted.chi_square_limit() {
-        statement.push(format!(
-            "the runs contradict the vehicle file more than its [uncertainty] allows (chi-square \
-             {:.1} for {} ratios): check heights, masses and units, or raise residual_sd",
-            fitted.chi_square,
-            fitted.residuals.len()
-        ));
-    }
-    Ok(statement)
 }

@@ -19,6 +19,7 @@
 use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
+use super::judgement::Judgement;
 use crate::belief::{
     Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios,
     stiffness_variances,
@@ -48,16 +49,22 @@ pub struct Run {
     pub ratio: [Option<Measured<f64>>; CHANNELS],
 }
 
-/// The method by which the parameters were determined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+/// The method by which the parameters are determined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Procedure {
-    /// One run: only `R_c` of each channel.
-    Compensation,
-    /// Several runs: all parameters.
+    /// All parameters, as the runs and the prior make them most probable.
+    #[default]
     MaximumAPosteriori,
+    /// Only `R_c` of each channel, from one run, as in the thesis.
+    Compensation,
 }
+
+cg_core::words!(Procedure {
+    MaximumAPosteriori => "maximum-a-posteriori", "all parameters of the truck";
+    Compensation => "compensation", "the compensation R_c of each channel alone, from one run (the thesis)";
+});
 
 /// An identified ratio compared with that of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,26 +97,35 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// The value that [`chi_square`](Self::chi_square) exceeds by chance with a probability of 1 %
-    /// (Wilson and Hilferty's approximation).
-    pub fn chi_square_limit(&self) -> f64 {
-        #[allow(clippy::cast_precision_loss)] // a count
-        let n = self.residuals.len().max(1) as f64;
-        let ninth = 2.0 / (9.0 * n);
-        n * (1.0 - ninth + 2.326 * ninth.sqrt()).powi(3)
+    /// Whether the runs are possible for the vehicle file.
+    pub fn judgement(&self) -> Judgement {
+        match self.procedure {
+            // One factor for each ratio explains everything.
+            Procedure::Compensation => Judgement::Sound,
+            Procedure::MaximumAPosteriori => Judgement::of(self.chi_square, self.residuals.len()),
+        }
     }
 }
 
 /// Estimates the parameters of a vehicle from runs.
 ///
 /// # Errors
-/// [`VehicleError`] if there is no run, if there is no ratio, or if the load is impossible for the
-/// model.
-pub fn fit(vehicle: &Vehicle, variant: Variant, runs: &[Run]) -> Result<Fitted, VehicleError> {
+/// [`VehicleError`] if there is no run, if there is no ratio, if the load is impossible for the model,
+/// or if there is more than one run for [`Procedure::Compensation`].
+pub fn fit(
+    vehicle: &Vehicle,
+    variant: Variant,
+    procedure: Procedure,
+    runs: &[Run],
+) -> Result<Fitted, VehicleError> {
+    if procedure == Procedure::Compensation && runs.len() != 1 {
+        return Err(VehicleError::Model(format!(
+            "the procedure \"{procedure}\" needs exactly one run, but there are {}",
+            runs.len()
+        )));
+    }
     let prior = Belief::prior(vehicle);
     let observations = observations(runs)?;
-    let procedure =
-        if runs.len() == 1 { Procedure::Compensation } else { Procedure::MaximumAPosteriori };
     let linearized =
         |mean: &Deviations| linearized((vehicle, variant), (runs, &observations), mean);
     let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);

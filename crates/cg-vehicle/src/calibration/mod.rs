@@ -3,13 +3,24 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | `judgement` | whether the runs are possible for the vehicle file |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
+//! | `part` | a calibration of the tractor alone |
+//! | `entry` | a parameter in the file |
+//! | `statement` | what the runs could and could not determine |
 //! | [`mod@file`] | the calibration file |
 //!
 //! `cg_logs::calibrate` identifies the ratios from logs.
 
+mod judgement;
 pub mod fit;
+mod part;
+mod entry;
+mod statement;
 pub mod file;
 
+pub use entry::{ParameterEntry, Unit};
 pub use file::Calibration;
-pub use fit::{Fitted, Run, fit};
+pub use fit::{Fitted, Procedure, Run, fit};
+pub use judgement::Judgement;
+pub use part::Part;

@@ -1,0 +1,143 @@
+//! The statement of a calibration file: what the runs could and could not determine, and whether they
+//! are possible.
+
+use cg_core::{CHANNELS, Channel};
+
+use super::entry::ParameterEntry;
+use super::fit::{Fitted, Procedure, Run};
+use super::judgement::Judgement;
+use crate::belief::Belief;
+use crate::equations::Variant;
+use crate::error::VehicleError;
+use crate::vehicle::Vehicle;
+
+/// Share of the prior variance that the runs must remove so that a parameter counts as determined.
+const DETERMINED: f64 = 0.5;
+/// Below this share a parameter counts as not determined.
+const UNDETERMINED: f64 = 0.1;
+/// Prior standard deviations beyond which a parameter or a ratio is named.
+const FAR: f64 = 3.0;
+
+fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
+    let named = |title: &str, wanted: &dyn Fn(f64) -> bool| {
+        let words: Vec<&str> = parameter
+            .iter()
+            .filter(|entry| entry.prior_sd > 0.0 && wanted(entry.determined))
+            .map(|entry| entry.name.words())
+            .collect();
+        let list = if words.is_empty() { "none".to_owned() } else { words.join(", ") };
+        format!("{title}: {list}")
+    };
+    vec![
+        named("determined", &|share| share >= DETERMINED),
+        named("partly determined", &|share| (UNDETERMINED..DETERMINED).contains(&share)),
+        named("not determined by these runs", &|share| share < UNDETERMINED),
+        "single parameters are less certain than the ratios that they determine together:"
+            .to_owned(),
+    ]
+}
+
+/// Text lines on what the runs could and could not determine.
+pub(super) fn statement(
+    vehicle: &Vehicle,
+    variant: Variant,
+    runs: &[Run],
+    fitted: &Fitted,
+    parameter: &[ParameterEntry],
+) -> Result<Vec<String>, VehicleError> {
+    let mut statement = match fitted.procedure {
+        Procedure::Compensation => vec![
+            "one factor for each channel and no parameter of the truck: the more speed and load differ \
+             from the run's, the more of the vehicle file's uncertainty remains"
+                .to_owned(),
+        ],
+        Procedure::MaximumAPosteriori => what_was_determined(parameter),
+    };
+    let prior = Belief::prior(vehicle);
+    for run in runs {
+        let covariance =
+            |belief: &Belief| belief.ratio_covariance(vehicle, variant, run.speed_mps, run.load);
+        let (before, after) = (covariance(&prior)?, covariance(&fitted.belief)?);
+        let ratios: Vec<String> = Channel::ALL
+            .into_iter()
+            .filter(|channel| run.ratio[channel.index()].is_some())
+            .map(|channel| {
+                let k = channel.index();
+                let percent =
+                    |covariance: &[[f64; CHANNELS]; CHANNELS]| 100.0 * covariance[k][k].sqrt();
+                format!("{channel} ratio to {:.1} % (was {:.1})", percent(&after), percent(&before))
+            })
+            .collect();
+        statement.push(format!(
+            "{:.1} t at {:.1} m/s: {}",
+            run.load.trailer_mass_kg / 1e3,
+            run.speed_mps,
+            ratios.join(", ")
+        ));
+    }
+    Ok(statement)
+}
+
+/// Text lines on where the runs and the vehicle file contradict each other.
+pub(super) fn contradiction(
+    vehicle: &Vehicle,
+    variant: Variant,
+    runs: &[Run],
+    fitted: &Fitted,
+    parameter: &[ParameterEntry],
+) -> Result<Vec<String>, VehicleError> {
+    let mut lines = far_ratios(vehicle, variant, runs, fitted)?;
+    lines.extend(far_parameters(parameter));
+    if fitted.judgement() != Judgement::Sound {
+        lines.push(format!(
+            "the runs contradict the vehicle file more than its [uncertainty] allows (chi-square \
+             {:.1} for {} ratios): check heights, masses and units, or raise residual_sd",
+            fitted.chi_square,
+            fitted.residuals.len()
+        ));
+    }
+    Ok(lines)
+}
+
+/// The ratios that are far from those of the vehicle file.
+fn far_ratios(
+    vehicle: &Vehicle,
+    variant: Variant,
+    runs: &[Run],
+    fitted: &Fitted,
+) -> Result<Vec<String>, VehicleError> {
+    let prior = Belief::prior(vehicle);
+    let mut far = Vec::new();
+    for residual in &fitted.residuals {
+        let run = &runs[residual.run];
+        let k = residual.channel.index();
+        let covariance = prior.ratio_covariance(vehicle, variant, run.speed_mps, run.load)?;
+        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance());
+        let distance = residual.before / (covariance[k][k] + noise).sqrt();
+        if distance.abs() > FAR {
+            far.push(format!(
+                "{}: the {} ratio is {distance:+.1} standard deviations from that of the vehicle file",
+                run.log, residual.channel
+            ));
+        }
+    }
+    Ok(far)
+}
+
+/// The parameters that are far from the vehicle file.
+fn far_parameters(parameter: &[ParameterEntry]) -> Option<String> {
+    let far: Vec<String> = parameter
+        .iter()
+        .filter_map(|entry| {
+            let distance = entry.deviation() / entry.prior_sd;
+            let name = entry.name.words();
+            (distance.abs() > FAR).then(|| format!("{name} ({distance:+.1})"))
+        })
+        .collect();
+    (!far.is_empty()).then(|| {
+        format!(
+            "more than {FAR} standard deviations from the vehicle file: {}; check its numbers",
+            far.join(", ")
+        )
+    })
+}
