@@ -55,8 +55,8 @@ impl Truck {
         }
     }
 
-    /// What a truck shows that has only the sensors of these pairs, with the gains of this truck.
-    fn shown(&self, row: &LogRow) -> LogRow {
+    /// The row of a truck that has only the sensors of these pairs, with their gains.
+    fn with_sensor_gains(&self, row: &LogRow) -> LogRow {
         let gain = |k: usize| (log_gain(&self.deviations, PAIRS[k]) + self.residual[k]).exp();
         LogRow {
             time_s: row.time_s,
@@ -91,7 +91,7 @@ fn rows(vehicle: &Vehicle, truck: &Truck, kind: RoadKind, seed: u64) -> Vec<LogR
     let simulation = LogSimulation::on_road(&other, scenario, &road, &chassis).unwrap();
     let mut rows = Vec::new();
     let keep = |row: &LogRow| {
-        rows.push(truck.shown(row));
+        rows.push(truck.with_sensor_gains(row));
         Ok::<(), VehicleError>(())
     };
     simulation.run(keep).unwrap();

@@ -3,7 +3,7 @@
 //!
 //! Drives on rural roads whose bank is multiplied, so that they differ in nothing else. The ratio of
 //! suspension roll and specific force does not contain the bank. A roll angle relative to gravity
-//! does, and the answer depends on what the program is told of the road.
+//! does, and the answer depends on what is declared of the road.
 
 use std::ops::RangeInclusive;
 
@@ -39,9 +39,9 @@ const BANK: Quantity =
     Quantity { name: "greatest_bank", label: "Greatest bank of the road", unit: Unit::One };
 const ERROR: Quantity = Quantity { name: "error", label: "Error of the height", unit: Unit::One };
 
-/// What the program is told of the bank.
+/// What is declared of the bank.
 #[derive(Clone, Copy, Debug)]
-enum Told {
+enum Declared {
     Nothing,
     Flat,
     Uncertain,
@@ -51,11 +51,11 @@ enum Told {
 struct Pair {
     name: &'static str,
     channel: Channel,
-    told: Told,
+    declared: Declared,
 }
 
-const fn pair(name: &'static str, channel: Channel, told: Told) -> Pair {
-    Pair { name, channel, told }
+const fn pair(name: &'static str, channel: Channel, declared: Declared) -> Pair {
+    Pair { name, channel, declared }
 }
 
 /// The panels with their pairs.
@@ -63,22 +63,26 @@ const PANELS: [(&str, [Pair; 2]); 3] = [
     (
         "Suspension roll over specific force",
         [
-            pair("suspension", Channel::Suspension, Told::Nothing),
-            pair("tractor", Channel::Tractor, Told::Nothing),
+            pair("suspension", Channel::Suspension, Declared::Nothing),
+            pair("tractor", Channel::Tractor, Declared::Nothing),
         ],
     ),
     (
         "Roll to gravity, road declared flat",
         [
-            pair("lateral-acceleration, flat", Channel::LateralAcceleration, Told::Flat),
-            pair("steer, flat", Channel::Steer, Told::Flat),
+            pair("lateral-acceleration, flat", Channel::LateralAcceleration, Declared::Flat),
+            pair("steer, flat", Channel::Steer, Declared::Flat),
         ],
     ),
     (
         "Roll to gravity, bank uncertain (×: no height)",
         [
-            pair("lateral-acceleration, uncertain", Channel::LateralAcceleration, Told::Uncertain),
-            pair("steer, uncertain", Channel::Steer, Told::Uncertain),
+            pair(
+                "lateral-acceleration, uncertain",
+                Channel::LateralAcceleration,
+                Declared::Uncertain,
+            ),
+            pair("steer, uncertain", Channel::Steer, Declared::Uncertain),
         ],
     ),
 ];
@@ -237,10 +241,10 @@ fn answer(
     pair: &Pair,
     drive: &Drive,
 ) -> Result<Option<Answer>, VehicleError> {
-    let bank_sd_rad = match pair.told {
-        Told::Nothing => None,
-        Told::Flat => Some(0.0),
-        Told::Uncertain => Some(SD_SHARE * drive.bank_rad),
+    let bank_sd_rad = match pair.declared {
+        Declared::Nothing => None,
+        Declared::Flat => Some(0.0),
+        Declared::Uncertain => Some(SD_SHARE * drive.bank_rad),
     };
     let options = EstimateOptions {
         channel: Some(pair.channel),
