@@ -148,7 +148,7 @@ fn estimate_log(
     let remarks = feed(log, options, progress, |row| {
         estimator.push(row)?;
         if let Some(trace) = &mut trace {
-            trace.push(row);
+            trace.push(row.time_s, &estimator.signals(row));
         }
         Ok(())
     })?;

@@ -67,7 +67,7 @@ pub mod decide;
 pub mod estimator;
 
 pub use decide::combined::Combined;
-pub use decide::condition::{Conditioner, SampleError};
+pub use decide::condition::{Conditioner, SampleError, Signals};
 pub use decide::consistency::Inconsistency;
 pub use decide::height::Height;
 pub use decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};

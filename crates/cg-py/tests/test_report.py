@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import re
 import shutil
@@ -132,6 +133,38 @@ def test_nothing_is_fetched(opened, page):
     }
     assert asked <= {page.as_uri(), "data:,"}
     assert page.as_uri() in asked
+
+
+def test_every_pair_of_signals_in_the_log_is_drawn(tmp_path):
+    """A truck with sensors of the chassis and a roll angle relative to gravity, then without it."""
+    log = FIXTURES / "roads" / "B_rural_p16_h170.csv.gz"
+    table = [line.split(",") for line in gzip.decompress(log.read_bytes()).decode().splitlines()]
+    unused = {"roll_rad", "bank_rad", "axle_roll_rad"}
+    road = {"steer_rad", "lateral_acceleration_mps2", "yaw_rate_radps", "roll_to_gravity_rad"}
+    force = "suspension roll of the {}, ° and specific force, 0.1 g"
+    pairs = [force.format(unit) for unit in ("trailer", "tractor")]
+    inputs = ["steer, ° and lateral acceleration, 0.1 g", "roll relative to gravity, °"]
+    driver = browser((1280, 900))
+    try:
+        for without, expected in ((unused, inputs + pairs), (unused | road, pairs)):
+            kept = [k for k, name in enumerate(table[0]) if name not in without]
+            path, out = tmp_path / "chassis.csv", tmp_path / "chassis.html"
+            path.write_text("\n".join(",".join(row[k] for k in kept) for row in table) + "\n")
+            run = [cg(), "estimate", path, "--vehicle", FIXTURES / "vehicles" / "euro.toml"]
+            run += ["--trailer-mass-kg", "22318", "--report", out]
+            subprocess.run(run, capture_output=True, check=True)
+            driver.get(out.as_uri())  # the only log is open
+            pictures = driver.find_elements(By.CSS_SELECTOR, "tr.detail svg")
+            names = [picture.get_attribute("aria-label") for picture in pictures]
+            assert names == [*expected, "Heights of chassis.csv"]
+            # Each curve spans its plot, which is 408 wide.
+            length = "return arguments[0].getTotalLength()"
+            for picture in pictures[-3:-1]:
+                for line in ("path.roll", "path.lateral"):
+                    curve = picture.find_element(By.CSS_SELECTOR, line)
+                    assert driver.execute_script(length, curve) > 400
+    finally:
+        driver.quit()
 
 
 def test_light_and_dark_can_both_be_read(page):

@@ -74,16 +74,25 @@ function shade(svg, x, log, height) {
 }
 
 // The plots of a log.
+// Suspension roll and specific force of a pair are drawn together: in these units their sizes are similar.
 function signalPictures(log) {
-  const { time_s: times, steer_rad: steer, lateral_acceleration_mps2: lateral, roll_rad: roll } = log.signals;
-  const known = times.filter(present), x = scale(Math.min(...known), Math.max(...known), LEFT, WIDTH - RIGHT);
-  const degrees = (values) => values.map((v) => present(v) ? v * DEGREES : null);
-  const inputs = [["steer", degrees(steer), "steer, °"], ["lateral", lateral.map((v) => present(v) ? v / G * 10 : null), "lateral acceleration, 0.1 g"]];
-  return [panel(log, x, 120, inputs), panel(log, x, 130, [["roll", degrees(roll), "roll, °"]])];
+  const signals = log.signals, known = signals.time_s.filter(present);
+  const x = scale(Math.min(...known), Math.max(...known), LEFT, WIDTH - RIGHT);
+  const degrees = (name, key, text) => [name, signals[key].map((v) => present(v) ? v * DEGREES : null), `${text}, °`];
+  const tenths = (name, key, text) => [name, signals[key].map((v) => present(v) ? v / G * 10 : null), `${text}, 0.1 g`];
+  const suspension = (key, unit) => [degrees("roll", `${key}suspension_roll_rad`, `suspension roll of the ${unit}`),
+    tenths("lateral", `${key}lateral_specific_force_mps2`, "specific force")];
+  const panels = [
+    [120, [degrees("steer", "steer_rad", "steer"), tenths("lateral", "lateral_acceleration_mps2", "lateral acceleration")]],
+    [130, [degrees("roll", "roll_rad", signals.to_gravity ? "roll relative to gravity" : "roll")]],
+    [130, suspension("", "trailer")],
+    [130, suspension("tractor_", "tractor")],
+  ];
+  return panels.filter(([, lines]) => lines.some(([, values]) => values.length)).map(([height, lines]) => panel(log, x, height, lines));
 }
 function panel(log, x, height, lines) {
-  const y = scale(...extent(lines.flatMap(([, values]) => values)), height - BOTTOM, TOP);
   const names = lines.filter(([, values]) => values.length);
+  const y = scale(...extent(names.flatMap(([, values]) => values)), height - BOTTOM, TOP);
   const svg = axes(WIDTH, height, x, y, names.map(([, , text]) => text).join(" and "), "");
   shade(svg, x, log, height);
   let at = LEFT;

@@ -1,6 +1,6 @@
 //! Signals of a log for the report, with a bounded number of points.
 
-use cg_logs::log::LogRow;
+use cg_core::{Input, Output};
 use serde::Serialize;
 
 /// Signals of a log, downsampled while it is read.
@@ -13,6 +13,7 @@ pub(crate) struct Trace {
     room: usize,
     rows_per_block: u32,
     open: Block,
+    to_gravity: bool,
 }
 
 /// Sums over the rows of a block; absent values are not included.
@@ -23,13 +24,16 @@ struct Block {
     counts: [u32; SIGNALS],
 }
 
-/// Number of signals: time, steer angle (or steering wheel), lateral acceleration, roll (or tilt).
-const SIGNALS: usize = 4;
+/// The signals behind the time: the roll angles and inputs of all channels.
+const OUTPUTS: [Output; 3] = [Output::Roll, Output::SuspensionRoll, Output::TractorSuspensionRoll];
+const INPUTS: [Input; 4] =
+    [Input::Steer, Input::LateralAcceleration, Input::SpecificForce, Input::TractorSpecificForce];
+const SIGNALS: usize = 1 + OUTPUTS.len() + INPUTS.len();
 
 impl Block {
-    fn add(&mut self, values: [f64; SIGNALS]) {
+    fn add(&mut self, values: impl Iterator<Item = f64>) {
         self.rows += 1;
-        for (k, value) in values.into_iter().enumerate() {
+        for (k, value) in values.enumerate() {
             if value.is_finite() {
                 self.sums[k] += value;
                 self.counts[k] += 1;
@@ -54,9 +58,15 @@ impl Block {
 #[derive(Debug, Serialize)]
 pub(super) struct Signals {
     time_s: Vec<Option<f64>>,
+    roll_rad: Vec<Option<f64>>,
+    suspension_roll_rad: Vec<Option<f64>>,
+    tractor_suspension_roll_rad: Vec<Option<f64>>,
     steer_rad: Vec<Option<f64>>,
     lateral_acceleration_mps2: Vec<Option<f64>>,
-    roll_rad: Vec<Option<f64>>,
+    lateral_specific_force_mps2: Vec<Option<f64>>,
+    tractor_lateral_specific_force_mps2: Vec<Option<f64>>,
+    /// Whether `roll_rad` is relative to gravity.
+    to_gravity: bool,
 }
 
 impl Trace {
@@ -64,20 +74,15 @@ impl Trace {
     pub(crate) fn new(room: usize) -> Self {
         let room = room.max(2);
         let points = Vec::with_capacity(room);
-        Self { points, room, rows_per_block: 1, open: Block::default() }
+        Self { points, room, rows_per_block: 1, open: Block::default(), to_gravity: false }
     }
 
-    /// Adds a row.
-    pub(crate) fn push(&mut self, row: &LogRow) {
-        let or = |first: f64, second: f64| if first.is_nan() { second } else { first };
-        self.open.add([
-            row.time_s,
-            or(row.steer_rad, row.steering_wheel_rad),
-            or(row.lateral_acceleration_mps2, row.yaw_rate_radps * row.speed_mps),
-            [row.roll_to_gravity_rad, row.tilt_rad, row.suspension_roll_rad]
-                .into_iter()
-                .fold(row.roll_rad, or),
-        ]);
+    /// Adds the signals of a row.
+    pub(crate) fn push(&mut self, time_s: f64, signals: &cg_core::Signals<f64>) {
+        let outputs = OUTPUTS.into_iter().map(|output| signals.output(output));
+        let inputs = INPUTS.into_iter().map(|input| signals.input(input));
+        self.open.add(std::iter::once(time_s).chain(outputs).chain(inputs));
+        self.to_gravity |= signals.to_gravity();
         if self.open.rows < self.rows_per_block {
             return;
         }
@@ -110,9 +115,14 @@ impl Trace {
         };
         Signals {
             time_s: rounded(0, 1e2),
-            steer_rad: rounded(1, 1e5),
-            lateral_acceleration_mps2: rounded(2, 1e3),
-            roll_rad: rounded(3, 1e5),
+            roll_rad: rounded(1, 1e5),
+            suspension_roll_rad: rounded(2, 1e5),
+            tractor_suspension_roll_rad: rounded(3, 1e5),
+            steer_rad: rounded(4, 1e5),
+            lateral_acceleration_mps2: rounded(5, 1e3),
+            lateral_specific_force_mps2: rounded(6, 1e3),
+            tractor_lateral_specific_force_mps2: rounded(7, 1e3),
+            to_gravity: self.to_gravity,
         }
     }
 }
@@ -120,13 +130,17 @@ impl Trace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cg_core::{Sample, Signals};
+
+    fn roll(roll_rad: f64) -> Signals<f64> {
+        Signals::of(&Sample { roll_rad, ..Sample::absent(0) }, f64::NAN, 9.81)
+    }
 
     #[test]
     fn a_long_log_takes_no_more_room_than_a_short_one_and_keeps_its_mean() {
         let mut trace = Trace::new(100);
         for k in 0..1_000_003 {
-            let time_s = 0.01 * f64::from(k);
-            trace.push(&LogRow { time_s, roll_rad: f64::from(k % 2), ..LogRow::ABSENT });
+            trace.push(0.01 * f64::from(k), &roll(f64::from(k % 2)));
         }
         let signals = trace.signals();
         assert!((50..=100).contains(&signals.time_s.len()), "{}", signals.time_s.len());
@@ -134,18 +148,41 @@ mod tests {
         // Every block except the last one contains as many zeros as ones.
         let (_, whole) = signals.roll_rad.split_last().unwrap();
         assert!(whole.iter().all(|mean| *mean == Some(0.5)));
-        assert!(signals.steer_rad.is_empty());
+        assert!(signals.steer_rad.is_empty() && !signals.to_gravity);
     }
 
     #[test]
     fn a_short_log_stays_as_it_is() {
         let mut trace = Trace::new(100);
         for k in 0..3 {
-            let roll_rad = if k == 1 { f64::NAN } else { 0.25 };
-            trace.push(&LogRow { time_s: f64::from(k), roll_rad, ..LogRow::ABSENT });
+            trace.push(f64::from(k), &roll(if k == 1 { f64::NAN } else { 0.25 }));
         }
         let signals = trace.signals();
         assert_eq!(signals.time_s, [Some(0.0), Some(1.0), Some(2.0)]);
         assert_eq!(signals.roll_rad, [Some(0.25), None, Some(0.25)]);
+    }
+
+    #[test]
+    fn every_signal_keeps_its_place() {
+        let sample = Sample {
+            roll_to_gravity_rad: 0.1,
+            suspension_roll_rad: 0.2,
+            tractor_suspension_roll_rad: 0.3,
+            steer_rad: 0.4,
+            lateral_acceleration_mps2: 0.5,
+            lateral_specific_force_mps2: 0.6,
+            tractor_lateral_specific_force_mps2: 0.7,
+            ..Sample::absent(0)
+        };
+        let mut trace = Trace::new(2);
+        trace.push(0.0, &Signals::of(&sample, f64::NAN, 9.81));
+        let page = serde_json::to_string(&trace.signals()).unwrap();
+        assert_eq!(
+            page,
+            r#"{"time_s":[0.0],"roll_rad":[0.1],"suspension_roll_rad":[0.2],"#.to_owned()
+                + r#""tractor_suspension_roll_rad":[0.3],"steer_rad":[0.4],"#
+                + r#""lateral_acceleration_mps2":[0.5],"lateral_specific_force_mps2":[0.6],"#
+                + r#""tractor_lateral_specific_force_mps2":[0.7],"to_gravity":true}"#
+        );
     }
 }

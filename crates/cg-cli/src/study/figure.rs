@@ -37,6 +37,8 @@ const TICKS: usize = 7;
 /// Sizes of the fonts.
 const TITLE: i32 = 17;
 const TEXT: i32 = 13;
+/// Distance of series with intervals from the true place of their points, as a share of the width.
+const BESIDE: f64 = 0.009;
 /// Number of points above which a series is drawn as a curve with few markers.
 const DOTS: usize = 40;
 
@@ -54,6 +56,7 @@ const KINDS: [(RGBColor, u8, f64); 6] = [
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 type Point = (i32, i32);
 
 /// The whole page as SVG.
@@ -275,18 +278,7 @@ fn plain<X: Ranged, Y: Ranged, D: DrawingBackend>(axes: &mut MeshStyle<'_, '_, X
 
 fn curves(area: &Area<'_>, panel: &Panel, over: Quantity) -> anyhow::Result<()> {
     let factors = [display_unit(over.unit).factor, display_unit(panel.y.unit).factor];
-    let points = |series: &Series| -> Vec<(f64, f64)> {
-        series.points.iter().map(|p| (p[0] * factors[0], p[1] * factors[1])).collect()
-    };
-    let all = || panel.series.iter().flat_map(points);
-    let dense = |series: &Series| series.points.len() > DOTS;
-    let tight = range(all().map(|p| p.1), 0.0);
-    // A few peak values for comparison are drawn from zero, like bars.
-    let few = panel.series.iter().all(|series| series.points.len() <= 3);
-    let zero = few || (0.0..tight.end / 3.0).contains(&tight.start);
-    let x_space = if panel.series.iter().any(dense) { 0.0 } else { 0.05 };
-    let x = range(all().map(|p| p.0), x_space);
-    let y = range(all().map(|p| p.1).chain(zero.then_some(0.0)), 0.07);
+    let [x, y] = ranges(panel, factors);
     let (x_numbers, y_numbers) = (numbers(&x), numbers(&y));
     let mut chart = ChartBuilder::on(area)
         .margin_right(PX * RIGHT)
@@ -302,20 +294,94 @@ fn curves(area: &Area<'_>, panel: &Panel, over: Quantity) -> anyhow::Result<()> 
         .x_desc(axis(over))
         .y_desc(axis(panel.y))
         .draw()?;
-    for series in &panel.series {
-        let (look, points) = (Look::of(series), points(series));
-        // A curve has eight markers, those of other kinds elsewhere.
-        let step = if dense(series) { points.len() / 8 } else { 1 };
-        let first = step * (1 + 2 * (series.kind % KINDS.len())) / (2 * KINDS.len());
-        let marked: Vec<_> = points.iter().copied().skip(first).step_by(step).collect();
-        // A thousandth of the curve is finer than print.
-        let fine: Vec<_> = points.iter().copied().step_by(1 + points.len() / 1000).collect();
-        chart.draw_series(DashedLineSeries::new(fine, look.dash(), 4 * PX, look.line()))?;
-        chart.draw_series(marked.into_iter().map(|at| {
-            let (fill, outline) = look.marker();
-            EmptyElement::at(at) + fill + outline
-        }))?;
+    for (k, series) in (0..).zip(&panel.series) {
+        if has_intervals(series) {
+            let aside = f64::from(2 * k + 1 - count(&panel.series)) * BESIDE;
+            with_intervals(&mut chart, series, factors, aside)?;
+        } else {
+            curve(&mut chart, series, factors)?;
+        }
     }
+    Ok(())
+}
+
+/// Whether the series consists of measurements with intervals and not of a curve.
+fn has_intervals(series: &Series) -> bool {
+    !(series.intervals.is_empty() && series.unanswered.is_empty())
+}
+
+fn is_dense(series: &Series) -> bool {
+    series.points.len() > DOTS
+}
+
+/// What both axes cover.
+fn ranges(panel: &Panel, factors: [f64; 2]) -> [Range<f64>; 2] {
+    let all = || panel.series.iter().flat_map(|series| scaled(&series.points, factors));
+    let ends = panel.series.iter().flat_map(|series| series.intervals.iter().flatten());
+    let ends: Vec<f64> = ends.map(|end| end * factors[1]).collect();
+    let values = || all().map(|p| p.1).chain(ends.iter().copied());
+    let tight = range(values(), 0.0);
+    // A few peak values for comparison are drawn from zero, like bars.
+    let few = panel.series.iter().all(|series| series.points.len() <= 3);
+    let zero = few || (0.0..tight.end / 3.0).contains(&tight.start);
+    let y = range(values().chain(zero.then_some(0.0)), 0.07);
+    let unanswered = panel.series.iter().flat_map(|series| &series.unanswered);
+    let places = all().map(|p| p.0).chain(unanswered.map(|x| x * factors[0]));
+    let x_space = if panel.series.iter().any(is_dense) { 0.0 } else { 0.05 };
+    let mut x = range(places, x_space);
+    if panel.series.iter().any(has_intervals) {
+        // An interval beside a point at zero needs space to its left.
+        x.start -= x_space * x.end;
+    }
+    [x, y]
+}
+
+/// Points in the units of the axes.
+fn scaled(points: &[[f64; 2]], factors: [f64; 2]) -> Vec<(f64, f64)> {
+    points.iter().map(|p| (p[0] * factors[0], p[1] * factors[1])).collect()
+}
+
+fn curve(chart: &mut Chart<'_>, series: &Series, factors: [f64; 2]) -> anyhow::Result<()> {
+    let (look, points) = (Look::of(series), scaled(&series.points, factors));
+    // A curve has eight markers, those of other kinds elsewhere.
+    let step = if is_dense(series) { points.len() / 8 } else { 1 };
+    let first = step * (1 + 2 * (series.kind % KINDS.len())) / (2 * KINDS.len());
+    let marked: Vec<_> = points.iter().copied().skip(first).step_by(step).collect();
+    // A thousandth of the curve is finer than print.
+    let fine: Vec<_> = points.iter().copied().step_by(1 + points.len() / 1000).collect();
+    chart.draw_series(DashedLineSeries::new(fine, look.dash(), 4 * PX, look.line()))?;
+    markers(chart, look, marked)
+}
+
+fn markers(chart: &mut Chart<'_>, look: Look, points: Vec<(f64, f64)>) -> anyhow::Result<()> {
+    chart.draw_series(points.into_iter().map(|at| {
+        let (fill, outline) = look.marker();
+        EmptyElement::at(at) + fill + outline
+    }))?;
+    Ok(())
+}
+
+/// Draws measurements with their intervals, aside by a share of the width, so that those of several
+/// series do not hide each other. A cross above the axis marks where there is no height.
+fn with_intervals(
+    chart: &mut Chart<'_>,
+    series: &Series,
+    factors: [f64; 2],
+    aside: f64,
+) -> anyhow::Result<()> {
+    let (look, x, y) = (Look::of(series), chart.x_range(), chart.y_range());
+    let beside = |place: f64| place + aside * (x.end - x.start);
+    let points: Vec<_> =
+        scaled(&series.points, factors).into_iter().map(|(x, y)| (beside(x), y)).collect();
+    let thin = look.color.stroke_width((PX * 3 / 2).unsigned_abs());
+    chart.draw_series(points.iter().zip(&series.intervals).map(|(&(x, y), ends)| {
+        let [low, high] = ends.map(|end| end * factors[1]);
+        ErrorBar::new_vertical(x, low, y, high, thin, (6 * PX).unsigned_abs())
+    }))?;
+    markers(chart, look, points)?;
+    let places = series.unanswered.iter().map(|x| (beside(x * factors[0]), y.start));
+    let cross = |at| EmptyElement::at(at) + Cross::new((0, -9 * PX), 4 * PX, look.line());
+    chart.draw_series(places.map(cross))?;
     Ok(())
 }
 

@@ -1,9 +1,9 @@
 //! The table of a study: one row for each point, with figure, series and the two quantities of the
-//! point. The columns of other panels are empty.
+//! point, with the ends of its interval if it has one. The columns of other panels are empty.
 
 use anyhow::Context;
 use cg_logs::output::kind::STUDY_COMMENT;
-use cg_thesis::study::{Abscissa, Panel, Study};
+use cg_thesis::study::{Abscissa, Panel, Quantity, Series, Study};
 
 use crate::units::{column, display_unit};
 
@@ -17,8 +17,8 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
     writer.write_record(&columns)?;
     for panel in &study.panels {
         for series in &panel.series {
-            for point in &series.points {
-                let cells = cells(panel, *point);
+            for row in rows(series) {
+                let cells = cells(panel, row);
                 let cell = |column: &String| {
                     let own = [("figure", panel.figure), ("series", series.name.as_str())];
                     let own = own.iter().find(|(name, _)| name == column);
@@ -42,6 +42,21 @@ pub(super) fn csv(study: &Study) -> anyhow::Result<String> {
     Ok(comments + &rows)
 }
 
+/// A point of a series with its interval; a point without a height has neither.
+type Row = (f64, Option<f64>, Option<[f64; 2]>);
+
+fn rows(series: &Series) -> impl Iterator<Item = Row> {
+    let intervals = series.intervals.iter().copied().map(Some).chain(std::iter::repeat(None));
+    let given = series.points.iter().zip(intervals).map(|([x, y], ends)| (*x, Some(*y), ends));
+    given.chain(series.unanswered.iter().map(|x| (*x, None, None)))
+}
+
+/// The columns of an interval of a quantity.
+fn ends(quantity: Quantity) -> [String; 2] {
+    ["low", "high"]
+        .map(|end| format!("{}_{end}_{}", quantity.name, display_unit(quantity.unit).suffix))
+}
+
 /// The columns of all quantities, each once.
 fn columns(study: &Study) -> Vec<String> {
     let mut columns = vec!["figure".to_owned(), "series".to_owned()];
@@ -50,7 +65,9 @@ fn columns(study: &Study) -> Vec<String> {
             Abscissa::Over(quantity) => vec![column(*quantity)],
             Abscissa::Responses(_) => RESPONSE.map(str::to_owned).to_vec(),
         };
-        for name in x.into_iter().chain([column(panel.y)]) {
+        let has_intervals = panel.series.iter().any(|series| !series.intervals.is_empty());
+        let ends = has_intervals.then(|| ends(panel.y)).into_iter().flatten();
+        for name in x.into_iter().chain([column(panel.y)]).chain(ends) {
             if !columns.contains(&name) {
                 columns.push(name);
             }
@@ -60,7 +77,7 @@ fn columns(study: &Study) -> Vec<String> {
 }
 
 /// The cells of a point with their columns.
-fn cells(panel: &Panel, [x, y]: [f64; 2]) -> Vec<(String, String)> {
+fn cells(panel: &Panel, (x, y, interval): Row) -> Vec<(String, String)> {
     let number = |value: f64| format!("{value:.6}");
     let mut cells = match &panel.x {
         Abscissa::Over(quantity) => {
@@ -80,6 +97,12 @@ fn cells(panel: &Panel, [x, y]: [f64; 2]) -> Vec<(String, String)> {
             texts.map_or_else(Vec::new, |texts| names.into_iter().zip(texts).collect())
         }
     };
-    cells.push((column(panel.y), number(y * display_unit(panel.y.unit).factor)));
+    let shown_y = |value: f64| number(value * display_unit(panel.y.unit).factor);
+    cells.extend(y.map(|y| (column(panel.y), shown_y(y))));
+    cells.extend(
+        interval
+            .into_iter()
+            .flat_map(|interval| ends(panel.y).into_iter().zip(interval.map(shown_y))),
+    );
     cells
 }

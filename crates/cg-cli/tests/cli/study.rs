@@ -3,7 +3,7 @@
 
 use crate::common::{Run, Scratch, cg, fixture};
 
-const NAMES: [&str; 13] = [
+const NAMES: [&str; 14] = [
     "height-steady",
     "height-lane-change",
     "cornering-angle",
@@ -17,6 +17,7 @@ const NAMES: [&str; 13] = [
     "suspension",
     "tyres",
     "accuracy",
+    "roads",
 ];
 
 /// A short study.
@@ -37,7 +38,10 @@ fn all_studies_are_listed_with_a_sentence_and_their_figures() {
     assert!(list.out.contains("replay"));
     for (line, name) in list.out.lines().zip(NAMES) {
         assert_eq!(line.split_whitespace().next(), Some(name));
-        assert!(line.contains('.') && (line.contains("Fig") || name == "accuracy"), "{line}");
+        assert!(
+            line.contains('.') && (line.contains("Fig") || ["accuracy", "roads"].contains(&name)),
+            "{line}"
+        );
     }
 }
 
@@ -79,6 +83,39 @@ fn a_study_writes_a_table_and_a_figure_and_says_what_it_found() {
     study(&[SHORT, "-o", &folder]).done();
     assert_eq!(read(&scratch, "new/height-lane-change.csv"), table);
     assert_eq!(read(&scratch, "new/height-lane-change.svg"), figure);
+}
+
+/// Each height has its interval in the table; where there is no height, the bank stands alone. The
+/// figure has a bar for each interval and a cross for each missing height.
+#[test]
+fn the_study_of_banked_roads_writes_intervals() {
+    let scratch = Scratch::new();
+    let run = study(&["roads", "-o", &scratch.path("")]).done();
+    assert!(run.out.contains("Suspension roll over specific force"), "{}", run.out);
+    let table = read(&scratch, "roads.csv");
+    let rows: Vec<&str> = table.lines().skip_while(|line| line.starts_with("# ")).collect();
+    let header = "figure,series,greatest_bank_percent,error_percent,error_low_percent,\
+                  error_high_percent";
+    assert_eq!((rows[0], rows.len()), (header, 1 + 6 * 8));
+    let mut unanswered = 0;
+    for row in &rows[1..] {
+        // Some names of series contain a comma.
+        let cells: Vec<&str> = row.rsplitn(5, ',').collect();
+        let numbers: Vec<f64> = cells[..3].iter().filter_map(|cell| cell.parse().ok()).collect();
+        match numbers[..] {
+            [high, low, error] => assert!(low < error && error < high, "{row}"),
+            [] if cells[..3] == ["", "", ""] => unanswered += 1,
+            _ => panic!("{row}"),
+        }
+        assert!((0.0..=7.0).contains(&cells[3].parse().unwrap()), "{row}");
+    }
+    assert!(unanswered > 0, "{table}");
+    let figure = read(&scratch, "roads.svg");
+    for part in
+        ["Greatest bank of the road (%)", "Error of the height (%)", "suspension", "tractor"]
+    {
+        assert!(figure.contains(part), "no {part}");
+    }
 }
 
 #[test]

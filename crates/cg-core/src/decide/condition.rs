@@ -266,8 +266,9 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
     }
 }
 
-/// The signals of a sample by what they measure; NaN if absent.
-struct Signals<T> {
+/// The roll angles and inputs of all channels in a sample; NaN if absent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Signals<T> {
     steer_rad: T,
     lateral_mps2: T,
     force_mps2: T,
@@ -279,7 +280,8 @@ struct Signals<T> {
 }
 
 impl<T: Real> Signals<T> {
-    fn of(sample: &Sample<T>, speed_mps: T, gravity_mps2: T) -> Self {
+    /// The signals of a [checked](Sample::checked) sample at a speed.
+    pub fn of(sample: &Sample<T>, speed_mps: T, gravity_mps2: T) -> Self {
         let or = |first: T, second: T| if first.present() { first } else { second };
         let force_mps2 = or(sample.lateral_specific_force_mps2, gravity_mps2 * sample.tilt_rad);
         let measured = or(sample.lateral_acceleration_mps2, sample.yaw_rate_radps * speed_mps);
@@ -301,7 +303,13 @@ impl<T: Real> Signals<T> {
         }
     }
 
-    fn output(&self, output: Output) -> T {
+    /// Whether the trailer's roll angle is relative to gravity.
+    pub fn to_gravity(&self) -> bool {
+        self.to_gravity
+    }
+
+    /// A roll angle, rad.
+    pub fn output(&self, output: Output) -> T {
         match output {
             Output::Roll => self.roll_rad,
             Output::SuspensionRoll => self.suspension_rad,
@@ -309,7 +317,8 @@ impl<T: Real> Signals<T> {
         }
     }
 
-    fn input(&self, input: Input) -> T {
+    /// An input, rad or m/s².
+    pub fn input(&self, input: Input) -> T {
         match input {
             Input::Steer => self.steer_rad,
             Input::LateralAcceleration => self.lateral_mps2,

@@ -1,7 +1,7 @@
 //! Processes the rows of a log.
 
 use cg_core::Maneuver;
-use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Status};
+use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Signals, Status};
 
 use super::engine::Engine;
 use super::options::EstimateOptions;
@@ -108,6 +108,13 @@ impl LogEstimator {
         }
         self.keep(step.closed.as_ref());
         Ok(step.status)
+    }
+
+    /// The roll angles and inputs that the channels take from a row. A row without a speed has no
+    /// lateral acceleration from the yaw rate.
+    pub fn signals(&mut self, row: &LogRow) -> Signals<f64> {
+        let sample = self.sample(row).checked();
+        Signals::of(&sample, sample.speed_mps, self.design.gravity_mps2)
     }
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {

@@ -90,9 +90,18 @@ impl Road {
 
     /// The same road without bank.
     #[must_use]
-    pub fn flat(mut self) -> Self {
-        for point in &mut self.points {
-            point.bank_rad = 0.0;
+    pub fn flat(self) -> Self {
+        self.banked_up_to(0.0)
+    }
+
+    /// The same road with its bank multiplied, so that this is the greatest one.
+    #[must_use]
+    pub fn banked_up_to(mut self, greatest_rad: f64) -> Self {
+        let steepest = self.points.iter().map(|point| point.bank_rad.abs()).fold(0.0, f64::max);
+        if steepest > 0.0 {
+            for point in &mut self.points {
+                point.bank_rad *= greatest_rad / steepest;
+            }
         }
         self
     }

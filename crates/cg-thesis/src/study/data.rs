@@ -68,6 +68,10 @@ pub struct Series {
     pub name: String,
     /// `(x, y)` in SI units; a rollover has no point.
     pub points: Vec<[f64; 2]>,
+    /// The 95 % interval of each point's `y`; empty if the series has none.
+    pub intervals: Vec<[f64; 2]>,
+    /// The `x` at which the program gives no height.
+    pub unanswered: Vec<f64>,
     /// Index that related series share, for example of the same maneuver.
     pub kind: usize,
     /// Whether this is a secondary series of its kind, for example the tractor next to the semitrailer.
@@ -76,7 +80,8 @@ pub struct Series {
 
 impl Series {
     pub(super) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.into(), points, kind, aside: false }
+        let (intervals, unanswered) = (Vec::new(), Vec::new());
+        Self { name: name.into(), points, intervals, unanswered, kind, aside: false }
     }
 
     pub(super) fn aside(mut self) -> Self {

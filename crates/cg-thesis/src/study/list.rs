@@ -5,7 +5,7 @@ use cg_vehicle::error::VehicleError;
 
 use super::data::Study;
 use super::setting::Setting;
-use super::{accuracy, heights, inertia, maneuvers, sensitivity, shift, speed, variants};
+use super::{accuracy, heights, inertia, maneuvers, roads, sensitivity, shift, speed, variants};
 
 /// An entry in the list of studies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +21,8 @@ pub struct Listed {
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// All studies in the order of the thesis's pages; the last one is not in the thesis.
-const STUDIES: [(Listed, Run); 13] = [
+/// All studies in the order of the thesis's pages; the last two are not in the thesis.
+const STUDIES: [(Listed, Run); 14] = [
     (
         Listed {
             name: "height-steady",
@@ -127,6 +127,14 @@ const STUDIES: [(Listed, Run); 13] = [
         },
         accuracy::study,
     ),
+    (
+        Listed {
+            name: "roads",
+            figures: "",
+            about: "Error and interval of the height over the bank of the road.",
+        },
+        roads::study,
+    ),
 ];
 
 /// All studies, in the order of the thesis's pages.
@@ -134,8 +142,9 @@ pub fn studies() -> Vec<Listed> {
     STUDIES.iter().map(|(listed, _)| *listed).collect()
 }
 
-/// Runs one study, with a vehicle in place of the baseline if one is given. The baseline is
-/// `fixtures/vehicles/baseline-tables.toml`.
+/// Runs one study, with a vehicle in place of the usual one if one is given. That is the baseline,
+/// `fixtures/vehicles/baseline-tables.toml`; of the study `roads`, whose pairs of signals need springs
+/// without friction, it is `fixtures/vehicles/kraz.toml`.
 ///
 /// # Errors
 /// [`VehicleError::UnknownStudy`]; [`VehicleError`] if the vehicle cannot be simulated.
@@ -146,10 +155,16 @@ pub fn study(name: &str, vehicle: Option<&Vehicle>) -> Result<Study, VehicleErro
     };
     let (listed, run) =
         STUDIES.iter().find(|(listed, _)| listed.name == name).ok_or_else(unknown)?;
-    let text = include_str!("../../fixtures/vehicles/baseline-tables.toml");
-    let vehicle = match vehicle {
-        Some(vehicle) => vehicle.clone(),
-        None => Vehicle::parse(text, "fixtures/vehicles/baseline-tables.toml")?,
+    let vehicle = match (vehicle, listed.name) {
+        (Some(vehicle), _) => vehicle.clone(),
+        (None, "roads") => Vehicle::parse(
+            include_str!("../../fixtures/vehicles/kraz.toml"),
+            "fixtures/vehicles/kraz.toml",
+        )?,
+        (None, _) => Vehicle::parse(
+            include_str!("../../fixtures/vehicles/baseline-tables.toml"),
+            "fixtures/vehicles/baseline-tables.toml",
+        )?,
     };
     run(&Setting { name: listed.name, vehicle })
 }

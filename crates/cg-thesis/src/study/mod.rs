@@ -11,6 +11,7 @@
 //! | `shift` | Figs. 2.28, 2.29: lateral and longitudinal shift of the payload |
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tires |
 //! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the thesis) |
+//! | `roads` | banked roads (no figure of the thesis) |
 //! | `replay` | recorded logs driven again (no figure of the thesis) |
 //! | `drive` | one run along a path with the preview driver |
 //! | `data` | the result of a study |
@@ -18,7 +19,7 @@
 //! ```
 //! use cg_thesis::study::{studies, study};
 //!
-//! assert_eq!(studies().len(), 13);
+//! assert_eq!(studies().len(), 14);
 //! let turn = study("height-steady", None)?;
 //! let responses = &turn.series("2.5", "payload c.g. 200 mm higher").unwrap().points;
 //! assert!(responses[0][1] > 0.1); // the most sensitive one comes first
@@ -30,6 +31,7 @@ mod drive;
 mod replay;
 mod setting;
 mod accuracy;
+mod roads;
 mod heights;
 mod inertia;
 mod maneuvers;

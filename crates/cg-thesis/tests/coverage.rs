@@ -1,0 +1,209 @@
+//! Coverage of the intervals on banked roads: trucks that differ from their vehicle file, drives of the
+//! nonlinear plant, usual sensors of the chassis, nothing calibrated.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../../cg-vehicle/tests/common/mod.rs"]
+mod common;
+
+use cg_core::{Channel, Design};
+use cg_logs::estimate::{EstimateOptions, LogEstimator};
+use cg_logs::log::LogRow;
+use cg_plant::maneuver::Maneuver;
+use cg_plant::road::{Road, RoadKind};
+use cg_plant::sensors::ChassisSensors;
+use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+
+const PAIRS: [Channel; 2] = [Channel::Suspension, Channel::Tractor];
+/// Drives on roads of each kind.
+const DRIVES: u64 = 24;
+/// Each kind of road with the seed of its first drive.
+const ROADS: [(RoadKind, u64); 3] =
+    [(RoadKind::Rural, 1000), (RoadKind::Motorway, 2000), (RoadKind::Roundabouts, 3000)];
+
+/// The truck of a drive: its load, its deviations from the vehicle file, and the errors of both ratios
+/// that the equations leave out.
+struct Truck {
+    load: Load,
+    deviations: Deviations,
+    residual: [f64; 2],
+}
+
+impl Truck {
+    /// A truck with a drawn load that differs from the file by this many standard deviations, drawn too.
+    fn drawn(belief: &Belief, seed: u64, spread: f64) -> Self {
+        let mut source = StdRng::seed_from_u64(seed);
+        let load = Load {
+            trailer_mass_kg: source.random_range(14e3..28.7e3),
+            cg_height_m: source.random_range(1.6..2.0),
+        };
+        let mut normal = || -> f64 {
+            let standard: f64 = StandardNormal.sample(&mut source);
+            spread * standard
+        };
+        // The prior is uncorrelated.
+        let sd = |k: usize| belief.covariance[(k, k)].sqrt();
+        Self {
+            load,
+            deviations: Deviations::from_fn(|k, _| sd(k) * normal()),
+            residual: [belief.residual_sd * normal(), belief.residual_sd * normal()],
+        }
+    }
+
+    /// The row of a truck that has only the sensors of these pairs, with their gains.
+    fn with_sensor_gains(&self, row: &LogRow) -> LogRow {
+        let gain = |k: usize| (log_gain(&self.deviations, PAIRS[k]) + self.residual[k]).exp();
+        LogRow {
+            time_s: row.time_s,
+            speed_mps: row.speed_mps,
+            trailer_mass_kg: row.trailer_mass_kg,
+            suspension_roll_rad: row.suspension_roll_rad * gain(0),
+            lateral_specific_force_mps2: row.lateral_specific_force_mps2,
+            tractor_suspension_roll_rad: row.tractor_suspension_roll_rad * gain(1),
+            tractor_lateral_specific_force_mps2: row.tractor_lateral_specific_force_mps2,
+            ..LogRow::ABSENT
+        }
+    }
+}
+
+fn rows(vehicle: &Vehicle, truck: &Truck, kind: RoadKind, seed: u64) -> Vec<LogRow> {
+    let road = Road::kind(kind, seed).unwrap();
+    let chassis = ChassisSensors {
+        level_noise_m: 0.0005,
+        level_quantisation_m: 0.001,
+        accelerometer_offset_mps2: 0.05,
+        accelerometer_noise_mps2: 0.1,
+        ..ChassisSensors::default()
+    };
+    let other = adjusted(vehicle, &truck.deviations);
+    let scenario = Scenario {
+        load: truck.load,
+        rate_hz: 50.0,
+        duration_s: road.usual_duration_s(),
+        seed,
+        ..Scenario::of(&other, Maneuver::Drive)
+    };
+    let simulation = LogSimulation::on_road(&other, scenario, &road, &chassis).unwrap();
+    let mut rows = Vec::new();
+    let keep = |row: &LogRow| {
+        rows.push(truck.with_sensor_gains(row));
+        Ok::<(), VehicleError>(())
+    };
+    simulation.run(keep).unwrap();
+    rows
+}
+
+/// The answer of a pair to a drive, relative to the true height.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    error: f64,
+    sd: f64,
+    ends: [f64; 2],
+}
+
+fn answer(
+    vehicle: &Vehicle,
+    design: &Design<f64>,
+    channel: Channel,
+    rows: &[LogRow],
+    truth_m: f64,
+) -> Answer {
+    let options = EstimateOptions { channel: Some(channel), ..EstimateOptions::default() };
+    let mut estimator = LogEstimator::from_design(design, vehicle.align_settings(), options);
+    for row in rows {
+        estimator.push(row).unwrap();
+    }
+    let found = estimator.finish();
+    let relative = |height_m: f64| height_m / truth_m - 1.0;
+    Answer {
+        error: relative(found.height_m.unwrap()),
+        sd: found.height_sd_m.unwrap() / truth_m,
+        ends: found.height_ci95_m.unwrap().map(relative),
+    }
+}
+
+/// The answers of one pair to all drives on a kind of road.
+#[derive(Debug)]
+struct Answers {
+    kind: RoadKind,
+    pair: Channel,
+    low: usize,
+    high: usize,
+    /// Mean of the square of error over standard deviation.
+    square: f64,
+}
+
+impl Answers {
+    #[allow(clippy::cast_precision_loss)] // two dozens
+    fn new(kind: RoadKind, pair: Channel, answers: &[Answer]) -> Self {
+        let low = answers.iter().filter(|answer| answer.ends[1] < 0.0).count();
+        let high = answers.iter().filter(|answer| answer.ends[0] > 0.0).count();
+        let mean = |value: fn(&Answer) -> f64| {
+            answers.iter().map(value).sum::<f64>() / answers.len() as f64
+        };
+        let square = mean(|answer| (answer.error / answer.sd).powi(2));
+        println!(
+            "| {kind} | {pair} | {low} | {high} | {:+.1} | {:.1} | {:.1} | {:.1} | {square:.2} |",
+            100.0 * mean(|answer| answer.error),
+            100.0 * mean(|answer| answer.error.powi(2)).sqrt(),
+            100.0 * answers.iter().map(|answer| answer.error.abs()).fold(0.0, f64::max),
+            100.0 * mean(|answer| answer.sd),
+        );
+        Self { kind, pair, low, high, square }
+    }
+}
+
+/// Every drive must give a height with both pairs. The trucks differ from the file by this many standard
+/// deviations.
+fn drives(spread: f64, kinds: &[(RoadKind, u64)]) -> Vec<Answers> {
+    let vehicle = common::vehicle("kraz.toml");
+    let belief = Belief::prior(&vehicle);
+    let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+    println!("| road | pair | too low | too high | bias | RMSE | worst | sd, % | (error/sd)² |");
+    let on = |&(kind, first): &(RoadKind, u64)| {
+        let both = (first..first + DRIVES).into_par_iter().map(|seed| {
+            let truck = Truck::drawn(&belief, seed, spread);
+            let rows = rows(&vehicle, &truck, kind, seed);
+            PAIRS.map(|pair| answer(&vehicle, &design, pair, &rows, truck.load.cg_height_m))
+        });
+        let both: Vec<[Answer; 2]> = both.collect();
+        [0, 1].map(|k| {
+            let answers: Vec<Answer> = both.iter().map(|both| both[k]).collect();
+            Answers::new(kind, PAIRS[k], &answers)
+        })
+    };
+    kinds.iter().flat_map(on).collect()
+}
+
+/// The 95 % intervals hold the height, on either side, and are not too wide.
+///
+/// In turns below 30 m radius the articulation, which the equations leave out, makes the heights of the
+/// tractor's pair too low (docs/sensors.md). On roundabouts its results are printed only.
+#[test]
+fn intervals_of_drawn_trucks_hold_on_banked_roads() {
+    for found in drives(1.0, &ROADS) {
+        if (found.kind, found.pair) == (RoadKind::Roundabouts, Channel::Tractor) {
+            continue;
+        }
+        // Binomial distribution of 24 drives: with a chance of 5 %, six or more misses have a
+        // probability of 0.10 %; with 2.5 % on one side, five or more have 0.03 %.
+        let (low, high) = (found.low, found.high);
+        assert!(low + high <= 5 && low.max(high) <= 4, "{found:?}");
+        // The sum of squares has the χ² distribution with 24 degrees of freedom; it is below 8.1
+        // with a probability of 0.1 %.
+        assert!(found.square > 8.1 / 24.0, "{found:?}");
+    }
+}
+
+/// With the truck of the file, the articulation on roundabouts alone leaves all intervals true.
+#[test]
+fn intervals_of_the_truck_of_the_file_hold_on_roundabouts() {
+    for found in drives(0.0, &ROADS[2..]) {
+        assert_eq!((found.low, found.high), (0, 0), "{found:?}");
+    }
+}
