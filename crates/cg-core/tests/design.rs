@@ -14,7 +14,7 @@ use DesignError::{NotCovariance, NotFinite, NotIncreasing, NotPositive};
 type Place = fn(&mut Design<f64, 2>) -> &mut f64;
 
 /// The numbers that must be positive, with the name that the error contains.
-const POSITIVE: [(&str, Place); 11] = [
+const POSITIVE: [(&str, Place); 12] = [
     ("least_height_m", |d| &mut d.least_height_m),
     ("compensation", |d| &mut d.channels[1].compensation),
     ("spread of a ratio", |d| &mut d.spread[7][5].covariance[0][0]),
@@ -25,6 +25,7 @@ const POSITIVE: [(&str, Place); 11] = [
     ("rollover threshold", |d| &mut d.thresholds[5].threshold_g[1][7]),
     ("nominal_speed_mps", |d| &mut d.nominal_speed_mps),
     ("nominal_trailer_mass_kg", |d| &mut d.nominal_trailer_mass_kg),
+    ("trailer_wheelbase_m", |d| &mut d.trailer_wheelbase_m),
     ("gravity_mps2", |d| &mut d.gravity_mps2),
 ];
 

@@ -4,6 +4,8 @@
 
 mod common;
 
+use std::array::from_fn;
+
 use cg_core::{
     Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Sample, Settings,
 };
@@ -13,6 +15,7 @@ use common::{PAIR, design_with};
 /// Standard deviation of the bank of public roads.
 const BANK_RAD: f64 = 0.02;
 const HEIGHT_M: f64 = 1.973;
+const SPEED_MPS: f64 = 10.0;
 
 fn truck<const C: usize>(channels: [Channel; C], settings: Settings<f64>) -> Road<C> {
     Road::on(Estimator::new(design_with(channels), settings, Says::WELL))
@@ -62,12 +65,34 @@ fn meters_per_share() -> f64 {
 /// The ratio has 1 % of noise and 1.3 % of model. Half of the variance of the bank belongs to the
 /// curve, the other half to all curves.
 fn check(outcome: &Outcome<f64>, bank: f64) {
-    let random_m = 0.01_f64.hypot(bank / 2.0_f64.sqrt()) * meters_per_share();
-    let systematic_m = 0.013_f64.hypot(bank / 2.0_f64.sqrt()) * meters_per_share();
+    check_road(outcome, bank, [bank / 2.0_f64.sqrt(); 2], 0.0);
+}
+
+/// What road twist of 0.4 mrad does to the ratio of a suspension.
+fn twist_share(outcome: &Outcome<f64>) -> f64 {
+    let lateral_mps2 = ROLL_RAD / (roll_per_mps2() * 1.489_6);
+    let force_mps2 = lateral_mps2 * (1.0 + 9.81 * roll_per_mps2());
+    0.0004 / (outcome.fit.unwrap().ratio.value * force_mps2)
+}
+
+/// The square of the articulation angle with a trailer's wheelbase of 7.6 m.
+fn articulation_square() -> f64 {
+    let lateral_mps2 = ROLL_RAD / (roll_per_mps2() * 1.489_6);
+    (7.6 * lateral_mps2 / (SPEED_MPS * SPEED_MPS)).powi(2)
+}
+
+/// The parts of the road that all curves have in common, and the rest; and what articulation takes from
+/// the ratio, which is given back.
+fn check_road(outcome: &Outcome<f64>, bank: f64, [common, own]: [f64; 2], articulation: f64) {
+    let random_m = 0.01_f64.hypot(own) * meters_per_share();
+    let systematic_m = 0.013_f64.hypot(common) * meters_per_share();
     let height = outcome.height_m.unwrap();
-    assert!((height.value - HEIGHT_M).abs() < 1e-9, "{height:?}");
-    assert!((height.sd / random_m - 1.0).abs() < 1e-3, "{height:?} {random_m}");
-    assert!((outcome.systematic_sd_m / systematic_m - 1.0).abs() < 1e-3, "{outcome:?}");
+    let back_m = articulation * meters_per_share();
+    // The ratio is a quotient of two lines; its second order counts as much as the square.
+    assert!((height.value - HEIGHT_M - back_m).abs() < 1e-9 + back_m * back_m, "{height:?}");
+    let slack = 1e-3 + articulation;
+    assert!((height.sd / random_m - 1.0).abs() < slack, "{height:?} {random_m}");
+    assert!((outcome.systematic_sd_m / systematic_m - 1.0).abs() < slack, "{outcome:?}");
     assert!((outcome.road_sd_m - bank * meters_per_share()).abs() < 1e-3, "{outcome:?}");
 }
 
@@ -104,8 +129,11 @@ fn a_channel_that_does_not_feel_the_bank_shows_that_there_is_a_road() {
         turn(truck(Channel::ALL, Settings::truck())).outcomes;
     check(&steer, bank_share(false));
     check(&lateral, bank_share(false));
-    check(&suspension, 0.0);
-    check(&tractor, 0.0);
+    let half = |outcome| twist_share(outcome) / 2.0_f64.sqrt();
+    check_road(&suspension, 0.0, [half(&suspension); 2], 0.0);
+    let tight = 0.5 * articulation_square();
+    let parts = [half(&tractor).hypot(tight), half(&tractor)];
+    check_road(&tractor, 0.0, parts, 0.4 * articulation_square());
     // The same truck whose other sensors do not send.
     let mut silent = truck(Channel::ALL, Settings::truck());
     (silent.heights_m[2], silent.heights_m[3]) = (f64::NAN, f64::NAN);
@@ -121,7 +149,13 @@ fn the_suspension_gives_the_same_height_on_every_road() {
     let mut road = truck(Channel::ALL, public());
     road.to_gravity = true;
     let [steer, _, banked_suspension, banked_tractor] = turn(road).outcomes;
-    assert_eq!([banked_suspension, banked_tractor], [suspension, tractor]);
+    for (banked, flat) in [(banked_suspension, suspension), (banked_tractor, tractor)] {
+        assert_eq!(banked.height_m.unwrap().value, flat.height_m.unwrap().value);
+        assert_eq!(banked.road_sd_m, 0.0);
+    }
+    // Twist is of banked roads.
+    check(&suspension, 0.0);
+    check_road(&tractor, 0.0, [0.5 * articulation_square(), 0.0], 0.4 * articulation_square());
     check(&steer, bank_share(true));
 }
 
@@ -147,14 +181,20 @@ fn channels_that_feel_the_bank_have_it_in_common() {
     let bank = bank_share(false) / 2.0_f64.sqrt();
     let (model, both) = (0.013 * 0.013, 0.013 * 0.013 + bank * bank);
     let same = (0.5 * model + bank * bank) / both;
-    let other = 0.5 * model / (both * model).sqrt();
-    let expected = [
-        [1.0, same, other, other],
-        [same, 1.0, other, other],
-        [other, other, 1.0, 0.5],
-        [other, other, 0.5, 1.0],
-    ];
-    let found = turn(truck(Channel::ALL, Settings::truck())).correlation;
+    let maneuver = turn(truck(Channel::ALL, Settings::truck()));
+    let [.., suspension, tractor] = &maneuver.outcomes;
+    // Twist and articulation are of one channel.
+    let twisted = |outcome| model + twist_share(outcome).powi(2) / 2.0;
+    let of =
+        [both, both, twisted(suspension), twisted(tractor) + (0.5 * articulation_square()).powi(2)];
+    let expected: [[f64; 4]; 4] = from_fn(|i| {
+        from_fn(|j| match (i, j) {
+            _ if i == j => 1.0,
+            (0 | 1, 0 | 1) => same,
+            _ => 0.5 * model / (of[i] * of[j]).sqrt(),
+        })
+    });
+    let found = maneuver.correlation;
     for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }

@@ -82,6 +82,7 @@ typedef struct cg_design {
     float reference_height_m;
     float least_height_m;
     float greatest_height_m;
+    float trailer_wheelbase_m;
     float gravity_mps2;
     cg_rollover_design rollover;
     cg_threshold_line thresholds[CG_MASSES];

@@ -27,6 +27,7 @@ static DESIGN: Design = Design {
     reference_height_m: 2.0,
     least_height_m: 1.0,
     greatest_height_m: 3.0,
+    trailer_wheelbase_m: 7.6,
     gravity_mps2: 9.81,
     rollover: RolloverDesign { half_track_m: 0.95, unsprung_mass_kg: 2e3, unsprung_height_m: 0.5 },
     thresholds: [ThresholdLine {

@@ -181,19 +181,14 @@ fn drives(spread: f64, kinds: &[(RoadKind, u64)]) -> Vec<Answers> {
 }
 
 /// The 95 % intervals hold the height, on either side, and are not too wide.
-///
-/// In turns below 30 m radius the articulation, which the equations leave out, makes the heights of the
-/// tractor's pair too low (docs/sensors.md). On roundabouts its results are printed only.
 #[test]
 fn intervals_of_drawn_trucks_hold_on_banked_roads() {
     for found in drives(1.0, &ROADS) {
-        if (found.kind, found.pair) == (RoadKind::Roundabouts, Channel::Tractor) {
-            continue;
-        }
         // Binomial distribution of 24 drives: with a chance of 5 %, six or more misses have a
         // probability of 0.10 %; with 2.5 % on one side, five or more have 0.03 %.
         let (low, high) = (found.low, found.high);
-        assert!(low + high <= 5 && low.max(high) <= 4, "{found:?}");
+        let name = format!("{} {}", found.kind, found.pair);
+        assert!(low + high <= 5 && low.max(high) <= 4, "{name}: {found:?}");
         // The sum of squares has the χ² distribution with 24 degrees of freedom; it is below 8.1
         // with a probability of 0.1 %.
         assert!(found.square > 8.1 / 24.0, "{found:?}");

@@ -84,6 +84,7 @@ fn computed(
         reference_height_m: load.cg_height_m,
         least_height_m: vehicle.height.least_m,
         greatest_height_m: vehicle.height.greatest_m,
+        trailer_wheelbase_m: vehicle.trailer_wheelbase_m(),
         gravity_mps2: vehicle.gravity_mps2,
         rollover: rollover(vehicle, load)?,
         thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,

@@ -69,8 +69,8 @@ macro_rules! structures {
 structures! {
     Design<C> {
         speed_mps, trailer_mass_kg, channels, spread, nominal_speed_mps, nominal_trailer_mass_kg,
-        reference_height_m, least_height_m, greatest_height_m, gravity_mps2, rollover,
-        thresholds,
+        reference_height_m, least_height_m, greatest_height_m, trailer_wheelbase_m,
+        gravity_mps2, rollover, thresholds,
     }
     ChannelDesign { index, models, lines, compensation }
     Reduced5 { numerator, denominator }

@@ -406,6 +406,13 @@ impl PlacedAxle<'_> {
 }
 
 impl Vehicle {
+    /// Distance of the trailer's axles (their mean) behind the fifth wheel, m.
+    pub fn trailer_wheelbase_m(&self) -> f64 {
+        #[allow(clippy::cast_precision_loss)] // a few axles
+        let axles = self.trailer.axle.len() as f64;
+        self.trailer.axle.iter().map(|axle| axle.behind_hitch_m).sum::<f64>() / axles
+    }
+
     /// All axles from front to rear, the tractor's first.
     pub fn axles(&self) -> Vec<PlacedAxle<'_>> {
         let tyre = |axle: &Axle| self.tyre.iter().find(|tyre| tyre.name == axle.tyre);

@@ -477,6 +477,7 @@ pub const DESIGN: cg_core::Design<f32, 2> = cg_core::Design {
     reference_height_m: 1.7,
     least_height_m: 1.0,
     greatest_height_m: 3.0,
+    trailer_wheelbase_m: 7.59,
     gravity_mps2: 9.81,
     rollover: cg_core::RolloverDesign { half_track_m: 0.99269533, unsprung_mass_kg: 2184.0, unsprung_height_m: 0.507 },
     thresholds: [

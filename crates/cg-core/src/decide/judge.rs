@@ -1,5 +1,7 @@
 //! Judges a maneuver: whether the ratios of its channels can be true, and which heights follow.
 
+use core::array::from_fn;
+
 use crate::decide::consistency::Inconsistency;
 use crate::decide::maneuver::{Outcome, Reject};
 use crate::decide::road::Road;
@@ -47,6 +49,8 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
                 line.ratio_at(design.reference_height_m) * gravity_mps2
             }),
             to_gravity: window.to_gravity,
+            articulation_rad: design.trailer_wheelbase_m * window.lateral_mps2()
+                / (speed_mps * speed_mps),
         };
         Self { design, settings, window, spread: design.spread(speed_mps, mass_kg), road }
     }
@@ -96,13 +100,13 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
         }
         let square = |x: T| x * x;
-        let [common_bank, own_bank] = self.road.parts(channel);
-        let model_sd = (square(spread.sd(place)) + square(common_bank)).root();
-        let far_sd = (square(ratio_sd_relative) + square(model_sd) + square(own_bank)).root();
-        let far = self.is_far(&line, fit.ratio.value / compensation, far_sd);
-        let compensation = Measured::exact(compensation);
+        let [common_road, own_road] = self.road.parts(channel, expected, self.design.gravity_mps2);
+        let model_sd = (square(spread.sd(place)) + square(common_road)).root();
+        let far_sd = (square(ratio_sd_relative) + square(model_sd) + square(own_road)).root();
+        let compensation = Measured::exact(compensation * self.road.articulated(channel));
+        let far = self.is_far(&line, fit.ratio.value / compensation.value, far_sd);
         let exact = Measured::exact(fit.ratio.value);
-        let height = solve_height(&line, fit.ratio, compensation, own_bank);
+        let height = solve_height(&line, fit.ratio, compensation, own_road);
         let systematic = solve_height(&line, exact, compensation, model_sd);
         let road = solve_height(&line, exact, compensation, road_sd_relative);
         let outcome = match (height, systematic, road) {
@@ -122,28 +126,35 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
     }
 
     /// Correlations of the systematic errors: those of the model, and the bank of the road, which
-    /// is the same for all channels that feel it.
+    /// is the same for all channels that feel it. Twist and articulation are of one channel.
     pub(crate) fn correlation(&self) -> [[T; C]; C] {
         let mut correlation = [[T::one(); C]; C];
         let Some(spread) = &self.spread else { return correlation };
-        let road = |place: usize| {
-            let channel = self.design.channel(place);
-            channel.map_or(T::zero(), |channel| {
-                let [common, _] = self.road.parts(channel);
-                common
-            })
-        };
+        let road: [T; C] = from_fn(|place| self.common_road(place).unwrap_or(T::zero()));
         for (i, row) in correlation.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 let (a, b) = (spread.sd(i), spread.sd(j));
-                let scale = (a * a + road(i) * road(i)) * (b * b + road(j) * road(j));
-                let common = spread.correlation(i, j) * a * b + road(i) * road(j);
+                let scale = (a * a + road[i] * road[i]) * (b * b + road[j] * road[j]);
+                let banked = self.design.feels_bank(i) && self.design.feels_bank(j);
+                let common = if banked { road[i] * road[j] } else { T::zero() };
+                let common = spread.correlation(i, j) * a * b + common;
                 if i != j && scale > T::zero() {
                     *entry = (common / scale.root()).max(-T::one()).min(T::one());
                 }
             }
         }
         correlation
+    }
+
+    /// Relative standard deviation of the ratio of the channel at this place that the road causes in
+    /// all curves alike.
+    fn common_road(&self, place: usize) -> Option<T> {
+        let channel = self.design.channel(place)?;
+        let line = self.design.line(channel, self.window.speed_mps, self.window.trailer_mass_kg)?;
+        let ratio =
+            line.ratio_at(self.design.reference_height_m) * self.design.compensation(channel);
+        let [common, _] = self.road.parts(channel, ratio, self.design.gravity_mps2);
+        Some(common)
     }
 
     /// The reason why the roll angle cannot be true, if there is one.

@@ -95,6 +95,8 @@ pub struct Design<T, const C: usize = CHANNELS> {
     pub least_height_m: T,
     /// The greatest height of the sprung c.g. that this trailer can have.
     pub greatest_height_m: T,
+    /// Distance of the trailer's axles (their mean) behind the fifth wheel.
+    pub trailer_wheelbase_m: T,
     /// Acceleration of gravity.
     pub gravity_mps2: T,
     /// Parameters of the static stability factor.
@@ -176,6 +178,7 @@ impl<T: Real, const C: usize> Design<T, C> {
             reference_height_m: to(self.reference_height_m),
             least_height_m: to(self.least_height_m),
             greatest_height_m: to(self.greatest_height_m),
+            trailer_wheelbase_m: to(self.trailer_wheelbase_m),
             gravity_mps2: to(self.gravity_mps2),
             rollover: RolloverDesign {
                 half_track_m: to(self.rollover.half_track_m),
@@ -239,6 +242,7 @@ impl<T: Real, const C: usize> Design<T, C> {
         }
         positive(self.nominal_speed_mps, "nominal_speed_mps")?;
         positive(self.nominal_trailer_mass_kg, "nominal_trailer_mass_kg")?;
+        positive(self.trailer_wheelbase_m, "trailer_wheelbase_m")?;
         positive(self.gravity_mps2, "gravity_mps2")
     }
 
@@ -293,6 +297,7 @@ impl<T: Real, const C: usize> Design<T, C> {
             reference_height_m: self.reference_height_m,
             least_height_m: self.least_height_m,
             greatest_height_m: self.greatest_height_m,
+            trailer_wheelbase_m: self.trailer_wheelbase_m,
             gravity_mps2: self.gravity_mps2,
             rollover: self.rollover,
             thresholds: self.thresholds,

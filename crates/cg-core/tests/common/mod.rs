@@ -105,6 +105,7 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
         reference_height_m: 1.973,
         least_height_m: 1.0,
         greatest_height_m: 3.0,
+        trailer_wheelbase_m: 7.6,
         gravity_mps2: 9.81,
         rollover: RolloverDesign {
             half_track_m: 0.95,
