@@ -103,8 +103,10 @@ dist: dist-clean dist-crates dist-program dist-python dist-c dist-firmware
 dist-clean:
 	rm -rf dist
 
+# Cargo keeps the packages of a path and version forever, so each call has a path of its own.
 dist-crates:
-	CARGO_TARGET_DIR=target/verify cargo package --quiet
+	rm -rf target/verify
+	CARGO_TARGET_DIR=target/verify/$$$$ cargo package --quiet
 
 # The one library in C (zstd) is compiled by gcc, so musl-tools is not needed. Its calls must not be replaced by checked
 # ones, which only glibc has.
@@ -141,7 +143,7 @@ dist-firmware: firmware-tools
 
 # Compares the interface of the published crates with that of the last release. Before the first release, it is compared
 # with the commit since which the interface has been kept stable.
-SEMVER_BASE := $(or $(shell git describe --tags --abbrev=0 --match 'v*' 2>/dev/null),7cfe34a)
+SEMVER_BASE := $(or $(shell git describe --tags --abbrev=0 --match 'v*' 2>/dev/null),0df4cf6)
 semver:
 	@cargo semver-checks --version >/dev/null 2>&1 || cargo install cargo-semver-checks --locked
 	cargo semver-checks --baseline-rev $(SEMVER_BASE)
