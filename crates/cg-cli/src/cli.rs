@@ -17,8 +17,8 @@ use clap::{Args, Parser, Subcommand};
 use crate::args::{ColumnArgs, Format, LoadArgs, ModelFormat};
 use crate::can::CanArgs;
 use crate::numbers::{
-    duration_s, gate_m, lateral_g, not_negative, radius_m, rate_hz, speed_change, speed_mps,
-    steer_rad, step_rate, trailer_mass_kg, turn_deg,
+    duration_s, gate_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz, speed_change,
+    speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
 };
 use crate::run::args::RunArgs;
 use crate::sensors::{ChassisArgs, SensorArgs};
@@ -94,6 +94,10 @@ pub(crate) struct EstimateArgs {
     /// Mass of the whole semitrailer as weighed, kg; replaces the mass in the log
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
+    /// Standard deviation of the trailer mass, kg; without it a given mass is exact, and a trailer
+    /// without one has any load
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = payload_kg)]
+    pub(crate) trailer_mass_sd_kg: Option<f64>,
     #[command(flatten)]
     pub(crate) columns: ColumnArgs,
     #[command(flatten)]

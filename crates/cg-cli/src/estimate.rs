@@ -37,6 +37,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         channel: arguments.channel.into(),
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,
+        trailer_mass_sd_kg: arguments.trailer_mass_sd_kg,
         road: arguments.road.of(&vehicle),
         judgement,
     };

@@ -5,6 +5,7 @@
 mod common;
 
 use cg_core::truck::design::{MASSES, SPEEDS};
+use cg_core::truck::ratio::solve_height;
 use cg_core::{Channel, Design, DesignError, Measured, Reduced5};
 use common::{PAIR, design, full_design};
 
@@ -383,4 +384,32 @@ fn a_design_in_single_precision_is_the_same_design() {
     assert_eq!(narrow.gravity_mps2, 9.81_f32);
     // After the conversion to single precision, nothing more is lost.
     assert_eq!(narrow.cast::<f64>().cast::<f32>(), narrow);
+}
+
+/// The height changes by what two masses give for one ratio, more on the side of less mass. A mass beyond
+/// the axis is not believed.
+#[test]
+fn a_heavier_trailer_needs_less_height_for_the_same_roll() {
+    let mut design = common::design();
+    let masses_kg = design.trailer_mass_kg;
+    for row in design.channels.iter_mut().flat_map(|channel| &mut channel.lines) {
+        for (line, mass_kg) in row.iter_mut().zip(masses_kg) {
+            line.a0 *= mass_kg / 20e3;
+            line.a1 *= mass_kg / 20e3;
+        }
+    }
+    let (speed_mps, mass_kg, height_m) = (12.0, 22e3, 1.8);
+    for channel in [Channel::Steer, Channel::LateralAcceleration] {
+        let line = |mass_kg: f64| design.line(channel, speed_mps, mass_kg).unwrap();
+        let ratio = Measured::exact(line(mass_kg).ratio_at(height_m));
+        let height =
+            |mass_kg| solve_height(&line(mass_kg), ratio, Measured::exact(1.0), 0.0).unwrap().value;
+        let expected = (height(mass_kg - 2e3) - height_m) / 2.0;
+        let sd = |sd_kg| design.mass_sd_m(channel, speed_mps, [mass_kg, sd_kg], height_m).unwrap();
+        assert!((sd(1e3) / expected - 1.0).abs() < 1e-9, "{channel}: {} {expected}", sd(1e3));
+        assert!(expected > (height_m - height(mass_kg + 2e3)) / 2.0);
+        assert_eq!(sd(0.0), 0.0);
+        assert_eq!(sd(1e6), (height(masses_kg[0]) - height_m) / 2.0);
+        assert_eq!(design.mass_sd_m(channel, speed_mps, [60e3, 1e3], height_m), None);
+    }
 }

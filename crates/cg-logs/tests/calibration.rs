@@ -6,7 +6,8 @@ mod common;
 
 use cg_core::{CHANNELS, Channel};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
-use cg_logs::estimate::EstimateOptions;
+use cg_logs::estimate::{EstimateOptions, LogEstimator};
+use cg_logs::log::LogRow;
 use cg_vehicle::belief::{Belief, Deviations, PARAMETERS, Parameter};
 use cg_vehicle::calibration::{Calibration, Judgement, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
@@ -230,7 +231,7 @@ fn both_ratios_of_a_drive_are_told_at_one_speed() {
     let known = known();
     let drive = known.iter().find(|known| known.log.starts_with("F_")).unwrap();
     let estimator = || {
-        let mut estimator = cg_logs::estimate::LogEstimator::from_design(
+        let mut estimator = LogEstimator::from_design(
             &design,
             cg_core::AlignSettings::NONE,
             EstimateOptions::default(),
@@ -334,4 +335,61 @@ fn a_doubtful_calibration_is_widened() {
     assert!(far.message().unwrap().contains("contradict the vehicle file"));
     assert!(statement.contains("trailer suspension roll stiffness ("), "{statement}");
     assert!(statement.contains("standard deviations from that of the vehicle file"), "{statement}");
+}
+
+/// A mass that is wrong by 10 % with a stated standard deviation of 5 %: 90 % of the intervals hold after
+/// the empty run (with a laden run, the error of two standard deviations is just at the end of the
+/// interval). Without any mass, the interval contains any load.
+#[test]
+fn the_uncertainty_of_the_mass_is_in_the_interval() {
+    let (vehicle, known) = (vehicle("kraz.toml"), known());
+    let pick = |name: &str| known.iter().find(|known| known.log.starts_with(name)).unwrap();
+    let calibration = calibrated(&vehicle, &[pick("A_p00")]);
+    let design = design_with(&vehicle, Variant::Complete, &calibration.belief()).unwrap();
+    let holds = |known: &common::Known, options: EstimateOptions| {
+        let estimate = known.estimate(&design, None, options);
+        let [low, high] = estimate.height_ci95_m?;
+        let told = estimate.messages.join("; ");
+        Some(((low..=high).contains(&known.load.cg_height_m), high - low, told))
+    };
+    let (mut given, mut held, mut exact) = (0, 0, 0);
+    for known in &known {
+        for factor in [0.9, 1.1] {
+            let mass_kg = known.load.trailer_mass_kg;
+            let stated = EstimateOptions {
+                trailer_mass_kg: Some(factor * mass_kg),
+                trailer_mass_sd_kg: Some(0.05 * mass_kg),
+                ..EstimateOptions::default()
+            };
+            // An empty trailer of 90 % of its mass does not exist.
+            let Some((hold, ..)) = holds(known, stated) else { continue };
+            let as_exact = EstimateOptions { trailer_mass_sd_kg: None, ..stated };
+            (given, held) = (given + 1, held + usize::from(hold));
+            exact += usize::from(holds(known, as_exact).is_some_and(|(hold, ..)| hold));
+        }
+    }
+    println!("{held} of {given} intervals hold, {exact} if the mass is taken as exact");
+    assert!(
+        given >= 18 && 10 * held >= 9 * given && 2 * exact < given,
+        "{held} {exact} of {given}"
+    );
+
+    let mut unweighed = 0;
+    for known in &known {
+        let rows = known.rows();
+        let mut estimator = LogEstimator::from_design(
+            &design,
+            vehicle.align_settings(),
+            EstimateOptions::default(),
+        );
+        for row in rows {
+            estimator.push(&LogRow { trailer_mass_kg: f64::NAN, ..row }).unwrap();
+        }
+        let estimate = estimator.finish();
+        let Some([low, high]) = estimate.height_ci95_m else { continue };
+        assert!((low..=high).contains(&known.load.cg_height_m), "{}: {low} {high}", known.log);
+        assert!(estimate.messages.iter().any(|m| m.contains("the interval contains any load")));
+        unweighed += 1;
+    }
+    assert!(unweighed >= 6, "{unweighed}");
 }

@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args};
 
 use crate::args::ColumnArgs;
 use crate::can::CanArgs;
-use crate::numbers::{not_negative, trailer_mass_kg};
+use crate::numbers::{not_negative, payload_kg, trailer_mass_kg};
 use crate::truck::{RoadArgs, TruckArgs};
 
 /// Source of the signals, truck, and outputs.
@@ -33,6 +33,10 @@ pub(crate) struct RunArgs {
     /// Mass of the whole semitrailer, kg; replaces the mass from the bus
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
+    /// Standard deviation of the trailer mass, kg; without it a mass is exact, and a trailer without
+    /// one has any load
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = payload_kg)]
+    pub(crate) trailer_mass_sd_kg: Option<f64>,
     #[command(flatten)]
     pub(crate) frames: CanArgs,
     #[command(flatten)]

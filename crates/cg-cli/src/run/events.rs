@@ -115,6 +115,15 @@ impl Result {
         }
     }
 
+    /// Adds a standard deviation to that of the height, m.
+    pub(crate) fn add_sd(&mut self, sd_m: f64) {
+        let Some(measured) = &mut self.measured_m else { return };
+        measured.sd = measured.sd.hypot(sd_m);
+        let Measured { value, sd } = *measured;
+        self.height_sd_m = Some(sd);
+        self.height_ci95_m = Some([value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]);
+    }
+
     /// Sets the rollover threshold in a turn at this speed.
     pub(crate) fn at_speed(&mut self, design: &Design<f64>, speed_mps: f64) {
         self.threshold_g = self

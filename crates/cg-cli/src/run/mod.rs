@@ -67,6 +67,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let road = arguments.road.of(&vehicle).map(|road| road.bank_sd_rad);
     let rules = road.map_or(Settings::truck(), |sd| Settings::truck().on_road(sd));
     let mut session = Session::new((&design, rules), warner, mass_kg, arguments.status_s, outputs);
+    session.trailer_mass_sd_kg = arguments.trailer_mass_sd_kg;
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(socket::wall_us() as f64 * 1e-6, 0);

@@ -32,6 +32,8 @@ pub(crate) struct Session<W: Write> {
     estimator: Estimator<f64, FilteredArx<f64>>,
     settings: Settings<f64>,
     trailer_mass_kg: Option<f64>,
+    /// Standard deviation of the trailer mass, if it is given.
+    pub(crate) trailer_mass_sd_kg: Option<f64>,
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
@@ -84,6 +86,7 @@ impl<W: Write> Session<W> {
             estimator: Estimator::new(*design, settings, Prior::standard()),
             settings,
             trailer_mass_kg,
+            trailer_mass_sd_kg: None,
             mass_source,
             unweighed_us: None,
             nominal_mass_reported: false,
@@ -336,7 +339,21 @@ impl<W: Write> Session<W> {
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.estimator.combined();
         self.known = Known::new(combined, channel, mass);
+        self.known.add_sd(self.mass_sd_m(trailer_mass_kg));
         self.known.at_speed(self.estimator.design(), self.speed_mps);
+    }
+
+    /// Standard deviation of the height due to that of the trailer mass, m, in the channel where it
+    /// counts most.
+    fn mass_sd_m(&self, mass_kg: f64) -> f64 {
+        let design = self.estimator.design();
+        let Some(height_m) = self.known.height_m else { return 0.0 };
+        let nominal = self.mass_source == MassSource::Nominal;
+        let any_kg = if nominal { design.any_load_sd_kg() } else { 0.0 };
+        let with_height = |channel: &Channel| self.estimator.height(*channel).is_some();
+        let sd_kg = self.trailer_mass_sd_kg.unwrap_or(any_kg);
+        let of = |channel| design.mass_sd_m(channel, self.speed_mps, [mass_kg, sd_kg], height_m);
+        Channel::ALL.into_iter().filter(with_height).filter_map(of).fold(0.0, f64::max)
     }
 
     /// Reports the beginning of a contradiction between the channels.

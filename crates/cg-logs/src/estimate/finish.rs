@@ -119,7 +119,10 @@ impl LogEstimator {
         fused: &Height<f64>,
         best: &Maneuver<f64>,
     ) {
-        let (height, sd) = (fused.height_m.value, fused.height_m.sd);
+        let height = fused.height_m.value;
+        let speed = self.mean_speed_mps(&[channel]);
+        let by_mass_m = speed.map_or(0.0, |speed_mps| self.mass_sd_m(height, speed_mps, best));
+        let sd = fused.height_m.sd.hypot(by_mass_m);
         estimate.height_m = Some(height);
         estimate.height_sd_m = Some(sd);
         estimate.height_random_sd_m = Some(fused.random_sd_m);
@@ -127,7 +130,7 @@ impl LogEstimator {
         let fit = best.outcomes[channel.index()].fit;
         estimate.snr_db = fit.map(|fit| fit.snr_db);
         estimate.fit_percent = fit.map(|fit| fit.fit_percent);
-        estimate.speed_mps = self.mean_speed_mps(&[channel]);
+        estimate.speed_mps = speed;
         let Some(speed_mps) = estimate.speed_mps else { return };
         if let Some(ratio) = self.ratio_of(channel, fused, speed_mps, best.trailer_mass_kg) {
             estimate.ratio = Some(ratio.value);
@@ -138,6 +141,20 @@ impl LogEstimator {
             .rollover(fused.height_m, best.trailer_mass_kg, speed_mps)
             .map(|rollover| rollover.static_rollover_threshold_g.value);
         estimate.messages.extend(Self::unusual(height));
+    }
+
+    /// Standard deviation of the height due to that of the trailer mass, m, in the channel where it
+    /// counts most.
+    fn mass_sd_m(&self, height_m: f64, speed_mps: f64, best: &Maneuver<f64>) -> f64 {
+        let known = self.seen.mass || self.options.trailer_mass_kg.is_some();
+        let any = if known { 0.0 } else { self.design.any_load_sd_kg() };
+        let mass_sd_kg = self.options.trailer_mass_sd_kg.unwrap_or(any);
+        let mass_kg = best.trailer_mass_kg;
+        let of =
+            |channel| self.design.mass_sd_m(channel, speed_mps, [mass_kg, mass_sd_kg], height_m);
+        let used = |channel: &Channel| self.engine.height(*channel).is_some();
+        let channels = Channel::ALL.into_iter().filter(used).filter_map(of);
+        channels.fold(0.0, f64::max)
     }
 
     /// Mean speed of the maneuvers that gave a height in one of these channels, m/s.

@@ -56,8 +56,8 @@ impl LogEstimator {
         }
         if !self.seen.mass && self.options.trailer_mass_kg.is_none() {
             messages.push(format!(
-                "no trailer mass in the log: {:.0} kg from the vehicle file is used; give \
-                 ⟨trailer_mass_kg⟩ (a wrong mass gives a wrong height)",
+                "no trailer mass in the log: {:.0} kg from the vehicle file is used, and the \
+                 interval contains any load; give ⟨trailer_mass_kg⟩",
                 self.design.nominal_trailer_mass_kg
             ));
         }

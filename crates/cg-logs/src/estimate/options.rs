@@ -126,6 +126,9 @@ pub struct EstimateOptions {
     pub speed_mps: Option<f64>,
     /// Trailer mass in kg that replaces the one in the log.
     pub trailer_mass_kg: Option<f64>,
+    /// Standard deviation of the trailer mass, kg. `None`: a mass is exact if there is one; without
+    /// any, the trailer may have any load.
+    pub trailer_mass_sd_kg: Option<f64>,
     /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
     /// public roads, roll angles relative to the road as measured on a flat test track.
     pub road: Option<RoadChoice>,
@@ -150,6 +153,7 @@ impl Default for EstimateOptions {
             channel: None,
             speed_mps: None,
             trailer_mass_kg: None,
+            trailer_mass_sd_kg: None,
             road: None,
             judgement: Judgement::Sound,
         }
