@@ -390,7 +390,7 @@ fn a_design_in_single_precision_is_the_same_design() {
 /// the axis is not believed.
 #[test]
 fn a_heavier_trailer_needs_less_height_for_the_same_roll() {
-    let mut design = common::design();
+    let mut design = design();
     let masses_kg = design.trailer_mass_kg;
     for row in design.channels.iter_mut().flat_map(|channel| &mut channel.lines) {
         for (line, mass_kg) in row.iter_mut().zip(masses_kg) {
