@@ -189,7 +189,7 @@ impl FrameStream {
     ) -> PyResult<Self> {
         let options = options.checked()?;
         let vehicle = vehicle.get();
-        let options = options.on_roads_of(&vehicle.inner);
+        let options = vehicle.options(options);
         let settings = vehicle.inner.align_settings();
         let reading = LogOptions { settings: Some(settings), ..reading.options()? };
         let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;

@@ -59,7 +59,7 @@ impl Stream {
         let vehicle = vehicle.get();
         let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
         let settings = vehicle.inner.align_settings();
-        let options = options.on_roads_of(&vehicle.inner);
+        let options = vehicle.options(options);
         let estimator = LogEstimator::from_design(design, settings, options);
         let state = State { estimator, previous_s: f64::NEG_INFINITY };
         Ok(Self { state: Mutex::new(state) })

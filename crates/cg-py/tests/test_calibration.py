@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import subprocess
+
 import pytest
 
 import cgheight
-from conftest import FIXTURES, ONE_TURN
+from cgheight.can import HeightListener
+from conftest import FIXTURES, ONE_TURN, cg
 
 LOGS = FIXTURES / "logs"
-RUNS = [(LOGS / "A_p00_v50_L.csv", 1.32963), (LOGS / "A_p20_h190_v50_L.csv", 1.90, 28684.0)]
+EMPTY, LADEN = LOGS / "A_p00_v50_L.csv", LOGS / "A_p20_h190_v50_L.csv"
+RUNS = [(EMPTY, 1.32963), (LADEN, 1.90, 28684.0)]
 
 
 @pytest.fixture(scope="module")
@@ -53,15 +57,72 @@ def test_a_calibration_belongs_to_its_vehicle_and_model(kraz, baseline, calibrat
 def test_runs_that_cannot_be_are_refused_and_nothing_is_written(kraz, tmp_path):
     out = tmp_path / "c.toml"
     with pytest.raises(ValueError, match="expected \\(log, height_m"):
-        cgheight.calibrate(kraz, [(RUNS[0][0],)], out)
+        cgheight.calibrate(kraz, [(EMPTY,)], out)
+    with pytest.raises(ValueError, match="height_m is not a number"):
+        cgheight.calibrate(kraz, [(EMPTY, "empty", 8684.0)], out)
     with pytest.raises(FileNotFoundError, match="nowhere"):
         cgheight.calibrate(kraz, [(tmp_path / "nowhere.csv", 1.9)], out)
     with pytest.raises(ValueError, match="below the empty trailer"):
-        cgheight.calibrate(kraz, [(RUNS[1][0], 1.9, 500.0)], out)
+        cgheight.calibrate(kraz, [(LADEN, 1.9, 500.0)], out)
     with pytest.raises(ValueError, match="outside the vehicle file's range"):
-        cgheight.calibrate(kraz, [(RUNS[1][0], 190.0)], out)
+        cgheight.calibrate(kraz, [(LADEN, 190.0)], out)
     with pytest.raises(ValueError, match="given twice"):
         cgheight.calibrate(kraz, [RUNS[0], RUNS[0]], out)
+    with pytest.raises(ValueError, match="exactly one run"):
+        cgheight.calibrate(kraz, RUNS, out, procedure="compensation")
     with pytest.raises(ValueError, match="no run"):
         cgheight.calibrate(kraz, [], out)
     assert not list(tmp_path.iterdir())
+
+
+def undated(path):
+    """Return the lines of a calibration file without its date, and so without its checksum."""
+    lines = path.read_text().splitlines()
+    return [line for line in lines if not line.startswith(("date", "# crc32"))]
+
+
+def test_an_empty_run_has_the_height_and_mass_of_the_tare(kraz, tmp_path):
+    named, measured = tmp_path / "named.toml", tmp_path / "measured.toml"
+    cgheight.calibrate(kraz, [(EMPTY, "empty")], named)
+    cgheight.calibrate(kraz, [(EMPTY, 1.33, kraz.empty_trailer_mass_kg)], measured)
+    assert undated(named) == undated(measured)
+
+
+@pytest.mark.parametrize("keywords", [{"procedure": "compensation"}, {"part": "tractor"}])
+def test_every_procedure_and_part_is_that_of_the_command_line(kraz, keywords, tmp_path):
+    python, program = tmp_path / "python.toml", tmp_path / "program.toml"
+    cgheight.calibrate(kraz, [(EMPTY, "empty")], python, **keywords)
+    flags = [text for name, word in keywords.items() for text in (f"--{name}", word)]
+    files = ["--vehicle", FIXTURES / "vehicles" / "kraz.toml", "--output", program]
+    subprocess.run([cg(), "calibrate", "--run", f"{EMPTY}=empty", *flags, *files], check=True)
+    assert undated(python) == undated(program)
+
+
+def test_a_calibration_of_the_tractor_holds_with_another_trailer(kraz, calibration, tmp_path):
+    tractor = tmp_path / "tractor.toml"
+    cgheight.calibrate(kraz, RUNS, tractor, part="tractor")
+    text = (FIXTURES / "vehicles" / "kraz.toml").read_text()
+    (tmp_path / "v.toml").write_text(text.replace("= 0.51 #", "= 0.56 #").replace("kraz", "other"))
+    other = cgheight.Vehicle.load(tmp_path / "v.toml")
+    before = cgheight.estimate_log(LADEN, vehicle=other, channel="steer")
+    after = cgheight.estimate_log(LADEN, vehicle=other, channel="steer", calibration=tractor)
+    assert 0 < after.height_sd_m < before.height_sd_m
+    with pytest.raises(ValueError, match="belongs to the vehicle"):
+        other.calibrated(calibration)
+
+
+def test_runs_that_contradict_the_vehicle_file_need_force_and_every_answer_says_so(
+    kraz, turn, tmp_path
+):
+    out, runs = tmp_path / "c.toml", [(LADEN, 1.3, 28684.0)]  # its height is 1.9 m
+    with pytest.raises(ValueError, match=r"no calibration is made.*force=True makes it"):
+        cgheight.calibrate(kraz, runs, out)
+    assert not out.exists()
+    truck = cgheight.calibrate(kraz, runs, out, force=True)
+    for answer in (
+        cgheight.estimate_log(LOGS / ONE_TURN, vehicle=truck),
+        cgheight.estimate(**turn, vehicle=truck),
+        cgheight.Estimator(truck).estimate(),
+        HeightListener(truck).estimate(),
+    ):
+        assert sum("the runs of the calibration contradict" in m for m in answer.messages) == 1

@@ -56,8 +56,9 @@ def calibrate(
     columns, flip
         As for `estimate_log`.
     force : bool
-        Whether `output` may replace a file that is not a calibration, and whether it is made of runs
-        that contradict the vehicle file. The runs and the vehicle file are never replaced.
+        Replace a file at `output` even if it is not a calibration, and calibrate even with runs
+        that contradict the vehicle file; then every estimate has a message that says so. The runs
+        and the vehicle file are never replaced.
 
     Returns
     -------
@@ -86,16 +87,20 @@ def calibrate(
     >>> truck.is_calibrated
     True
     """
-    known = []
+    known: list[tuple[str, float | None, float | None]] = []
     for run in runs:
-        if not 2 <= len(run) <= 3:
-            raise ValueError(f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")')
-        log, height_m, *mass = run
-        if height_m == "empty":
-            known.append((os.fspath(log), None, None))
-            continue
-        mass_kg = number("trailer_mass_kg", mass[0]) if mass else None
-        known.append((os.fspath(log), number("height_m", height_m), mass_kg))
+        match run:
+            case (log, "empty"):
+                known.append((os.fspath(log), None, None))
+            case (log, height_m):
+                known.append((os.fspath(log), number("height_m", height_m), None))
+            case (log, height_m, mass_kg):
+                height_m, mass_kg = number("height_m", height_m), number("trailer_mass_kg", mass_kg)
+                known.append((os.fspath(log), height_m, mass_kg))
+            case _:
+                raise ValueError(
+                    f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")'
+                )
     request: dict[str, object] = {
         "model": model,
         "procedure": procedure,
