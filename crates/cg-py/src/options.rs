@@ -17,6 +17,7 @@ pub(crate) struct Options {
     model: String,
     speed_mps: Option<f64>,
     trailer_mass_kg: Option<f64>,
+    trailer_mass_sd_kg: Option<f64>,
 }
 
 impl Options {
@@ -38,6 +39,7 @@ impl Options {
             channel,
             speed_mps: positive("speed_mps", self.speed_mps)?,
             trailer_mass_kg: positive("trailer_mass_kg", self.trailer_mass_kg)?,
+            trailer_mass_sd_kg: not_negative("trailer_mass_kg", self.trailer_mass_sd_kg)?,
             ..EstimateOptions::default() // road and calibration are those of the vehicle
         })
     }
@@ -61,6 +63,16 @@ pub(crate) fn word<T: Word>(keyword: &str, text: &str) -> PyResult<T> {
 /// The channel that a word names; `None` for both.
 pub(crate) fn channel(text: &str) -> PyResult<Option<Channel>> {
     word::<ChannelChoice>("channel", text).map(Into::into)
+}
+
+/// Checks that an optional standard deviation is one.
+fn not_negative(argument: &str, value: Option<f64>) -> PyResult<Option<f64>> {
+    match value {
+        Some(number) if !(number.is_finite() && number >= 0.0) => Err(value_error(format!(
+            "the standard deviation of {argument} is {number}: it must be finite and not negative"
+        ))),
+        _ => Ok(value),
+    }
 }
 
 /// Checks that an optional number is positive.

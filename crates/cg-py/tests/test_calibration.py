@@ -126,3 +126,19 @@ def test_runs_that_contradict_the_vehicle_file_need_force_and_every_answer_says_
         HeightListener(truck).estimate(),
     ):
         assert sum("the runs of the calibration contradict" in m for m in answer.messages) == 1
+
+
+def test_the_uncertainty_of_the_mass_is_in_the_interval(kraz, calibration):
+    def sd_m(mass):
+        log = LOGS / ONE_TURN
+        return cgheight.estimate_log(
+            log, vehicle=kraz, calibration=calibration, trailer_mass_kg=mass
+        ).height_sd_m
+
+    assert sd_m((18_684.0, 0.0)) == sd_m(18_684.0)
+    # The height changes by about as much as the mass, in percent.
+    assert 0.02 < sd_m((18_684.0, 0.03 * 18_684.0)) < 0.1
+    with pytest.raises(ValueError, match="standard deviation"):
+        sd_m((18_684.0,))
+    with pytest.raises(ValueError, match="trailer_mass_kg"):
+        sd_m((18_684.0, -1.0))

@@ -52,7 +52,10 @@ def shared_options(
     trailer_mass_kg: object = None,
 ) -> dict[str, Any]:
     """Return the options of all estimates in the form of the compiled module."""
-    mass, speed = trailer_mass_kg, speed_mps
+    pair = trailer_mass_kg if isinstance(trailer_mass_kg, tuple) else (trailer_mass_kg, None)
+    if len(pair) != 2:
+        raise ValueError(f"trailer_mass_kg {pair!r}: expected a mass or (mass, standard deviation)")
+    (mass, mass_sd), speed = pair, speed_mps
     return {
         "method": "arx" if isinstance(method, Arx) else method,
         "channel": channel,
@@ -60,6 +63,7 @@ def shared_options(
         "model": model,
         "speed_mps": None if speed is None else number("speed_mps", speed),
         "trailer_mass_kg": None if mass is None else number("trailer_mass_kg", mass),
+        "trailer_mass_sd_kg": None if mass_sd is None else number("trailer_mass_kg", mass_sd),
     }
 
 
@@ -143,7 +147,7 @@ def estimate_log(
     columns: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
     speed_mps: float | None = None,
-    trailer_mass_kg: float | None = None,
+    trailer_mass_kg: float | tuple[float, float] | None = None,
     calibration: str | os.PathLike[str] | None = None,
     method: Method = "filtered",
     channel: ChannelName = "auto",
@@ -174,7 +178,9 @@ def estimate_log(
         Signals whose sign is reversed, such as ``("roll",)``, for sensors that are mounted the
         other way round.
     speed_mps, trailer_mass_kg : float, optional
-        Speed (m/s) and mass of the whole semitrailer (kg), which override those of the log.
+        Speed (m/s) and mass of the whole semitrailer (kg), which override those of the log. A mass
+        may be given with its standard deviation, ``(25_000.0, 500.0)``; its effect is part of the
+        interval. Without any mass, the interval contains any load.
     calibration, method, channel, model
         As for `estimate`.
 
@@ -207,7 +213,7 @@ class EstimatorOptions(TypedDict, total=False):
     """The keywords of `Estimator`."""
 
     speed_mps: float | None
-    trailer_mass_kg: float | None
+    trailer_mass_kg: float | tuple[float, float] | None
     calibration: str | os.PathLike[str] | None
     method: Method
     channel: ChannelName
@@ -235,7 +241,8 @@ class Estimator(_native.Stream):
     vehicle : Vehicle
         The vehicle.
     speed_mps, trailer_mass_kg : float, optional
-        Speed (m/s) and mass of the whole semitrailer (kg), which override those of the rows.
+        Speed (m/s) and mass of the whole semitrailer (kg), which override those of the rows; the
+        mass may be a pair with its standard deviation.
     calibration, method, channel, model
         As for `estimate`.
 
@@ -252,7 +259,7 @@ class Estimator(_native.Stream):
         vehicle: _native.Vehicle,
         *,
         speed_mps: float | None = None,
-        trailer_mass_kg: float | None = None,
+        trailer_mass_kg: float | tuple[float, float] | None = None,
         calibration: str | os.PathLike[str] | None = None,
         method: Method = "filtered",
         channel: ChannelName = "auto",
