@@ -81,7 +81,8 @@ fn runs_of(vehicle: &Vehicle, truth: &Deviations, loads: &[(f64, f64, f64)]) -> 
 
 /// Calibration with the empty run alone, whose height and mass are in the vehicle file: all other logs
 /// are to be within 1.0 % rms and 3 % at worst, and their intervals hold. The empty height in the
-/// second truck's file is the one with half load; at rest the lighter trailer stands 12 mm higher.
+/// second truck's file is the one with half load; at rest the lighter trailer stands 12 mm higher, which
+/// is 0.9 % and costs 0.3 % rms: with 1.275 m it would be 0.8 %.
 #[test]
 fn the_empty_run_alone_calibrates_both_independent_trucks() {
     for (name, folder) in [("kraz.toml", "logs"), ("euro.toml", "euro")] {
