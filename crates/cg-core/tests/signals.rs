@@ -179,6 +179,22 @@ fn a_design_without_the_lateral_channel_feels_the_whole_force() {
     assert_eq!((row.measured_rad, row.usable, row.turning), ([0.01], [true], true));
 }
 
+/// A steer angle alone tells a turn, too: its expected roll angle at 0.2 rad per g.
+#[test]
+fn a_design_with_the_steer_channel_alone_knows_turns() {
+    let full = full_design();
+    let design = full.with_channels([Channel::Steer]).unwrap();
+    let mut sample = Sample::absent(1000);
+    (sample.steer_rad, sample.roll_rad, sample.speed_mps) = (0.1, 0.04, 12.0);
+    let row = Conditioner::new(&design).push(&design, &sample).unwrap().unwrap();
+    let [expected_rad] = row.expected_rad;
+    let lateral_mps2 = expected_rad / 0.2 * design.gravity_mps2;
+    assert!((row.lateral_acceleration_mps2 / lateral_mps2 - 1.0).abs() < 1e-12, "{row:?}");
+    assert!(row.turning && lateral_mps2 > 0.5, "{row:?}");
+    let exact = Conditioner::new(&full).push(&full, &sample).unwrap().unwrap();
+    assert!(exact.lateral_acceleration_mps2 > 0.0 && exact.turning);
+}
+
 /// At a longitudinal acceleration of 1 m/s², only the steer angle is not used.
 #[test]
 fn a_change_of_speed_costs_the_steer_channel_only() {

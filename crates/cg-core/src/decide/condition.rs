@@ -27,6 +27,10 @@ use crate::truck::design::Design;
 
 /// Lateral acceleration above which the truck is in a turn.
 const TURNING_MPS2: f64 = 0.5;
+/// Roll angle of a high load at 1 g, used for the lateral acceleration that a steer angle causes if the
+/// design does not have the channel from lateral acceleration to roll angle. It is at the upper end,
+/// so that the bank of the road counts for more.
+const MOST_ROLL_RAD_PER_G: f64 = 0.2;
 /// Lateral acceleration below which the truck drives straight again.
 pub(crate) const STRAIGHT_MPS2: f64 = 0.3;
 /// Lateral acceleration above which the linear model is not accurate.
@@ -214,7 +218,9 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             gain.copied().unwrap_or(T::absent())
         };
         let roll = gain(Channel::LateralAcceleration);
-        let steered = gain(Channel::Steer) * signals.steer_rad / roll;
+        let usual = T::of(MOST_ROLL_RAD_PER_G) / design.gravity_mps2;
+        let by_roll = if roll.present() { roll } else { usual };
+        let steered = gain(Channel::Steer) * signals.steer_rad / by_roll;
         if steered.present() {
             return steered;
         }
