@@ -123,7 +123,7 @@ dist-program:
 dist-python: $(TOOLS)
 	@mkdir -p dist
 	$(TOOLS)/bin/maturin build --quiet --profile dist --out dist -m crates/cg-py/Cargo.toml
-	$(TOOLS)/bin/maturin sdist --quiet --out dist -m crates/cg-py/Cargo.toml
+	$(TOOLS)/bin/maturin sdist --out dist -m crates/cg-py/Cargo.toml
 	set -e; for made in dist/cgheight-$(VERSION)*; do rm -rf target/clean; $(PYTHON) -m venv target/clean; \
 	  CARGO_TARGET_DIR=$(CURDIR)/target target/clean/bin/python -m pip install --quiet $$made; \
 	  target/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py; done
