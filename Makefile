@@ -119,13 +119,14 @@ dist-program:
 	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
 	tar -czf dist/cg-$(VERSION)-$(STATIC).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C target/$(STATIC)/dist cg
 
-# Wheel and source distribution, each tested in an empty environment.
+# Wheel and source distribution, each tested in an empty environment. The files of a source distribution are old, so cargo
+# would take what an earlier build left: it gets a folder of its own.
 dist-python: $(TOOLS)
 	@mkdir -p dist
 	$(TOOLS)/bin/maturin build --quiet --profile dist --out dist -m crates/cg-py/Cargo.toml
 	$(TOOLS)/bin/maturin sdist --out dist -m crates/cg-py/Cargo.toml
-	set -e; for made in dist/cgheight-$(VERSION)*; do rm -rf target/clean; $(PYTHON) -m venv target/clean; \
-	  CARGO_TARGET_DIR=$(CURDIR)/target target/clean/bin/python -m pip install --quiet $$made; \
+	set -e; for made in dist/cgheight-$(VERSION)*; do rm -rf target/clean target/sdist; $(PYTHON) -m venv target/clean; \
+	  CARGO_TARGET_DIR=$(CURDIR)/target/sdist target/clean/bin/python -m pip install --quiet $$made; \
 	  target/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py; done
 
 dist-c:
