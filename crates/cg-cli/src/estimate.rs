@@ -29,7 +29,7 @@ const ROWS_PER_TICK: u32 = 8192;
 pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outcome> {
     let target = report_target(arguments, files)?;
     let vehicle = arguments.truck.load()?;
-    let (design, judgement) = arguments.truck.judged_design(&vehicle)?;
+    let (design, judgment) = arguments.truck.judged_design(&vehicle)?;
     let options = EstimateOptions {
         variant: arguments.truck.model,
         method: arguments.method,
@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         trailer_mass_kg: arguments.trailer_mass_kg,
         trailer_mass_sd_kg: arguments.trailer_mass_sd_kg,
         road: arguments.road.of(&vehicle),
-        judgement,
+        judgment,
     };
     if let Some(mass_kg) = arguments.trailer_mass_kg {
         let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };

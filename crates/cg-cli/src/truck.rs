@@ -8,7 +8,7 @@ use cg_core::Design;
 use cg_logs::estimate::RoadChoice;
 use cg_logs::output::Files;
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::{Calibration, Judgement};
+use cg_vehicle::calibration::{Calibration, Judgment};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Variant, Vehicle};
 use clap::Args;
@@ -73,8 +73,8 @@ impl TruckArgs {
     /// The design of the vehicle, with the calibration if there is one. A calibration whose runs
     /// contradict the vehicle file is told on standard error.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
-        let (design, judgement) = self.judged_design(vehicle)?;
-        if let Some(message) = judgement.message() {
+        let (design, judgment) = self.judged_design(vehicle)?;
+        if let Some(message) = judgment.message() {
             print_error(&anyhow!(message));
         }
         Ok(design)
@@ -84,9 +84,9 @@ impl TruckArgs {
     pub(crate) fn judged_design(
         &self,
         vehicle: &Vehicle,
-    ) -> anyhow::Result<(Design<f64>, Judgement)> {
+    ) -> anyhow::Result<(Design<f64>, Judgment)> {
         let variant = self.model;
-        let (belief, judgement) = match &self.calibration {
+        let (belief, judgment) = match &self.calibration {
             Some(path) => {
                 let calibration = Calibration::load(path, vehicle)?;
                 if calibration.model != variant {
@@ -96,10 +96,10 @@ impl TruckArgs {
                         path.display()
                     ));
                 }
-                (calibration.belief(), calibration.judgement())
+                (calibration.belief(), calibration.judgment())
             }
-            None => (Belief::prior(vehicle), Judgement::Sound),
+            None => (Belief::prior(vehicle), Judgment::Sound),
         };
-        Ok((design_with(vehicle, variant, &belief)?, judgement))
+        Ok((design_with(vehicle, variant, &belief)?, judgment))
     }
 }

@@ -6,7 +6,7 @@
 use std::str::FromStr;
 
 use cg_vehicle::belief::Belief;
-use cg_vehicle::calibration::{Calibration, Judgement, Part, Procedure, Run, fit};
+use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
@@ -138,12 +138,12 @@ pub fn calibrate<E: From<VehicleError>>(
     }
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
     let calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
-    if let (Judgement::Contradictory { .. }, false) = (calibration.judgement(), force) {
+    if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
         return Err(VehicleError::Model(format!(
             "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
              wide",
             calibration.contradiction.join("; "),
-            calibration.judgement().birge()
+            calibration.judgment().birge()
         ))
         .into());
     }

@@ -9,7 +9,7 @@ use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_logs::log::LogRow;
 use cg_vehicle::belief::{Belief, Deviations, PARAMETERS, Parameter};
-use cg_vehicle::calibration::{Calibration, Judgement, Procedure, Run, fit};
+use cg_vehicle::calibration::{Calibration, Judgment, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
@@ -95,7 +95,7 @@ fn the_empty_run_alone_calibrates_both_independent_trucks() {
             Ok(())
         })
         .unwrap();
-        assert_eq!(calibration.judgement(), Judgement::Sound);
+        assert_eq!(calibration.judgment(), Judgment::Sound);
         let design = design_with(&vehicle, Variant::Complete, &calibration.belief()).unwrap();
         let mut errors = Vec::new();
         for known in known.iter().filter(|k| !k.log.starts_with("A_p00")) {
@@ -325,13 +325,13 @@ fn a_doubtful_calibration_is_widened() {
         let fitted = fit(&vehicle, Variant::Complete, Procedure::default(), &runs).unwrap();
         let calibration = Calibration::new(&vehicle, Variant::Complete, &runs, &fitted).unwrap();
         let wider = calibration.belief().covariance[(0, 0)] / fitted.belief.covariance[(0, 0)];
-        println!("{far}: {:?} {:?}", calibration.judgement(), calibration.contradiction);
-        (calibration.judgement(), wider, calibration.contradiction.join("; "))
+        println!("{far}: {:?} {:?}", calibration.judgment(), calibration.contradiction);
+        (calibration.judgment(), wider, calibration.contradiction.join("; "))
     };
     let (usual, wider, _) = judged(1.0);
-    assert!(usual == Judgement::Sound && (wider - 1.0).abs() < 1e-15 && usual.message().is_none());
+    assert!(usual == Judgment::Sound && (wider - 1.0).abs() < 1e-15 && usual.message().is_none());
     let (far, wider, statement) = judged(6.0);
-    assert!(matches!(far, Judgement::Doubtful { .. } | Judgement::Contradictory { .. }), "{far:?}");
+    assert!(matches!(far, Judgment::Doubtful { .. } | Judgment::Contradictory { .. }), "{far:?}");
     assert!((wider / far.birge().powi(2) - 1.0).abs() < 1e-12 && far.birge() > 1.2, "{wider}");
     assert!(far.message().unwrap().contains("contradict the vehicle file"));
     assert!(statement.contains("trailer suspension roll stiffness ("), "{statement}");

@@ -51,10 +51,10 @@ impl Vehicle {
         Path::new(&self.source.1)
     }
 
-    /// The options with the roads of the vehicle and the judgement of its calibration.
+    /// The options with the roads of the vehicle and the judgment of its calibration.
     pub(crate) fn options(&self, options: EstimateOptions) -> EstimateOptions {
-        let judgement = self.calibration.as_ref().map(Calibration::judgement).unwrap_or_default();
-        EstimateOptions { judgement, ..options }.on_roads_of(&self.inner)
+        let judgment = self.calibration.as_ref().map(Calibration::judgment).unwrap_or_default();
+        EstimateOptions { judgment, ..options }.on_roads_of(&self.inner)
     }
 
     /// The design for one set of equations, which is computed on first use.

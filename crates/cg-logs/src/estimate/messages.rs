@@ -34,7 +34,7 @@ impl LogEstimator {
     }
 
     pub(super) fn messages(&self) -> Vec<String> {
-        let doubt = self.options.judgement.message();
+        let doubt = self.options.judgment.message();
         let mut messages: Vec<String> = doubt.into_iter().chain(self.check.clock()).collect();
         if let Some(drift) = Channel::ALL.into_iter().find_map(|channel| self.drift(channel)) {
             messages.push(format!(

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use cg_core::Channel;
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
-use cg_vehicle::calibration::Judgement;
+use cg_vehicle::calibration::Judgment;
 use cg_vehicle::{Variant, Vehicle};
 use serde::Serialize;
 
@@ -133,7 +133,7 @@ pub struct EstimateOptions {
     /// public roads, roll angles relative to the road as measured on a flat test track.
     pub road: Option<RoadChoice>,
     /// Whether the runs of the calibration are possible; if not, the messages say so.
-    pub judgement: Judgement,
+    pub judgment: Judgment,
 }
 
 impl EstimateOptions {
@@ -155,7 +155,7 @@ impl Default for EstimateOptions {
             trailer_mass_kg: None,
             trailer_mass_sd_kg: None,
             road: None,
-            judgement: Judgement::Sound,
+            judgment: Judgment::Sound,
         }
     }
 }

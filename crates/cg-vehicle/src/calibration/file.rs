@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
 use crate::calibration::entry::ParameterEntry;
 use crate::calibration::fit::{Fitted, Procedure, Run};
-use crate::calibration::judgement::Judgement;
+use crate::calibration::judgment::Judgment;
 use crate::calibration::part::{Part, tractor};
 use crate::calibration::statement::{contradiction, statement};
 use crate::equations::Variant;
@@ -211,12 +211,12 @@ impl Calibration {
     }
 
     /// Whether its runs are possible for the vehicle file.
-    pub fn judgement(&self) -> Judgement {
+    pub fn judgment(&self) -> Judgment {
         match self.procedure {
             // One factor for each ratio explains everything.
-            Procedure::Compensation => Judgement::Sound,
+            Procedure::Compensation => Judgment::Sound,
             Procedure::MaximumAPosteriori => {
-                Judgement::of(self.chi_square, self.run.iter().map(|run| run.channel.len()).sum())
+                Judgment::of(self.chi_square, self.run.iter().map(|run| run.channel.len()).sum())
             }
         }
     }
@@ -228,7 +228,7 @@ impl Calibration {
         for entry in &self.parameter {
             mean[entry.name as usize] = entry.deviation();
         }
-        let birge = self.judgement().birge();
+        let birge = self.judgment().birge();
         let covariance = Covariance::from_fn(|i, j| birge * birge * self.covariance[i][j]);
         Belief { mean, covariance, residual_sd: birge * self.residual_sd }
     }

@@ -19,7 +19,7 @@
 use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
-use super::judgement::Judgement;
+use super::judgment::Judgment;
 use crate::belief::{
     Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios,
     stiffness_variances,
@@ -98,11 +98,11 @@ pub struct Fitted {
 
 impl Fitted {
     /// Whether the runs are possible for the vehicle file.
-    pub fn judgement(&self) -> Judgement {
+    pub fn judgment(&self) -> Judgment {
         match self.procedure {
             // One factor for each ratio explains everything.
-            Procedure::Compensation => Judgement::Sound,
-            Procedure::MaximumAPosteriori => Judgement::of(self.chi_square, self.residuals.len()),
+            Procedure::Compensation => Judgment::Sound,
+            Procedure::MaximumAPosteriori => Judgment::of(self.chi_square, self.residuals.len()),
         }
     }
 }

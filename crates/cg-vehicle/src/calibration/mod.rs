@@ -3,7 +3,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | `judgement` | whether the runs are possible for the vehicle file |
+//! | `judgment` | whether the runs are possible for the vehicle file |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
 //! | `part` | a calibration of the tractor alone |
 //! | `entry` | a parameter in the file |
@@ -12,7 +12,7 @@
 //!
 //! `cg_logs::calibrate` identifies the ratios from logs.
 
-mod judgement;
+mod judgment;
 pub mod fit;
 mod part;
 mod entry;
@@ -22,5 +22,5 @@ pub mod file;
 pub use entry::{ParameterEntry, Unit};
 pub use file::Calibration;
 pub use fit::{Fitted, Procedure, Run, fit};
-pub use judgement::Judgement;
+pub use judgment::Judgment;
 pub use part::Part;

@@ -5,7 +5,7 @@ use cg_core::{CHANNELS, Channel};
 
 use super::entry::ParameterEntry;
 use super::fit::{Fitted, Procedure, Run};
-use super::judgement::Judgement;
+use super::judgment::Judgment;
 use crate::belief::Belief;
 use crate::equations::Variant;
 use crate::error::VehicleError;
@@ -88,7 +88,7 @@ pub(super) fn contradiction(
 ) -> Result<Vec<String>, VehicleError> {
     let mut lines = far_ratios(vehicle, variant, runs, fitted)?;
     lines.extend(far_parameters(parameter));
-    if fitted.judgement() != Judgement::Sound {
+    if fitted.judgment() != Judgment::Sound {
         lines.push(format!(
             "the runs contradict the vehicle file more than its [uncertainty] allows (chi-square \
              {:.1} for {} ratios): check heights, masses and units, or raise residual_sd",

@@ -7,7 +7,7 @@ const CONTRADICTORY: f64 = 3.719;
 /// Whether runs and vehicle file agree within the uncertainty of both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub enum Judgement {
+pub enum Judgment {
     /// They agree.
     #[default]
     Sound,
@@ -24,7 +24,7 @@ pub enum Judgement {
     },
 }
 
-impl Judgement {
+impl Judgment {
     /// Judges a sum of squares over `n` ratios, distributed as χ² with `n` degrees of freedom if the
     /// standard deviations are correct.
     pub(super) fn of(chi_square: f64, n: usize) -> Self {
@@ -75,13 +75,13 @@ mod tests {
         for (n, doubtful, contradictory) in
             [(1_u8, 6.635, 15.137), (4, 13.277, 23.513), (8, 20.090, 31.828)]
         {
-            let of = |chi_square| Judgement::of(chi_square, n.into());
-            assert_eq!(of(0.92 * doubtful), Judgement::Sound);
+            let of = |chi_square| Judgment::of(chi_square, n.into());
+            assert_eq!(of(0.92 * doubtful), Judgment::Sound);
             for within in [1.08 * doubtful, 0.92 * contradictory] {
-                assert!(matches!(of(within), Judgement::Doubtful { .. }), "{n}");
+                assert!(matches!(of(within), Judgment::Doubtful { .. }), "{n}");
             }
             let beyond = of(1.08 * contradictory);
-            assert!(matches!(beyond, Judgement::Contradictory { .. }), "{n}");
+            assert!(matches!(beyond, Judgment::Contradictory { .. }), "{n}");
             let birge = (1.08 * contradictory / f64::from(n)).sqrt();
             assert!((beyond.birge() - birge).abs() < 1e-12);
         }
