@@ -7,6 +7,7 @@
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
 //! | `part` | a calibration of the tractor alone |
 //! | `entry` | a parameter in the file |
+//! | `advice` | what another run would tell |
 //! | `statement` | what the runs could and could not determine |
 //! | [`mod@file`] | the calibration file |
 //!
@@ -16,6 +17,7 @@ mod judgment;
 pub mod fit;
 mod part;
 mod entry;
+mod advice;
 mod statement;
 pub mod file;
 

@@ -3,6 +3,7 @@
 
 use cg_core::{CHANNELS, Channel};
 
+use super::advice::advice;
 use super::entry::ParameterEntry;
 use super::fit::{Fitted, Procedure, Run};
 use super::judgment::Judgment;
@@ -75,6 +76,7 @@ pub(super) fn statement(
             ratios.join(", ")
         ));
     }
+    statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
     Ok(statement)
 }
 
