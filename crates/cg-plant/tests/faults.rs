@@ -136,15 +136,7 @@ fn scenario(vehicle: &Vehicle, maneuver: Maneuver, payload_kg: f64, height_m: f6
 }
 
 fn rows(vehicle: &Vehicle, scenario: Scenario) -> Vec<LogRow> {
-    let simulation = LogSimulation::new(vehicle, scenario).unwrap();
-    let mut rows = Vec::new();
-    simulation
-        .run(|row| {
-            rows.push(*row);
-            Ok::<(), VehicleError>(())
-        })
-        .unwrap();
-    rows
+    LogSimulation::new(vehicle, scenario).unwrap().rows()
 }
 
 fn subjects(name: &str) -> [Subject; 2] {

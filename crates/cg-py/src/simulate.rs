@@ -1,8 +1,6 @@
 //! `simulate_log` simulates a log with known truth; `score_accuracy` scores estimates of many logs.
 
-use cg_logs::log::LogRow;
 use cg_thesis::accuracy::{Experiment, Truck};
-use cg_vehicle::VehicleError;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,15 +22,7 @@ pub(crate) fn simulate_log<'py>(
     request: Request,
 ) -> PyResult<Simulated<'py>> {
     let simulation = request.simulation(py, &vehicle.get().inner)?;
-    let run = || -> Result<Vec<LogRow>, VehicleError> {
-        let mut rows = Vec::new();
-        simulation.run(|row| {
-            rows.push(*row);
-            Ok::<(), VehicleError>(())
-        })?;
-        Ok(rows)
-    };
-    let rows = py.detach(run).map_err(vehicle_error)?;
+    let rows = py.detach(|| simulation.rows());
     let truth =
         serde_json::to_string(&simulation.truth).map_err(|error| value_error(error.to_string()))?;
     let table = PyDict::new(py);

@@ -211,13 +211,7 @@ fn drive(vehicle: &Vehicle, cg_height_m: f64, seed: u64) -> Vec<LogRow> {
         duration_s: 240.0,
         ..Scenario::of(vehicle, Maneuver::Drive)
     };
-    let mut rows = Vec::new();
-    let keep = |row: &LogRow| {
-        rows.push(*row);
-        Ok::<(), std::convert::Infallible>(())
-    };
-    LogSimulation::new(vehicle, scenario).unwrap().run(keep).unwrap();
-    rows
+    LogSimulation::new(vehicle, scenario).unwrap().rows()
 }
 
 /// Two loads of equal mass, with a stop of two minutes between them or a shift on the road.

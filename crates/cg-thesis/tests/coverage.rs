@@ -13,7 +13,7 @@ use cg_plant::road::{Road, RoadKind};
 use cg_plant::sensors::ChassisSensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
-use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+use cg_vehicle::{Load, Variant, Vehicle};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -73,13 +73,7 @@ impl Truck {
 
 fn rows(vehicle: &Vehicle, truck: &Truck, kind: RoadKind, seed: u64) -> Vec<LogRow> {
     let road = Road::kind(kind, seed).unwrap();
-    let chassis = ChassisSensors {
-        level_noise_m: 0.0005,
-        level_quantisation_m: 0.001,
-        accelerometer_offset_mps2: 0.05,
-        accelerometer_noise_mps2: 0.1,
-        ..ChassisSensors::default()
-    };
+    let chassis = ChassisSensors::usual();
     let other = adjusted(vehicle, &truck.deviations);
     let scenario = Scenario {
         load: truck.load,
@@ -89,13 +83,7 @@ fn rows(vehicle: &Vehicle, truck: &Truck, kind: RoadKind, seed: u64) -> Vec<LogR
         ..Scenario::of(&other, Maneuver::Drive)
     };
     let simulation = LogSimulation::on_road(&other, scenario, &road, &chassis).unwrap();
-    let mut rows = Vec::new();
-    let keep = |row: &LogRow| {
-        rows.push(truck.with_sensor_gains(row));
-        Ok::<(), VehicleError>(())
-    };
-    simulation.run(keep).unwrap();
-    rows
+    simulation.rows().iter().map(|row| truck.with_sensor_gains(row)).collect()
 }
 
 /// The answer of a pair to a drive, relative to the true height.

@@ -7,7 +7,7 @@ use crate::balance::static_balance;
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::tables::Spring;
-use crate::vehicle::{Axle, PlacedAxle, Vehicle};
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 impl Vehicle {
     /// The vehicle with its springs as they are under a load. The springs of axles with `leveled` stay
@@ -27,39 +27,38 @@ impl Vehicle {
         let sprung_n = |placed: &PlacedAxle<'_>, load_n: f64| {
             load_n - placed.axle.unsprung_mass_kg * self.gravity_mps2
         };
-        let factors: Vec<f64> = axles
-            .iter()
-            .zip(here.iter().zip(&reference))
-            .map(|(placed, (here_n, reference_n))| {
-                sprung_n(placed, *here_n) / sprung_n(placed, *reference_n)
-            })
-            .collect();
+        // Axles of a load group have the same load, and share the springs of the first one.
+        let first = |i: usize| {
+            let same = |other: &PlacedAxle<'_>| {
+                other.axle.load_group.is_some()
+                    && other.axle.load_group == axles[i].axle.load_group
+                    && other.on_trailer == axles[i].on_trailer
+            };
+            axles.iter().position(same).unwrap_or(i)
+        };
+        let factor = |i: usize| sprung_n(&axles[i], here[i]) / sprung_n(&axles[i], reference[i]);
         let mut moved = self.clone();
         let tractor = moved.tractor.axle.iter_mut().map(|axle| &mut axle.axle);
         let all = tractor.chain(moved.trailer.axle.iter_mut().map(|axle| &mut axle.axle));
-        let mut springs = Vec::new();
-        for (axle, factor) in all.zip(factors) {
-            if axle.leveled {
-                scale(self, axle, factor, &mut springs);
+        for (i, axle) in all.enumerate().filter(|(_, axle)| axle.leveled) {
+            axle.leveled = false;
+            axle.spring_stiffness_n_per_m *= factor(first(i));
+            let Some(spring) = self.spring_of(axle) else { continue };
+            let name = format!("{} of axle {}", spring.name, first(i) + 1);
+            if moved.spring.iter().all(|known| known.name != name) {
+                moved.spring.push(scaled(spring, name.clone(), factor(first(i))));
             }
+            axle.spring = Some(name);
         }
-        moved.spring.extend(springs);
         Ok(Cow::Owned(moved))
     }
 }
 
-/// Multiplies the forces of an axle's springs. Measured curves get a name of their own, which axles of
-/// a load group share, because they have the same load.
-fn scale(vehicle: &Vehicle, axle: &mut Axle, factor: f64, springs: &mut Vec<Spring>) {
-    axle.leveled = false;
-    axle.spring_stiffness_n_per_m *= factor;
-    let named = vehicle.spring.iter().find(|spring| Some(&spring.name) == axle.spring.as_ref());
-    let Some(spring) = named else { return };
-    let mut scaled = spring.clone();
-    scaled.name = format!("{} at {factor:.12}", spring.name);
+/// A measured spring with its forces multiplied.
+fn scaled(spring: &Spring, name: String, factor: f64) -> Spring {
+    let mut scaled = Spring { name, ..spring.clone() };
     for force_n in scaled.compression_n.iter_mut().chain(&mut scaled.extension_n) {
         *force_n *= factor;
     }
-    axle.spring = Some(scaled.name.clone());
-    springs.push(scaled);
+    scaled
 }

@@ -6,17 +6,18 @@
 
 use crate::characteristics::Envelope;
 use crate::tables::Spring;
-use crate::vehicle::{PlacedAxle, Vehicle};
+use crate::vehicle::{Axle, PlacedAxle, Vehicle};
 
 impl Vehicle {
-    fn spring_of(&self, placed: &PlacedAxle<'_>) -> Option<&Spring> {
-        let name = placed.axle.spring.as_ref()?;
+    /// The measured spring of an axle; `None` if its springs are linear.
+    pub fn spring_of(&self, axle: &Axle) -> Option<&Spring> {
+        let name = axle.spring.as_ref()?;
         self.spring.iter().find(|spring| spring.name == *name)
     }
 
     /// Whether an axle has measured springs.
     pub(crate) fn has_measured_springs(&self) -> bool {
-        self.axles().iter().any(|placed| self.spring_of(placed).is_some())
+        self.axles().iter().any(|placed| self.spring_of(placed.axle).is_some())
     }
 
     /// Roll stiffness between body and axle (springs and anti-roll bar, N m/rad) of an axle that carries
@@ -29,7 +30,7 @@ impl Vehicle {
         friction: f64,
     ) -> f64 {
         let linear = placed.suspension_roll_stiffness_nm_per_rad();
-        let Some(spring) = self.spring_of(placed) else { return linear };
+        let Some(spring) = self.spring_of(placed.axle) else { return linear };
         let axle = placed.axle;
         let half_spread_m = 0.5 * axle.spring_spread_m;
         let spring_n = 0.5 * (load_n - axle.unsprung_mass_kg * self.gravity_mps2);

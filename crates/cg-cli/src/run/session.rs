@@ -343,17 +343,16 @@ impl<W: Write> Session<W> {
         self.known.at_speed(self.estimator.design(), self.speed_mps);
     }
 
-    /// Standard deviation of the height due to that of the trailer mass, m, in the channel where it
-    /// counts most.
+    /// Standard deviation of the height due to that of the trailer mass, m.
     fn mass_sd_m(&self, mass_kg: f64) -> f64 {
         let design = self.estimator.design();
         let Some(height_m) = self.known.height_m else { return 0.0 };
         let nominal = self.mass_source == MassSource::Nominal;
         let any_kg = if nominal { design.any_load_sd_kg() } else { 0.0 };
         let with_height = |channel: &Channel| self.estimator.height(*channel).is_some();
-        let sd_kg = self.trailer_mass_sd_kg.unwrap_or(any_kg);
-        let of = |channel| design.mass_sd_m(channel, self.speed_mps, [mass_kg, sd_kg], height_m);
-        Channel::ALL.into_iter().filter(with_height).filter_map(of).fold(0.0, f64::max)
+        let mass = [mass_kg, self.trailer_mass_sd_kg.unwrap_or(any_kg)];
+        let channels = Channel::ALL.into_iter().filter(with_height);
+        design.mass_sd_m(channels, self.speed_mps, mass, height_m)
     }
 
     /// Reports the beginning of a contradiction between the channels.

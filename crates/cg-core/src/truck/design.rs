@@ -315,37 +315,6 @@ impl<T: Real, const C: usize> Design<T, C> {
         Some(design.line(&speed, &mass))
     }
 
-    /// Standard deviation of a height due to that of the trailer mass, m: half of what two standard
-    /// deviations change at the same ratio, on the side where it is more. A heavier trailer needs
-    /// less height to roll as much. Masses end at the axis. `None` outside the axes, or without the
-    /// channel.
-    pub fn mass_sd_m(
-        &self,
-        channel: Channel,
-        speed_mps: T,
-        [trailer_mass_kg, sd_kg]: [T; 2],
-        height_m: T,
-    ) -> Option<T> {
-        let (least, greatest) = (*self.trailer_mass_kg.first()?, *self.trailer_mass_kg.last()?);
-        let two = T::of(2.0);
-        let ratio = self.line(channel, speed_mps, trailer_mass_kg)?.ratio_at(height_m);
-        let mut sd_m = T::zero();
-        for mass_kg in [trailer_mass_kg - two * sd_kg, trailer_mass_kg + two * sd_kg] {
-            let line = self.line(channel, speed_mps, mass_kg.max(least).min(greatest))?;
-            let other_m = (ratio * line.b0 - line.a0) / (line.a1 - ratio * line.b1);
-            sd_m = sd_m.max((other_m - height_m).abs() / two);
-        }
-        Some(sd_m)
-    }
-
-    /// Standard deviation of the mass of a trailer that may have any load, kg.
-    pub fn any_load_sd_kg(&self) -> T {
-        match (self.trailer_mass_kg.first(), self.trailer_mass_kg.last()) {
-            (Some(least), Some(greatest)) => (*greatest - *least) * T::of(0.288_675), // 1/√12
-            _ => T::zero(),
-        }
-    }
-
     /// The compensated ratio of every channel at the reference height, in radians of roll per unit
     /// of input; `None` outside the axes.
     pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {

@@ -7,3 +7,4 @@ pub mod reduced;
 pub mod ratio;
 pub mod rollover;
 pub mod design;
+mod mass;

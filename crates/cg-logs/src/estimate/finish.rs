@@ -143,18 +143,14 @@ impl LogEstimator {
         estimate.messages.extend(Self::unusual(height));
     }
 
-    /// Standard deviation of the height due to that of the trailer mass, m, in the channel where it
-    /// counts most.
+    /// Standard deviation of the height due to that of the trailer mass, m.
     fn mass_sd_m(&self, height_m: f64, speed_mps: f64, best: &Maneuver<f64>) -> f64 {
         let known = self.seen.mass || self.options.trailer_mass_kg.is_some();
         let any = if known { 0.0 } else { self.design.any_load_sd_kg() };
         let mass_sd_kg = self.options.trailer_mass_sd_kg.unwrap_or(any);
-        let mass_kg = best.trailer_mass_kg;
-        let of =
-            |channel| self.design.mass_sd_m(channel, speed_mps, [mass_kg, mass_sd_kg], height_m);
         let used = |channel: &Channel| self.engine.height(*channel).is_some();
-        let channels = Channel::ALL.into_iter().filter(used).filter_map(of);
-        channels.fold(0.0, f64::max)
+        let mass = [best.trailer_mass_kg, mass_sd_kg];
+        self.design.mass_sd_m(Channel::ALL.into_iter().filter(used), speed_mps, mass, height_m)
     }
 
     /// Mean speed of the maneuvers that gave a height in one of these channels, m/s.

@@ -160,9 +160,8 @@ fn group(
             axles[axles.len() - 1] + 1
         )));
     }
-    let measured = first.as_ref().filter(|_| springs == Characteristics::Measured);
-    let named = measured.and_then(|name| vehicle.spring.iter().find(|s| s.name == *name));
-    let law = match named {
+    let measured = vehicle.spring_of(placed[axles[0]].axle);
+    let law = match measured.filter(|_| springs == Characteristics::Measured) {
         Some(spring) => Law::measured(spring, preload_n)?,
         None => Law::Linear {
             preload_n,

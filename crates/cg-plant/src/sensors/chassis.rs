@@ -52,6 +52,18 @@ pub struct ChassisSensors {
 type Fault = (f64, f64, f64);
 
 impl ChassisSensors {
+    /// The errors of usual sensors on levels and accelerometers (docs/sensors.md); inclinometers have
+    /// none.
+    pub fn usual() -> Self {
+        Self {
+            level_noise_m: 0.0005,
+            level_quantisation_m: 0.001,
+            accelerometer_offset_mps2: 0.05,
+            accelerometer_noise_mps2: 0.1,
+            ..Self::default()
+        }
+    }
+
     /// The columns that these sensors add to a log.
     pub const COLUMNS: [Signal; 15] = [
         Signal::RollToGravity,

@@ -1,5 +1,7 @@
 //! A scenario ready to run, and its log.
 
+use std::convert::Infallible;
+
 use super::models::Models;
 use super::nonlinear::{Recorded, record, record_on_road};
 use super::scenario::{Motion, Plant, RoadTruth, Scenario, Track, Truth};
@@ -188,6 +190,16 @@ impl LogSimulation {
                 instruments.with_chassis(chassis, roll_per_difference, self.scenario.seed);
         }
         self.run_true(|row| write(&instruments.measure(row)))
+    }
+
+    /// All rows of [`run`](Self::run).
+    pub fn rows(&self) -> Vec<LogRow> {
+        let mut rows = Vec::new();
+        let Ok(()) = self.run(|row| {
+            rows.push(*row);
+            Ok::<(), Infallible>(())
+        });
+        rows
     }
 
     /// Runs the scenario row by row, with the true values.

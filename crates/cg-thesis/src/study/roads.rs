@@ -180,13 +180,6 @@ fn rows(
     seed: u64,
 ) -> Result<Vec<LogRow>, VehicleError> {
     let road = Road::kind(RoadKind::Rural, seed)?.banked_up_to(bank_rad);
-    let chassis = ChassisSensors {
-        level_noise_m: 0.0005,
-        level_quantisation_m: 0.001,
-        accelerometer_offset_mps2: 0.05,
-        accelerometer_noise_mps2: 0.1,
-        ..ChassisSensors::default()
-    };
     let scenario = Scenario {
         load,
         rate_hz: RATE_HZ,
@@ -194,13 +187,7 @@ fn rows(
         seed,
         ..Scenario::of(vehicle, Maneuver::Drive)
     };
-    let simulation = LogSimulation::on_road(vehicle, scenario, &road, &chassis)?;
-    let mut rows = Vec::new();
-    simulation.run(|row| {
-        rows.push(*row);
-        Ok::<(), VehicleError>(())
-    })?;
-    Ok(rows)
+    Ok(LogSimulation::on_road(vehicle, scenario, &road, &ChassisSensors::usual())?.rows())
 }
 
 fn push<'a>(

@@ -11,7 +11,7 @@ use crate::calibration::entry::ParameterEntry;
 use crate::calibration::fit::{Fitted, Procedure, Run};
 use crate::calibration::judgment::Judgment;
 use crate::calibration::part::{Part, tractor};
-use crate::calibration::statement::{contradiction, statement};
+use crate::calibration::statement::statements;
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files;
@@ -144,6 +144,7 @@ impl Calibration {
         let belief = &fitted.belief;
         let parameter =
             Parameter::ALL.map(|name| ParameterEntry::new(name, &prior, belief)).to_vec();
+        let [statement, contradiction] = statements(vehicle, variant, runs, fitted, &parameter)?;
         Ok(Self {
             vehicle: vehicle.name.clone(),
             part: Part::Vehicle,
@@ -151,8 +152,8 @@ impl Calibration {
             model: variant,
             date: String::new(),
             procedure: fitted.procedure,
-            statement: statement(vehicle, variant, runs, fitted, &parameter)?,
-            contradiction: contradiction(vehicle, variant, runs, fitted, &parameter)?,
+            statement,
+            contradiction,
             residual_sd: belief.residual_sd,
             chi_square: fitted.chi_square,
             compensation: Compensations::of(belief),

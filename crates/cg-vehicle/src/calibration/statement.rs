@@ -38,14 +38,15 @@ fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
     ]
 }
 
-/// Text lines on what the runs could and could not determine.
-pub(super) fn statement(
+/// Text lines on what the runs could and could not determine, and on where they and the vehicle file
+/// contradict each other.
+pub(super) fn statements(
     vehicle: &Vehicle,
     variant: Variant,
     runs: &[Run],
     fitted: &Fitted,
     parameter: &[ParameterEntry],
-) -> Result<Vec<String>, VehicleError> {
+) -> Result<[Vec<String>; 2], VehicleError> {
     let mut statement = match fitted.procedure {
         Procedure::Compensation => vec![
             "one factor for each channel and no parameter of the truck: the more speed and load differ \
@@ -54,6 +55,29 @@ pub(super) fn statement(
         ],
         Procedure::MaximumAPosteriori => what_was_determined(parameter),
     };
+    statement.extend(certain_ratios(vehicle, variant, runs, fitted)?);
+    statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
+    let mut contradiction = far_ratios(vehicle, variant, runs, fitted)?;
+    contradiction.extend(far_parameters(parameter));
+    if fitted.judgment() != Judgment::Sound {
+        contradiction.push(format!(
+            "the runs contradict the vehicle file more than its [uncertainty] allows (chi-square \
+             {:.1} for {} ratios): check heights, masses and units, or raise residual_sd",
+            fitted.chi_square,
+            fitted.residuals.len()
+        ));
+    }
+    Ok([statement, contradiction])
+}
+
+/// How well the ratios of each run are known before and after the calibration.
+fn certain_ratios(
+    vehicle: &Vehicle,
+    variant: Variant,
+    runs: &[Run],
+    fitted: &Fitted,
+) -> Result<Vec<String>, VehicleError> {
+    let mut lines = Vec::new();
     let prior = Belief::prior(vehicle);
     for run in runs {
         let covariance =
@@ -69,33 +93,11 @@ pub(super) fn statement(
                 format!("{channel} ratio to {:.1} % (was {:.1})", percent(&after), percent(&before))
             })
             .collect();
-        statement.push(format!(
+        lines.push(format!(
             "{:.1} t at {:.1} m/s: {}",
             run.load.trailer_mass_kg / 1e3,
             run.speed_mps,
             ratios.join(", ")
-        ));
-    }
-    statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
-    Ok(statement)
-}
-
-/// Text lines on where the runs and the vehicle file contradict each other.
-pub(super) fn contradiction(
-    vehicle: &Vehicle,
-    variant: Variant,
-    runs: &[Run],
-    fitted: &Fitted,
-    parameter: &[ParameterEntry],
-) -> Result<Vec<String>, VehicleError> {
-    let mut lines = far_ratios(vehicle, variant, runs, fitted)?;
-    lines.extend(far_parameters(parameter));
-    if fitted.judgment() != Judgment::Sound {
-        lines.push(format!(
-            "the runs contradict the vehicle file more than its [uncertainty] allows (chi-square \
-             {:.1} for {} ratios): check heights, masses and units, or raise residual_sd",
-            fitted.chi_square,
-            fitted.residuals.len()
         ));
     }
     Ok(lines)

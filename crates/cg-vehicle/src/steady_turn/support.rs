@@ -25,9 +25,8 @@ impl Springs {
     pub(super) fn of(vehicle: &Vehicle, axles: &[&PlacedAxle<'_>], sprung_n: f64) -> Self {
         #[allow(clippy::cast_precision_loss)] // a few axles
         let count = axles.len() as f64;
-        let named = axles.first().and_then(|placed| placed.axle.spring.as_ref());
-        let Some(spring) = named.and_then(|name| vehicle.spring.iter().find(|s| s.name == *name))
-        else {
+        let first = axles.first().and_then(|placed| vehicle.spring_of(placed.axle));
+        let Some(spring) = first else {
             let sum: f64 = axles.iter().map(|placed| placed.axle.spring_stiffness_n_per_m).sum();
             return Self::Linear(2.0 * sum / count);
         };
