@@ -16,6 +16,9 @@ use crate::malformed::Malformed;
 /// Number of passes. A further pass would change the result by less than 0.1 %.
 const PASSES: usize = 2;
 
+/// Greatest relative difference between the mass in a log and that of the empty trailer.
+const EMPTY_SHARE: f64 = 0.03;
+
 /// A log with a known height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownLog {
@@ -176,6 +179,18 @@ fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
 
 fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<Run, VehicleError> {
     let identified = estimator.identified();
+    if known.load == KnownLoad::Empty
+        && let Some(mass_kg) = identified.logged_mass_kg
+    {
+        let empty_kg = vehicle.empty_trailer_mass_kg();
+        if !((mass_kg / empty_kg - 1.0).abs() <= EMPTY_SHARE) {
+            return Err(VehicleError::Model(format!(
+                "{}: the mass in the log is {mass_kg:.0} kg, but an empty trailer has {empty_kg:.0} kg; \
+                 give the height and the mass of its load instead of \"empty\"",
+                known.log
+            )));
+        }
+    }
     if !identified.trailer_mass_is_known {
         return Err(VehicleError::Model(format!(
             "{}: the log has no trailer mass; give it with the run's height (on the command line \

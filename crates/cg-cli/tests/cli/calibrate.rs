@@ -72,6 +72,9 @@ fn the_empty_run_needs_no_numbers() {
     // 8684 kg are the tare's 6500 kg and the axles.
     assert_eq!(written[0], written[1]);
     assert!(written[0].contains("maximum-a-posteriori"));
+    // The log knows its mass.
+    calibrate(&kraz(), &[format!("{}=empty", fixture(LADEN))], &files[0])
+        .refused(&["the mass in the log is 28684 kg", "an empty trailer has 8684 kg"]);
 }
 
 /// The laden log with a height of 1.3 m instead of 1.9 m: ratios that no truck of this file has.

@@ -17,6 +17,7 @@ impl<T: Real, const C: usize> Design<T, C> {
         height_m: T,
     ) -> T {
         let two_kg = sd_kg + sd_kg;
+        let height_m = height_m.max(self.least_height_m).min(self.greatest_height_m);
         channels.fold(T::zero(), |most_m, channel| {
             let other = |mass_kg| {
                 self.height_at_mass(channel, speed_mps, [trailer_mass_kg, mass_kg], height_m)
@@ -29,7 +30,8 @@ impl<T: Real, const C: usize> Design<T, C> {
         })
     }
 
-    /// The height at which a trailer of another mass rolls as one of this mass does at this height.
+    /// The height at which a trailer of another mass rolls as one of this mass does at this height;
+    /// a limit where no height of the other trailer gives this ratio.
     fn height_at_mass(
         &self,
         channel: Channel,
@@ -38,17 +40,20 @@ impl<T: Real, const C: usize> Design<T, C> {
         height_m: T,
     ) -> Option<T> {
         let (least, greatest) = (*self.trailer_mass_kg.first()?, *self.trailer_mass_kg.last()?);
-        let ratio = self.line(channel, speed_mps, mass_kg)?.ratio_at(height_m);
-        let line = self.line(channel, speed_mps, other_kg.max(least).min(greatest))?;
-        let other_m = (ratio * line.b0 - line.a0) / (line.a1 - ratio * line.b1);
-        // No height of a much lighter trailer gives this ratio: the quotient changes its sign.
-        let lighter = other_kg < mass_kg;
-        let reached = if lighter { other_m >= height_m } else { other_m <= height_m };
-        Some(match (reached, lighter) {
-            (true, _) => other_m.max(self.least_height_m).min(self.greatest_height_m),
-            (false, true) => self.greatest_height_m,
-            (false, false) => self.least_height_m,
-        })
+        let own = self.line(channel, speed_mps, mass_kg)?;
+        let other = self.line(channel, speed_mps, other_kg.max(least).min(greatest))?;
+        let ratio = own.ratio_at(height_m);
+        let slope = other.a1 - ratio * other.b1;
+        // The height goes to infinity where this changes its sign, and comes back from the other side.
+        let reached = slope * (own.a1 - ratio * own.b1) > T::zero();
+        let other_m = if reached {
+            (ratio * other.b0 - other.a0) / slope
+        } else if other_kg < mass_kg {
+            self.greatest_height_m
+        } else {
+            self.least_height_m
+        };
+        Some(other_m.max(self.least_height_m).min(self.greatest_height_m))
     }
 
     /// Standard deviation of the mass of a trailer that may have any load, kg.

@@ -145,7 +145,7 @@ impl LogEstimator {
 
     /// Standard deviation of the height due to that of the trailer mass, m.
     fn mass_sd_m(&self, height_m: f64, speed_mps: f64, best: &Maneuver<f64>) -> f64 {
-        let known = self.seen.mass || self.options.trailer_mass_kg.is_some();
+        let known = self.seen.mass_kg.is_some() || self.options.trailer_mass_kg.is_some();
         let any = if known { 0.0 } else { self.design.any_load_sd_kg() };
         let mass_sd_kg = self.options.trailer_mass_sd_kg.unwrap_or(any);
         let used = |channel: &Channel| self.engine.height(*channel).is_some();
@@ -192,7 +192,9 @@ impl LogEstimator {
         let mut identified = Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             trailer_mass_kg: self.trailer_mass_kg,
-            trailer_mass_is_known: self.seen.mass || self.options.trailer_mass_kg.is_some(),
+            trailer_mass_is_known: self.seen.mass_kg.is_some()
+                || self.options.trailer_mass_kg.is_some(),
+            logged_mass_kg: self.seen.mass_kg,
             ratio: [None; CHANNELS],
             messages: self.messages(),
         };

@@ -25,6 +25,8 @@ pub struct Identified {
     pub trailer_mass_kg: f64,
     /// Whether the mass comes from the log or the options, and not from the vehicle file.
     pub trailer_mass_is_known: bool,
+    /// The last trailer mass in the log, kg, also if an option replaced it.
+    pub logged_mass_kg: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
     /// Messages for the user.
@@ -55,7 +57,8 @@ pub struct LogEstimator {
 #[allow(clippy::struct_excessive_bools, reason = "one flag per signal")]
 pub(super) struct SignalsSeen {
     pub(super) speed: bool,
-    pub(super) mass: bool,
+    /// The last mass in the log, also if an option replaces it.
+    pub(super) mass_kg: Option<f64>,
     pub(super) unscaled_steering_wheel: bool,
     pub(super) unscaled_pressure: bool,
     pub(super) unscaled_level: bool,
@@ -140,7 +143,9 @@ impl LogEstimator {
             && !row.level_left_m.is_nan())
             || (sample.tractor_suspension_roll_rad.is_nan() && !row.tractor_level_left_m.is_nan());
         self.seen.speed |= sample.speed_mps.is_finite();
-        self.seen.mass |= sample.trailer_mass_kg.is_finite();
+        if sample.trailer_mass_kg.is_finite() {
+            self.seen.mass_kg = Some(sample.trailer_mass_kg);
+        }
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;
         }
@@ -249,7 +254,7 @@ mod tests {
     #[test]
     fn the_last_mass_of_the_log_is_kept() {
         let mut log = plain();
-        assert_eq!((log.seen.mass, log.seen.speed), (false, false));
+        assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed), (false, false));
         for (mass_kg, speed_mps, kept_kg, seen) in [
             (f64::NAN, f64::NAN, MASS_KG, (false, false)),
             (21e3, f64::NAN, 21e3, (true, false)),
@@ -259,7 +264,7 @@ mod tests {
             let row = LogRow { time_s: 0.0, trailer_mass_kg: mass_kg, speed_mps, ..LogRow::ABSENT };
             log.sample(&row);
             assert_eq!(log.trailer_mass_kg.to_bits(), kept_kg.to_bits());
-            assert_eq!((log.seen.mass, log.seen.speed), seen);
+            assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed), seen);
         }
     }
 
@@ -275,7 +280,7 @@ mod tests {
         let sample = log.sample(&row);
         let found = [sample.speed_mps, sample.trailer_mass_kg, log.trailer_mass_kg];
         assert_eq!(found.map(f64::to_bits), [13.0, 25e3, 25e3].map(f64::to_bits));
-        assert!(log.seen.mass && log.seen.speed);
+        assert!(log.seen.mass_kg.is_some() && log.seen.speed);
     }
 
     #[test]

@@ -54,7 +54,7 @@ impl LogEstimator {
                 self.design.nominal_speed_mps
             ));
         }
-        if !self.seen.mass && self.options.trailer_mass_kg.is_none() {
+        if self.seen.mass_kg.is_none() && self.options.trailer_mass_kg.is_none() {
             messages.push(format!(
                 "no trailer mass in the log: {:.0} kg from the vehicle file is used, and the \
                  interval contains any load; give ⟨trailer_mass_kg⟩",
@@ -87,7 +87,7 @@ impl LogEstimator {
                  the steer channel is not used",
             ),
             (
-                self.seen.unscaled_pressure && !self.seen.mass,
+                self.seen.unscaled_pressure && self.seen.mass_kg.is_none(),
                 "the log has the suspension pressure, but the vehicle file has no \
                  trailer.suspension_pressure: the mass is not computed from it",
             ),

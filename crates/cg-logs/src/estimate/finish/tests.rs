@@ -278,9 +278,9 @@ fn ratios_of_a_rejected_log_have_no_remark() {
 
 #[test]
 fn a_mass_from_the_log_or_the_options_is_known() {
-    let known = |options, seen| {
+    let known = |options, seen: bool| {
         let mut log = one(options, [ABSENT, ABSENT]);
-        log.seen.mass = seen;
+        log.seen.mass_kg = seen.then_some(MASS_KG);
         log.identified().trailer_mass_is_known
     };
     assert!(!known(EstimateOptions::default(), false));
