@@ -197,10 +197,14 @@ pub(crate) struct SimulateArgs {
     pub(crate) maneuver: Option<Maneuver>,
     /// Road to drive along instead of a maneuver, with the nonlinear plant and the sensors of the
     /// chassis: rural, motorway or roundabouts (--seed determines the curves), or a CSV file with the
-    /// columns `distance_m`, `curvature_per_m`, `bank_rad` and, if it has limits, `speed_mps`
+    /// columns `distance_m`, `curvature_per_m`, `bank_rad` and, if it has limits or grades,
+    /// `speed_mps` and `grade_rad`
     #[arg(long, value_name = "KIND|FILE", conflicts_with_all = ["maneuver", "plant", "steer_rad",
         "start_s", "step_rate", "turn_deg", "radius_m", "gate_m", "speed_change", "to_rollover"])]
     pub(crate) road: Option<PathBuf>,
+    /// Every axle stands on the bank of its own place; without it, the whole truck on one bank
+    #[arg(long, requires = "road")]
+    pub(crate) road_twist: bool,
     /// Simulated vehicle
     #[arg(long, value_parser = word::<Plant>(), default_value_t = Plant::Linear)]
     pub(crate) plant: Plant,

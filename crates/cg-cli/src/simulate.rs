@@ -34,6 +34,7 @@ fn course(arguments: &SimulateArgs) -> anyhow::Result<Option<Course>> {
 fn road(arguments: &SimulateArgs) -> anyhow::Result<Option<Road>> {
     let Some(name) = &arguments.road else { return Ok(None) };
     let road = Road::named(name, arguments.seed).context("--road")?;
+    let road = if arguments.road_twist { road.twisted() } else { road };
     Ok(Some(match arguments.speed_mps {
         Some(speed_mps) => road.limited_to(speed_mps),
         None => road,

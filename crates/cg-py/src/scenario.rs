@@ -17,6 +17,7 @@ use crate::options::word;
 pub(crate) struct Request {
     maneuver: Option<String>,
     road: Option<PathBuf>,
+    road_twist: bool,
     chassis: ChassisRequest,
     plant: String,
     model: String,
@@ -87,6 +88,7 @@ impl Request {
         let chassis = self.chassis.sensors();
         let run = || -> Result<LogSimulation, VehicleError> {
             let road = Road::named(name, self.seed)?;
+            let road = if self.road_twist { road.twisted() } else { road };
             let road = match self.speed_mps {
                 Some(speed_mps) => road.limited_to(speed_mps),
                 None => road,

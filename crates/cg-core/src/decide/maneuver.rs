@@ -83,7 +83,8 @@ impl<T: Real> fmt::Display for Reject<T> {
             Self::Inconsistent(Inconsistency::Standstill { roll_rad }) => write!(
                 f,
                 "inconsistent: the roll angle stood still at {:.4} rad while the truck rolled on; \
-                 the sensor is stuck, has a dead band or is at the end of its range",
+                 the sensor is stuck, has a dead band or is at the end of its range (or, of a \
+                 suspension, the bank of the road changed along the truck)",
                 roll_rad.as_f64()
             ),
         }

@@ -194,20 +194,38 @@ impl Axle {
         height_m: f64,
         velocity: Vector,
     ) -> Contact {
-        self.tyres.contact(
-            road.kinds,
-            &Hub {
-                sin: pose.sin,
-                cos: pose.cos,
-                roll_rad: pose.roll_rad,
-                roll_rate: pose.roll_rate,
-                yaw_rate: motion.rates[0],
-                height_m,
-                velocity,
-                steer_rad: self.roll_steer * pose.lean_rad + self.steered * road.steer_rad,
-                lagged_slip_rad: road.lagged_slip_rad,
-            },
-        )
+        let hub = Hub {
+            sin: pose.sin,
+            cos: pose.cos,
+            roll_rad: pose.roll_rad,
+            roll_rate: pose.roll_rate,
+            yaw_rate: motion.rates[0],
+            height_m,
+            velocity,
+            steer_rad: self.roll_steer * pose.lean_rad + self.steered * road.steer_rad,
+            lagged_slip_rad: road.lagged_slip_rad,
+        };
+        if road.twist_rad == 0.0 {
+            return self.tyres.contact(road.kinds, &hub);
+        }
+        // The same in the plane under this axle, which is turned about the line below its center.
+        let (sin, cos) = super::vector::sin_cos(road.twist_rad);
+        let roll_rad = hub.roll_rad - road.twist_rad;
+        let hub = Hub {
+            sin: pose.sin * cos - pose.cos * sin,
+            cos: pose.cos * cos + pose.sin * sin,
+            roll_rad,
+            height_m: height_m * cos,
+            velocity: [
+                velocity[0],
+                cos * velocity[1] + sin * velocity[2],
+                cos * velocity[2] - sin * velocity[1],
+            ],
+            ..hub
+        };
+        let contact = self.tyres.contact(road.kinds, &hub);
+        let [x, y, z] = contact.force;
+        Contact { force: [x, cos * y - sin * z, sin * y + cos * z], ..contact }
     }
 }
 
@@ -240,6 +258,8 @@ pub(super) struct Road<'a> {
     pub(super) reference_height_m: f64,
     pub(super) gravity: Vector,
     pub(super) steer_rad: f64,
+    /// Bank under this axle minus that of the road's plane.
+    pub(super) twist_rad: f64,
     pub(super) lagged_slip_rad: f64,
     /// Forces of each group's springs, left and right.
     pub(super) springs_n: &'a [[f64; 2]],

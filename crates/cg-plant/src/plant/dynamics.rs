@@ -13,6 +13,7 @@
 
 use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
 use super::body::{Attitude, Equations, Motion};
+use super::ground::Ground;
 use super::hitch::couple;
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::suspension::Group;
@@ -30,8 +31,8 @@ pub struct Control {
     pub speed_mps: f64,
     /// Rate of the speed.
     pub acceleration_mps2: f64,
-    /// Bank of the road under the vehicle, right side lower positive.
-    pub bank_rad: f64,
+    /// The road under the vehicle.
+    pub ground: Ground,
 }
 
 /// A sprung mass.
@@ -111,18 +112,6 @@ impl Parameters {
         }
     }
 
-    /// Gravity in both yaw frames; on a banked road it is tilted about the mean heading.
-    #[inline]
-    pub(super) fn gravity(&self, bank_rad: f64, turn_rad: f64) -> [Vector; 2] {
-        if bank_rad == 0.0 {
-            return [[0.0, 0.0, -self.gravity_mps2]; 2];
-        }
-        let (side, down) = sin_cos(bank_rad);
-        let (sin, cos) = sin_cos(0.5 * turn_rad);
-        let (side, down) = (self.gravity_mps2 * side, -self.gravity_mps2 * down);
-        [[side * sin, -side * cos, down], [-side * sin, -side * cos, down]]
-    }
-
     /// Rates of the state, and the intermediate results in `Probe`.
     #[inline]
     pub(super) fn rates(
@@ -149,8 +138,8 @@ impl Parameters {
                 rate[at(group.first_axle, c)] = group.law.rate_n_per_s(x, x_rate, force[side]);
             }
         });
-        let instant =
-            Instant { x, control, turn, gravity: self.gravity(control.bank_rad, turn_rad) };
+        let gravity = control.ground.gravity(self.gravity_mps2, turn_rad);
+        let instant = Instant { x, control, turn, gravity };
         self.solve(&instant, &units, hitch_rho, rate, probe);
     }
 
@@ -200,6 +189,7 @@ impl Parameters {
                 reference_height_m: height_m,
                 gravity,
                 steer_rad: instant.control.steer_rad,
+                twist_rad: instant.control.ground.twist_rad[i],
                 lagged_slip_rad: instant.x[at(i, A::Slip)],
                 springs_n: &probe.springs_n,
             };

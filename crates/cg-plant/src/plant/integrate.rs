@@ -3,6 +3,7 @@
 //! (a joint that is a hard spring).
 
 use super::dynamics::{Control, Probe};
+use super::ground::Ground;
 use super::method::Method;
 use super::sample::PlantSample;
 use super::state::{Coordinate, ROOM, State};
@@ -68,7 +69,7 @@ impl YawRollPlant {
             steer_rad: rest.steer_rad,
             speed_mps,
             acceleration_mps2: 0.0,
-            bank_rad: self.bank_rad,
+            ground: self.ground,
         };
         Ok(Simulation::new(self, &rest.state, control))
     }
@@ -89,21 +90,21 @@ impl<'a> Simulation<'a> {
 
     /// Advances by an interval, to a steer angle and speed at its end; both are interpolated linearly.
     pub fn push(&mut self, steer_rad: f64, speed_mps: f64, interval_s: f64) -> Progress {
-        self.push_banked(steer_rad, speed_mps, self.control.bank_rad, interval_s)
+        self.push_on(steer_rad, speed_mps, &self.control.ground.clone(), interval_s)
     }
 
-    /// The same on a road whose bank changes linearly to that at the end of the interval. The whole
-    /// vehicle stands on one bank; the roll rate of the road itself is neglected.
-    pub fn push_banked(
+    /// The same on a road that changes linearly to that at the end of the interval. The rates at which
+    /// the road itself rolls and pitches are neglected.
+    pub fn push_on(
         &mut self,
         steer_rad: f64,
         speed_mps: f64,
-        bank_rad: f64,
+        ground: &Ground,
         interval_s: f64,
     ) -> Progress {
         let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
         let from = Control { acceleration_mps2, ..self.control };
-        let to = Control { steer_rad, speed_mps, acceleration_mps2, bank_rad };
+        let to = Control { steer_rad, speed_mps, acceleration_mps2, ground: *ground };
         // At least one step, and no step longer than the plant's; rounding must not add a step.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let steps = (interval_s / self.plant.step_s() - 1e-9).ceil().max(1.0) as u32;
@@ -182,7 +183,7 @@ fn between(from: &Control, to: &Control, share: f64) -> Control {
         steer_rad: line(from.steer_rad, to.steer_rad),
         speed_mps: line(from.speed_mps, to.speed_mps),
         acceleration_mps2: to.acceleration_mps2,
-        bank_rad: line(from.bank_rad, to.bank_rad),
+        ground: from.ground.towards(&to.ground, share),
     }
 }
 

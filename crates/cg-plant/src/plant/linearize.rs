@@ -46,7 +46,7 @@ impl YawRollPlant {
         rate[Coordinate::TrailerYaw as usize] -= rate[Coordinate::TractorYaw as usize];
         let rates = places.iter().map(|&i| rate[i]);
         let turn_rad = x[Coordinate::TrailerYaw as usize] - x[Coordinate::TractorYaw as usize];
-        let gravity = self.parameters.gravity(control.bank_rad, turn_rad);
+        let gravity = control.ground.gravity(self.parameters.gravity_mps2, turn_rad);
         let [tractor, trailer] = self.parameters.specific_force_mps2(&probe, &gravity);
         let felt = [self.parameters.lateral_mps2(&probe)[1], tractor, trailer];
         DVector::from_iterator(places.len() + felt.len(), rates.chain(felt))
@@ -70,7 +70,7 @@ impl YawRollPlant {
                 x[index] += shift;
             }
             let control =
-                Control { steer_rad, speed_mps, bank_rad: self.bank_rad, ..Control::default() };
+                Control { steer_rad, speed_mps, ground: self.ground, ..Control::default() };
             self.rates_and_felt(&x, &control, &places)
         };
         let slope = |index: usize, steer: f64| {

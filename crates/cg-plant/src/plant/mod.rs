@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `setup` | parameters from the vehicle file and a load |
 //! | `state` | the state vector |
+//! | `ground` | the road under the vehicle |
 //! | `body` | sprung masses: attitude, motion, equations of a unit |
 //! | `axle` | two degrees of freedom on a sliding roll center, eliminated directly |
 //! | `suspension` | springs: linear, or measured with friction; load equalization |
@@ -22,7 +23,8 @@
 //!
 //! Each sprung mass moves laterally, vertically, and in yaw, roll and pitch, at a prescribed forward
 //! speed. Each axle moves in roll and bounce. The fifth wheel connects the units in every direction
-//! and leaves yaw and pitch free. The road is flat, level or banked.
+//! and leaves yaw and pitch free. The road has a bank and a grade, and
+//! each axle may stand on a bank of its own.
 //!
 //! # Example
 //!
@@ -47,10 +49,11 @@
 mod options;
 mod path;
 mod state;
+mod vector;
+mod ground;
 mod suspension;
 #[cfg(test)]
 mod energy;
-mod vector;
 mod body;
 mod hitch;
 mod tyre;
@@ -67,6 +70,7 @@ mod linearize;
 
 pub use driver::{Driver, DriverSettings};
 pub use dynamics::Control;
+pub use ground::Ground;
 pub use integrate::{Progress, Simulation};
 pub use options::{Characteristics, PlantOptions};
 pub use path::Path;

@@ -20,9 +20,11 @@ pub struct PlantOptions {
     pub springs: Characteristics,
     /// Lateral force and aligning moment of the tires.
     pub tyres: Characteristics,
-    /// Bank of the road at the start of a run, right side lower positive. It stays unless
-    /// [`push_banked`](super::Simulation::push_banked) changes it.
+    /// Bank of the road at the start of a run, left side higher positive. It stays unless
+    /// [`push_on`](super::Simulation::push_on) changes it.
     pub bank_rad: f64,
+    /// Grade of the road at the start of a run, uphill positive.
+    pub grade_rad: f64,
     /// Distance of the payload's c.g. to the left of the middle.
     pub payload_left_m: f64,
     /// Distance of the payload's c.g. behind its position in the vehicle file. Springs and tires remain
@@ -42,6 +44,7 @@ impl Default for PlantOptions {
             springs: Characteristics::Measured,
             tyres: Characteristics::Measured,
             bank_rad: 0.0,
+            grade_rad: 0.0,
             payload_left_m: 0.0,
             payload_behind_m: 0.0,
             design_load: None,

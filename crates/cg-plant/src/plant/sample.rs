@@ -76,6 +76,8 @@ pub struct PlantSample {
     pub speed_mps: f64,
     /// Bank of the road.
     pub bank_rad: f64,
+    /// Grade of the road, uphill positive.
+    pub grade_rad: f64,
     /// The tractor's sprung mass.
     pub tractor: UnitSample,
     /// The trailer's sprung mass.
@@ -145,7 +147,7 @@ impl PlantSample {
         let mut tractor = UnitSample::new(state, TRACTOR, lateral_mps2[0]);
         let mut trailer = UnitSample::new(state, TRAILER, lateral_mps2[1]);
         let turn_rad = trailer.yaw_rad - tractor.yaw_rad;
-        let gravity = parameters.gravity(control.bank_rad, turn_rad);
+        let gravity = control.ground.gravity(parameters.gravity_mps2, turn_rad);
         let forces_mps2 = parameters.specific_force_mps2(probe, &gravity);
         let rolls_rad = Parameters::roll_to_gravity_rad(probe, &gravity);
         for (unit, on_trailer) in [(&mut tractor, false), (&mut trailer, true)] {
@@ -184,7 +186,8 @@ impl PlantSample {
         Self {
             steer_rad: control.steer_rad,
             speed_mps: control.speed_mps,
-            bank_rad: control.bank_rad,
+            bank_rad: control.ground.bank_rad,
+            grade_rad: control.ground.grade_rad,
             tractor,
             trailer,
             articulation_rad: tractor.yaw_rad - trailer.yaw_rad,

@@ -113,8 +113,10 @@ fn check(
     if !(options.step_s.is_finite() && options.step_s > 0.0) {
         return Err(model(format!("step {} s must be positive", options.step_s)));
     }
-    if !(options.bank_rad.abs() < 0.5) {
-        return Err(model(format!("a road bank of {} rad is not possible", options.bank_rad)));
+    for (name, angle_rad) in [("bank", options.bank_rad), ("grade", options.grade_rad)] {
+        if !(angle_rad.abs() < 0.5) {
+            return Err(model(format!("a road {name} of {angle_rad} rad is not possible")));
+        }
     }
     if ![options.payload_left_m, options.payload_behind_m].iter().all(|m| m.is_finite()) {
         return Err(model("the position of the payload must be finite".to_owned()));

@@ -3,6 +3,7 @@
 use super::body::Attitude;
 use super::dynamics::{Control, Parameters, Probe};
 use super::equilibrium::{Rest, settle};
+use super::ground::Ground;
 use super::method::Method;
 use super::options::PlantOptions;
 use super::sample::PlantSample;
@@ -18,7 +19,7 @@ pub struct YawRollPlant {
     pub(super) parameters: Parameters,
     pub(super) design: State,
     pub(super) steered: Vec<bool>,
-    pub(super) bank_rad: f64,
+    pub(super) ground: Ground,
     pub(super) step_s: f64,
     pub(super) method: Method,
 }
@@ -36,8 +37,10 @@ impl YawRollPlant {
     ) -> Result<Self, VehicleError> {
         let (parameters, design) = setup::parameters(vehicle, load, options)?;
         let steered = vehicle.axles().iter().map(|axle| axle.steered).collect();
-        let (bank_rad, step_s, method) = (options.bank_rad, options.step_s, Method::RungeKutta);
-        let mut plant = Self { parameters, design, steered, bank_rad, step_s, method };
+        let PlantOptions { bank_rad, grade_rad, step_s, .. } = *options;
+        let ground = Ground { bank_rad, grade_rad, ..Ground::default() };
+        let method = Method::RungeKutta;
+        let mut plant = Self { parameters, design, steered, ground, step_s, method };
         if options.design_load.is_some() {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
@@ -56,7 +59,7 @@ impl YawRollPlant {
 
     /// Straight driving at a speed.
     pub(super) fn settled(&self, speed_mps: f64) -> Result<Rest, VehicleError> {
-        let control = Control { speed_mps, bank_rad: self.bank_rad, ..Control::default() };
+        let control = Control { speed_mps, ground: self.ground, ..Control::default() };
         settle(&self.parameters, &self.design, &control)
     }
 

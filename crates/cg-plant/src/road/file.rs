@@ -1,5 +1,6 @@
 //! A road from a CSV file with the columns `distance_m`, `curvature_per_m`, `bank_rad` and, if there
-//! is a speed limit, `speed_mps`, in any order. Lines that begin with `#` are comments.
+//! is a speed limit or a grade, `speed_mps` and `grade_rad`, in any order. Lines that begin with `#` are
+//! comments.
 
 use std::path::Path;
 
@@ -9,8 +10,8 @@ use super::table::{Road, RoadPoint, falling};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::files::{TABLE_BYTES, read_text};
 
-/// The columns; the last one may be absent.
-const COLUMNS: [&str; 4] = ["distance_m", "curvature_per_m", "bank_rad", "speed_mps"];
+/// The columns; the first three are necessary.
+const COLUMNS: [&str; 5] = ["distance_m", "curvature_per_m", "bank_rad", "speed_mps", "grade_rad"];
 
 impl Road {
     /// Reads a road from a CSV file.
@@ -42,7 +43,7 @@ impl Road {
                 let number = places[column].map_or(0, |place| place + 1);
                 refuse(format!("line {line}, column {number} `{}`: {text}", COLUMNS[column]))
             };
-            let mut values = [0.0, 0.0, 0.0, f64::INFINITY];
+            let mut values = [0.0, 0.0, 0.0, f64::INFINITY, 0.0];
             for (column, value) in values.iter_mut().enumerate() {
                 let Some(cell) = places[column].and_then(|place| record.get(place)) else {
                     continue;
@@ -50,8 +51,8 @@ impl Road {
                 *value =
                     cell.parse().map_err(|_| at(column, format!("`{cell}` is not a number")))?;
             }
-            let [distance_m, curvature_per_m, bank_rad, speed_mps] = values;
-            let point = RoadPoint { distance_m, curvature_per_m, bank_rad, speed_mps };
+            let [distance_m, curvature_per_m, bank_rad, speed_mps, grade_rad] = values;
+            let point = RoadPoint { distance_m, curvature_per_m, bank_rad, grade_rad, speed_mps };
             if let Some((column, text)) = point.fault() {
                 return Err(at(column, text));
             }
@@ -65,10 +66,10 @@ impl Road {
 }
 
 /// The place of each column in the header.
-fn places(header: &StringRecord) -> Result<[Option<usize>; 4], String> {
+fn places(header: &StringRecord) -> Result<[Option<usize>; 5], String> {
     let expected = "the columns of a road are distance_m, curvature_per_m, bank_rad and, if there \
-                    are limits, speed_mps";
-    let mut places = [None; 4];
+                    are limits or grades, speed_mps and grade_rad";
+    let mut places = [None; 5];
     for (place, name) in header.iter().enumerate() {
         match COLUMNS.iter().position(|column| *column == name) {
             Some(column) if places[column].is_none() => places[column] = Some(place),

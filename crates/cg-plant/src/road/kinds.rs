@@ -8,7 +8,8 @@
 //! | roundabouts | ring of 17 to 32 m to the left, entry and exit to the right, 20 to 35 km/h | 2 % outward |
 //!
 //! Straights have a crown of 2 % as with right-hand traffic. Curvature and bank are averaged over
-//! 0.8 s, as a driver rounds the ends of a clothoid.
+//! 0.8 s, as a driver rounds the ends of a clothoid. Rural roads climb and fall by up to 5 %, motorways by
+//! up to 4 %, over 400 to 1500 m.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -49,6 +50,11 @@ const START_S: f64 = 6.0;
 /// A lane change: how far, and in what time.
 const LANE_M: f64 = 3.5;
 const LANE_CHANGE_S: f64 = 7.0;
+/// Greatest grades.
+const RURAL_GRADE_RAD: f64 = 0.05;
+const MOTORWAY_GRADE_RAD: f64 = 0.04;
+/// Distances from one hilltop to the next.
+const HILLS_M: [f64; 2] = [400.0, 1500.0];
 /// Radius of the motorway's ramp.
 const RAMP_M: f64 = 257.0;
 const KMH: f64 = 1.0 / 3.6;
@@ -93,7 +99,13 @@ impl Road {
             RoadKind::Motorway => draft.motorway(120.0),
             RoadKind::Roundabouts => draft.roundabouts(120.0),
         };
-        let mut road = Self::new(&kind.to_string(), averaged(&draft.sampled()))?;
+        let mut points = averaged(&draft.sampled());
+        match kind {
+            RoadKind::Rural => draft.climb(&mut points, RURAL_GRADE_RAD),
+            RoadKind::Motorway => draft.climb(&mut points, MOTORWAY_GRADE_RAD),
+            RoadKind::Roundabouts => {}
+        }
+        let mut road = Self::new(&kind.to_string(), points)?;
         road.usual_duration_s = Some(duration_s);
         Ok(road)
     }
@@ -125,6 +137,7 @@ impl Draft {
             distance_m: 0.0,
             curvature_per_m: 0.0,
             bank_rad: CROWN_RAD,
+            grade_rad: 0.0,
             speed_mps: f64::INFINITY,
         };
         self.knots.last().copied().unwrap_or(start)
@@ -147,8 +160,13 @@ impl Draft {
     }
 
     fn straight(&mut self, clothoid_s: f64, length_m: f64, speed_mps: f64) {
-        let to =
-            RoadPoint { distance_m: 0.0, curvature_per_m: 0.0, bank_rad: CROWN_RAD, speed_mps };
+        let to = RoadPoint {
+            distance_m: 0.0,
+            curvature_per_m: 0.0,
+            bank_rad: CROWN_RAD,
+            grade_rad: 0.0,
+            speed_mps,
+        };
         self.segment(clothoid_s, length_m, to);
     }
 
@@ -164,6 +182,7 @@ impl Draft {
             distance_m: 0.0,
             curvature_per_m: 1.0 / radius_m,
             bank_rad: -into_rad * radius_m.signum(),
+            grade_rad: 0.0,
             speed_mps,
         };
         self.segment(clothoid_s, length_m, to);
@@ -263,6 +282,17 @@ impl Draft {
         duration_s
     }
 
+    /// Hills: two sines, level at the start. They are drawn last, so the curves of a seed are the same with
+    /// and without them.
+    fn climb(&mut self, points: &mut [RoadPoint], greatest_rad: f64) {
+        let per_m = [0, 1].map(|_| TAU / self.uniform(HILLS_M));
+        let share = self.uniform([0.3, 0.7]);
+        for point in points {
+            let [a, b] = per_m.map(|per_m| (per_m * point.distance_m).sin());
+            point.grade_rad = greatest_rad * (share * a + (1.0 - share) * b);
+        }
+    }
+
     /// The knots' lines at equal distances.
     fn sampled(&self) -> Vec<RoadPoint> {
         let (mut points, mut knot, mut distance_m) = (Vec::new(), 0, 0.0);
@@ -278,6 +308,7 @@ impl Draft {
                 distance_m,
                 curvature_per_m: line(a.curvature_per_m, b.curvature_per_m),
                 bank_rad: line(a.bank_rad, b.bank_rad),
+                grade_rad: 0.0,
                 speed_mps: line(a.speed_mps, b.speed_mps),
             });
             distance_m += SPACING_M;

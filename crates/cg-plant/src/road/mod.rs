@@ -1,4 +1,4 @@
-//! Roads: curvature, bank and speed limit over the distance.
+//! Roads: curvature, bank, grade and speed limit over the distance.
 //!
 //! | file | contents |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! Curvature is positive to the left. The bank is a rotation of the road about its direction, with
 //! the sense of roll: it is positive if the left side of the road is the higher one. Superelevation
 //! into a left curve is therefore negative, and the crown of a road with right-hand traffic positive.
-//! Roads have no grade.
+//! The grade is positive uphill.
 
 mod table;
 mod pace;
@@ -19,4 +19,4 @@ mod file;
 
 pub use kinds::RoadKind;
 pub use pace::Pace;
-pub use table::{GREATEST_BANK_RAD, GREATEST_CURVATURE_PER_M, Road, RoadPoint};
+pub use table::{GREATEST_BANK_RAD, GREATEST_CURVATURE_PER_M, GREATEST_GRADE_RAD, Road, RoadPoint};

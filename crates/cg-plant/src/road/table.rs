@@ -4,6 +4,8 @@ use cg_vehicle::error::VehicleError;
 
 /// The greatest bank of a road.
 pub const GREATEST_BANK_RAD: f64 = 0.3;
+/// The greatest grade of a road.
+pub const GREATEST_GRADE_RAD: f64 = 0.3;
 /// The greatest curvature: a radius of 5 m.
 pub const GREATEST_CURVATURE_PER_M: f64 = 0.2;
 
@@ -16,6 +18,8 @@ pub struct RoadPoint {
     pub curvature_per_m: f64,
     /// Bank, left side higher positive.
     pub bank_rad: f64,
+    /// Grade, uphill positive.
+    pub grade_rad: f64,
     /// Speed limit; infinite without one.
     pub speed_mps: f64,
 }
@@ -29,6 +33,7 @@ pub struct Road {
     /// Direction of the road at each point, relative to the first one.
     heading_rad: Vec<f64>,
     pub(super) usual_duration_s: Option<f64>,
+    is_twisted: bool,
 }
 
 impl Road {
@@ -56,7 +61,13 @@ impl Road {
             let turn_rad = mean * (pair[1].distance_m - pair[0].distance_m);
             heading_rad.push(heading_rad[heading_rad.len() - 1] + turn_rad);
         }
-        Ok(Self { name: name.to_owned(), points, heading_rad, usual_duration_s: None })
+        Ok(Self {
+            name: name.to_owned(),
+            points,
+            heading_rad,
+            usual_duration_s: None,
+            is_twisted: false,
+        })
     }
 
     /// Its name: the kind, or the file.
@@ -88,6 +99,19 @@ impl Road {
         self
     }
 
+    /// The same road, on which every axle stands on the bank of its own place. Otherwise the whole vehicle
+    /// stands on one bank.
+    #[must_use]
+    pub fn twisted(mut self) -> Self {
+        self.is_twisted = true;
+        self
+    }
+
+    /// Whether every axle stands on the bank of its own place.
+    pub fn is_twisted(&self) -> bool {
+        self.is_twisted
+    }
+
     /// The same road without bank.
     #[must_use]
     pub fn flat(self) -> Self {
@@ -115,6 +139,7 @@ impl Road {
             distance_m,
             curvature_per_m: line(a.curvature_per_m, b.curvature_per_m),
             bank_rad: line(a.bank_rad, b.bank_rad),
+            grade_rad: line(a.grade_rad, b.grade_rad),
             speed_mps: line(a.speed_mps, b.speed_mps),
         }
     }
@@ -142,13 +167,14 @@ impl Road {
 impl RoadPoint {
     /// A value that no road has: its column, and what is wrong with it.
     pub(super) fn fault(&self) -> Option<(usize, String)> {
-        let Self { distance_m, curvature_per_m, bank_rad, speed_mps } = *self;
+        let Self { distance_m, curvature_per_m, bank_rad, grade_rad, speed_mps } = *self;
         if !distance_m.is_finite() {
             return Some((0, format!("the distance {distance_m} must be finite")));
         }
         for (column, name, value, most) in [
             (1, "curvature (1/m)", curvature_per_m, GREATEST_CURVATURE_PER_M),
             (2, "bank (rad)", bank_rad, GREATEST_BANK_RAD),
+            (4, "grade (rad)", grade_rad, GREATEST_GRADE_RAD),
         ] {
             if !(value.abs() <= most) {
                 let text = format!("the {name} {value} must lie between {} and {most}", -most);

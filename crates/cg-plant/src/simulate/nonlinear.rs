@@ -5,7 +5,7 @@ use super::on_road::{Action, RoadDriver};
 use super::scenario::{Scenario, Track};
 use super::signals::Signals;
 use crate::maneuver::{Course, Histories};
-use crate::plant::{Driver, DriverSettings, Path, PlantOptions, Simulation, YawRollPlant};
+use crate::plant::{Driver, DriverSettings, Ground, Path, PlantOptions, Simulation, YawRollPlant};
 use crate::road::Road;
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};
 use cg_logs::log::LogRow;
@@ -44,11 +44,13 @@ impl Steering<'_> {
             Self::History(histories) => Action {
                 steer_rad: histories.steer_rad(until_s),
                 speed_mps: histories.speed_mps(until_s),
-                bank_rad: 0.0,
+                ground: Ground::default(),
             },
-            Self::Path(driver, speed_mps) => {
-                Action { steer_rad: driver.steer_rad(run), speed_mps: *speed_mps, bank_rad: 0.0 }
-            }
+            Self::Path(driver, speed_mps) => Action {
+                steer_rad: driver.steer_rad(run),
+                speed_mps: *speed_mps,
+                ground: Ground::default(),
+            },
             Self::Road(driver) => driver.next(run, step_s),
         }
     }
@@ -81,8 +83,8 @@ pub(super) fn record_on_road(
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
     let driver = RoadDriver::new(vehicle, scenario.variant, scenario.load, road)?;
-    let (speed_mps, bank_rad) = driver.start();
-    let options = PlantOptions { bank_rad, ..PlantOptions::default() };
+    let (speed_mps, Ground { bank_rad, grade_rad, .. }) = driver.start();
+    let options = PlantOptions { bank_rad, grade_rad, ..PlantOptions::default() };
     let plant = YawRollPlant::new(vehicle, scenario.load, &options)?;
     let run = plant.start(speed_mps)?;
     run_through(vehicle, scenario, run, &mut Steering::Road(Box::new(driver)), samples)
@@ -112,9 +114,9 @@ fn run_through(
             while done < steps {
                 done += 1.0;
                 let now_s = start_s + interval_s * done / steps;
-                let Action { steer_rad, speed_mps, bank_rad } =
+                let Action { steer_rad, speed_mps, ground } =
                     steering.next(&run, now_s, interval_s / steps);
-                run.push_banked(steer_rad, speed_mps, bank_rad, interval_s / steps);
+                run.push_on(steer_rad, speed_mps, &ground, interval_s / steps);
             }
             if let Err(rolled) = run.upright() {
                 if scenario.to_rollover {

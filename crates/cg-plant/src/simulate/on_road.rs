@@ -9,14 +9,14 @@
 //! model in a steady turn; `B` is the steer angle per bank with which the plant drives straight. An
 //! error of the course decays with the time constant `T`. The lateral position is not controlled.
 
-use crate::plant::{Coordinate, PlantOptions, Simulation, YawRollPlant};
+use crate::plant::{Coordinate, Ground, MAX_AXLES, PlantOptions, Simulation, YawRollPlant};
 use crate::road::{Pace, Road};
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Variant, Vehicle};
 
-/// The bank under the vehicle is that of the road at this distance behind the front axle: about the
-/// middle between the c.g.s of tractor and trailer.
+/// The plane of the road is that at this distance behind the front axle: about the middle between the
+/// c.g.s of tractor and trailer.
 const BEHIND_FRONT_AXLE_M: f64 = 5.0;
 /// How far ahead the driver steers.
 const AHEAD_S: f64 = 0.2;
@@ -32,7 +32,7 @@ const BANK_RAD: f64 = 0.02;
 pub(super) struct Action {
     pub(super) steer_rad: f64,
     pub(super) speed_mps: f64,
-    pub(super) bank_rad: f64,
+    pub(super) ground: Ground,
 }
 
 /// A driver on a road.
@@ -45,6 +45,8 @@ pub(super) struct RoadDriver {
     by_bank: f64,
     /// Distance of the drive axles behind the front axle and behind the tractor's c.g.
     drive_axle_m: [f64; 2],
+    /// Distance of each axle behind the front axle, on a straight road.
+    axle_m: Vec<f64>,
     /// Distance of the front axle along the road.
     front_m: f64,
     /// Course of the vehicle where it drives along the road's first direction.
@@ -71,7 +73,10 @@ impl RoadDriver {
         let by_square = (second - first) / (fast * fast - slow * slow);
         let options = PlantOptions { bank_rad: BANK_RAD, ..PlantOptions::default() };
         let banked = YawRollPlant::new(vehicle, load, &options)?;
-        let straight = banked.start(vehicle.nominal_speed_mps)?.sample();
+        let straight = banked.start(vehicle.nominal_speed_mps)?;
+        let ahead_m = |axle| banked.axle_position_m(&straight.state, axle)[0];
+        let first_m = (0..vehicle.axles().len()).map(ahead_m).fold(f64::MIN, f64::max);
+        let axle_m = (0..vehicle.axles().len()).map(|axle| first_m - ahead_m(axle)).collect();
         let axles = &vehicle.tractor.axle;
         let front_m = axles.iter().map(|axle| axle.ahead_of_cg_m).fold(f64::MIN, f64::max);
         let drive = || axles.iter().filter(|axle| !axle.steered);
@@ -82,15 +87,16 @@ impl RoadDriver {
             front_m: road.ends_m()[0],
             road: road.clone(),
             by_curvature: [first - by_square * slow * slow, by_square],
-            by_bank: straight.steer_rad / BANK_RAD,
+            by_bank: straight.sample().steer_rad / BANK_RAD,
+            axle_m,
             drive_axle_m: [front_m - drive_m, -drive_m],
             first_course_rad: None,
         })
     }
 
-    /// Speed and bank at the present place.
-    pub(super) fn start(&self) -> (f64, f64) {
-        (self.pace.speed_mps(self.front_m), self.bank_rad())
+    /// Speed and road at the present place.
+    pub(super) fn start(&self) -> (f64, Ground) {
+        (self.pace.speed_mps(self.front_m), self.ground())
     }
 
     /// Distance of the front axle along the road.
@@ -98,8 +104,15 @@ impl RoadDriver {
         self.front_m
     }
 
-    fn bank_rad(&self) -> f64 {
-        self.road.at(self.front_m - BEHIND_FRONT_AXLE_M).bank_rad
+    fn ground(&self) -> Ground {
+        let plane = self.road.at(self.front_m - BEHIND_FRONT_AXLE_M);
+        let mut twist_rad = [0.0; MAX_AXLES];
+        if self.road.is_twisted() {
+            for (twist_rad, behind_m) in twist_rad.iter_mut().zip(&self.axle_m) {
+                *twist_rad = self.road.at(self.front_m - behind_m).bank_rad - plane.bank_rad;
+            }
+        }
+        Ground { bank_rad: plane.bank_rad, grade_rad: plane.grade_rad, twist_rad }
     }
 
     /// Drives on for one step.
@@ -114,10 +127,10 @@ impl RoadDriver {
         let first_rad = *self.first_course_rad.get_or_insert(course_rad);
         let error_rad = self.road.heading_rad(drive_m) - (course_rad - first_rad);
         let per_curvature = self.by_curvature[0] + self.by_curvature[1] * speed_mps * speed_mps;
-        let bank_rad = self.bank_rad();
+        let ground = self.ground();
         let wanted_per_m = curvature_per_m + error_rad / (speed_mps * COURSE_S);
-        let steer_rad = per_curvature * wanted_per_m + self.by_bank * bank_rad;
-        Action { steer_rad, speed_mps, bank_rad }
+        let steer_rad = per_curvature * wanted_per_m + self.by_bank * ground.bank_rad;
+        Action { steer_rad, speed_mps, ground }
     }
 
     /// Direction in which the drive axles move.

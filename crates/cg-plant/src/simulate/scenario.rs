@@ -231,6 +231,8 @@ pub struct RoadTruth {
     pub driven_m: f64,
     /// The least and the greatest bank on the way, left side higher positive.
     pub bank_rad: [f64; 2],
+    /// Whether every axle stood on the bank of its own place.
+    pub is_twisted: bool,
 }
 
 /// Where the vehicle was on the road, about ten times a second.

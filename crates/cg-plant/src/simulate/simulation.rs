@@ -122,6 +122,7 @@ impl LogSimulation {
                     banks().fold(f64::INFINITY, f64::min),
                     banks().fold(f64::NEG_INFINITY, f64::max),
                 ],
+                is_twisted: road.is_twisted(),
             }),
             chassis: Some(*chassis),
             rolled_over_s: recorded.rolled_over_s,

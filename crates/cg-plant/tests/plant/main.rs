@@ -10,6 +10,7 @@ mod linear;
 mod published;
 mod source;
 mod statics;
+mod uneven;
 
 use cg_plant::plant::{Characteristics, PlantOptions, PlantSample, Simulation, YawRollPlant};
 use cg_vehicle::reduction::quality::rounded_step;

@@ -129,9 +129,12 @@ class Scenario:
         The maneuver after `start_s` of straight driving; give it or `road`.
     road : {"rural", "motorway", "roundabouts"} or path, optional
         A road that the nonlinear plant drives along: a usual kind, whose curves `seed` determines,
-        or a CSV file (``distance_m, curvature_per_m, bank_rad`` and, with speed limits,
-        ``speed_mps``). The log then also has the signals of the chassis: levels, specific forces,
+        or a CSV file (``distance_m, curvature_per_m, bank_rad`` and, with speed limits or grades,
+        ``speed_mps`` and ``grade_rad``). The log then also has the signals of the chassis: levels, specific forces,
         inclinometers, suspension roll, of trailer and tractor.
+    road_twist : bool
+        Whether every axle stands on the bank of its own place; otherwise the whole truck stands on
+        one bank.
     chassis : ChassisSensors
         The errors of these signals.
     plant : {"linear", "reduced", "nonlinear"}
@@ -171,6 +174,7 @@ class Scenario:
     maneuver: ManeuverName | None = None
     _: KW_ONLY
     road: RoadName | str | os.PathLike[str] | None = None
+    road_twist: bool = False
     chassis: ChassisSensors = ChassisSensors()
     plant: PlantName = "linear"
     model: Literal["complete", "as-printed"] = "complete"
@@ -195,7 +199,7 @@ class Scenario:
         """Check the numbers, and that they are those of a maneuver or those of a road."""
         if (self.maneuver is None) == (self.road is None):
             raise ValueError("give either maneuver or road")
-        others = ("chassis",) if self.road is None else _OF_MANEUVERS
+        others = ("road_twist", "chassis") if self.road is None else _OF_MANEUVERS
         usual = {each.name: each.default for each in fields(self)}
         given = [name for name in others if getattr(self, name) != usual[name]]
         if given:

@@ -33,11 +33,14 @@ class RoadTruth(TypedDict):
         Distance driven, m.
     bank_rad : list of float
         Least and greatest bank on the way, left side higher positive, rad.
+    is_twisted : bool
+        Whether every axle stood on the bank of its own place.
     """
 
     name: str
     driven_m: float
     bank_rad: list[float]
+    is_twisted: bool
 
 
 class _OnRoad(TypedDict, total=False):
