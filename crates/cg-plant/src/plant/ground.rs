@@ -30,8 +30,9 @@ impl Ground {
         }
     }
 
-    /// Gravity in the yaw frames of tractor and trailer, tilted about their mean heading and across it;
-    /// `turn_rad` is the trailer's yaw minus the tractor's.
+    /// Gravity in the yaw frames of tractor and trailer. The bank tilts it about their mean heading. The
+    /// grade is that of the way: each unit climbs along its own heading. `turn_rad` is the trailer's yaw
+    /// minus the tractor's.
     #[inline]
     pub(super) fn gravity(&self, gravity_mps2: f64, turn_rad: f64) -> [Vector; 2] {
         if self.bank_rad == 0.0 && self.grade_rad == 0.0 {
@@ -43,8 +44,8 @@ impl Ground {
         let back = gravity_mps2 * uphill;
         let (side, down) = (gravity_mps2 * level * side, -gravity_mps2 * level * down);
         [
-            [side * sin - back * cos, -side * cos - back * sin, down],
-            [-side * sin - back * cos, -side * cos + back * sin, down],
+            [side * sin - back, -side * cos, down],
+            [-side * sin - back, -side * cos, down],
         ]
     }
 }
