@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{Scratch, cg, estimate, height_m, kraz};
+use crate::common::{Run, Scratch, cg, command, estimate, height_m, kraz};
 
 const KINDS: [&str; 3] = ["4x2-3axle", "6x4-2axle", "6x4-3axle"];
 
@@ -36,6 +36,27 @@ fn a_new_truck_gives_a_height() {
         let sd = answer["height_sd_m"].as_f64().unwrap();
         assert!((0.08..0.4).contains(&sd), "{kind}: ± {sd}");
     }
+}
+
+/// The commands of docs/vehicle.md, one after the other in one folder.
+#[test]
+fn the_steps_of_the_page_lead_to_a_height() {
+    let page = cg(&["vehicle", "doc"]).done().out;
+    let steps = page.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+    let scratch = Scratch::new();
+    let mut outputs = Vec::new();
+    for line in steps.lines().filter_map(|line| line.strip_prefix("cg ")) {
+        let arguments: Vec<&str> = line.split(" #").next().unwrap().split_whitespace().collect();
+        let mut command = command(&arguments);
+        let run = Run::from(command.current_dir(scratch.path("")).output().unwrap()).done();
+        outputs.push(run.out);
+    }
+    assert_eq!(outputs.len(), 4);
+    assert!(outputs[1].contains("no findings"), "{outputs:?}");
+    let height = outputs[3].split(" ± ").next().unwrap().split_whitespace().last().unwrap();
+    let height_m: f64 = height.parse().unwrap();
+    // The page simulates 2.2 m, with the truck that it estimates.
+    assert!((height_m / 2.2 - 1.0).abs() < 0.02, "{}", outputs[3]);
 }
 
 #[test]
