@@ -9,7 +9,7 @@ use cg_vehicle::check::{TABLES, key};
 use cg_vehicle::design::design;
 use cg_vehicle::guide::{TruckKind, changed, page, schema, template};
 use cg_vehicle::steady_turn::steady_turn_threshold_g;
-use cg_vehicle::{Load, Variant, Vehicle};
+use cg_vehicle::{LinearModel, Load, Variant, Vehicle};
 use toml::{Table, Value};
 
 fn kinds() -> impl Iterator<Item = (TruckKind, &'static str)> {
@@ -35,6 +35,26 @@ fn a_template_has_no_finding_and_gives_a_design() {
     }
 }
 
+#[test]
+fn a_template_is_stable_empty_and_laden_in_town_and_on_a_motorway() {
+    for (kind, word) in kinds() {
+        let vehicle = truck(kind);
+        let empty = Load {
+            trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
+            cg_height_m: vehicle.trailer.tare.cg_height_m,
+        };
+        for load in [empty, vehicle.reference_load()] {
+            for speed_mps in [8.0, vehicle.nominal_speed_mps, 25.0] {
+                let model = LinearModel::new(&vehicle, Variant::Complete, speed_mps, load).unwrap();
+                let roll = model.state_space.to_trailer_roll().transfer_function().unwrap();
+                // Slower motions than 0.3 rad/s do not decay within a turn.
+                let slowest = roll.poles.iter().map(|pole| pole.0).fold(f64::MIN, f64::max);
+                assert!(slowest < -0.3, "{word}, {speed_mps} m/s: {slowest}");
+            }
+        }
+    }
+}
+
 /// Also with all lines that are switched off.
 #[test]
 fn every_optional_line_of_a_template_can_be_used() {
@@ -50,7 +70,7 @@ fn every_optional_line_of_a_template_can_be_used() {
 }
 
 /// The legal loads of the region of each kind, t: steered axle, drive axles and trailer axles, all
-/// together. Europe: directive 96/53/EC with 8 t on the steered axle; North America: 34 000 lb on a
+/// together. Europe: directive 96/53/EC, and 8 t, which two single tires carry; North America: 34 000 lb on a
 /// tandem, 13 200 lb on the steered axle, 80 000 lb; three drive and trailer axles: 18 t and 24 t.
 #[test]
 fn a_template_has_legal_axle_loads() {
