@@ -165,7 +165,7 @@ const TRAILER: &[Key] = &[
 const TARE: &[Key] = &[
     number("sprung_mass_kg", "kg", [1.8e3, 1.5e4], [500.0, 8e4], "mass"),
     number("cg_behind_hitch_m", "m", [2.5, 10.0], [0.5, 20.0], "distance of its c.g. behind the fifth wheel"),
-    number("cg_height_m", "m", [0.8, 2.3], [0.4, 4.0], "height of its c.g."),
+    number("cg_height_m", "m", [0.8, 2.3], [0.4, 4.0], "height of its c.g., of the empty trailer at rest"),
     number("roll_inertia_kgm2", "kg m²", [1e3, 4e4], [250.0, 2.4e5], "roll inertia about its c.g."),
     number("yaw_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "yaw inertia about its c.g."),
     number("pitch_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "pitch inertia about its c.g.; if absent, the yaw inertia; for the simulation").optional(),
