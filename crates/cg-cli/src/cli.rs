@@ -23,6 +23,7 @@ use crate::numbers::{
 use crate::run::args::RunArgs;
 use crate::sensors::{ChassisArgs, SensorArgs};
 use crate::truck::{RoadArgs, TruckArgs};
+use crate::vehicle::args::VehicleArgs;
 use crate::words::word;
 
 /// Maximum number of logs that are read at the same time.
@@ -64,6 +65,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Run a study of the thesis's chapter 2 and write a CSV file and a figure
     Study(StudyArgs),
+    /// Make a vehicle file with typical values, check one, or explain its keys
+    Vehicle(VehicleArgs),
 }
 
 #[derive(Debug, Args)]

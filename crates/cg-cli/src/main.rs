@@ -14,6 +14,7 @@
 //! | `rollover` | `cg rollover`: rollover measures of a loaded vehicle |
 //! | `run` | `cg run`: live estimates from CAN, or a replay of a recorded drive |
 //! | `reproduce` | `cg reproduce`: the thesis's tables, recomputed |
+//! | `vehicle` | `cg vehicle`: makes, checks and explains vehicle files |
 //! | `truck` | the arguments that select the truck |
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: the studies of chapter 2 as CSV files and figures |
@@ -47,6 +48,7 @@ mod sink;
 mod study;
 mod truck;
 mod units;
+mod vehicle;
 mod words;
 
 use std::process::ExitCode;
@@ -87,6 +89,7 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Run(arguments) => run::run(arguments, files),
         Command::Study(arguments) => study::run(arguments, files),
+        Command::Vehicle(arguments) => vehicle::run(arguments, files),
     }
 }
 

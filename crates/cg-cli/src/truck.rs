@@ -10,6 +10,7 @@ use cg_logs::output::Files;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Calibration, Judgment};
 use cg_vehicle::design::design_with;
+use cg_vehicle::finding::Finding;
 use cg_vehicle::{Variant, Vehicle};
 use clap::Args;
 
@@ -32,13 +33,18 @@ pub(crate) struct TruckArgs {
 
 /// Reads a vehicle file and prints warnings about unusual values to standard error.
 pub(crate) fn load(path: &Path) -> anyhow::Result<Vehicle> {
+    Ok(load_checked(path)?.0)
+}
+
+/// The same; also returns the warnings.
+pub(crate) fn load_checked(path: &Path) -> anyhow::Result<(Vehicle, Vec<Finding>)> {
     let (vehicle, warnings) = Vehicle::load_checked(path)?;
     let file = path.display().to_string();
-    for warning in warnings {
+    for warning in &warnings {
         // Standard error may be closed, and `eprintln!` would then panic.
         let _ = writeln!(std::io::stderr(), "cg: {}", warning.in_file(&file));
     }
-    Ok(vehicle)
+    Ok((vehicle, warnings))
 }
 
 /// The roads of the logs.

@@ -56,9 +56,9 @@ pub(crate) fn output_error(error: OutputError) -> PyErr {
     let message = in_python(&error.to_string());
     match &error {
         OutputError::Write { source, .. } => os_error(source, message),
-        OutputError::Foreign { .. } | OutputError::Protected { .. } => {
-            PyFileExistsError::new_err(message)
-        }
+        OutputError::Foreign { .. }
+        | OutputError::Exists { .. }
+        | OutputError::Protected { .. } => PyFileExistsError::new_err(message),
         _ => value_error(message),
     }
 }

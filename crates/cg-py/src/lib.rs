@@ -3,6 +3,7 @@
 //! | file | what it gives to Python |
 //! |---|---|
 //! | `vehicle` | `Vehicle`, `restore_vehicle` |
+//! | `change` | values of Python for keys of a vehicle file |
 //! | `options` | the options that every estimate shares |
 //! | `reading` | how logs and frames are read |
 //! | `signals` | `estimate_arrays`, `predict_roll`: estimates and predictions from arrays |
@@ -24,8 +25,9 @@
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
 mod error;
-mod vehicle;
 mod options;
+mod change;
+mod vehicle;
 mod results;
 mod reading;
 mod signals;

@@ -10,11 +10,15 @@ use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::files;
+use cg_vehicle::guide::{TruckKind, changed, template};
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Variant, VehicleError};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
 
+use crate::change::changes;
 use crate::error::{value_error, vehicle_error, warn};
+use crate::options::word;
 
 /// A tractor-semitrailer, read from a vehicle file (TOML) with `Vehicle.load`.
 ///
@@ -37,6 +41,16 @@ impl Vehicle {
         calibration: Option<Calibration>,
     ) -> Self {
         Self { inner, source, calibration, complete: OnceLock::new(), as_printed: OnceLock::new() }
+    }
+
+    /// Checks the text of a vehicle file and warns of unusual values; `label` is the name of the text in
+    /// messages.
+    fn checked(py: Python<'_>, text: String, label: &str, file: String) -> PyResult<Self> {
+        let (inner, warnings) = cg_vehicle::Vehicle::check(&text, label).map_err(vehicle_error)?;
+        for warning in warnings {
+            warn(py, &warning.in_file(label))?;
+        }
+        Ok(Self::new(inner, (text, file), None))
     }
 
     /// The same vehicle on roads whose bank has this standard deviation, rad.
@@ -112,11 +126,77 @@ impl Vehicle {
         let text = py
             .detach(|| files::read_text(&path, files::VEHICLE_BYTES))
             .map_err(|source| vehicle_error(VehicleError::Read { file: file.clone(), source }))?;
-        let (inner, warnings) = cg_vehicle::Vehicle::check(&text, &file).map_err(vehicle_error)?;
-        for warning in warnings {
-            warn(py, &warning.in_file(&file))?;
-        }
-        Ok(Self::new(inner, (text, file), None))
+        Self::checked(py, text, &file.clone(), file)
+    }
+
+    /// Return a vehicle with typical values, which are to be replaced by those of your truck.
+    ///
+    /// Parameters
+    /// ----------
+    /// kind : str
+    ///     "4x2-3axle", "6x4-2axle" or "6x4-3axle": the axles of the tractor and of the semitrailer.
+    ///
+    /// Returns
+    /// -------
+    /// Vehicle
+    ///     `toml` is its file, with a comment for every key.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     There is no such kind.
+    #[staticmethod]
+    #[pyo3(name = "template", signature = (kind, /))]
+    fn of_kind(py: Python<'_>, kind: &str) -> PyResult<Self> {
+        let text = template(word::<TruckKind>("kind", kind)?);
+        let file = format!("template {kind}");
+        Self::checked(py, text, &file.clone(), file)
+    }
+
+    /// Return the same vehicle with other values in its file.
+    ///
+    /// Parameters
+    /// ----------
+    /// changes : mapping, optional
+    ///     Keys of the vehicle file with their new values, such as
+    ///     ``{"trailer.axle[0].spring_spread_m": 1.3}``; `docs/vehicle.md` lists all keys. A dict
+    ///     changes the keys that it contains.
+    /// **keys
+    ///     The same for keys and tables at the top of the file: ``trailer={"reference_mass_kg": 3e4}``.
+    ///
+    /// Returns
+    /// -------
+    /// Vehicle
+    ///     A new vehicle without a calibration, which belongs to the old one; this one does not
+    ///     change.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     There is no such key, or the changed file is not a valid vehicle file.
+    ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     A value is unusual; there is one warning for each such value.
+    #[pyo3(signature = (changes=None, /, **keys))]
+    fn with_(
+        &self,
+        py: Python<'_>,
+        changes: Option<&Bound<'_, PyMapping>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let (text, file) = &self.source;
+        let road = self.inner.road.map(|road| ("road.bank_sd_rad".into(), road.bank_sd_rad.into()));
+        let all = road.into_iter().chain(self::changes(changes, keys)?);
+        let text = changed(text, file, all).map_err(vehicle_error)?;
+        Self::checked(py, text, &format!("{file} with changes"), file.clone())
+    }
+
+    /// Text of the vehicle file, str.
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.source.0
     }
 
     /// Return the same vehicle with a calibration.

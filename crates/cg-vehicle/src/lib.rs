@@ -9,10 +9,12 @@
 //! | [`load`], [`vehicle`] | loads of the trailer, the vehicle file | ch. 2 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
 //! | [`check`] | reads a vehicle file and checks whether its numbers are plausible | – |
+//! | [`guide`] | templates, JSON schema and documentation of the vehicle file | – |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion, analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`belief`], [`calibration`] | uncertain parameters of a truck, and their estimation from runs | eq. 5.19 |
+//! | [`influence`] | the uncertain parameters that matter most for the height | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
 //! | [`compensation`] | the compensation F(s) between two responses | section 5.4 |
 //! | [`steady_turn`] | the rollover threshold, axle by axle | section 1.2 |
@@ -50,6 +52,7 @@ pub mod vehicle;
 pub mod balance;
 pub mod check;
 pub mod characteristics;
+pub mod guide;
 mod measured_springs;
 mod leveled;
 pub mod system;
@@ -59,6 +62,7 @@ pub mod equations;
 mod as_printed;
 pub mod linear;
 pub mod belief;
+pub mod influence;
 pub mod calibration;
 pub mod reduction;
 pub mod compensation;

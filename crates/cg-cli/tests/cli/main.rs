@@ -9,6 +9,7 @@
 //! | `logs` | files that are not logs, and logs without a result |
 //! | `streams` | endless lines, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
+//! | `new_truck` | `cg vehicle`: from a new vehicle file to a height |
 //! | `usage` | wrong arguments |
 //! | `output` | the formats of `cg estimate` |
 //! | `design` | designs for firmware |
@@ -37,6 +38,7 @@ mod left_out;
 mod logs;
 mod memory;
 mod model;
+mod new_truck;
 mod output;
 mod reproduce;
 mod run;

@@ -44,6 +44,14 @@ pub enum OutputError {
         /// The option that would write it.
         output: String,
     },
+    /// The file exists, and files of this kind are never replaced without being asked to.
+    #[error("{path}: exists already; give {output} another file, or ⟨force⟩ to replace it")]
+    Exists {
+        /// The path.
+        path: String,
+        /// The option that would write it.
+        output: String,
+    },
     /// The file exists and is write-protected.
     #[error("{path}: is write-protected; give {output} another file, or ⟨force⟩ to replace it")]
     Protected {

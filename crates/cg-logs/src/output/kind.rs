@@ -28,6 +28,8 @@ pub enum Kind {
     Frames,
     /// The truth of a simulated log.
     Truth,
+    /// A vehicle file. People edit it, so it is never taken for an output that may be replaced.
+    Vehicle,
     /// A calibration.
     Calibration,
     /// A design for firmware.
@@ -50,6 +52,7 @@ impl fmt::Display for Kind {
             Self::Log => "log",
             Self::Frames => "CAN log",
             Self::Truth => "truth file of a simulated log",
+            Self::Vehicle => "vehicle file",
             Self::Calibration => "calibration",
             Self::Design => "design",
             Self::Report => "report",
@@ -76,7 +79,7 @@ impl Kind {
                     || starts(&format!("# {LOG_COMMENT}\n"))
                     || starts("(0.000000) can0 ")
             }
-            Self::Frames => false,
+            Self::Frames | Self::Vehicle => false,
             Self::Truth => serde_json::from_slice(head).is_ok_and(|truth: Value| {
                 ["height_m", "noise_sd_rad", "seed"].iter().all(|key| truth.get(key).is_some())
             }),

@@ -52,7 +52,10 @@ impl Target {
             return Ok(None);
         }
         if !self.force && about.len() > 0 && !self.kind.is_ours(&self.path) {
-            return Err(OutputError::Foreign { path: path(), kind: self.kind, output: output() });
+            return Err(match self.kind {
+                Kind::Vehicle => OutputError::Exists { path: path(), output: output() },
+                kind => OutputError::Foreign { path: path(), kind, output: output() },
+            });
         }
         if !self.force && about.permissions().readonly() {
             return Err(OutputError::Protected { path: path(), output: output() });

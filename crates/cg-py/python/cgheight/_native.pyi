@@ -1,6 +1,7 @@
 """The compiled module of cgheight."""
 
 import os
+from collections.abc import Mapping
 from typing import Any, Final, Literal, Self, final
 
 import numpy as np
@@ -45,6 +46,14 @@ class Vehicle:
     @staticmethod
     def load(path: str | os.PathLike[str], /) -> Vehicle:
         """Read and check a vehicle file."""
+    @staticmethod
+    def template(kind: Literal["4x2-3axle", "6x4-2axle", "6x4-3axle"], /) -> Vehicle:
+        """Return a vehicle with typical values, which are to be replaced by those of your truck."""
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Vehicle:
+        """Return the same vehicle with other values in its file."""
+    @property
+    def toml(self) -> str:
+        """Text of the vehicle file."""
     def calibrated(self, path: str | os.PathLike[str], /) -> Vehicle:
         """Return the same vehicle with a calibration."""
     def on_road(self, road: str | float, /) -> Vehicle:

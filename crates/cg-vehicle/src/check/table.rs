@@ -61,11 +61,19 @@ pub static TABLES: &[Table] = &[
     table(&["tyre[i]"], "a tire type", TYRE),
     Table {
         required: false,
-        ..table(&["tyre[i].lateral_force"], "lateral force over slip angle and load", LATERAL)
+        ..table(
+            &["tyre[i].lateral_force"],
+            "lateral force over slip angle and load, beyond the linear range; for rollover threshold and simulation",
+            LATERAL,
+        )
     },
     Table {
         required: false,
-        ..table(&["tyre[i].aligning_moment"], "aligning moment over slip and load", ALIGNING)
+        ..table(
+            &["tyre[i].aligning_moment"],
+            "aligning moment over slip angle and load, beyond the linear range; for rollover threshold and simulation",
+            ALIGNING,
+        )
     },
     Table { required: false, ..table(&["spring[i]"], "a measured spring", SPRING) },
     Table {
@@ -124,11 +132,11 @@ const UNCERTAINTY: &[Key] = &[
 
 #[rustfmt::skip]
 const HITCH: &[Key] = &[
-    number("height_m", "m", [0.9, 1.5], [0.5, 2.2], "height of the coupling"),
+    number("height_m", "m", [0.9, 1.5], [0.5, 2.2], "height of the coupling plate above the ground"),
     number("roll_stiffness_nm_per_rad", "N m/rad", [1e5, 8e6], [2e4, 1e10], "roll stiffness between the units: frames and coupling in series").or(1e10, "rigid"),
-    number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between the units").optional().or(0.0, "none"),
-    number("separation_moment_nm", "N m", [1e4, 2e5], [2e3, 1e6], "moment at which the plates separate on one side").optional(),
-    number("lash_rad", "rad", [0.002, 0.12], [0.0, 0.35], "angle through which the separated plates move freely").optional().or(0.0, "none"),
+    number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between the units; for the simulation").optional().or(0.0, "none"),
+    number("separation_moment_nm", "N m", [1e4, 2e5], [2e3, 1e6], "moment at which the plates separate on one side: about the load times half the width of the plate; if absent, never; for rollover threshold and simulation").optional(),
+    number("lash_rad", "rad", [0.002, 0.12], [0.0, 0.35], "angle through which the separated plates move freely until the kingpin locks; for rollover threshold and simulation").optional().or(0.0, "none"),
 ];
 
 #[rustfmt::skip]
@@ -137,7 +145,7 @@ const TRACTOR: &[Key] = &[
     number("cg_height_m", "m", [0.7, 1.6], [0.4, 2.5], "height of the sprung c.g."),
     number("roll_inertia_kgm2", "kg m²", [1e3, 1.2e4], [250.0, 1e5], "roll inertia of the sprung mass about its c.g."),
     number("yaw_inertia_kgm2", "kg m²", [4e3, 8e4], [1.2e3, 8e5], "yaw inertia of the sprung mass about its c.g."),
-    number("pitch_inertia_kgm2", "kg m²", [4e3, 8e4], [1.2e3, 8e5], "pitch inertia of the sprung mass about its c.g.").optional(),
+    number("pitch_inertia_kgm2", "kg m²", [4e3, 8e4], [1.2e3, 8e5], "pitch inertia of the sprung mass about its c.g.; if absent, the yaw inertia; for the simulation").optional(),
     number("hitch_behind_cg_m", "m", [1.0, 5.0], [0.2, 9.0], "distance of the fifth wheel behind the sprung c.g."),
 ];
 
@@ -149,26 +157,26 @@ const TRACTOR_AXLE: &[Key] = &[
 
 #[rustfmt::skip]
 const TRAILER: &[Key] = &[
-    number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer if no other one is given"),
-    number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of its sprung c.g. if no other one is given"),
+    number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer, with axles and payload, if no other one is given"),
+    number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of the c.g. of its sprung mass if no other one is given"),
 ];
 
 #[rustfmt::skip]
 const TARE: &[Key] = &[
     number("sprung_mass_kg", "kg", [1.8e3, 1.5e4], [500.0, 8e4], "mass"),
     number("cg_behind_hitch_m", "m", [2.5, 10.0], [0.5, 20.0], "distance of its c.g. behind the fifth wheel"),
-    number("cg_height_m", "m", [0.8, 2.3], [0.4, 4.0], "height of its c.g."),
+    number("cg_height_m", "m", [0.8, 2.3], [0.4, 4.0], "height of its c.g., of the empty trailer at rest"),
     number("roll_inertia_kgm2", "kg m²", [1e3, 4e4], [250.0, 2.4e5], "roll inertia about its c.g."),
     number("yaw_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "yaw inertia about its c.g."),
-    number("pitch_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "pitch inertia about its c.g.").optional(),
+    number("pitch_inertia_kgm2", "kg m²", [8e3, 4e5], [2.5e3, 2.4e6], "pitch inertia about its c.g.; if absent, the yaw inertia; for the simulation").optional(),
 ];
 
 #[rustfmt::skip]
 const PAYLOAD: &[Key] = &[
     number("behind_hitch_m", "m", [2.0, 11.0], [0.3, 20.0], "distance of its c.g. behind the fifth wheel"),
     number("floor_height_m", "m", [0.6, 1.7], [0.2, 3.0], "height of the floor on which it stands"),
-    number("length_m", "m", [3.0, 16.0], [0.5, 40.0], "length of the box"),
-    number("width_m", "m", [1.8, 2.7], [0.5, 6.0], "width of the box"),
+    number("length_m", "m", [3.0, 16.0], [0.5, 40.0], "full length of the box"),
+    number("width_m", "m", [1.8, 2.7], [0.5, 6.0], "full width of the box"),
 ];
 
 #[rustfmt::skip]
@@ -191,7 +199,7 @@ const TRACTOR_ACCELEROMETER: &[Key] = &[
 
 #[rustfmt::skip]
 const LEVEL: &[Key] = &[
-    number("spread_m", "m", [0.5, 1.6], [0.2, 2.6], "lateral distance between the left and the right sensor"),
+    number("spread_m", "m", [0.5, 1.6], [0.2, 2.6], "full distance between the left and the right sensor, across the vehicle"),
     number("gain", "", [0.9, 1.1], [0.3, 3.0], "true change of the level divided by the measured one").optional(),
 ];
 
@@ -211,31 +219,31 @@ const AXLE: &[Key] = &[
     number("roll_inertia_kgm2", "kg m²", [150.0, 1200.0], [30.0, 5e3], "roll inertia of the axle about its c.g."),
     number("center_height_m", "m", [0.35, 0.62], [0.2, 1.0], "height of the axle's center: its c.g. and the wheel centers"),
     number("roll_center_height_m", "m", [0.25, 1.1], [0.02, 1.6], "height of the roll center of the suspension"),
-    number("spring_spread_m", "m", [0.5, 1.5], [0.3, 2.5], "distance between left and right springs"),
-    number("spring_stiffness_n_per_m", "N/m", [8e4, 4e6], [2e4, 1.5e7], "stiffness of one spring"),
+    number("spring_spread_m", "m", [0.5, 1.5], [0.3, 2.5], "full distance between the left and the right spring, from center to center"),
+    number("spring_stiffness_n_per_m", "N/m", [8e4, 4e6], [2e4, 1.5e7], "stiffness of one spring, of which an axle has two"),
     number("auxiliary_roll_stiffness_nm_per_rad", "N m/rad", [5e3, 1.5e6], [0.0, 5e6], "roll stiffness in addition to the springs (anti-roll bar)").optional().or(0.0, "none"),
     number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between body and axle").optional().or(0.0, "none"),
-    number("damper_spread_m", "m", [0.4, 1.9], [0.2, 2.6], "distance between left and right dampers").optional(),
-    other("spring", Kind::Text, "name of the measured spring").optional(),
-    other("leveled", Kind::Flag, "whether a leveling valve keeps the height of its air springs").optional(),
-    number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per roll angle between body and axle").optional(),
+    number("damper_spread_m", "m", [0.4, 1.9], [0.2, 2.6], "full distance between the left and the right damper; if absent, that of the springs; for the simulation").optional(),
+    other("spring", Kind::Text, "name of the measured spring; if absent, the springs are linear").optional(),
+    other("leveled", Kind::Flag, "whether a leveling valve keeps the height of its air springs; their stiffness is then that at the reference load").optional(),
+    number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per roll angle between body and axle; for rollover threshold and simulation").optional(),
     other("load_group", Kind::Whole, "axles of one unit with the same number share their load equally").optional(),
-    number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "height by which the unloaded springs lift the frame").optional().or(0.0, "none"),
+    number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "height by which the unloaded springs lift the frame; needed if the axle loads depend on stiffness, that is without load groups").optional().or(0.0, "none"),
     other("tyre", Kind::Text, "name of the tire type"),
-    number("tyre_positions_m", "m", [0.6, 1.3], [0.3, 2.0], "distances of one side's tires from the middle").list(),
+    number("tyre_positions_m", "m", [0.6, 1.3], [0.3, 2.0], "half widths: distances of the tires of one side from the middle of the axle, one for single and two for dual tires").list(),
 ];
 
 #[rustfmt::skip]
 const TYRE: &[Key] = &[
     other("name", Kind::Text, "its name"),
-    number("unloaded_radius_m", "m", [0.38, 0.62], [0.25, 1.0], "unloaded radius").optional(),
-    number("vertical_stiffness_n_per_m", "N/m", [4e5, 2e6], [1e5, 6e6], "vertical stiffness"),
+    number("unloaded_radius_m", "m", [0.38, 0.62], [0.25, 1.0], "unloaded radius; needed if the axle loads depend on stiffness").optional(),
+    number("vertical_stiffness_n_per_m", "N/m", [4e5, 2e6], [1e5, 6e6], "vertical stiffness of one tire"),
     number("overturning_stiffness_nm_per_rad", "N m/rad", [800.0, 4e4], [0.0, 2e5], "moment about the forward axis per camber angle").optional().or(0.0, "none"),
     number("load_n", "N", [500.0, 1e5], [0.0, 2e5], "loads of the two tables of stiffness").list().or(0.0, "no load"),
     number("cornering_stiffness_n_per_rad", "N/rad", [2e3, 1e6], [0.0, 3e6], "lateral force per slip angle at each load").list().or(0.0, "no load"),
     number("aligning_stiffness_nm_per_rad", "N m/rad", [120.0, 1e5], [0.0, 5e5], "aligning moment per slip angle at each load").list().or(0.0, "none"),
-    number("vertical_damping_ns_per_m", "N s/m", [100.0, 2e4], [0.0, 2e5], "vertical damping").optional().or(0.0, "none"),
-    number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle are effective").optional().or(0.0, "none"),
+    number("vertical_damping_ns_per_m", "N s/m", [100.0, 2e4], [0.0, 2e5], "vertical damping of one tire; for the simulation").optional().or(0.0, "none"),
+    number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle are effective; for the simulation").optional().or(0.0, "none"),
 ];
 
 #[rustfmt::skip]

@@ -1,0 +1,210 @@
+//! `cg vehicle check`: findings, loads, thresholds, and the parameters that matter most.
+
+use std::io::Write;
+
+use anyhow::Context;
+use cg_core::Channel;
+use cg_vehicle::balance::{StaticBalance, static_balance};
+use cg_vehicle::belief::Belief;
+use cg_vehicle::design::design;
+use cg_vehicle::finding::{Finding, Severity};
+use cg_vehicle::influence::{Influence, Influences, influences};
+use cg_vehicle::steady_turn::steady_turn_threshold_g;
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+use comfy_table::presets::NOTHING;
+use comfy_table::{CellAlignment, Table};
+use serde_json::{Value, json};
+
+use super::args::CheckArgs;
+use crate::args::ModelFormat;
+use crate::outcome::Outcome;
+use crate::truck;
+
+/// Number of parameters in the table.
+const MOST: usize = 5;
+
+/// What is computed for one load.
+struct Loaded {
+    name: &'static str,
+    load: Load,
+    balance: StaticBalance,
+    threshold_g: f64,
+}
+
+/// Everything that the command prints.
+struct Report {
+    vehicle: Vehicle,
+    findings: Vec<Finding>,
+    speed_mps: f64,
+    loads: [Loaded; 2],
+    influences: Influences,
+}
+
+pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<Outcome> {
+    let (vehicle, findings) = truck::load_checked(&arguments.vehicle)?;
+    let report = report(arguments, vehicle, findings)?;
+    let mut out = std::io::stdout().lock();
+    match arguments.format {
+        // The line is formatted first, so that it is written completely or not at all.
+        ModelFormat::Json => writeln!(out, "{}", describe(&report)),
+        ModelFormat::Table => print(&mut out, &report),
+    }
+    .context("standard output: cannot be written")?;
+    Ok(Outcome::Done)
+}
+
+fn report(
+    arguments: &CheckArgs,
+    vehicle: Vehicle,
+    findings: Vec<Finding>,
+) -> anyhow::Result<Report> {
+    let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
+    let laden = arguments.load.load(&vehicle);
+    let empty = Load {
+        trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
+        cg_height_m: vehicle.trailer.tare.cg_height_m,
+    };
+    let loaded = |name, load: Load| -> Result<Loaded, VehicleError> {
+        load.check()?;
+        let balance = static_balance(&vehicle, load)?;
+        let threshold_g = steady_turn_threshold_g(&vehicle, load, speed_mps)?;
+        Ok(Loaded { name, load, balance, threshold_g })
+    };
+    let loads = [loaded("empty", empty)?, loaded("laden", laden)?];
+    // What every estimate needs.
+    design(&vehicle, Variant::Complete)?;
+    let influences = influences(&vehicle, &Belief::prior(&vehicle), speed_mps, laden)?;
+    Ok(Report { vehicle, findings, speed_mps, loads, influences })
+}
+
+fn describe(report: &Report) -> Value {
+    let vehicle = &report.vehicle;
+    let kg = |load_n: f64| load_n / vehicle.gravity_mps2;
+    let finding = |finding: &Finding| {
+        json!({
+            "severity": if finding.severity == Severity::Error { "error" } else { "warning" },
+            "line": finding.line,
+            "column": finding.column,
+            "key": finding.key,
+            "value": finding.value,
+            "problem": finding.problem,
+            "usual": finding.usual,
+            "remedy": finding.remedy,
+        })
+    };
+    let mut object = json!({
+        "vehicle": vehicle.name,
+        "speed_mps": report.speed_mps,
+        "findings": report.findings.iter().map(finding).collect::<Vec<_>>(),
+        "parameters": report.influences.parameters.iter().map(|one| json!({
+            "parameter": one.parameter,
+            "sd": one.sd,
+            "height_relative_sd": of_channels(one.height_sd),
+        })).collect::<Vec<_>>(),
+        "height_relative_sd": of_channels(report.influences.height_sd),
+    });
+    for loaded in &report.loads {
+        let axles = loaded.balance.axle_load_n.iter().map(|n| kg(*n)).collect::<Vec<_>>();
+        object[loaded.name] = json!({
+            "trailer_mass_kg": loaded.load.trailer_mass_kg,
+            "height_m": loaded.load.cg_height_m,
+            "axle_load_kg": axles,
+            "fifth_wheel_load_kg": kg(loaded.balance.hitch_load_n),
+            "rollover_threshold_g": loaded.threshold_g,
+        });
+    }
+    object
+}
+
+fn of_channels(values: [f64; Channel::ALL.len()]) -> Value {
+    let named = Channel::ALL.map(|channel| (channel.to_string(), json!(values[channel.index()])));
+    Value::Object(named.into_iter().collect())
+}
+
+fn print(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
+    let findings = match report.findings.len() {
+        0 => "no findings".to_owned(),
+        1 => "1 warning, see above".to_owned(),
+        n => format!("{n} warnings, see above"),
+    };
+    writeln!(out, "{}: {findings}", report.vehicle.name)?;
+    let [empty, laden] = &report.loads;
+    writeln!(
+        out,
+        "Laden: trailer {:.0} kg, c.g. height {:.3} m; both at {:.2} m/s\n\n{}",
+        laden.load.trailer_mass_kg,
+        laden.load.cg_height_m,
+        report.speed_mps,
+        loads(&report.vehicle, empty, laden).trim_fmt()
+    )?;
+    writeln!(
+        out,
+        "\nStandard deviation of the laden height in % of it, by the pair of signals (channel), \
+         before a calibration\n\n{}",
+        parameters(&report.influences).trim_fmt()
+    )
+}
+
+/// A table without lines whose columns are aligned to the right, except the first.
+fn plain(header: Vec<&str>, rows: impl IntoIterator<Item = Vec<String>>) -> Table {
+    let mut table = Table::new();
+    table.load_preset(NOTHING).set_header(header).add_rows(rows);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+fn loads(vehicle: &Vehicle, empty: &Loaded, laden: &Loaded) -> Table {
+    let tons = |load_n: f64| format!("{:.2} t", load_n / vehicle.gravity_mps2 / 1e3);
+    let row = |name: &str, value: &dyn Fn(&Loaded) -> String| {
+        vec![name.to_owned(), value(empty), value(laden)]
+    };
+    let mut rows = Vec::new();
+    let tractor = vehicle.tractor.axle.len();
+    for (i, axle) in vehicle.axles().iter().enumerate() {
+        let name = match (axle.on_trailer, axle.steered) {
+            (true, _) => format!("trailer axle {}", i + 1 - tractor),
+            (false, true) => format!("tractor axle {}, steered", i + 1),
+            (false, false) => format!("tractor axle {}", i + 1),
+        };
+        rows.push(row(&name, &|loaded| tons(loaded.balance.axle_load_n[i])));
+    }
+    rows.push(row("all axles", &|loaded| tons(loaded.balance.axle_load_n.iter().sum())));
+    rows.push(row("fifth wheel", &|loaded| tons(loaded.balance.hitch_load_n)));
+    rows.push(row("c.g. height of the trailer", &|loaded| {
+        format!("{:.2} m", loaded.load.cg_height_m)
+    }));
+    rows.push(row("rollover threshold", &|loaded| format!("{:.2} g", loaded.threshold_g)));
+    plain(vec!["", "empty", "laden"], rows)
+}
+
+fn parameters(all: &Influences) -> Table {
+    let percent = |values: [f64; Channel::ALL.len()]| {
+        Channel::ALL.map(|channel| format!("{:.1}", 100.0 * values[channel.index()]))
+    };
+    let sd = |one: &Influence| {
+        if one.parameter.is_factor() {
+            format!("{:.0} %", 100.0 * one.sd)
+        } else {
+            format!("{:.2} m", one.sd)
+        }
+    };
+    let mut rows: Vec<Vec<String>> = all
+        .parameters
+        .iter()
+        .take(MOST)
+        .map(|one| {
+            let mut row = vec![one.parameter.words().to_owned(), sd(one)];
+            row.extend(percent(one.height_sd));
+            row
+        })
+        .collect();
+    let mut together = vec!["all parameters and the rest of the model".to_owned(), String::new()];
+    together.extend(percent(all.height_sd));
+    rows.push(together);
+    let mut header = vec!["these matter most", "sd"];
+    let words: Vec<String> = Channel::ALL.iter().map(ToString::to_string).collect();
+    header.extend(words.iter().map(String::as_str));
+    plain(header, rows)
+}

@@ -1,0 +1,132 @@
+//! `cg vehicle`: from a new vehicle file to a height.
+
+use serde_json::Value;
+
+use crate::common::{Run, Scratch, cg, command, estimate, height_m, kraz};
+
+const KINDS: [&str; 3] = ["4x2-3axle", "6x4-2axle", "6x4-3axle"];
+
+fn new(scratch: &Scratch, kind: &str) -> String {
+    let file = scratch.path("truck.toml");
+    let run = cg(&["vehicle", "new", "--kind", kind, "-o", &file]).done();
+    assert!(run.out.is_empty(), "{run:?}");
+    file
+}
+
+fn check(file: &str, more: &[&str]) -> Value {
+    cg(&[&["vehicle", "check", file, "--format", "json"], more].concat()).done().answer()
+}
+
+/// What a new user does: write the file, check it, drive, estimate.
+#[test]
+fn a_new_truck_gives_a_height() {
+    for kind in KINDS {
+        let scratch = Scratch::new();
+        let file = new(&scratch, kind);
+        assert_eq!(check(&file, &[])["findings"], Value::Array(Vec::new()), "{kind}");
+        let drive = ["--maneuver", "drive", "--plant", "nonlinear", "--height-m", "2.2"];
+        let more = ["--snr-db", "30", "--duration-s", "120"];
+        let log = scratch.simulate("log.csv", &file, &[&drive[..], &more].concat());
+        let run = estimate(&log, &file, &[]).done();
+        let answer = run.answer();
+        // The plant is the truck of the file, so only noise and the plant's nonlinearity differ; the
+        // interval contains the uncertainty of the file.
+        let height = height_m(&answer);
+        assert!((height / 2.2 - 1.0).abs() < 0.02, "{kind}: {height}");
+        let sd = answer["height_sd_m"].as_f64().unwrap();
+        assert!((0.08..0.4).contains(&sd), "{kind}: ± {sd}");
+    }
+}
+
+/// The commands of docs/vehicle.md, one after the other in one folder.
+#[test]
+fn the_steps_of_the_page_lead_to_a_height() {
+    let page = cg(&["vehicle", "doc"]).done().out;
+    let steps = page.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
+    let scratch = Scratch::new();
+    let mut outputs = Vec::new();
+    for line in steps.lines().filter_map(|line| line.strip_prefix("cg ")) {
+        let arguments: Vec<&str> = line.split(" #").next().unwrap().split_whitespace().collect();
+        let mut command = command(&arguments);
+        let run = Run::from(command.current_dir(scratch.path("")).output().unwrap()).done();
+        outputs.push(run.out);
+    }
+    assert_eq!(outputs.len(), 4);
+    assert!(outputs[1].contains("no findings"), "{outputs:?}");
+    let height = outputs[3].split(" ± ").next().unwrap().split_whitespace().last().unwrap();
+    let height_m: f64 = height.parse().unwrap();
+    // The page simulates 2.2 m, with the truck that it estimates.
+    assert!((height_m / 2.2 - 1.0).abs() < 0.02, "{}", outputs[3]);
+}
+
+#[test]
+fn a_new_file_replaces_no_other() {
+    let scratch = Scratch::new();
+    let file = new(&scratch, KINDS[0]);
+    let again = ["vehicle", "new", "--kind", KINDS[1], "-o", &file];
+    cg(&again).refused(&[&file, "exists already", "--output", "--force"]);
+    let before = std::fs::read_to_string(&file).unwrap();
+    assert!(before.contains("4x2 tractor"), "{before}");
+    cg(&[&again[..], &["--force"]].concat()).done();
+    assert!(std::fs::read_to_string(&file).unwrap().contains("6x4 tractor"));
+    cg(&["vehicle", "new", "--kind", "8x4", "-o", &file]).refused(&["8x4", "4x2-3axle", "--kind"]);
+}
+
+#[test]
+fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
+    let answer = check(&kraz(), &["--payload-kg", "15000", "--height-m", "1.9"]);
+    let number = |value: &Value| value.as_f64().unwrap();
+    let (empty, laden) = (&answer["empty"], &answer["laden"]);
+    // The masses of the file: sprung masses and axles.
+    let tractor_kg = 10_000.0 + 996.0 + 2.0 * 1226.0;
+    for (loaded, trailer_kg) in [(empty, 8684.0), (laden, 23_684.0)] {
+        assert!((number(&loaded["trailer_mass_kg"]) - trailer_kg).abs() < 1e-6);
+        let axles = loaded["axle_load_kg"].as_array().unwrap();
+        let all_kg: f64 = axles.iter().map(number).sum();
+        assert!((all_kg / (tractor_kg + trailer_kg) - 1.0).abs() < 1e-9, "{all_kg}");
+    }
+    assert!((number(&laden["height_m"]) - 1.9).abs() < 1e-12);
+    assert!(number(&laden["rollover_threshold_g"]) < number(&empty["rollover_threshold_g"]));
+    let parameters = answer["parameters"].as_array().unwrap();
+    assert_eq!(parameters.len(), 16);
+    assert_eq!(parameters[0]["parameter"], "trailer_roll_stiffness");
+    for channel in ["steer", "lateral-acceleration", "suspension", "tractor"] {
+        let squares: f64 =
+            parameters.iter().map(|one| number(&one["height_relative_sd"][channel]).powi(2)).sum();
+        let all = number(&answer["height_relative_sd"][channel]);
+        // The parameters are independent; the rest of the model is added.
+        assert!(squares.sqrt() < all && squares.sqrt() > 0.9 * all, "{channel}: {squares} {all}");
+    }
+    let run = cg(&["vehicle", "check", &kraz()]).done();
+    for part in ["no findings", "tractor axle 1, steered", "rollover threshold", "matter most"] {
+        assert!(run.out.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn the_check_shows_warnings_and_refuses_errors() {
+    let scratch = Scratch::new();
+    let file = new(&scratch, KINDS[0]);
+    let text = std::fs::read_to_string(&file).unwrap();
+    let odd = text.replacen("spring_spread_m = 0.82", "spring_spread_m = 0.41", 1);
+    let odd = scratch.file("odd.toml", odd);
+    let key = "tractor.axle[0].spring_spread_m";
+    let run = cg(&["vehicle", "check", &odd, "--format", "json"]).told(0, &[key, "warning"]);
+    let answer = run.answer();
+    assert_eq!(answer["findings"][0]["key"], key);
+    assert_eq!(answer["findings"][0]["severity"], "warning");
+    let run = cg(&["vehicle", "check", &odd]).told(0, &[key]);
+    assert!(run.out.contains("warning"), "{}", run.out);
+    let wrong = text.replacen("spring_spread_m = 0.82", "spring_spread_m = 820", 1);
+    let wrong = scratch.file("wrong.toml", wrong);
+    cg(&["vehicle", "check", &wrong]).refused(&[key, "820 mm would be usual"]);
+    cg(&["vehicle", "check", &file, "--trailer-mass-kg", "1000"]).refused(&["1000 kg", "empty"]);
+}
+
+#[test]
+fn schema_and_page_are_printed() {
+    let schema = cg(&["vehicle", "schema"]).done();
+    assert!(serde_json::from_str::<Value>(&schema.out).unwrap()["properties"]["hitch"].is_object());
+    let page = cg(&["vehicle", "doc"]).done();
+    assert!(page.out.starts_with("# Vehicle files\n"));
+}

@@ -1,0 +1,131 @@
+"""Vehicle files: templates, changes, schema."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import tomllib
+
+import jsonschema
+import numpy as np
+import pytest
+
+import cgheight
+from conftest import FIXTURES, cg
+
+KINDS = ["4x2-3axle", "6x4-2axle", "6x4-3axle"]
+SCHEMA = json.loads((FIXTURES.parent / "docs" / "vehicle.schema.json").read_text())
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+FILES = sorted((FIXTURES / "vehicles").glob("*.toml"))
+
+
+@pytest.fixture
+def truck() -> cgheight.Vehicle:
+    return cgheight.Vehicle.template("4x2-3axle")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_template_is_the_file_of_the_command_line(kind, tmp_path):
+    path = tmp_path / "truck.toml"
+    subprocess.run([cg(), "vehicle", "new", "--kind", kind, "-o", path], check=True)
+    truck = cgheight.Vehicle.template(kind)
+    assert truck.toml == path.read_text()
+    assert truck.name == cgheight.Vehicle.load(path).name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_new_truck_gives_a_height(kind):
+    truck = cgheight.Vehicle.template(kind).with_({"trailer.payload.floor_height_m": 1.3})
+    log = cgheight.simulate(truck, cgheight.Scenario(maneuver="drive", height_m=2.1))
+    answer = cgheight.estimate(**log.signals, vehicle=truck)
+    # The linear plant has the equations of the design, and the sensors have no errors.
+    assert answer.height_m == pytest.approx(2.1, rel=0.01)
+
+
+def test_the_example_of_the_page_writes_a_vehicle_file(tmp_path, monkeypatch):
+    page = (FIXTURES.parent / "docs" / "vehicle.md").read_text()
+    monkeypatch.chdir(tmp_path)
+    exec(page.split("```python\n")[1].split("```")[0], {})
+    truck = cgheight.Vehicle.load("truck.toml")
+    assert truck.name == "truck 7"
+    assert truck.empty_trailer_mass_kg == 4800.0 + 3 * 750.0
+
+
+def test_an_unknown_kind_lists_those_there_are():
+    with pytest.raises(ValueError, match='kind is "8x4": it must be "4x2-3axle", "6x4-2axle" or'):
+        cgheight.Vehicle.template("8x4")
+
+
+def test_values_change_by_path_by_dict_and_by_keyword(truck):
+    changed = truck.with_(
+        {"trailer.axle[2].spring_spread_m": np.float64(1.3), "trailer.reference_mass_kg": 30000},
+        name="truck 7",
+        trailer={"tare": {"sprung_mass_kg": np.float32(4800.0)}},
+        road={"bank_sd_rad": 0.01},
+    )
+    old, new = tomllib.loads(truck.toml), tomllib.loads(changed.toml)
+    assert changed.name == "truck 7"
+    assert changed.reference_trailer_mass_kg == 30000.0
+    assert changed.empty_trailer_mass_kg == truck.empty_trailer_mass_kg + 400.0
+    old["name"] = "truck 7"
+    old["road"] = {"bank_sd_rad": 0.01}
+    old["trailer"]["reference_mass_kg"] = 30000
+    old["trailer"]["tare"]["sprung_mass_kg"] = 4800.0
+    old["trailer"]["axle"][2]["spring_spread_m"] = 1.3
+    assert new == old
+    assert truck.name != "truck 7"
+
+
+def test_a_change_is_checked_like_a_file(truck):
+    with pytest.raises(ValueError, match=r"with changes:\d+:\d+: trailer\.payload\.width_m = 2480"):
+        truck.with_({"trailer.payload.width_m": 2480.0})
+    with pytest.raises(ValueError, match="unknown field `paint`"):
+        truck.with_(paint="red")
+    with pytest.raises(ValueError, match=r"tractor\.axle\[4\]\.steered"):
+        truck.with_({"tractor.axle[4].steered": True})
+    with pytest.raises(ValueError, match=r"trailer\.payload\.width_m is None"):
+        truck.with_({"trailer.payload.width_m": None})
+    with pytest.warns(UserWarning, match="nominal_speed_mps = 2: is unusually small"):
+        truck.with_(nominal_speed_mps=2)
+
+
+def test_a_changed_vehicle_keeps_its_roads_and_is_pickled(truck):
+    changed = truck.on_road("flat").with_({"tractor.cg_height_m": 1.15})
+    assert tomllib.loads(changed.toml)["road"] == {"bank_sd_rad": 0.0}
+    again = pickle.loads(pickle.dumps(changed))
+    assert again.toml == changed.toml
+    assert tomllib.loads(again.toml)["tractor"]["cg_height_m"] == 1.15
+
+
+def test_a_calibration_belongs_to_the_unchanged_vehicle(kraz, tmp_path):
+    log = FIXTURES / "logs" / "A_p10_h170_v50_L.csv"
+    cgheight.calibrate(kraz, [(log, 1.7)], tmp_path / "c.toml")
+    calibrated = kraz.calibrated(tmp_path / "c.toml")
+    assert calibrated.is_calibrated
+    assert not calibrated.with_(name="other").is_calibrated
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_the_schema_accepts_every_vehicle_file(path):
+    VALIDATOR.validate(tomllib.loads(path.read_text()))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_schema_refuses_what_the_check_refuses(kind):
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    whole = tomllib.loads(cgheight.Vehicle.template(kind).toml)
+    VALIDATOR.validate(whole)
+    for table, key, value, message in [
+        ("payload", "width_m", 2480.0, "2480.0 is greater than the maximum"),
+        ("payload", "width", 2.4, "'width' was unexpected"),
+        ("tare", "cg_height_m", "high", "'high' is not of type 'number'"),
+        ("tare", "cg_height_m", None, "'cg_height_m' is a required property"),
+    ]:
+        root = tomllib.loads(cgheight.Vehicle.template(kind).toml)
+        if value is None:
+            del root["trailer"][table][key]
+        else:
+            root["trailer"][table][key] = value
+        with pytest.raises(jsonschema.ValidationError, match=message):
+            VALIDATOR.validate(root)
