@@ -98,14 +98,14 @@ pub(crate) fn equations(
             + rise_m * sprung.mass_kg / printed.trailer_mass_kg,
     };
     let (rows, steer) = c.rows(vehicle.hitch.roll_stiffness_nm_per_rad, vehicle);
-    let mut e = Equations::zeros(c.axles.len(), speed_mps);
+    let mut e = Equations::zeros(c.axles.len(), None, speed_mps);
     for (i, row) in rows.iter().enumerate() {
         set_row(&mut e, i, row);
         e.steer[i] = -steer[i];
     }
     // Lateral acceleration of the sprung c.g.: s V2 + u s Ψ2, to the left.
     let lateral = c.trailer_velocity().derivative().plus(column::YAW_2, 1, speed_mps);
-    let mut row = Equations::zeros(c.axles.len(), speed_mps);
+    let mut row = Equations::zeros(c.axles.len(), None, speed_mps);
     set_row(&mut row, 0, &lateral);
     e.lateral_rate = -row.mass.row(0).transpose();
     e.lateral_bias = -row.damping.row(0).transpose();

@@ -64,11 +64,13 @@ pub enum Parameter {
     SuspensionRollGain,
     /// Suspension roll of the tractor divided by that of the model, factor.
     TractorSuspensionRollGain,
+    /// Torsional stiffness of the trailer's frame, factor.
+    FrameTorsionalStiffness,
 }
 
 impl Parameter {
     /// All parameters, in the order of [`Deviations`].
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::TrailerRollStiffness,
         Self::TractorRollStiffness,
         Self::RollCenterHeight,
@@ -85,6 +87,7 @@ impl Parameter {
         Self::TractorSpecificForceGain,
         Self::SuspensionRollGain,
         Self::TractorSuspensionRollGain,
+        Self::FrameTorsionalStiffness,
     ];
 
     /// The name of the parameter in words.
@@ -106,6 +109,7 @@ impl Parameter {
             Self::TractorSpecificForceGain => "specific-force gain, tractor",
             Self::SuspensionRollGain => "suspension-roll gain, trailer",
             Self::TractorSuspensionRollGain => "suspension-roll gain, tractor",
+            Self::FrameTorsionalStiffness => "trailer frame torsional stiffness",
         }
     }
 
@@ -157,6 +161,13 @@ impl Belief {
             Parameter::RollCenterHeight => u.roll_center_height_sd_m,
             Parameter::TractorCgHeight => u.tractor_cg_height_sd_m,
             Parameter::FifthWheelStiffness => u.fifth_wheel_stiffness_sd,
+            // A rigid frame stays rigid.
+            Parameter::FrameTorsionalStiffness => {
+                match vehicle.trailer.frame_torsional_stiffness_nm_per_rad {
+                    Some(_) => u.frame_torsional_stiffness_sd,
+                    None => 0.0,
+                }
+            }
             Parameter::TyreVerticalStiffness => u.tyre_vertical_stiffness_sd,
             Parameter::SteeredCorneringStiffness
             | Parameter::DriveCorneringStiffness
@@ -328,6 +339,9 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     let mut moved = vehicle.clone();
     moved.tractor.cg_height_m += value(deviations, Parameter::TractorCgHeight);
     moved.hitch.roll_stiffness_nm_per_rad *= factor(Parameter::FifthWheelStiffness);
+    if let Some(stiffness) = &mut moved.trailer.frame_torsional_stiffness_nm_per_rad {
+        *stiffness *= factor(Parameter::FrameTorsionalStiffness);
+    }
     moved.tyre.clear();
     let find = |axle: &Axle| vehicle.tyre.iter().find(|tyre| tyre.name == axle.tyre);
     let vertical = factor(Parameter::TyreVerticalStiffness);

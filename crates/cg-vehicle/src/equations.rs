@@ -1,11 +1,12 @@
 //! The equations of motion as matrices, and their state-space form.
 
-use std::ops::SubAssign;
+use std::ops::{AddAssign, SubAssign};
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::response::StateSpace;
+use crate::twisting::Twisting;
 
 /// Version of the equations of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -67,6 +68,11 @@ pub struct Equations {
     pub(crate) gravity_mps2: f64,
     /// What sensors fixed to the tractor and to the trailer measure.
     pub(crate) units: [UnitSensors; 2],
+    /// Number of axles.
+    pub(crate) axles: usize,
+    /// The front half of a twisting trailer, whose roll follows the axles in `w` and in `q`. `ROLL_2` is
+    /// then the roll of the rear half.
+    pub(crate) twisting: Option<Twisting>,
 }
 
 /// The sensors of the tractor or of the trailer.
@@ -79,8 +85,9 @@ pub(crate) struct UnitSensors {
 }
 
 impl Equations {
-    pub(crate) fn zeros(axles: usize, speed_mps: f64) -> Self {
-        let (nw, nq) = (w::AXLE + axles, q::AXLE + axles);
+    pub(crate) fn zeros(axles: usize, twisting: Option<Twisting>, speed_mps: f64) -> Self {
+        let bodies = usize::from(twisting.is_some());
+        let (nw, nq) = (w::AXLE + axles + bodies, q::AXLE + axles + bodies);
         Self {
             speed_mps,
             mass: DMatrix::zeros(nw, nw),
@@ -93,7 +100,29 @@ impl Equations {
             gravity_mps2: 0.0,
             units: [(); 2]
                 .map(|()| UnitSensors { accelerometer: DVector::zeros(nw), axles: Vec::new() }),
+            axles,
+            twisting,
         }
+    }
+
+    /// Roll rate and roll angle of the body on the fifth wheel: the trailer, or its front half.
+    pub(crate) fn on_hitch(&self) -> (usize, usize) {
+        match self.twisting {
+            Some(_) => (w::AXLE + self.axles, q::AXLE + self.axles),
+            None => (w::ROLL_2, q::ROLL_2),
+        }
+    }
+
+    /// Roll angle at a sensor on the trailer as a row on q; `share` is that of the front half.
+    pub(crate) fn trailer_roll(&self, share: impl Fn(&Twisting) -> f64) -> DVector<f64> {
+        let mut row = DVector::zeros(self.stiffness.ncols());
+        row[q::ROLL_2] = 1.0;
+        if let Some(twisting) = &self.twisting {
+            let (share, (_, front)) = (share(twisting), self.on_hitch());
+            row[q::ROLL_2] -= share;
+            row[front] += share;
+        }
+        row
     }
 
     /// The state-space form, with every response as an output.
@@ -108,10 +137,11 @@ impl Equations {
         let mut a = DMatrix::zeros(nw + nq, nw + nq);
         a.view_mut((0, 0), (nw, nw)).copy_from(&rates(-&self.damping)?);
         let mut stiffness = self.stiffness.clone();
-        for (velocity, angle) in [(w::ROLL_1, q::ROLL_1), (w::ROLL_2, q::ROLL_2)] {
+        let (rate, roll) = self.on_hitch();
+        for (velocity, angle) in [(w::ROLL_1, q::ROLL_1), (rate, roll)] {
             stiffness[(velocity, angle)] += self.hitch_roll_stiffness;
         }
-        for (velocity, angle) in [(w::ROLL_1, q::ROLL_2), (w::ROLL_2, q::ROLL_1)] {
+        for (velocity, angle) in [(w::ROLL_1, roll), (rate, q::ROLL_1)] {
             stiffness[(velocity, angle)] -= self.hitch_roll_stiffness;
         }
         a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-stiffness)?);
@@ -128,18 +158,23 @@ impl Equations {
             row[i] = 1.0;
             row
         };
+        let angles = |row: &DVector<f64>| {
+            let mut whole = DVector::zeros(nw + nq);
+            whole.rows_mut(nw, nq).copy_from(row);
+            whole
+        };
         let mut lateral = (self.lateral_rate.transpose() * a.rows(0, nw)).transpose();
         for i in 0..nw {
             lateral[i] += self.lateral_bias[i];
         }
         Ok(StateSpace {
-            trailer_roll: state(nw + q::ROLL_2),
+            trailer_roll: angles(&self.trailer_roll(|twisting| twisting.roll_share)),
             tractor_roll: state(nw + q::ROLL_1),
             trailer_yaw_rate: state(w::YAW_2),
             tractor_yaw_rate: state(w::YAW_1),
             articulation: state(nw + q::ARTICULATION),
             tractor_lateral_velocity: state(w::LATERAL),
-            axle_roll: (q::AXLE..nq).map(|i| state(nw + i)).collect(),
+            axle_roll: (0..self.axles).map(|i| state(nw + q::AXLE + i)).collect(),
             lateral_feedthrough: self.lateral_rate.dot(&kick),
             lateral_acceleration: lateral,
             suspension_roll: [0, 1].map(|unit| {
@@ -151,12 +186,22 @@ impl Equations {
                 let rate = &self.units[unit].accelerometer;
                 let mut row = (rate.transpose() * a.rows(0, nw)).transpose();
                 row[w::YAW_1] += self.speed_mps;
-                row[nw + q::ROLL_1 + unit] += self.gravity_mps2;
+                row.rows_mut(nw, nq).add_assign(&(self.gravity_mps2 * self.roll_at_force(unit)));
                 (row, rate.dot(&kick))
             }),
             a,
             b,
         })
+    }
+
+    /// Roll angle of the accelerometer of a unit as a row on q.
+    pub(crate) fn roll_at_force(&self, unit: usize) -> DVector<f64> {
+        if unit == 1 {
+            return self.trailer_roll(|twisting| twisting.accelerometer_share);
+        }
+        let mut row = DVector::zeros(self.stiffness.ncols());
+        row[q::ROLL_1] = 1.0;
+        row
     }
 
     /// Mean roll angle of the axles relative to which the suspension roll of a unit is measured, as a
@@ -186,8 +231,9 @@ impl Equations {
         s.view_mut((0, 2), (nw, nq)).copy_from(&self.stiffness);
         if own > 0 {
             let (angles, moment) = (2, nw);
-            (s[(w::ROLL_1, moment)], s[(w::ROLL_2, moment)]) = (1.0, -1.0);
-            (s[(moment, angles + q::ROLL_1)], s[(moment, angles + q::ROLL_2)]) = (1.0, -1.0);
+            let (rate, roll) = self.on_hitch();
+            (s[(w::ROLL_1, moment)], s[(rate, moment)]) = (1.0, -1.0);
+            (s[(moment, angles + q::ROLL_1)], s[(moment, angles + roll)]) = (1.0, -1.0);
             s[(moment, moment)] = -1.0 / self.hitch_roll_stiffness;
         }
         (s, b)

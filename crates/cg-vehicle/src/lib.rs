@@ -55,6 +55,7 @@ pub mod characteristics;
 pub mod guide;
 mod measured_springs;
 mod leveled;
+mod twisting;
 pub mod system;
 mod output_error;
 pub mod response;

@@ -29,6 +29,7 @@ use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
 use crate::load::{Load, SprungMass};
 use crate::response::StateSpace;
+use crate::twisting::{DAMPING_S, Twisting, halves};
 use crate::vehicle::{Hitch, PlacedAxle, Tractor, Vehicle};
 
 impl Equations {
@@ -46,16 +47,22 @@ impl Equations {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
         }
+        if variant == Variant::AsPrinted && Twisting::of(vehicle).is_some() {
+            return Err(VehicleError::Model(
+                "the printed model has a rigid frame: remove trailer.frame_torsional_stiffness_nm_per_rad"
+                    .to_owned(),
+            ));
+        }
         let mut equations = match variant {
             Variant::Complete => complete(vehicle, speed_mps, load),
             Variant::AsPrinted => as_printed::equations(vehicle, speed_mps, load),
         }?;
-        equations.place_sensors(vehicle, load.cg_height_m, vehicle.trailer_sprung_mass(load)?);
+        equations.place_sensors(vehicle);
         Ok(equations)
     }
 
     /// Sets what the accelerometers and the sensors of suspension roll measure.
-    fn place_sensors(&mut self, vehicle: &Vehicle, cg_height_m: f64, sprung: SprungMass) {
+    fn place_sensors(&mut self, vehicle: &Vehicle) {
         let (tractor, hitch, sensors) = (&vehicle.tractor, &vehicle.hitch, &vehicle.sensors);
         let (ahead_m, behind_m) = vehicle.accelerometer_positions_m();
         self.gravity_mps2 = vehicle.gravity_mps2;
@@ -68,10 +75,13 @@ impl Equations {
             .moved(w::ROLL_1, tractor.cg_height_m - place.height_m)
             .velocity;
         let place = &sensors.accelerometer;
-        let trailer_cg = trailer_cg(&tractor_cg, tractor, hitch, cg_height_m, &sprung);
-        self.units[1].accelerometer = trailer_cg
-            .moved(w::YAW_2, sprung.cg_behind_hitch_m - behind_m)
-            .moved(w::ROLL_2, cg_height_m - place.height_m)
+        let at_hitch = at_hitch(&tractor_cg, tractor, hitch).moved(w::YAW_2, -behind_m);
+        let (front, _) = self.on_hitch();
+        let share = self.twisting.as_ref().map_or(0.0, |twisting| twisting.accelerometer_share);
+        let below_m = hitch.height_m - place.height_m;
+        self.units[1].accelerometer = at_hitch
+            .moved(w::ROLL_2, (1.0 - share) * below_m)
+            .moved(front, share * below_m)
             .velocity;
         for (unit, sensors) in self.units.iter_mut().enumerate() {
             let axles = vehicle.axles_of_unit(unit == 1);
@@ -88,18 +98,19 @@ const STEADY_ANGLES: usize = 2;
 /// pair of them follows.
 ///
 /// By Cramer's rule each unknown of the steady state is a determinant divided by the same
-/// determinant `D`. The height occurs in one row only, so all of them are linear in it.
+/// determinant `D`. The height occurs in one row only, so all of them are linear in it. With a frame
+/// that twists it occurs in two rows; the lines are then those whose quotient is exact at three heights.
 #[derive(Clone, Debug)]
 pub struct SteadyLines {
-    /// The determinants at the height of the load and half a meter above: the unknowns times `D`.
-    unknowns: [DVector<f64>; 2],
-    determinant: [f64; 2],
+    /// The determinants at the height of the load, above and below: the unknowns times `D`.
+    unknowns: [DVector<f64>; 3],
+    determinant: [f64; 3],
     equations: Equations,
     cg_height_m: f64,
 }
 
-/// Any two heights are possible, because the determinants are exactly linear. With half a meter the
-/// rounding error is small.
+/// For a rigid frame any heights are possible, because the determinants are exactly linear. With half a
+/// meter the rounding error is small, and the heights of a frame that twists span the usual ones.
 const STEP_M: f64 = 0.5;
 
 impl SteadyLines {
@@ -124,10 +135,17 @@ impl SteadyLines {
             Ok::<_, VehicleError>((equations, unknowns, determinant))
         };
         let (equations, here, determinant) = at(load.cg_height_m)?;
-        let (_, above, its_determinant) = at(load.cg_height_m + STEP_M)?;
+        let (_, above, of_above) = at(load.cg_height_m + STEP_M)?;
+        let (below, of_below) = match equations.twisting {
+            Some(_) => {
+                let (_, below, of_below) = at(load.cg_height_m - STEP_M)?;
+                (below, of_below)
+            }
+            None => (here.clone() * 2.0 - &above, 2.0 * determinant - of_above),
+        };
         Ok(Self {
-            unknowns: [here, above],
-            determinant: [determinant, its_determinant],
+            unknowns: [here, above, below],
+            determinant: [determinant, of_above, of_below],
             equations,
             cg_height_m: load.cg_height_m,
         })
@@ -136,9 +154,17 @@ impl SteadyLines {
     /// The DC ratio of a pair as a function of the height (eq. 5.17), in rad per unit of the input.
     /// It is scaled to `b0 + b1 h = 1` at the height of the load.
     pub fn line(&self, output: Output, input: Input) -> RatioLine<f64> {
-        let ([n0, n1], [d0, d1]) =
-            ([0, 1].map(|k| self.output(output, k)), [0, 1].map(|k| self.input(input, k)));
-        let (a1, b1) = ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0);
+        let ([n0, n1, n2], [d0, d1, d2]) =
+            ([0, 1, 2].map(|k| self.output(output, k)), [0, 1, 2].map(|k| self.input(input, k)));
+        let (a1, b1) = match self.equations.twisting {
+            None => ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0),
+            Some(_) => {
+                // (r0 + a x)/(1 + b x) = r1 at x = 1 and r2 at x = −1.
+                let (r0, r1, r2) = (n0 / d0, n1 / d1, n2 / d2);
+                let b = (r1 + r2 - 2.0 * r0) / (r2 - r1);
+                ((r1 * (1.0 + b) - r0) / STEP_M, b / STEP_M)
+            }
+        };
         RatioLine { a0: n0 / d0 - a1 * self.cg_height_m, a1, b0: 1.0 - b1 * self.cg_height_m, b1 }
     }
 
@@ -147,17 +173,15 @@ impl SteadyLines {
         self.line(channel.output(), channel.input())
     }
 
-    fn roll(&self, unit: usize, k: usize) -> f64 {
-        self.unknowns[k][STEADY_ANGLES + q::ROLL_1 + unit]
-    }
-
     fn output(&self, output: Output, k: usize) -> f64 {
+        let angles = self.unknowns[k].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
         let suspension = |unit: usize| {
-            let angles = self.unknowns[k].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
-            self.roll(unit, k) - self.equations.mean_axle_roll(unit).dot(&angles)
+            angles[q::ROLL_1 + unit] - self.equations.mean_axle_roll(unit).dot(&angles)
         };
         match output {
-            Output::Roll => self.roll(1, k),
+            Output::Roll => {
+                self.equations.trailer_roll(|twisting| twisting.roll_share).dot(&angles)
+            }
             Output::TractorSuspensionRoll => suspension(0),
             Output::SuspensionRoll => suspension(1),
         }
@@ -166,7 +190,11 @@ impl SteadyLines {
     fn input(&self, input: Input, k: usize) -> f64 {
         // In steady state the lateral acceleration is speed times yaw rate.
         let lateral = self.unknowns[k][STEADY_YAW_RATE] * self.equations.speed_mps;
-        let force = |unit: usize| lateral + self.equations.gravity_mps2 * self.roll(unit, k);
+        let angles = self.unknowns[k].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
+        let force = |unit: usize| {
+            let roll = self.equations.roll_at_force(unit).dot(&angles);
+            lateral + self.equations.gravity_mps2 * roll
+        };
         match input {
             Input::Steer => self.determinant[k],
             Input::LateralAcceleration => lateral,
@@ -206,22 +234,48 @@ impl Point {
     }
 }
 
-/// The trailer's sprung c.g., which moves with the fifth wheel.
-fn trailer_cg(
-    tractor_cg: &Point,
-    tractor: &Tractor,
-    hitch: &Hitch,
-    cg_height_m: f64,
-    sprung: &SprungMass,
-) -> Point {
-    let at_hitch = tractor_cg
+/// The fifth wheel, about which the trailer moves.
+fn at_hitch(tractor_cg: &Point, tractor: &Tractor, hitch: &Hitch) -> Point {
+    let mut point = tractor_cg
         .moved(w::YAW_1, -tractor.hitch_behind_cg_m)
         .moved(w::ROLL_1, tractor.cg_height_m - hitch.height_m);
-    let mut trailer_cg = at_hitch
-        .moved(w::YAW_2, -sprung.cg_behind_hitch_m)
-        .moved(w::ROLL_2, hitch.height_m - cg_height_m);
-    trailer_cg.on_trailer = true;
-    trailer_cg
+    point.on_trailer = true;
+    point
+}
+
+/// Adds the trailer's sprung mass, whole or in two halves. Returns the lateral velocity of its c.g.
+fn add_trailer(e: &mut Equations, at_hitch: &Point, sprung: &SprungMass, vehicle: &Vehicle) -> Point {
+    let below_m = vehicle.hitch.height_m - sprung.cg_height_m;
+    let (front, front_angle) = e.on_hitch();
+    let whole = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
+    let Some(twisting) = e.twisting.clone() else {
+        let cg = whole.moved(w::ROLL_2, below_m);
+        add_mass(e, sprung.mass_kg, &cg);
+        e.mass[(w::YAW_2, w::YAW_2)] += sprung.yaw_inertia_kgm2;
+        e.mass[(w::ROLL_2, w::ROLL_2)] += sprung.roll_inertia_kgm2;
+        return cg;
+    };
+    let bodies = [front, w::ROLL_2];
+    for (half, body) in halves(sprung, vehicle.trailer.payload.length_m).into_iter().zip(bodies) {
+        let cg = at_hitch.moved(w::YAW_2, -half.cg_behind_hitch_m).moved(body, below_m);
+        add_mass(e, half.mass_kg, &cg);
+        e.mass[(w::YAW_2, w::YAW_2)] += half.yaw_inertia_kgm2;
+        e.mass[(body, body)] += half.roll_inertia_kgm2;
+    }
+    // The loads of fifth wheel and axles carry both halves; the front half's weight is on its own.
+    let lifted_nm = 0.5 * sprung.mass_kg * vehicle.gravity_mps2 * below_m;
+    e.stiffness[(front, front_angle)] += lifted_nm;
+    e.stiffness[(w::ROLL_2, q::ROLL_2)] -= lifted_nm;
+    for (angles, matrix, spring) in [
+        ([front_angle, q::ROLL_2], &mut e.stiffness, twisting.stiffness_nm_per_rad),
+        (bodies, &mut e.damping, DAMPING_S * twisting.stiffness_nm_per_rad),
+    ] {
+        for i in 0..2 {
+            matrix[(bodies[i], angles[i])] += spring;
+            matrix[(bodies[i], angles[1 - i])] -= spring;
+        }
+    }
+    whole.moved(w::ROLL_2, 0.5 * below_m).moved(front, 0.5 * below_m)
 }
 
 fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {
@@ -230,7 +284,7 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     let balance = static_balance(vehicle, load)?;
     let axles = vehicle.axles();
     let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
-    let mut e = Equations::zeros(axles.len(), speed_mps);
+    let mut e = Equations::zeros(axles.len(), Twisting::of(vehicle), speed_mps);
     let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
     // A point z above a c.g. moves to the left by −z φ̇; a point x ahead of it by +x r.
     let tractor_above_m = tractor.cg_height_m - hitch.height_m;
@@ -238,15 +292,17 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     let mut velocity = DVector::zeros(e.mass.nrows());
     velocity[w::LATERAL] = 1.0;
     let tractor_cg = Point { velocity, on_trailer: false };
-    let trailer_cg = trailer_cg(&tractor_cg, tractor, hitch, sprung.cg_height_m, &sprung);
+    let at_hitch = at_hitch(&tractor_cg, tractor, hitch);
 
     add_mass(&mut e, tractor.sprung_mass_kg, &tractor_cg);
-    add_mass(&mut e, sprung.mass_kg, &trailer_cg);
+    let trailer_cg = add_trailer(&mut e, &at_hitch, &sprung, vehicle);
+    // The axles' body: the trailer, or its rear half.
+    let on_axles = at_hitch
+        .moved(w::YAW_2, -sprung.cg_behind_hitch_m)
+        .moved(w::ROLL_2, hitch.height_m - sprung.cg_height_m);
     for (index, inertia) in [
         (w::YAW_1, tractor.yaw_inertia_kgm2),
-        (w::YAW_2, sprung.yaw_inertia_kgm2),
         (w::ROLL_1, tractor.roll_inertia_kgm2),
-        (w::ROLL_2, sprung.roll_inertia_kgm2),
     ] {
         e.mass[(index, index)] += inertia;
     }
@@ -256,7 +312,7 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     e.stiffness[(w::ROLL_1, q::ROLL_1)] += balance.hitch_load_n * tractor_above_m;
     e.stiffness[(w::ROLL_2, q::ROLL_2)] -= balance.hitch_load_n * trailer_above_m;
     for (i, placed) in axles.iter().enumerate() {
-        let cg = if placed.on_trailer { &trailer_cg } else { &tractor_cg };
+        let cg = if placed.on_trailer { &on_axles } else { &tractor_cg };
         let (ahead_m, cg_height_m) = if placed.on_trailer {
             (sprung.cg_behind_hitch_m - placed.position_m, sprung.cg_height_m)
         } else {

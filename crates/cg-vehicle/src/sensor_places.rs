@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct SensorPlaces {
+    /// The sensor of the trailer's roll angle; only a frame that twists needs its place.
+    #[serde(default)]
+    pub roll: RollSensor,
     /// The lateral accelerometer or inclinometer on the trailer's frame.
     #[serde(default)]
     pub accelerometer: TrailerAccelerometer,
@@ -23,6 +26,26 @@ pub struct SensorPlaces {
     /// that pressure is not used. The load is that of the drive axles on the road.
     #[serde(default)]
     pub drive_pressure: Option<SuspensionPressure>,
+}
+
+/// Places of the sensors of the trailer's roll angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollSensor {
+    /// Distance behind the fifth wheel; if absent, the sensor is over the axles.
+    #[serde(default)]
+    pub behind_hitch_m: Option<f64>,
+    /// The same of a second sensor; the roll angle is then the mean of both.
+    #[serde(default)]
+    pub second_behind_hitch_m: Option<f64>,
+}
+
+impl RollSensor {
+    /// Distances of the sensors behind the fifth wheel, infinite over the axles.
+    pub(crate) fn places_m(&self) -> Vec<f64> {
+        let first_m = self.behind_hitch_m.unwrap_or(f64::INFINITY);
+        std::iter::once(first_m).chain(self.second_behind_hitch_m).collect()
+    }
 }
 
 /// Place of the accelerometer on the trailer.

@@ -81,6 +81,9 @@ pub struct Uncertainty {
     pub tractor_cg_height_sd_m: f64,
     /// Roll stiffness of the fifth wheel.
     pub fifth_wheel_stiffness_sd: f64,
+    /// Torsional stiffness of the trailer's frame, if it has one.
+    #[serde(default = "usual_frame_sd")]
+    pub frame_torsional_stiffness_sd: f64,
     /// Vertical stiffness of the tires.
     pub tyre_vertical_stiffness_sd: f64,
     /// Cornering stiffness of the tires of steered, drive and trailer axles separately.
@@ -99,6 +102,10 @@ pub struct Uncertainty {
     pub specific_force_gain_sd: f64,
     /// The rest of the model error, which differs at each speed, load and road.
     pub residual_sd: f64,
+}
+
+fn usual_frame_sd() -> f64 {
+    0.3
 }
 
 fn usual_suspension_roll_sd() -> f64 {
@@ -183,6 +190,9 @@ pub struct Trailer {
     /// Calibration of the pressure of the air suspension; without it a pressure is not used.
     #[serde(default)]
     pub suspension_pressure: Option<SuspensionPressure>,
+    /// Torsional stiffness of the frame between the fifth wheel and the axles; if absent, it is rigid.
+    #[serde(default)]
+    pub frame_torsional_stiffness_nm_per_rad: Option<f64>,
     /// Axles, front to rear.
     pub axle: Vec<TrailerAxle>,
 }

@@ -29,6 +29,14 @@ pub static TABLES: &[Table] = &[
     },
     Table {
         required: false,
+        ..table(
+            &["sensors.roll"],
+            "places of the sensors of the trailer's roll angle; for a frame that twists",
+            ROLL_SENSOR,
+        )
+    },
+    Table {
+        required: false,
         ..table(&["sensors.accelerometer"], "place of the trailer's accelerometer", ACCELEROMETER)
     },
     Table {
@@ -127,6 +135,7 @@ const UNCERTAINTY: &[Key] = &[
     number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the roll sensor, and the error of the model that is the same everywhere, relative"),
     number("suspension_roll_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the sensors of suspension roll, with the error of the model that is the same everywhere, for trailer and tractor separately, relative").optional(),
     number("specific_force_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the sensors of specific force, for trailer and tractor separately, relative").optional(),
+    number("frame_torsional_stiffness_sd", "", [0.05, 0.7], [0.0, 1.0], "torsional stiffness of the trailer's frame, relative; only if the trailer has one").optional(),
     number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "the rest of the model error, relative"),
 ];
 
@@ -159,6 +168,7 @@ const TRACTOR_AXLE: &[Key] = &[
 const TRAILER: &[Key] = &[
     number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer, with axles and payload, if no other one is given"),
     number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of the c.g. of its sprung mass if no other one is given"),
+    number("frame_torsional_stiffness_nm_per_rad", "N m/rad", [1e5, 1e7], [2e4, 1e9], "torsional stiffness of the frame between the fifth wheel and the axles; if absent, the frame is rigid").optional(),
 ];
 
 #[rustfmt::skip]
@@ -183,6 +193,12 @@ const PAYLOAD: &[Key] = &[
 const PRESSURE: &[Key] = &[
     number("gauge_pa", "Pa", [1e4, 1.2e6], [3e3, 2.5e6], "gauge pressure (above atmospheric), mean of both sides").list(),
     number("axle_load_kg", "kg", [1e3, 4e4], [300.0, HEAVIEST_KG], "load of the axles on the road").list(),
+];
+
+#[rustfmt::skip]
+const ROLL_SENSOR: &[Key] = &[
+    number("behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "distance behind the fifth wheel; if absent, over the axles").optional(),
+    number("second_behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "the same of a second sensor; the roll angle is then the mean of both").optional(),
 ];
 
 #[rustfmt::skip]

@@ -1,0 +1,122 @@
+//! A semitrailer whose frame twists, in the linear model.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod common;
+
+use cg_core::Channel;
+use cg_vehicle::belief::{Belief, Parameter};
+use cg_vehicle::equations::Equations;
+use cg_vehicle::linear::{LinearModel, SteadyLines};
+use cg_vehicle::{Load, Variant, Vehicle};
+
+const SPEED_MPS: f64 = 13.9;
+
+fn euro(stiffness: Option<f64>) -> Vehicle {
+    let mut vehicle = common::vehicle("euro.toml");
+    vehicle.trailer.frame_torsional_stiffness_nm_per_rad = stiffness;
+    vehicle
+}
+
+fn load(payload_kg: f64, cg_height_m: f64) -> Load {
+    Load { trailer_mass_kg: 6318.0 + payload_kg, cg_height_m }
+}
+
+/// DC ratios of all channels of the state-space model.
+fn exact(vehicle: &Vehicle, load: Load) -> [f64; 4] {
+    let model =
+        Equations::new(vehicle, Variant::Complete, SPEED_MPS, load).unwrap().state_space().unwrap();
+    Channel::ALL.map(|channel| {
+        let dc = |system: cg_vehicle::system::System| system.moments(1).unwrap()[0];
+        let input = model.to_input(channel.input()).map_or(1.0, dc);
+        dc(model.to_output(channel.output())) / input
+    })
+}
+
+/// A very stiff frame is a rigid one, statically and in every pole of the rigid model.
+#[test]
+fn a_very_stiff_frame_is_rigid() {
+    let load = load(16e3, 1.7);
+    let (rigid, stiff) = (euro(None), euro(Some(1e9)));
+    for (a, b) in exact(&rigid, load).into_iter().zip(exact(&stiff, load)) {
+        // Half the roll moment, 1e5 N m, over the stiffness, relative to 0.03 rad.
+        assert!((a / b - 1.0).abs() < 3e-3, "{a} {b}");
+    }
+    let poles = |vehicle: &Vehicle| {
+        LinearModel::new(vehicle, Variant::Complete, SPEED_MPS, load)
+            .unwrap()
+            .state_space
+            .a
+            .complex_eigenvalues()
+    };
+    let twisting = poles(&stiff);
+    // The stiff fifth wheel has a pole beyond every motion of a truck.
+    for pole in poles(&rigid).iter().filter(|pole| pole.norm() < 200.0) {
+        let nearest = twisting.iter().map(|other| (other - pole).norm()).fold(f64::MAX, f64::min);
+        assert!(nearest < 0.02 * pole.norm(), "{pole} {nearest}");
+    }
+}
+
+/// The lines of every pair against the DC ratio of the state-space model. They are exact at the height
+/// of the load; elsewhere the quotient of two parabolas differs from that of two lines.
+#[test]
+fn the_lines_are_nearly_those_of_the_twisting_model() {
+    let mut worst = [0.0_f64; 2];
+    for (k, stiffness) in [3e6, 6e5].into_iter().enumerate() {
+        let vehicle = euro(Some(stiffness));
+        for payload_kg in [0.0, 8e3, 24e3] {
+            let at = load(payload_kg, 1.7);
+            let steady = SteadyLines::new(&vehicle, Variant::Complete, SPEED_MPS, at).unwrap();
+            for step in 0..=14 {
+                let height_m = 1.0 + 0.1 * f64::from(step);
+                let exact = exact(&vehicle, Load { cg_height_m: height_m, ..at });
+                for channel in Channel::ALL {
+                    let error = steady.channel(channel).ratio_at(height_m) / exact[channel.index()] - 1.0;
+                    worst[k] = worst[k].max(error.abs());
+                    let here = (height_m - 1.7).abs() < 1e-9;
+                    assert!(!here || error.abs() < 1e-9, "{channel} {error:e}");
+                }
+            }
+        }
+        println!("{stiffness:e}: {:.4} %", 100.0 * worst[k]);
+    }
+    assert!(worst[0] < 1e-3 && worst[1] < 5e-3, "{worst:?}");
+}
+
+/// The frame's stiffness is uncertain only if there is one.
+#[test]
+fn the_stiffness_of_a_frame_is_a_parameter() {
+    let k = Parameter::FrameTorsionalStiffness as usize;
+    assert_eq!(Belief::prior(&euro(None)).covariance[(k, k)], 0.0);
+    let vehicle = euro(Some(3e6));
+    let mut belief = Belief::prior(&vehicle);
+    assert!((belief.covariance[(k, k)] - 0.09).abs() < 1e-12);
+    belief.mean[k] = 2.0_f64.ln();
+    let applied = belief.applied_to(&vehicle).trailer.frame_torsional_stiffness_nm_per_rad;
+    assert!((applied.unwrap() - 6e6).abs() < 1e-3);
+}
+
+/// A sensor at the fifth wheel sees the front half, one over the axles the rear half, and two see the
+/// mean. The front half leans more, because only the frame and the tractor hold it.
+#[test]
+fn a_roll_sensor_has_a_place() {
+    let at = load(16e3, 1.7);
+    let ratio = |places: [Option<f64>; 2]| {
+        let mut vehicle = euro(Some(6e5));
+        [vehicle.sensors.roll.behind_hitch_m, vehicle.sensors.roll.second_behind_hitch_m] = places;
+        exact(&vehicle, at)[Channel::LateralAcceleration.index()]
+    };
+    let [front, rear, both] =
+        [[Some(0.5), None], [None, None], [Some(0.5), Some(8.0)]].map(ratio);
+    assert!((both / (0.5 * (front + rear)) - 1.0).abs() < 1e-12, "{front} {rear} {both}");
+    assert!(front > 1.05 * rear, "{front} {rear}");
+}
+
+/// The thesis's printed model has a rigid frame.
+#[test]
+fn the_printed_model_refuses_a_twisting_frame() {
+    let mut vehicle = common::vehicle("baseline.toml");
+    let load = vehicle.reference_load();
+    vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(1e6);
+    let error = Equations::new(&vehicle, Variant::AsPrinted, SPEED_MPS, load).unwrap_err();
+    assert!(error.to_string().contains("frame_torsional_stiffness_nm_per_rad"), "{error}");
+}
