@@ -110,6 +110,13 @@ fn check(
             placed[i].axle.tyre_positions_m.len()
         )));
     }
+    if vehicle.trailer.frame_torsional_stiffness_nm_per_rad.is_some() {
+        return Err(model(
+            "the nonlinear plant has a rigid frame; remove \
+             trailer.frame_torsional_stiffness_nm_per_rad"
+                .to_owned(),
+        ));
+    }
     if !(options.step_s.is_finite() && options.step_s > 0.0) {
         return Err(model(format!("step {} s must be positive", options.step_s)));
     }
