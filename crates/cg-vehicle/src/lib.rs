@@ -48,6 +48,7 @@ pub mod limits;
 pub mod tables;
 pub mod load;
 pub mod sensor_places;
+mod uncertainty;
 pub mod vehicle;
 pub mod balance;
 pub mod check;

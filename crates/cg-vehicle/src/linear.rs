@@ -244,7 +244,12 @@ fn at_hitch(tractor_cg: &Point, tractor: &Tractor, hitch: &Hitch) -> Point {
 }
 
 /// Adds the trailer's sprung mass, whole or in two halves. Returns the lateral velocity of its c.g.
-fn add_trailer(e: &mut Equations, at_hitch: &Point, sprung: &SprungMass, vehicle: &Vehicle) -> Point {
+fn add_trailer(
+    e: &mut Equations,
+    at_hitch: &Point,
+    sprung: &SprungMass,
+    vehicle: &Vehicle,
+) -> Point {
     let below_m = vehicle.hitch.height_m - sprung.cg_height_m;
     let (front, front_angle) = e.on_hitch();
     let whole = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
@@ -300,10 +305,9 @@ fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, 
     let on_axles = at_hitch
         .moved(w::YAW_2, -sprung.cg_behind_hitch_m)
         .moved(w::ROLL_2, hitch.height_m - sprung.cg_height_m);
-    for (index, inertia) in [
-        (w::YAW_1, tractor.yaw_inertia_kgm2),
-        (w::ROLL_1, tractor.roll_inertia_kgm2),
-    ] {
+    for (index, inertia) in
+        [(w::YAW_1, tractor.yaw_inertia_kgm2), (w::ROLL_1, tractor.roll_inertia_kgm2)]
+    {
         e.mass[(index, index)] += inertia;
     }
     // The fifth wheel: roll spring, and its vertical force above or below each sprung c.g.

@@ -43,8 +43,8 @@ impl Twisting {
         let (_, accelerometer_m) = vehicle.accelerometer_positions_m();
         let places = vehicle.sensors.roll.places_m();
         #[allow(clippy::cast_precision_loss)] // one or two places
-        let roll_share = places.iter().map(|place| share(*place)).sum::<f64>()
-            / places.len().max(1) as f64;
+        let roll_share =
+            places.iter().map(|place| share(*place)).sum::<f64>() / places.len().max(1) as f64;
         Some(Self { stiffness_nm_per_rad, roll_share, accelerometer_share: share(accelerometer_m) })
     }
 }

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::load::Load;
 use crate::sensor_places::{Road, SensorPlaces, SuspensionPressure};
 use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
+pub use crate::uncertainty::Uncertainty;
 
 /// A tractor-semitrailer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -65,55 +66,6 @@ pub struct HeightRange {
     pub least_m: f64,
     /// The greatest height.
     pub greatest_m: f64,
-}
-
-/// Uncertainty of the file: standard deviations of the parameters that a calibration can change
-/// (see [`crate::belief`]). They are relative unless the name contains a unit.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-#[non_exhaustive]
-pub struct Uncertainty {
-    /// Roll stiffness of the suspensions, for trailer and tractor separately.
-    pub roll_stiffness_sd: f64,
-    /// Height of the roll centers of the suspensions.
-    pub roll_center_height_sd_m: f64,
-    /// Height of the tractor's sprung c.g.
-    pub tractor_cg_height_sd_m: f64,
-    /// Roll stiffness of the fifth wheel.
-    pub fifth_wheel_stiffness_sd: f64,
-    /// Torsional stiffness of the trailer's frame, if it has one.
-    #[serde(default = "usual_frame_sd")]
-    pub frame_torsional_stiffness_sd: f64,
-    /// Vertical stiffness of the tires.
-    pub tyre_vertical_stiffness_sd: f64,
-    /// Cornering stiffness of the tires of steered, drive and trailer axles separately.
-    pub cornering_stiffness_sd: f64,
-    /// Gain of the steer-angle sensor (or the steering ratio).
-    pub steering_gain_sd: f64,
-    /// Gain of the lateral-acceleration sensor.
-    pub lateral_acceleration_gain_sd: f64,
-    /// Gain of the roll sensor, and the error of the model that is the same everywhere.
-    pub compensation_sd: f64,
-    /// The same for the sensors of suspension roll, for trailer and tractor separately.
-    #[serde(default = "usual_suspension_roll_sd")]
-    pub suspension_roll_gain_sd: f64,
-    /// Gain of the sensors of specific force, for trailer and tractor separately.
-    #[serde(default = "usual_specific_force_sd")]
-    pub specific_force_gain_sd: f64,
-    /// The rest of the model error, which differs at each speed, load and road.
-    pub residual_sd: f64,
-}
-
-fn usual_frame_sd() -> f64 {
-    0.3
-}
-
-fn usual_suspension_roll_sd() -> f64 {
-    0.03
-}
-
-fn usual_specific_force_sd() -> f64 {
-    0.01
 }
 
 /// The fifth wheel.

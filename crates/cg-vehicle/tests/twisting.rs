@@ -70,7 +70,8 @@ fn the_lines_are_nearly_those_of_the_twisting_model() {
                 let height_m = 1.0 + 0.1 * f64::from(step);
                 let exact = exact(&vehicle, Load { cg_height_m: height_m, ..at });
                 for channel in Channel::ALL {
-                    let error = steady.channel(channel).ratio_at(height_m) / exact[channel.index()] - 1.0;
+                    let error =
+                        steady.channel(channel).ratio_at(height_m) / exact[channel.index()] - 1.0;
                     worst[k] = worst[k].max(error.abs());
                     let here = (height_m - 1.7).abs() < 1e-9;
                     assert!(!here || error.abs() < 1e-9, "{channel} {error:e}");
@@ -105,8 +106,7 @@ fn a_roll_sensor_has_a_place() {
         [vehicle.sensors.roll.behind_hitch_m, vehicle.sensors.roll.second_behind_hitch_m] = places;
         exact(&vehicle, at)[Channel::LateralAcceleration.index()]
     };
-    let [front, rear, both] =
-        [[Some(0.5), None], [None, None], [Some(0.5), Some(8.0)]].map(ratio);
+    let [front, rear, both] = [[Some(0.5), None], [None, None], [Some(0.5), Some(8.0)]].map(ratio);
     assert!((both / (0.5 * (front + rear)) - 1.0).abs() < 1e-12, "{front} {rear} {both}");
     assert!(front > 1.05 * rear, "{front} {rear}");
 }

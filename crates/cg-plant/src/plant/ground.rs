@@ -43,9 +43,6 @@ impl Ground {
         let (sin, cos) = sin_cos(0.5 * turn_rad);
         let back = gravity_mps2 * uphill;
         let (side, down) = (gravity_mps2 * level * side, -gravity_mps2 * level * down);
-        [
-            [side * sin - back, -side * cos, down],
-            [-side * sin - back, -side * cos, down],
-        ]
+        [[side * sin - back, -side * cos, down], [-side * sin - back, -side * cos, down]]
     }
 }
