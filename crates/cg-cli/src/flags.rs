@@ -43,9 +43,12 @@ mod tests {
         assert_eq!(with_flags("no option ⟨ here"), "no option ⟨ here");
     }
 
+    /// The Rust files of a folder. (The text of docs/vehicle.md lies among them and names commands.)
     fn sources(folder: &Path) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-        entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
+        let files =
+            entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] });
+        files.filter(|path| path.extension().is_some_and(|kind| kind == "rs")).collect()
     }
 
     /// Every option in a message of a library is a flag of some command, and no library contains a
