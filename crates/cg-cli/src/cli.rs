@@ -206,7 +206,7 @@ pub(crate) struct SimulateArgs {
         "start_s", "step_rate", "turn_deg", "radius_m", "gate_m", "speed_change", "to_rollover"])]
     pub(crate) road: Option<PathBuf>,
     /// Every axle stands on the bank of its own place; without it, the whole truck on one bank
-    #[arg(long, requires = "road")]
+    #[arg(long)]
     pub(crate) road_twist: bool,
     /// Simulated vehicle
     #[arg(long, value_parser = word::<Plant>(), default_value_t = Plant::Linear)]

@@ -69,9 +69,9 @@ fn simulation(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Log
     let scenario = scenario(arguments, vehicle)?;
     let chassis = ChassisSensors::from(&arguments.chassis);
     let Some(road) = road(arguments)? else {
-        if chassis != ChassisSensors::default() {
+        if chassis != ChassisSensors::default() || arguments.road_twist {
             return Err(anyhow!(
-                "--level-…, --accelerometer-…, --tilt-… and --mounting-rad are for --road"
+                "--road-twist, --level-…, --accelerometer-…, --tilt-… and --mounting-rad are for --road"
             ));
         }
         return Ok(LogSimulation::new(vehicle, scenario)?);

@@ -312,3 +312,37 @@ fn errors_of_the_chassis_sensors_have_their_size() {
         assert!((shown.suspension_roll_rad - levels_rad).abs() < 1e-12);
     }
 }
+
+/// The bank of a straight road changes from −1 % to +1 % within 10 m. Without twist the whole truck
+/// stands on one bank, so both suspensions roll to the same side, together. With twist the tractor
+/// arrives first: its suspension and the trailer's roll against each other, and when both have passed
+/// they are where they are without twist. The grade is in the log's truth only.
+#[test]
+fn axles_stand_on_the_bank_of_their_own_place() {
+    let text = "distance_m,curvature_per_m,bank_rad,grade_rad\n0,0,-0.01,0.03\n\
+                100,0,-0.01,0.03\n110,0,0.01,-0.02\n400,0,0.01,-0.02\n";
+    let road = Road::parse("ramp.csv", text).unwrap();
+    let vehicle = vehicle("kraz");
+    let drive = |road: &Road| {
+        let scenario = Scenario { speed_mps: 10.0, ..scenario(&vehicle, 16.0) };
+        let none = ChassisSensors::default();
+        let simulation = LogSimulation::on_road(&vehicle, scenario, road, &none).unwrap();
+        assert_eq!(simulation.truth.road.as_ref().unwrap().is_twisted, road.is_twisted());
+        rows(&simulation)[0].clone()
+    };
+    let (whole, twisted) = (drive(&road), drive(&road.clone().twisted()));
+    let apart = |rows: &[LogRow]| {
+        let rolls =
+            rows.iter().map(|row| row.suspension_roll_rad - row.tractor_suspension_roll_rad);
+        rolls.fold([0.0_f64; 2], |[low, high], roll| [low.min(roll), high.max(roll)])
+    };
+    let ([low, high], [low_twisted, high_twisted]) = (apart(&whole), apart(&twisted));
+    assert!(low > -1.5e-3 && high < 1.5e-3, "{low} {high}");
+    // The tractor's side is up first: its suspension rolls to the right, the trailer's holds it.
+    assert!(low_twisted.min(-high_twisted) < -4e-3, "{low_twisted} {high_twisted}");
+    let (a, b) = (whole.last().unwrap(), twisted.last().unwrap());
+    assert!((a.suspension_roll_rad - b.suspension_roll_rad).abs() < 1e-4, "{a:?} {b:?}");
+    assert!((a.tractor_suspension_roll_rad - b.tractor_suspension_roll_rad).abs() < 1e-4);
+    let wrong = Road::parse("r.csv", &text.replace(",0.03\n100", ",0.9\n100")).unwrap_err();
+    assert!(wrong.to_string().contains("column 4 `grade_rad`"), "{wrong}");
+}

@@ -282,6 +282,10 @@ fn a_road_brings_the_sensors_of_the_chassis_and_its_bank() {
     assert_eq!(text, drive("again.csv", &["--level-noise-m", "0.0005"]));
     assert_ne!(text, drive("other.csv", &["--level-noise-m", "0.0005", "--seed", "2"]));
 
+    assert_ne!(text, drive("twist.csv", &["--level-noise-m", "0.0005", "--road-twist"]));
+    let truth: Value = serde_json::from_slice(&std::fs::read(&truth_file).unwrap()).unwrap();
+    assert_eq!(truth["road"]["is_twisted"], true);
+
     let frames = drive("drive.log", &[]);
     let first = |group: &str| frames.lines().find(|line| line.contains(group)).unwrap();
     // Levels of the rear axle about 0.25 m: (0.25 + 3.2)/0.0001 is 0x86C4; the front axle is absent.
@@ -305,6 +309,7 @@ fn a_road_is_a_kind_or_a_file_and_excludes_maneuvers() {
     simulate(&["--road", "rural", "--inclinometer"]).refused(&["--inclinometer"]);
     simulate(&["--maneuver", "sine", "--level-noise-m", "0.001"]).refused(&["--road"]);
     simulate(&[]).refused(&["--maneuver"]);
+    simulate(&["--maneuver", "sine", "--road-twist"]).refused(&["--road"]);
     let road = "distance_m,curvature_per_m,bank_rad\n0,0,0.02\n100,0,0.02\n";
     let short = scratch.file("short.csv", road);
     let limited = ["--road", &short, "--speed-mps", "10", "--duration-s"];
