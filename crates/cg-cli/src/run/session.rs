@@ -6,7 +6,7 @@ use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
     Warner,
 };
-use cg_core::{Quantity, Reject, SampleError};
+use cg_core::{Reject, SampleError};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
 
@@ -14,8 +14,9 @@ use crate::flags;
 
 use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::outputs::Outputs;
-use super::pace::{Pace, too_slow};
+use super::pace::{Pace, pacing, too_slow};
 use super::state::Found;
+use learning::Learning;
 
 /// Time between two writes of the state without an event, in stream time, µs.
 const SAVE_US: u64 = 60_000_000;
@@ -37,7 +38,11 @@ pub(crate) struct Session<W: Write> {
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
+    /// Stream time of the first mass by a signal that is used.
+    weighed_us: Option<u64>,
     nominal_mass_reported: bool,
+    /// The learning from empty driving.
+    pub(crate) learning: Option<Learning>,
     pace: Pace,
     warner: Warner<f64>,
     known: Known,
@@ -89,6 +94,8 @@ impl<W: Write> Session<W> {
             trailer_mass_sd_kg: None,
             mass_source,
             unweighed_us: None,
+            weighed_us: None,
+            learning: None,
             nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
@@ -206,7 +213,11 @@ impl<W: Write> Session<W> {
             sample.trailer_mass_kg = mass_kg;
         } else if sample.trailer_mass_kg.is_nan() {
             self.unweighed_us.get_or_insert(sample.time_us);
-        } else if self.mass_source != MassSource::Signal {
+            return Ok(());
+        } else {
+            self.weighed_us.get_or_insert(sample.time_us);
+        }
+        if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
             if self.nominal_mass_reported {
                 let message = format!(
@@ -326,6 +337,7 @@ impl<W: Write> Session<W> {
             result: self.known.clone(),
         };
         self.write_event(Event::Maneuver(Box::new(line)))?;
+        self.learn(maneuver)?;
         self.compare(before)?;
         self.save()
     }
@@ -452,7 +464,7 @@ impl<W: Write> Session<W> {
         self.next.save_us = self.now_us + SAVE_US;
         let memory = self.estimator.memory();
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
-        match self.outputs.save(&memory, saved_s, since_s) {
+        match self.outputs.save(&memory, saved_s, since_s, self.learned()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),
         }
@@ -464,6 +476,7 @@ impl<W: Write> Session<W> {
             self.maneuver(&maneuver)?;
         }
         self.report_nominal_mass()?;
+        self.end_trip()?;
         self.save()?;
         self.measure()?;
         if self.status_us.is_some() {
@@ -481,17 +494,6 @@ impl<W: Write> Session<W> {
     }
 }
 
-/// The signal whose values became this sample: the first of the aligner's order that is present.
-fn pacing(sample: &Sample<f64>) -> &'static str {
-    let signals = [
-        (sample.roll_rad, Quantity::Roll),
-        (sample.roll_to_gravity_rad, Quantity::RollToGravity),
-        (sample.tilt_rad, Quantity::Tilt),
-        (sample.suspension_roll_rad, Quantity::SuspensionRoll),
-    ];
-    let present = signals.into_iter().find(|(value, _)| value.is_finite());
-    present.map_or(Quantity::TractorSuspensionRoll, |(_, quantity)| quantity).name()
-}
-
+pub(crate) mod learning;
 #[cfg(test)]
 mod tests;
