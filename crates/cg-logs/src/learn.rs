@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibrate::EMPTY_SHARE;
 use crate::estimate::LogEstimator;
+use crate::malformed::Malformed;
 
 /// Greatest number of trips that are kept.
 const MOST_TRIPS: usize = 12;
@@ -122,6 +123,24 @@ fn empty(vehicle: &Vehicle) -> Load {
 }
 
 impl Learned {
+    /// Reads what [`to_text`](Self::to_text) wrote.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the text is something else, or if it contains impossible numbers.
+    pub fn parse(text: &str) -> Result<Self, Malformed> {
+        let learned: Self = serde_json::from_str(text)
+            .map_err(|error| format!("it is not what a truck has learned: {error}"))?;
+        if learned.is_sound() { Ok(learned) } else { Err("it contains impossible numbers".into()) }
+    }
+
+    /// It as JSON text.
+    ///
+    /// # Errors
+    /// A number cannot be written. This would be a bug.
+    pub fn to_text(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string(self)
+    }
+
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
         self.trips.is_empty() && self.waiting.is_none() && self.open.is_none()

@@ -33,7 +33,7 @@ pub(crate) enum Event<'a> {
     LoadChanged { message: &'a str },
     /// A trip with the empty trailer was learned or contradicts the earlier ones; at the start, how
     /// many trips are used.
-    Learned { trips: usize, message: &'a str },
+    Learned { trips: usize, message: String },
     /// Periodic status.
     Status(Box<Status>),
     /// The warning level has changed.

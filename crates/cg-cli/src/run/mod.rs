@@ -8,14 +8,18 @@
 //! | `frames` | conversion of frames to samples |
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
 //! | `session` | processing of samples to events |
+//! | `felt` | the lateral acceleration that the truck feels |
+//! | `learning` | learning of the truck from empty driving |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
 //! | `signals` | requests to stop |
 
 pub(crate) mod args;
 mod events;
+mod felt;
 mod frames;
 mod latency;
+mod learning;
 mod live;
 mod metrics;
 mod outputs;
@@ -41,10 +45,10 @@ use cg_vehicle::Vehicle;
 use crate::outcome::Outcome;
 use events::Event;
 use frames::Frames;
+use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
 use session::Session;
-use session::learning::Start;
 use signals::Stop;
 use state::StateFile;
 
@@ -88,7 +92,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         restored,
     })?;
     if let Some(start) = start {
-        start.tell(&mut session)?;
+        session.begin(start)?;
     }
     let reason = match (&arguments.can, &arguments.candump, &arguments.csv) {
         (Some(interface), ..) => {
@@ -152,13 +156,13 @@ fn learned(
 ) -> Start {
     let on = arguments.learn != Some(Learn::Off);
     if arguments.truck.calibration.is_some() {
-        return Start::calibrated(*design, on);
+        return Start::calibrated(design, on);
     }
     let (learned, saved_s) = state.learned();
     // A replay begins when the state was saved.
     #[allow(clippy::cast_precision_loss)] // microseconds since 1970
     let now_s = if arguments.can.is_some() { socket::wall_us() as f64 * 1e-6 } else { saved_s };
-    Start::new((vehicle, arguments.truck.model), *design, (learned, now_s), on)
+    Start::new((vehicle, arguments.truck.model), design, (learned, now_s), on)
 }
 
 /// The options for reading the source. Options that do not apply to it are refused.

@@ -13,10 +13,11 @@ use cg_logs::estimate::{ManeuverEstimate, Verdict};
 use crate::flags;
 
 use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
+use super::felt::felt_mps2;
+use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::state::Found;
-use learning::Learning;
 
 /// Time between two writes of the state without an event, in stream time, µs.
 const SAVE_US: u64 = 60_000_000;
@@ -42,7 +43,7 @@ pub(crate) struct Session<W: Write> {
     weighed_us: Option<u64>,
     nominal_mass_reported: bool,
     /// The learning from empty driving.
-    pub(crate) learning: Option<Learning>,
+    learning: Option<Learning>,
     pace: Pace,
     warner: Warner<f64>,
     known: Known,
@@ -245,7 +246,10 @@ impl<W: Write> Session<W> {
     }
 
     fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
-        let lateral_mps2 = self.felt_mps2(sample);
+        let design = self.estimator.design();
+        let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
+        let load = [mass_kg, self.known.height_m.unwrap_or(design.reference_height_m)];
+        let lateral_mps2 = felt_mps2(design, sample, self.speed_mps, load);
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         // Without a speed, the last one is used.
         if sample.speed_mps.is_finite() {
@@ -257,35 +261,6 @@ impl<W: Write> Session<W> {
         let Some(level) = level else { return Ok(()) };
         let margin_g = self.known.margin_g(self.lateral_g());
         self.write_event(Event::Warning { level, margin_g })
-    }
-
-    /// The lateral acceleration in the plane of the road, which the truck feels: with the part of
-    /// gravity that a bank adds, if an accelerometer shows it (`f = a_e + g φ`, `φ = R a_e`).
-    fn felt_mps2(&self, sample: &Sample<f64>) -> f64 {
-        let path_mps2 = if sample.lateral_acceleration_mps2.is_nan() {
-            sample.yaw_rate_radps * sample.speed_mps
-        } else {
-            sample.lateral_acceleration_mps2
-        };
-        let design = self.estimator.design();
-        let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
-        let height_m = self.known.height_m.unwrap_or(design.reference_height_m);
-        let line = design.line(Channel::LateralAcceleration, self.speed_mps, mass_kg);
-        let roll = line.map_or(0.0, |line| {
-            line.ratio_at(height_m) * design.compensation(Channel::LateralAcceleration)
-        });
-        let banked = |force_mps2: f64| force_mps2 / (1.0 + design.gravity_mps2 * roll);
-        let trailer = banked(sample.lateral_specific_force_mps2);
-        if trailer.is_finite() {
-            return trailer;
-        }
-        // The tractor leads the trailer and rolls less, so the greater of both is taken.
-        let tractor = banked(sample.tractor_lateral_specific_force_mps2);
-        if path_mps2.is_finite() && !(tractor.abs() > path_mps2.abs()) {
-            path_mps2
-        } else {
-            tractor
-        }
     }
 
     fn lateral_g(&self) -> Option<f64> {
@@ -337,9 +312,30 @@ impl<W: Write> Session<W> {
             result: self.known.clone(),
         };
         self.write_event(Event::Maneuver(Box::new(line)))?;
-        self.learn(maneuver)?;
+        let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
+        self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
         self.save()
+    }
+
+    /// Begins to learn from empty driving.
+    pub(crate) fn begin(&mut self, start: Start) -> io::Result<()> {
+        self.learning = start.learning;
+        start.told.into_iter().try_for_each(|told| self.tell(told))
+    }
+
+    /// Learns from a maneuver, or ends the trip.
+    fn learn(&mut self, maneuver: Option<(&Maneuver<f64>, (f64, bool))>) -> io::Result<()> {
+        let design = self.estimator.design();
+        let told = self.learning.as_mut().and_then(|one| one.push(design, maneuver));
+        told.map_or(Ok(()), |told| self.tell(told))
+    }
+
+    fn tell(&mut self, told: Told) -> io::Result<()> {
+        match told {
+            Told::Learned(trips, message) => self.write_event(Event::Learned { trips, message }),
+            Told::Problem(message) => self.notice("learning", &message),
+        }
     }
 
     /// Updates the result from the estimator.
@@ -464,7 +460,9 @@ impl<W: Write> Session<W> {
         self.next.save_us = self.now_us + SAVE_US;
         let memory = self.estimator.memory();
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
-        match self.outputs.save(&memory, saved_s, since_s, self.learned()) {
+        let design = self.estimator.design();
+        let learned = self.learning.as_ref().map(|learning| learning.learned(design));
+        match self.outputs.save(&memory, saved_s, since_s, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),
         }
@@ -476,7 +474,7 @@ impl<W: Write> Session<W> {
             self.maneuver(&maneuver)?;
         }
         self.report_nominal_mass()?;
-        self.end_trip()?;
+        self.learn(None)?;
         self.save()?;
         self.measure()?;
         if self.status_us.is_some() {
@@ -494,6 +492,5 @@ impl<W: Write> Session<W> {
     }
 }
 
-pub(crate) mod learning;
 #[cfg(test)]
 mod tests;

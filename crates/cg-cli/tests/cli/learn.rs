@@ -86,7 +86,7 @@ fn a_mass_that_is_given_or_unknown_teaches_nothing() {
     let truck = scratch.file("truck.toml", truck);
     let text = std::fs::read_to_string(fixture(EMPTY)).unwrap();
     let unweighed: String =
-        text.lines().map(|line| format!("{}\n", line.rsplit_once(',').unwrap().0)).collect();
+        text.lines().flat_map(|line| [line.rsplit_once(',').unwrap().0, "\n"]).collect();
     for (name, log, trips) in [("no.json", unweighed, None), ("yes.json", text, Some(1))] {
         let (log, state) = (scratch.file("log.csv", log), scratch.path(name));
         cg(&["run", "--csv", &log, "--vehicle", &truck, "--state", &state]).done();

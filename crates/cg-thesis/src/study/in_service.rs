@@ -236,6 +236,9 @@ fn answer(log: LogEstimator, load: Load) -> Option<Answer> {
     })
 }
 
+/// One of the answers to a trip.
+type Pick = fn(&LadenTrip) -> Option<Answer>;
+
 /// Error and coverage of some laden trips.
 #[derive(Clone, Copy, Debug, Default)]
 struct Score {
@@ -245,10 +248,7 @@ struct Score {
 }
 
 impl Score {
-    fn of<'a>(
-        trips: impl Iterator<Item = &'a LadenTrip>,
-        answer: fn(&LadenTrip) -> Option<Answer>,
-    ) -> Self {
+    fn of<'a>(trips: impl Iterator<Item = &'a LadenTrip>, answer: Pick) -> Self {
         trips.filter_map(answer).fold(Self::default(), |score, answer| Self {
             answers: score.answers + 1.0,
             square: score.square + answer.error * answer.error,
@@ -266,7 +266,7 @@ impl Score {
 }
 
 /// The answers with what was learned, and without.
-const ANSWERS: [(&str, fn(&LadenTrip) -> Option<Answer>); 2] =
+const ANSWERS: [(&str, Pick); 2] =
     [("learned", |trip| trip.learned), ("vehicle file", |trip| trip.unlearned)];
 
 /// The trucks of the study.
@@ -333,7 +333,8 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
 /// The trips in a month of the year, counted from 0.
 fn of_month<'a>(trips: &'a [&LadenTrip], month: u32) -> impl Iterator<Item = &'a LadenTrip> {
     let months = f64::from(MONTHS);
-    let within = move |passed: f64| (passed * months).floor() == f64::from(month);
+    let (begin, end) = (f64::from(month) / months, f64::from(month + 1) / months);
+    let within = move |passed: f64| (begin..end).contains(&passed);
     trips.iter().copied().filter(move |trip| within(trip.passed))
 }
 

@@ -119,6 +119,17 @@ impl Fitted {
     }
 }
 
+fn check(procedure: Procedure, runs: &[Run]) -> Result<(), VehicleError> {
+    let reason = match (procedure, runs) {
+        (Procedure::MaximumAPosteriori, _) | (_, [Run { age_s: None, .. }]) => return Ok(()),
+        (_, [_]) => "not a trip in service".to_owned(),
+        _ => format!("but there are {}", runs.len()),
+    };
+    Err(VehicleError::Model(format!(
+        "the procedure \"{procedure}\" needs exactly one run, {reason}"
+    )))
+}
+
 /// Estimates the parameters of a vehicle from runs.
 ///
 /// # Errors
@@ -130,12 +141,7 @@ pub fn fit(
     procedure: Procedure,
     runs: &[Run],
 ) -> Result<Fitted, VehicleError> {
-    if procedure == Procedure::Compensation && runs.len() != 1 {
-        return Err(VehicleError::Model(format!(
-            "the procedure \"{procedure}\" needs exactly one run, but there are {}",
-            runs.len()
-        )));
-    }
+    check(procedure, runs)?;
     let prior = Belief::prior(vehicle);
     let observations = observations(runs)?;
     let linearized =
@@ -170,38 +176,50 @@ pub fn fit(
         covariance = &rest * &p0 * rest.transpose() + &gain * &noise * gain.transpose();
     }
     if !(step <= SETTLED.sqrt()) {
-        return Err(VehicleError::Model(
-            "the calibration does not converge: the runs contradict the vehicle file; check heights, \
-             masses, units and signs"
-                .to_owned(),
-        ));
+        return Err(unsettled());
     }
     let (after, _) = linearized(&mean)?;
+    let residuals = residuals(&observations, [&before, &after]);
+    let prior_of = match procedure {
+        Procedure::Compensation => None,
+        Procedure::MaximumAPosteriori => Some((&mean, &p0)),
+    };
+    let chi_square = sum_of_squares(&after, noise, prior_of)?;
+    let mut covariance = Covariance::from_fn(|i, j| covariance[(i, j)]);
+    if walk.is_some() {
+        let (misfit, h) = linearized(&mean)?;
+        let left = misfit + &h * DVector::from_column_slice(mean.as_slice());
+        let noise = walk.added_to(&alone, &h);
+        (mean, covariance) = walk.carried(&p0, (&h, &left), &noise).ok_or_else(singular)?;
+    }
+    let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
+    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
+    Ok(Fitted { procedure, belief, residuals, chi_square })
+}
+
+fn residuals(observations: &[Observation], [before, after]: [&DVector<f64>; 2]) -> Vec<Residual> {
     let residual = |(k, o): (usize, &Observation)| Residual {
         run: o.run,
         channel: o.channel,
         before: before[k],
         after: after[k],
     };
-    let residuals = observations.iter().enumerate().map(residual).collect();
-    let explained =
-        noise.clone().cholesky().map(|cholesky| cholesky.solve(&after)).ok_or_else(singular)?;
-    let mut chi_square = after.dot(&explained);
-    if procedure == Procedure::MaximumAPosteriori {
+    observations.iter().enumerate().map(residual).collect()
+}
+
+/// `rᵀ R⁻¹ r`, and `xᵀ P0⁻¹ x` if the parameters `x` have a prior covariance `P0`.
+fn sum_of_squares(
+    left: &DVector<f64>,
+    noise: DMatrix<f64>,
+    prior: Option<(&Deviations, &DMatrix<f64>)>,
+) -> Result<f64, VehicleError> {
+    let explained = noise.cholesky().map(|cholesky| cholesky.solve(left)).ok_or_else(singular)?;
+    let of_noise = left.dot(&explained);
+    Ok(prior.map_or(of_noise, |(x, p0)| {
         // A parameter without prior variance does not change.
         let moved = (0..PARAMETERS).filter(|&k| p0[(k, k)] > 0.0);
-        chi_square = moved.fold(chi_square, |sum, k| sum + mean[k] * mean[k] / p0[(k, k)]);
-    }
-    let mut covariance = Covariance::from_fn(|i, j| covariance[(i, j)]);
-    if walk.is_some() {
-        let (misfit, h) = linearized(&mean)?;
-        noise = walk.added_to(&alone, &h);
-        let left = misfit + &h * DVector::from_column_slice(mean.as_slice());
-        (mean, covariance) = walk.carried(&p0, (&h, &left), &noise).ok_or_else(singular)?;
-    }
-    let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
-    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
-    Ok(Fitted { procedure, belief, residuals, chi_square })
+        moved.fold(of_noise, |sum, k| sum + x[k] * x[k] / p0[(k, k)])
+    }))
 }
 
 /// Covariance of what no parameter explains: the noise of each ratio, the residual of the model, and
@@ -315,6 +333,14 @@ fn optimal_gain(
     let innovation = h * p0 * h.transpose() + noise;
     let solved = innovation.cholesky().map(|cholesky| cholesky.solve(&(h * p0)));
     solved.map(|gain| gain.transpose()).ok_or_else(singular)
+}
+
+fn unsettled() -> VehicleError {
+    VehicleError::Model(
+        "the calibration does not converge: the runs contradict the vehicle file; check heights, \
+         masses, units and signs"
+            .to_owned(),
+    )
 }
 
 fn singular() -> VehicleError {
