@@ -48,7 +48,9 @@ def test_a_given_mass_teaches_nothing(kraz):
 
 
 def test_what_was_not_learned_is_refused(kraz, learned, tmp_path):
-    for text in ["", "{}", learned.replace("speed_mps", "speed"), learned.replace(":1,", ":-1,")]:
+    unknown = learned.replace("speed_mps", "speed")
+    impossible = learned.replace('"maneuvers":1', '"maneuvers":0')
+    for text in ["", "{}", unknown, impossible]:
         with pytest.raises(ValueError, match="learned"):
             cgheight.Estimator(kraz, learned=text)
     truck = cgheight.calibrate(kraz, [(EMPTY, "empty")], tmp_path / "truck.toml")
