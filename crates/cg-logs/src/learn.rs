@@ -12,10 +12,11 @@
 use std::fmt;
 
 use cg_core::decide::height::Fusion;
-use cg_core::{CHANNELS, Channel, Design, Maneuver, Measured};
+use cg_core::{CHANNELS, Channel, Design, HeightError, Maneuver, Measured, RatioLine, Reject};
 use cg_vehicle::belief::{Belief, Covariance};
 use cg_vehicle::calibration::{Fitted, Judgment, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
+use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
@@ -263,6 +264,38 @@ impl Learned {
     }
 }
 
+/// Change of a ratio per meter of height.
+fn slope(line: &RatioLine<f64>, height_m: f64) -> f64 {
+    100.0 * (line.ratio_at(height_m + 0.005) - line.ratio_at(height_m - 0.005))
+}
+
+/// The height that a channel found, with its standard deviation due to noise, and that due to the bank
+/// of the road. A height outside the possible range counts too: it is that of the empty trailer, so the
+/// truck differs. Its uncertainty by the bank is not known, so the bank must not be in it.
+fn identified(
+    maneuver: &Maneuver<f64>,
+    (channel, line): (Channel, &RatioLine<f64>),
+    road: Option<Road>,
+) -> Option<(Measured<f64>, f64)> {
+    let outcome = &maneuver.outcomes[channel.index()];
+    let height_m = match outcome.height_m {
+        Ok(found) => return Some((found, outcome.road_sd_m)),
+        Err(Reject::Height(HeightError::OutOfRange { height_m })) => height_m,
+        Err(_) => return None,
+    };
+    let without_bank = |one: Channel| !one.feels_bank();
+    let has_fit = |one: Channel| maneuver.outcomes[one.index()].fit.is_some();
+    let bank_free = || Channel::ALL.into_iter().any(|one| without_bank(one) && has_fit(one));
+    let banked = match road {
+        Some(road) => road.bank_sd_rad > 0.0,
+        None => maneuver.to_gravity || bank_free(),
+    };
+    let fit = outcome.fit.filter(|_| without_bank(channel) || !banked)?;
+    let sd = (fit.ratio.sd / fit.ratio.value * line.ratio_at(height_m)).abs();
+    let sd_m = (sd / slope(line, height_m)).abs();
+    (line.ratio_at(height_m) > 0.0).then_some((Measured { value: height_m, sd: sd_m }, 0.0))
+}
+
 fn fitted(
     vehicle: &Vehicle,
     variant: Variant,
@@ -380,15 +413,12 @@ impl Learner {
         }
         let height_m = empty(&self.vehicle).cg_height_m;
         let relative: [_; CHANNELS] = Channel::ALL.map(|channel| {
-            let outcome = &maneuver.outcomes[channel.index()];
             let line = design.line(channel, speed_mps, trailer_mass_kg)?;
-            let found = outcome.height_m.ok()?;
+            let (found, road_sd_m) = identified(maneuver, (channel, &line), self.vehicle.road)?;
             let expected = line.ratio_at(height_m);
-            let slope =
-                100.0 * (line.ratio_at(found.value + 0.005) - line.ratio_at(found.value - 0.005));
-            let sd = |sd_m: f64| (slope * sd_m / expected).abs();
+            let sd = |sd_m: f64| (slope(&line, found.value) * sd_m / expected).abs();
             let ratio = Measured { value: line.ratio_at(found.value) / expected, sd: sd(found.sd) };
-            Some((ratio, sd(outcome.road_sd_m)))
+            Some((ratio, sd(road_sd_m)))
         });
         if relative.iter().all(Option::is_none) {
             return;

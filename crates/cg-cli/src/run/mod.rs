@@ -41,6 +41,7 @@ use cg_core::{Design, Settings, Warner};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::Vehicle;
+use cg_vehicle::sensor_places::Road;
 
 use crate::outcome::Outcome;
 use events::Event;
@@ -162,7 +163,9 @@ fn learned(
     // A replay begins when the state was saved.
     #[allow(clippy::cast_precision_loss)] // microseconds since 1970
     let now_s = if arguments.can.is_some() { socket::wall_us() as f64 * 1e-6 } else { saved_s };
-    Start::new((vehicle, arguments.truck.model), design, (learned, now_s), on)
+    let road = arguments.road.of(vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
+    let vehicle = Vehicle { road, ..vehicle.clone() };
+    Start::new((&vehicle, arguments.truck.model), design, (learned, now_s), on)
 }
 
 /// The options for reading the source. Options that do not apply to it are refused.
