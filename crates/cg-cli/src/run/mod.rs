@@ -163,8 +163,8 @@ fn learned(
     // A replay begins when the state was saved.
     #[allow(clippy::cast_precision_loss)] // microseconds since 1970
     let now_s = if arguments.can.is_some() { socket::wall_us() as f64 * 1e-6 } else { saved_s };
-    let road = arguments.road.of(vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
-    let vehicle = Vehicle { road, ..vehicle.clone() };
+    let mut vehicle = vehicle.clone();
+    vehicle.road = arguments.road.of(&vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
     Start::new((&vehicle, arguments.truck.model), design, (learned, now_s), on)
 }
 
