@@ -2,7 +2,7 @@
 //!
 //! The height of the empty trailer is in its papers, so every trip without a load is a calibration
 //! run. A trip counts if a signal of the mass says that the trailer is empty. Its ratios become a
-//! [`Run`], and all trips together a posterior of the truck's parameters ([`fit`]).
+//! [`Run`], and all trips together a posterior of the truck's parameters ([`fit()`]).
 //!
 //! The truck changes between the trips, as a random walk (`cg_vehicle::calibration`): older trips count
 //! for less, and the posterior grows wider when no trip comes. A sudden change (new tires, another
@@ -172,7 +172,7 @@ impl Learned {
     /// its changes since the last trip is contained.
     ///
     /// # Errors
-    /// As [`fit`].
+    /// As [`fit()`].
     pub fn belief(
         &self,
         vehicle: &Vehicle,
@@ -193,7 +193,7 @@ impl Learned {
     /// The design of the truck that [`belief`](Self::belief) describes; `None` without trips.
     ///
     /// # Errors
-    /// As [`fit`] and [`design_with`].
+    /// As [`fit()`] and [`design_with`].
     pub fn design(
         &self,
         vehicle: &Vehicle,
@@ -219,7 +219,7 @@ impl Learned {
     /// Adds a trip, if it is possible for the truck of the earlier ones and for the vehicle file.
     ///
     /// # Errors
-    /// As [`fit`].
+    /// As [`fit()`].
     pub fn take(
         &mut self,
         vehicle: &Vehicle,

@@ -47,8 +47,8 @@ pub struct Run {
     /// Identified DC ratios and their standard deviations due to noise, in the order of
     /// [`Channel::ALL`]; `None` if the log does not have the signal.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
-    /// Time since a trip that the truck made in service, s: the truck has changed since then (see
-    /// [`Walk`]). All such trips are alike, so they have the residual of the model in common. `None`
+    /// Time since a trip that the truck made in service, s: the truck has changed since then, as a
+    /// random walk. All such trips are alike, so they have the residual of the model in common. `None`
     /// for a run of a calibration.
     pub age_s: Option<f64>,
 }
