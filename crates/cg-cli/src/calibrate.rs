@@ -1,11 +1,12 @@
 //! `cg calibrate`: a calibration file from logs with known height.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate_with_trips};
 use cg_logs::output::{Draft, Files, Kind};
+use cg_logs::state::runs_of;
 use cg_vehicle::VehicleError;
 use cg_vehicle::calibration::{Calibration, ParameterEntry, Unit};
 use cg_vehicle::sensor_places::Road;
@@ -41,24 +42,40 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     for known in logs {
         files = files.reads("--run", Path::new(&known.log));
     }
+    for state in &arguments.from_state {
+        files = files.reads("--from-state", state);
+    }
     let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
     let &CalibrateArgs { model: variant, procedure, part, .. } = arguments;
     let how = CalibrateOptions { variant, procedure, part, force };
-    let mut calibration = calibrate(&vehicle, how, logs, |known, estimator| {
-        let take = |row: &_| estimator.push(row).map(|_| ());
-        let remarks = feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
-        for remark in remarks {
-            print_error(&anyhow!("{}: {remark}", known.log));
-        }
-        Ok(())
-    })
-    .map_err(|failure: Failure| failure.0)?;
+    let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
+    let mut calibration =
+        calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {
+            let take = |row: &_| estimator.push(row).map(|_| ());
+            let remarks =
+                feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
+            for remark in remarks {
+                print_error(&anyhow!("{}: {remark}", known.log));
+            }
+            Ok(())
+        })
+        .map_err(|failure: Failure| failure.0)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
     target.write(&calibration.to_toml()?)?.map_or(Ok(()), Draft::publish)?;
     report(&calibration, &arguments.output).context("standard output: cannot be written")?;
     Ok(Outcome::Done)
+}
+
+/// Names and contents of state files.
+fn contents(paths: &[PathBuf]) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let content = |path: &PathBuf| {
+        let name = path.display().to_string();
+        let bytes = std::fs::read(path).with_context(|| format!("{name}: cannot be read"))?;
+        Ok((name, bytes))
+    };
+    paths.iter().map(content).collect()
 }
 
 /// Standard input can be read only once, but a calibration reads each log twice.

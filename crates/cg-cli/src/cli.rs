@@ -126,11 +126,14 @@ pub(crate) struct CalibrateArgs {
     /// trailer, whose height and mass are in the vehicle file; may be repeated
     #[arg(
         long,
-        required = true,
+        required_unless_present = "from_state",
         allow_hyphen_values = true,
         value_name = "LOG=HEIGHT_M[,TRAILER_MASS_KG]|LOG=empty"
     )]
     pub(crate) run: Vec<KnownLog>,
+    /// A state file of `cg run`, whose trips with the empty trailer become runs; may be repeated
+    #[arg(long, value_name = "STATE")]
+    pub(crate) from_state: Vec<PathBuf>,
     /// Calibration file to write; its name ends in .toml
     #[arg(short, long, value_name = "C.toml")]
     pub(crate) output: PathBuf,

@@ -17,7 +17,7 @@ use crate::malformed::Malformed;
 const PASSES: usize = 2;
 
 /// Greatest relative difference between the mass in a log and that of the empty trailer.
-const EMPTY_SHARE: f64 = 0.03;
+pub(crate) const EMPTY_SHARE: f64 = 0.03;
 
 /// A log with a known height.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,6 +111,20 @@ pub fn calibrate<E: From<VehicleError>>(
     vehicle: &Vehicle,
     options: CalibrateOptions,
     logs: &[KnownLog],
+    feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
+) -> Result<Calibration, E> {
+    calibrate_with_trips(vehicle, options, (logs, &[]), feed)
+}
+
+/// The same with `trips` of the empty trailer in service too, as [`runs_of`](crate::state::runs_of)
+/// state files.
+///
+/// # Errors
+/// As [`calibrate`].
+pub fn calibrate_with_trips<E: From<VehicleError>>(
+    vehicle: &Vehicle,
+    options: CalibrateOptions,
+    (logs, trips): (&[KnownLog], &[Run]),
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
     check(vehicle, logs)?;
@@ -135,6 +149,7 @@ pub fn calibrate<E: From<VehicleError>>(
             feed(known, &mut estimator)?;
             runs.push(run(vehicle, known, estimator)?);
         }
+        runs.extend_from_slice(trips);
         let fitted = fit(vehicle, variant, procedure, &runs)?;
         belief = fitted.belief.clone();
         outcome = Some((runs, fitted));
@@ -213,5 +228,6 @@ fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<R
         load,
         speed_mps: identified.speed_mps,
         ratio: identified.ratio,
+        age_s: None,
     })
 }

@@ -8,8 +8,9 @@
 //! | [`can`] | candump logs, J1939 and DBC signals, samples with a continuous time |
 //! | [`log`] | reading and writing of CSV, gzip, Parquet and candump logs |
 //! | [`estimate`] | the height of a log, with messages and likely causes of contradictions |
-//! | [`state`] | the text of a state file, which keeps the estimator's memory over a restart |
 //! | [`calibrate`] | calibration from logs with a known height |
+//! | [`learn`] | calibration in service, from trips with the empty trailer |
+//! | [`state`] | the text of a state file, which keeps the estimator's memory over a restart |
 //!
 //! # Example
 //!
@@ -32,12 +33,13 @@
 
 pub mod output;
 pub mod malformed;
-pub mod state;
 pub mod place;
 pub mod can;
 pub mod log;
 pub mod estimate;
 pub mod calibrate;
+pub mod learn;
+pub mod state;
 
 // The example of the page on crates.io is a test too.
 #[cfg(doctest)]

@@ -7,8 +7,13 @@
 
 use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Design, Measured, Memory};
+use cg_vehicle::calibration::Run;
+use cg_vehicle::design::design;
+use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use crate::learn::Learned;
 
 const FORMAT: &str = "cg-height state";
 const VERSION: u32 = 2;
@@ -22,13 +27,16 @@ const CHECKSUM: &str = "crc32 ";
 pub struct State {
     format: String,
     version: u32,
-    /// Checksum of the design (vehicle file and calibration) that the estimator used.
+    /// Checksum of the design (vehicle file and calibration, without what was learned).
     design_crc32: u32,
     /// Time of saving, s, in the time of the frames (usually Unix time).
     pub saved_s: f64,
     /// Time of the last detected change of the load, s; `None` if no change was detected.
     pub load_since_s: Option<f64>,
     memory: Stored,
+    /// What the truck has learned from empty driving. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Learned::is_empty")]
+    pub learned: Learned,
 }
 
 /// The memory of the estimator, channels in the order of the design.
@@ -83,6 +91,7 @@ impl State {
         memory: &Memory<f64>,
         saved_s: f64,
         load_since_s: Option<f64>,
+        learned: Learned,
     ) -> Self {
         Self {
             format: FORMAT.to_owned(),
@@ -90,6 +99,7 @@ impl State {
             design_crc32,
             saved_s,
             load_since_s,
+            learned,
             memory: Stored {
                 fused: memory.fused,
                 correlation: memory.correlation,
@@ -121,6 +131,15 @@ impl State {
     /// # Errors
     /// [`StateError`] with the reason.
     pub fn parse(bytes: &[u8], design_crc32: u32) -> Result<Self, StateError> {
+        let state = Self::of_any_design(bytes)?;
+        if state.design_crc32 != design_crc32 {
+            return Err(StateError::OtherDesign);
+        }
+        Ok(state)
+    }
+
+    /// Reads a state of any design and checks that it is complete.
+    fn of_any_design(bytes: &[u8]) -> Result<Self, StateError> {
         let text = std::str::from_utf8(bytes).map_err(|_| StateError::NotText)?;
         let (json, rest) = text.split_once('\n').ok_or(StateError::NoChecksum)?;
         let sum = rest.trim_ascii_end().strip_prefix(CHECKSUM).ok_or(StateError::NoChecksum)?;
@@ -137,14 +156,46 @@ impl State {
         }
         let state: Self =
             serde_json::from_str(json).map_err(|error| StateError::Content(error.to_string()))?;
-        if state.design_crc32 != design_crc32 {
-            return Err(StateError::OtherDesign);
-        }
-        if !state.memory().is_sound() {
+        if !(state.memory().is_sound() && state.learned.is_sound()) {
             return Err(StateError::Unsound);
         }
         Ok(state)
     }
+}
+
+/// The trips with the empty trailer in some state files (name and content), as runs of a calibration.
+/// The truck is as at the time of the newest one.
+///
+/// # Errors
+/// [`VehicleError`] if a file is not a state of this vehicle, or has no trip.
+pub fn runs_of(
+    files: &[(String, Vec<u8>)],
+    vehicle: &Vehicle,
+    variant: Variant,
+) -> Result<Vec<Run>, VehicleError> {
+    let design_crc32 = design_crc32(&design(vehicle, variant)?);
+    let mut all = Vec::new();
+    for (name, bytes) in files {
+        let refused = |reason: String| VehicleError::Model(format!("{name}: {reason}"));
+        let state =
+            State::parse(bytes, design_crc32).map_err(|error| refused(error.to_string()))?;
+        if state.learned.trips() == 0 {
+            return Err(refused("contains no trip with the empty trailer".to_owned()));
+        }
+        all.push((name, state.learned));
+    }
+    let now_s = all.iter().filter_map(|(_, learned)| learned.newest_s()).fold(f64::MIN, f64::max);
+    let named = |name: &String, (k, run): (usize, Run)| Run {
+        log: format!("{name}, trip {}", k + 1),
+        ..run
+    };
+    Ok(all
+        .iter()
+        .flat_map(|(name, learned)| {
+            let runs = learned.runs(vehicle, now_s).into_iter().enumerate();
+            runs.map(move |run| named(name, run))
+        })
+        .collect())
 }
 
 /// The checksum that distinguishes designs.

@@ -74,7 +74,7 @@ fn runs_of(vehicle: &Vehicle, truth: &Deviations, loads: &[(f64, f64, f64)]) -> 
                 let value = gain * lines[channel.index()].ratio_at(cg_height_m);
                 Some(Measured { value, sd: 1e-4 * value })
             });
-            Run { log: format!("{trailer_mass_kg} kg"), load, speed_mps, ratio }
+            Run { log: format!("{trailer_mass_kg} kg"), load, speed_mps, ratio, age_s: None }
         })
         .collect()
 }

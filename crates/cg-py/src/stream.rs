@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use cg_core::Status;
 use cg_logs::estimate::LogEstimator;
+use cg_logs::learn::Learner;
 use cg_logs::log::{LogRow, Signal};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -23,6 +24,8 @@ pub(crate) struct Stream {
 
 struct State {
     estimator: LogEstimator,
+    /// What goes on from what the truck had learned.
+    learner: Learner,
     previous_s: f64,
 }
 
@@ -53,15 +56,27 @@ impl State {
 #[pymethods]
 impl Stream {
     #[new]
-    #[pyo3(signature = (vehicle, options, /))]
-    fn new(py: Python<'_>, vehicle: &Bound<'_, Vehicle>, options: Options) -> PyResult<Self> {
+    #[pyo3(signature = (vehicle, options, learned = None, /))]
+    fn new(
+        py: Python<'_>,
+        vehicle: &Bound<'_, Vehicle>,
+        options: Options,
+        learned: Option<&str>,
+    ) -> PyResult<Self> {
         let options = options.checked()?;
+        let variant = options.variant;
         let vehicle = vehicle.get();
-        let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
+        let known = learned.map(|text| vehicle.learned(text)).transpose()?.unwrap_or_default();
+        let design = py.detach(|| vehicle.design(variant)).map_err(vehicle_error)?;
+        let now_s = known.newest_s().unwrap_or(0.0);
+        let own =
+            py.detach(|| known.design(&vehicle.inner, variant, now_s)).map_err(vehicle_error)?;
+        let design = own.as_ref().unwrap_or(design);
+        let learner = Learner::new(&vehicle.inner, variant, known);
         let settings = vehicle.inner.align_settings();
         let options = vehicle.options(options);
         let estimator = LogEstimator::from_design(design, settings, options);
-        let state = State { estimator, previous_s: f64::NEG_INFINITY };
+        let state = State { estimator, learner, previous_s: f64::NEG_INFINITY };
         Ok(Self { state: Mutex::new(state) })
     }
 
@@ -109,6 +124,28 @@ impl Stream {
         let row = LogRow::from_values(values);
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         state.push(&row).map_err(value_error)
+    }
+
+    /// Return what the truck has learned, as if the log ended here; more rows may follow.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     JSON text for `learned` of the next `Estimator`: the trips with the empty trailer so far,
+    ///     with this one if a mass in the rows says that the trailer is empty.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     The trip cannot be learned.
+    fn learned(&self, py: Python<'_>) -> PyResult<String> {
+        let (log, mut learner) = {
+            let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+            (state.estimator.clone(), state.learner.clone())
+        };
+        let design = *log.design();
+        py.detach(|| learner.log(log)).map_err(vehicle_error)?;
+        learner.learned(&design).to_text().map_err(|error| value_error(error.to_string()))
     }
 
     /// Return the estimate so far, as if the log ended here; more rows may follow.

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use cg_core::Design;
 use cg_logs::estimate::EstimateOptions;
 use cg_logs::estimate::RoadChoice;
+use cg_logs::learn::Learned;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
@@ -69,6 +70,17 @@ impl Vehicle {
     pub(crate) fn options(&self, options: EstimateOptions) -> EstimateOptions {
         let judgment = self.calibration.as_ref().map(Calibration::judgment).unwrap_or_default();
         EstimateOptions { judgment, ..options }.on_roads_of(&self.inner)
+    }
+
+    /// What the truck has learned, from its text. A calibrated vehicle does not learn.
+    pub(crate) fn learned(&self, text: &str) -> PyResult<Learned> {
+        if self.calibration.is_some() {
+            return Err(value_error(
+                "the vehicle has a calibration, which is used as it is: give learned without one"
+                    .to_owned(),
+            ));
+        }
+        Learned::parse(text).map_err(|error| value_error(format!("learned: {error}")))
     }
 
     /// The design for one set of equations, which is computed on first use.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args};
+use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::args::ColumnArgs;
 use crate::can::CanArgs;
@@ -44,6 +44,11 @@ pub(crate) struct RunArgs {
     /// Keep the estimator's memory in this file over restarts
     #[arg(long, value_name = "FILE")]
     pub(crate) state: Option<PathBuf>,
+    /// Whether the truck learns itself from trips with the empty trailer: what was learned is kept in
+    /// the file of --state and used from the next start on. Default: on with --state and without
+    /// --calibration
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub(crate) learn: Option<Learn>,
     /// Write counters and results to this file for Prometheus (textfile collector of its node
     /// exporter)
     #[arg(long, value_name = "FILE")]
@@ -65,6 +70,15 @@ pub(crate) struct RunArgs {
     /// Time between two status lines, s; 0 writes none
     #[arg(long, value_name = "T", default_value_t = 1.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) status_s: f64,
+}
+
+/// Whether the truck learns itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Learn {
+    /// It does
+    On,
+    /// It does not, and what was learned before is not used
+    Off,
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -31,6 +31,9 @@ pub(crate) enum Event<'a> {
     Maneuver(Box<ManeuverLine>),
     /// The load has changed; the estimation of the height starts again.
     LoadChanged { message: &'a str },
+    /// A trip with the empty trailer was learned or contradicts the earlier ones; at the start, how
+    /// many trips are used.
+    Learned { trips: usize, message: String },
     /// Periodic status.
     Status(Box<Status>),
     /// The warning level has changed.

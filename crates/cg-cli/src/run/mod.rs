@@ -8,14 +8,18 @@
 //! | `frames` | conversion of frames to samples |
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
 //! | `session` | processing of samples to events |
+//! | `felt` | the lateral acceleration that the truck feels |
+//! | `learning` | learning of the truck from empty driving |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
 //! | `signals` | requests to stop |
 
 pub(crate) mod args;
 mod events;
+mod felt;
 mod frames;
 mod latency;
+mod learning;
 mod live;
 mod metrics;
 mod outputs;
@@ -33,24 +37,27 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use anyhow::bail;
-use cg_core::{Settings, Warner};
+use cg_core::{Design, Settings, Warner};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::Vehicle;
+use cg_vehicle::sensor_places::Road;
 
 use crate::outcome::Outcome;
 use events::Event;
 use frames::Frames;
+use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
 use session::Session;
 use signals::Stop;
 use state::StateFile;
 
-use args::RunArgs;
+use args::{Learn, RunArgs};
 
 pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> {
     let [state, metrics] = targets(arguments, files)?;
+    refuse_learning(arguments)?;
     let vehicle = arguments.truck.load()?;
     let design = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
@@ -58,7 +65,10 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
     let mut frames = Frames::new(options.decoder(), settings, mass_is_given, live);
+    // The state belongs to the design without what was learned.
     let state = state.map(|target| StateFile::new(target, &design));
+    let start = state.as_ref().map(|state| learned(arguments, (&vehicle, &design), state));
+    let design = start.as_ref().map_or(design, |start| start.design);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let outputs = Outputs::new(lines, state, metrics, None);
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
@@ -82,6 +92,9 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         source: &source,
         restored,
     })?;
+    if let Some(start) = start {
+        session.begin(start)?;
+    }
     let reason = match (&arguments.can, &arguments.candump, &arguments.csv) {
         (Some(interface), ..) => {
             let address = arguments.transmit.then_some(arguments.transmit_address);
@@ -117,6 +130,42 @@ fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>;
         target("--state", &arguments.state, Kind::State)?,
         target("--metrics", &arguments.metrics, Kind::Metrics)?,
     ])
+}
+
+/// Learning needs a state file and a truck that is not calibrated.
+fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
+    if arguments.learn != Some(Learn::On) {
+        return Ok(());
+    }
+    if arguments.state.is_none() {
+        bail!("--learn on: what is learned is kept in a state file; give --state FILE too");
+    }
+    if arguments.truck.calibration.is_some() {
+        bail!(
+            "--learn on: the calibration of --calibration is used as it is; remove it to let the \
+             truck learn itself, or calibrate again with --from-state"
+        );
+    }
+    Ok(())
+}
+
+/// What the truck starts with.
+fn learned(
+    arguments: &RunArgs,
+    (vehicle, design): (&Vehicle, &Design<f64>),
+    state: &StateFile,
+) -> Start {
+    let on = arguments.learn != Some(Learn::Off);
+    if arguments.truck.calibration.is_some() {
+        return Start::calibrated(design, on);
+    }
+    let (learned, saved_s) = state.learned();
+    // A replay begins when the state was saved.
+    #[allow(clippy::cast_precision_loss)] // microseconds since 1970
+    let now_s = if arguments.can.is_some() { socket::wall_us() as f64 * 1e-6 } else { saved_s };
+    let mut vehicle = vehicle.clone();
+    vehicle.road = arguments.road.of(&vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
+    Start::new((&vehicle, arguments.truck.model), design, (learned, now_s), on)
 }
 
 /// The options for reading the source. Options that do not apply to it are refused.

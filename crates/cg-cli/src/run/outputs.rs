@@ -5,6 +5,7 @@
 use std::io::{self, Write};
 
 use cg_core::Memory;
+use cg_logs::learn::Learned;
 use cg_logs::output::Target;
 
 use super::events::Status;
@@ -51,8 +52,9 @@ impl<W: Write> Outputs<W> {
         memory: &Memory<f64>,
         saved_s: f64,
         load_since_s: Option<f64>,
+        learned: Learned,
     ) -> Option<String> {
-        let result = self.state.as_ref()?.save(memory, saved_s, load_since_s);
+        let result = self.state.as_ref()?.save(memory, saved_s, load_since_s, learned);
         changed(&mut self.state_failed, result)
     }
 

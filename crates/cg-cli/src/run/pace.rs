@@ -90,6 +90,18 @@ pub(crate) const MOTION: [Quantity; 17] = [
     Quantity::YawRate,
 ];
 
+/// The signal whose values became this sample: the first of the aligner's order that is present.
+pub(crate) fn pacing(sample: &Sample<f64>) -> &'static str {
+    let signals = [
+        (sample.roll_rad, Quantity::Roll),
+        (sample.roll_to_gravity_rad, Quantity::RollToGravity),
+        (sample.tilt_rad, Quantity::Tilt),
+        (sample.suspension_roll_rad, Quantity::SuspensionRoll),
+    ];
+    let present = signals.into_iter().find(|(value, _)| value.is_finite());
+    present.map_or(Quantity::TractorSuspensionRoll, |(_, quantity)| quantity).name()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,15 +6,17 @@ use cg_core::{
     Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
     Warner,
 };
-use cg_core::{Quantity, Reject, SampleError};
+use cg_core::{Reject, SampleError};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
 
 use crate::flags;
 
 use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
+use super::felt::felt_mps2;
+use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
-use super::pace::{Pace, too_slow};
+use super::pace::{Pace, pacing, too_slow};
 use super::state::Found;
 
 /// Time between two writes of the state without an event, in stream time, µs.
@@ -37,7 +39,11 @@ pub(crate) struct Session<W: Write> {
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
+    /// Stream time of the first mass by a signal that is used.
+    weighed_us: Option<u64>,
     nominal_mass_reported: bool,
+    /// The learning from empty driving.
+    learning: Option<Learning>,
     pace: Pace,
     warner: Warner<f64>,
     known: Known,
@@ -89,6 +95,8 @@ impl<W: Write> Session<W> {
             trailer_mass_sd_kg: None,
             mass_source,
             unweighed_us: None,
+            weighed_us: None,
+            learning: None,
             nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
@@ -206,7 +214,11 @@ impl<W: Write> Session<W> {
             sample.trailer_mass_kg = mass_kg;
         } else if sample.trailer_mass_kg.is_nan() {
             self.unweighed_us.get_or_insert(sample.time_us);
-        } else if self.mass_source != MassSource::Signal {
+            return Ok(());
+        } else {
+            self.weighed_us.get_or_insert(sample.time_us);
+        }
+        if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
             if self.nominal_mass_reported {
                 let message = format!(
@@ -234,7 +246,10 @@ impl<W: Write> Session<W> {
     }
 
     fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
-        let lateral_mps2 = self.felt_mps2(sample);
+        let design = self.estimator.design();
+        let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
+        let load = [mass_kg, self.known.height_m.unwrap_or(design.reference_height_m)];
+        let lateral_mps2 = felt_mps2(design, sample, self.speed_mps, load);
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         // Without a speed, the last one is used.
         if sample.speed_mps.is_finite() {
@@ -246,35 +261,6 @@ impl<W: Write> Session<W> {
         let Some(level) = level else { return Ok(()) };
         let margin_g = self.known.margin_g(self.lateral_g());
         self.write_event(Event::Warning { level, margin_g })
-    }
-
-    /// The lateral acceleration in the plane of the road, which the truck feels: with the part of
-    /// gravity that a bank adds, if an accelerometer shows it (`f = a_e + g φ`, `φ = R a_e`).
-    fn felt_mps2(&self, sample: &Sample<f64>) -> f64 {
-        let path_mps2 = if sample.lateral_acceleration_mps2.is_nan() {
-            sample.yaw_rate_radps * sample.speed_mps
-        } else {
-            sample.lateral_acceleration_mps2
-        };
-        let design = self.estimator.design();
-        let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
-        let height_m = self.known.height_m.unwrap_or(design.reference_height_m);
-        let line = design.line(Channel::LateralAcceleration, self.speed_mps, mass_kg);
-        let roll = line.map_or(0.0, |line| {
-            line.ratio_at(height_m) * design.compensation(Channel::LateralAcceleration)
-        });
-        let banked = |force_mps2: f64| force_mps2 / (1.0 + design.gravity_mps2 * roll);
-        let trailer = banked(sample.lateral_specific_force_mps2);
-        if trailer.is_finite() {
-            return trailer;
-        }
-        // The tractor leads the trailer and rolls less, so the greater of both is taken.
-        let tractor = banked(sample.tractor_lateral_specific_force_mps2);
-        if path_mps2.is_finite() && !(tractor.abs() > path_mps2.abs()) {
-            path_mps2
-        } else {
-            tractor
-        }
     }
 
     fn lateral_g(&self) -> Option<f64> {
@@ -326,8 +312,30 @@ impl<W: Write> Session<W> {
             result: self.known.clone(),
         };
         self.write_event(Event::Maneuver(Box::new(line)))?;
+        let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
+        self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
         self.save()
+    }
+
+    /// Begins to learn from empty driving.
+    pub(crate) fn begin(&mut self, start: Start) -> io::Result<()> {
+        self.learning = start.learning;
+        start.told.into_iter().try_for_each(|told| self.tell(told))
+    }
+
+    /// Learns from a maneuver, or ends the trip.
+    fn learn(&mut self, maneuver: Option<(&Maneuver<f64>, (f64, bool))>) -> io::Result<()> {
+        let design = self.estimator.design();
+        let told = self.learning.as_mut().and_then(|one| one.push(design, maneuver));
+        told.map_or(Ok(()), |told| self.tell(told))
+    }
+
+    fn tell(&mut self, told: Told) -> io::Result<()> {
+        match told {
+            Told::Learned(trips, message) => self.write_event(Event::Learned { trips, message }),
+            Told::Problem(message) => self.notice("learning", &message),
+        }
     }
 
     /// Updates the result from the estimator.
@@ -452,7 +460,9 @@ impl<W: Write> Session<W> {
         self.next.save_us = self.now_us + SAVE_US;
         let memory = self.estimator.memory();
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
-        match self.outputs.save(&memory, saved_s, since_s) {
+        let design = self.estimator.design();
+        let learned = self.learning.as_ref().map(|learning| learning.learned(design));
+        match self.outputs.save(&memory, saved_s, since_s, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),
         }
@@ -464,6 +474,7 @@ impl<W: Write> Session<W> {
             self.maneuver(&maneuver)?;
         }
         self.report_nominal_mass()?;
+        self.learn(None)?;
         self.save()?;
         self.measure()?;
         if self.status_us.is_some() {
@@ -479,18 +490,6 @@ impl<W: Write> Session<W> {
     pub(crate) fn has_height(&self) -> bool {
         self.known.height_m.is_some()
     }
-}
-
-/// The signal whose values became this sample: the first of the aligner's order that is present.
-fn pacing(sample: &Sample<f64>) -> &'static str {
-    let signals = [
-        (sample.roll_rad, Quantity::Roll),
-        (sample.roll_to_gravity_rad, Quantity::RollToGravity),
-        (sample.tilt_rad, Quantity::Tilt),
-        (sample.suspension_roll_rad, Quantity::SuspensionRoll),
-    ];
-    let present = signals.into_iter().find(|(value, _)| value.is_finite());
-    present.map_or(Quantity::TractorSuspensionRoll, |(_, quantity)| quantity).name()
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use cg_core::{Design, Memory};
+use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{State, StateError, design_crc32};
 
@@ -45,8 +46,10 @@ impl StateFile {
         memory: &Memory<f64>,
         saved_s: f64,
         load_since_s: Option<f64>,
+        learned: Learned,
     ) -> io::Result<()> {
-        let text = State::new(self.design_crc32, memory, saved_s, load_since_s).to_text()?;
+        let state = State::new(self.design_crc32, memory, saved_s, load_since_s, learned);
+        let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
         draft.map_or(Ok(()), Draft::publish)?;
@@ -57,9 +60,27 @@ impl StateFile {
 
     /// Reads the state if it is valid and belongs to this design.
     pub(crate) fn load(&self) -> io::Result<Found> {
+        match self.parsed()? {
+            None => Ok(Found::Nothing),
+            Some(Ok(state)) => Ok(Found::State(Box::new(state))),
+            Some(Err(reason)) => Ok(Found::PutAside(self.put_aside()?, reason)),
+        }
+    }
+
+    /// What the truck had learned and when this was saved; a file that cannot be used is left to
+    /// [`load`](Self::load).
+    pub(crate) fn learned(&self) -> (Learned, f64) {
+        match self.parsed() {
+            Ok(Some(Ok(state))) => (state.learned, state.saved_s),
+            _ => (Learned::default(), 0.0),
+        }
+    }
+
+    /// The content of the file, if there is one.
+    fn parsed(&self) -> io::Result<Option<Result<State, StateError>>> {
         let file = match File::open(self.target.path()) {
             Ok(file) => file,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(error),
         };
         // A device or a folder cannot contain a state and is not renamed.
@@ -68,10 +89,7 @@ impl StateFile {
         }
         let mut bytes = Vec::new();
         file.take(LONGEST).read_to_end(&mut bytes)?;
-        match State::parse(&bytes, self.design_crc32) {
-            Ok(state) => Ok(Found::State(Box::new(state))),
-            Err(reason) => Ok(Found::PutAside(self.put_aside()?, reason)),
-        }
+        Ok(Some(State::parse(&bytes, self.design_crc32)))
     }
 
     /// Renames the file to the first free `NAME.aside-N`.
@@ -115,8 +133,8 @@ mod tests {
         let (file, mut memory) = subject(folder.path());
         assert_eq!(file.load().unwrap(), Found::Nothing);
         memory.correlation[0][1] = 0.1 + 0.2;
-        file.save(&memory, 1.5, Some(0.3)).unwrap();
-        file.save(&memory, 2.5, None).unwrap();
+        file.save(&memory, 1.5, Some(0.3), Learned::default()).unwrap();
+        file.save(&memory, 2.5, None, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
         assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
@@ -127,7 +145,7 @@ mod tests {
     fn a_damaged_state_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, None).unwrap();
+        file.save(&memory, 1.5, None, Learned::default()).unwrap();
         let good = fs::read(file.target.path()).unwrap();
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
@@ -154,7 +172,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, mut memory) = subject(folder.path());
         memory.trailer_mass_kg = -1.0;
-        file.save(&memory, 1.5, None).unwrap();
+        file.save(&memory, 1.5, None, Learned::default()).unwrap();
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::Unsound);
     }
@@ -163,7 +181,7 @@ mod tests {
     fn the_state_of_another_truck_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (mut file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, None).unwrap();
+        file.save(&memory, 1.5, None, Learned::default()).unwrap();
         file.design_crc32 ^= 1;
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::OtherDesign);

@@ -19,6 +19,7 @@
 //! | `simulate` | logs with known truth |
 //! | `rollover` | every measure with its unit and its meaning |
 //! | `reproduce` | the thesis's tables with recomputed values |
+//! | `learn` | a truck that learns itself from empty driving |
 //! | `run` | replays of recorded drives, restarts, full disks, a service manager |
 //! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs need no more memory than short ones |
@@ -35,6 +36,7 @@ mod gateway;
 mod files;
 #[cfg(not(any(feature = "dbc", feature = "parquet", feature = "plots")))]
 mod left_out;
+mod learn;
 mod logs;
 mod memory;
 mod model;

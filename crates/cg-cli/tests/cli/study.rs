@@ -3,7 +3,7 @@
 
 use crate::common::{Run, Scratch, cg, fixture};
 
-const NAMES: [&str; 14] = [
+const NAMES: [&str; 15] = [
     "height-steady",
     "height-lane-change",
     "cornering-angle",
@@ -18,6 +18,7 @@ const NAMES: [&str; 14] = [
     "tyres",
     "accuracy",
     "roads",
+    "in-service",
 ];
 
 /// A short study.
@@ -39,7 +40,7 @@ fn all_studies_are_listed_with_a_sentence_and_their_figures() {
     for (line, name) in list.out.lines().zip(NAMES) {
         assert_eq!(line.split_whitespace().next(), Some(name));
         assert!(
-            line.contains('.') && (line.contains("Fig") || ["accuracy", "roads"].contains(&name)),
+            line.contains('.') && (line.contains("Fig") || NAMES[12..].contains(&name)),
             "{line}"
         );
     }

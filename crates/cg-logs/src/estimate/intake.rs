@@ -59,6 +59,8 @@ pub(super) struct SignalsSeen {
     pub(super) speed: bool,
     /// The last mass in the log, also if an option replaces it.
     pub(super) mass_kg: Option<f64>,
+    /// Time of the first one, µs.
+    pub(super) weighed_us: Option<u64>,
     pub(super) unscaled_steering_wheel: bool,
     pub(super) unscaled_pressure: bool,
     pub(super) unscaled_level: bool,
@@ -113,6 +115,26 @@ impl LogEstimator {
         Ok(step.status)
     }
 
+    /// The design of the truck.
+    pub fn design(&self) -> &Design<f64> {
+        &self.design
+    }
+
+    /// Ends the log and returns its maneuvers with the time of their end, s, and whether their mass is
+    /// from a signal in the log.
+    pub fn maneuvers(mut self) -> impl Iterator<Item = (Maneuver<f64>, f64, bool)> {
+        let last = self.engine.finish();
+        self.keep(last.as_ref());
+        let origin_s = self.origin_s.unwrap_or(0.0);
+        let weighed_us = self.seen.weighed_us.filter(|_| self.options.trailer_mass_kg.is_none());
+        self.maneuvers.into_iter().map(move |maneuver| {
+            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+            let end_s = origin_s + maneuver.end_us as f64 * 1e-6;
+            let weighed = weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
+            (maneuver, end_s, weighed)
+        })
+    }
+
     /// The roll angles and inputs that the channels take from a row. A row without a speed has no
     /// lateral acceleration from the yaw rate.
     pub fn signals(&mut self, row: &LogRow) -> Signals<f64> {
@@ -145,6 +167,7 @@ impl LogEstimator {
         self.seen.speed |= sample.speed_mps.is_finite();
         if sample.trailer_mass_kg.is_finite() {
             self.seen.mass_kg = Some(sample.trailer_mass_kg);
+            self.seen.weighed_us.get_or_insert(time_us);
         }
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;

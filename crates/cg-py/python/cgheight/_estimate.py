@@ -245,11 +245,15 @@ class Estimator(_native.Stream):
         mass may be a pair with its standard deviation.
     calibration, method, channel, model
         As for `estimate`.
+    learned : str, optional
+        What the truck has learned from its earlier trips with the empty trailer: the text that
+        `learned` of another `Estimator` returned. Then ``time_s`` of all rows must be Unix time,
+        because older trips count for less.
 
     Raises
     ------
     ValueError
-        An option is out of range.
+        An option is out of range; or `learned` is not such a text, or is given with a calibration.
     FileNotFoundError
         There is no such calibration file.
     """
@@ -264,7 +268,8 @@ class Estimator(_native.Stream):
         method: Method = "filtered",
         channel: ChannelName = "auto",
         model: ModelName = "complete",
+        learned: str | None = None,
     ) -> Self:
         """Start a log."""
         options = shared_options(method, channel, model, speed_mps, trailer_mass_kg)
-        return super().__new__(cls, calibrated(vehicle, calibration), options)
+        return super().__new__(cls, calibrated(vehicle, calibration), options, learned)

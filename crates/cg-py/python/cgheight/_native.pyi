@@ -89,8 +89,12 @@ class Vehicle:
 class Stream:
     """Estimator that processes one row at a time; `cgheight.Estimator` sets its options."""
 
-    def __new__(cls, vehicle: Vehicle, options: dict[str, Any], /) -> Self:
+    def __new__(
+        cls, vehicle: Vehicle, options: dict[str, Any], learned: str | None = None, /
+    ) -> Self:
         """Start a log."""
+    def learned(self) -> str:
+        """Return what the truck has learned, as if the log ended here; more rows may follow."""
     def push(
         self,
         time_s: float,

@@ -5,7 +5,9 @@ use cg_vehicle::error::VehicleError;
 
 use super::data::Study;
 use super::setting::Setting;
-use super::{accuracy, heights, inertia, maneuvers, roads, sensitivity, shift, speed, variants};
+use super::{
+    accuracy, heights, in_service, inertia, maneuvers, roads, sensitivity, shift, speed, variants,
+};
 
 /// An entry in the list of studies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +23,8 @@ pub struct Listed {
 
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
-/// All studies in the order of the thesis's pages; the last two are not in the thesis.
-const STUDIES: [(Listed, Run); 14] = [
+/// All studies in the order of the thesis's pages; the last three are not in the thesis.
+const STUDIES: [(Listed, Run); 15] = [
     (
         Listed {
             name: "height-steady",
@@ -135,6 +137,14 @@ const STUDIES: [(Listed, Run); 14] = [
         },
         roads::study,
     ),
+    (
+        Listed {
+            name: "in-service",
+            figures: "",
+            about: "A year of a truck that learns itself from its empty trips.",
+        },
+        in_service::study,
+    ),
 ];
 
 /// All studies, in the order of the thesis's pages.
@@ -143,8 +153,8 @@ pub fn studies() -> Vec<Listed> {
 }
 
 /// Runs one study, with a vehicle in place of the usual one if one is given. That is the baseline,
-/// `fixtures/vehicles/baseline-tables.toml`; of the study `roads`, whose pairs of signals need springs
-/// without friction, it is `fixtures/vehicles/kraz.toml`.
+/// `fixtures/vehicles/baseline-tables.toml`; of the studies `roads` and `in-service`, which need
+/// springs without friction, it is `fixtures/vehicles/kraz.toml`.
 ///
 /// # Errors
 /// [`VehicleError::UnknownStudy`]; [`VehicleError`] if the vehicle cannot be simulated.
@@ -157,7 +167,7 @@ pub fn study(name: &str, vehicle: Option<&Vehicle>) -> Result<Study, VehicleErro
         STUDIES.iter().find(|(listed, _)| listed.name == name).ok_or_else(unknown)?;
     let vehicle = match (vehicle, listed.name) {
         (Some(vehicle), _) => vehicle.clone(),
-        (None, "roads") => Vehicle::parse(
+        (None, "roads" | "in-service") => Vehicle::parse(
             include_str!("../../fixtures/vehicles/kraz.toml"),
             "fixtures/vehicles/kraz.toml",
         )?,

@@ -12,6 +12,7 @@
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tires |
 //! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the thesis) |
 //! | `roads` | banked roads (no figure of the thesis) |
+//! | `in_service` | a truck that learns itself from its empty trips (no figure of the thesis) |
 //! | `replay` | recorded logs driven again (no figure of the thesis) |
 //! | `drive` | one run along a path with the preview driver |
 //! | `data` | the result of a study |
@@ -19,7 +20,7 @@
 //! ```
 //! use cg_thesis::study::{studies, study};
 //!
-//! assert_eq!(studies().len(), 14);
+//! assert_eq!(studies().len(), 15);
 //! let turn = study("height-steady", None)?;
 //! let responses = &turn.series("2.5", "payload c.g. 200 mm higher").unwrap().points;
 //! assert!(responses[0][1] > 0.1); // the most sensitive one comes first
@@ -32,6 +33,7 @@ mod replay;
 mod setting;
 mod accuracy;
 mod roads;
+mod in_service;
 mod heights;
 mod inertia;
 mod maneuvers;
@@ -42,5 +44,6 @@ mod variants;
 mod list;
 
 pub use data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
+pub use in_service::{Answer, InService, LadenTrip, in_service};
 pub use list::{Listed, studies, study};
 pub use replay::{Recorded, Replayed, drive_again, replay};

@@ -20,6 +20,7 @@ use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
 use super::judgment::Judgment;
+use super::walk::Walk;
 use crate::belief::{
     Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios,
     stiffness_variances,
@@ -34,7 +35,6 @@ use crate::vehicle::Vehicle;
 const STEPS: usize = 12;
 /// A step below this (logarithm or meters) ends the iteration.
 const SETTLED: f64 = 1e-10;
-
 /// The ratios that were identified from a run with known height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
@@ -47,6 +47,10 @@ pub struct Run {
     /// Identified DC ratios and their standard deviations due to noise, in the order of
     /// [`Channel::ALL`]; `None` if the log does not have the signal.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
+    /// Time since a trip that the truck made in service, s: the truck has changed since then, as a
+    /// random walk. All such trips are alike, so they have the residual of the model in common. `None`
+    /// for a run of a calibration.
+    pub age_s: Option<f64>,
 }
 
 /// The method by which the parameters are determined.
@@ -105,6 +109,25 @@ impl Fitted {
             Procedure::MaximumAPosteriori => Judgment::of(self.chi_square, self.residuals.len()),
         }
     }
+
+    /// Whether the runs that this fit has and an `earlier` one does not have are possible for the truck
+    /// of the earlier one. The difference of both sums of squares is distributed as χ² with one degree
+    /// of freedom for each ratio more.
+    pub fn judgment_after(&self, earlier: &Self) -> Judgment {
+        let more = self.residuals.len().saturating_sub(earlier.residuals.len());
+        Judgment::of(self.chi_square - earlier.chi_square, more)
+    }
+}
+
+fn check(procedure: Procedure, runs: &[Run]) -> Result<(), VehicleError> {
+    let reason = match (procedure, runs) {
+        (Procedure::MaximumAPosteriori, _) | (_, [Run { age_s: None, .. }]) => return Ok(()),
+        (_, [_]) => "not a trip in service".to_owned(),
+        _ => format!("but there are {}", runs.len()),
+    };
+    Err(VehicleError::Model(format!(
+        "the procedure \"{procedure}\" needs exactly one run, {reason}"
+    )))
 }
 
 /// Estimates the parameters of a vehicle from runs.
@@ -118,19 +141,17 @@ pub fn fit(
     procedure: Procedure,
     runs: &[Run],
 ) -> Result<Fitted, VehicleError> {
-    if procedure == Procedure::Compensation && runs.len() != 1 {
-        return Err(VehicleError::Model(format!(
-            "the procedure \"{procedure}\" needs exactly one run, but there are {}",
-            runs.len()
-        )));
-    }
+    check(procedure, runs)?;
     let prior = Belief::prior(vehicle);
     let observations = observations(runs)?;
     let linearized =
         |mean: &Deviations| linearized((vehicle, variant), (runs, &observations), mean);
     let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);
     let (before, slopes) = linearized(&prior.mean)?;
-    let noise = noise(vehicle, (runs, &observations), &slopes)?;
+    let age_s = |o: &Observation| runs[o.run].age_s.unwrap_or(0.0).max(0.0);
+    let walk = Walk::new(&p0, &observations.iter().map(age_s).collect::<Vec<_>>());
+    let alone = noise(vehicle, (runs, &observations), &slopes)?;
+    let mut noise = alone.clone();
     let mut mean = prior.mean;
     let mut step = f64::INFINITY;
     let mut covariance = p0.clone();
@@ -139,6 +160,7 @@ pub fn fit(
             break;
         }
         let (misfit, h) = linearized(&mean)?;
+        noise = walk.added_to(&alone, &h);
         let gain = match procedure {
             Procedure::Compensation => sensors_only(&observations),
             Procedure::MaximumAPosteriori => optimal_gain(&p0, &h, &noise)?,
@@ -154,30 +176,50 @@ pub fn fit(
         covariance = &rest * &p0 * rest.transpose() + &gain * &noise * gain.transpose();
     }
     if !(step <= SETTLED.sqrt()) {
-        return Err(VehicleError::Model(
-            "the calibration does not converge: the runs contradict the vehicle file; check heights, \
-             masses, units and signs"
-                .to_owned(),
-        ));
+        return Err(unsettled());
     }
     let (after, _) = linearized(&mean)?;
+    let residuals = residuals(&observations, [&before, &after]);
+    let prior_of = match procedure {
+        Procedure::Compensation => None,
+        Procedure::MaximumAPosteriori => Some((&mean, &p0)),
+    };
+    let chi_square = sum_of_squares(&after, noise, prior_of)?;
+    let mut covariance = Covariance::from_fn(|i, j| covariance[(i, j)]);
+    if walk.is_some() {
+        let (misfit, h) = linearized(&mean)?;
+        let left = misfit + &h * DVector::from_column_slice(mean.as_slice());
+        let noise = walk.added_to(&alone, &h);
+        (mean, covariance) = walk.carried(&p0, (&h, &left), &noise).ok_or_else(singular)?;
+    }
+    let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
+    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
+    Ok(Fitted { procedure, belief, residuals, chi_square })
+}
+
+fn residuals(observations: &[Observation], [before, after]: [&DVector<f64>; 2]) -> Vec<Residual> {
     let residual = |(k, o): (usize, &Observation)| Residual {
         run: o.run,
         channel: o.channel,
         before: before[k],
         after: after[k],
     };
-    let residuals = observations.iter().enumerate().map(residual).collect();
-    let explained = noise.cholesky().map(|cholesky| cholesky.solve(&after)).ok_or_else(singular)?;
-    let mut chi_square = after.dot(&explained);
-    if procedure == Procedure::MaximumAPosteriori {
+    observations.iter().enumerate().map(residual).collect()
+}
+
+/// `rᵀ R⁻¹ r`, and `xᵀ P0⁻¹ x` if the parameters `x` have a prior covariance `P0`.
+fn sum_of_squares(
+    left: &DVector<f64>,
+    noise: DMatrix<f64>,
+    prior: Option<(&Deviations, &DMatrix<f64>)>,
+) -> Result<f64, VehicleError> {
+    let explained = noise.cholesky().map(|cholesky| cholesky.solve(left)).ok_or_else(singular)?;
+    let of_noise = left.dot(&explained);
+    Ok(prior.map_or(of_noise, |(x, p0)| {
         // A parameter without prior variance does not change.
         let moved = (0..PARAMETERS).filter(|&k| p0[(k, k)] > 0.0);
-        chi_square = moved.fold(chi_square, |sum, k| sum + mean[k] * mean[k] / p0[(k, k)]);
-    }
-    let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
-    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
-    Ok(Fitted { procedure, belief, residuals, chi_square })
+        moved.fold(of_noise, |sum, k| sum + x[k] * x[k] / p0[(k, k)])
+    }))
 }
 
 /// Covariance of what no parameter explains: the noise of each ratio, the residual of the model, and
@@ -188,10 +230,25 @@ fn noise(
     slopes: &DMatrix<f64>,
 ) -> Result<DMatrix<f64>, VehicleError> {
     let residual_sd = vehicle.uncertainty.residual_sd;
+    let in_service = |run: usize| runs[run].age_s.is_some();
     let variances = observations.iter().map(|o| o.variance + residual_sd * residual_sd);
     let mut noise = DMatrix::from_diagonal(&DVector::from_iterator(observations.len(), variances));
+    for (i, one) in observations.iter().enumerate() {
+        for (j, other) in observations.iter().enumerate() {
+            let alike = in_service(one.run) && in_service(other.run);
+            if i != j && alike && one.channel == other.channel {
+                noise[(i, j)] += residual_sd * residual_sd;
+            }
+        }
+    }
+    let first_in_service = (0..runs.len()).find(|&run| in_service(run));
     for (run, Run { load, .. }) in runs.iter().enumerate() {
-        let of_run = |k: usize| f64::from(u8::from(observations[k].run == run));
+        // Trips in service are alike, so this is common to all of them.
+        if in_service(run) && Some(run) != first_in_service {
+            continue;
+        }
+        let alike = |other: usize| other == run || in_service(run) && in_service(other);
+        let of_run = |k: usize| f64::from(u8::from(alike(observations[k].run)));
         for (parameter, variance) in
             STIFFNESSES.into_iter().zip(stiffness_variances(vehicle, *load)?)
         {
@@ -212,9 +269,12 @@ fn linearized(
 ) -> Result<(DVector<f64>, DMatrix<f64>), VehicleError> {
     let n = observations.len();
     let (mut misfit, mut h) = (DVector::zeros(n), DMatrix::zeros(n, PARAMETERS));
+    let of_runs = runs
+        .iter()
+        .map(|run| log_ratios(vehicle, variant, run.speed_mps, run.load, mean))
+        .collect::<Result<Vec<_>, VehicleError>>()?;
     for (k, observation) in observations.iter().enumerate() {
-        let run = &runs[observation.run];
-        let (logs, slopes) = log_ratios(vehicle, variant, run.speed_mps, run.load, mean)?;
+        let (logs, slopes) = &of_runs[observation.run];
         misfit[k] = observation.log_ratio - logs[observation.channel.index()];
         h.row_mut(k).copy_from(&slopes[observation.channel.index()].transpose());
     }
@@ -273,6 +333,14 @@ fn optimal_gain(
     let innovation = h * p0 * h.transpose() + noise;
     let solved = innovation.cholesky().map(|cholesky| cholesky.solve(&(h * p0)));
     solved.map(|gain| gain.transpose()).ok_or_else(singular)
+}
+
+fn unsettled() -> VehicleError {
+    VehicleError::Model(
+        "the calibration does not converge: the runs contradict the vehicle file; check heights, \
+         masses, units and signs"
+            .to_owned(),
+    )
 }
 
 fn singular() -> VehicleError {

@@ -3,6 +3,7 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | `walk` | the changes of a truck in service |
 //! | `judgment` | whether the runs are possible for the vehicle file |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
 //! | `part` | a calibration of the tractor alone |
@@ -14,6 +15,7 @@
 //! `cg_logs::calibrate` identifies the ratios from logs.
 
 mod judgment;
+mod walk;
 pub mod fit;
 mod part;
 mod entry;

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Measured, Memory, ThresholdLine};
+use cg_logs::learn::Learned;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::{Variant, Vehicle};
 use serde_json::Value;
@@ -454,7 +455,7 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
         let folder = tempfile::tempdir().unwrap();
         let mut session = kept_in(folder.path(), given_kg);
         let memory = memory([Some(2.0), None], mass_kg);
-        session.outputs.save(&memory, 5.0, Some(0.3));
+        session.outputs.save(&memory, 5.0, Some(0.3), Learned::default());
         assert!(session.restore().unwrap());
         assert!(session.has_height());
         let status = session.status();

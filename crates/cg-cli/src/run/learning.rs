@@ -1,0 +1,102 @@
+//! Learning from empty driving ([`cg_logs::learn`]): what is learned is used from the next start on.
+
+use cg_core::{Design, Maneuver};
+use cg_logs::learn::{Learned, Learner, Taken};
+use cg_vehicle::{Variant, Vehicle, VehicleError};
+
+/// The learner of a session with a state file.
+pub(crate) struct Learning {
+    learner: Learner,
+    /// Whether it learns; otherwise it only keeps what was learned before.
+    on: bool,
+}
+
+/// What is to be told.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Told {
+    /// What was learned, and the number of trips that count.
+    Learned(usize, String),
+    /// A reason why something is not learned.
+    Problem(String),
+}
+
+impl Learning {
+    /// What was learned, for the state file.
+    pub(crate) fn learned(&self, design: &Design<f64>) -> Learned {
+        self.learner.learned(design)
+    }
+
+    /// Learns from a maneuver if the trailer is empty. Without a maneuver, the trip ends. The pair is
+    /// the time of its end, s, and whether a signal gave the mass.
+    pub(crate) fn push(
+        &mut self,
+        design: &Design<f64>,
+        maneuver: Option<(&Maneuver<f64>, (f64, bool))>,
+    ) -> Option<Told> {
+        if !self.on {
+            return None;
+        }
+        let taken = match maneuver {
+            Some((maneuver, how)) => self.learner.maneuver(design, maneuver, how),
+            None => self.learner.finish(design),
+        };
+        told(taken, self.learner.learned(design).trips())
+    }
+}
+
+fn told(taken: Result<Option<Taken>, VehicleError>, trips: usize) -> Option<Told> {
+    match taken {
+        Ok(taken) => taken.map(|taken| Told::Learned(trips, taken.to_string())),
+        Err(error) => Some(Told::Problem(format!("a trip cannot be learned: {error}"))),
+    }
+}
+
+/// What the truck starts with.
+pub(crate) struct Start {
+    /// The design with what was learned.
+    pub(crate) design: Design<f64>,
+    pub(crate) learning: Option<Learning>,
+    pub(crate) told: Vec<Told>,
+}
+
+impl Start {
+    /// A calibrated truck does not learn; this is told if nothing was said of `--learn`.
+    pub(crate) fn calibrated(design: &Design<f64>, is_told: bool) -> Self {
+        let message = "the truck does not learn itself, because --calibration is given; --learn off \
+                       omits this message";
+        let told = is_told.then(|| Told::Problem(message.to_owned()));
+        Self { design: *design, learning: None, told: told.into_iter().collect() }
+    }
+
+    /// The design with what was learned at the time `now_s`, or the one without if `on` is false.
+    pub(crate) fn new(
+        (vehicle, variant): (&Vehicle, Variant),
+        design: &Design<f64>,
+        (mut learned, now_s): (Learned, f64),
+        on: bool,
+    ) -> Self {
+        let (mut messages, mut known) = (Vec::new(), None);
+        if on {
+            let resumed = learned.resume(vehicle, variant);
+            let trips = learned.trips();
+            messages.extend(told(resumed, trips));
+            match learned.design(vehicle, variant, now_s) {
+                Ok(found) => known = found,
+                Err(error) => {
+                    let message = format!("what was learned cannot be used: {error}");
+                    messages.push(Told::Problem(message));
+                }
+            }
+            if known.is_some() {
+                let message = "the truck is taken as it has learned itself from its trips with the \
+                               empty trailer";
+                messages.push(Told::Learned(trips, message.to_owned()));
+            }
+        }
+        Self {
+            design: known.unwrap_or(*design),
+            learning: Some(Learning { learner: Learner::new(vehicle, variant, learned), on }),
+            told: messages,
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! A truck that learns itself from empty driving: events, state file, `--learn`, `--from-state`.
+
+use serde_json::Value;
+
+use crate::common::{Run, Scratch, cg, fixture, kraz};
+use crate::run::{events, last_height, lines};
+
+const EMPTY: &str = "logs/A_p00_v50_L.csv";
+const LADEN: &str = "logs/A_p20_h190_v50_L.csv";
+/// Height of the laden log.
+const LADEN_M: f64 = 1.9;
+
+fn drive(log: &str, state: &str, more: &[&str]) -> Run {
+    let (log, vehicle) = (fixture(log), kraz());
+    let mut arguments =
+        vec!["run", "--csv", &log, "--vehicle", &vehicle, "--status-s", "0", "--state", state];
+    arguments.extend(more);
+    cg(&arguments)
+}
+
+fn error(lines: &[Value]) -> f64 {
+    (last_height(lines) / LADEN_M - 1.0).abs()
+}
+
+fn stored(state: &str) -> Value {
+    let text = std::fs::read_to_string(state).unwrap();
+    serde_json::from_str(text.lines().next().unwrap()).unwrap()
+}
+
+/// The state of a truck that has made one trip with the empty trailer.
+fn learned(scratch: &Scratch) -> String {
+    let state = scratch.path("state.json");
+    let first = lines(&drive(EMPTY, &state, &[]).done());
+    let [one] = &events(&first, "learned")[..] else { panic!("{first:?}") };
+    assert_eq!((&one["trips"], one["message"].as_str().unwrap().len() > 20), (&1.into(), true));
+    state
+}
+
+/// An independent truck, 20 t at 1.90 m: 2.5 % off with the vehicle file alone.
+#[test]
+fn what_is_learned_from_an_empty_trip_is_used_from_the_next_start_on() {
+    let scratch = Scratch::new();
+    let state = learned(&scratch);
+    let fresh = lines(&drive(LADEN, &scratch.path("other.json"), &[]).done());
+    assert!(events(&fresh, "learned").is_empty());
+    let before = std::fs::read(&state).unwrap();
+    let laden = lines(&drive(LADEN, &state, &[]).done());
+    let [start] = &events(&laden, "learned")[..] else { panic!("{laden:?}") };
+    assert_eq!(start["trips"], 1);
+    println!("{:.4} {:.4}", error(&fresh), error(&laden));
+    assert!(error(&fresh) > 0.02 && error(&laden) < 0.01);
+    // A laden trip teaches nothing.
+    assert_eq!(stored(&state)["learned"]["trips"].as_array().unwrap().len(), 1);
+    std::fs::write(&state, before).unwrap();
+    let twice = lines(&drive(EMPTY, &state, &[]).done());
+    assert_eq!(events(&twice, "learned").last().unwrap()["trips"], 2);
+}
+
+#[test]
+fn learning_can_be_off() {
+    let scratch = Scratch::new();
+    let off = scratch.path("off.json");
+    let found = lines(&drive(EMPTY, &off, &["--learn", "off"]).done());
+    assert!(events(&found, "learned").is_empty());
+    // As a state file without learning always was.
+    assert!(stored(&off)["learned"].is_null());
+    // What was learned is not used, and not lost.
+    let state = learned(&scratch);
+    let fresh = lines(&drive(LADEN, &off, &["--learn", "off"]).done());
+    let laden = lines(&drive(LADEN, &state, &["--learn", "off"]).done());
+    assert!(events(&laden, "learned").is_empty());
+    assert!((last_height(&fresh) - last_height(&laden)).abs() < 1e-12);
+    assert_eq!(stored(&state)["learned"]["trips"].as_array().unwrap().len(), 1);
+}
+
+/// The nominal mass of this vehicle file is that of the empty trailer.
+#[test]
+fn a_mass_that_is_given_or_unknown_teaches_nothing() {
+    let scratch = Scratch::new();
+    let given = scratch.path("given.json");
+    drive(EMPTY, &given, &["--trailer-mass-kg", "8684"]).done();
+    assert!(stored(&given)["learned"].is_null());
+    let text = std::fs::read_to_string(kraz()).unwrap();
+    let truck = text.replace("reference_mass_kg = 18684.0", "reference_mass_kg = 8684.0");
+    assert_ne!(truck, text);
+    let truck = scratch.file("truck.toml", truck);
+    let text = std::fs::read_to_string(fixture(EMPTY)).unwrap();
+    let unweighed: String =
+        text.lines().flat_map(|line| [line.rsplit_once(',').unwrap().0, "\n"]).collect();
+    for (name, log, trips) in [("no.json", unweighed, None), ("yes.json", text, Some(1))] {
+        let (log, state) = (scratch.file("log.csv", log), scratch.path(name));
+        cg(&["run", "--csv", &log, "--vehicle", &truck, "--state", &state]).done();
+        assert_eq!(stored(&state)["learned"]["trips"].as_array().map(Vec::len), trips, "{name}");
+    }
+}
+
+/// An interrupted trip counts: it ends when the truck starts again.
+#[test]
+fn a_trip_that_was_interrupted_counts() {
+    let scratch = Scratch::new();
+    let state = learned(&scratch);
+    let text = std::fs::read_to_string(&state).unwrap();
+    let mut content = stored(&state);
+    let trip = content["learned"]["trips"].as_array_mut().unwrap().remove(0);
+    content["learned"]["open"] = trip;
+    let json = content.to_string();
+    let sum = crc32(json.as_bytes());
+    assert!(text.ends_with(&format!("{:08x}\n", crc32(text.lines().next().unwrap().as_bytes()))));
+    std::fs::write(&state, format!("{json}\ncrc32 {sum:08x}\n")).unwrap();
+    let laden = lines(&drive(LADEN, &state, &[]).done());
+    assert_eq!(events(&laden, "learned").len(), 2);
+    assert!(error(&laden) < 0.01);
+}
+
+/// The checksum of zip files.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |sum, byte| {
+        (0..8).fold(sum ^ u32::from(*byte), |sum, _| {
+            (sum >> 1) ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 }
+        })
+    })
+}
+
+#[test]
+fn learning_needs_a_state_file_and_no_calibration() {
+    let scratch = Scratch::new();
+    let (log, vehicle) = (fixture(EMPTY), kraz());
+    let run = ["run", "--csv", &log, "--vehicle", &vehicle, "--learn", "on"];
+    cg(&run).refused(&["--learn on", "--state"]);
+    let calibration = scratch.path("c.toml");
+    let empty = format!("{log}=empty");
+    cg(&["calibrate", "--vehicle", &vehicle, "--run", &empty, "-o", &calibration]).done();
+    let state = scratch.path("state.json");
+    let with = ["--calibration", &calibration];
+    drive(EMPTY, &state, &[&with[..], &["--learn", "on"]].concat())
+        .refused(&["--calibration", "--from-state"]);
+    let told = lines(&drive(EMPTY, &state, &with).done());
+    let about = |line: &&&Value| line["subject"] == "learning";
+    assert_eq!(events(&told, "notice").iter().filter(about).count(), 1);
+    assert!(stored(&state)["learned"].is_null());
+    let off = lines(&drive(EMPTY, &state, &[&with[..], &["--learn", "off"]].concat()).done());
+    assert_eq!(events(&off, "notice").iter().filter(about).count(), 0);
+}
+
+/// The trips of state files make a calibration, alone or with logs.
+#[test]
+fn state_files_become_a_calibration() {
+    let scratch = Scratch::new();
+    let (state, vehicle) = (learned(&scratch), kraz());
+    let calibration = scratch.path("c.toml");
+    let run = format!("{}={LADEN_M}", fixture("logs/A_p20_h220_v50_L.csv"));
+    let calibrate = ["calibrate", "--vehicle", &vehicle, "--from-state", &state];
+    let alone = cg(&[&calibrate[..], &["-o", &calibration]].concat()).done();
+    assert!(alone.out.contains("state.json, trip 1"), "{}", alone.out);
+    let log = fixture(LADEN);
+    let estimate = ["estimate", &log, "--vehicle", &vehicle, "--calibration", &calibration];
+    let found = cg(&[&estimate[..], &["--format", "json"]].concat()).done().answer();
+    assert!((found["height_m"].as_f64().unwrap() / LADEN_M - 1.0).abs() < 0.01, "{found}");
+    // A wrong height contradicts what was learned.
+    cg(&[&calibrate[..], &["--run", &run, "-o", &scratch.path("d.toml")]].concat())
+        .refused(&["no calibration is made"]);
+    let right = format!("{}=2.2", fixture("logs/A_p20_h220_v50_L.csv"));
+    cg(&[&calibrate[..], &["--run", &right, "-o", &scratch.path("e.toml")]].concat()).done();
+    // Of another truck, and without a trip.
+    let other = fixture("vehicles/euro.toml");
+    cg(&["calibrate", "--vehicle", &other, "--from-state", &state, "-o", &calibration])
+        .refused(&["another vehicle file"]);
+    let nothing = scratch.path("nothing.json");
+    drive(LADEN, &nothing, &[]).done();
+    cg(&["calibrate", "--vehicle", &vehicle, "--from-state", &nothing, "-o", &calibration])
+        .refused(&["contains no trip"]);
+}

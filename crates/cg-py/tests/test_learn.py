@@ -1,0 +1,58 @@
+"""A truck learns itself from trips with the empty trailer, as with `cg run`."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import cgheight
+from conftest import FIXTURES
+
+LOGS = FIXTURES / "logs"
+EMPTY, LADEN = LOGS / "A_p00_v50_L.csv", LOGS / "A_p20_h190_v50_L.csv"
+LADEN_M = 1.9
+
+
+def driven(vehicle, path, **options):
+    """Return the estimator after a log."""
+    names = path.read_text().splitlines()[0].split(",")
+    stream = cgheight.Estimator(vehicle, **options)
+    for row in np.loadtxt(path, delimiter=",", skiprows=1):
+        stream.push(**dict(zip(names, row.tolist(), strict=True)))
+    return stream
+
+
+@pytest.fixture(scope="module")
+def learned(kraz):
+    """Return what the truck learns from one trip with the empty trailer."""
+    return driven(kraz, EMPTY).learned()
+
+
+def test_an_empty_trip_mends_a_laden_one(kraz, learned):
+    trips = json.loads(learned)["trips"]
+    assert len(trips) == 1
+    assert trips[0]["trailer_mass_kg"] == pytest.approx(kraz.empty_trailer_mass_kg, rel=1e-3)
+    before = driven(kraz, LADEN).estimate()
+    after = driven(kraz, LADEN, learned=learned)
+    assert abs(before.height_m / LADEN_M - 1) > 0.02
+    assert abs(after.estimate().height_m / LADEN_M - 1) < 0.01
+    # A laden trip teaches nothing.
+    assert json.loads(after.learned()) == json.loads(learned)
+
+
+def test_a_given_mass_teaches_nothing(kraz):
+    stream = driven(kraz, EMPTY, trailer_mass_kg=kraz.empty_trailer_mass_kg)
+    assert json.loads(stream.learned())["trips"] == []
+
+
+def test_what_was_not_learned_is_refused(kraz, learned, tmp_path):
+    unknown = learned.replace("speed_mps", "speed")
+    impossible = learned.replace('"maneuvers":1', '"maneuvers":0')
+    for text in ["", "{}", unknown, impossible]:
+        with pytest.raises(ValueError, match="learned"):
+            cgheight.Estimator(kraz, learned=text)
+    truck = cgheight.calibrate(kraz, [(EMPTY, "empty")], tmp_path / "truck.toml")
+    with pytest.raises(ValueError, match="has a calibration"):
+        cgheight.Estimator(truck, learned=learned)
