@@ -125,6 +125,19 @@ impl Equations {
         row
     }
 
+    /// The stiffness with that of the fifth wheel.
+    fn stiffness_with_hitch(&self) -> DMatrix<f64> {
+        let mut stiffness = self.stiffness.clone();
+        let (rate, roll) = self.on_hitch();
+        for (velocity, angle) in [(w::ROLL_1, q::ROLL_1), (rate, roll)] {
+            stiffness[(velocity, angle)] += self.hitch_roll_stiffness;
+        }
+        for (velocity, angle) in [(w::ROLL_1, roll), (rate, q::ROLL_1)] {
+            stiffness[(velocity, angle)] -= self.hitch_roll_stiffness;
+        }
+        stiffness
+    }
+
     /// The state-space form, with every response as an output.
     ///
     /// # Errors
@@ -136,15 +149,7 @@ impl Equations {
         let rates = |rhs: DMatrix<f64>| lu.solve(&rhs).ok_or_else(singular);
         let mut a = DMatrix::zeros(nw + nq, nw + nq);
         a.view_mut((0, 0), (nw, nw)).copy_from(&rates(-&self.damping)?);
-        let mut stiffness = self.stiffness.clone();
-        let (rate, roll) = self.on_hitch();
-        for (velocity, angle) in [(w::ROLL_1, q::ROLL_1), (rate, roll)] {
-            stiffness[(velocity, angle)] += self.hitch_roll_stiffness;
-        }
-        for (velocity, angle) in [(w::ROLL_1, roll), (rate, q::ROLL_1)] {
-            stiffness[(velocity, angle)] -= self.hitch_roll_stiffness;
-        }
-        a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-stiffness)?);
+        a.view_mut((0, nw), (nw, nq)).copy_from(&rates(-self.stiffness_with_hitch())?);
         a[(nw + q::ARTICULATION, w::YAW_1)] = 1.0;
         a[(nw + q::ARTICULATION, w::YAW_2)] = -1.0;
         for i in q::ROLL_1..nq {

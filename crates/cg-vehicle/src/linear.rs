@@ -156,14 +156,13 @@ impl SteadyLines {
     pub fn line(&self, output: Output, input: Input) -> RatioLine<f64> {
         let ([n0, n1, n2], [d0, d1, d2]) =
             ([0, 1, 2].map(|k| self.output(output, k)), [0, 1, 2].map(|k| self.input(input, k)));
-        let (a1, b1) = match self.equations.twisting {
-            None => ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0),
-            Some(_) => {
-                // (r0 + a x)/(1 + b x) = r1 at x = 1 and r2 at x = −1.
-                let (r0, r1, r2) = (n0 / d0, n1 / d1, n2 / d2);
-                let b = (r1 + r2 - 2.0 * r0) / (r2 - r1);
-                ((r1 * (1.0 + b) - r0) / STEP_M, b / STEP_M)
-            }
+        let (a1, b1) = if self.equations.twisting.is_none() {
+            ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0)
+        } else {
+            // (r0 + a x)/(1 + b x) = r1 at x = 1 and r2 at x = −1.
+            let (r0, r1, r2) = (n0 / d0, n1 / d1, n2 / d2);
+            let b = (r1 + r2 - 2.0 * r0) / (r2 - r1);
+            ((r1 * (1.0 + b) - r0) / STEP_M, b / STEP_M)
         };
         RatioLine { a0: n0 / d0 - a1 * self.cg_height_m, a1, b0: 1.0 - b1 * self.cg_height_m, b1 }
     }
