@@ -27,6 +27,7 @@ pub(crate) fn display_unit(unit: Unit) -> DisplayUnit {
         Unit::MeterPerSecond => listed(KMH),
         Unit::MeterPerSecondSquared => listed(G),
         Unit::Second => listed(Dimension::Time.si()),
+        Unit::Month => own("months", "months", 1.0),
         Unit::Decibel => own("db", "dB", 1.0),
         Unit::Kilogram => listed(TONNE),
         Unit::KilogramSquareMeter => own("kgm2", "kg m²", 1.0),

@@ -135,8 +135,7 @@ fn posterior_covers_with(given: usize) {
     let loads = [(8_684.0, 1.33, 13.9), (28_684.0, 1.9, 13.9), (18_684.0, 1.7, 18.0)];
     let (mut squares, mut improved, trucks) = ([0.0; CHANNELS], [0.0; CHANNELS], 60);
     for _ in 0..trucks {
-        let truth =
-            Deviations::from_fn(|k, _| prior.covariance[(k, k)].sqrt() * normal.sample(&mut rng));
+        let truth = prior.drawn(|| normal.sample(&mut rng));
         let runs = runs_of(&vehicle, &truth, &loads);
         let fitted =
             fit(&vehicle, Variant::Complete, Procedure::default(), &runs[..given]).unwrap();

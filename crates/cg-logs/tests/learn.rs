@@ -208,7 +208,7 @@ fn what_is_known_today_holds() {
     let (trucks, days) = (40_u32, [0.0, 30.0, 180.0, 365.0]);
     let (mut today, mut later, mut narrowed) = ([0.0; 4], [0.0; 4], 0.0);
     for _ in 0..trucks {
-        let mut now = Deviations::from_fn(|k, _| sd[k] * normal());
+        let mut now = prior.drawn(&mut normal);
         let mut learned = Learned::default();
         let mut day_before = 0.0;
         let mut wander = |now: &mut Deviations, days: f64| {

@@ -46,11 +46,9 @@ impl Truck {
             let standard: f64 = StandardNormal.sample(&mut source);
             spread * standard
         };
-        // The prior is uncorrelated.
-        let sd = |k: usize| belief.covariance[(k, k)].sqrt();
         Self {
             load,
-            deviations: Deviations::from_fn(|k, _| sd(k) * normal()),
+            deviations: belief.drawn(&mut normal),
             residual: [belief.residual_sd * normal(), belief.residual_sd * normal()],
         }
     }

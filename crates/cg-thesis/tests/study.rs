@@ -298,10 +298,9 @@ fn only_suspension_roll_over_specific_force_holds_on_banked_roads() {
     for series in &flat.series {
         for (point, ends) in series.points.iter().zip(&series.intervals).skip(1) {
             assert!(point[1] < -worst, "{}: {point:?}", series.name);
-            // The widest curve has a third of the greatest bank. From 2 % on that is 0.7 %, which makes
-            // the ratio smaller by 30 % and the height by 24 %: three times what the wider one of the
-            // two intervals without a bank is wide.
-            assert!(point[0] < 0.02 || !holds(ends), "{}: {point:?} {ends:?}", series.name);
+            // The widest curve has a third of the greatest bank. From 3 % on that is 1 %, which makes
+            // the ratio smaller by 46 %: more than the curves of a drive can differ by their banks.
+            assert!(point[0] < 0.03 || !holds(ends), "{}: {point:?} {ends:?}", series.name);
         }
     }
     for series in &uncertain.series {

@@ -192,6 +192,15 @@ impl Belief {
         }
     }
 
+    /// Deviations drawn from a belief without correlation, such as the prior. `standard` returns numbers of
+    /// the standard normal distribution; it is called once for each parameter that is not certain.
+    pub fn drawn(&self, mut standard: impl FnMut() -> f64) -> Deviations {
+        Deviations::from_fn(|k, _| {
+            let sd = self.covariance[(k, k)].sqrt();
+            self.mean[k] + if sd > 0.0 { sd * standard() } else { 0.0 }
+        })
+    }
+
     /// The vehicle with its parameters at the mean.
     pub fn applied_to(&self, vehicle: &Vehicle) -> Vehicle {
         adjusted(vehicle, &self.mean)

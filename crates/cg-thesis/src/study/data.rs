@@ -18,6 +18,8 @@ pub enum Unit {
     MeterPerSecondSquared,
     /// s.
     Second,
+    /// Months, in studies of years.
+    Month,
     /// dB.
     Decibel,
     /// kg.

@@ -13,7 +13,7 @@ use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::{Instruments, Sensors};
 use cg_plant::simulate::{LogSimulation, Scenario};
-use cg_vehicle::belief::{Belief, Covariance, Deviations, Parameter, adjusted, log_gain};
+use cg_vehicle::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
 use cg_vehicle::design::design_with;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Variant, Vehicle};
@@ -45,7 +45,7 @@ const TRIP_S: f64 = 120.0;
 const SNR_DB: f64 = 20.0;
 /// Sampling rate.
 const RATE_HZ: f64 = 50.0;
-const TIME: Quantity = Quantity { name: "month", label: "Month", unit: Unit::One };
+const TIME: Quantity = Quantity { name: "time", label: "Time", unit: Unit::Month };
 const ERROR: Quantity =
     Quantity { name: "error", label: "Error of the height, rms", unit: Unit::One };
 const COVERAGE: Quantity =
@@ -103,15 +103,12 @@ struct Truck<'a> {
 
 impl<'a> Truck<'a> {
     fn new(vehicle: &'a Vehicle, truck: accuracy::Truck, seed: u64) -> Result<Self, VehicleError> {
-        let mut prior = Belief::prior(vehicle);
-        if truck == accuracy::Truck::OfTheFile {
-            prior = Belief { covariance: Covariance::zeros(), residual_sd: 0.0, ..prior };
-        }
+        let prior = Belief::prior(vehicle);
+        let spread = if truck == accuracy::Truck::OfTheFile { 0.0 } else { 1.0 };
         let mut source = StdRng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut source) };
-        // The prior is uncorrelated.
-        let new = Deviations::from_fn(|k, _| prior.covariance[(k, k)].sqrt() * normal());
-        let residual_sd = prior.residual_sd;
+        let new = prior.drawn(&mut normal) * spread;
+        let residual_sd = prior.residual_sd * spread;
         let residual = [(); 2].map(|()| residual_sd * normal());
         let noise_sd_rad = LogSimulation::new(vehicle, trip(vehicle))?.truth.noise_sd_rad;
         Ok(Self { vehicle, new, residual, residual_sd, noise_sd_rad, source })
