@@ -73,8 +73,8 @@ def test_a_drive_on_a_road_is_that_of_the_command_line(truck, tmp_path):
         output=python,
     )
     options = (
-        "--road roundabouts --road-twist --height-m 1.8 --payload-kg 12000 --duration-s 15 --rate-hz 50 "
-        "--snr-db 30 --level-noise-m 5e-4 --tilt-quantisation-rad 1e-3 --seed 3"
+        "--road roundabouts --road-twist --height-m 1.8 --payload-kg 12000 --duration-s 15 "
+        "--rate-hz 50 --snr-db 30 --level-noise-m 5e-4 --tilt-quantisation-rad 1e-3 --seed 3"
     )
     files = ["--vehicle", FIXTURES / "vehicles" / "euro.toml", "-o", program, "--truth", truth_file]
     subprocess.run([cg(), "simulate", *options.split(), *files], check=True)

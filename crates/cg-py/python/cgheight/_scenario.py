@@ -130,8 +130,8 @@ class Scenario:
     road : {"rural", "motorway", "roundabouts"} or path, optional
         A road that the nonlinear plant drives along: a usual kind, whose curves `seed` determines,
         or a CSV file (``distance_m, curvature_per_m, bank_rad`` and, with speed limits or grades,
-        ``speed_mps`` and ``grade_rad``). The log then also has the signals of the chassis: levels, specific forces,
-        inclinometers, suspension roll, of trailer and tractor.
+        ``speed_mps`` and ``grade_rad``). The log then also has the signals of the chassis: levels,
+        specific forces, inclinometers, suspension roll, of trailer and tractor.
     road_twist : bool
         Whether every axle stands on the bank of its own place; otherwise the whole truck stands on
         one bank.
