@@ -264,11 +264,6 @@ impl Learned {
     }
 }
 
-/// Change of a ratio per meter of height.
-fn slope(line: &RatioLine<f64>, height_m: f64) -> f64 {
-    100.0 * (line.ratio_at(height_m + 0.005) - line.ratio_at(height_m - 0.005))
-}
-
 /// The height that a channel found, with its standard deviation due to noise, and that due to the bank
 /// of the road. A height outside the possible range counts too: it is that of the empty trailer, so the
 /// truck differs. Its uncertainty by the bank is not known, so the bank must not be in it.
@@ -292,7 +287,7 @@ fn identified(
     };
     let fit = outcome.fit.filter(|_| without_bank(channel) || !banked)?;
     let sd = (fit.ratio.sd / fit.ratio.value * line.ratio_at(height_m)).abs();
-    let sd_m = (sd / slope(line, height_m)).abs();
+    let sd_m = (sd / (line.ratio_at(height_m) * line.relative_slope_at(height_m))).abs();
     (line.ratio_at(height_m) > 0.0).then_some((Measured { value: height_m, sd: sd_m }, 0.0))
 }
 
@@ -416,8 +411,9 @@ impl Learner {
             let line = design.line(channel, speed_mps, trailer_mass_kg)?;
             let (found, road_sd_m) = identified(maneuver, (channel, &line), self.vehicle.road)?;
             let expected = line.ratio_at(height_m);
-            let sd = |sd_m: f64| (slope(&line, found.value) * sd_m / expected).abs();
-            let ratio = Measured { value: line.ratio_at(found.value) / expected, sd: sd(found.sd) };
+            let value = line.ratio_at(found.value) / expected;
+            let sd = |sd_m: f64| (value * line.relative_slope_at(found.value) * sd_m).abs();
+            let ratio = Measured { value, sd: sd(found.sd) };
             Some((ratio, sd(road_sd_m)))
         });
         if relative.iter().all(Option::is_none) {

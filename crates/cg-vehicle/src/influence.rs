@@ -73,10 +73,7 @@ fn height_slopes(
     load: Load,
 ) -> Result<[f64; CHANNELS], VehicleError> {
     let lines = ratio_line(vehicle, Variant::Complete, speed_mps, load)?;
-    let slopes = lines.map(|line| {
-        let h = load.cg_height_m;
-        line.a1 / (line.a1 * h + line.a0) - line.b1 / (line.b1 * h + line.b0)
-    });
+    let slopes = lines.map(|line| line.relative_slope_at(load.cg_height_m));
     for channel in Channel::ALL {
         let slope = slopes[channel.index()];
         if slope == 0.0 || !slope.is_finite() {

@@ -29,7 +29,7 @@ use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
 use crate::load::{Load, SprungMass};
 use crate::response::StateSpace;
-use crate::twisting::{DAMPING_S, Twisting, halves};
+use crate::twisting::{DAMPING_S, Part, Twisting};
 use crate::vehicle::{Hitch, PlacedAxle, Tractor, Vehicle};
 
 impl Equations {
@@ -102,9 +102,10 @@ const STEADY_ANGLES: usize = 2;
 /// that twists it occurs in two rows; the lines are then those whose quotient is exact at three heights.
 #[derive(Clone, Debug)]
 pub struct SteadyLines {
-    /// The determinants at the height of the load, above and below: the unknowns times `D`.
-    unknowns: [DVector<f64>; 3],
-    determinant: [f64; 3],
+    /// The determinants at the height of the load, above it and, if the frame twists, below: the unknowns
+    /// times `D`.
+    unknowns: Vec<DVector<f64>>,
+    determinant: Vec<f64>,
     equations: Equations,
     cg_height_m: f64,
 }
@@ -135,31 +136,27 @@ impl SteadyLines {
             Ok::<_, VehicleError>((equations, unknowns, determinant))
         };
         let (equations, here, determinant) = at(load.cg_height_m)?;
-        let (_, above, of_above) = at(load.cg_height_m + STEP_M)?;
-        let (below, of_below) = match equations.twisting {
-            Some(_) => {
-                let (_, below, of_below) = at(load.cg_height_m - STEP_M)?;
-                (below, of_below)
-            }
-            None => (here.clone() * 2.0 - &above, 2.0 * determinant - of_above),
-        };
-        Ok(Self {
-            unknowns: [here, above, below],
-            determinant: [determinant, of_above, of_below],
-            equations,
-            cg_height_m: load.cg_height_m,
-        })
+        let (mut unknowns, mut determinants) = (vec![here], vec![determinant]);
+        let others = if equations.twisting.is_some() { &[1.0, -1.0][..] } else { &[1.0] };
+        for steps in others {
+            let (_, there, determinant) = at(load.cg_height_m + steps * STEP_M)?;
+            unknowns.push(there);
+            determinants.push(determinant);
+        }
+        let cg_height_m = load.cg_height_m;
+        Ok(Self { unknowns, determinant: determinants, equations, cg_height_m })
     }
 
     /// The DC ratio of a pair as a function of the height (eq. 5.17), in rad per unit of the input.
     /// It is scaled to `b0 + b1 h = 1` at the height of the load.
     pub fn line(&self, output: Output, input: Input) -> RatioLine<f64> {
-        let ([n0, n1, n2], [d0, d1, d2]) =
-            ([0, 1, 2].map(|k| self.output(output, k)), [0, 1, 2].map(|k| self.input(input, k)));
+        let at = |k| (self.output(output, k), self.input(input, k));
+        let ((n0, d0), (n1, d1)) = (at(0), at(1));
         let (a1, b1) = if self.equations.twisting.is_none() {
             ((n1 - n0) / STEP_M / d0, (d1 - d0) / STEP_M / d0)
         } else {
             // (r0 + a x)/(1 + b x) = r1 at x = 1 and r2 at x = −1.
+            let (n2, d2) = at(2);
             let (r0, r1, r2) = (n0 / d0, n1 / d1, n2 / d2);
             let b = (r1 + r2 - 2.0 * r0) / (r2 - r1);
             ((r1 * (1.0 + b) - r0) / STEP_M, b / STEP_M)
@@ -242,7 +239,8 @@ fn at_hitch(tractor_cg: &Point, tractor: &Tractor, hitch: &Hitch) -> Point {
     point
 }
 
-/// Adds the trailer's sprung mass, whole or in two halves. Returns the lateral velocity of its c.g.
+/// Adds the trailer's sprung mass in its parts: the whole, or two halves and the frame between them.
+/// Returns the lateral velocity of its c.g.
 fn add_trailer(
     e: &mut Equations,
     at_hitch: &Point,
@@ -251,21 +249,18 @@ fn add_trailer(
 ) -> Point {
     let below_m = vehicle.hitch.height_m - sprung.cg_height_m;
     let (front, front_angle) = e.on_hitch();
-    let whole = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
-    let Some(twisting) = e.twisting.clone() else {
-        let cg = whole.moved(w::ROLL_2, below_m);
-        add_mass(e, sprung.mass_kg, &cg);
-        e.mass[(w::YAW_2, w::YAW_2)] += sprung.yaw_inertia_kgm2;
-        e.mass[(w::ROLL_2, w::ROLL_2)] += sprung.roll_inertia_kgm2;
-        return cg;
-    };
+    let twisting = e.twisting.clone();
+    let parts = Part::of(sprung, twisting.is_some().then_some(vehicle.trailer.payload.length_m));
     let bodies = [front, w::ROLL_2];
-    for (half, body) in halves(sprung, vehicle.trailer.payload.length_m).into_iter().zip(bodies) {
-        let cg = at_hitch.moved(w::YAW_2, -half.cg_behind_hitch_m).moved(body, below_m);
-        add_mass(e, half.mass_kg, &cg);
-        e.mass[(w::YAW_2, w::YAW_2)] += half.yaw_inertia_kgm2;
-        e.mass[(body, body)] += half.roll_inertia_kgm2;
+    let mut cg = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
+    for (part, body) in parts.iter().zip(bodies) {
+        let own = at_hitch.moved(w::YAW_2, -part.cg_behind_hitch_m).moved(body, below_m);
+        add_mass(e, part.mass_kg, &own);
+        e.mass[(w::YAW_2, w::YAW_2)] += part.yaw_inertia_kgm2;
+        e.mass[(body, body)] += part.roll_inertia_kgm2;
+        cg = cg.moved(body, part.mass_kg / sprung.mass_kg * below_m);
     }
+    let Some(twisting) = twisting else { return cg };
     // The loads of fifth wheel and axles carry both halves; the front half's weight is on its own.
     let lifted_nm = 0.5 * sprung.mass_kg * vehicle.gravity_mps2 * below_m;
     e.stiffness[(front, front_angle)] += lifted_nm;
@@ -279,7 +274,7 @@ fn add_trailer(
             matrix[(bodies[i], angles[1 - i])] -= spring;
         }
     }
-    whole.moved(w::ROLL_2, 0.5 * below_m).moved(front, 0.5 * below_m)
+    cg
 }
 
 fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {

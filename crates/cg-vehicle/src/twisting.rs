@@ -25,13 +25,37 @@ pub(crate) struct Twisting {
     pub(crate) accelerometer_share: f64,
 }
 
-/// Half of the trailer's sprung mass.
+/// A part of the trailer's sprung mass that rolls as one body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Half {
+pub(crate) struct Part {
     pub(crate) mass_kg: f64,
     pub(crate) cg_behind_hitch_m: f64,
     pub(crate) roll_inertia_kgm2: f64,
     pub(crate) yaw_inertia_kgm2: f64,
+}
+
+impl Part {
+    /// The whole sprung mass or, on a bed of this length that twists, its halves, the front one first.
+    /// Together they have its mass, c.g. and inertias.
+    pub(crate) fn of(sprung: &SprungMass, twisting_bed_m: Option<f64>) -> Vec<Self> {
+        let whole = Self {
+            mass_kg: sprung.mass_kg,
+            cg_behind_hitch_m: sprung.cg_behind_hitch_m,
+            roll_inertia_kgm2: sprung.roll_inertia_kgm2,
+            yaw_inertia_kgm2: sprung.yaw_inertia_kgm2,
+        };
+        let Some(bed_m) = twisting_bed_m else { return vec![whole] };
+        let apart_m = 0.25 * bed_m;
+        let of_places = sprung.mass_kg * apart_m * apart_m;
+        let half = |along_m: f64| Self {
+            mass_kg: 0.5 * whole.mass_kg,
+            cg_behind_hitch_m: whole.cg_behind_hitch_m + along_m,
+            roll_inertia_kgm2: 0.5 * whole.roll_inertia_kgm2,
+            // A short load on a long bed is not spread over it.
+            yaw_inertia_kgm2: 0.5 * (whole.yaw_inertia_kgm2 - of_places).max(0.0),
+        };
+        vec![half(-apart_m), half(apart_m)]
+    }
 }
 
 impl Twisting {
@@ -47,19 +71,4 @@ impl Twisting {
             places.iter().map(|place| share(*place)).sum::<f64>() / places.len().max(1) as f64;
         Some(Self { stiffness_nm_per_rad, roll_share, accelerometer_share: share(accelerometer_m) })
     }
-}
-
-/// Both halves of a sprung mass on a bed of this length, the front one first. Together they have its
-/// mass, c.g. and inertias.
-pub(crate) fn halves(sprung: &SprungMass, bed_length_m: f64) -> [Half; 2] {
-    let apart_m = 0.25 * bed_length_m;
-    let of_places = sprung.mass_kg * apart_m * apart_m;
-    let half = |along_m: f64| Half {
-        mass_kg: 0.5 * sprung.mass_kg,
-        cg_behind_hitch_m: sprung.cg_behind_hitch_m + along_m,
-        roll_inertia_kgm2: 0.5 * sprung.roll_inertia_kgm2,
-        // A short load on a long bed is not spread over it.
-        yaw_inertia_kgm2: 0.5 * (sprung.yaw_inertia_kgm2 - of_places).max(0.0),
-    };
-    [half(-apart_m), half(apart_m)]
 }

@@ -59,6 +59,11 @@ impl<T: Real> RatioLine<T> {
         (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)
     }
 
+    /// Relative change of the DC ratio per meter of height, `d ln R/dh`, 1/m.
+    pub fn relative_slope_at(&self, height_m: T) -> T {
+        self.a1 / (self.a1 * height_m + self.a0) - self.b1 / (self.b1 * height_m + self.b0)
+    }
+
     /// Adds `weight` times `other` to every coefficient.
     pub(crate) fn add(&mut self, other: &Self, weight: T) {
         self.a0 += other.a0 * weight;
@@ -177,6 +182,17 @@ mod tests {
         // d ln R / d ln h = 1.136 for the baseline vehicle
         let h = at(-0.8456);
         assert!(((0.001 / 0.8456) / (sd / h) - 1.136).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_relative_slope_is_that_of_the_logarithm() {
+        let line = RatioLine { a0: -0.2, a1: 1.1, b0: 1.3, b1: -0.2_f64 };
+        for h in [0.9, 1.7, 2.6] {
+            let logarithm = |h: f64| line.ratio_at(h).ln();
+            // Central differences: the third derivative is about 10, rounding 1e-16/1e-4.
+            let difference = (logarithm(h + 1e-4) - logarithm(h - 1e-4)) / 2e-4;
+            assert!((line.relative_slope_at(h) - difference).abs() < 1e-6, "{h} {difference}");
+        }
     }
 
     #[test]

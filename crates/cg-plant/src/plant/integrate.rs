@@ -90,7 +90,8 @@ impl<'a> Simulation<'a> {
 
     /// Advances by an interval, to a steer angle and speed at its end; both are interpolated linearly.
     pub fn push(&mut self, steer_rad: f64, speed_mps: f64, interval_s: f64) -> Progress {
-        self.push_on(steer_rad, speed_mps, &self.control.ground.clone(), interval_s)
+        let ground = self.control.ground;
+        self.push_on(steer_rad, speed_mps, &ground, interval_s)
     }
 
     /// The same on a road that changes linearly to that at the end of the interval. The rates at which

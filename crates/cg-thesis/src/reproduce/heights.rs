@@ -41,10 +41,7 @@ pub(super) fn ratio_line(
     let height_m = height_in * METERS_PER_INCH;
     let note = "not in the thesis: with the fifth wheel's moment and inertias about the c.g.";
     rows.push(Row::ours(table, "A0/B0 at 77.68 in, complete", -complete.ratio_at(height_m), note));
-    // d ln R / d ln h = h (a1/A0 − b1/B0)
-    let sensitivity = |line: &RatioLine<f64>, h: f64| {
-        h * (line.a1 / (line.a1 * h + line.a0) - line.b1 / (line.b1 * h + line.b0))
-    };
+    let sensitivity = |line: &RatioLine<f64>, h: f64| h * line.relative_slope_at(h);
     let note = "not in the thesis: percent of ratio per percent of height";
     let at_height = sensitivity(&base.printed_line, height_in);
     rows.push(Row::ours(table, "d ln R/d ln h at 77.68 in", at_height, note));

@@ -45,9 +45,7 @@ impl Setting {
         true_ratio: f64,
     ) -> Result<Self, VehicleError> {
         let true_height = solved(&line, true_ratio, compensation)?;
-        // R has the derivative h (a1/A0 − b1/B0) in ln h.
-        let (a, b) = (line.a1 * true_height + line.a0, line.b1 * true_height + line.b0);
-        let height_per_ratio = 1.0 / (true_height * (line.a1 / a - line.b1 / b));
+        let height_per_ratio = 1.0 / (true_height * line.relative_slope_at(true_height));
         Ok(Self { plant, experiment, nominal, line, compensation, true_height, height_per_ratio })
     }
 

@@ -35,6 +35,7 @@ use crate::vehicle::Vehicle;
 const STEPS: usize = 12;
 /// A step below this (logarithm or meters) ends the iteration.
 const SETTLED: f64 = 1e-10;
+
 /// The ratios that were identified from a run with known height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
