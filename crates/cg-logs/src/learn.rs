@@ -286,8 +286,7 @@ fn identified(
         None => maneuver.to_gravity || bank_free(),
     };
     let fit = outcome.fit.filter(|_| without_bank(channel) || !banked)?;
-    let sd = (fit.ratio.sd / fit.ratio.value * line.ratio_at(height_m)).abs();
-    let sd_m = (sd / (line.ratio_at(height_m) * line.relative_slope_at(height_m))).abs();
+    let sd_m = (fit.ratio.sd / fit.ratio.value / line.relative_slope_at(height_m)).abs();
     (line.ratio_at(height_m) > 0.0).then_some((Measured { value: height_m, sd: sd_m }, 0.0))
 }
 
