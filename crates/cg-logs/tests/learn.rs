@@ -9,6 +9,7 @@ use cg_logs::learn::{EmptyTrip, Learned, Learner, Taken};
 use cg_logs::log::LogRow;
 use cg_vehicle::belief::{Belief, Deviations, Parameter};
 use cg_vehicle::linear::ratio_line;
+use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Load, Variant, Vehicle};
 use common::{known, largest, rms, vehicle};
 
@@ -20,16 +21,24 @@ fn learned_from(
     options: EstimateOptions,
     change: impl Fn(&mut LogRow),
 ) -> (Vec<Taken>, Learned) {
-    let truck = vehicle("kraz.toml");
+    learned_by(&vehicle("kraz.toml"), name, options, change)
+}
+
+fn learned_by(
+    truck: &Vehicle,
+    name: &str,
+    options: EstimateOptions,
+    change: impl Fn(&mut LogRow),
+) -> (Vec<Taken>, Learned) {
     let known = known().into_iter().find(|known| known.log.starts_with(name)).unwrap();
-    let options = options.on_roads_of(&truck);
-    let mut log = LogEstimator::new(&truck, options).unwrap();
+    let options = options.on_roads_of(truck);
+    let mut log = LogEstimator::new(truck, options).unwrap();
     for mut row in known.rows() {
         change(&mut row);
         log.push(&row).unwrap();
     }
     let design = *log.design();
-    let mut learner = Learner::new(&truck, Variant::Complete, Learned::default());
+    let mut learner = Learner::new(truck, Variant::Complete, Learned::default());
     let taken = learner.log(log).unwrap();
     (taken, learner.learned(&design))
 }
@@ -102,6 +111,22 @@ fn rejected_and_slow_maneuvers_do_not_count() {
     assert!(taken.is_empty() && learned.is_empty(), "{taken:?}");
     let (taken, learned) = learned_from("A_p00", usual(), |row| row.speed_mps *= 0.7);
     assert!(taken.is_empty() && learned.is_empty(), "{taken:?}");
+}
+
+/// A stiff truck rolls so little that the height of its empty trailer would be impossible. It teaches
+/// that it is stiff, unless the bank of the road may be the cause.
+#[test]
+fn an_impossible_height_teaches_only_where_no_bank_can_cause_it() {
+    for (bank_sd_rad, expected) in [(0.0, 1), (0.0005, 0)] {
+        let mut truck = vehicle("kraz.toml");
+        truck.height.least_m = 1.3;
+        truck.road = Some(Road { bank_sd_rad });
+        let (taken, _) = learned_by(&truck, "A_p00", EstimateOptions::default(), |row| {
+            row.roll_to_gravity_rad = 0.93 * row.roll_rad;
+            row.roll_rad = f64::NAN;
+        });
+        assert_eq!(taken.len(), expected, "{bank_sd_rad}: {taken:?}");
+    }
 }
 
 /// The trailer is laden but its signal says that it is empty: beyond chance for the vehicle file, so it
