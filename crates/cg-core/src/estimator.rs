@@ -254,7 +254,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     fn take_row(&mut self, row: &Row<T, C>) {
         let design = self.design.borrow();
         for (place, lane) in self.lanes.iter_mut().enumerate() {
-            lane.identify(row, place, !design.feels_bank(place), &self.settings);
+            lane.identify(row, place, design.lags_roll(place), &self.settings);
         }
         self.note(row);
     }
@@ -378,7 +378,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 /// For each roll angle, at the place of its first channel: the measured one, the expected one from an
 /// input, and that of the reduced model; NaN if absent. Among several channels with this roll angle,
 /// the input is that of the last, because the lateral acceleration does not depend on the tires, and
-/// the model that of the first, because that of the steer angle includes faster motion.
+/// the others are those of the first, because the model of the steer angle includes faster motion.
 fn seen<T: Real, I: Identify<T>, const C: usize>(
     design: &Design<T, C>,
     lanes: &[Lane<T, I>; C],
@@ -392,10 +392,10 @@ fn seen<T: Real, I: Identify<T>, const C: usize>(
         {
             let expected_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
             let [measured, its_input, its_model] =
-                lane.views_rad(expected_rad, !design.feels_bank(place));
-            (*roll, *input) = (measured, its_input);
+                lane.views_rad(expected_rad, design.lags_roll(place));
+            *input = its_input;
             if !model.present() {
-                *model = its_model;
+                (*roll, *model) = (measured, its_model);
             }
         }
     }

@@ -50,27 +50,36 @@ impl StateSpace {
         self.to(&self.trailer_roll, 0.0)
     }
 
+    /// The roll angle that a channel explains, as a row on `x`.
+    pub fn output_row(&self, output: Output) -> &DVector<f64> {
+        match output {
+            Output::Roll => &self.trailer_roll,
+            Output::TractorSuspensionRoll => &self.suspension_roll[0],
+            Output::SuspensionRoll => &self.suspension_roll[1],
+        }
+    }
+
+    /// The input of a channel as a row on `x` and its feedthrough; `None` for the steer angle.
+    pub fn input_row(&self, input: Input) -> Option<(&DVector<f64>, f64)> {
+        let force = |unit: usize| (&self.specific_force[unit].0, self.specific_force[unit].1);
+        match input {
+            Input::Steer => None,
+            Input::LateralAcceleration => {
+                Some((&self.lateral_acceleration, self.lateral_feedthrough))
+            }
+            Input::TractorSpecificForce => Some(force(0)),
+            Input::SpecificForce => Some(force(1)),
+        }
+    }
+
     /// The system from the steer angle to the roll angle that a channel explains.
     pub fn to_output(&self, output: Output) -> System {
-        match output {
-            Output::Roll => self.to_trailer_roll(),
-            Output::TractorSuspensionRoll => self.to(&self.suspension_roll[0], 0.0),
-            Output::SuspensionRoll => self.to(&self.suspension_roll[1], 0.0),
-        }
+        self.to(self.output_row(output), 0.0)
     }
 
     /// The system from the steer angle to the input of a channel; `None` for the steer angle.
     pub fn to_input(&self, input: Input) -> Option<System> {
-        let force = |unit: usize| {
-            let (row, feedthrough) = &self.specific_force[unit];
-            self.to(row, *feedthrough)
-        };
-        match input {
-            Input::Steer => None,
-            Input::LateralAcceleration => Some(self.to_lateral_acceleration()),
-            Input::TractorSpecificForce => Some(force(0)),
-            Input::SpecificForce => Some(force(1)),
-        }
+        self.input_row(input).map(|(row, feedthrough)| self.to(row, feedthrough))
     }
 
     /// The system from the steer angle to the lateral acceleration of the trailer's sprung c.g.

@@ -1,7 +1,7 @@
 //! Linear systems with one input and one output.
 
 use faer::c64;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::VehicleError;
 
@@ -117,6 +117,27 @@ pub(crate) fn matched_numerator(denominator: &[f64], series: &[f64]) -> Vec<f64>
     (0..denominator.len()).map(|k| (0..=k).map(|j| denominator[j] * series[k - j]).sum()).collect()
 }
 
+/// The state `(iω − A)⁻¹ b` of a steady oscillation at an angular frequency, per unit of input.
+///
+/// # Errors
+/// If there is a pole at this frequency.
+pub(crate) fn state_at(
+    a: &DMatrix<f64>,
+    b: &DVector<f64>,
+    omega_radps: f64,
+) -> Result<DVector<Complex<f64>>, VehicleError> {
+    let shifted = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| {
+        Complex::new(-a[(i, j)], if i == j { omega_radps } else { 0.0 })
+    });
+    let b = b.map(|value| Complex::new(value, 0.0));
+    shifted.lu().solve(&b).ok_or_else(pole_at_zero)
+}
+
+/// The response `c x + d` to a unit of input.
+pub(crate) fn response_of(state: &DVector<Complex<f64>>, c: &DVector<f64>, d: f64) -> Complex<f64> {
+    state.iter().zip(c.iter()).map(|(x, c)| x * *c).sum::<Complex<f64>>() + d
+}
+
 impl System {
     /// Number of states.
     pub fn order(&self) -> usize {
@@ -200,19 +221,11 @@ impl System {
     /// # Errors
     /// If there is a pole at this frequency.
     pub fn magnitude(&self, omega_radps: f64) -> Result<f64, VehicleError> {
-        let n = self.order();
-        if n == 0 {
+        if self.order() == 0 {
             return Ok(self.d.abs());
         }
-        let shifted = DMatrix::from_fn(n, n, |i, j| {
-            let imaginary = if i == j { omega_radps } else { 0.0 };
-            nalgebra::Complex::new(-self.a[(i, j)], imaginary)
-        });
-        let b = self.b.map(|value| nalgebra::Complex::new(value, 0.0));
-        let state = shifted.lu().solve(&b).ok_or_else(pole_at_zero)?;
-        let output: nalgebra::Complex<f64> =
-            state.iter().zip(self.c.iter()).map(|(x, c)| x * *c).sum();
-        Ok((output.re + self.d).hypot(output.im))
+        let state = state_at(&self.a, &self.b, omega_radps)?;
+        Ok(response_of(&state, &self.c, self.d).norm())
     }
 
     /// The transfer function.

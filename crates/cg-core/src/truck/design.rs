@@ -263,6 +263,12 @@ impl<T: Real, const C: usize> Design<T, C> {
         self.channel(place).is_none_or(Channel::feels_bank)
     }
 
+    /// Whether the roll angle of the channel at this place passes the lags of
+    /// [`ROLL_LAG_S`](crate::truck::channel::ROLL_LAG_S).
+    pub(crate) fn lags_roll(&self, place: usize) -> bool {
+        self.channel(place).is_some_and(Channel::lags_roll)
+    }
+
     /// The roll angle that the channel at this place explains.
     pub(crate) fn output(&self, place: usize) -> Option<Output> {
         Some(self.channel(place)?.output())

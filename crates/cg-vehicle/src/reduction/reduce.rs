@@ -8,6 +8,13 @@
 //! instead has the five slowest poles of the model, and the numerator matches the first six Taylor
 //! coefficients.
 //!
+//! A transfer function from an acceleration to a roll angle has no useful approximant at s = 0: the
+//! tractor rolls before the trailer's body is accelerated, so the acceleration has zeros in the
+//! right half-plane, and at 0.5 Hz the approximant is wrong by more than the roll angle itself. The
+//! estimator therefore delays the roll angle of these channels by two lags
+//! ([`cg_core::truck::channel::ROLL_LAG_S`]), and [`in_band`] fits the model to the frequency
+//! response that is left.
+//!
 //! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
 
@@ -16,6 +23,7 @@ use cg_core::{CHANNELS, Channel, Reduced5};
 
 use crate::error::VehicleError;
 use crate::reduction::pade::pade;
+use crate::reduction::in_band::{Band, in_band};
 use crate::response::StateSpace;
 use crate::system::{Rational, matched_numerator, multiplied};
 
@@ -26,16 +34,6 @@ pub enum Method {
     Pade,
     /// The model's own slowest poles, with the numerator matched at s = 0.
     SlowestPoles,
-}
-
-/// The first terms of `numerator / denominator`, both given as series in s.
-pub(super) fn divided(numerator: &[f64], denominator: &[f64]) -> Vec<f64> {
-    let mut quotient: Vec<f64> = Vec::with_capacity(numerator.len());
-    for k in 0..numerator.len() {
-        let known: f64 = (0..k).map(|j| quotient[j] * denominator[k - j]).sum();
-        quotient.push((numerator[k] - known) / denominator[0]);
-    }
-    quotient
 }
 
 fn fixed(rational: &Rational) -> Reduced5<f64> {
@@ -67,10 +65,9 @@ fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ReducedModels {
-    /// The model of each channel, in the order of [`Channel::ALL`]. The exact transfer function from
-    /// an acceleration to a roll angle can be unstable, because the acceleration may have zeros in
-    /// the right half-plane. The models of these channels therefore have the denominator of that
-    /// for the steer angle, and they match the first six Taylor coefficients.
+    /// The model of each channel, in the order of [`Channel::ALL`]. The models from an acceleration
+    /// have the denominator of that from the steer angle and explain the roll angle after the two
+    /// lags of the estimator.
     pub of_channels: [Reduced5<f64>; CHANNELS],
     /// The method by which the model for the steer angle was obtained.
     pub method: Method,
@@ -100,13 +97,12 @@ pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
     };
     let mut denominator = steer.denominator.to_vec();
     denominator.push(1.0);
+    let band = Band::new(model)?;
     let mut of_channels = [steer; CHANNELS];
     for (channel, reduced) in Channel::ALL.into_iter().zip(&mut of_channels) {
-        let Some(input) = model.to_input(channel.input()) else { continue };
-        let output = model.to_output(channel.output()).moments(terms)?;
-        let series = divided(&output, &input.moments(terms)?);
-        let numerator = matched_numerator(&denominator, &series);
-        *reduced = fixed(&Rational { numerator, denominator: denominator.clone() });
+        if let Some(numerator) = in_band(model, &band, channel, &denominator)? {
+            *reduced = fixed(&Rational { numerator, denominator: denominator.clone() });
+        }
     }
     Ok(ReducedModels { of_channels, method })
 }
