@@ -79,7 +79,7 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
     let state_space = &model.state_space;
     let TransferFunction { numerator, denominator, poles, zeros, gain, dc_gain } =
         state_space.to_trailer_roll().transfer_function()?;
-    let models = reduce(state_space).map_err(|error| error.of_vehicle(vehicle))?;
+    let models = reduce(state_space, &[]).map_err(|error| error.of_vehicle(vehicle))?;
     let line = |line: &RatioLine<f64>| Line { a0: line.a0, a1: line.a1, b0: line.b0, b1: line.b1 };
     let mut reduced_denominator = vec![1.0];
     let steer = &models.of_channels[Channel::Steer.index()];

@@ -77,6 +77,7 @@ fn filtered_arx_recovers_every_coefficient_of_equation_5_12_through_other_filter
     let other = Reduced5 {
         numerator: [30.0, 20.0, 15.0, 1.0, 2.0, 0.1],
         denominator: [32.0, 80.0, 80.0, 40.0, 10.0], // (s + 2)^5
+        speed_slope: [0.0; 5],
     };
     let mut identifier = FilteredArx::new(&other, NO_PRIOR);
     for (u, y) in lively(8000, 0.005) {
@@ -143,6 +144,7 @@ fn single_precision_gives_the_same_height() {
                 let model = Reduced5 {
                     numerator: EQ_5_12.numerator.map(narrow),
                     denominator: EQ_5_12.denominator.map(narrow),
+                    speed_slope: [0.0; 5],
                 };
                 let slim = Prior { dynamics_sd: narrow(dynamics_sd), ..Prior::<f32>::standard() };
                 let mut product = FilteredArx::new(&model, slim);

@@ -38,6 +38,9 @@ extern "C" {
 typedef struct cg_reduced_model {
     float numerator[CG_ORDER + 1];
     float denominator[CG_ORDER];
+    /* Change of the numerator (from s^1 on) per unit of U0/U - 1, with the speed U and the design's
+     * nominal speed U0. */
+    float speed_slope[CG_ORDER];
 } cg_reduced_model;
 
 /* DC ratio over height: (a1 h + a0) / (b1 h + b0). */
@@ -89,7 +92,7 @@ typedef struct cg_design {
 } cg_design;
 
 /* Size of an estimator in bytes. */
-#define CG_ESTIMATOR_SIZE 4168
+#define CG_ESTIMATOR_SIZE 4224
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {

@@ -44,6 +44,7 @@ const fn channel(index: u32, gain: f32) -> ChannelDesign<f32> {
         models: [Reduced5 {
             numerator: [61.0 * gain, 28.0 * gain, 24.0 * gain, 0.0, 0.0, 0.0],
             denominator: [61.0, 83.0, 57.0, 22.0, 6.0],
+            speed_slope: [0.0; 5],
         }; 6],
         lines: [[RatioLine { a0: 0.0, a1: gain / 2.0, b0: 1.0, b1: 0.0 }; 6]; 8],
         compensation: 1.0,

@@ -69,7 +69,7 @@ pub(crate) fn linear_model<'py>(
     let compute = || -> Result<Computed, VehicleError> {
         let model = cg_vehicle::LinearModel::new(vehicle, variant, speed_mps, load)?;
         let transfer = model.state_space.to_trailer_roll().transfer_function()?;
-        let reduced = reduce(&model.state_space)?;
+        let reduced = reduce(&model.state_space, &[])?;
         Ok(Computed { model, transfer, reduced })
     };
     let computed = py.detach(compute).map_err(vehicle_error)?;

@@ -131,6 +131,10 @@ fn add_interpolation_error(
     Ok(())
 }
 
+/// The paces `U0/U − 1` at which the reduced models are fitted beside the nominal speed: at 50 km/h these
+/// are 22, 34, 68 and 85 km/h.
+const PACES: [f64; 4] = [1.3, 0.45, -0.27, -0.42];
+
 /// The reduced models at each mass. If the vehicle is unstable at a mass, the model at the
 /// reference load is used.
 fn models(
@@ -139,8 +143,13 @@ fn models(
     masses_kg: &[f64; MASSES],
 ) -> Result<[ReducedModels; MASSES], VehicleError> {
     let load = vehicle.reference_load();
+    let nominal_mps = vehicle.nominal_speed_mps;
     let at = |load: Load| {
-        reduce(&Equations::new(vehicle, variant, vehicle.nominal_speed_mps, load)?.state_space()?)
+        let model =
+            |speed_mps: f64| Equations::new(vehicle, variant, speed_mps, load)?.state_space();
+        let others = PACES.map(|pace| Ok((pace, model(nominal_mps / (1.0 + pace))?)));
+        let others: Vec<_> = others.into_iter().collect::<Result<_, VehicleError>>()?;
+        reduce(&model(nominal_mps)?, &others)
     };
     let reference = at(load)?;
     let mut models = [reference; MASSES];

@@ -73,7 +73,7 @@ structures! {
         gravity_mps2, rollover, thresholds,
     }
     ChannelDesign { index, models, lines, compensation }
-    Reduced5 { numerator, denominator }
+    Reduced5 { numerator, denominator, speed_slope }
     RatioLine { a0, a1, b0, b1 }
     Spread<C> { covariance }
     RolloverDesign { half_track_m, unsprung_mass_kg, unsprung_height_m }

@@ -55,6 +55,8 @@ const HELD: f64 = 1e3;
 #[derive(Clone, Copy, Debug)]
 pub struct FilteredArx<T: Real> {
     model: Reduced5<T>, // in scaled time
+    /// `U0/U − 1` of the latest sample.
+    pace: T,
     scale_radps: T,
     prior: Prior<T>,
     interval_s: T,
@@ -113,7 +115,7 @@ impl<T: Real> FilteredArx<T> {
     fn take_row(&mut self, input: T, roll: T, interval_s: T) {
         let u = self.input.derivatives(&self.model);
         let y = self.roll.derivatives(&self.model);
-        let nominal = self.model.response(&u);
+        let nominal = self.model.at_pace(self.pace).response(&u);
         let mut row = [T::zero(); REGRESSORS];
         row[GAIN] = nominal;
         if self.prior.dynamics_sd > T::zero() {
@@ -385,7 +387,12 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     type Options = Prior<T>;
 
     const EMPTY: Self = Self {
-        model: Reduced5 { numerator: [T::ZERO; ORDER + 1], denominator: [T::ZERO; ORDER] },
+        model: Reduced5 {
+            numerator: [T::ZERO; ORDER + 1],
+            denominator: [T::ZERO; ORDER],
+            speed_slope: [T::ZERO; ORDER],
+        },
+        pace: T::ZERO,
         scale_radps: T::ZERO,
         prior: Prior {
             dynamics_sd: T::ZERO,
@@ -443,7 +450,11 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     }
 
     fn expected_roll_rad(&self) -> T {
-        self.model.response(&self.input.derivatives(&self.model))
+        self.model.at_pace(self.pace).response(&self.input.derivatives(&self.model))
+    }
+
+    fn at_pace(&mut self, pace: T) {
+        self.pace = pace;
     }
 
     /// Deletes the rows but not the states of the filters.

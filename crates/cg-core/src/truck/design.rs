@@ -159,6 +159,7 @@ impl<T: Real, const C: usize> Design<T, C> {
                 models: c.models.map(|model| Reduced5 {
                     numerator: model.numerator.map(to),
                     denominator: model.denominator.map(to),
+                    speed_slope: model.speed_slope.map(to),
                 }),
                 lines: c.lines.map(|row| {
                     row.map(|l| RatioLine {

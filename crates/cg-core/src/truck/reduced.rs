@@ -31,6 +31,7 @@ pub const ORDER: usize = 5;
 /// let model = Reduced5::<f64> {
 ///     numerator: [51.7785, 27.8430, 24.3105, -0.9015, 2.6063, -0.2554],
 ///     denominator: [61.2322, 83.2666, 57.4175, 22.6413, 5.8858],
+///     speed_slope: [0.0; 5],
 /// };
 /// assert!((model.dc_gain() - 0.8456).abs() < 5e-5);
 /// ```
@@ -41,6 +42,8 @@ pub struct Reduced5<T> {
     pub numerator: [T; ORDER + 1],
     /// `B0 … B4`, ascending powers of s (in 1/s); the coefficient of s⁵ is one.
     pub denominator: [T; ORDER],
+    /// Change of `A1 … A5` per unit of `U0/U − 1`, where `U` is the speed and `U0` that of the model.
+    pub speed_slope: [T; ORDER],
 }
 
 impl<T: Real> Reduced5<T> {
@@ -54,7 +57,8 @@ impl<T: Real> Reduced5<T> {
     pub fn blend(&self, other: &Self, weight: T) -> Self {
         let mut blended = *self;
         let pairs = blended.numerator.iter_mut().zip(&other.numerator);
-        for (own, other) in pairs.chain(blended.denominator.iter_mut().zip(&other.denominator)) {
+        let pairs = pairs.chain(blended.denominator.iter_mut().zip(&other.denominator));
+        for (own, other) in pairs.chain(blended.speed_slope.iter_mut().zip(&other.speed_slope)) {
             *own += (*other - *own) * weight;
         }
         blended
@@ -70,8 +74,18 @@ impl<T: Real> Reduced5<T> {
     #[must_use]
     pub fn at_unit_gain(&self) -> Self {
         let (mut model, gain) = (*self, self.dc_gain());
-        for coefficient in &mut model.numerator {
+        for coefficient in model.numerator.iter_mut().chain(&mut model.speed_slope) {
             *coefficient /= gain;
+        }
+        model
+    }
+
+    /// The same model at another speed: `pace` is `U0/U − 1`.
+    #[must_use]
+    pub fn at_pace(&self, pace: T) -> Self {
+        let mut model = *self;
+        for (own, slope) in model.numerator.iter_mut().skip(1).zip(&self.speed_slope) {
+            *own += *slope * pace;
         }
         model
     }
@@ -85,6 +99,9 @@ impl<T: Real> Reduced5<T> {
             scaled.numerator[k] *= factor;
             if k < ORDER {
                 scaled.denominator[k] *= factor;
+            }
+            if k > 0 {
+                scaled.speed_slope[k - 1] *= factor;
             }
             factor /= scale_radps;
         }
@@ -106,7 +123,7 @@ impl<T: Real> Reduced5<T> {
             && positive(d1)
             && positive(e1)
             && positive(b0)
-            && self.numerator.iter().all(|a| a.present())
+            && self.numerator.iter().chain(&self.speed_slope).all(|a| a.present())
     }
 
     /// The output of the model for the filtered input: `Σ A_k (s^k/B) u`.
@@ -354,6 +371,7 @@ mod tests {
         Reduced5 {
             numerator: [120.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             denominator: [120.0, 274.0, 225.0, 85.0, 15.0],
+            speed_slope: [0.0; ORDER],
         }
     }
 

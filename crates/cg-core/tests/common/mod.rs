@@ -25,6 +25,7 @@ pub(crate) type Pair<T, I> = Estimator<T, I, Design<T, 2>, 2>;
 pub(crate) const EQ_5_12: Reduced5<f64> = Reduced5 {
     numerator: [51.7785, 27.8430, 24.3105, -0.9015, 2.6063, -0.2554],
     denominator: [61.2322, 83.2666, 57.4175, 22.6413, 5.8858],
+    speed_slope: [0.0; 5],
 };
 
 /// Eq. 5.17 with ISO 8855 signs, heights in inches.
@@ -88,6 +89,7 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
             models: [Reduced5 {
                 numerator: EQ_5_12.numerator.map(|a| a / gain),
                 denominator: EQ_5_12.denominator,
+                speed_slope: [0.0; 5],
             }; MASSES],
             lines: [[scaled(steer_line); MASSES]; SPEEDS],
             compensation: 1.489_6,

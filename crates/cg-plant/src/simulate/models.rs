@@ -69,7 +69,7 @@ impl Models {
                 let model = model(scenario.speed_mps)?;
                 Some(Reduced {
                     simulation: ReducedSimulation::new(
-                        &reduce(&model)?.of_channels[Channel::Steer.index()],
+                        &reduce(&model, &[])?.of_channels[Channel::Steer.index()],
                         interval_s,
                         0.0,
                     ),

@@ -26,6 +26,7 @@ pub(super) fn plant() -> Result<Reduced5<f64>, VehicleError> {
     Ok(Reduced5 {
         numerator: fixed(&printed.numerator)?,
         denominator: fixed(&printed.denominator)?,
+        speed_slope: [0.0; 5],
     })
 }
 
@@ -175,6 +176,7 @@ impl Draws {
         Reduced5 {
             numerator: std::array::from_fn(|k| middle(&|model| model.numerator[k])),
             denominator: std::array::from_fn(|k| middle(&|model| model.denominator[k])),
+            speed_slope: [0.0; 5],
         }
     }
 }

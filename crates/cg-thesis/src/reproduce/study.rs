@@ -62,7 +62,7 @@ impl Setting {
         let model = &base.complete.state_space;
         let ratio = model.steady(&model.trailer_roll, 0.0)?;
         let experiment = Experiment::on_linear(model, RATE_PER_S, STEER_RAD.abs());
-        let nominal = reduce(model)?.of_channels[Channel::Steer.index()];
+        let nominal = reduce(model, &[])?.of_channels[Channel::Steer.index()];
         let line = (base.complete.ratio[0], 1.0);
         Self::new(("our complete linear model", experiment), nominal, line, ratio)
     }

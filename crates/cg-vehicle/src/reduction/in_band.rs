@@ -1,9 +1,14 @@
-//! The model of a channel that is best in the band of usual maneuvers.
+//! The numerators that are best in the band of usual maneuvers.
 //!
 //! The weighted square of `N(iω)/B(iω) − G(iω)/(1 + iωT)²` over the frequencies is minimized over
 //! the numerator `N`, which is a linear problem. `G` is the exact transfer function from the input of
-//! the channel to its roll angle, `B` a given denominator, and `T` the time constant of the lags
-//! through which the estimator passes the measured roll angle. `N(0)/B(0) = G(0)` is exact.
+//! a channel to its roll angle, scaled to `G(0) = 1`, `B` the given denominator, and `T` the time
+//! constant of the lags through which the estimator passes the measured roll angle (zero for the
+//! steer angle). `N(0) = B(0)` is exact.
+//!
+//! At another speed `U` the numerator is `N + (U0/U − 1) M`, and `M` is fitted in the same way to
+//! what `N` leaves at the other speeds. The distance between the axles passes in a time of `1/U`, so
+//! the error of this form is small.
 
 use cg_core::Channel;
 use cg_core::truck::channel::ROLL_LAG_S;
@@ -22,14 +27,21 @@ const FREQUENCIES: u32 = 50;
 /// Unit of the frequency in the equations, which makes the coefficients similar.
 const UNIT_RADPS: f64 = 3.0;
 
-/// Frequencies of the fit, each with the state of the model per radian of steer angle.
-pub(super) struct Band {
+/// The states of a model in steady oscillations, per radian of steer angle.
+pub(super) struct Band<'a> {
+    model: &'a StateSpace,
+    /// `U0/U − 1`.
+    pace: f64,
     points: Vec<(f64, DVector<Complex<f64>>)>,
 }
 
-impl Band {
-    /// The states of a model in steady oscillations.
-    pub(super) fn new(model: &StateSpace) -> Result<Self, VehicleError> {
+/// A point of the fit: frequency, the input with its weight, and the weighted roll angle that is to
+/// be explained.
+type Point = (f64, Complex<f64>, Complex<f64>);
+
+impl<'a> Band<'a> {
+    /// The states of a model at `pace`.
+    pub(super) fn new(model: &'a StateSpace, pace: f64) -> Result<Self, VehicleError> {
         let ratio = BAND_RADPS.1 / BAND_RADPS.0;
         let points = (0..FREQUENCIES)
             .map(|k| {
@@ -38,7 +50,31 @@ impl Band {
                 Ok((omega_radps, state_at(&model.a, &model.b, omega_radps)?))
             })
             .collect::<Result<_, VehicleError>>()?;
-        Ok(Self { points })
+        Ok(Self { model, pace, points })
+    }
+
+    /// Input and roll angle of a channel, relative to those of a slow turn.
+    fn points(&self, channel: Channel) -> Result<Vec<Point>, VehicleError> {
+        let model = self.model;
+        let output_row = model.output_row(channel.output());
+        let input_row = model.input_row(channel.input());
+        let steady_output = model.steady(output_row, 0.0)?;
+        let steady_input = match input_row {
+            Some((row, feedthrough)) => model.steady(row, feedthrough)?,
+            None => 1.0,
+        };
+        let lag_s = if channel.lags_roll() { ROLL_LAG_S } else { 0.0 };
+        let points = self.points.iter().map(|(omega_radps, state)| {
+            let lag = Complex::new(1.0, omega_radps * lag_s);
+            let input = match input_row {
+                Some((row, feedthrough)) => response_of(state, row, feedthrough) / steady_input,
+                None => Complex::new(1.0, 0.0),
+            };
+            let output = response_of(state, output_row, 0.0) / (lag * lag * steady_output);
+            let weight = usual_steer(*omega_radps);
+            (*omega_radps, input * weight, output * weight)
+        });
+        Ok(points.collect())
     }
 }
 
@@ -56,37 +92,14 @@ fn polynomial_at(coefficients: &[f64], omega_radps: f64) -> Complex<f64> {
     coefficients.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &c| sum * s + c)
 }
 
-/// The numerator (ascending) of a channel's model for this denominator (ascending); `None` for the
-/// channel of the steer angle.
-///
-/// # Errors
-/// If the model has a pole at zero, or the problem cannot be solved.
-pub(super) fn in_band(
-    model: &StateSpace,
-    band: &Band,
-    channel: Channel,
-    denominator: &[f64],
-) -> Result<Option<Vec<f64>>, VehicleError> {
-    let Some((input_row, feedthrough)) = model.input_row(channel.input()) else {
-        return Ok(None);
-    };
-    let output_row = model.output_row(channel.output());
-    let steady_input = model.steady(input_row, feedthrough)?;
-    let steady = model.steady(output_row, 0.0)? / steady_input;
-    let constant = steady * denominator[0];
+/// The coefficients `c1 … cn` for which `Σ ck sᵏ/B` best turns the inputs into the roll angles.
+fn fitted(points: &[Point], denominator: &[f64]) -> Result<Vec<f64>, VehicleError> {
     let unknown = denominator.len() - 1;
-    let rows = 2 * band.points.len();
-    let mut matrix = DMatrix::zeros(rows, unknown);
-    let mut rhs = DVector::zeros(rows);
-    for (i, (omega_radps, state)) in band.points.iter().enumerate() {
-        let lag = Complex::new(1.0, omega_radps * ROLL_LAG_S);
-        let input = response_of(state, input_row, feedthrough) / steady_input;
-        let output = response_of(state, output_row, 0.0) / (lag * lag * steady_input * steady);
-        let weight = usual_steer(*omega_radps);
-        let response = input * weight / polynomial_at(denominator, *omega_radps);
-        let known = output * weight - response * (constant / steady);
-        (rhs[2 * i], rhs[2 * i + 1]) = (known.re, known.im);
-        let mut power = response * denominator[0];
+    let mut matrix = DMatrix::zeros(2 * points.len(), unknown);
+    let mut rhs = DVector::zeros(2 * points.len());
+    for (i, (omega_radps, input, output)) in points.iter().enumerate() {
+        (rhs[2 * i], rhs[2 * i + 1]) = (output.re, output.im);
+        let mut power = input / polynomial_at(denominator, *omega_radps) * denominator[0];
         for k in 0..unknown {
             power *= Complex::new(0.0, omega_radps / UNIT_RADPS);
             (matrix[(2 * i, k)], matrix[(2 * i + 1, k)]) = (power.re, power.im);
@@ -96,11 +109,54 @@ pub(super) fn in_band(
         .svd(true, true)
         .solve(&rhs, f64::EPSILON)
         .map_err(|error| VehicleError::Model(format!("reduced model: {error}")))?;
-    let mut numerator = vec![constant];
-    let mut unit = 1.0;
-    for share in solution.iter() {
-        unit *= UNIT_RADPS;
-        numerator.push(share * constant / unit);
+    let mut unit = denominator[0];
+    Ok(solution
+        .iter()
+        .map(|share| {
+            unit /= UNIT_RADPS;
+            share * unit
+        })
+        .collect())
+}
+
+/// What a numerator leaves of the roll angles, with the input multiplied by `factor`.
+fn left_by(
+    numerator: &[f64],
+    denominator: &[f64],
+    points: Vec<Point>,
+    factor: f64,
+) -> impl Iterator<Item = Point> {
+    points.into_iter().map(move |(omega_radps, input, output)| {
+        let at = |polynomial: &[f64]| polynomial_at(polynomial, omega_radps);
+        let known = input * at(numerator) / at(denominator);
+        (omega_radps, input * factor, output - known)
+    })
+}
+
+/// The numerator of a channel (ascending, `N(0) = B(0)`) for this denominator.
+pub(super) fn numerator(
+    band: &Band<'_>,
+    channel: Channel,
+    denominator: &[f64],
+) -> Result<Vec<f64>, VehicleError> {
+    let constant = [denominator[0]];
+    let points: Vec<Point> =
+        left_by(&constant, denominator, band.points(channel)?, 1.0).collect();
+    let mut numerator = vec![denominator[0]];
+    numerator.extend(fitted(&points, denominator)?);
+    Ok(numerator)
+}
+
+/// The change `M` of the numerator (from s¹ on) per unit of `U0/U − 1`.
+pub(super) fn speed_slope(
+    bands: &[Band<'_>],
+    channel: Channel,
+    numerator: &[f64],
+    denominator: &[f64],
+) -> Result<Vec<f64>, VehicleError> {
+    let mut points: Vec<Point> = Vec::new();
+    for band in bands {
+        points.extend(left_by(numerator, denominator, band.points(channel)?, band.pace));
     }
-    Ok(Some(numerator))
+    fitted(&points, denominator)
 }

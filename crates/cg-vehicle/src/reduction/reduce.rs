@@ -23,7 +23,7 @@ use cg_core::{CHANNELS, Channel, Reduced5};
 
 use crate::error::VehicleError;
 use crate::reduction::pade::pade;
-use crate::reduction::in_band::{Band, in_band};
+use crate::reduction::in_band::{Band, numerator, speed_slope};
 use crate::response::StateSpace;
 use crate::system::{Rational, matched_numerator, multiplied};
 
@@ -37,7 +37,7 @@ pub enum Method {
 }
 
 fn fixed(rational: &Rational) -> Reduced5<f64> {
-    let mut reduced = Reduced5 { numerator: [0.0; ORDER + 1], denominator: [0.0; ORDER] };
+    let mut reduced = Reduced5 { numerator: [0.0; ORDER + 1], denominator: [0.0; ORDER], speed_slope: [0.0; ORDER] };
     reduced.numerator.copy_from_slice(&rational.numerator);
     reduced.denominator.copy_from_slice(&rational.denominator[..ORDER]);
     reduced
@@ -73,11 +73,15 @@ pub struct ReducedModels {
     pub method: Method,
 }
 
-/// Reduces a vehicle model to order 5.
+/// Reduces a vehicle model to order 5. `others` are models of the same vehicle and load at other
+/// speeds, each with `U0/U − 1`; without them, the reduced models are those of one speed.
 ///
 /// # Errors
 /// [`VehicleError::Model`] if the vehicle model itself is unstable.
-pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
+pub fn reduce(
+    model: &StateSpace,
+    others: &[(f64, StateSpace)],
+) -> Result<ReducedModels, VehicleError> {
     let system = model.to_trailer_roll();
     let poles = system.poles()?;
     if let Some((re, im)) = poles.iter().find(|pole| pole.0 >= 0.0) {
@@ -97,14 +101,42 @@ pub fn reduce(model: &StateSpace) -> Result<ReducedModels, VehicleError> {
     };
     let mut denominator = steer.denominator.to_vec();
     denominator.push(1.0);
-    let band = Band::new(model)?;
-    let mut of_channels = [steer; CHANNELS];
-    for (channel, reduced) in Channel::ALL.into_iter().zip(&mut of_channels) {
-        if let Some(numerator) = in_band(model, &band, channel, &denominator)? {
-            *reduced = fixed(&Rational { numerator, denominator: denominator.clone() });
+    let band = Band::new(model, 0.0)?;
+    let mut bands = Vec::new();
+    for (pace, other) in others {
+        // An unstable truck does not oscillate steadily.
+        if other.to_trailer_roll().is_stable()? {
+            bands.push(Band::new(other, *pace)?);
         }
     }
+    let mut of_channels = [steer; CHANNELS];
+    for (channel, reduced) in Channel::ALL.into_iter().zip(&mut of_channels) {
+        let gain = steady_ratio(model, channel)?;
+        let unit = if channel.lags_roll() {
+            numerator(&band, channel, &denominator)?
+        } else {
+            steer.numerator.iter().map(|a| a / gain).collect()
+        };
+        let slope = if bands.is_empty() {
+            vec![0.0; ORDER]
+        } else {
+            speed_slope(&bands, channel, &unit, &denominator)?
+        };
+        reduced.numerator = std::array::from_fn(|k| gain * unit[k]);
+        reduced.speed_slope = std::array::from_fn(|k| gain * slope[k]);
+    }
+    of_channels[Channel::Steer.index()].numerator = steer.numerator;
     Ok(ReducedModels { of_channels, method })
+}
+
+/// The roll angle of a channel in a slow turn per unit of its input.
+fn steady_ratio(model: &StateSpace, channel: Channel) -> Result<f64, VehicleError> {
+    let roll = model.steady(model.output_row(channel.output()), 0.0)?;
+    let input = model.input_row(channel.input());
+    Ok(match input {
+        Some((row, feedthrough)) => roll / model.steady(row, feedthrough)?,
+        None => roll,
+    })
 }
 
 #[cfg(test)]
