@@ -115,7 +115,7 @@ impl<T: Real> FilteredArx<T> {
     fn take_row(&mut self, input: T, roll: T, interval_s: T) {
         let u = self.input.derivatives(&self.model);
         let y = self.roll.derivatives(&self.model);
-        let nominal = self.model.at_pace(self.pace).response(&u);
+        let nominal = self.model.response_at(self.pace, &u);
         let mut row = [T::zero(); REGRESSORS];
         row[GAIN] = nominal;
         if self.prior.dynamics_sd > T::zero() {
@@ -387,11 +387,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     type Options = Prior<T>;
 
     const EMPTY: Self = Self {
-        model: Reduced5 {
-            numerator: [T::ZERO; ORDER + 1],
-            denominator: [T::ZERO; ORDER],
-            speed_slope: [T::ZERO; ORDER],
-        },
+        model: Reduced5::EMPTY,
         pace: T::ZERO,
         scale_radps: T::ZERO,
         prior: Prior {
@@ -449,12 +445,12 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         }
     }
 
-    fn expected_roll_rad(&self) -> T {
-        self.model.at_pace(self.pace).response(&self.input.derivatives(&self.model))
-    }
-
     fn at_pace(&mut self, pace: T) {
         self.pace = pace;
+    }
+
+    fn expected_roll_rad(&self) -> T {
+        self.model.response_at(self.pace, &self.input.derivatives(&self.model))
     }
 
     /// Deletes the rows but not the states of the filters.

@@ -31,7 +31,7 @@ pub const ORDER: usize = 5;
 /// let model = Reduced5::<f64> {
 ///     numerator: [51.7785, 27.8430, 24.3105, -0.9015, 2.6063, -0.2554],
 ///     denominator: [61.2322, 83.2666, 57.4175, 22.6413, 5.8858],
-///     speed_slope: [0.0; 5],
+///     speed_slope: [0.0; 5], // one speed
 /// };
 /// assert!((model.dc_gain() - 0.8456).abs() < 5e-5);
 /// ```
@@ -47,6 +47,13 @@ pub struct Reduced5<T> {
 }
 
 impl<T: Real> Reduced5<T> {
+    /// No model.
+    pub(crate) const EMPTY: Self = Self {
+        numerator: [T::ZERO; ORDER + 1],
+        denominator: [T::ZERO; ORDER],
+        speed_slope: [T::ZERO; ORDER],
+    };
+
     /// The DC ratio `A0/B0`: steady-state roll angle per unit of input.
     pub fn dc_gain(&self) -> T {
         self.numerator[0] / self.denominator[0]
@@ -56,9 +63,9 @@ impl<T: Real> Reduced5<T> {
     #[must_use]
     pub fn blend(&self, other: &Self, weight: T) -> Self {
         let mut blended = *self;
-        let pairs = blended.numerator.iter_mut().zip(&other.numerator);
-        let pairs = pairs.chain(blended.denominator.iter_mut().zip(&other.denominator));
-        for (own, other) in pairs.chain(blended.speed_slope.iter_mut().zip(&other.speed_slope)) {
+        let owns = blended.numerator.iter_mut().chain(&mut blended.denominator);
+        let others = other.numerator.iter().chain(&other.denominator).chain(&other.speed_slope);
+        for (own, other) in owns.chain(&mut blended.speed_slope).zip(others) {
             *own += (*other - *own) * weight;
         }
         blended
@@ -69,23 +76,12 @@ impl<T: Real> Reduced5<T> {
         self.denominator[0].power(T::of(0.2))
     }
 
-    /// The same model with a DC gain of one, for an input that is already scaled to the expected
-    /// roll angle.
+    /// The same model with a DC gain of one, for an input that is scaled to the expected roll angle.
     #[must_use]
     pub fn at_unit_gain(&self) -> Self {
         let (mut model, gain) = (*self, self.dc_gain());
         for coefficient in model.numerator.iter_mut().chain(&mut model.speed_slope) {
             *coefficient /= gain;
-        }
-        model
-    }
-
-    /// The same model at another speed: `pace` is `U0/U − 1`.
-    #[must_use]
-    pub fn at_pace(&self, pace: T) -> Self {
-        let mut model = *self;
-        for (own, slope) in model.numerator.iter_mut().skip(1).zip(&self.speed_slope) {
-            *own += *slope * pace;
         }
         model
     }
@@ -133,6 +129,15 @@ impl<T: Real> Reduced5<T> {
             sum += self.numerator[k] * filtered[k];
         }
         sum
+    }
+
+    /// The same at another speed; `pace` is `U0/U − 1`.
+    pub fn response_at(&self, pace: T, filtered: &[T; ORDER + 1]) -> T {
+        let mut change = T::zero();
+        for k in 0..ORDER {
+            change += self.speed_slope[k] * filtered[k + 1];
+        }
+        self.response(filtered) + change * pace
     }
 }
 

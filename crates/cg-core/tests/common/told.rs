@@ -1,6 +1,7 @@
 //! An estimator whose identifiers return prescribed results, on a drive at 100 Hz.
 
 use cg_core::Outcome;
+use cg_core::truck::channel::ROLL_LAG_S;
 use cg_core::{
     Answer, Channel, Design, Estimator, Fit, Identify, Maneuver, Measured, Reduced5, Sample,
     Settings, Status, Unexcited,
@@ -28,14 +29,15 @@ pub(crate) struct Told<const C: usize = 2> {
     rows: u32,
     weight: f64,
     ratio: f64,
-    input: f64,
+    /// The input, and what is left of it after one and two lags.
+    input: [f64; 3],
 }
 
 impl<const C: usize> Identify<f64> for Told<C> {
     type Options = Says<C>;
 
     const EMPTY: Self =
-        Self { says: Says::WELL, place: 0, rows: 0, weight: 0.0, ratio: 0.0, input: 0.0 };
+        Self { says: Says::WELL, place: 0, rows: 0, weight: 0.0, ratio: 0.0, input: [f64::NAN; 3] };
 
     fn make_for(&mut self, model: &Reduced5<f64>, says: Says<C>) {
         let per_steer = super::EQ_5_12.dc_gain() / model.dc_gain();
@@ -44,19 +46,28 @@ impl<const C: usize> Identify<f64> for Told<C> {
         *self = Self { says, place, ..Self::EMPTY };
     }
 
-    fn push(&mut self, input: f64, roll_rad: f64, _: f64, use_row: bool) {
-        self.input = input;
+    /// The input passes the lags of the roll angle, so their ratio is that of the height.
+    fn push(&mut self, input: f64, roll_rad: f64, interval_s: f64, use_row: bool) {
+        let [before, once, twice] = self.input;
+        if before.is_nan() {
+            self.input = [input; 3];
+        } else {
+            let share = 0.5 * interval_s / (ROLL_LAG_S + 0.5 * interval_s);
+            let next = once + (before + input - 2.0 * once) * share;
+            self.input = [input, next, twice + (once + next - 2.0 * twice) * share];
+        }
         if use_row {
             self.rows += 1;
             self.weight += 1.0;
-            if input.abs() > 1e-3 {
-                self.ratio = roll_rad / input;
+            let seen = self.input[if self.place == 0 { 0 } else { 2 }];
+            if seen.abs() > 1e-3 {
+                self.ratio = roll_rad / seen;
             }
         }
     }
 
     fn expected_roll_rad(&self) -> f64 {
-        self.input
+        self.input[0]
     }
 
     fn clear(&mut self) {
@@ -65,6 +76,7 @@ impl<const C: usize> Identify<f64> for Told<C> {
 
     fn restart(&mut self) {
         self.clear();
+        self.input = [f64::NAN; 3];
     }
 
     fn forget(&mut self, factor: f64) {

@@ -42,7 +42,11 @@ pub(super) fn embedded(model: &Rational) -> Option<Reduced5<f64>> {
             }
         }
     }
-    let mut reduced = Reduced5 { numerator: [0.0; ORDER + 1], denominator: [0.0; ORDER], speed_slope: [0.0; ORDER] };
+    let mut reduced = Reduced5 {
+        numerator: [0.0; ORDER + 1],
+        denominator: [0.0; ORDER],
+        speed_slope: [0.0; ORDER],
+    };
     reduced.numerator.copy_from_slice(&numerator);
     reduced.denominator.copy_from_slice(&denominator[..ORDER]);
     Some(reduced)

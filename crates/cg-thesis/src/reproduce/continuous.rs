@@ -37,7 +37,11 @@ pub(super) fn to_continuous(
             denominator[k] = lower - s * denominator[k];
         }
     }
-    let mut model = Reduced5 { numerator: [0.0; ORDER + 1], denominator: [0.0; ORDER], speed_slope: [0.0; ORDER] };
+    let mut model = Reduced5 {
+        numerator: [0.0; ORDER + 1],
+        denominator: [0.0; ORDER],
+        speed_slope: [0.0; ORDER],
+    };
     for (ours, value) in model.denominator.iter_mut().zip(&denominator) {
         *ours = value.re;
     }

@@ -140,8 +140,7 @@ pub(super) fn numerator(
     denominator: &[f64],
 ) -> Result<Vec<f64>, VehicleError> {
     let constant = [denominator[0]];
-    let points: Vec<Point> =
-        left_by(&constant, denominator, band.points(channel)?, 1.0).collect();
+    let points: Vec<Point> = left_by(&constant, denominator, band.points(channel)?, 1.0).collect();
     let mut numerator = vec![denominator[0]];
     numerator.extend(fitted(&points, denominator)?);
     Ok(numerator)

@@ -22,8 +22,8 @@ use cg_core::truck::reduced::ORDER;
 use cg_core::{CHANNELS, Channel, Reduced5};
 
 use crate::error::VehicleError;
-use crate::reduction::pade::pade;
 use crate::reduction::in_band::{Band, numerator, speed_slope};
+use crate::reduction::pade::pade;
 use crate::response::StateSpace;
 use crate::system::{Rational, matched_numerator, multiplied};
 
@@ -37,7 +37,11 @@ pub enum Method {
 }
 
 fn fixed(rational: &Rational) -> Reduced5<f64> {
-    let mut reduced = Reduced5 { numerator: [0.0; ORDER + 1], denominator: [0.0; ORDER], speed_slope: [0.0; ORDER] };
+    let mut reduced = Reduced5 {
+        numerator: [0.0; ORDER + 1],
+        denominator: [0.0; ORDER],
+        speed_slope: [0.0; ORDER],
+    };
     reduced.numerator.copy_from_slice(&rational.numerator);
     reduced.denominator.copy_from_slice(&rational.denominator[..ORDER]);
     reduced
