@@ -234,6 +234,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         for (place, lane) in self.lanes.iter_mut().enumerate() {
             if let Some(model) = self.design.borrow().model(place, trailer_mass_kg) {
                 lane.identifier.make_for(&model, self.options);
+                lane.identifier.lag(self.design.borrow().lags_roll(place));
             }
             lane.last_us = None;
         }

@@ -5,6 +5,7 @@ use crate::identify::input_noise::InputNoise;
 use crate::identify::long_run::LongRun;
 use crate::identify::pending::{BLOCK, Pending};
 use crate::identify::prior::Prior;
+use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
 use crate::identify::unknowns::{
     BEND, DRIFT, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution,
@@ -71,9 +72,8 @@ pub struct FilteredArx<T: Real> {
     reference_rad: T,
     /// Time since the origin of the drift, in units of [`DRIFT_S`].
     clock: T,
-    /// The greatest magnitude of the expected roll angle.
-    greatest_rad: T,
-    newest_share: [T; ORDER],
+    greatest_rad: T, // expected
+    roll_noise: RollNoise<T>,
     input_noise: InputNoise<T>,
     /// The bias of the rows' products per unit variance of the input noise, and the interval for
     /// which it was computed.
@@ -133,9 +133,7 @@ impl<T: Real> FilteredArx<T> {
         let bent = nominal / T::of(BEND_RAD);
         row[BEND] = nominal * bent * bent;
         self.greatest_rad = self.greatest_rad.max(nominal.abs());
-        for (sum, share) in self.newest_share.iter_mut().zip(self.step.newest_share()) {
-            *sum += share;
-        }
+        self.roll_noise.add_row(&self.step);
         self.pending.push(row, roll - nominal);
         self.long_run.push(&row, roll - nominal, interval_s);
         if self.pending.rows == BLOCK {
@@ -206,13 +204,14 @@ impl<T: Real> FilteredArx<T> {
     /// Solves the rows in the triangle together with the prior.
     #[inline(never)]
     fn solve(&self, answer: &mut Solution<T>) -> Result<(), Unexcited> {
-        let floor = self.prior.noise_floor_rad;
+        let usual = self.roll_noise.usual_inflation(self.interval_s);
+        let floor = self.prior.noise_floor_rad / usual.root();
         let rows = self.moments.rows;
         if (rows as usize) < UNKNOWNS {
             return Err(Unexcited::TooFewRows { rows });
         }
         // This form of the comparison also rejects NaN.
-        if !(self.excitation_rad() > floor) {
+        if !(self.excitation_rad() > self.prior.noise_floor_rad) {
             return Err(Unexcited::Input);
         }
         let freedom = (self.moments.weight - T::of(UNKNOWNS_F64)).max(T::one());
@@ -232,7 +231,7 @@ impl<T: Real> FilteredArx<T> {
             answer.noise_sd = residual_sd.max(floor);
             let effective = self.effective(&answer.triangle, answer.slow_sd);
             let variance = answer.noise_sd * answer.noise_sd;
-            let inflation = self.long_run.inflation(&answer.theta, effective, variance);
+            let inflation = self.long_run.inflation(&answer.theta, effective, variance, usual);
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
         let (roll, input) = self.pulls(residual_sd * residual_sd);
@@ -249,7 +248,7 @@ impl<T: Real> FilteredArx<T> {
     /// for noise of the roll angle and for noise of the input.
     ///
     /// White roll noise of variance σ² is contained in `−y_k` with the weight that the newest
-    /// sample has in it, which gives the bias −σ² Σ weight. White noise of variance v² on the input
+    /// sample has in it (after lags: with its correlation), which gives the bias −σ² Σ weight. White noise of variance v² on the input
     /// is contained in `G u` and `u_k`, and in e as `−G v`. It gives the bias −v² times the mean of
     /// `u_k · G u` per row.
     fn pulls(&self, residual_variance: T) -> ([T; REGRESSORS], [T; REGRESSORS]) {
@@ -264,7 +263,7 @@ impl<T: Real> FilteredArx<T> {
         if self.prior.dynamics_sd > T::zero() {
             let roll_variance = (residual_variance - gain * input_variance).max(T::zero());
             for k in 0..ORDER {
-                roll[k] = self.newest_share[k] * roll_variance;
+                roll[k] = self.roll_noise.sum[k] * roll_variance;
                 input[GAIN + 1 + k] = rows * self.noise_products[k + 1];
             }
         }
@@ -408,7 +407,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         reference_rad: T::ZERO,
         clock: T::ZERO,
         greatest_rad: T::ZERO,
-        newest_share: [T::ZERO; ORDER],
+        roll_noise: RollNoise::NONE,
         input_noise: InputNoise::new(),
         noise_products: [T::ZERO; ORDER + 1],
         products_interval_s: T::ZERO,
@@ -445,6 +444,10 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         }
     }
 
+    fn lag(&mut self, lags: bool) {
+        self.roll_noise = RollNoise::of(lags, &self.model, self.scale_radps);
+    }
+
     fn at_pace(&mut self, pace: T) {
         self.pace = pace;
     }
@@ -459,7 +462,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.pending = Pending::new();
         self.long_run = LongRun::new();
         self.moments = Moments::new();
-        self.newest_share = [T::zero(); ORDER];
+        self.roll_noise.scale(T::zero());
         self.input_noise = InputNoise::new();
         (self.clock, self.greatest_rad) = (T::zero(), T::zero());
     }
@@ -482,9 +485,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.long_run.forget(factor);
         self.input_noise.forget(factor);
         self.moments.scale(factor);
-        for sum in &mut self.newest_share {
-            *sum *= factor;
-        }
+        self.roll_noise.scale(factor);
     }
 
     #[inline(never)]

@@ -179,6 +179,8 @@ pub trait Identify<T: Real>: Copy {
     /// Adds the next sample, `interval_s` after the previous one. Its row is used for the fit only
     /// if `use_row` is true.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
+    /// Says whether the roll angle passes the lags of [`ROLL_LAG_S`](crate::truck::channel::ROLL_LAG_S), which make its noise slow.
+    fn lag(&mut self, _lags: bool) {}
     /// Sets the speed from the next sample on: `pace` is `U0/U − 1`, where `U0` is the speed of the
     /// reduced model. An identifier without prior dynamics does not need it.
     fn at_pace(&mut self, _pace: T) {}

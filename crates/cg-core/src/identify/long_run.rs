@@ -21,7 +21,7 @@ use crate::math::real::Real;
 
 /// Length of a block: several times the settling time of a trailer's roll motion. It is slightly
 /// below a round number, so that rounding does not decide which row is the last of a block.
-const BLOCK_S: f64 = 1.4996;
+pub(crate) const BLOCK_S: f64 = 1.4996;
 
 /// White noise is assumed for this many additional blocks, because the result of a few blocks alone
 /// would vary too much.
@@ -89,9 +89,10 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
 
     /// The long-run variance divided by `variance`, the variance of single residuals, for the
     /// unknowns `theta`. `effective` is the number of unknowns that the data determine. The result
-    /// is at least one.
-    pub(crate) fn inflation(&self, theta: &[T; N], effective: T, variance: T) -> T {
+    /// is at least `usual`, that of white noise after the lags of the channel: one without lags.
+    pub(crate) fn inflation(&self, theta: &[T; N], effective: T, variance: T, usual: T) -> T {
         let believed = T::of(BELIEVED_BLOCKS);
+        let variance = variance * usual;
         let sum = self.triangle.sum_of_squares_at(theta) + believed * variance;
         let freedom = (self.blocks - effective).max(T::zero()) + believed;
         let excess = sum / (freedom * variance) - T::one();
@@ -100,7 +101,7 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
         let scatter = T::of(8.0) / freedom;
         let shrunk = excess * excess * excess / (excess * excess + scatter);
         // This form of the comparison gives one for a residual of zero (0/0).
-        if shrunk > T::zero() { T::one() + shrunk } else { T::one() }
+        usual * if shrunk > T::zero() { T::one() + shrunk } else { T::one() }
     }
 }
 
@@ -116,7 +117,7 @@ mod tests {
             run.push(&[1.0], 2.0 + error(k), 0.01);
             squares += error(k) * error(k);
         }
-        run.inflation(&[2.0], 1.0, squares / 6000.0)
+        run.inflation(&[2.0], 1.0, squares / 6000.0, 1.0)
     }
 
     #[test]
@@ -146,18 +147,21 @@ mod tests {
         block(&mut run, 1.0);
         block(&mut run, -1.0);
         // (150)²/150 per block, and four assumed blocks of white noise.
-        let found = run.inflation(&[2.0], 1.0, 0.5);
+        let found = run.inflation(&[2.0], 1.0, 0.5, 1.0);
         assert!((found - law(300.0 + 4.0 * 0.5, 5.0, 0.5)).abs() < 1e-9, "{found}");
         run.forget(0.5);
         for error in [1.0, -1.0, 1.0, -1.0] {
             block(&mut run, error);
         }
-        let found = run.inflation(&[2.0], 1.5, 2.0);
+        let found = run.inflation(&[2.0], 1.5, 2.0, 1.0);
         assert!((found - law(150.0 + 600.0 + 8.0, 5.0 - 1.5 + 4.0, 2.0)).abs() < 1e-9, "{found}");
         // With more unknowns than blocks, only the assumed blocks count.
-        let found = run.inflation(&[2.0], 9.0, 2.0);
+        let found = run.inflation(&[2.0], 9.0, 2.0, 1.0);
         assert!((found - law(758.0, 4.0, 2.0)).abs() < 1e-9, "{found}");
-        assert!((run.inflation(&[2.0], 1.0, 1e4) - 1.0).abs() < 1e-15);
+        // Sums below what noise leaves after the lags: the usual inflation.
+        for usual in [1.0, 60.0] {
+            assert!((run.inflation(&[2.0], 1.0, 1e4, usual) - usual).abs() < 1e-12);
+        }
     }
 
     /// Shifting the origin of time changes the closed blocks and the block that is not yet closed.
@@ -175,7 +179,7 @@ mod tests {
             late.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
             soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
         }
-        let [late, soon] = [late, soon].map(|run| run.inflation(&[0.3, -0.7], 2.0, 0.1));
+        let [late, soon] = [late, soon].map(|run| run.inflation(&[0.3, -0.7], 2.0, 0.1, 1.0));
         assert!((late / soon - 1.0).abs() < 1e-12 && late > 1.1, "{late} {soon}");
     }
 }

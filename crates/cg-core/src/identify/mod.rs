@@ -6,5 +6,6 @@ mod input_noise;
 pub mod prior;
 mod unknowns;
 mod pending;
+mod roll_noise;
 pub mod arx;
 pub mod filtered;
