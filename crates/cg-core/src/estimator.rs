@@ -33,9 +33,6 @@ const LEAST_ROWS: f64 = 12.0;
 /// channel. Beyond it, the input of the channel is the cause of an impossible height. It is three
 /// times the uncertainty due to the tires.
 const ELSEWHERE: f64 = 1.5;
-/// Greatest `U0/U − 1` for the numerators of the reduced models, which are linear in it: a quarter of
-/// the nominal speed.
-const GREATEST_PACE: f64 = 3.0;
 
 /// The estimator: takes samples and gives the height. It has a fixed size and uses no heap.
 ///
@@ -257,9 +254,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     #[inline(never)]
     fn take_row(&mut self, row: &Row<T, C>) {
         let design = self.design.borrow();
-        let pace = (design.nominal_speed_mps / row.speed_mps - T::one()).min(T::of(GREATEST_PACE));
+        let pace = design.pace(row.speed_mps);
         for (place, lane) in self.lanes.iter_mut().enumerate() {
-            lane.identifier.at_pace(if pace.present() { pace } else { T::zero() });
+            lane.identifier.at_pace(pace);
             lane.identify(row, place, design.lags_roll(place), &self.settings);
         }
         self.note(row);

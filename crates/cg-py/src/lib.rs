@@ -68,6 +68,10 @@ mod _native {
     #[pymodule_export]
     use crate::write::{copy_file, may_write, write_file};
 
+    /// The time constant of the lags of a channel's roll angle, s.
+    #[pymodule_export]
+    const ROLL_LAG_S: f64 = cg_core::truck::channel::ROLL_LAG_S;
+
     /// The version of the package.
     #[pymodule_export]
     #[allow(non_upper_case_globals)] // its name in Python

@@ -259,6 +259,13 @@ impl<T: Real, const C: usize> Design<T, C> {
         self.channels.iter().position(|design| design.index as usize == channel.index())
     }
 
+    /// `U0/U − 1`, by which the numerators of the reduced models change, down to a quarter of the nominal
+    /// speed; zero if the speed is NaN.
+    pub fn pace(&self, speed_mps: T) -> T {
+        let pace = self.nominal_speed_mps / speed_mps - T::one();
+        if pace.present() { pace.min(T::of(3.0)) } else { T::zero() }
+    }
+
     /// Whether a bank of the road changes the ratio of the channel at this place.
     pub(crate) fn feels_bank(&self, place: usize) -> bool {
         self.channel(place).is_none_or(Channel::feels_bank)

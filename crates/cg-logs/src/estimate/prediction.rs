@@ -16,7 +16,7 @@ const SAME_INTERVAL_S: f64 = 1e-6;
 ///
 /// The input of the channel is multiplied by the DC ratio at this height and at the present speed
 /// and mass. The result is filtered by the reduced model. The offset of the roll sensor is not
-/// included.
+/// included; the lags of a channel's roll angle are.
 pub struct Prediction {
     design: Design<f64>,
     channel: Channel,
@@ -86,6 +86,7 @@ impl Prediction {
         if input_rad.is_nan() {
             return Ok(self.running.as_ref().map_or(f64::NAN, |running| running.roll_rad));
         }
+        let pace = self.design.pace(speed_mps);
         let fresh = self.running.as_ref().is_none_or(|running| {
             (mass_kg - running.trailer_mass_kg).abs() > NEW_MASS * running.trailer_mass_kg
         });
@@ -96,15 +97,13 @@ impl Prediction {
         Ok(self
             .running
             .as_mut()
-            .map_or(f64::NAN, |running| running.push(sample.time_us, input_rad)))
+            .map_or(f64::NAN, |running| running.push(sample.time_us, input_rad, pace)))
     }
 }
 
 impl Running {
     fn at_rest(model: &Reduced5<f64>, trailer_mass_kg: f64, time_us: u64, input_rad: f64) -> Self {
-        let mut unit = *model;
-        let gain = model.dc_gain();
-        unit.numerator.iter_mut().for_each(|coefficient| *coefficient /= gain);
+        let unit = model.at_unit_gain();
         let scale_radps = unit.time_scale_radps();
         let model = unit.in_scaled_time(scale_radps);
         let filter = StateVariableFilter::at_rest(&model, input_rad);
@@ -119,7 +118,7 @@ impl Running {
         }
     }
 
-    fn push(&mut self, time_us: u64, input_rad: f64) -> f64 {
+    fn push(&mut self, time_us: u64, input_rad: f64, pace: f64) -> f64 {
         #[allow(clippy::cast_precision_loss)] // an interval of a log
         let interval_s = (time_us - self.time_us) as f64 * 1e-6;
         self.time_us = time_us;
@@ -130,7 +129,7 @@ impl Running {
                 (interval_s, StepMatrices::new(&self.model, interval_s * self.scale_radps))
             }));
             self.filter.push(&step, input_rad);
-            self.roll_rad = self.model.response(&self.filter.derivatives(&self.model));
+            self.roll_rad = self.model.response_at(pace, &self.filter.derivatives(&self.model));
         }
         self.roll_rad
     }

@@ -15,6 +15,7 @@ from cgheight._scenario import Scenario
 __all__ = [
     "FrameStream",
     "FrameTable",
+    "ROLL_LAG_S",
     "Stream",
     "Vehicle",
     "__version__",
@@ -38,6 +39,7 @@ __all__ = [
 ]
 
 __version__: Final[str]
+ROLL_LAG_S: Final[float]
 
 @final
 class Vehicle:
