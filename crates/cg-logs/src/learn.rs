@@ -310,7 +310,10 @@ fn follows(
     before: &[EmptyTrip],
     all: &[EmptyTrip],
 ) -> Result<bool, VehicleError> {
-    let after = fitted(all)?;
+    let after = match fitted(all) {
+        Err(VehicleError::Unsettled) => return Ok(false),
+        after => after?,
+    };
     if before.is_empty() {
         return Ok(!is_impossible(&after));
     }

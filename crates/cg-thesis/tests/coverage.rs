@@ -198,7 +198,9 @@ fn intervals_of_the_truck_of_the_file_hold_on_roundabouts() {
     }
 }
 
-/// The same where every axle stands on the bank of its own place. There are fewer heights in roundabouts.
+/// The same where every axle stands on the bank of its own place. Where the bank changes within the length
+/// of the truck, the suspension can contradict the force, and a drive has no height: one or two on
+/// motorways, most in roundabouts.
 #[test]
 fn intervals_of_drawn_trucks_hold_on_twisted_roads() {
     for found in drives(1.0, true, &ROADS) {

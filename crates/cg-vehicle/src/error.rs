@@ -70,6 +70,12 @@ pub enum VehicleError {
         /// All names.
         known: String,
     },
+    /// Calibration runs for which no truck near the vehicle file can be found.
+    #[error(
+        "the calibration does not converge: the runs contradict the vehicle file; check heights, masses, \
+         units and signs"
+    )]
+    Unsettled,
     /// The static balance, the model or its reduction has no usable solution.
     #[error("{0}")]
     Model(String),

@@ -204,8 +204,9 @@ impl<T: Real> FilteredArx<T> {
     /// Solves the rows in the triangle together with the prior.
     #[inline(never)]
     fn solve(&self, answer: &mut Solution<T>) -> Result<(), Unexcited> {
-        let usual = self.roll_noise.usual_inflation(self.interval_s);
-        let floor = self.prior.noise_floor_rad / usual.root();
+        let inflation = self.roll_noise.inflation(self.interval_s);
+        let input = self.input_noise.passed(&self.model, &self.noise_products);
+        let floor = self.prior.noise_floor_rad / inflation.root();
         let rows = self.moments.rows;
         if (rows as usize) < UNKNOWNS {
             return Err(Unexcited::TooFewRows { rows });
@@ -231,6 +232,7 @@ impl<T: Real> FilteredArx<T> {
             answer.noise_sd = residual_sd.max(floor);
             let effective = self.effective(&answer.triangle, answer.slow_sd);
             let variance = answer.noise_sd * answer.noise_sd;
+            let usual = self.roll_noise.usual(inflation, variance, input);
             let inflation = self.long_run.inflation(&answer.theta, effective, variance, usual);
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
@@ -248,20 +250,16 @@ impl<T: Real> FilteredArx<T> {
     /// for noise of the roll angle and for noise of the input.
     ///
     /// White roll noise of variance σ² is contained in `−y_k` with the weight that the newest
-    /// sample has in it (after lags: with its correlation), which gives the bias −σ² Σ weight. White noise of variance v² on the input
-    /// is contained in `G u` and `u_k`, and in e as `−G v`. It gives the bias −v² times the mean of
-    /// `u_k · G u` per row.
+    /// sample has in it (after lags: with its correlation), which gives the bias −σ² Σ weight. White
+    /// noise of variance v² on the input is contained in `G u` and `u_k`, and in e as `−G v`. It
+    /// gives the bias −v² times the mean of `u_k · G u` per row.
     fn pulls(&self, residual_variance: T) -> ([T; REGRESSORS], [T; REGRESSORS]) {
-        let input_variance = self.input_noise.variance();
-        let mut gain = T::zero();
-        for (a, product) in self.model.numerator.iter().zip(self.noise_products) {
-            gain += *a * product;
-        }
+        let [input_variance, passed] = self.input_noise.passed(&self.model, &self.noise_products);
         let (mut roll, mut input) = ([T::zero(); REGRESSORS], [T::zero(); REGRESSORS]);
         let rows = self.moments.weight * input_variance;
-        input[GAIN] = rows * gain;
+        input[GAIN] = self.moments.weight * passed;
         if self.prior.dynamics_sd > T::zero() {
-            let roll_variance = (residual_variance - gain * input_variance).max(T::zero());
+            let roll_variance = (residual_variance - passed).max(T::zero());
             for k in 0..ORDER {
                 roll[k] = self.roll_noise.sum[k] * roll_variance;
                 input[GAIN + 1 + k] = rows * self.noise_products[k + 1];

@@ -1,6 +1,7 @@
 //! The noise of the input in the frequency range of the roll motion.
 
 use crate::math::real::Real;
+use crate::truck::reduced::{ORDER, Reduced5};
 
 /// Rows are averaged over this time to suppress faster noise (vibration, quantization). It is
 /// slightly below a round number, so that rounding does not decide which row is the last.
@@ -70,6 +71,17 @@ impl<T: Real> InputNoise<T> {
         let variance = -self.products / (T::of(4.0) * self.count);
         // This form of the comparison gives zero if there are no rows (0/0).
         if variance > T::zero() { variance } else { T::zero() }
+    }
+
+    /// The variance of the noise, and that of the response of a model to it. `products` are the expected
+    /// products of the filtered noise with this response, for noise of unit variance.
+    pub(crate) fn passed(&self, model: &Reduced5<T>, products: &[T; ORDER + 1]) -> [T; 2] {
+        let variance = self.variance();
+        let mut gain = T::zero();
+        for (a, product) in model.numerator.iter().zip(products) {
+            gain += *a * *product;
+        }
+        [variance, gain * variance]
     }
 }
 

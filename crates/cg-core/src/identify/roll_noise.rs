@@ -40,8 +40,17 @@ impl<T: Real> RollNoise<T> {
     }
 
     /// The long-run variance of the noise divided by its variance, if the sensor's noise is white.
-    pub(crate) fn usual_inflation(&self, interval_s: T) -> T {
+    pub(crate) fn inflation(&self, interval_s: T) -> T {
         self.lagged.map_or(T::one(), |_| inflation(interval_s))
+    }
+
+    /// The long-run variance of a residual divided by its `variance`: a part of it is the response to
+    /// the noise of the input, which is slow too. At s = 0 the model has a gain of one, so the long-run
+    /// variance of that part is the variance of the input's noise. Without lags it is one.
+    pub(crate) fn usual(&self, inflation: T, variance: T, [input, passed]: [T; 2]) -> T {
+        let of_roll = (variance - passed).max(T::zero()) * inflation;
+        let usual = (of_roll + input) / variance;
+        if self.lagged.is_some() && usual > T::one() { usual } else { T::one() }
     }
 }
 

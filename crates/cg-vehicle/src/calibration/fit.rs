@@ -177,7 +177,7 @@ pub fn fit(
         covariance = &rest * &p0 * rest.transpose() + &gain * &noise * gain.transpose();
     }
     if !(step <= SETTLED.sqrt()) {
-        return Err(unsettled());
+        return Err(VehicleError::Unsettled);
     }
     let (after, _) = linearized(&mean)?;
     let residuals = residuals(&observations, [&before, &after]);
@@ -334,14 +334,6 @@ fn optimal_gain(
     let innovation = h * p0 * h.transpose() + noise;
     let solved = innovation.cholesky().map(|cholesky| cholesky.solve(&(h * p0)));
     solved.map(|gain| gain.transpose()).ok_or_else(singular)
-}
-
-fn unsettled() -> VehicleError {
-    VehicleError::Model(
-        "the calibration does not converge: the runs contradict the vehicle file; check heights, \
-         masses, units and signs"
-            .to_owned(),
-    )
 }
 
 fn singular() -> VehicleError {
