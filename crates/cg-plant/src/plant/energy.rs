@@ -100,8 +100,8 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
     energy + 0.5 * p.hitch.stiffness_nm_per_rad * angle * angle
 }
 
-/// The vehicle of the file without lateral tire forces, dampers and load groups.
-fn conservative(file: &str) -> YawRollPlant {
+/// The vehicle of the file without lateral tire forces, dampers and load groups, its payload to the left.
+fn conservative(file: &str, payload_left_m: f64) -> YawRollPlant {
     let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
     let mut vehicle = Vehicle::load(path).unwrap();
     for tyre in &mut vehicle.tyre {
@@ -120,7 +120,8 @@ fn conservative(file: &str) -> YawRollPlant {
         axle.spring = None;
     }
     vehicle.hitch.roll_stiffness_nm_per_rad = vehicle.hitch.roll_stiffness_nm_per_rad.min(1e6);
-    YawRollPlant::new(&vehicle, vehicle.reference_load(), &PlantOptions::default()).unwrap()
+    let options = PlantOptions { payload_left_m, ..PlantOptions::default() };
+    YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap()
 }
 
 fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
@@ -159,8 +160,10 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
 /// few modes like it contain some percent of the total energy.
 #[test]
 fn energy_stays_without_dampers_and_lateral_tyre_forces() {
-    for file in ["baseline.toml", "kraz.toml"] {
-        let plant = conservative(file);
+    for (file, payload_left_m) in
+        [("baseline.toml", 0.0), ("kraz.toml", 0.0), ("baseline.toml", 0.2)]
+    {
+        let plant = conservative(file, payload_left_m);
         let (coarse, put_in) = drift_j(&plant, 2e-3);
         let (fine, _) = drift_j(&plant, 1e-3);
         println!(

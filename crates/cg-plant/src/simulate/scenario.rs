@@ -1,5 +1,7 @@
 //! What to simulate, and what is true of it.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use crate::maneuver::{Course, Histories, Maneuver};
@@ -54,6 +56,10 @@ pub struct Scenario {
     pub variant: Variant,
     /// The trailer's load.
     pub load: Load,
+    /// Distance of the payload's c.g. behind the fifth wheel; `None` for that of the vehicle file.
+    pub payload_behind_hitch_m: Option<f64>,
+    /// Distance of the payload's c.g. to the left of the middle; nonlinear plant only.
+    pub payload_left_m: f64,
     /// Forward speed.
     pub speed_mps: f64,
     /// Road-wheel amplitude; `None` for 0.17 g.
@@ -83,6 +89,8 @@ impl Scenario {
             plant: Plant::Linear,
             variant: Variant::Complete,
             load: vehicle.reference_load(),
+            payload_behind_hitch_m: None,
+            payload_left_m: 0.0,
             speed_mps: vehicle.nominal_speed_mps,
             steer_rad: None,
             rate_hz: 100.0,
@@ -115,9 +123,46 @@ impl Scenario {
         if changes { USUAL_SPEED_CHANGE } else { 0.0 }
     }
 
+    /// The vehicle with the payload where it is.
+    pub(super) fn loaded<'a>(
+        &self,
+        vehicle: &'a Vehicle,
+    ) -> Result<Cow<'a, Vehicle>, VehicleError> {
+        let Some(behind_hitch_m) = self.payload_behind_hitch_m else {
+            return Ok(Cow::Borrowed(vehicle));
+        };
+        vehicle.with_payload_at(self.load, behind_hitch_m).map(Cow::Owned)
+    }
+
+    fn check_place(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
+        let refuse = |text: String| Err(VehicleError::Model(text));
+        if let Some(behind_m) = self.payload_behind_hitch_m {
+            let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
+            limits::positive("⟨payload_behind_hitch_m⟩", behind_m, greatest_m)?;
+            if self.variant == Variant::AsPrinted && self.plant != Plant::Nonlinear {
+                return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
+            }
+        }
+        let half_m = 0.5 * vehicle.trailer.payload.width_m;
+        if !(self.payload_left_m.abs() <= half_m) {
+            return refuse(format!(
+                "⟨payload_left_m⟩ {} must lie between {} and {half_m}: beyond, the c.g. of the \
+                 payload would be outside of it",
+                self.payload_left_m, -half_m
+            ));
+        }
+        if self.payload_left_m.abs() > 0.0 && self.plant != Plant::Nonlinear {
+            return refuse(
+                "⟨payload_left_m⟩ needs ⟨plant nonlinear⟩: the linear model is symmetric".into(),
+            );
+        }
+        Ok(())
+    }
+
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         self.load.check()?;
+        self.check_place(vehicle)?;
         limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;
@@ -178,6 +223,10 @@ pub struct Truth {
     pub height_m: f64,
     /// Mass of the whole semitrailer.
     pub trailer_mass_kg: f64,
+    /// Distance of the payload's c.g. behind the fifth wheel.
+    pub payload_behind_hitch_m: f64,
+    /// Distance of the payload's c.g. to the left of the middle.
+    pub payload_left_m: f64,
     /// Forward speed (of a drive: the speed about which it varies).
     pub speed_mps: f64,
     /// Steer amplitude (of a driver: the greatest).
@@ -202,12 +251,14 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Without noise, road and rollover.
+    /// Without noise, road and rollover. The vehicle is that of [`Scenario::loaded`].
     pub(super) fn of(vehicle: &Vehicle, scenario: &Scenario, steer_rad: f64, ratio: f64) -> Self {
         Self {
             vehicle: vehicle.name.clone(),
             height_m: scenario.load.cg_height_m,
             trailer_mass_kg: scenario.load.trailer_mass_kg,
+            payload_behind_hitch_m: vehicle.trailer.payload.behind_hitch_m,
+            payload_left_m: scenario.payload_left_m,
             speed_mps: scenario.speed_mps,
             steer_rad,
             ratio,

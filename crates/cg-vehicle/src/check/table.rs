@@ -6,7 +6,7 @@
 //! than a factor of 1000, so that a number in mm, kN or t is always an error.
 
 use super::keys::{Key, Kind, Table, number, other};
-use crate::limits::{GREATEST_HEIGHT_M, GREATEST_TRAILER_MASS_KG};
+use crate::limits::{GREATEST_HEIGHT_M, GREATEST_PAYLOAD_BEHIND_HITCH_M, GREATEST_TRAILER_MASS_KG};
 
 /// All tables of the vehicle file.
 pub static TABLES: &[Table] = &[
@@ -184,7 +184,7 @@ const TARE: &[Key] = &[
 
 #[rustfmt::skip]
 const PAYLOAD: &[Key] = &[
-    number("behind_hitch_m", "m", [2.0, 11.0], [0.3, 20.0], "distance of its c.g. behind the fifth wheel"),
+    number("behind_hitch_m", "m", [2.0, 11.0], [0.3, GREATEST_PAYLOAD_BEHIND_HITCH_M], "distance of its c.g. behind the fifth wheel"),
     number("floor_height_m", "m", [0.6, 1.7], [0.2, 3.0], "height of the floor on which it stands"),
     number("length_m", "m", [3.0, 16.0], [0.5, 40.0], "full length of the box"),
     number("width_m", "m", [1.8, 2.7], [0.5, 6.0], "full width of the box"),
