@@ -292,6 +292,10 @@ pub(crate) struct RolloverArgs {
     /// keep it [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
+    /// Distance of the payload's c.g. to the left of the middle, m, to the right if negative; for the
+    /// measures of the nonlinear plant, whose turns are to the left
+    #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    pub(crate) payload_left_m: f64,
     /// Lateral acceleration at which the load transfer is computed, g
     #[arg(long, value_name = "A", default_value_t = 0.15, allow_negative_numbers = true, value_parser = lateral_g)]
     pub(crate) lateral_acceleration_g: f64,

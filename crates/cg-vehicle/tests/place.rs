@@ -45,6 +45,26 @@ fn a_payload_farther_to_the_front_loads_the_fifth_wheel() {
     }
 }
 
+/// A mass from axle loads assumes the place in the file: with 20 t of payload 0.3 m farther to the rear
+/// the trailer's axles show 0.3/5.2 of the payload too much, and the drive axle 0.3/2.5 too little.
+#[test]
+fn a_mass_from_axle_loads_is_wrong_with_the_place() {
+    let vehicle = common::vehicle("euro.toml");
+    let load = laden(&vehicle, 20e3);
+    let moved = vehicle.with_payload_at(load, 5.5).unwrap();
+    let shown_kg = |[at_zero_kg, slope]: [f64; 2], axles: std::ops::Range<usize>| {
+        let load_n: f64 = static_balance(&moved, load).unwrap().axle_load_n[axles].iter().sum();
+        at_zero_kg + slope * load_n / vehicle.gravity_mps2
+    };
+    let of_trailer = shown_kg(vehicle.mass_of_axle_load().unwrap(), 2..5) - load.trailer_mass_kg;
+    let of_drive = shown_kg(vehicle.mass_of_drive_load().unwrap(), 1..2) - load.trailer_mass_kg;
+    println!(
+        "mass from the trailer's axles {of_trailer:+.0} kg, from the drive axle {of_drive:+.0} kg"
+    );
+    assert!((of_trailer - 20e3 * 0.3 / 5.2).abs() < 1e-3, "{of_trailer}");
+    assert!((of_drive + 20e3 * 0.3 / 2.5).abs() < 1e-3, "{of_drive}");
+}
+
 /// Air springs follow the load that they carry. Their stiffness in the file is that under the reference
 /// load at the file's place, also for a payload that stands elsewhere.
 #[test]

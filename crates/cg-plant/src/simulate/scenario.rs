@@ -134,7 +134,7 @@ impl Scenario {
         vehicle.with_payload_at(self.load, behind_hitch_m).map(Cow::Owned)
     }
 
-    fn check_place(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
+    fn check_place(&self) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         if let Some(behind_m) = self.payload_behind_hitch_m {
             let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
@@ -143,15 +143,7 @@ impl Scenario {
                 return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
             }
         }
-        let half_m = 0.5 * vehicle.trailer.payload.width_m;
-        if !(self.payload_left_m.abs() <= half_m) {
-            return refuse(format!(
-                "⟨payload_left_m⟩ {} must lie between {} and {half_m}: beyond, the c.g. of the \
-                 payload would be outside of it",
-                self.payload_left_m, -half_m
-            ));
-        }
-        if self.payload_left_m.abs() > 0.0 && self.plant != Plant::Nonlinear {
+        if self.plant != Plant::Nonlinear && !(self.payload_left_m.abs() <= 0.0) {
             return refuse(
                 "⟨payload_left_m⟩ needs ⟨plant nonlinear⟩: the linear model is symmetric".into(),
             );
@@ -162,7 +154,7 @@ impl Scenario {
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         self.load.check()?;
-        self.check_place(vehicle)?;
+        self.check_place()?;
         limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;
