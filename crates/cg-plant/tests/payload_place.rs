@@ -67,7 +67,7 @@ fn intervals_hold_over_drawn_places() {
         let by: f64 = StandardNormal.sample(&mut source);
         let scenario = Scenario {
             load,
-            payload_behind_hitch_m: Some(place_m + PLACE_SD_M * by),
+            payload_behind_hitch_m: place_m + PLACE_SD_M * by,
             rate_hz: 20.0,
             duration_s: 15.0,
             speed_mps: SPEED_MPS,

@@ -117,7 +117,9 @@ impl Request {
             plant: word("plant", &self.plant)?,
             variant: word("model", &self.model)?,
             load: self.load(vehicle)?,
-            payload_behind_hitch_m: self.payload_behind_hitch_m,
+            payload_behind_hitch_m: self
+                .payload_behind_hitch_m
+                .unwrap_or(usual.payload_behind_hitch_m),
             payload_left_m: self.payload_left_m,
             speed_mps: self.speed_mps.unwrap_or(usual.speed_mps),
             steer_rad: self.steer_rad,

@@ -161,10 +161,7 @@ impl Experiment {
             if self.truck == Truck::Drawn {
                 let other = adjusted(vehicle, &drawn.deviations);
                 let mut scenario = scenario;
-                if place_sd_m > 0.0 {
-                    scenario.payload_behind_hitch_m =
-                        Some(vehicle.trailer.payload.behind_hitch_m + drawn.payload_behind_m);
-                }
+                scenario.payload_behind_hitch_m += drawn.payload_behind_m;
                 rows = true_rows(&LogSimulation::new(&other, scenario)?);
             }
             let mut instruments = Instruments::new(

@@ -37,7 +37,7 @@ fn every_measure_has_a_value_and_a_meaning() {
     assert!(of(&left, name) > of(&right, name) + 0.05, "{left} {right}");
     let name = "static_rollover_threshold_on_board_g";
     assert!((of(&left, name) - of(&right, name)).abs() < 1e-12);
-    assert_eq!(of(&right, "payload_left_m"), -0.2);
+    assert_eq!(right["payload_left_m"], -0.2);
 }
 
 #[test]

@@ -56,8 +56,8 @@ pub struct Scenario {
     pub variant: Variant,
     /// The trailer's load.
     pub load: Load,
-    /// Distance of the payload's c.g. behind the fifth wheel; `None` for that of the vehicle file.
-    pub payload_behind_hitch_m: Option<f64>,
+    /// Distance of the payload's c.g. behind the fifth wheel.
+    pub payload_behind_hitch_m: f64,
     /// Distance of the payload's c.g. to the left of the middle; nonlinear plant only.
     pub payload_left_m: f64,
     /// Forward speed.
@@ -89,7 +89,7 @@ impl Scenario {
             plant: Plant::Linear,
             variant: Variant::Complete,
             load: vehicle.reference_load(),
-            payload_behind_hitch_m: None,
+            payload_behind_hitch_m: vehicle.trailer.payload.behind_hitch_m,
             payload_left_m: 0.0,
             speed_mps: vehicle.nominal_speed_mps,
             steer_rad: None,
@@ -128,20 +128,24 @@ impl Scenario {
         &self,
         vehicle: &'a Vehicle,
     ) -> Result<Cow<'a, Vehicle>, VehicleError> {
-        let Some(behind_hitch_m) = self.payload_behind_hitch_m else {
+        if !self.moves_payload(vehicle) {
             return Ok(Cow::Borrowed(vehicle));
-        };
-        vehicle.with_payload_at(self.load, behind_hitch_m).map(Cow::Owned)
+        }
+        vehicle.with_payload_at(self.load, self.payload_behind_hitch_m).map(Cow::Owned)
     }
 
-    fn check_place(&self) -> Result<(), VehicleError> {
+    /// Whether the payload is not where the vehicle file says.
+    fn moves_payload(&self, vehicle: &Vehicle) -> bool {
+        (self.payload_behind_hitch_m - vehicle.trailer.payload.behind_hitch_m).abs() > 0.0
+    }
+
+    fn check_place(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
-        if let Some(behind_m) = self.payload_behind_hitch_m {
-            let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
-            limits::positive("⟨payload_behind_hitch_m⟩", behind_m, greatest_m)?;
-            if self.variant == Variant::AsPrinted && self.plant != Plant::Nonlinear {
-                return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
-            }
+        let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
+        limits::positive("⟨payload_behind_hitch_m⟩", self.payload_behind_hitch_m, greatest_m)?;
+        let is_printed = self.variant == Variant::AsPrinted && self.plant != Plant::Nonlinear;
+        if is_printed && self.moves_payload(vehicle) {
+            return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
         }
         if self.plant != Plant::Nonlinear && !(self.payload_left_m.abs() <= 0.0) {
             return refuse(
@@ -154,7 +158,7 @@ impl Scenario {
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         self.load.check()?;
-        self.check_place()?;
+        self.check_place(vehicle)?;
         limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;

@@ -147,7 +147,7 @@ class Scenario:
     trailer_mass_kg, payload_kg : float, optional
         Mass of the whole semitrailer, or of its payload, kg; give at most one of them.
     payload_behind_hitch_m : float, optional
-        Distance of the payload's c.g. behind the fifth wheel, m; that of the vehicle file if absent.
+        Distance of the payload's c.g. behind the fifth wheel, m; if absent, as in the vehicle file.
     payload_left_m : float
         Distance of the payload's c.g. to the left of the middle, m, negative to the right; with the
         nonlinear plant only.

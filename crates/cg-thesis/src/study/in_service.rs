@@ -139,9 +139,10 @@ impl<'a> Truck<'a> {
         let residual = if load.is_some() { drawn } else { self.residual };
         let gain = |channel: Channel| (log_gain(&now, channel) + residual[channel.index()]).exp();
         let (steer, lateral) = (gain(Channel::Steer), gain(Channel::LateralAcceleration));
-        let place_m = self.vehicle.trailer.payload.behind_hitch_m;
-        let payload_behind_hitch_m =
-            (self.place_sd_m > 0.0).then(|| place_m + self.place_sd_m * normal());
+        let mut payload_behind_hitch_m = self.vehicle.trailer.payload.behind_hitch_m;
+        if self.place_sd_m > 0.0 {
+            payload_behind_hitch_m += self.place_sd_m * normal();
+        }
         let seed = self.source.random();
         let truck = adjusted(self.vehicle, &now);
         let load = load.unwrap_or_else(|| empty(&truck));
