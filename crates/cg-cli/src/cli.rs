@@ -17,8 +17,8 @@ use clap::{Args, Parser, Subcommand};
 use crate::args::{ColumnArgs, Format, LoadArgs, ModelFormat};
 use crate::can::CanArgs;
 use crate::numbers::{
-    duration_s, gate_m, lateral_g, not_negative, payload_kg, radius_m, rate_hz, speed_change,
-    speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
+    duration_s, gate_m, lateral_g, not_negative, number, payload_behind_hitch_m, payload_kg,
+    radius_m, rate_hz, speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
 };
 use crate::run::args::RunArgs;
 use crate::sensors::{ChassisArgs, SensorArgs};
@@ -219,6 +219,13 @@ pub(crate) struct SimulateArgs {
     pub(crate) model: Variant,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
+    /// Distance of the payload's c.g. behind the fifth wheel, m [default: from the vehicle file]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = payload_behind_hitch_m)]
+    pub(crate) payload_behind_hitch_m: Option<f64>,
+    /// Distance of the payload's c.g. to the left of the middle, m, to the right if negative; for the
+    /// nonlinear plant
+    #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    pub(crate) payload_left_m: f64,
     /// Forward speed, m/s; on a road, the greatest [default: from the vehicle file, or the limits of
     /// the road]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
@@ -285,6 +292,10 @@ pub(crate) struct RolloverArgs {
     /// keep it [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
+    /// Distance of the payload's c.g. to the left of the middle, m, to the right if negative; for the
+    /// measures of the nonlinear plant, whose turns are to the left
+    #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    pub(crate) payload_left_m: f64,
     /// Lateral acceleration at which the load transfer is computed, g
     #[arg(long, value_name = "A", default_value_t = 0.15, allow_negative_numbers = true, value_parser = lateral_g)]
     pub(crate) lateral_acceleration_g: f64,

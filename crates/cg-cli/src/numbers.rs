@@ -55,6 +55,10 @@ pub(crate) fn payload_kg(text: &str) -> Result<f64, String> {
     at_most(not_negative(text)?, limits::GREATEST_TRAILER_MASS_KG)
 }
 
+pub(crate) fn payload_behind_hitch_m(text: &str) -> Result<f64, String> {
+    at_most(positive(text)?, limits::GREATEST_PAYLOAD_BEHIND_HITCH_M)
+}
+
 pub(crate) fn speed_mps(text: &str) -> Result<f64, String> {
     at_most(positive(text)?, limits::GREATEST_SPEED_MPS)
 }

@@ -20,6 +20,7 @@ pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {
         speed_mps: arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps),
         lateral_acceleration_g: arguments.lateral_acceleration_g,
         gate_m: arguments.gate_m,
+        payload_left_m: arguments.payload_left_m,
     };
     let all = measures(&vehicle, load, &options)?;
     let mut out = std::io::stdout().lock();
@@ -30,6 +31,7 @@ pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {
             object.insert("speed_mps".into(), json!(options.speed_mps));
             object.insert("height_m".into(), json!(load.cg_height_m));
             object.insert("trailer_mass_kg".into(), json!(load.trailer_mass_kg));
+            object.insert("payload_left_m".into(), json!(options.payload_left_m));
             describe(&mut object, &all);
             // The line is formatted first, so that it is written completely or not at all.
             writeln!(out, "{}", Value::Object(object))

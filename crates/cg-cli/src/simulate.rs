@@ -50,6 +50,10 @@ fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scena
         plant: arguments.plant,
         variant: arguments.model,
         load: arguments.load.load(vehicle),
+        payload_behind_hitch_m: arguments
+            .payload_behind_hitch_m
+            .unwrap_or(usual.payload_behind_hitch_m),
+        payload_left_m: arguments.payload_left_m,
         speed_mps: arguments.speed_mps.unwrap_or(usual.speed_mps),
         steer_rad: arguments.steer_rad,
         rate_hz: arguments.rate_hz,

@@ -24,6 +24,8 @@ pub(crate) struct Request {
     height_m: Option<f64>,
     trailer_mass_kg: Option<f64>,
     payload_kg: Option<f64>,
+    payload_behind_hitch_m: Option<f64>,
+    payload_left_m: f64,
     speed_mps: Option<f64>,
     steer_rad: Option<f64>,
     rate_hz: f64,
@@ -115,6 +117,10 @@ impl Request {
             plant: word("plant", &self.plant)?,
             variant: word("model", &self.model)?,
             load: self.load(vehicle)?,
+            payload_behind_hitch_m: self
+                .payload_behind_hitch_m
+                .unwrap_or(usual.payload_behind_hitch_m),
+            payload_left_m: self.payload_left_m,
             speed_mps: self.speed_mps.unwrap_or(usual.speed_mps),
             steer_rad: self.steer_rad,
             rate_hz: self.rate_hz,

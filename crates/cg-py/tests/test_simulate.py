@@ -91,6 +91,8 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
         ({"gate_m": 20.0}, 'gate_m for "lane-change"'),
         ({"turn_rad": 1.0, "maneuver": "steady-turn"}, 'need plant="nonlinear"'),
         ({"speed_change": 0.2}, 'for maneuver="drive"'),
+        ({"payload_left_m": 0.1}, 'payload_left_m needs plant="nonlinear"'),
+        ({"payload_behind_hitch_m": 30.0}, "payload_behind_hitch_m 30 must be positive"),
         ({"sensors": {"drop_out": 2.0}}, "drop-out"),
         ({"sensors": {"delay_s": "late"}}, "delay_s is not a number"),
         ({"output": "log.txt"}, r"log\.txt: the name of a log ends in \.csv or"),
@@ -107,6 +109,16 @@ def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, me
     with pytest.raises(ValueError, match=message) as raised:
         simulated()
     assert "--" not in str(raised.value)
+
+
+def test_the_payload_stands_where_the_scenario_says(baseline):
+    beside = Scenario("sine", plant="nonlinear", duration_s=4, payload_left_m=-0.1,
+                      payload_behind_hitch_m=6.0)  # fmt: skip
+    log = cgheight.simulate(baseline, beside)
+    assert log.truth["payload_left_m"] == -0.1
+    assert log.truth["payload_behind_hitch_m"] == 6.0
+    # It leans to the right before the maneuver begins.
+    assert log.signals["roll_rad"][0] > 0.005
 
 
 def test_an_accuracy_map_follows_the_noise(baseline):

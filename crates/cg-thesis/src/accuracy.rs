@@ -12,10 +12,10 @@ use cg_logs::estimate::{
 use cg_logs::log::LogRow;
 use cg_plant::sensors::Instruments;
 use cg_plant::simulate::{LogSimulation, Scenario};
-use cg_vehicle::Vehicle;
 use cg_vehicle::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::{Variant, Vehicle};
 
 /// Step of the height for the differences of the bound: 1 mm of 2 m leaves a second-order error of 1e-7.
 const BOUND_STEP_M: f64 = 1e-3;
@@ -75,13 +75,16 @@ struct Drawn {
     deviations: Deviations,
     /// Relative error of each channel's ratio that the equations leave out.
     residual: [f64; 2],
+    /// Distance of its payload behind the place in the file.
+    payload_behind_m: f64,
 }
 
 impl Drawn {
-    fn new(belief: &Belief, truck: Truck, source: &mut StdRng) -> Self {
+    fn new(belief: &Belief, place_sd_m: f64, truck: Truck, source: &mut StdRng) -> Self {
         let mut normal = || -> f64 { StandardNormal.sample(source) };
         if truck == Truck::OfTheFile {
-            return Self { deviations: Deviations::zeros(), residual: [0.0; 2] };
+            let deviations = Deviations::zeros();
+            return Self { deviations, residual: [0.0; 2], payload_behind_m: 0.0 };
         }
         // The logs have no sensors of suspension roll and specific force.
         let standard =
@@ -93,6 +96,7 @@ impl Drawn {
         Self {
             deviations: belief.mean + sd.component_mul(&standard),
             residual: [belief.residual_sd * normal(), belief.residual_sd * normal()],
+            payload_behind_m: if place_sd_m > 0.0 { place_sd_m * normal() } else { 0.0 },
         }
     }
 
@@ -136,6 +140,10 @@ impl Experiment {
         mut take: impl FnMut(&LogEstimate),
     ) -> Result<(), VehicleError> {
         let belief = Belief::prior(vehicle);
+        let place_sd_m = match self.scenario.variant {
+            Variant::Complete => vehicle.uncertainty.payload_place_sd_m,
+            Variant::AsPrinted => 0.0, // known for one load only
+        };
         let nominal = LogSimulation::new(vehicle, self.scenario)?;
         let scenario = Scenario { steer_rad: Some(nominal.truth.steer_rad), ..self.scenario };
         let options = EstimateOptions {
@@ -149,9 +157,11 @@ impl Experiment {
         let mut source = StdRng::seed_from_u64(self.seed);
         let mut rows = true_rows(&nominal);
         for run in 0..self.runs {
-            let drawn = Drawn::new(&belief, self.truck, &mut source);
+            let drawn = Drawn::new(&belief, place_sd_m, self.truck, &mut source);
             if self.truck == Truck::Drawn {
                 let other = adjusted(vehicle, &drawn.deviations);
+                let mut scenario = scenario;
+                scenario.payload_behind_hitch_m += drawn.payload_behind_m;
                 rows = true_rows(&LogSimulation::new(&other, scenario)?);
             }
             let mut instruments = Instruments::new(

@@ -5,6 +5,9 @@
 //! `[uncertainty]` table contains the standard deviations. Calibration runs turn the prior into a
 //! posterior. The uncertainty of the DC ratios is computed in the same way from either of them.
 //!
+//! The place of the payload is not a parameter of the truck but of a load. Its uncertainty is added to
+//! that of the ratios, and a calibration neither learns nor reduces it.
+//!
 //! For a factor the distribution is that of its logarithm, so the factor is never negative. For a
 //! height it is a shift in meters.
 
@@ -216,8 +219,8 @@ impl Belief {
         value(&self.mean, Parameter::Compensation).exp()
     }
 
-    /// Covariance of the logarithms of all channels' DC ratios at a speed and load, including the
-    /// residual. The order is that of [`Channel::ALL`].
+    /// Covariance of the logarithms of all channels' DC ratios at a speed and load, including the place
+    /// of the payload and the residual. The order is that of [`Channel::ALL`].
     ///
     /// # Errors
     /// As [`ratio_line`].
@@ -235,11 +238,12 @@ impl Belief {
         {
             parameters[(parameter as usize, parameter as usize)] += variance;
         }
+        let by_place = place_change(vehicle, variant, speed_mps, load, &self.mean)?;
         let mut covariance = [[0.0; CHANNELS]; CHANNELS];
         for i in 0..CHANNELS {
             let moved = parameters * slopes[i];
             for j in 0..=i {
-                covariance[i][j] = slopes[j].dot(&moved);
+                covariance[i][j] = slopes[j].dot(&moved) + by_place[i] * by_place[j];
                 covariance[j][i] = covariance[i][j];
             }
             covariance[i][i] += self.residual_sd * self.residual_sd;
@@ -287,6 +291,59 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
 pub(crate) const STIFFNESSES: [Parameter; 2] =
     [Parameter::TractorRollStiffness, Parameter::TrailerRollStiffness];
 
+/// Change of the logarithms of all channels' DC ratios if the payload is one standard deviation farther
+/// to the rear, as the mean of both directions. The place is that of a load and not of the truck:
+/// every load has its own, in a calibration as well as later, and in all channels at once.
+///
+/// # Errors
+/// As [`ratio_line`]; also if a ratio is not positive.
+pub(crate) fn place_change(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    load: Load,
+    mean: &Deviations,
+) -> Result<[f64; CHANNELS], VehicleError> {
+    let sd_m = vehicle.uncertainty.payload_place_sd_m;
+    if sd_m <= 0.0 {
+        return Ok([0.0; CHANNELS]);
+    }
+    let truck = adjusted(vehicle, mean);
+    let usual_m = truck.trailer.payload.behind_hitch_m;
+    let change = |share: f64| {
+        let at = |by_m: f64| {
+            let moved = truck.with_payload_at(load, usual_m + by_m)?;
+            logarithms(&moved, variant, speed_mps, load)
+        };
+        let (rear, front) = (at(share * sd_m)?, at(-share * sd_m)?);
+        Ok(std::array::from_fn(|i| (rear[i] - front[i]) / (2.0 * share)))
+    };
+    // The whole way, because measured springs have kinks; where the truck would tip, a small part of it.
+    change(1.0).or_else(|_: VehicleError| change(1e-3))
+}
+
+/// Logarithms of all channels' DC ratios at the height of a load.
+fn logarithms(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    load: Load,
+) -> Result<[f64; CHANNELS], VehicleError> {
+    let lines = ratio_line(vehicle, variant, speed_mps, load)?;
+    let mut logarithms = [0.0; CHANNELS];
+    for (logarithm, line) in logarithms.iter_mut().zip(lines) {
+        let ratio = line.ratio_at(load.cg_height_m);
+        if !(ratio > 0.0) {
+            return Err(VehicleError::Model(format!(
+                "at {:.2} m and {:.0} kg the model has no positive steady-state roll angle",
+                load.cg_height_m, load.trailer_mass_kg
+            )));
+        }
+        *logarithm = ratio.ln();
+    }
+    Ok(logarithms)
+}
+
 /// Logarithms of all channels' DC ratios at a height, and their derivatives with respect to the
 /// parameters.
 ///
@@ -300,17 +357,9 @@ pub(crate) fn log_ratios(
     mean: &Deviations,
 ) -> Result<([f64; CHANNELS], [Deviations; CHANNELS]), VehicleError> {
     let at = |deviations: &Deviations| -> Result<[f64; CHANNELS], VehicleError> {
-        let lines = ratio_line(&adjusted(vehicle, deviations), variant, speed_mps, load)?;
-        let mut logs = [0.0; CHANNELS];
+        let mut logs = logarithms(&adjusted(vehicle, deviations), variant, speed_mps, load)?;
         for channel in Channel::ALL {
-            let ratio = lines[channel.index()].ratio_at(load.cg_height_m);
-            if !(ratio > 0.0) {
-                return Err(VehicleError::Model(format!(
-                    "at {:.2} m and {:.0} kg the model has no positive steady-state roll angle",
-                    load.cg_height_m, load.trailer_mass_kg
-                )));
-            }
-            logs[channel.index()] = ratio.ln() + log_gain(deviations, channel);
+            logs[channel.index()] += log_gain(deviations, channel);
         }
         Ok(logs)
     };

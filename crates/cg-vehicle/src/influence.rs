@@ -33,7 +33,7 @@ pub struct Influences {
     /// square over the channels.
     pub parameters: Vec<Influence>,
     /// Standard deviation of the height due to the model and the sensors' gains, relative to the
-    /// height: all parameters, measured springs and the rest of the model error.
+    /// height: all parameters, measured springs, the place of the payload and the rest of the model error.
     pub height_sd: [f64; CHANNELS],
 }
 

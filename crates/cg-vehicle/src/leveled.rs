@@ -1,5 +1,5 @@
 //! Air springs with leveling valves: the valves keep the height, and the stiffness grows with the
-//! pressure, that is with the load.
+//! pressure, that is with the load and its place.
 
 use std::borrow::Cow;
 
@@ -17,13 +17,31 @@ impl Vehicle {
     /// # Errors
     /// As [`static_balance`] at this load and at the reference load.
     pub fn with_springs_at(&self, load: Load) -> Result<Cow<'_, Self>, VehicleError> {
-        let axles = self.axles();
-        if !axles.iter().any(|placed| placed.axle.leveled) {
+        if !self.axles().iter().any(|placed| placed.axle.leveled) {
             return Ok(Cow::Borrowed(self));
         }
-        let [here, reference] =
-            [load, self.reference_load()].map(|load| static_balance(self, load));
-        let (here, reference) = (here?.axle_load_n, reference?.axle_load_n);
+        self.leveled(self.clone(), load).map(Cow::Owned)
+    }
+
+    /// The vehicle with the payload of this load elsewhere: its c.g. is at this distance behind the fifth
+    /// wheel. The springs of axles with `leveled` are as they are under this load.
+    ///
+    /// # Errors
+    /// As [`with_springs_at`](Self::with_springs_at).
+    pub fn with_payload_at(&self, load: Load, behind_hitch_m: f64) -> Result<Self, VehicleError> {
+        let mut moved = self.clone();
+        moved.trailer.payload.behind_hitch_m = behind_hitch_m;
+        self.leveled(moved, load)
+    }
+
+    /// A vehicle with the springs of this one, as they are under a load of the other one.
+    fn leveled(&self, mut moved: Self, load: Load) -> Result<Self, VehicleError> {
+        let axles = self.axles();
+        if !axles.iter().any(|placed| placed.axle.leveled) {
+            return Ok(moved);
+        }
+        let here = static_balance(&moved, load)?.axle_load_n;
+        let reference = static_balance(self, self.reference_load())?.axle_load_n;
         let sprung_n = |placed: &PlacedAxle<'_>, load_n: f64| {
             load_n - placed.axle.unsprung_mass_kg * self.gravity_mps2
         };
@@ -37,7 +55,6 @@ impl Vehicle {
             axles.iter().position(same).unwrap_or(i)
         };
         let factor = |i: usize| sprung_n(&axles[i], here[i]) / sprung_n(&axles[i], reference[i]);
-        let mut moved = self.clone();
         let tractor = moved.tractor.axle.iter_mut().map(|axle| &mut axle.axle);
         let all = tractor.chain(moved.trailer.axle.iter_mut().map(|axle| &mut axle.axle));
         for (i, axle) in all.enumerate().filter(|(_, axle)| axle.leveled) {
@@ -50,7 +67,7 @@ impl Vehicle {
             }
             axle.spring = Some(name);
         }
-        Ok(Cow::Owned(moved))
+        Ok(moved)
     }
 }
 

@@ -6,6 +6,8 @@ use crate::error::VehicleError;
 pub const GREATEST_HEIGHT_M: f64 = 6.0;
 /// Mass of a whole semitrailer or of its payload, including heavy haulage.
 pub const GREATEST_TRAILER_MASS_KG: f64 = 200e3;
+/// Distance of a payload's c.g. behind the fifth wheel.
+pub const GREATEST_PAYLOAD_BEHIND_HITCH_M: f64 = 20.0;
 /// Forward speed.
 pub const GREATEST_SPEED_MPS: f64 = 60.0;
 /// Mean steer angle of the road wheels.

@@ -35,11 +35,19 @@ pub struct Uncertainty {
     /// Gain of the sensors of specific force, for trailer and tractor separately.
     #[serde(default = "usual_specific_force_sd")]
     pub specific_force_gain_sd: f64,
+    /// Distance of a load's c.g. from [`behind_hitch_m`](crate::vehicle::Payload::behind_hitch_m). Every
+    /// load has its own place, so a calibration does not change it.
+    #[serde(default = "usual_payload_place_sd")]
+    pub payload_place_sd_m: f64,
     /// The rest of the model error, which differs at each speed, load and road.
     pub residual_sd: f64,
 }
 
 fn usual_frame_sd() -> f64 {
+    0.3
+}
+
+fn usual_payload_place_sd() -> f64 {
     0.3
 }
 

@@ -1,5 +1,7 @@
 //! `cg rollover`: every measure has a value, a unit and a meaning.
 
+use serde_json::Value;
+
 use crate::common::{cg, fixture};
 
 #[test]
@@ -26,6 +28,16 @@ fn every_measure_has_a_value_and_a_meaning() {
     let light = threshold("2.3", "10000");
     println!("{low:.3} {high:.3} {light:.3}");
     assert!(high < low && light > high, "{low} {high} {light}");
+    // The turns are to the left: a payload on the right tips it earlier.
+    let base = ["rollover", "--vehicle", &truck, "--format", "json", "--payload-left-m"];
+    let beside = |left_m: &str| cg(&[&base[..], &[left_m]].concat()).done().answer();
+    let [left, right] = ["0.2", "-0.2"].map(beside);
+    let of = |answer: &Value, name: &str| answer[name].as_f64().unwrap();
+    let name = "static_rollover_threshold_g";
+    assert!(of(&left, name) > of(&right, name) + 0.05, "{left} {right}");
+    let name = "static_rollover_threshold_on_board_g";
+    assert!((of(&left, name) - of(&right, name)).abs() < 1e-12);
+    assert_eq!(right["payload_left_m"], -0.2);
 }
 
 #[test]
@@ -46,6 +58,7 @@ fn nonsense_is_refused_with_the_limit() {
         ("--gate-m", "0", "must lie between 1 and 1000"),
         ("--lateral-acceleration-g", "7", "must be at most 1"),
         ("--trailer-mass-kg", "100", "below the empty trailer's"),
+        ("--payload-left-m", "1.3", "between -1.2 and 1.2"),
     ] {
         cg(&["rollover", "--vehicle", &vehicle, option, value]).refused(&[remedy]);
     }

@@ -59,6 +59,25 @@ fn the_height_and_mass_that_were_asked_for_are_found() {
     assert_eq!(answer["trailer_mass_kg"], 28_684.0);
 }
 
+/// The truth says where the payload stands, by default where the vehicle file says. Farther to the rear
+/// the trailer rolls more per steer angle.
+#[test]
+fn the_payload_stands_where_it_was_asked_for() {
+    let scratch = Scratch::new();
+    let path = scratch.path("truth.json");
+    let truth = |more: &[&str]| -> Value {
+        let base = ["--maneuver", "sine", "--payload-kg", "20000", "--truth", &path];
+        scratch.simulate("log.csv", &kraz(), &[&base[..], more].concat());
+        serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap()
+    };
+    let (usual, rear) = (truth(&[]), truth(&["--payload-behind-hitch-m", "6.26"]));
+    assert_eq!([&usual["payload_behind_hitch_m"], &usual["payload_left_m"]], [5.96, 0.0]);
+    assert_eq!(rear["payload_behind_hitch_m"], 6.26);
+    let ratio = |truth: &Value| truth["ratio"].as_f64().unwrap();
+    let change = ratio(&rear) / ratio(&usual) - 1.0;
+    assert!((0.005..0.015).contains(&change), "{change}");
+}
+
 fn bytes(path: &str) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
@@ -210,7 +229,8 @@ fn a_driver_follows_a_path_and_the_truth_tells_everything_added() {
             "--drop-out",
             "0.1",
         ];
-        let log = scratch.simulate("log.csv", &kraz(), &[more, &sensors[..]].concat());
+        let place = ["--payload-behind-hitch-m", "5.8", "--payload-left-m", "-0.1"];
+        let log = scratch.simulate("log.csv", &kraz(), &[more, &sensors[..], &place].concat());
         let text = std::fs::read_to_string(&log).unwrap();
         assert!(text.contains("\ntime_s,steer_rad,tilt_rad,"), "{more:?}");
         let truth: Value = serde_json::from_slice(&std::fs::read(&truth).unwrap()).unwrap();
@@ -222,6 +242,8 @@ fn a_driver_follows_a_path_and_the_truth_tells_everything_added() {
             ("delay_s", 0.05),
             ("jitter_s", 0.002),
             ("drop_out", 0.1),
+            ("payload_behind_hitch_m", 5.8),
+            ("payload_left_m", -0.1),
         ] {
             assert_eq!(truth[key], value, "{key}");
         }
@@ -243,6 +265,10 @@ fn paths_without_their_maneuver_or_plant_are_refused() {
     refused(&["--maneuver", "lane-change", "--gate-m", "20"], &["need --plant nonlinear"]);
     refused(&["--maneuver", "steady-turn", "--turn-deg", "0"], &["at least 1 or at most -1"]);
     refused(&["--maneuver", "sine", "--to-rollover"], &["need --plant nonlinear"]);
+    refused(&["--maneuver", "sine", "--payload-left-m", "0.1"], &["needs --plant nonlinear"]);
+    let beside = ["--maneuver", "sine", "--plant", "nonlinear", "--payload-left-m", "-1.3"];
+    refused(&beside, &["--payload-left-m -1.3 must lie between -1.2 and 1.2"]);
+    refused(&["--maneuver", "sine", "--payload-behind-hitch-m", "0"], &["must be positive"]);
     refused(&["--maneuver", "sine", "--steering-wheel"], &["no steering_ratio"]);
     refused(&["--maneuver", "sine", "--jitter-s", "0.1"], &["jitter (s) 0.1", "0.0049"]);
     refused(&["--maneuver", "sine", "--drop-out", "1"], &["between 0 and 0.95"]);

@@ -70,7 +70,7 @@ fn a_negative_mass_is_named_with_its_value() {
     refused("sprung_mass_kg = 5345.646233765785", "sprung_mass_kg = -5", "-5", &parts);
     let parts = ["tractor.axle[1].unsprung_mass_kg = 0: must be a positive number"];
     let text = "unsprung_mass_kg = 1132.6553609391638";
-    refused(text, "unsprung_mass_kg = 0.0 #", "0.0 #", &parts);
+    refused(text, "unsprung_mass_kg = 0.0  #", "0.0  #", &parts);
 }
 
 #[test]

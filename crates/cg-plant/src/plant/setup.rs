@@ -125,8 +125,15 @@ fn check(
             return Err(model(format!("a road {name} of {angle_rad} rad is not possible")));
         }
     }
-    if ![options.payload_left_m, options.payload_behind_m].iter().all(|m| m.is_finite()) {
+    if !options.payload_behind_m.is_finite() {
         return Err(model("the position of the payload must be finite".to_owned()));
+    }
+    let (left_m, half_m) = (options.payload_left_m, 0.5 * vehicle.trailer.payload.width_m);
+    if !(left_m.abs() <= half_m) {
+        return Err(model(format!(
+            "⟨payload_left_m⟩ {left_m} must lie between {} and {half_m}, half the width of the payload",
+            -half_m
+        )));
     }
     Ok(())
 }

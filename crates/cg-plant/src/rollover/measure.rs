@@ -39,12 +39,19 @@ pub struct RolloverOptions {
     pub lateral_acceleration_g: f64,
     /// Gate length of the lane change (eq. 2.5).
     pub gate_m: f64,
+    /// Distance of the payload's c.g. to the left of the middle, for the measures of the nonlinear plant.
+    pub payload_left_m: f64,
 }
 
 impl RolloverOptions {
-    /// The defaults: the vehicle's nominal speed, 0.15 g, a gate of 20 m.
+    /// The defaults: the vehicle's nominal speed, 0.15 g, a gate of 20 m, the payload in the middle.
     pub fn of(vehicle: &Vehicle) -> Self {
-        Self { speed_mps: vehicle.nominal_speed_mps, lateral_acceleration_g: 0.15, gate_m: 20.0 }
+        Self {
+            speed_mps: vehicle.nominal_speed_mps,
+            lateral_acceleration_g: 0.15,
+            gate_m: 20.0,
+            payload_left_m: 0.0,
+        }
     }
 }
 
@@ -117,7 +124,9 @@ pub fn measures(
     load: Load,
     options: &RolloverOptions,
 ) -> Result<RolloverMeasures, VehicleError> {
-    let plant = YawRollPlant::new(vehicle, load, &PlantOptions::default())?;
+    let plant_options =
+        PlantOptions { payload_left_m: options.payload_left_m, ..PlantOptions::default() };
+    let plant = YawRollPlant::new(vehicle, load, &plant_options)?;
     let subject = Subject { vehicle, load, plant, options: *options };
     let mut all = RolloverMeasures { measures: Vec::new(), rearward_amplification: Vec::new() };
     statics(&subject, &mut all)?;
@@ -149,7 +158,7 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         if rolled {
             format!(
                 "Greatest lateral acceleration of the trailer that the nonlinear plant sustains in a \
-                 slow steer ramp at {:.0} km/h: beyond it the vehicle tips.",
+                 slow steer ramp to the left at {:.0} km/h: beyond it the vehicle tips.",
                 3.6 * options.speed_mps
             )
         } else {
@@ -163,8 +172,8 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         "g",
         Some(steady * gravity_mps2 / GRAVITY_MPS2),
         format!(
-            "The same from the balance of a steady turn at {:.0} km/h, axle by axle; tires that would \
-             slide before are assumed to hold.",
+            "The same from the balance of a steady turn at {:.0} km/h, axle by axle, with the payload in \
+             the middle; tires that would slide before are assumed to hold.",
             3.6 * speed_mps
         ),
     );

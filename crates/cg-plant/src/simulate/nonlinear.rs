@@ -63,7 +63,9 @@ pub(super) fn record(
     histories: &Histories,
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
-    let plant = YawRollPlant::new(vehicle, scenario.load, &PlantOptions::default())?;
+    let options =
+        PlantOptions { payload_left_m: scenario.payload_left_m, ..PlantOptions::default() };
+    let plant = YawRollPlant::new(vehicle, scenario.load, &options)?;
     let run = plant.start(histories.speed_mps(0.0))?;
     let driver = |course| {
         Driver::new(&plant, path(course, scenario), scenario.speed_mps, DriverSettings::default())
@@ -84,7 +86,8 @@ pub(super) fn record_on_road(
 ) -> Result<Recorded, VehicleError> {
     let driver = RoadDriver::new(vehicle, scenario.variant, scenario.load, road)?;
     let (speed_mps, Ground { bank_rad, grade_rad, .. }) = driver.start();
-    let options = PlantOptions { bank_rad, grade_rad, ..PlantOptions::default() };
+    let payload_left_m = scenario.payload_left_m;
+    let options = PlantOptions { bank_rad, grade_rad, payload_left_m, ..PlantOptions::default() };
     let plant = YawRollPlant::new(vehicle, scenario.load, &options)?;
     let run = plant.start(speed_mps)?;
     run_through(vehicle, scenario, run, &mut Steering::Road(Box::new(driver)), samples)

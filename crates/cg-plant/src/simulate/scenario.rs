@@ -1,5 +1,7 @@
 //! What to simulate, and what is true of it.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use crate::maneuver::{Course, Histories, Maneuver};
@@ -54,6 +56,10 @@ pub struct Scenario {
     pub variant: Variant,
     /// The trailer's load.
     pub load: Load,
+    /// Distance of the payload's c.g. behind the fifth wheel.
+    pub payload_behind_hitch_m: f64,
+    /// Distance of the payload's c.g. to the left of the middle; nonlinear plant only.
+    pub payload_left_m: f64,
     /// Forward speed.
     pub speed_mps: f64,
     /// Road-wheel amplitude; `None` for 0.17 g.
@@ -83,6 +89,8 @@ impl Scenario {
             plant: Plant::Linear,
             variant: Variant::Complete,
             load: vehicle.reference_load(),
+            payload_behind_hitch_m: vehicle.trailer.payload.behind_hitch_m,
+            payload_left_m: 0.0,
             speed_mps: vehicle.nominal_speed_mps,
             steer_rad: None,
             rate_hz: 100.0,
@@ -115,9 +123,42 @@ impl Scenario {
         if changes { USUAL_SPEED_CHANGE } else { 0.0 }
     }
 
+    /// The vehicle with the payload where it is.
+    pub(super) fn loaded<'a>(
+        &self,
+        vehicle: &'a Vehicle,
+    ) -> Result<Cow<'a, Vehicle>, VehicleError> {
+        if !self.moves_payload(vehicle) {
+            return Ok(Cow::Borrowed(vehicle));
+        }
+        vehicle.with_payload_at(self.load, self.payload_behind_hitch_m).map(Cow::Owned)
+    }
+
+    /// Whether the payload is not where the vehicle file says.
+    fn moves_payload(&self, vehicle: &Vehicle) -> bool {
+        (self.payload_behind_hitch_m - vehicle.trailer.payload.behind_hitch_m).abs() > 0.0
+    }
+
+    fn check_place(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
+        let refuse = |text: String| Err(VehicleError::Model(text));
+        let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
+        limits::positive("⟨payload_behind_hitch_m⟩", self.payload_behind_hitch_m, greatest_m)?;
+        let is_printed = self.variant == Variant::AsPrinted && self.plant != Plant::Nonlinear;
+        if is_printed && self.moves_payload(vehicle) {
+            return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
+        }
+        if self.plant != Plant::Nonlinear && !(self.payload_left_m.abs() <= 0.0) {
+            return refuse(
+                "⟨payload_left_m⟩ needs ⟨plant nonlinear⟩: the linear model is symmetric".into(),
+            );
+        }
+        Ok(())
+    }
+
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         self.load.check()?;
+        self.check_place(vehicle)?;
         limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;
@@ -178,6 +219,10 @@ pub struct Truth {
     pub height_m: f64,
     /// Mass of the whole semitrailer.
     pub trailer_mass_kg: f64,
+    /// Distance of the payload's c.g. behind the fifth wheel.
+    pub payload_behind_hitch_m: f64,
+    /// Distance of the payload's c.g. to the left of the middle.
+    pub payload_left_m: f64,
     /// Forward speed (of a drive: the speed about which it varies).
     pub speed_mps: f64,
     /// Steer amplitude (of a driver: the greatest).
@@ -202,12 +247,14 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Without noise, road and rollover.
+    /// Without noise, road and rollover. The vehicle is that of [`Scenario::loaded`].
     pub(super) fn of(vehicle: &Vehicle, scenario: &Scenario, steer_rad: f64, ratio: f64) -> Self {
         Self {
             vehicle: vehicle.name.clone(),
             height_m: scenario.load.cg_height_m,
             trailer_mass_kg: scenario.load.trailer_mass_kg,
+            payload_behind_hitch_m: vehicle.trailer.payload.behind_hitch_m,
+            payload_left_m: scenario.payload_left_m,
             speed_mps: scenario.speed_mps,
             steer_rad,
             ratio,

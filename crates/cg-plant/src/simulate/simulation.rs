@@ -48,6 +48,7 @@ impl LogSimulation {
     /// [`VehicleError`] if the vehicle has no such load or model, or a number is invalid.
     pub fn new(vehicle: &Vehicle, scenario: Scenario) -> Result<Self, VehicleError> {
         scenario.check(vehicle)?;
+        let vehicle = &*scenario.loaded(vehicle)?;
         let (histories, ratio) = histories(vehicle, &scenario)?;
         let samples = samples(&scenario);
         let mut truth = Truth::of(vehicle, &scenario, histories.amplitude_rad(), ratio);
@@ -105,6 +106,7 @@ impl LogSimulation {
             )));
         }
         scenario.check(vehicle)?;
+        let vehicle = &*scenario.loaded(vehicle)?;
         chassis.check()?;
         let samples = samples(&scenario);
         let recorded = record_on_road(vehicle, &scenario, road, samples)?;

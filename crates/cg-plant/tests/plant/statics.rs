@@ -1,8 +1,8 @@
 //! V1: loads at rest, settling, offset payload, banked road.
 
 use cg_plant::plant::{Coordinate, PlantOptions, YawRollPlant};
-use cg_vehicle::Load;
 use cg_vehicle::balance::static_balance;
+use cg_vehicle::{Load, Vehicle};
 
 use super::{KMH, linear, plant, vehicle};
 
@@ -89,6 +89,57 @@ fn an_offset_payload_leans_to_its_side() {
     assert!((left + right).abs() < 1e-8, "{left} {right}");
     // Linear springs: the remaining difference is the square of a roll angle of 2 degrees.
     assert!((twice / left - 2.0).abs() < 5e-3, "{}", twice / left);
+}
+
+/// Roll angles of tractor and trailer under a roll moment on the trailer, from the potential energy in
+/// docs/model.md: springs and tires of each axle in series, and loads on growing lever arms.
+fn linear_lean_rad(vehicle: &Vehicle, load: Load, moment_nm: f64) -> [f64; 2] {
+    let balance = static_balance(vehicle, load).unwrap();
+    let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
+    let heights_m = [tractor.cg_height_m, load.cg_height_m];
+    let mut stiffness = [0.0; 2];
+    for (placed, load_n) in vehicle.axles().iter().zip(&balance.axle_load_n) {
+        let (axle, unit) = (placed.axle, usize::from(placed.on_trailer));
+        let sprung_n = load_n - axle.unsprung_mass_kg * vehicle.gravity_mps2;
+        let springs = placed.suspension_roll_stiffness_nm_per_rad();
+        let tyres = placed.tyre_roll_stiffness_nm_per_rad()
+            - load_n * axle.center_height_m
+            - sprung_n * (axle.roll_center_height_m - axle.center_height_m);
+        stiffness[unit] += springs * tyres / (springs + tyres)
+            - sprung_n * (heights_m[unit] - axle.roll_center_height_m);
+    }
+    stiffness[0] += balance.hitch_load_n * (tractor.cg_height_m - hitch.height_m);
+    stiffness[1] -= balance.hitch_load_n * (load.cg_height_m - hitch.height_m);
+    let coupling = hitch.roll_stiffness_nm_per_rad;
+    let trailer_rad =
+        moment_nm / (stiffness[1] + coupling * stiffness[0] / (stiffness[0] + coupling));
+    [trailer_rad * coupling / (stiffness[0] + coupling), trailer_rad]
+}
+
+/// The lean under a payload beside the middle, against linear statics.
+#[test]
+fn the_lean_is_that_of_the_roll_stiffness() {
+    for name in ["baseline", "euro", "kraz"] {
+        let vehicle = vehicle(name);
+        let payload_kg = 20e3;
+        let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
+        let load = Load { trailer_mass_kg, cg_height_m: 1.9 };
+        let lean = |payload_left_m: f64| {
+            let options = PlantOptions { payload_left_m, ..linear() };
+            let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
+            let sample = plant.start(50.0 * KMH).unwrap().sample();
+            [sample.tractor.roll_rad, sample.trailer.roll_rad]
+        };
+        let moment_nm = payload_kg * vehicle.gravity_mps2 * 0.05;
+        let expected = linear_lean_rad(&vehicle, load, moment_nm);
+        let (left, right) = (lean(0.05), lean(-0.05));
+        for unit in 0..2 {
+            // The mean of both sides has no second order; the third is the square of 5e-3 rad.
+            let mean = 0.5 * (right[unit] - left[unit]);
+            println!("{name} {:.4} {:.4} degrees", mean.to_degrees(), expected[unit].to_degrees());
+            assert!((mean / expected[unit] - 1.0).abs() < 1e-3, "{name} {mean} {expected:?}");
+        }
+    }
 }
 
 /// On a banked road with the right side lower, gravity pulls to the right: the body rolls to the right,

@@ -146,6 +146,11 @@ class Scenario:
         Height of the trailer's sprung c.g. above ground, m; the vehicle's reference if absent.
     trailer_mass_kg, payload_kg : float, optional
         Mass of the whole semitrailer, or of its payload, kg; give at most one of them.
+    payload_behind_hitch_m : float, optional
+        Distance of the payload's c.g. behind the fifth wheel, m; if absent, as in the vehicle file.
+    payload_left_m : float
+        Distance of the payload's c.g. to the left of the middle, m, negative to the right; with the
+        nonlinear plant only.
     speed_mps : float, optional
         Forward speed, m/s, on a road the greatest one; if absent, the vehicle's nominal speed, or
         the limits of the road.
@@ -181,6 +186,8 @@ class Scenario:
     height_m: float | None = None
     trailer_mass_kg: float | None = None
     payload_kg: float | None = None
+    payload_behind_hitch_m: float | None = None
+    payload_left_m: float = 0.0
     speed_mps: float | None = None
     steer_rad: float | None = None
     rate_hz: float = 100.0

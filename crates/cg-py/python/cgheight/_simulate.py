@@ -68,6 +68,8 @@ class Truth(_OnRoad):
         Height of the trailer's sprung c.g. above ground at rest, m.
     trailer_mass_kg : float
         Mass of the whole semitrailer, kg.
+    payload_behind_hitch_m, payload_left_m : float
+        Distances of the payload's c.g. behind the fifth wheel and to the left of the middle, m.
     speed_mps : float
         Forward speed, m/s; in a drive, the speed about which it varies; on a road, the mean.
     steer_rad : float
@@ -99,6 +101,8 @@ class Truth(_OnRoad):
     vehicle: str
     height_m: float
     trailer_mass_kg: float
+    payload_behind_hitch_m: float
+    payload_left_m: float
     speed_mps: float
     steer_rad: float
     ratio: float

@@ -97,6 +97,8 @@ struct Truck<'a> {
     /// The part of the ratios' error that the equations leave out, for the empty trailer.
     residual: [f64; 2],
     residual_sd: f64,
+    /// Standard deviation of the place of a payload.
+    place_sd_m: f64,
     noise_sd_rad: f64,
     source: StdRng,
 }
@@ -111,7 +113,8 @@ impl<'a> Truck<'a> {
         let residual_sd = prior.residual_sd * spread;
         let residual = [(); 2].map(|()| residual_sd * normal());
         let noise_sd_rad = LogSimulation::new(vehicle, trip(vehicle))?.truth.noise_sd_rad;
-        Ok(Self { vehicle, new, residual, residual_sd, noise_sd_rad, source })
+        let place_sd_m = vehicle.uncertainty.payload_place_sd_m * spread;
+        Ok(Self { vehicle, new, residual, residual_sd, place_sd_m, noise_sd_rad, source })
     }
 
     /// Draws the load of the next trip; `None` is the empty trailer.
@@ -136,10 +139,14 @@ impl<'a> Truck<'a> {
         let residual = if load.is_some() { drawn } else { self.residual };
         let gain = |channel: Channel| (log_gain(&now, channel) + residual[channel.index()]).exp();
         let (steer, lateral) = (gain(Channel::Steer), gain(Channel::LateralAcceleration));
+        let mut payload_behind_hitch_m = self.vehicle.trailer.payload.behind_hitch_m;
+        if self.place_sd_m > 0.0 {
+            payload_behind_hitch_m += self.place_sd_m * normal();
+        }
         let seed = self.source.random();
         let truck = adjusted(self.vehicle, &now);
-        let scenario =
-            Scenario { seed, load: load.unwrap_or_else(|| empty(&truck)), ..trip(&truck) };
+        let load = load.unwrap_or_else(|| empty(&truck));
+        let scenario = Scenario { seed, load, payload_behind_hitch_m, ..trip(&truck) };
         let gravity_mps2 = self.vehicle.gravity_mps2;
         let mut instruments =
             Instruments::new(&scenario.sensors, self.noise_sd_rad, gravity_mps2, 1.0, seed);

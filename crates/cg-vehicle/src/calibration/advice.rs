@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fit::Run;
 use crate::balance::greatest_mass_kg;
-use crate::belief::{Belief, Covariance, PARAMETERS, log_ratios};
+use crate::belief::{Belief, Covariance, PARAMETERS, log_ratios, place_change};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::load::Load;
@@ -88,7 +88,10 @@ fn after(
     let h = DMatrix::from_fn(rows.len(), PARAMETERS, |i, j| slopes[rows[i]][j]);
     let p = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| belief.covariance[(i, j)]);
     let variance = belief.residual_sd * belief.residual_sd + NOISE_SD * NOISE_SD;
-    let noise = DMatrix::from_diagonal(&DVector::from_element(rows.len(), variance));
+    let mut noise = DMatrix::from_diagonal(&DVector::from_element(rows.len(), variance));
+    let by_place = place_change(vehicle, variant, speed_mps, load, &belief.mean)?;
+    let moved = DVector::from_iterator(rows.len(), rows.iter().map(|&k| by_place[k]));
+    noise.ger(1.0, &moved, &moved, 1.0);
     let innovation = (&h * &p * h.transpose() + noise).cholesky();
     let told = innovation.map_or_else(
         || DMatrix::zeros(PARAMETERS, PARAMETERS),

@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, DVector};
 use super::judgment::Judgment;
 use super::walk::Walk;
 use crate::belief::{
-    Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios,
+    Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios, place_change,
     stiffness_variances,
 };
 use crate::equations::Variant;
@@ -151,7 +151,8 @@ pub fn fit(
     let (before, slopes) = linearized(&prior.mean)?;
     let age_s = |o: &Observation| runs[o.run].age_s.unwrap_or(0.0).max(0.0);
     let walk = Walk::new(&p0, &observations.iter().map(age_s).collect::<Vec<_>>());
-    let alone = noise(vehicle, (runs, &observations), &slopes)?;
+    let mut alone = noise(vehicle, (runs, &observations), &slopes)?;
+    add_places(&mut alone, (vehicle, variant), (runs, &observations))?;
     let mut noise = alone.clone();
     let mut mean = prior.mean;
     let mut step = f64::INFINITY;
@@ -260,6 +261,24 @@ fn noise(
         }
     }
     Ok(noise)
+}
+
+/// Adds the place of the payload, which is another one in each run and the same for all ratios of a run.
+fn add_places(
+    noise: &mut DMatrix<f64>,
+    (vehicle, variant): (&Vehicle, Variant),
+    (runs, observations): (&[Run], &[Observation]),
+) -> Result<(), VehicleError> {
+    let file = Deviations::zeros();
+    for (i, run) in runs.iter().enumerate() {
+        let by_place = place_change(vehicle, variant, run.speed_mps, run.load, &file)?;
+        let moved = DVector::from_iterator(
+            observations.len(),
+            observations.iter().map(|o| if o.run == i { by_place[o.channel.index()] } else { 0.0 }),
+        );
+        noise.ger(1.0, &moved, &moved, 1.0);
+    }
+    Ok(())
 }
 
 /// What the observations leave unexplained at a state of the parameters, and their slopes.

@@ -6,7 +6,7 @@
 //! than a factor of 1000, so that a number in mm, kN or t is always an error.
 
 use super::keys::{Key, Kind, Table, number, other};
-use crate::limits::{GREATEST_HEIGHT_M, GREATEST_TRAILER_MASS_KG};
+use crate::limits::{GREATEST_HEIGHT_M, GREATEST_PAYLOAD_BEHIND_HITCH_M, GREATEST_TRAILER_MASS_KG};
 
 /// All tables of the vehicle file.
 pub static TABLES: &[Table] = &[
@@ -136,6 +136,7 @@ const UNCERTAINTY: &[Key] = &[
     number("suspension_roll_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the sensors of suspension roll, with the error of the model that is the same everywhere, for trailer and tractor separately, relative").optional(),
     number("specific_force_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the sensors of specific force, for trailer and tractor separately, relative").optional(),
     number("frame_torsional_stiffness_sd", "", [0.05, 0.7], [0.0, 1.0], "torsional stiffness of the trailer's frame, relative; only if the trailer has one").optional(),
+    number("payload_place_sd_m", "m", [0.05, 1.0], [0.0, 3.0], "distance of a load's c.g. from trailer.payload.behind_hitch_m, to the front or to the rear; every load has its own place, so no calibration reduces it").optional().or(0.0, "every load at that place"),
     number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "the rest of the model error, relative"),
 ];
 
@@ -183,7 +184,7 @@ const TARE: &[Key] = &[
 
 #[rustfmt::skip]
 const PAYLOAD: &[Key] = &[
-    number("behind_hitch_m", "m", [2.0, 11.0], [0.3, 20.0], "distance of its c.g. behind the fifth wheel"),
+    number("behind_hitch_m", "m", [2.0, 11.0], [0.3, GREATEST_PAYLOAD_BEHIND_HITCH_M], "distance of its c.g. behind the fifth wheel"),
     number("floor_height_m", "m", [0.6, 1.7], [0.2, 3.0], "height of the floor on which it stands"),
     number("length_m", "m", [3.0, 16.0], [0.5, 40.0], "full length of the box"),
     number("width_m", "m", [1.8, 2.7], [0.5, 6.0], "full width of the box"),
