@@ -166,7 +166,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
         .into());
     }
     Ok(match part {
-        Part::Tractor => calibration.of_tractor(vehicle),
+        Part::Tractor => calibration.of_tractor(vehicle)?,
         _ => calibration,
     })
 }
