@@ -10,6 +10,7 @@ use cg_core::{CHANNELS, Design, Measured, Memory};
 use cg_vehicle::calibration::Run;
 use cg_vehicle::design::design;
 use cg_vehicle::files::{self, Unsealed};
+use cg_vehicle::scales::Scale;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -34,6 +35,9 @@ pub struct State {
     pub saved_s: f64,
     /// Time of the last detected change of the load, s; `None` if no change was detected.
     pub load_since_s: Option<f64>,
+    /// The scale of the load's mass. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Scale>,
     memory: Stored,
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
@@ -97,6 +101,7 @@ impl State {
             design_crc32,
             saved_s,
             load_since_s,
+            scale: None,
             learned,
             memory: Stored {
                 fused: memory.fused,

@@ -119,15 +119,16 @@ fn a_calibration_of_another_vehicle_is_refused() {
     let mut same = vehicle.clone();
     same.height.greatest_m += 0.1;
     same.nominal_speed_mps += 1.0;
-    same.road = Vehicle::parse(ROAD, "v.toml").unwrap().road;
-    assert!(same.road.is_some());
+    let changed = Vehicle::parse(CHANGED, "v.toml").unwrap();
+    (same.road, same.sensors.mass) = (changed.road, changed.sensors.mass);
+    assert!(same.road.is_some() && same.sensors.mass.is_some());
     Calibration::parse(&text, "c.toml", &same).unwrap();
 }
 
-/// The vehicle file with a comment and a road.
-const ROAD: &str = concat!(
+/// The vehicle file with a comment, a road and the exactness of its masses.
+const CHANGED: &str = concat!(
     include_str!("../../../fixtures/vehicles/kraz.toml"),
-    "\n# A comment.\n[road]\nbank_sd_rad = 0.0\n"
+    "\n# A comment.\n[road]\nbank_sd_rad = 0.0\n[sensors.mass]\nweighed_sd_kg = 20.0\n"
 );
 
 #[test]

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::belief::Parameter;
 use crate::error::VehicleError;
 use crate::files::checksum;
+use crate::sensor_places::SensorPlaces;
 use crate::vehicle::Vehicle;
 
 /// What a calibration is for.
@@ -48,7 +49,7 @@ impl Part {
 }
 
 /// Checksums of the parts of a vehicle file on which a calibration depends, by their keys. Comments,
-/// name, limits of the height, nominal speed and roads do not change it. `[uncertainty]` does: the
+/// name, limits of the height, nominal speed, roads and the exactness of masses do not change it. `[uncertainty]` does: the
 /// posterior contains it. The tractor alone depends on what the file says about it and the fifth wheel.
 pub(super) fn checksums(
     vehicle: &Vehicle,
@@ -76,7 +77,7 @@ pub(super) fn checksums(
         add("trailer", sum(&vehicle.trailer)?);
         add("tyre", sum(&vehicle.tyre)?);
         add("spring", sum(&vehicle.spring)?);
-        add("sensors", sum(vehicle.sensors)?);
+        add("sensors", sum(SensorPlaces { mass: None, ..vehicle.sensors })?);
         add("as_printed", sum(&vehicle.as_printed)?);
     }
     Ok(sums)
