@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
     let mut calibration =
         calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {
-            let take = |row: &_| estimator.push(row).map(|_| ());
+            let take = |row: &_, _| estimator.push(row).map(|_| ());
             let remarks =
                 feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
             for remark in remarks {

@@ -97,8 +97,8 @@ pub(crate) struct EstimateArgs {
     /// Mass of the whole semitrailer as weighed, kg; replaces the mass in the log
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
-    /// Standard deviation of the trailer mass, kg; without it a given mass is exact, and a trailer
-    /// without one has any load
+    /// Standard deviation of the trailer mass, kg; without it that of its source ([sensors.mass] of the
+    /// vehicle file), and a trailer without a mass has any load
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = payload_kg)]
     pub(crate) trailer_mass_sd_kg: Option<f64>,
     #[command(flatten)]

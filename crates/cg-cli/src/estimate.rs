@@ -10,6 +10,7 @@ use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_vehicle::files;
+use cg_vehicle::scales::{Scale, Scales};
 use cg_vehicle::{LinearModel, Variant};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -38,6 +39,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,
         trailer_mass_sd_kg: arguments.trailer_mass_sd_kg,
+        scales: Scales::of(&vehicle),
         road: arguments.road.of(&vehicle),
         judgment,
     };
@@ -146,7 +148,8 @@ fn estimate_log(
     progress: &ProgressBar,
 ) -> anyhow::Result<Estimated> {
     let mut trace = room.map(Trace::new);
-    let remarks = feed(log, options, progress, |row| {
+    let remarks = feed(log, options, progress, |row, scale| {
+        estimator.weighed_by(scale);
         estimator.push(row)?;
         if let Some(trace) = &mut trace {
             trace.push(row.time_s, &estimator.signals(row));
@@ -161,12 +164,12 @@ fn estimate_log(
     Ok((estimate, trace))
 }
 
-/// Passes the rows of a log to `take` and returns the messages of the reader.
+/// Passes the rows of a log to `take`, with the scale of frames, and returns the messages of the reader.
 pub(crate) fn feed(
     log: &Path,
     options: &LogOptions,
     progress: &ProgressBar,
-    mut take: impl FnMut(&LogRow) -> Result<(), SampleError>,
+    mut take: impl FnMut(&LogRow, Option<Scale>) -> Result<(), SampleError>,
 ) -> anyhow::Result<Vec<String>> {
     let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
@@ -177,7 +180,7 @@ pub(crate) fn feed(
     let mut seen = 0;
     let mut rows = 0;
     while let Some(row) = reader.next_row()? {
-        take(&row).with_context(|| {
+        take(&row, reader.scale()).with_context(|| {
             let line = reader.line();
             format!("{name}, line {line}: time stamps must be at least a microsecond apart")
         })?;

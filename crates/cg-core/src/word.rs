@@ -14,6 +14,11 @@ pub trait Word: Copy + PartialEq + 'static {
         Self::WORDS.iter().find(|(value, ..)| *value == self).map_or("", |(_, word, _)| word)
     }
 
+    /// The meaning of this value.
+    fn meaning(self) -> &'static str {
+        Self::WORDS.iter().find(|(value, ..)| *value == self).map_or("", |(.., meaning)| meaning)
+    }
+
     /// The value of a word.
     ///
     /// # Errors

@@ -143,7 +143,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
                 trailer_mass_kg: known.load.of(vehicle).1,
                 ..EstimateOptions::default()
             }
-            .on_roads_of(vehicle);
+            .with_file(vehicle);
             let mut estimator =
                 LogEstimator::from_design(&design, vehicle.align_settings(), options);
             feed(known, &mut estimator)?;
@@ -166,7 +166,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
         .into());
     }
     Ok(match part {
-        Part::Tractor => calibration.of_tractor(vehicle),
+        Part::Tractor => calibration.of_tractor(vehicle)?,
         _ => calibration,
     })
 }

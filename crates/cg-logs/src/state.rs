@@ -9,6 +9,8 @@ use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Design, Measured, Memory};
 use cg_vehicle::calibration::Run;
 use cg_vehicle::design::design;
+use cg_vehicle::files::{self, Unsealed};
+use cg_vehicle::scales::Scale;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -33,6 +35,9 @@ pub struct State {
     pub saved_s: f64,
     /// Time of the last detected change of the load, s; `None` if no change was detected.
     pub load_since_s: Option<f64>,
+    /// The scale of the load's mass. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Scale>,
     memory: Stored,
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
@@ -60,12 +65,9 @@ pub enum StateError {
     /// It is not UTF-8.
     #[error("it is not text")]
     NotText,
-    /// It is cut off, or it is another kind of file.
-    #[error("it has no checksum")]
-    NoChecksum,
-    /// It is damaged.
-    #[error("its checksum is wrong")]
-    WrongChecksum,
+    /// It is damaged or cut off, or it is another kind of file.
+    #[error(transparent)]
+    Unsealed(#[from] Unsealed),
     /// It is another kind of file.
     #[error("it is not a state file of cg run")]
     Foreign,
@@ -99,6 +101,7 @@ impl State {
             design_crc32,
             saved_s,
             load_since_s,
+            scale: None,
             learned,
             memory: Stored {
                 fused: memory.fused,
@@ -122,7 +125,7 @@ impl State {
     /// A number cannot be written. This would be a bug.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
         let json = serde_json::to_string(self)?;
-        Ok(format!("{json}\n{CHECKSUM}{:08x}\n", crc32fast::hash(json.as_bytes())))
+        Ok(files::sealed(&json, CHECKSUM))
     }
 
     /// Reads a state and checks that it is complete and belongs to the design with this
@@ -141,11 +144,7 @@ impl State {
     /// Reads a state of any design and checks that it is complete.
     fn of_any_design(bytes: &[u8]) -> Result<Self, StateError> {
         let text = std::str::from_utf8(bytes).map_err(|_| StateError::NotText)?;
-        let (json, rest) = text.split_once('\n').ok_or(StateError::NoChecksum)?;
-        let sum = rest.trim_ascii_end().strip_prefix(CHECKSUM).ok_or(StateError::NoChecksum)?;
-        if u32::from_str_radix(sum, 16).ok() != Some(crc32fast::hash(json.as_bytes())) {
-            return Err(StateError::WrongChecksum);
-        }
+        let json = files::unsealed(text, CHECKSUM)?;
         let version = serde_json::from_str::<serde_json::Value>(json)
             .ok()
             .filter(|value| value["format"] == FORMAT)
@@ -202,5 +201,5 @@ pub fn runs_of(
 pub fn design_crc32(design: &Design<f64>) -> u32 {
     // Numbers are printed as the shortest text that is read back as the same number. Therefore
     // equal designs have equal texts.
-    crc32fast::hash(format!("{design:?}").as_bytes())
+    files::checksum(&format!("{design:?}"))
 }

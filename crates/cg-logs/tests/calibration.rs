@@ -1,5 +1,4 @@
-//! Calibration on the independent truck and on simulated trucks with known parameters, and the
-//! calibration file.
+//! Calibration on the independent truck and on simulated trucks with known parameters.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
 mod common;
@@ -12,10 +11,8 @@ use cg_vehicle::belief::{Belief, Deviations, PARAMETERS, Parameter};
 use cg_vehicle::calibration::{Calibration, Judgment, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
-use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
-use common::{calibrated, known, known_in, largest, rms, vehicle};
-
-use cg_core::Measured;
+use cg_vehicle::{Variant, VehicleError};
+use common::{calibrated, known, known_in, largest, rms, runs_of, vehicle};
 
 /// Calibration with the empty and one laden run. All other runs are estimated: payload 0–20 t,
 /// 40–67 km/h, both sides, slow steering, a banked road, a whole drive. The targets for the final
@@ -58,25 +55,6 @@ fn two_runs_calibrate_the_independent_truck() {
         // Steady-state gains calibrated with four parameters give 1.2 % rms and 2.4 % at worst.
         assert!(rms(lateral) <= 0.02 && largest(lateral) <= 0.03, "{laden}");
     }
-}
-
-/// Runs of a truck whose parameters differ from its file, as exact ratios at some loads and speeds.
-fn runs_of(vehicle: &Vehicle, truth: &Deviations, loads: &[(f64, f64, f64)]) -> Vec<Run> {
-    let belief = Belief { mean: *truth, ..Belief::prior(vehicle) };
-    let truck = belief.applied_to(vehicle);
-    loads
-        .iter()
-        .map(|&(trailer_mass_kg, cg_height_m, speed_mps)| {
-            let load = Load { trailer_mass_kg, cg_height_m };
-            let lines = ratio_line(&truck, Variant::Complete, speed_mps, load).unwrap();
-            let ratio = Channel::ALL.map(|channel| {
-                let gain = belief.gain(channel);
-                let value = gain * lines[channel.index()].ratio_at(cg_height_m);
-                Some(Measured { value, sd: 1e-4 * value })
-            });
-            Run { log: format!("{trailer_mass_kg} kg"), load, speed_mps, ratio, age_s: None }
-        })
-        .collect()
 }
 
 /// Calibration with the empty run alone, whose height and mass are in the vehicle file: all other logs
@@ -196,30 +174,6 @@ fn the_compensation_alone_is_fixed_by_one_run() {
     assert!((after[0][0] / expected - 1.0).abs() < 1e-6, "{} {expected}", after[0][0]);
 }
 
-#[test]
-fn the_file_gives_the_same_belief_back() {
-    let vehicle = vehicle("kraz.toml");
-    let truth = Deviations::from_fn(|k, _| if k % 3 == 1 { 0.01 } else { -0.02 });
-    let runs = runs_of(&vehicle, &truth, &[(8_684.0, 1.33, 13.9), (28_684.0, 1.9, 13.9)]);
-    let fitted = fit(&vehicle, Variant::Complete, Procedure::default(), &runs).unwrap();
-    let calibration = Calibration::new(&vehicle, Variant::Complete, &runs, &fitted).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("c.toml");
-    std::fs::write(&path, calibration.to_toml().unwrap()).unwrap();
-    let read = Calibration::load(&path, &vehicle).unwrap();
-    assert_eq!(read, calibration);
-    // A factor is converted to its logarithm and back, so there is only rounding.
-    assert!((read.belief().mean - fitted.belief.mean).amax() < 1e-15);
-    assert_eq!(read.belief().covariance, fitted.belief.covariance);
-
-    let mut stiffer = vehicle.clone();
-    stiffer.trailer.axle[0].axle.spring_stiffness_n_per_m *= 1.01;
-    let error = Calibration::load(&path, &stiffer).unwrap_err().to_string();
-    assert!(error.contains("the vehicle file has changed since this calibration"), "{error}");
-    let error = Calibration::load(&path, &common::vehicle("baseline.toml")).unwrap_err();
-    assert!(error.to_string().contains("belongs to the vehicle \"kraz\""), "{error}");
-}
-
 /// In a drive, the two channels use different turns. Both ratios refer to one speed, at which each
 /// of them corresponds to its own height.
 #[test]
@@ -270,7 +224,7 @@ fn a_calibration_of_the_tractor_holds_with_another_trailer() {
     let runs = runs_of(&first, &truth, &loads);
     let fitted = fit(&first, Variant::Complete, Procedure::default(), &runs).unwrap();
     let whole = Calibration::new(&first, Variant::Complete, &runs, &fitted).unwrap();
-    let text = whole.of_tractor(&first).to_toml().unwrap();
+    let text = whole.of_tractor(&first).unwrap().to_toml().unwrap();
     let belief = Calibration::parse(&text, "c.toml", &other).unwrap().belief();
 
     truth[Parameter::TrailerRollStiffness as usize] = 0.0; // of this trailer

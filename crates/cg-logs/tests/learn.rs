@@ -31,7 +31,7 @@ fn learned_by(
     change: impl Fn(&mut LogRow),
 ) -> (Vec<Taken>, Learned) {
     let known = known().into_iter().find(|known| known.log.starts_with(name)).unwrap();
-    let options = options.on_roads_of(truck);
+    let options = options.with_file(truck);
     let mut log = LogEstimator::new(truck, options).unwrap();
     for mut row in known.rows() {
         change(&mut row);

@@ -69,7 +69,7 @@ impl Vehicle {
     /// The options with the roads of the vehicle and the judgment of its calibration.
     pub(crate) fn options(&self, options: EstimateOptions) -> EstimateOptions {
         let judgment = self.calibration.as_ref().map(Calibration::judgment).unwrap_or_default();
-        EstimateOptions { judgment, ..options }.on_roads_of(&self.inner)
+        EstimateOptions { judgment, ..options }.with_file(&self.inner)
     }
 
     /// What the truck has learned, from its text. A calibrated vehicle does not learn.

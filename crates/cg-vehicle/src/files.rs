@@ -1,10 +1,12 @@
-//! Reads small files completely, up to a size limit.
+//! Reads small files completely, up to a size limit, and seals texts with a checksum.
 //!
 //! The limit protects the memory if `/dev/zero` or a log is given by mistake.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+
+use thiserror::Error;
 
 /// Greatest size of a vehicle or calibration file; real ones have 20 kB.
 pub const VEHICLE_BYTES: u64 = 1 << 20;
@@ -38,6 +40,48 @@ pub fn read_text(path: impl AsRef<Path>, most: u64) -> io::Result<String> {
 
 /// CRC-32 of a text. Line endings of another operating system and empty lines at the end do not
 /// change it.
-pub(crate) fn checksum(text: &str) -> u32 {
+pub fn checksum(text: &str) -> u32 {
     crc32fast::hash(text.trim_ascii_end().replace("\r\n", "\n").as_bytes())
+}
+
+/// A text with one more line, which begins with `head` and contains the checksum of all lines before
+/// it.
+pub fn sealed(text: &str, head: &str) -> String {
+    let text = text.trim_ascii_end();
+    format!("{text}\n{head}{:08x}\n", checksum(text))
+}
+
+/// The lines before the checksum of a [`sealed`] text.
+///
+/// # Errors
+/// [`Unsealed`] if the last line is not their checksum.
+pub fn unsealed<'a>(text: &'a str, head: &str) -> Result<&'a str, Unsealed> {
+    let text = text.trim_ascii_end();
+    let (content, last) = text.rsplit_once('\n').unwrap_or(("", text));
+    let Some(stated) = last.strip_prefix(head) else {
+        return Err(Unsealed::Absent { now: checksum(text) });
+    };
+    let now = checksum(content);
+    if u32::from_str_radix(stated, 16) == Ok(now) {
+        Ok(content)
+    } else {
+        Err(Unsealed::Wrong { now })
+    }
+}
+
+/// The reason why a text is not as it was when it was [`sealed`]. `now` is the checksum that it needs.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum Unsealed {
+    /// There is no checksum.
+    #[error("it has no checksum")]
+    Absent {
+        /// Of the whole text.
+        now: u32,
+    },
+    /// The checksum is that of another text.
+    #[error("its checksum is wrong")]
+    Wrong {
+        /// Of the lines before the last one.
+        now: u32,
+    },
 }

@@ -8,6 +8,7 @@
 //! | [`files`], [`limits`] | reading of small files up to a size limit; limits that no road vehicle exceeds | – |
 //! | [`load`], [`vehicle`] | loads of the trailer, the vehicle file | ch. 2 |
 //! | [`balance`] | axle and fifth-wheel loads | eqs. 2.1–2.6 |
+//! | [`scales`] | sources of the trailer mass, and how exact they are | – |
 //! | [`check`] | reads a vehicle file and checks whether its numbers are plausible | – |
 //! | [`guide`] | templates, JSON schema and documentation of the vehicle file | – |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
@@ -51,6 +52,7 @@ pub mod sensor_places;
 mod uncertainty;
 pub mod vehicle;
 pub mod balance;
+pub mod scales;
 pub mod check;
 pub mod characteristics;
 pub mod guide;

@@ -7,6 +7,7 @@ use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Design, Measured};
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
+use cg_vehicle::scales::Scale;
 use serde::Serialize;
 
 /// Two-sided 95 % quantile of the normal distribution.
@@ -84,6 +85,9 @@ pub(crate) struct Result {
     pub(crate) maneuvers: u32,
     pub(crate) trailer_mass_kg: f64,
     pub(crate) trailer_mass_source: MassSource,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) trailer_mass_scale: Option<Scale>,
+    pub(crate) trailer_mass_sd_kg: f64,
     pub(crate) static_rollover_threshold_g: Option<f64>,
     #[serde(skip)]
     pub(crate) measured_m: Option<Measured<f64>>,

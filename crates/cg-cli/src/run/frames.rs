@@ -69,6 +69,7 @@ impl Frames {
     /// Passes complete samples to the session and performs what is due.
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.next_sample() {
+            session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
             session.push(sample)?;
         }
         let now_us = self.sampler.now_us();
@@ -96,6 +97,7 @@ impl Frames {
     /// Passes on the samples that still wait for other signals, at the end of a log.
     pub(crate) fn flush<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.rest() {
+            session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
             session.push(sample)?;
         }
         Ok(())

@@ -31,6 +31,7 @@ mod signals;
 mod socket;
 mod state;
 mod transmit;
+mod weighing;
 
 use std::io::{self, LineWriter, Stdout};
 use std::path::PathBuf;
@@ -41,6 +42,7 @@ use cg_core::{Design, Settings, Warner};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_vehicle::Vehicle;
+use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 
 use crate::outcome::Outcome;
@@ -77,7 +79,8 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let road = arguments.road.of(&vehicle).map(|road| road.bank_sd_rad);
     let rules = road.map_or(Settings::truck(), |sd| Settings::truck().on_road(sd));
     let mut session = Session::new((&design, rules), warner, mass_kg, arguments.status_s, outputs);
-    session.trailer_mass_sd_kg = arguments.trailer_mass_sd_kg;
+    session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
+    session.weighing.scales = Scales::of(&vehicle);
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(socket::wall_us() as f64 * 1e-6, 0);

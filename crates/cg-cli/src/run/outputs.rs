@@ -7,6 +7,7 @@ use std::io::{self, Write};
 use cg_core::Memory;
 use cg_logs::learn::Learned;
 use cg_logs::output::Target;
+use cg_vehicle::scales::Scale;
 
 use super::events::Status;
 use super::latency::Histogram;
@@ -51,10 +52,10 @@ impl<W: Write> Outputs<W> {
         &mut self,
         memory: &Memory<f64>,
         saved_s: f64,
-        load_since_s: Option<f64>,
+        load: (Option<f64>, Option<Scale>),
         learned: Learned,
     ) -> Option<String> {
-        let result = self.state.as_ref()?.save(memory, saved_s, load_since_s, learned);
+        let result = self.state.as_ref()?.save(memory, saved_s, load, learned);
         changed(&mut self.state_failed, result)
     }
 

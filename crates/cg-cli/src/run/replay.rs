@@ -9,6 +9,7 @@ use anyhow::{Context, bail};
 use cg_core::Quantity;
 use cg_logs::can::{CandumpReader, Clock};
 use cg_logs::log::{LogOptions, LogReader, LogRow, Signal};
+use cg_vehicle::scales::Scale;
 
 use super::frames::Frames;
 use super::pace::too_slow;
@@ -116,6 +117,9 @@ pub(crate) fn csv<W: Write>(
             {
                 session.notice(Signal::from(quantity).name(), &too_slow(step_s))?;
             }
+        }
+        if let Some((quantity, _)) = row.weighed(&settings) {
+            session.weighing.scale = Scale::in_log(quantity);
         }
         session.push(row.sample(instant.stream_us, &settings))?;
         session.missing(presence.missing(instant.stream_us, |_| false))?;

@@ -18,6 +18,7 @@ use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::state::Found;
+use super::weighing::Weighing;
 
 /// Time between two writes of the state without an event, in stream time, µs.
 const SAVE_US: u64 = 60_000_000;
@@ -34,8 +35,7 @@ pub(crate) struct Session<W: Write> {
     estimator: Estimator<f64, FilteredArx<f64>>,
     settings: Settings<f64>,
     trailer_mass_kg: Option<f64>,
-    /// Standard deviation of the trailer mass, if it is given.
-    pub(crate) trailer_mass_sd_kg: Option<f64>,
+    pub(crate) weighing: Weighing,
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
@@ -92,7 +92,7 @@ impl<W: Write> Session<W> {
             estimator: Estimator::new(*design, settings, Prior::standard()),
             settings,
             trailer_mass_kg,
-            trailer_mass_sd_kg: None,
+            weighing: Weighing::EXACT,
             mass_source,
             unweighed_us: None,
             weighed_us: None,
@@ -124,7 +124,7 @@ impl<W: Write> Session<W> {
                 let restored = Estimator::restored(design, settings, prior, &memory);
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
-                self.load_since_s = state.load_since_s;
+                (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
                 // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
                 let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
@@ -346,19 +346,17 @@ impl<W: Write> Session<W> {
         let channel = channels.next().filter(|_| channels.next().is_none());
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.estimator.combined();
-        self.known = Known::new(combined, channel, mass);
-        self.known.add_sd(self.mass_sd_m(trailer_mass_kg));
+        self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
+        self.known.add_sd(self.mass_sd_m());
         self.known.at_speed(self.estimator.design(), self.speed_mps);
     }
 
     /// Standard deviation of the height due to that of the trailer mass, m.
-    fn mass_sd_m(&self, mass_kg: f64) -> f64 {
-        let design = self.estimator.design();
-        let Some(height_m) = self.known.height_m else { return 0.0 };
-        let nominal = self.mass_source == MassSource::Nominal;
-        let any_kg = if nominal { design.any_load_sd_kg() } else { 0.0 };
+    fn mass_sd_m(&self) -> f64 {
+        let (design, known) = (self.estimator.design(), &self.known);
+        let Some(height_m) = known.height_m else { return 0.0 };
         let with_height = |channel: &Channel| self.estimator.height(*channel).is_some();
-        let mass = [mass_kg, self.trailer_mass_sd_kg.unwrap_or(any_kg)];
+        let mass = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
         let channels = Channel::ALL.into_iter().filter(with_height);
         design.mass_sd_m(channels, self.speed_mps, mass, height_m)
     }
@@ -397,11 +395,14 @@ impl<W: Write> Session<W> {
         Status {
             state: self.driving,
             missing: self.missing.clone(),
-            result: Known {
-                trailer_mass_kg: self.trailer_mass_kg.unwrap_or(trailer_mass_kg),
-                trailer_mass_source: self.mass_source,
-                ..self.known.clone()
-            },
+            result: self.weighing.of(
+                self.estimator.design(),
+                Known {
+                    trailer_mass_kg: self.trailer_mass_kg.unwrap_or(trailer_mass_kg),
+                    trailer_mass_source: self.mass_source,
+                    ..self.known.clone()
+                },
+            ),
             load_since_s: self.load_since_s,
             lateral_acceleration_g: lateral_g,
             margin_g: self.known.margin_g(lateral_g),
@@ -462,7 +463,8 @@ impl<W: Write> Session<W> {
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        match self.outputs.save(&memory, saved_s, since_s, learned.unwrap_or_default()) {
+        let load = (since_s, self.weighing.scale);
+        match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),
         }

@@ -13,6 +13,7 @@ use cg_core::{Design, Memory};
 use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{State, StateError, design_crc32};
+use cg_vehicle::scales::Scale;
 
 /// Maximum size of a state file, bytes.
 const LONGEST: u64 = 1 << 20;
@@ -40,15 +41,17 @@ impl StateFile {
         Self { target, design_crc32: design_crc32(design) }
     }
 
-    /// Writes a state; it replaces the previous one.
+    /// Writes a state with the time of the last change of the load, s, and the scale of its mass; it
+    /// replaces the previous one.
     pub(crate) fn save(
         &self,
         memory: &Memory<f64>,
         saved_s: f64,
-        load_since_s: Option<f64>,
+        (load_since_s, scale): (Option<f64>, Option<Scale>),
         learned: Learned,
     ) -> io::Result<()> {
-        let state = State::new(self.design_crc32, memory, saved_s, load_since_s, learned);
+        let mut state = State::new(self.design_crc32, memory, saved_s, load_since_s, learned);
+        state.scale = scale;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
@@ -133,10 +136,11 @@ mod tests {
         let (file, mut memory) = subject(folder.path());
         assert_eq!(file.load().unwrap(), Found::Nothing);
         memory.correlation[0][1] = 0.1 + 0.2;
-        file.save(&memory, 1.5, Some(0.3), Learned::default()).unwrap();
-        file.save(&memory, 2.5, None, Learned::default()).unwrap();
+        file.save(&memory, 1.5, (Some(0.3), None), Learned::default()).unwrap();
+        file.save(&memory, 2.5, (None, Some(Scale::AxleLoad)), Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
         assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
+        assert_eq!(state.scale, Some(Scale::AxleLoad));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
@@ -145,7 +149,7 @@ mod tests {
     fn a_damaged_state_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, None, Learned::default()).unwrap();
+        file.save(&memory, 1.5, (None, None), Learned::default()).unwrap();
         let good = fs::read(file.target.path()).unwrap();
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
@@ -161,7 +165,7 @@ mod tests {
             fs::write(file.target.path(), &good[..40]).unwrap();
             let Found::PutAside(aside, reason) = file.load().unwrap() else { panic!("aside") };
             assert!(aside.to_string_lossy().ends_with(&format!("state.json.aside-{n}")));
-            assert_eq!(reason, StateError::NoChecksum);
+            assert_eq!(reason.to_string(), "it has no checksum");
             assert_eq!(fs::read(aside).unwrap(), &good[..40]);
             assert_eq!(file.load().unwrap(), Found::Nothing);
         }
@@ -172,7 +176,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, mut memory) = subject(folder.path());
         memory.trailer_mass_kg = -1.0;
-        file.save(&memory, 1.5, None, Learned::default()).unwrap();
+        file.save(&memory, 1.5, (None, None), Learned::default()).unwrap();
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::Unsound);
     }
@@ -181,7 +185,7 @@ mod tests {
     fn the_state_of_another_truck_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (mut file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, None, Learned::default()).unwrap();
+        file.save(&memory, 1.5, (None, None), Learned::default()).unwrap();
         file.design_crc32 ^= 1;
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::OtherDesign);

@@ -216,7 +216,12 @@ fn a_calibration_of_something_else_is_refused() {
     estimate(&log, &kraz(), &["--calibration", &broken]).refused(&["broken.toml", "residue"]);
     let broken =
         scratch.file("broken.toml", text.replacen("covariance = [[0.", "covariance = [[-0.", 1));
-    estimate(&log, &kraz(), &["--calibration", &broken]).refused(&["symmetric and positive"]);
+    estimate(&log, &kraz(), &["--calibration", &broken]).refused(&[
+        "broken.toml",
+        "variance of",
+        "is impossible",
+        "run cg calibrate again",
+    ]);
     estimate(&log, &kraz(), &["--calibration", "none.toml"])
         .refused(&["none.toml", "cannot be read"]);
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::common::{Run, cg, cg_fed, fixture};
+use crate::common::{Run, cg, cg_fed, estimate, fixture};
 use crate::run::{Drive, drive, events, last_height, lines};
 
 /// The log with some lines changed or removed.
@@ -169,6 +169,46 @@ fn the_nominal_mass_is_told() {
     let csv = lines(&cg(&["run", "--vehicle", &drive.truck, "--csv", &drive.path("no.csv")]));
     assert_eq!(notices(&csv, "mass").len(), 1);
     assert_eq!(last_status(&csv)["missing"], serde_json::json!(["trailer_mass"]));
+}
+
+/// The weight of the trailer on the bus is a sensor with 5 %, a column of a log is exact, and what the
+/// vehicle file and the option say counts more.
+#[test]
+fn the_mass_has_the_standard_deviation_of_its_scale() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.truck).unwrap();
+    let exact = drive.path("exact.toml");
+    std::fs::write(&exact, format!("{text}[sensors.mass]\nvehicle_weight_sd = 0.0\n")).unwrap();
+    let run = |truck: &str, log: [&str; 2], more: &[&str]| {
+        let arguments = [&["run", "--vehicle", truck][..], &log, more].concat();
+        last_status(&lines(&cg(&arguments)))
+    };
+    let (frames, rows) = (["--candump", drive.candump.as_str()], ["--csv", drive.csv.as_str()]);
+    let sd = |status: &Value| status["height_sd_m"].as_f64().unwrap();
+    let bus = run(&drive.truck, frames, &[]);
+    assert_eq!(bus["trailer_mass_source"], "signal");
+    assert_eq!(bus["trailer_mass_scale"], "vehicle-weight");
+    let expected_kg = 0.05 * bus["trailer_mass_kg"].as_f64().unwrap();
+    assert!((bus["trailer_mass_sd_kg"].as_f64().unwrap() - expected_kg).abs() < 1e-6, "{bus}");
+    let column = run(&drive.truck, rows, &[]);
+    assert_eq!(column["trailer_mass_scale"], "weighed");
+    assert_eq!(column["trailer_mass_sd_kg"], 0.0);
+    let without = run(&exact, frames, &[]);
+    assert_eq!(without["trailer_mass_sd_kg"], 0.0);
+    assert!(sd(&bus) > sd(&without), "{bus} {without}");
+    let given = run(&drive.truck, frames, &["--trailer-mass-sd-kg", "100"]);
+    assert_eq!(given["trailer_mass_sd_kg"], 100.0);
+    assert!(sd(&given) < sd(&bus) && sd(&given) > sd(&without), "{given}");
+
+    // The same for recorded frames, with a message.
+    let of_log = |truck: &str| estimate(&drive.candump, truck, &[]).done().answer();
+    let (bus, without) = (of_log(&drive.truck), of_log(&exact));
+    assert!(sd(&bus) > sd(&without), "{bus} {without}");
+    let message = format!(
+        "from the trailer's weight on the bus; its standard deviation of {expected_kg:.0} kg"
+    );
+    assert!(bus["messages"].to_string().contains(&message), "{bus}");
+    assert!(!without["messages"].to_string().contains("standard deviation of"), "{without}");
 }
 
 /// A scale that shows 0 kg (0 steps of 2 kg) is reported once. The axle load is used instead, or

@@ -97,6 +97,12 @@ impl<T: Real> AlignSettings<T> {
     /// order. Values that fail [`believes`](Self::believes) are skipped. The pressures on both sides
     /// of the tractor are judged as their mean, because they differ in a turn.
     pub fn trailer_mass_kg(&self, at: impl Fn(Quantity) -> T) -> T {
+        self.weighed(at).map_or_else(T::absent, |(_, mass_kg)| mass_kg)
+    }
+
+    /// The [trailer mass](Self::trailer_mass_kg), kg, with the quantity from which it follows, if there
+    /// is one. Of the pressures on both sides of the tractor the left one is named.
+    pub fn weighed(&self, at: impl Fn(Quantity) -> T) -> Option<(Quantity, T)> {
         let (left, right) = (at(Quantity::DrivePressureLeft), at(Quantity::DrivePressureRight));
         let mean = match (left.present(), right.present()) {
             (true, true) => T::of(0.5) * (left + right),
@@ -111,9 +117,8 @@ impl<T: Real> AlignSettings<T> {
         ]
         .into_iter()
         .filter(|(quantity, value)| quantity.plausible(*value))
-        .map(|(quantity, value)| self.mass_kg(quantity, value))
-        .find(|mass_kg| mass_kg.present() && self.is_possible(*mass_kg))
-        .unwrap_or_else(T::absent)
+        .map(|(quantity, value)| (quantity, self.mass_kg(quantity, value)))
+        .find(|(_, mass_kg)| mass_kg.present() && self.is_possible(*mass_kg))
     }
 
     /// The trailer mass that follows from a value of this quantity, kg; absent if none follows.
@@ -308,7 +313,13 @@ mod tests {
         ];
         for (skipped, mass_kg) in [20_000.0, 22_000.0, 26_000.0, 23_000.0].into_iter().enumerate() {
             close(sample(settings, &scales[skipped..]).trailer_mass_kg, mass_kg);
+            let at = |quantity| {
+                let value = scales[skipped..].iter().find(|(one, _)| *one == quantity);
+                value.map_or(f64::NAN, |(_, value)| *value)
+            };
+            assert_eq!(settings.weighed(at), Some((scales[skipped].0, mass_kg)));
         }
+        assert_eq!(settings.weighed(|_| f64::NAN), None);
         let mut broken = scales;
         broken[0].1 = 41_000.0;
         close(sample(settings, &broken).trailer_mass_kg, 22_000.0);

@@ -2,6 +2,7 @@
 
 use cg_core::signal::align::Taken;
 use cg_core::{AlignSettings, Aligner, Quantity, Sample};
+use cg_vehicle::scales::Scale;
 
 use super::clock::{Clock, Instant};
 use super::decoder::Decoder;
@@ -74,6 +75,12 @@ impl Sampler {
     /// The value of a quantity at the time of the last sample, SI units.
     pub fn value(&self, quantity: Quantity, stream_us: u64) -> f64 {
         self.aligner.value(quantity, stream_us)
+    }
+
+    /// The scale from which the trailer mass follows at the time of the last sample.
+    pub fn scale(&self, stream_us: u64) -> Option<Scale> {
+        let (quantity, _) = self.settings.weighed(|quantity| self.value(quantity, stream_us))?;
+        Scale::on_bus(quantity)
     }
 
     /// Advances the time without a frame and returns the stream time, µs.

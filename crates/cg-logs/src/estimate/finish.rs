@@ -145,11 +145,8 @@ impl LogEstimator {
 
     /// Standard deviation of the height due to that of the trailer mass, m.
     fn mass_sd_m(&self, height_m: f64, speed_mps: f64, best: &Maneuver<f64>) -> f64 {
-        let known = self.seen.mass_kg.is_some() || self.options.trailer_mass_kg.is_some();
-        let any = if known { 0.0 } else { self.design.any_load_sd_kg() };
-        let mass_sd_kg = self.options.trailer_mass_sd_kg.unwrap_or(any);
         let used = |channel: &Channel| self.engine.height(*channel).is_some();
-        let mass = [best.trailer_mass_kg, mass_sd_kg];
+        let mass = [best.trailer_mass_kg, self.mass_sd_kg(best.trailer_mass_kg)];
         self.design.mass_sd_m(Channel::ALL.into_iter().filter(used), speed_mps, mass, height_m)
     }
 

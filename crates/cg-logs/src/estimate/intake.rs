@@ -10,6 +10,7 @@ use crate::log::LogRow;
 use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::scales::Scale;
 
 /// Number of maneuvers of a log that are kept; further ones are only counted. A year of driving has
 /// some thousands.
@@ -45,6 +46,7 @@ pub struct LogEstimator {
     pub(super) rows: u64,
     pub(super) absent_rows: u64,
     pub(super) seen: SignalsSeen,
+    bus_scale: Option<Scale>,
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
@@ -59,6 +61,8 @@ pub(super) struct SignalsSeen {
     pub(super) speed: bool,
     /// The last mass in the log, also if an option replaces it.
     pub(super) mass_kg: Option<f64>,
+    /// Its scale, likewise.
+    pub(super) scale: Option<Scale>,
     /// Time of the first one, µs.
     pub(super) weighed_us: Option<u64>,
     pub(super) unscaled_steering_wheel: bool,
@@ -73,7 +77,7 @@ impl LogEstimator {
     /// [`VehicleError`] if the vehicle gives no usable design.
     pub fn new(vehicle: &Vehicle, options: EstimateOptions) -> Result<Self, VehicleError> {
         let design = design(vehicle, options.variant)?;
-        Ok(Self::from_design(&design, vehicle.align_settings(), options.on_roads_of(vehicle)))
+        Ok(Self::from_design(&design, vehicle.align_settings(), options.with_file(vehicle)))
     }
 
     /// An estimator with an existing design.
@@ -91,6 +95,7 @@ impl LogEstimator {
             rows: 0,
             absent_rows: 0,
             seen: SignalsSeen::default(),
+            bus_scale: None,
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             check: SignalCheck::default(),
             maneuvers: Vec::new(),
@@ -113,6 +118,25 @@ impl LogEstimator {
         }
         self.keep(step.closed.as_ref());
         Ok(step.status)
+    }
+
+    /// Sets the scale on the bus from which the mass of the next rows follows; `None` if the rows are not
+    /// from frames, or have the value of the scale itself.
+    pub fn weighed_by(&mut self, scale: Option<Scale>) {
+        self.bus_scale = scale;
+    }
+
+    /// The scale of the trailer mass, if there is a mass.
+    pub(super) fn scale(&self) -> Option<Scale> {
+        self.options.trailer_mass_kg.map_or(self.seen.scale, |_| Some(Scale::Weighed))
+    }
+
+    /// Standard deviation of a trailer mass, kg.
+    pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
+        self.options.trailer_mass_sd_kg.unwrap_or_else(|| match self.scale() {
+            Some(scale) => self.options.scales.sd_kg(scale, mass_kg),
+            None => self.design.any_load_sd_kg(),
+        })
     }
 
     /// The design of the truck.
@@ -167,6 +191,10 @@ impl LogEstimator {
         self.seen.speed |= sample.speed_mps.is_finite();
         if sample.trailer_mass_kg.is_finite() {
             self.seen.mass_kg = Some(sample.trailer_mass_kg);
+            self.seen.scale = self.bus_scale.or_else(|| {
+                let (quantity, _) = row.weighed(&self.settings)?;
+                Scale::in_log(quantity)
+            });
             self.seen.weighed_us.get_or_insert(time_us);
         }
         if let Some(speed_mps) = self.options.speed_mps {

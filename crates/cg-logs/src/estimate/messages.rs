@@ -1,6 +1,6 @@
 //! Messages that explain a height or its absence.
 
-use cg_core::{Channel, Height, Measured, Reject};
+use cg_core::{Channel, Height, Measured, Reject, Word};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -61,6 +61,7 @@ impl LogEstimator {
                 self.design.nominal_trailer_mass_kg
             ));
         }
+        messages.extend(self.weighed());
         messages.extend(self.unscaled());
         if let Some(since_us) = self.engine.load_since_us() {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
@@ -76,6 +77,19 @@ impl LogEstimator {
             ));
         }
         messages
+    }
+
+    /// Where the trailer mass comes from, if it is not exact.
+    fn weighed(&self) -> Option<String> {
+        let (scale, mass_kg) = (self.scale()?, self.trailer_mass_kg);
+        let sd_kg = self.mass_sd_kg(mass_kg);
+        (sd_kg > 0.0).then(|| {
+            format!(
+                "the trailer mass of {mass_kg:.0} kg is from {}; its standard deviation of {sd_kg:.0} kg \
+                 is part of the interval",
+                scale.meaning()
+            )
+        })
     }
 
     /// Signals that are not used because the vehicle file does not say what they mean.

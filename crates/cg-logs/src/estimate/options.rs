@@ -5,6 +5,7 @@ use std::str::FromStr;
 use cg_core::Channel;
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
 use cg_vehicle::calibration::Judgment;
+use cg_vehicle::scales::Scales;
 use cg_vehicle::{Variant, Vehicle};
 use serde::Serialize;
 
@@ -126,9 +127,11 @@ pub struct EstimateOptions {
     pub speed_mps: Option<f64>,
     /// Trailer mass in kg that replaces the one in the log.
     pub trailer_mass_kg: Option<f64>,
-    /// Standard deviation of the trailer mass, kg. `None`: a mass is exact if there is one; without
-    /// any, the trailer may have any load.
+    /// Standard deviation of the trailer mass, kg. `None`: that of its scale; without any mass, the
+    /// trailer may have any load.
     pub trailer_mass_sd_kg: Option<f64>,
+    /// How exact the sources of the trailer mass are.
+    pub scales: Scales,
     /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
     /// public roads, roll angles relative to the road as measured on a flat test track.
     pub road: Option<RoadChoice>,
@@ -137,10 +140,12 @@ pub struct EstimateOptions {
 }
 
 impl EstimateOptions {
-    /// The same options, with the roads of the vehicle file if no others are given.
+    /// The same options with the scales of the vehicle, and with the roads of its file if no others are
+    /// given.
     #[must_use]
-    pub fn on_roads_of(self, vehicle: &Vehicle) -> Self {
-        Self { road: self.road.or_else(|| RoadChoice::of_vehicle(vehicle)), ..self }
+    pub fn with_file(self, vehicle: &Vehicle) -> Self {
+        let road = self.road.or_else(|| RoadChoice::of_vehicle(vehicle));
+        Self { road, scales: Scales::of(vehicle), ..self }
     }
 }
 
@@ -154,6 +159,7 @@ impl Default for EstimateOptions {
             speed_mps: None,
             trailer_mass_kg: None,
             trailer_mass_sd_kg: None,
+            scales: Scales::EXACT,
             road: None,
             judgment: Judgment::Sound,
         }

@@ -3,6 +3,7 @@
 use std::io::{BufReader, Read};
 
 use cg_core::{Quantity, Sample};
+use cg_vehicle::scales::Scale;
 
 use crate::can::{CandumpError, CandumpFault, CandumpReader, Frame, Instant, Sampler, parse};
 
@@ -38,6 +39,8 @@ pub struct FrameRows {
     /// Time of the log minus stream time at the first frame, s. It is constant, so that the time
     /// never decreases.
     origin_s: Option<f64>,
+    /// The scale of the last row.
+    scale: Option<Scale>,
 }
 
 impl FrameRows {
@@ -47,6 +50,7 @@ impl FrameRows {
             sampler: Sampler::new(options.decoder(), options.settings.unwrap_or_default()),
             without_truck: options.settings.is_none(),
             origin_s: None,
+            scale: None,
         }
     }
 
@@ -83,7 +87,8 @@ impl FrameRows {
         Some(self.row(&sample))
     }
 
-    fn row(&self, sample: &Sample<f64>) -> LogRow {
+    fn row(&mut self, sample: &Sample<f64>) -> LogRow {
+        self.scale = self.sampler.scale(sample.time_us);
         #[allow(clippy::cast_precision_loss)]
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
         let row = LogRow::of_sample(time_s, sample);
@@ -99,6 +104,11 @@ impl FrameRows {
             }
             _ => row.get(signal),
         }))
+    }
+
+    /// The scale on the bus from which the trailer mass in the last row follows.
+    pub fn scale(&self) -> Option<Scale> {
+        self.scale
     }
 
     /// The signals that rows can contain.
@@ -142,6 +152,10 @@ impl Frames {
 
     pub(super) fn signals(&self) -> Vec<Signal> {
         self.rows.signals()
+    }
+
+    pub(super) fn scale(&self) -> Option<Scale> {
+        self.rows.scale()
     }
 
     pub(super) fn position(&self) -> Position {

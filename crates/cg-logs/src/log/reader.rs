@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::batches::Batches;
 use super::columns::Column;
 use cg_core::{AlignSettings, Quantity};
+use cg_vehicle::scales::Scale;
 
 use crate::can::Tally;
 
@@ -153,6 +154,14 @@ impl LogReader {
     /// Whether the log contains CAN frames.
     pub fn is_of_frames(&self) -> bool {
         matches!(self.body, Body::Can(_))
+    }
+
+    /// The scale on the bus from which the trailer mass in the last row follows, in a log of frames.
+    pub fn scale(&self) -> Option<Scale> {
+        match &self.body {
+            Body::Can(frames) => frames.scale(),
+            Body::Text(_) | Body::Parquet(_) => None,
+        }
     }
 
     /// The next row; `None` at the end of the log.

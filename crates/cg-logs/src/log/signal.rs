@@ -100,6 +100,11 @@ impl LogRow {
     pub fn sample(&self, time_us: u64, settings: &AlignSettings<f64>) -> Sample<f64> {
         settings.sample(time_us, |quantity| self.get(Signal::from(quantity)))
     }
+
+    /// The trailer mass, kg, with the quantity from which it follows, if there is one.
+    pub fn weighed(&self, settings: &AlignSettings<f64>) -> Option<(Quantity, f64)> {
+        settings.weighed(|quantity| self.get(Signal::from(quantity)))
+    }
 }
 
 /// Signals that are needed on both sides.

@@ -1,11 +1,13 @@
 //! The logs of the independent truck and their known data.
 #![allow(dead_code, unused_imports, clippy::unwrap_used)] // each test file uses its part
 
-use cg_core::{AlignSettings, Channel, Design};
+use cg_core::{AlignSettings, Channel, Design, Measured};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
-use cg_vehicle::calibration::Calibration;
+use cg_vehicle::belief::{Belief, Deviations};
+use cg_vehicle::calibration::{Calibration, Run};
+use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 #[path = "../../../cg-vehicle/tests/common/mod.rs"]
@@ -92,4 +94,27 @@ pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
         Ok(())
     })
     .unwrap()
+}
+
+/// Runs of a truck whose parameters differ from its file, as exact ratios at some loads and speeds.
+pub(crate) fn runs_of(
+    vehicle: &Vehicle,
+    truth: &Deviations,
+    loads: &[(f64, f64, f64)],
+) -> Vec<Run> {
+    let belief = Belief { mean: *truth, ..Belief::prior(vehicle) };
+    let truck = belief.applied_to(vehicle);
+    loads
+        .iter()
+        .map(|&(trailer_mass_kg, cg_height_m, speed_mps)| {
+            let load = Load { trailer_mass_kg, cg_height_m };
+            let lines = ratio_line(&truck, Variant::Complete, speed_mps, load).unwrap();
+            let ratio = Channel::ALL.map(|channel| {
+                let gain = belief.gain(channel);
+                let value = gain * lines[channel.index()].ratio_at(cg_height_m);
+                Some(Measured { value, sd: 1e-4 * value })
+            });
+            Run { log: format!("{trailer_mass_kg} kg"), load, speed_mps, ratio, age_s: None }
+        })
+        .collect()
 }

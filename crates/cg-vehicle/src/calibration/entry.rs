@@ -1,8 +1,11 @@
-//! A parameter in a calibration file.
+//! The tables of a calibration file: parameters, runs with their ratios, and `R_c`.
 
+use cg_core::Channel;
+use cg_core::truck::channel::Input;
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Parameter};
+use crate::calibration::fit::{Fitted, Run};
 
 /// One parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,10 +30,10 @@ impl ParameterEntry {
     pub(super) fn new(name: Parameter, prior: &Belief, belief: &Belief) -> Self {
         let k = name as usize;
         let (before, after) = (prior.covariance[(k, k)], belief.covariance[(k, k)]);
-        let (unit, value) = if name.is_factor() {
-            (Unit::Factor, belief.mean[k].exp())
-        } else {
-            (Unit::M, belief.mean[k])
+        let unit = Unit::of(name);
+        let value = match unit {
+            Unit::Factor => belief.mean[k].exp(),
+            Unit::M => belief.mean[k],
         };
         let determined = if before > 0.0 { 1.0 - after / before } else { 0.0 };
         Self { name, unit, value, sd: after.sqrt(), prior_sd: before.sqrt(), determined }
@@ -50,4 +53,130 @@ pub enum Unit {
     Factor,
     /// A shift of the value in the vehicle file, in meters.
     M,
+}
+
+impl Unit {
+    /// The unit of a parameter.
+    pub fn of(name: Parameter) -> Self {
+        if name.is_factor() { Self::Factor } else { Self::M }
+    }
+}
+
+/// `R_c` of each channel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compensations {
+    /// For roll per steer angle.
+    pub steer: f64,
+    /// For roll per lateral acceleration.
+    pub lateral_acceleration: f64,
+    /// For the suspension roll per specific force of the trailer.
+    #[serde(default = "one")]
+    pub suspension: f64,
+    /// For the suspension roll per specific force of the tractor.
+    #[serde(default = "one")]
+    pub tractor: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Compensations {
+    pub(super) fn of(belief: &Belief) -> Self {
+        Self {
+            steer: belief.gain(Channel::Steer),
+            lateral_acceleration: belief.gain(Channel::LateralAcceleration),
+            suspension: belief.gain(Channel::Suspension),
+            tractor: belief.gain(Channel::Tractor),
+        }
+    }
+}
+
+/// One run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunEntry {
+    /// Name of its log.
+    pub log: String,
+    /// Known height of the sprung c.g.
+    pub height_m: f64,
+    /// Trailer mass.
+    pub trailer_mass_kg: f64,
+    /// Mean speed of its turns, m/s.
+    pub speed_mps: f64,
+    /// Results of the channels.
+    pub channel: Vec<ChannelEntry>,
+}
+
+/// One identified ratio of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelEntry {
+    /// `steer`, `lateral-acceleration`, `suspension` or `tractor`.
+    pub name: String,
+    /// Unit of the three ratios.
+    pub unit: RatioUnit,
+    /// Identified DC ratio.
+    pub ratio: f64,
+    /// Its standard deviation due to noise.
+    pub ratio_sd: f64,
+    /// The ratio of the model with the vehicle file, without calibration.
+    pub model_ratio: f64,
+    /// Identified ratio divided by the model's, minus one, before calibration, %.
+    pub before_percent: f64,
+    /// The same after calibration.
+    pub after_percent: f64,
+}
+
+impl RunEntry {
+    pub(super) fn new(index: usize, run: &Run, fitted: &Fitted) -> Self {
+        let percent = |log: f64| 100.0 * log.exp_m1();
+        let channel = fitted
+            .residuals
+            .iter()
+            .filter(|residual| residual.run == index)
+            .filter_map(|residual| {
+                let ratio = run.ratio[residual.channel.index()]?;
+                Some(ChannelEntry {
+                    name: residual.channel.to_string(),
+                    unit: RatioUnit::of(residual.channel),
+                    ratio: ratio.value,
+                    ratio_sd: ratio.sd,
+                    model_ratio: ratio.value * (-residual.before).exp(),
+                    before_percent: percent(residual.before),
+                    after_percent: percent(residual.after),
+                })
+            })
+            .collect();
+        Self {
+            log: run.log.clone(),
+            height_m: run.load.cg_height_m,
+            trailer_mass_kg: run.load.trailer_mass_kg,
+            speed_mps: run.speed_mps,
+            channel,
+        }
+    }
+}
+
+/// Unit of a DC ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RatioUnit {
+    /// Roll angle per steer angle.
+    RadPerRad,
+    /// Roll angle per acceleration.
+    RadPerMps2,
+}
+
+impl RatioUnit {
+    /// The unit of the ratio of a channel.
+    pub fn of(channel: Channel) -> Self {
+        match channel.input() {
+            Input::Steer => Self::RadPerRad,
+            Input::LateralAcceleration | Input::SpecificForce | Input::TractorSpecificForce => {
+                Self::RadPerMps2
+            }
+        }
+    }
 }

@@ -1,27 +1,30 @@
 //! The calibration file: the posterior with its covariance, the runs on which it is based, and a
 //! statement of what the runs determined.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use cg_core::Channel;
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
-use crate::calibration::entry::ParameterEntry;
+use crate::calibration::entry::{Compensations, ParameterEntry, RatioUnit, RunEntry};
 use crate::calibration::fit::{Fitted, Procedure, Run};
 use crate::calibration::judgment::Judgment;
-use crate::calibration::part::{Part, tractor};
+use crate::calibration::part::{Part, changed, checksums};
+use crate::calibration::possible;
 use crate::calibration::statement::statements;
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::files;
+use crate::files::{self, Unsealed};
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
+const FORMAT: &str = "cg-height calibration";
+const VERSION: u32 = 1;
 /// Start of the line with the checksum of all lines before it; a comment in TOML.
 const CHECKSUM: &str = "# crc32 ";
-/// Greatest relative difference between a model ratio in the file and that of the present vehicle
-/// file.
+/// Greatest relative difference between a model ratio in the file and that of the present equations.
 const SAME_RATIO: f64 = 1e-6;
 
 /// A calibration of one vehicle.
@@ -29,14 +32,13 @@ const SAME_RATIO: f64 = 1e-6;
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Calibration {
+    format: String,
+    version: u32,
     /// Name of the vehicle.
     pub vehicle: String,
     /// What it is for.
     #[serde(default)]
     pub part: Part,
-    /// For the tractor alone: checksum of its data in the vehicle file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tractor: Option<String>,
     /// Version of the equations of the vehicle model.
     pub model: Variant,
     /// Date of the calibration.
@@ -54,6 +56,8 @@ pub struct Calibration {
     /// Sum of the squared residuals and squared parameter changes, each divided by its variance. It
     /// is about the number of ratios if the vehicle file's `[uncertainty]` is correct.
     pub chi_square: f64,
+    /// Checksums of the parts of the vehicle file on which the calibration depends.
+    pub vehicle_crc32: BTreeMap<String, String>,
     /// `R_c` of each channel, including the gain of its sensor.
     pub compensation: Compensations,
     /// Covariance of the deviations of the parameters (logarithms of factors, or meters).
@@ -62,71 +66,6 @@ pub struct Calibration {
     pub parameter: Vec<ParameterEntry>,
     /// The runs.
     pub run: Vec<RunEntry>,
-}
-
-/// `R_c` of each channel.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Compensations {
-    /// For roll per steer angle.
-    pub steer: f64,
-    /// For roll per lateral acceleration.
-    pub lateral_acceleration: f64,
-    /// For the suspension roll per specific force of the trailer.
-    #[serde(default = "one")]
-    pub suspension: f64,
-    /// For the suspension roll per specific force of the tractor.
-    #[serde(default = "one")]
-    pub tractor: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-impl Compensations {
-    pub(super) fn of(belief: &Belief) -> Self {
-        Self {
-            steer: belief.gain(Channel::Steer),
-            lateral_acceleration: belief.gain(Channel::LateralAcceleration),
-            suspension: belief.gain(Channel::Suspension),
-            tractor: belief.gain(Channel::Tractor),
-        }
-    }
-}
-
-/// One run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunEntry {
-    /// Name of its log.
-    pub log: String,
-    /// Known height of the sprung c.g.
-    pub height_m: f64,
-    /// Trailer mass.
-    pub trailer_mass_kg: f64,
-    /// Mean speed of its turns, m/s.
-    pub speed_mps: f64,
-    /// Results of the channels.
-    pub channel: Vec<ChannelEntry>,
-}
-
-/// One identified ratio of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ChannelEntry {
-    /// `steer` or `lateral-acceleration`.
-    pub name: String,
-    /// Identified DC ratio, rad per rad or rad per m/s².
-    pub ratio: f64,
-    /// Its standard deviation due to noise.
-    pub ratio_sd: f64,
-    /// The ratio of the model with the vehicle file, without calibration.
-    pub model_ratio: f64,
-    /// Identified ratio divided by the model's, minus one, before calibration, %.
-    pub before_percent: f64,
-    /// The same after calibration.
-    pub after_percent: f64,
 }
 
 impl Calibration {
@@ -145,10 +84,12 @@ impl Calibration {
         let parameter =
             Parameter::ALL.map(|name| ParameterEntry::new(name, &prior, belief)).to_vec();
         let [statement, contradiction] = statements(vehicle, variant, runs, fitted, &parameter)?;
-        Ok(Self {
+        let calibration = Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
             vehicle: vehicle.name.clone(),
             part: Part::Vehicle,
-            tractor: None,
+            vehicle_crc32: checksums(vehicle, Part::Vehicle)?,
             model: variant,
             date: String::new(),
             procedure: fitted.procedure,
@@ -161,8 +102,12 @@ impl Calibration {
                 .map(|i| (0..PARAMETERS).map(|j| belief.covariance[(i, j)]).collect())
                 .collect(),
             parameter,
-            run: runs.iter().enumerate().map(|(i, run)| run_entry(i, run, fitted)).collect(),
-        })
+            run: runs.iter().enumerate().map(|(i, run)| RunEntry::new(i, run, fitted)).collect(),
+        };
+        calibration.check_numbers().map_err(|reason| {
+            VehicleError::Model(format!("no calibration is made: {reason}; check the units"))
+        })?;
+        Ok(calibration)
     }
 
     /// Reads a calibration file and checks that it belongs to the present version of this vehicle.
@@ -183,14 +128,23 @@ impl Calibration {
     /// # Errors
     /// As [`Self::load`].
     pub fn parse(text: &str, file: &str, vehicle: &Vehicle) -> Result<Self, VehicleError> {
-        let mut calibration: Self =
-            toml::from_str(text).map_err(|source| VehicleError::syntax(file, &source))?;
+        let syntax = |source| VehicleError::syntax(file, &source);
+        let refused = |reason: String| VehicleError::Model(format!("{file}: {reason}"));
+        toml::from_str(text)
+            .map_err(syntax)
+            .and_then(|head: Head| head.check().map_err(refused))?;
+        let mut calibration: Self = toml::from_str(text).map_err(syntax)?;
         let prior = Belief::prior(vehicle);
         calibration.add_new_parameters(&prior);
         calibration
-            .check(vehicle)
+            .check_vehicle(vehicle)
+            .and_then(|()| {
+                let again = |reason| format!("{reason}; run cg calibrate again");
+                calibration.check_numbers().map_err(again)
+            })
+            .and_then(|()| calibration.check_model(vehicle))
             .and_then(|()| check_sum(text))
-            .map_err(|reason| VehicleError::Model(format!("{file}: {reason}")))?;
+            .map_err(refused)?;
         calibration.take_prior(&prior);
         Ok(calibration)
     }
@@ -208,7 +162,7 @@ impl Calibration {
             // A line break in a name would end the comment.
             self.vehicle.replace(char::is_control, " ")
         );
-        Ok(format!("{text}{CHECKSUM}{:08x}\n", files::checksum(&text)))
+        Ok(files::sealed(&text, CHECKSUM))
     }
 
     /// Whether its runs are possible for the vehicle file.
@@ -235,10 +189,12 @@ impl Calibration {
     }
 
     /// The same calibration for the tractor alone: it holds with any trailer.
-    #[must_use]
-    pub fn of_tractor(mut self, vehicle: &Vehicle) -> Self {
+    ///
+    /// # Errors
+    /// As [`Self::to_toml`].
+    pub fn of_tractor(mut self, vehicle: &Vehicle) -> Result<Self, VehicleError> {
         self.part = Part::Tractor;
-        self.tractor = Some(tractor(vehicle));
+        self.vehicle_crc32 = checksums(vehicle, Part::Tractor)?;
         self.take_prior(&Belief::prior(vehicle));
         self.compensation = Compensations::of(&self.belief());
         self.statement.push(
@@ -246,7 +202,7 @@ impl Calibration {
              centers), is as in the vehicle file"
                 .to_owned(),
         );
-        self
+        Ok(self)
     }
 
     /// Replaces what is not of the calibrated part by the prior. The parameters that remain keep
@@ -282,66 +238,61 @@ impl Calibration {
         }
     }
 
-    fn check(&self, vehicle: &Vehicle) -> Result<(), String> {
+    /// Whether the calibration was made for this vehicle, as its file is now.
+    fn check_vehicle(&self, vehicle: &Vehicle) -> Result<(), String> {
         if self.part == Part::Vehicle && self.vehicle != vehicle.name {
             return Err(format!(
                 "this calibration belongs to the vehicle \"{}\", not to \"{}\"",
                 self.vehicle, vehicle.name
             ));
         }
-        let complete = self.parameter.len() == PARAMETERS
-            && self.parameter.iter().zip(Parameter::ALL).all(|(entry, name)| entry.name == name)
-            && self.covariance.len() == PARAMETERS
-            && self.covariance.iter().all(|row| row.len() == PARAMETERS);
-        if !complete {
-            return Err(format!(
-                "needs all {PARAMETERS} parameters in their order and a covariance of that size; \
-                 run cg calibrate again"
-            ));
-        }
-        for entry in &self.parameter {
-            let positive = !entry.name.is_factor() || entry.value > 0.0;
-            if !(entry.value.is_finite() && positive) {
-                return Err(format!("{} = {} is impossible", entry.name.words(), entry.value));
-            }
-        }
-        let scale = Covariance::from_diagonal_element(1e-12);
-        let belief = self.belief();
-        let symmetric = (belief.covariance - belief.covariance.transpose()).amax() <= 1e-12;
-        if !(symmetric && (belief.covariance + scale).cholesky().is_some()) {
-            return Err("the covariance is not symmetric and positive".to_owned());
-        }
-        if !(0.0..=1.0).contains(&self.residual_sd) {
-            return Err(format!("residual_sd = {} must lie between 0 and 1", self.residual_sd));
-        }
+        let now = checksums(vehicle, self.part).map_err(|error| error.to_string())?;
+        let changed = changed(&self.vehicle_crc32, &now);
         match self.part {
-            Part::Vehicle => self.check_model(vehicle),
-            Part::Tractor if self.tractor == Some(tractor(vehicle)) => Ok(()),
-            Part::Tractor => Err(
-                "this calibration belongs to another tractor: [tractor], its tires and springs, or \
-                 [hitch] differ from those of the vehicle file with which it was made"
-                    .to_owned(),
-            ),
+            _ if changed.is_empty() => Ok(()),
+            Part::Vehicle => Err(format!(
+                "the vehicle file has changed since this calibration ({changed}); run cg calibrate \
+                 again"
+            )),
+            Part::Tractor => Err(format!(
+                "this calibration belongs to another tractor: the vehicle file with which it was made \
+                 has other data ({changed})"
+            )),
         }
     }
 
-    /// Detects a change of the vehicle file since the calibration by its model ratios.
+    /// Whether all numbers are possible.
+    fn check_numbers(&self) -> Result<(), String> {
+        possible::parameters(&self.parameter, &self.covariance)?;
+        possible::compensations(&self.compensation)?;
+        possible::misfit(self.residual_sd, self.chi_square)?;
+        self.run.iter().try_for_each(possible::run)
+    }
+
+    /// Whether the equations of the model still give the ratios on which the calibration is based.
     fn check_model(&self, vehicle: &Vehicle) -> Result<(), String> {
+        if self.part != Part::Vehicle {
+            return Ok(()); // the trailer may be another one
+        }
         for run in &self.run {
             let load = Load { trailer_mass_kg: run.trailer_mass_kg, cg_height_m: run.height_m };
             let (logs, _) =
                 log_ratios(vehicle, self.model, run.speed_mps, load, &Deviations::zeros())
                     .map_err(|error| error.to_string())?;
             for entry in &run.channel {
-                let channel = Channel::ALL.into_iter().find(|c| c.to_string() == entry.name);
-                let Some(channel) = channel else {
-                    return Err(format!("run {}: unknown channel \"{}\"", run.log, entry.name));
-                };
+                let channel: Channel =
+                    entry.name.parse().map_err(|error| format!("run {}: {error}", run.log))?;
+                if entry.unit != RatioUnit::of(channel) {
+                    return Err(format!(
+                        "run {}: the unit of its {channel} ratio is wrong",
+                        run.log
+                    ));
+                }
                 let now = logs[channel.index()].exp();
                 if !((now / entry.model_ratio - 1.0).abs() <= SAME_RATIO) {
                     return Err(format!(
-                        "the vehicle file has changed since this calibration (its {channel} ratio \
-                         is {now:.6} instead of {:.6}); run cg calibrate again",
+                        "the equations have changed since this calibration (the {channel} ratio is \
+                         {now:.6} instead of {:.6}); run cg calibrate again",
                         entry.model_ratio
                     ));
                 }
@@ -351,49 +302,42 @@ impl Calibration {
     }
 }
 
+/// The first keys of a file, which every version has.
+#[derive(Deserialize)]
+struct Head {
+    format: Option<String>,
+    version: Option<u64>,
+}
+
+impl Head {
+    /// Whether this program can read the file.
+    fn check(&self) -> Result<(), String> {
+        match self.version {
+            _ if self.format.as_deref() != Some(FORMAT) => Err(format!(
+                "it has no format = \"{FORMAT}\": it is another kind of file, or a calibration by an \
+                 older version of cg; run cg calibrate again"
+            )),
+            Some(version) if version == u64::from(VERSION) => Ok(()),
+            Some(version) => Err(format!(
+                "it is a calibration of version {version}, but this program reads version {VERSION}; \
+                 use the cg that made it, or run cg calibrate again"
+            )),
+            None => Err("it is a calibration without a version; run cg calibrate again".to_owned()),
+        }
+    }
+}
+
 /// Whether the text is unchanged since it was written.
 fn check_sum(text: &str) -> Result<(), String> {
-    let text = text.trim_ascii_end();
-    let (content, last) = text.rsplit_once('\n').unwrap_or(("", text));
-    let (content, stated) = match last.strip_prefix(CHECKSUM) {
-        Some(stated) => (content, Some(stated)),
-        None => (text, None),
-    };
-    let now = files::checksum(content);
-    let what = match stated {
-        Some(stated) if u32::from_str_radix(stated, 16) == Ok(now) => return Ok(()),
-        Some(_) => "was edited or damaged since it was made: its checksum is wrong",
-        None => "was edited, cut short or made by an older version: it has no checksum",
+    let (what, now) = match files::unsealed(text, CHECKSUM) {
+        Ok(_) => return Ok(()),
+        Err(Unsealed::Wrong { now }) => {
+            ("was edited or damaged since it was made: its checksum is wrong", now)
+        }
+        Err(Unsealed::Absent { now }) => ("was edited or cut short: it has no checksum", now),
     };
     Err(format!(
         "the calibration {what}; run cg calibrate again, or make \"{CHECKSUM}{now:08x}\" its last \
          line if you have checked every number in it"
     ))
-}
-
-fn run_entry(index: usize, run: &Run, fitted: &Fitted) -> RunEntry {
-    let percent = |log: f64| 100.0 * log.exp_m1();
-    let channel = fitted
-        .residuals
-        .iter()
-        .filter(|residual| residual.run == index)
-        .filter_map(|residual| {
-            let ratio = run.ratio[residual.channel.index()]?;
-            Some(ChannelEntry {
-                name: residual.channel.to_string(),
-                ratio: ratio.value,
-                ratio_sd: ratio.sd,
-                model_ratio: ratio.value * (-residual.before).exp(),
-                before_percent: percent(residual.before),
-                after_percent: percent(residual.after),
-            })
-        })
-        .collect();
-    RunEntry {
-        log: run.log.clone(),
-        height_m: run.load.cg_height_m,
-        trailer_mass_kg: run.load.trailer_mass_kg,
-        speed_mps: run.speed_mps,
-        channel,
-    }
 }

@@ -6,8 +6,9 @@
 //! | `walk` | the changes of a truck in service |
 //! | `judgment` | whether the runs are possible for the vehicle file |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
-//! | `part` | a calibration of the tractor alone |
-//! | `entry` | a parameter in the file |
+//! | `part` | what a calibration is for, and the parts of the vehicle file on which it depends |
+//! | `entry` | the tables of the file: parameters, runs |
+//! | `possible` | the numbers that it can have |
 //! | `advice` | what another run would tell |
 //! | `statement` | what the runs could and could not determine |
 //! | [`mod@file`] | the calibration file |
@@ -19,11 +20,12 @@ mod walk;
 pub mod fit;
 mod part;
 mod entry;
+mod possible;
 mod advice;
 mod statement;
 pub mod file;
 
-pub use entry::{ParameterEntry, Unit};
+pub use entry::{ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, Unit};
 pub use file::Calibration;
 pub use fit::{Fitted, Procedure, Run, fit};
 pub use judgment::Judgment;

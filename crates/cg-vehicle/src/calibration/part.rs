@@ -1,9 +1,13 @@
-//! A calibration of the tractor alone, for any trailer behind it.
+//! What a calibration is for, and on which parts of the vehicle file it depends.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
 use crate::belief::Parameter;
+use crate::error::VehicleError;
 use crate::files::checksum;
+use crate::sensor_places::SensorPlaces;
 use crate::vehicle::Vehicle;
 
 /// What a calibration is for.
@@ -44,20 +48,52 @@ impl Part {
     }
 }
 
-/// Checksum of everything in a vehicle file that describes the tractor and the fifth wheel.
-pub(super) fn tractor(vehicle: &Vehicle) -> String {
-    let axles = || vehicle.tractor.axle.iter().map(|axle| &axle.axle);
-    let tyres = vehicle.tyre.iter().filter(|tyre| axles().any(|axle| axle.tyre == tyre.name));
-    let springs = vehicle
-        .spring
-        .iter()
-        .filter(|spring| axles().any(|axle| axle.spring.as_ref() == Some(&spring.name)));
-    let text = format!(
-        "{:?}{:?}{:?}{:?}",
-        vehicle.tractor,
-        vehicle.hitch,
-        tyres.collect::<Vec<_>>(),
-        springs.collect::<Vec<_>>()
-    );
-    format!("{:08x}", checksum(&text))
+/// Checksums of the parts of a vehicle file on which a calibration depends, by their keys. Comments,
+/// name, limits of the height, nominal speed, roads and the exactness of masses do not change it. `[uncertainty]` does: the
+/// posterior contains it. The tractor alone depends on what the file says about it and the fifth wheel.
+pub(super) fn checksums(
+    vehicle: &Vehicle,
+    part: Part,
+) -> Result<BTreeMap<String, String>, VehicleError> {
+    let mut sums = BTreeMap::new();
+    let mut add = |key: &str, sum: String| drop(sums.insert(key.to_owned(), sum));
+    add("steering_ratio", sum(vehicle.steering_ratio)?);
+    add("hitch", sum(vehicle.hitch)?);
+    add("tractor", sum(&vehicle.tractor)?);
+    if part == Part::Tractor {
+        let axles = || vehicle.tractor.axle.iter().map(|axle| &axle.axle);
+        let tyres = vehicle.tyre.iter().filter(|tyre| axles().any(|axle| axle.tyre == tyre.name));
+        let springs = vehicle
+            .spring
+            .iter()
+            .filter(|spring| axles().any(|axle| axle.spring.as_ref() == Some(&spring.name)));
+        add("tyre", sum(tyres.collect::<Vec<_>>())?);
+        add("spring", sum(springs.collect::<Vec<_>>())?);
+        add("sensors.tractor_accelerometer", sum(vehicle.sensors.tractor_accelerometer)?);
+        add("sensors.tractor_level", sum(vehicle.sensors.tractor_level)?);
+    } else {
+        add("gravity_mps2", sum(vehicle.gravity_mps2)?);
+        add("uncertainty", sum(vehicle.uncertainty)?);
+        add("trailer", sum(&vehicle.trailer)?);
+        add("tyre", sum(&vehicle.tyre)?);
+        add("spring", sum(&vehicle.spring)?);
+        add("sensors", sum(SensorPlaces { mass: None, ..vehicle.sensors })?);
+        add("as_printed", sum(&vehicle.as_printed)?);
+    }
+    Ok(sums)
+}
+
+/// Checksum of the TOML of a value. Optional keys that the value does not have are not in it, so keys
+/// that a later version adds do not change it.
+fn sum(value: impl Serialize) -> Result<String, VehicleError> {
+    let text = toml::to_string(&BTreeMap::from([("value", value)]))
+        .map_err(|error| VehicleError::Model(format!("vehicle file: {error}")))?;
+    Ok(format!("{:08x}", checksum(&text)))
+}
+
+/// The keys of the parts that differ, as text; empty if there are none.
+pub(super) fn changed(then: &BTreeMap<String, String>, now: &BTreeMap<String, String>) -> String {
+    let keys: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+    let differs = |key: &&String| then.get(*key) != now.get(*key);
+    keys.into_iter().filter(differs).map(String::as_str).collect::<Vec<_>>().join(", ")
 }

@@ -63,6 +63,14 @@ pub static TABLES: &[Table] = &[
             PRESSURE,
         )
     },
+    Table {
+        required: false,
+        ..table(
+            &["sensors.mass"],
+            "standard deviations of the trailer mass, for each source of it",
+            MASS,
+        )
+    },
     Table { required: false, ..table(&["road"], "the roads on which it drives", ROAD) },
     table(&["trailer.axle[i]"], "an axle of the trailer, front to rear", TRAILER_AXLE),
     table(&["tractor.axle[i]", "trailer.axle[i]"], "parameters of every axle", AXLE),
@@ -218,6 +226,14 @@ const TRACTOR_ACCELEROMETER: &[Key] = &[
 const LEVEL: &[Key] = &[
     number("spread_m", "m", [0.5, 1.6], [0.2, 2.6], "full distance between the left and the right sensor, across the vehicle"),
     number("gain", "", [0.9, 1.1], [0.3, 3.0], "true change of the level divided by the measured one").optional(),
+];
+
+#[rustfmt::skip]
+const MASS: &[Key] = &[
+    number("weighed_sd_kg", "kg", [5.0, 1e3], [0.0, 1e4], "of a mass that is given, or in a log's column of the trailer mass").optional().or(0.0, "exact"),
+    number("vehicle_weight_sd", "", [0.005, 0.15], [0.0, 0.5], "of the trailer's weight on the bus (VW), relative").optional().or(0.0, "exact"),
+    number("axle_load_sd", "", [0.005, 0.15], [0.0, 0.5], "of the load of the trailer's axles (EBS22), relative to that load").optional().or(0.0, "exact"),
+    number("pressure_sd", "", [0.005, 0.15], [0.0, 0.5], "of a load of axles that follows from the pressure in their air suspension, relative to that load").optional().or(0.0, "exact"),
 ];
 
 #[rustfmt::skip]

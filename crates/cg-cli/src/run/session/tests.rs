@@ -7,6 +7,7 @@ use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Measured, Memory, ThresholdLine};
 use cg_logs::learn::Learned;
 use cg_logs::output::{Files, Kind, Target};
+use cg_vehicle::scales::Scale;
 use cg_vehicle::{Variant, Vehicle};
 use serde_json::Value;
 
@@ -455,11 +456,14 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
         let folder = tempfile::tempdir().unwrap();
         let mut session = kept_in(folder.path(), given_kg);
         let memory = memory([Some(2.0), None], mass_kg);
-        session.outputs.save(&memory, 5.0, Some(0.3), Learned::default());
+        let load = (Some(0.3), Some(Scale::AxleLoad));
+        session.outputs.save(&memory, 5.0, load, Learned::default());
         assert!(session.restore().unwrap());
         assert!(session.has_height());
         let status = session.status();
         assert_eq!(status.result.trailer_mass_source, source, "{mass_kg} kg");
+        let scale = status.result.trailer_mass_scale;
+        assert_eq!(scale == Some(Scale::AxleLoad), source == MassSource::Kept, "{mass_kg} kg");
         assert_eq!(status.load_since_s, Some(0.3));
         assert!((session.known.trailer_mass_kg - mass_kg).abs() < 1e-9);
     }

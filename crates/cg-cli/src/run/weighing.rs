@@ -1,0 +1,84 @@
+//! How exact the trailer mass is.
+
+use cg_core::Design;
+use cg_vehicle::scales::{Scale, Scales};
+
+use super::events::{MassSource, Result as Known};
+
+/// What is known of the exactness of the trailer mass.
+#[derive(Clone, Copy)]
+pub(crate) struct Weighing {
+    /// The given standard deviation.
+    pub(crate) sd_kg: Option<f64>,
+    /// The scales of the vehicle.
+    pub(crate) scales: Scales,
+    /// The scale of the last mass by a signal, also before a restart.
+    pub(crate) scale: Option<Scale>,
+}
+
+impl Weighing {
+    /// Exact scales, nothing given.
+    pub(crate) const EXACT: Self = Self { sd_kg: None, scales: Scales::EXACT, scale: None };
+
+    /// A result with the scale of its mass and its standard deviation.
+    pub(crate) fn of(&self, design: &Design<f64>, result: Known) -> Known {
+        let (source, mass_kg) = (result.trailer_mass_source, result.trailer_mass_kg);
+        Known {
+            trailer_mass_scale: self.scale(source),
+            trailer_mass_sd_kg: self.sd_kg(source, mass_kg, design),
+            ..result
+        }
+    }
+
+    /// The scale of a mass from this source, if it was weighed.
+    fn scale(&self, source: MassSource) -> Option<Scale> {
+        match source {
+            MassSource::Nominal => None,
+            MassSource::Given => Some(Scale::Weighed),
+            MassSource::Kept | MassSource::Signal => self.scale,
+        }
+    }
+
+    /// Standard deviation of a mass from this source, kg. A mass that was never weighed may be any.
+    fn sd_kg(&self, source: MassSource, mass_kg: f64, design: &Design<f64>) -> f64 {
+        let of_scale = || match source {
+            MassSource::Nominal => design.any_load_sd_kg(),
+            _ => self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg)),
+        };
+        self.sd_kg.unwrap_or_else(of_scale)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cg_vehicle::{Variant, Vehicle};
+
+    #[test]
+    fn a_mass_is_as_exact_as_its_source() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+        let vehicle = Vehicle::load(path).unwrap();
+        let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        let scales = Scales::of(&vehicle);
+        let any_kg = design.any_load_sd_kg();
+        for scale in [None, Some(Scale::AxleLoad)] {
+            let weighing = Weighing { scales, scale, ..Weighing::EXACT };
+            let signal_kg = scale.map_or(0.0, |scale| scales.sd_kg(scale, 20e3));
+            for (source, named, sd_kg) in [
+                (MassSource::Nominal, None, any_kg),
+                (MassSource::Kept, scale, signal_kg),
+                (MassSource::Signal, scale, signal_kg),
+                (MassSource::Given, Some(Scale::Weighed), 0.0),
+            ] {
+                let mass = (20e3, source);
+                let result = weighing.of(&design, Known::new(None, None, mass));
+                assert_eq!(result.trailer_mass_scale, named);
+                assert!((result.trailer_mass_sd_kg - sd_kg).abs() < 1e-9, "{source:?}");
+                let given = Weighing { sd_kg: Some(70.0), ..weighing };
+                let result = given.of(&design, Known::new(None, None, mass));
+                assert!((result.trailer_mass_sd_kg - 70.0).abs() < 1e-9, "{source:?}");
+            }
+        }
+        assert!(scales.sd_kg(Scale::AxleLoad, 20e3) > 100.0 && any_kg > 5e3);
+    }
+}

@@ -1,0 +1,100 @@
+//! The numbers that a calibration can have. A number beyond these limits is an error of a unit, or the
+//! file is damaged.
+
+use crate::belief::{Covariance, PARAMETERS, Parameter};
+use crate::calibration::entry::{Compensations, ParameterEntry, RunEntry, Unit};
+use crate::limits::{GREATEST_HEIGHT_M, GREATEST_SPEED_MPS, GREATEST_TRAILER_MASS_KG, positive};
+
+/// Factors of parameters, `R_c` included: degrees in place of radians are a factor of 57.
+const FACTOR: [f64; 2] = [1e-3, 1e3];
+/// Greatest shift of a height.
+const GREATEST_SHIFT_M: f64 = GREATEST_HEIGHT_M;
+/// Greatest standard deviation, relative or in meters. In a vehicle file, none is greater than 1.
+const GREATEST_SD: f64 = 2.0;
+/// Greatest sum of squares; the Birge ratio of one run is then a thousand.
+const GREATEST_CHI_SQUARE: f64 = 1e6;
+/// Greatest DC ratio, rad per rad or per m/s²; usual ones are below 3.
+const GREATEST_RATIO: f64 = 1e3;
+/// The least eigenvalue of a covariance may be this far below zero by rounding.
+const ROUNDING: f64 = 1e-12;
+
+fn within(name: &str, value: f64, [least, greatest]: [f64; 2]) -> Result<(), String> {
+    if (least..=greatest).contains(&value) {
+        return Ok(());
+    }
+    Err(format!("{name} = {value} is impossible: it must lie between {least} and {greatest}"))
+}
+
+/// Checks the parameters and their covariance as a whole.
+pub(super) fn parameters(
+    parameters: &[ParameterEntry],
+    covariance: &[Vec<f64>],
+) -> Result<(), String> {
+    let complete = parameters.len() == PARAMETERS
+        && parameters.iter().zip(Parameter::ALL).all(|(entry, name)| entry.name == name)
+        && covariance.len() == PARAMETERS
+        && covariance.iter().all(|row| row.len() == PARAMETERS);
+    if !complete {
+        return Err(format!(
+            "a calibration has {PARAMETERS} parameters in their order and a covariance of that size"
+        ));
+    }
+    for (k, entry) in parameters.iter().enumerate() {
+        let name = entry.name.words();
+        if entry.unit != Unit::of(entry.name) {
+            return Err(format!("the unit of {name} is wrong"));
+        }
+        match entry.unit {
+            Unit::Factor => within(name, entry.value, FACTOR)?,
+            Unit::M => within(name, entry.value, [-GREATEST_SHIFT_M, GREATEST_SHIFT_M])?,
+        }
+        for sd in [entry.sd, entry.prior_sd] {
+            within(&format!("standard deviation of {name}"), sd, [0.0, GREATEST_SD])?;
+        }
+        let variance = covariance[k][k];
+        within(&format!("variance of {name}"), variance, [0.0, GREATEST_SD * GREATEST_SD])?;
+        within(&format!("determined share of {name}"), entry.determined, [-1e3, 1.0])?;
+    }
+    let matrix = Covariance::from_fn(|i, j| covariance[i][j]);
+    // A sum with a number that is none is none, so the comparison fails.
+    let asymmetry: f64 =
+        (matrix - matrix.transpose()).iter().map(|difference| difference.abs()).sum();
+    let positive = (matrix + Covariance::from_diagonal_element(ROUNDING)).cholesky().is_some();
+    if !(asymmetry <= ROUNDING && positive) {
+        return Err("the covariance is not symmetric and positive semidefinite".to_owned());
+    }
+    Ok(())
+}
+
+/// Checks `R_c` of each channel.
+pub(super) fn compensations(of: &Compensations) -> Result<(), String> {
+    [of.steer, of.lateral_acceleration, of.suspension, of.tractor]
+        .into_iter()
+        .try_for_each(|compensation| within("R_c", compensation, FACTOR))
+}
+
+/// Checks the rest of the model error and the sum of squares.
+pub(super) fn misfit(residual_sd: f64, chi_square: f64) -> Result<(), String> {
+    within("residual_sd", residual_sd, [0.0, 1.0])?;
+    within("chi_square", chi_square, [0.0, GREATEST_CHI_SQUARE])
+}
+
+/// Checks a run.
+pub(super) fn run(run: &RunEntry) -> Result<(), String> {
+    let numbers = || {
+        positive("height_m", run.height_m, GREATEST_HEIGHT_M)?;
+        positive("trailer_mass_kg", run.trailer_mass_kg, GREATEST_TRAILER_MASS_KG)?;
+        positive("speed_mps", run.speed_mps, GREATEST_SPEED_MPS)?;
+        run.channel.iter().try_for_each(|entry| {
+            positive("ratio", entry.ratio, GREATEST_RATIO)?;
+            positive("model_ratio", entry.model_ratio, GREATEST_RATIO)
+        })
+    };
+    numbers().map_err(|error| format!("run {}: {error}", run.log))?;
+    run.channel.iter().try_for_each(|entry| {
+        within("ratio_sd", entry.ratio_sd, [0.0, GREATEST_RATIO])?;
+        [entry.before_percent, entry.after_percent]
+            .into_iter()
+            .try_for_each(|percent| within("percentage", percent, [-100.0, 1e8]))
+    })
+}
