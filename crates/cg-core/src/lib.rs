@@ -7,7 +7,7 @@
 //! [`Real`]: `f32` runs on the truck, and `f64` is used to check it.
 //!
 //! ```
-//! use cg_core::truck::reduced::Simulation;
+//! use cg_core::truck::simulation::Simulation;
 //! use cg_core::{Estimator, FilteredArx, Prior, Sample, Settings};
 //! # mod truck { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/kraz/design.rs")); }
 //! // The constants of one truck. `cg design --emit rust` writes them from a vehicle file.

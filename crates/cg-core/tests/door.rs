@@ -4,16 +4,27 @@
 
 mod common;
 
-use cg_core::truck::reduced::Simulation;
+use cg_core::truck::channel::ROLL_LAG_S;
+use cg_core::truck::simulation::Simulation;
 use cg_core::{Estimator, FilteredArx, Prior, Quantity, Reduced5, Sample, Settings};
 use common::{PAIR, Pair, narrow, rounded_step_response};
 use proptest::prelude::*;
 
-/// The two lags of the roll angle, `25/(s + 5)²`, with three poles that cancel.
-const LAGS: Reduced5<f64> = Reduced5 {
-    numerator: [3125.0, 1875.0, 375.0, 25.0, 0.0, 0.0],
-    denominator: [3125.0, 3125.0, 1250.0, 250.0, 25.0],
-    speed_slope: [0.0; 5],
+/// The two lags of the roll angle, `w²/(s + w)²` with `w = 1/0.15 s`, and three poles that cancel.
+const LAGS: Reduced5<f64> = {
+    const W: f64 = 1.0 / ROLL_LAG_S;
+    const SQUARE: f64 = W * W;
+    Reduced5 {
+        numerator: [SQUARE * SQUARE * W, 3.0 * SQUARE * SQUARE, 3.0 * SQUARE * W, SQUARE, 0.0, 0.0],
+        denominator: [
+            SQUARE * SQUARE * W,
+            5.0 * SQUARE * SQUARE,
+            10.0 * SQUARE * W,
+            10.0 * SQUARE,
+            5.0 * W,
+        ],
+        speed_slope: [0.0; 5],
+    }
 };
 
 fn estimator() -> Pair<f32, FilteredArx<f32>> {

@@ -4,7 +4,7 @@
 
 mod common;
 
-use cg_core::truck::reduced::Simulation;
+use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, FilteredArx, Fit, Identify, Prior, Unexcited};
 use common::{EQ_5_12, rounded_step_response};
 

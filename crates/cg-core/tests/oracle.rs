@@ -22,7 +22,7 @@ fn lively(n: usize, interval_s: f64) -> Vec<(f64, f64)> {
         let t = interval_s * k as f64;
         0.03 * ((1.3 * t).sin() + (3.7 * t).sin() + (8.1 * t).sin())
     };
-    let mut plant = cg_core::truck::reduced::Simulation::new(&EQ_5_12, interval_s, 0.0);
+    let mut plant = cg_core::truck::simulation::Simulation::new(&EQ_5_12, interval_s, 0.0);
     (0..n).map(|k| (steer(k), if k == 0 { 0.0 } else { plant.push(steer(k)) })).collect()
 }
 

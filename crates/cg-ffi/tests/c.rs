@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use cg_core::truck::reduced::Simulation;
+use cg_core::truck::simulation::Simulation;
 use cg_core::{Channel, Estimator, FilteredArx, Prior, Sample, Settings, Status, Step};
 use cg_ffi::{CHANNELS, CgHeight, CgRollover, CgSample, CgStep, Design};
 use cg_logs::log::{LogOptions, LogReader};

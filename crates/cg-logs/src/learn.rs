@@ -317,7 +317,11 @@ fn follows(
     if before.is_empty() {
         return Ok(!is_impossible(&after));
     }
-    Ok(!matches!(after.judgment_after(&fitted(before)?), Judgment::Contradictory { .. }))
+    let before = match fitted(before) {
+        Err(VehicleError::Unsettled) => return Ok(false),
+        before => before?,
+    };
+    Ok(!matches!(after.judgment_after(&before), Judgment::Contradictory { .. }))
 }
 
 /// The maneuvers of a trip that has not ended.

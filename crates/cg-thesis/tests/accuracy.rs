@@ -114,14 +114,19 @@ fn a_sensor_at_the_end_of_its_range_gives_no_height() {
     let vehicle = common::vehicle("baseline.toml");
     for limit_rad in [0.01, 0.0175, 0.026] {
         let sensors = Sensors { roll_limit_rad: Some(limit_rad), ..noise(20.0) };
-        let mut reasons = Vec::new();
+        let (mut heights, mut reasons) = (0, Vec::new());
         let experiment = Experiment { runs: 20, ..Experiment::of(step(&vehicle, sensors)) };
         let design = cg_vehicle::design::design(&vehicle, experiment.scenario.variant).unwrap();
         experiment
-            .run(&vehicle, &design, |estimate| reasons.push(estimate.messages[0].clone()))
+            .run(&vehicle, &design, |estimate| {
+                heights += usize::from(estimate.height_m.is_some());
+                reasons.push(estimate.messages[0].clone());
+            })
             .unwrap();
-        assert_eq!(reasons.len(), 20);
-        assert!(reasons.iter().all(|reason| reason.contains("inconsistent")), "{reasons:?}");
+        assert_eq!((heights, reasons.len()), (0, 20));
+        // Noise can make the ratio so uncertain that the sensor is not to blame.
+        let named = reasons.iter().filter(|reason| reason.contains("inconsistent")).count();
+        assert!(named >= 18, "{reasons:?}");
     }
 }
 
@@ -169,11 +174,11 @@ fn the_map_is_as_it_was() {
         }
     }
     println!("coverage of the noise's part of the interval: {:.1} %", covered / cells);
-    assert!((93.0..=97.0).contains(&(covered / cells)), "{}", covered / cells);
     let path = common::fixtures().join(MAP);
     if std::env::var_os("CG_WRITE_MAP").is_some() {
         std::fs::write(&path, &map).unwrap();
     }
+    assert!((93.0..=97.0).contains(&(covered / cells)), "{}", covered / cells);
     let known = std::fs::read_to_string(&path).unwrap();
     assert_eq!(map.lines().count(), known.lines().count());
     assert_eq!(known.lines().next(), Some(header));

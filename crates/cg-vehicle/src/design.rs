@@ -132,7 +132,7 @@ fn add_interpolation_error(
 }
 
 /// The paces `U0/U − 1` at which the reduced models are fitted beside the nominal speed: at 50 km/h these
-/// are 22, 34, 68 and 85 km/h.
+/// are 22, 34, 68 and 86 km/h.
 const PACES: [f64; 4] = [1.3, 0.45, -0.27, -0.42];
 
 /// The reduced models at each mass. If the vehicle is unstable at a mass, the model at the
@@ -147,8 +147,10 @@ fn models(
     let at = |load: Load| {
         let model =
             |speed_mps: f64| Equations::new(vehicle, variant, speed_mps, load)?.state_space();
-        let others = PACES.map(|pace| Ok((pace, model(nominal_mps / (1.0 + pace))?)));
-        let others: Vec<_> = others.into_iter().collect::<Result<_, VehicleError>>()?;
+        let others: Vec<_> = PACES
+            .into_iter()
+            .filter_map(|pace| Some((pace, model(nominal_mps / (1.0 + pace)).ok()?)))
+            .collect();
         reduce(&model(nominal_mps)?, &others)
     };
     let reference = at(load)?;

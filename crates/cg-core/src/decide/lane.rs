@@ -7,8 +7,8 @@ use crate::identify::identifier::Identify;
 use crate::math::real::Real;
 use crate::truck::channel::ROLL_LAG_S;
 
-/// Time constant of the lag after which measured and expected roll angle of a lagged channel are
-/// compared to find a sensor that stands still. The roll angle is ahead of its input by less.
+/// Time constant of the lag after which measured and expected roll angle of a suspension are compared
+/// to find a sensor that stands still: more than the time by which the roll angle comes before the force.
 const VIEW_LAG_S: f64 = 0.8;
 
 /// The state of one channel: its identifier, the time of its last sample, and its fused heights.
@@ -19,7 +19,7 @@ pub(crate) struct Lane<T: Real, I> {
     settled_us: u64,
     /// The measured roll angle, and what is left of it after one and two lags of [`ROLL_LAG_S`].
     lagged_rad: [T; 3],
-    /// Expected and measured roll angle after [`VIEW_LAG_S`]; without lags, these angles themselves.
+    /// Expected and measured roll angle after [`VIEW_LAG_S`].
     view_rad: [T; 2],
     rest: Rest<T>,
     pub(crate) fusion: Fusion<T>,
@@ -28,23 +28,25 @@ pub(crate) struct Lane<T: Real, I> {
     pub(crate) impossible: bool,
 }
 
-/// The initial steady state of an identifier: the mean input of some straight driving. With a
-/// single sample, its noise would look like the end of a turn.
+/// The initial steady state of an identifier and of the lags: the means of expected and measured roll
+/// angle of some straight driving. With a single sample, its noise would look like the end of a turn.
 #[derive(Clone, Copy, Debug)]
 struct Rest<T> {
     until_us: u64,
     rows: T,
-    mean_rad: T,
+    mean_rad: [T; 2],
 }
 
 impl<T: Real> Rest<T> {
     const fn new(until_us: u64) -> Self {
-        Self { until_us, rows: T::ZERO, mean_rad: T::ZERO }
+        Self { until_us, rows: T::ZERO, mean_rad: [T::ZERO; 2] }
     }
 
-    fn with(&mut self, expected_rad: T) -> T {
+    fn with(&mut self, angles_rad: [T; 2]) -> [T; 2] {
         self.rows += T::one();
-        self.mean_rad += (expected_rad - self.mean_rad) / self.rows;
+        for (mean, angle) in self.mean_rad.iter_mut().zip(angles_rad) {
+            *mean += (angle - *mean) / self.rows;
+        }
         self.mean_rad
     }
 }
@@ -95,20 +97,22 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         }
         self.last_us = Some(row.time_us);
         let interval_s: T = seconds(interval_us.unwrap_or(0));
-        let measured_rad = if lags {
+        let late_rad = if lags {
             self.lag(expected_rad, measured_rad, interval_s)
         } else {
-            self.view_rad = [expected_rad, measured_rad];
+            self.lagged_rad[0] = measured_rad;
             measured_rad
         };
         if row.time_us < self.rest.until_us && !row.turning {
-            let rest_rad = self.rest.with(expected_rad);
+            let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad]);
+            self.lagged_rad = [measured_rad, mean_rad, mean_rad];
             self.identifier.restart();
-            self.identifier.push(rest_rad, measured_rad, T::zero(), false);
+            let roll_rad = if lags { mean_rad } else { measured_rad };
+            self.identifier.push(rest_rad, roll_rad, T::zero(), false);
             return;
         }
         let use_row = usable && row.time_us >= self.settled_us;
-        self.identifier.push(expected_rad, measured_rad, interval_s, use_row);
+        self.identifier.push(expected_rad, late_rad, interval_s, use_row);
     }
 
     /// Advances all lags and returns the measured roll angle after the two of the model. These use
@@ -120,7 +124,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         let next_once = once + (before + measured_rad - once - once) * share;
         let next_twice = twice + (once + next_once - twice - twice) * share;
         self.lagged_rad = [measured_rad, next_once, next_twice];
-        let share = interval_s / (T::of(VIEW_LAG_S) + interval_s);
+        let share = interval_s * T::of(1.0 / VIEW_LAG_S); // a gap ends at 0.5 s
         for (view, signal) in self.view_rad.iter_mut().zip([expected_rad, measured_rad]) {
             *view += (signal - *view) * share;
         }
@@ -128,13 +132,16 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     }
 
     /// What shows a roll angle that stands still: the measured one, and two views of the motion that
-    /// is expected, by the input and by the reduced model. Of a lagged channel, the measured angle
-    /// and the second view are the signals after the same lag, which makes up for the lead of the roll
-    /// angle.
-    pub(crate) fn views_rad(&self, expected_rad: T, lags: bool) -> [T; 3] {
-        let [expected_late, measured] = self.view_rad;
-        let model = if lags { expected_late } else { self.identifier.expected_roll_rad() };
-        [measured, expected_rad, model]
+    /// is expected, by the input and by the reduced model. The model of a channel with lags is late, so
+    /// its input takes its place. The roll angle of a suspension comes before its specific force; the
+    /// same lag for both makes up for it.
+    pub(crate) fn views_rad(&self, expected_rad: T, lags: bool, feels_bank: bool) -> [T; 3] {
+        let ([measured, ..], [expected_late, measured_late]) = (self.lagged_rad, self.view_rad);
+        match (lags, feels_bank) {
+            (false, _) => [measured, expected_rad, self.identifier.expected_roll_rad()],
+            (true, true) => [measured, expected_rad, expected_rad],
+            (true, false) => [measured_late, expected_rad, expected_late],
+        }
     }
 
     /// Deletes the heights after a change of the load.

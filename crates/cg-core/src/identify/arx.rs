@@ -4,7 +4,8 @@ use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::math::linalg::Triangle;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
-use crate::truck::reduced::{Reduced5, Simulation};
+use crate::truck::reduced::Reduced5;
+use crate::truck::simulation::Simulation;
 
 /// ARX `[na nb nk]` in the classical shift form (eq. 5.1):
 ///
@@ -142,7 +143,7 @@ impl<T: Real, const N: usize> Arx<T, N> {
             }
         }
         let ratio_sd = (variance * self.triangle.variance_of(&gradient, unknowns)).root();
-        let (snr_db, fit_percent) = self.moments.quality(variance, T::zero());
+        let (snr_db, fit_percent) = self.moments.quality(variance, T::one(), T::zero());
         Answer::Ready(Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
             drift_radps: Measured::exact(T::zero()),

@@ -4,11 +4,11 @@ use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
 use crate::identify::long_run::LongRun;
 use crate::identify::pending::{BLOCK, Pending};
-use crate::identify::prior::Prior;
+use crate::identify::prior::{HELD, Prior};
 use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
 use crate::identify::unknowns::{
-    BEND, DRIFT, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution,
+    BEND, DRIFT, DRIFT_S, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution,
 };
 use crate::math::linalg::Triangle;
 use crate::math::real::Real;
@@ -23,17 +23,12 @@ const UNKNOWNS_F64: f64 = 13.0;
 /// noise as strong as that of an accelerometer on a rough engine (0.3 m/s² at 100 Hz).
 const INPUT_DOUBT: f64 = 0.35;
 
-/// Unit of time of the drift, chosen so that its regressor is of the size of the others.
-const DRIFT_S: f64 = 10.0;
 /// The ratio is corrected for a drift if the drift is greater than a third of a degree per minute
 /// and significant (the probability that chance exceeds it is 0.1 %).
 const LEAST_DRIFT_RADPS: f64 = 1e-4;
 const SURE: f64 = 3.29;
 /// Unit of the roll angle in the regressor of the bend, chosen for the same reason.
 const BEND_RAD: f64 = 0.05;
-/// Weight of prior rows that fix the dynamics to those of the model. The weight of the data is the
-/// roll angle times the root of the number of rows, which is about 3.
-const HELD: f64 = 1e3;
 
 /// ARX on filtered signals, with a prior on the dynamics.
 ///
@@ -55,8 +50,7 @@ const HELD: f64 = 1e3;
 /// of the sensor ends.
 #[derive(Clone, Copy, Debug)]
 pub struct FilteredArx<T: Real> {
-    model: Reduced5<T>, // in scaled time
-    /// `U0/U − 1` of the latest sample.
+    model: Reduced5<T>, // in scaled time, at the pace `U0/U − 1`
     pace: T,
     scale_radps: T,
     prior: Prior<T>,
@@ -75,10 +69,6 @@ pub struct FilteredArx<T: Real> {
     greatest_rad: T, // expected
     roll_noise: RollNoise<T>,
     input_noise: InputNoise<T>,
-    /// The bias of the rows' products per unit variance of the input noise, and the interval for
-    /// which it was computed.
-    noise_products: [T; ORDER + 1],
-    products_interval_s: T,
 }
 
 impl<T: Real> FilteredArx<T> {
@@ -92,9 +82,10 @@ impl<T: Real> FilteredArx<T> {
     fn begin(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
         self.scale_radps = model.time_scale_radps();
         self.model = model.in_scaled_time(self.scale_radps);
+        self.pace = T::zero();
         self.prior = prior;
         // The first interval determines the step of the filters.
-        (self.interval_s, self.products_interval_s) = (T::zero(), T::zero());
+        self.interval_s = T::zero();
         self.reference_rad = T::zero();
         self.restart();
     }
@@ -104,18 +95,12 @@ impl<T: Real> FilteredArx<T> {
     fn discretise(&mut self, interval_s: T) {
         self.interval_s = interval_s;
         self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
-        // The bias due to noise does not have to be computed again when time stamps jitter.
-        let change = (interval_s - self.products_interval_s).abs();
-        if change > self.products_interval_s * T::of(0.25) {
-            self.products_interval_s = interval_s;
-            self.noise_products = self.step.noise_products(&self.model);
-        }
     }
 
     fn take_row(&mut self, input: T, roll: T, interval_s: T) {
         let u = self.input.derivatives(&self.model);
         let y = self.roll.derivatives(&self.model);
-        let nominal = self.model.response_at(self.pace, &u);
+        let nominal = self.model.response(&u);
         let mut row = [T::zero(); REGRESSORS];
         row[GAIN] = nominal;
         if self.prior.dynamics_sd > T::zero() {
@@ -133,7 +118,7 @@ impl<T: Real> FilteredArx<T> {
         let bent = nominal / T::of(BEND_RAD);
         row[BEND] = nominal * bent * bent;
         self.greatest_rad = self.greatest_rad.max(nominal.abs());
-        self.roll_noise.add_row(&self.step);
+        self.roll_noise.add_row(&self.step, interval_s);
         self.pending.push(row, roll - nominal);
         self.long_run.push(&row, roll - nominal, interval_s);
         if self.pending.rows == BLOCK {
@@ -143,8 +128,7 @@ impl<T: Real> FilteredArx<T> {
         self.input_noise.push(input, interval_s);
     }
 
-    /// Standard deviation of the expected roll angle over the rows, radians: the strength of the
-    /// excitation.
+    /// Standard deviation of the expected roll angle over the rows, radians.
     pub fn excitation_rad(&self) -> T {
         self.moments.input_variance().root() * self.model.dc_gain().abs()
     }
@@ -154,32 +138,12 @@ impl<T: Real> FilteredArx<T> {
     #[inline(never)]
     fn add_prior(&self, triangle: &mut Equations<T>, noise_sd: T, held: bool) {
         for k in 0..UNKNOWNS {
-            if let Some(weight) = self.prior_weight(k, noise_sd) {
+            if let Some(weight) = self.prior.weight(&self.model, k, noise_sd) {
                 let mut row = [T::zero(); REGRESSORS];
                 row[k] = if held && k < OFFSET { T::of(HELD) } else { weight };
                 triangle.push(row, T::zero());
             }
         }
-    }
-
-    /// Weight of the prior row of unknown `k`; the gain has no prior.
-    fn prior_weight(&self, k: usize, noise_sd: T) -> Option<T> {
-        let size =
-            |coefficients: &[T], k: usize| coefficients.get(k).copied().unwrap_or(T::zero()).abs();
-        let sd = match k {
-            GAIN => return None,
-            OFFSET => self.prior.offset_sd_rad,
-            DRIFT => self.prior.drift_sd_radps * T::of(DRIFT_S),
-            _ if k < ORDER => self.prior.dynamics_sd * size(&self.model.denominator, k),
-            // A numerator coefficient that happens to be small is not known more accurately.
-            _ => {
-                let least = self.model.dc_gain().abs() * T::of(0.2);
-                self.prior.dynamics_sd * size(&self.model.numerator, k - GAIN).max(least)
-            }
-        };
-        // The column of a fixed unknown is zero. Any weight keeps it at zero; a large one makes its
-        // variance negligible.
-        Some(if sd > T::zero() { noise_sd / sd } else { T::of(HELD) })
     }
 
     /// Covariance of the deviations in scaled time, in the order of the type's documentation;
@@ -204,10 +168,12 @@ impl<T: Real> FilteredArx<T> {
     /// Solves the rows in the triangle together with the prior.
     #[inline(never)]
     fn solve(&self, answer: &mut Solution<T>) -> Result<(), Unexcited> {
-        let inflation = self.roll_noise.inflation(self.interval_s);
-        let input = self.input_noise.passed(&self.model, &self.noise_products);
-        let floor = self.prior.noise_floor_rad / inflation.root();
-        let rows = self.moments.rows;
+        let slower = self.roll_noise.inflation(self.moments.weight);
+        // The bias of the rows' products per unit variance of the input noise.
+        let products = self.step.noise_products(&self.model);
+        let from_input = self.input_noise.passed(&self.model, &products);
+        let floor = self.prior.noise_floor_rad / slower.root();
+        let Moments { rows, weight, .. } = self.moments;
         if (rows as usize) < UNKNOWNS {
             return Err(Unexcited::TooFewRows { rows });
         }
@@ -215,12 +181,13 @@ impl<T: Real> FilteredArx<T> {
         if !(self.excitation_rad() > self.prior.noise_floor_rad) {
             return Err(Unexcited::Input);
         }
-        let freedom = (self.moments.weight - T::of(UNKNOWNS_F64)).max(T::one());
+        // Slow noise hides in each unknown as many rows as it lasts.
+        let mut hidden = T::of(UNKNOWNS_F64);
         // The weight of the prior depends on the noise, and the noise on the solution. Three
         // iterations are sufficient, because the residual hardly depends on the prior.
         let data = &self.triangle;
         let mut residual_sd = floor;
-        answer.slow_sd = floor;
+        answer.slow_sd = self.prior.noise_floor_rad;
         for _ in 0..3 {
             answer.triangle = *data;
             self.add_prior(&mut answer.triangle, answer.slow_sd, false);
@@ -228,15 +195,17 @@ impl<T: Real> FilteredArx<T> {
                 .triangle
                 .solve(UNKNOWNS)
                 .map_err(|unknown| Unexcited::Direction { unknown })?;
+            let freedom = (weight - hidden).max(weight * T::of(0.25));
             residual_sd = (data.sum_of_squares_at(&answer.theta) / freedom).root();
             answer.noise_sd = residual_sd.max(floor);
             let effective = self.effective(&answer.triangle, answer.slow_sd);
+            hidden = T::of(UNKNOWNS_F64).max(effective * slower);
             let variance = answer.noise_sd * answer.noise_sd;
-            let usual = self.roll_noise.usual(inflation, variance, input);
+            let usual = self.roll_noise.usual(slower, variance, from_input);
             let inflation = self.long_run.inflation(&answer.theta, effective, variance, usual);
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
-        let (roll, input) = self.pulls(residual_sd * residual_sd);
+        let (roll, input) = self.pulls(residual_sd * residual_sd, from_input, &products);
         let input = answer.triangle.shift_for(&input, UNKNOWNS);
         answer.input_shift = [input[0], input[GAIN]];
         let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
@@ -250,11 +219,15 @@ impl<T: Real> FilteredArx<T> {
     /// for noise of the roll angle and for noise of the input.
     ///
     /// White roll noise of variance σ² is contained in `−y_k` with the weight that the newest
-    /// sample has in it (after lags: with its correlation), which gives the bias −σ² Σ weight. White
+    /// sample has in it, which gives the bias −σ² Σ weight (little after lags, and left out). White
     /// noise of variance v² on the input is contained in `G u` and `u_k`, and in e as `−G v`. It
     /// gives the bias −v² times the mean of `u_k · G u` per row.
-    fn pulls(&self, residual_variance: T) -> ([T; REGRESSORS], [T; REGRESSORS]) {
-        let [input_variance, passed] = self.input_noise.passed(&self.model, &self.noise_products);
+    fn pulls(
+        &self,
+        residual_variance: T,
+        [input_variance, passed]: [T; 2],
+        products: &[T; ORDER + 1],
+    ) -> ([T; REGRESSORS], [T; REGRESSORS]) {
         let (mut roll, mut input) = ([T::zero(); REGRESSORS], [T::zero(); REGRESSORS]);
         let rows = self.moments.weight * input_variance;
         input[GAIN] = self.moments.weight * passed;
@@ -262,7 +235,7 @@ impl<T: Real> FilteredArx<T> {
             let roll_variance = (residual_variance - passed).max(T::zero());
             for k in 0..ORDER {
                 roll[k] = self.roll_noise.sum[k] * roll_variance;
-                input[GAIN + 1 + k] = rows * self.noise_products[k + 1];
+                input[GAIN + 1 + k] = rows * products[k + 1];
             }
         }
         (roll, input)
@@ -274,7 +247,7 @@ impl<T: Real> FilteredArx<T> {
         let mut effective = T::zero();
         for k in 0..UNKNOWNS {
             let mut gradient = [T::zero(); REGRESSORS];
-            gradient[k] = self.prior_weight(k, noise_sd).unwrap_or(T::zero());
+            gradient[k] = self.prior.weight(&self.model, k, noise_sd).unwrap_or(T::zero());
             effective += T::one() - triangle.variance_of(&gradient, UNKNOWNS);
         }
         effective
@@ -318,12 +291,14 @@ impl<T: Real> FilteredArx<T> {
         let doubt =
             T::of(INPUT_DOUBT) * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[1]);
         let ratio_sd = (variance + doubt * doubt).root();
-        let (snr_db, fit_percent) = self.moments.quality(*noise_sd * *noise_sd, rest);
+        // As noise of the sensor, before the lags.
+        let slower = self.roll_noise.inflation(self.moments.weight);
+        let (snr_db, fit_percent) = self.moments.quality(*noise_sd * *noise_sd, slower, rest);
         Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
             drift_radps,
             bend: self.bend(solution),
-            noise_sd_rad: solution.noise_sd,
+            noise_sd_rad: solution.noise_sd * slower.root(),
             snr_db,
             fit_percent,
             misfit: self.misfit(solution),
@@ -407,8 +382,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         greatest_rad: T::ZERO,
         roll_noise: RollNoise::NONE,
         input_noise: InputNoise::new(),
-        noise_products: [T::ZERO; ORDER + 1],
-        products_interval_s: T::ZERO,
     };
 
     /// The input from the estimator is the expected roll angle, so the model is scaled to unit
@@ -443,15 +416,20 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     }
 
     fn lag(&mut self, lags: bool) {
-        self.roll_noise = RollNoise::of(lags, &self.model, self.scale_radps);
+        self.roll_noise = RollNoise::of(lags);
     }
 
     fn at_pace(&mut self, pace: T) {
-        self.pace = pace;
+        let change = pace - self.pace;
+        // The numerator is exact to a hundredth of its slope, and does not gather rounding errors.
+        if change.abs() > T::of(0.01) {
+            self.model.change_pace(change);
+            self.pace = pace;
+        }
     }
 
     fn expected_roll_rad(&self) -> T {
-        self.model.response_at(self.pace, &self.input.derivatives(&self.model))
+        self.model.response(&self.input.derivatives(&self.model))
     }
 
     /// Deletes the rows but not the states of the filters.
@@ -460,7 +438,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.pending = Pending::new();
         self.long_run = LongRun::new();
         self.moments = Moments::new();
-        self.roll_noise.scale(T::zero());
+        self.roll_noise.clear();
         self.input_noise = InputNoise::new();
         (self.clock, self.greatest_rad) = (T::zero(), T::zero());
     }

@@ -139,14 +139,14 @@ impl<T: Real> Moments<T> {
         (self.roll_square / self.weight - mean * mean).max(T::zero())
     }
 
-    /// `(snr_db, fit_percent)` for a residual of variance `noise_variance`. The signal is the roll
-    /// angle minus `rest`.
-    pub(crate) fn quality(&self, noise_variance: T, rest: T) -> (T, T) {
+    /// `(snr_db, fit_percent)` for a residual of variance `noise_variance`, `slower` times as much of
+    /// which the sensor has before the lags. The signal is the roll angle minus `rest`.
+    pub(crate) fn quality(&self, noise_variance: T, slower: T, rest: T) -> (T, T) {
         let mean_square = self.roll_square / self.weight
             - T::of(2.0) * rest * self.roll / self.weight
             + rest * rest;
         let signal = (mean_square - noise_variance).max(noise_variance * T::of(1e-6));
-        let snr_db = T::of(10.0) * (signal / noise_variance).decimal_log();
+        let snr_db = T::of(10.0) * (signal / (noise_variance * slower)).decimal_log();
         let variance = self.roll_variance();
         let fit = if variance > T::zero() {
             T::of(100.0) * (T::one() - (noise_variance / variance).root())
@@ -233,14 +233,14 @@ mod tests {
     /// About a rest angle of 1 the mean square is (1 + 9 + 64)/3 = 74/3.
     #[test]
     fn quality_is_the_signal_about_its_rest_over_the_noise() {
-        let (snr_db, fit_percent) = moments().quality(2.0 / 3.0, 1.0);
+        let (snr_db, fit_percent) = moments().quality(2.0 / 3.0, 1.0, 1.0);
         assert!((snr_db - 10.0 * 36.0_f64.log10()).abs() < 1e-9); // (74/3 − 2/3)/(2/3)
         assert!((fit_percent - 100.0 * (1.0 - (2.0_f64 / 26.0).sqrt())).abs() < 1e-9);
         // A signal that is much smaller than the noise gives at least −60 dB.
-        let (snr_db, _) = moments().quality(1e3, 1.0);
+        let (snr_db, _) = moments().quality(1e3, 1.0, 1.0);
         assert!((snr_db + 60.0).abs() < 1e-9);
         let mut still = Moments::new();
         still.push(1.0, 0.0);
-        assert!(still.quality(1.0, 0.0).1 == 0.0);
+        assert!(still.quality(1.0, 1.0, 0.0).1 == 0.0);
     }
 }

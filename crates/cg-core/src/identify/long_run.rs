@@ -21,7 +21,7 @@ use crate::math::real::Real;
 
 /// Length of a block: several times the settling time of a trailer's roll motion. It is slightly
 /// below a round number, so that rounding does not decide which row is the last of a block.
-pub(crate) const BLOCK_S: f64 = 1.4996;
+const BLOCK_S: f64 = 1.4996;
 
 /// White noise is assumed for this many additional blocks, because the result of a few blocks alone
 /// would vary too much.

@@ -3,8 +3,8 @@
 pub mod identifier;
 mod long_run;
 mod input_noise;
-pub mod prior;
 mod unknowns;
+pub mod prior;
 mod pending;
 mod roll_noise;
 pub mod arx;

@@ -1,6 +1,12 @@
 //! The prior of the identification.
 
+use crate::identify::unknowns::{DRIFT, DRIFT_S, GAIN, OFFSET};
 use crate::math::real::Real;
+use crate::truck::reduced::{ORDER, Reduced5};
+
+/// Weight of prior rows that fix the dynamics to those of the model. The weight of the data is the
+/// roll angle times the root of the number of rows, which is about 3.
+pub(crate) const HELD: f64 = 1e3;
 
 /// Prior knowledge of [`FilteredArx`](crate::FilteredArx).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,5 +35,25 @@ impl<T: Real> Prior<T> {
             offset_sd_rad: T::one() / T::zero(),
             drift_sd_radps: T::of(3e-4),
         }
+    }
+
+    /// Weight of the prior row of unknown `k`; the gain has no prior.
+    pub(crate) fn weight(&self, model: &Reduced5<T>, k: usize, noise_sd: T) -> Option<T> {
+        let size =
+            |coefficients: &[T], k: usize| coefficients.get(k).copied().unwrap_or(T::zero()).abs();
+        let sd = match k {
+            GAIN => return None,
+            OFFSET => self.offset_sd_rad,
+            DRIFT => self.drift_sd_radps * T::of(DRIFT_S),
+            _ if k < ORDER => self.dynamics_sd * size(&model.denominator, k),
+            // A numerator coefficient that happens to be small is not known more accurately.
+            _ => {
+                let least = model.dc_gain().abs() * T::of(0.2);
+                self.dynamics_sd * size(&model.numerator, k - GAIN).max(least)
+            }
+        };
+        // The column of a fixed unknown is zero. Any weight keeps it at zero; a large one makes its
+        // variance negligible.
+        Some(if sd > T::zero() { noise_sd / sd } else { T::of(HELD) })
     }
 }

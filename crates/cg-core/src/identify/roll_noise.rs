@@ -3,45 +3,54 @@
 //! White noise of the sensor is slow noise after the two lags of a channel: after two lags of `T` its
 //! correlation over a time `t` is `(1 + t/T) e^(−t/T)`.
 
-use crate::identify::long_run::BLOCK_S;
 use crate::math::real::Real;
 use crate::truck::channel::ROLL_LAG_S;
-use crate::truck::reduced::{ORDER, Reduced5, StepMatrices};
+use crate::truck::reduced::{ORDER, StepMatrices};
 
-/// The correlation of the noise of the roll angle with itself after the filters `sᵏ/B`, k = 0…4,
-/// summed over the rows.
+/// The noise of the roll angle in the rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RollNoise<T> {
+    /// The weight of the newest sample in the signal filtered by `sᵏ/B`, k = 0…4, summed over the rows;
+    /// zero with lags.
     pub(crate) sum: [T; ORDER],
-    /// What a row adds if the roll angle passes the lags. Without them it is the weight of the newest
-    /// sample in the filtered signal.
-    lagged: Option<[T; ORDER]>,
+    /// The time of the rows, s.
+    seconds: T,
+    /// Whether the roll angle passes the lags.
+    lags: bool,
 }
 
 impl<T: Real> RollNoise<T> {
-    pub(crate) const NONE: Self = Self { sum: [T::ZERO; ORDER], lagged: None };
+    pub(crate) const NONE: Self = Self { sum: [T::ZERO; ORDER], seconds: T::ZERO, lags: false };
 
-    /// The noise of a roll angle with or without lags, for a model in time scaled by `scale_radps`.
-    pub(crate) fn of(lags: bool, model: &Reduced5<T>, scale_radps: T) -> Self {
-        Self { lagged: lags.then(|| filtered_share(model, scale_radps)), ..Self::NONE }
+    /// The noise of a roll angle with or without lags.
+    pub(crate) fn of(lags: bool) -> Self {
+        Self { lags, ..Self::NONE }
     }
 
-    pub(crate) fn add_row(&mut self, step: &StepMatrices<T>) {
-        let shares = self.lagged.unwrap_or_else(|| step.newest_share());
-        for (sum, share) in self.sum.iter_mut().zip(shares) {
-            *sum += share;
+    /// Forgets all rows.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::of(self.lags);
+    }
+
+    pub(crate) fn add_row(&mut self, step: &StepMatrices<T>, interval_s: T) {
+        self.seconds += interval_s;
+        if !self.lags {
+            for (sum, share) in self.sum.iter_mut().zip(step.newest_share()) {
+                *sum += share;
+            }
         }
     }
 
     pub(crate) fn scale(&mut self, factor: T) {
-        for sum in &mut self.sum {
+        for sum in self.sum.iter_mut().chain([&mut self.seconds]) {
             *sum *= factor;
         }
     }
 
     /// The long-run variance of the noise divided by its variance, if the sensor's noise is white.
-    pub(crate) fn inflation(&self, interval_s: T) -> T {
-        self.lagged.map_or(T::one(), |_| inflation(interval_s))
+    /// `rows` is their weight.
+    pub(crate) fn inflation(&self, rows: T) -> T {
+        if self.lags { inflation(self.seconds / rows) } else { T::one() }
     }
 
     /// The long-run variance of a residual divided by its `variance`: a part of it is the response to
@@ -50,63 +59,19 @@ impl<T: Real> RollNoise<T> {
     pub(crate) fn usual(&self, inflation: T, variance: T, [input, passed]: [T; 2]) -> T {
         let of_roll = (variance - passed).max(T::zero()) * inflation;
         let usual = (of_roll + input) / variance;
-        if self.lagged.is_some() && usual > T::one() { usual } else { T::one() }
+        if self.lags && usual > T::one() { usual } else { T::one() }
     }
 }
 
-/// The long-run variance of white noise after the lags, divided by its variance: the sum over a block
-/// of length `L` has the variance of `4 T (1 − 3 T/(2 L))` seconds of equal errors.
+/// The long-run variance of white noise after the lags, divided by its variance: the noise counts as
+/// `4 T` seconds of equal errors.
 fn inflation<T: Real>(interval_s: T) -> T {
-    const SECONDS: f64 = 4.0 * ROLL_LAG_S * (1.0 - 1.5 * ROLL_LAG_S / BLOCK_S);
-    (T::of(SECONDS) / interval_s).max(T::one())
-}
-
-/// The correlation of the noise with itself after the filters `sᵏ/B`, k = 0…4, for a model in time
-/// scaled by `scale_radps`: `∫ g(t) (1 + t/T) e^(−t/T) dt` over the impulse response `g`, which is
-/// `G(a) − a G'(a)` with the transfer function `G = sᵏ/B` and `a = 1/T`.
-#[inline(never)]
-fn filtered_share<T: Real>(model: &Reduced5<T>, scale_radps: T) -> [T; ORDER] {
-    let a = T::one() / (T::of(ROLL_LAG_S) * scale_radps);
-    // B and a B'
-    let (mut value, mut slope, mut power) = (T::zero(), T::zero(), T::one());
-    let mut degree = T::zero();
-    for b in model.denominator.into_iter().chain([T::one()]) {
-        value += b * power;
-        slope += b * power * degree;
-        power *= a;
-        degree += T::one();
-    }
-    let (mut shares, mut power, mut degree) = ([T::zero(); ORDER], T::one(), T::zero());
-    for share in &mut shares {
-        *share = power / value * (T::one() - degree + slope / value);
-        power *= a;
-        degree += T::one();
-    }
-    shares
+    (T::of(4.0 * ROLL_LAG_S) / interval_s).max(T::one())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// For `B = (s + c)⁵` the impulse response of `1/B` is `t⁴ e^(−ct)/24`, and the integral is
-    /// `p⁻⁵ + 5 p⁻⁶/T` with `p = c + 1/T`. That of `s/B` is the derivative, which partial integration
-    /// moves to the correlation: `∫ t⁴ e^(−pt) t/(24 T²) dt = 5 p⁻⁶/T²`.
-    #[test]
-    fn the_share_is_the_integral_by_hand() {
-        let c = 3.0_f64;
-        let denominator = [c.powi(5), 5.0 * c.powi(4), 10.0 * c.powi(3), 10.0 * c.powi(2), 5.0 * c];
-        let model = Reduced5 { denominator, ..Reduced5::EMPTY };
-        let found = filtered_share(&model, 1.0);
-        let p = c + 1.0 / ROLL_LAG_S;
-        let expected = [
-            p.powi(-5) + 5.0 * p.powi(-6) / ROLL_LAG_S,
-            5.0 * p.powi(-6) / (ROLL_LAG_S * ROLL_LAG_S),
-        ];
-        for (found, expected) in found.into_iter().zip(expected) {
-            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
-        }
-    }
 
     /// Numbers from a multiplicative congruential generator, twice through the trapezoidal lag.
     #[test]
@@ -130,8 +95,9 @@ mod tests {
                 block = 0.0;
             }
         }
-        // 4000 blocks: their mean square has a standard deviation of √(2/4000) = 2.2 %, here three
-        // of them.
-        assert!((blocks / square / inflation(interval_s) - 1.0).abs() < 0.067);
+        // Of a block of length L, its ends take 3 T/(2 L). 4000 blocks: their mean square has a standard
+        // deviation of √(2/4000) = 2.2 %, here three of them.
+        let expected = inflation(interval_s) * (1.0 - ROLL_LAG_S);
+        assert!((blocks / square / expected - 1.0).abs() < 0.067);
     }
 }

@@ -17,6 +17,9 @@ pub(crate) const OFFSET: usize = 2 * ORDER + 1;
 pub(crate) const DRIFT: usize = 2 * ORDER + 2;
 pub(crate) const BEND: usize = 2 * ORDER + 3;
 
+/// Unit of time of the drift, s, chosen so that its regressor is of the size of the others.
+pub(crate) const DRIFT_S: f64 = 10.0;
+
 /// The triangle of the rows, stored in half the memory of a square array.
 pub(crate) type Equations<T> = Triangle<T, REGRESSORS, HalfSquare<T>>;
 pub(crate) type HalfSquare<T> = Packed<T, REGRESSORS, { REGRESSORS * (REGRESSORS + 1) / 2 }>;

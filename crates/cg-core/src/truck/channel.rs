@@ -61,9 +61,9 @@ pub enum Channel {
 ///
 /// The tractor rolls the trailer through the fifth wheel before the trailer's own acceleration does.
 /// A model that may use only the past of the acceleration therefore cannot explain the roll angle; it
-/// can explain that of 0.4 s ago. Of 0.1 to 0.5 s, this time leaves the least error in turns and lane
-/// changes of the trucks in this project.
-pub const ROLL_LAG_S: f64 = 0.2;
+/// can explain that of 0.3 s ago. With longer lags the models are hardly more exact, and the noise of the
+/// roll angle becomes slower.
+pub const ROLL_LAG_S: f64 = 0.15;
 
 /// Number of channels.
 pub const CHANNELS: usize = Channel::ALL.len();

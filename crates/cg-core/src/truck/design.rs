@@ -259,11 +259,11 @@ impl<T: Real, const C: usize> Design<T, C> {
         self.channels.iter().position(|design| design.index as usize == channel.index())
     }
 
-    /// `U0/U − 1`, by which the numerators of the reduced models change, down to a quarter of the nominal
-    /// speed; zero if the speed is NaN.
+    /// `U0/U − 1`, by which the numerators of the reduced models change, between a quarter of the nominal
+    /// speed and four times that speed; zero if the speed is NaN.
     pub fn pace(&self, speed_mps: T) -> T {
         let pace = self.nominal_speed_mps / speed_mps - T::one();
-        if pace.present() { pace.min(T::of(3.0)) } else { T::zero() }
+        if pace.present() { pace.max(T::of(-0.75)).min(T::of(3.0)) } else { T::zero() }
     }
 
     /// Whether a bank of the road changes the ratio of the channel at this place.

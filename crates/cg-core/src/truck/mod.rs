@@ -4,6 +4,7 @@
 pub mod channel;
 pub(crate) mod axis;
 pub mod reduced;
+pub mod simulation;
 pub mod ratio;
 pub mod rollover;
 pub mod design;

@@ -86,6 +86,13 @@ impl<T: Real> Reduced5<T> {
         model
     }
 
+    /// Changes the numerator by a change of the pace `U0/U − 1`.
+    pub fn change_pace(&mut self, change: T) {
+        for (own, slope) in self.numerator.iter_mut().skip(1).zip(&self.speed_slope) {
+            *own += *slope * change;
+        }
+    }
+
     /// The same model in the scaled time `τ = ω t`, where `ω` is `scale_radps`.
     #[must_use]
     pub fn in_scaled_time(&self, scale_radps: T) -> Self {
@@ -113,13 +120,13 @@ impl<T: Real> Reduced5<T> {
         let c2 = (b4 * b1 - b0) / b4;
         let d1 = (c1 * b2 - b4 * c2) / c1;
         let e1 = (d1 * c2 - c1 * b0) / d1;
-        let positive = |x: T| x.present() && x > T::zero();
-        positive(b4)
-            && positive(c1)
-            && positive(d1)
-            && positive(e1)
-            && positive(b0)
-            && self.numerator.iter().chain(&self.speed_slope).all(|a| a.present())
+        // A sum is finite only if each of its terms is.
+        let mut sum = c1 + d1 + e1;
+        for a in self.numerator.iter().chain(&self.denominator).chain(&self.speed_slope) {
+            sum += *a;
+        }
+        let zero = T::zero();
+        sum.present() && b4 > zero && c1 > zero && d1 > zero && e1 > zero && b0 > zero
     }
 
     /// The output of the model for the filtered input: `Σ A_k (s^k/B) u`.
@@ -129,15 +136,6 @@ impl<T: Real> Reduced5<T> {
             sum += self.numerator[k] * filtered[k];
         }
         sum
-    }
-
-    /// The same at another speed; `pace` is `U0/U − 1`.
-    pub fn response_at(&self, pace: T, filtered: &[T; ORDER + 1]) -> T {
-        let mut change = T::zero();
-        for k in 0..ORDER {
-            change += self.speed_slope[k] * filtered[k + 1];
-        }
-        self.response(filtered) + change * pace
     }
 }
 
@@ -330,46 +328,10 @@ impl<T: Real> StateVariableFilter<T> {
     }
 }
 
-/// Simulates the reduced model sample by sample.
-#[derive(Clone, Copy, Debug)]
-pub struct Simulation<T: Real> {
-    model: Reduced5<T>,
-    step: StepMatrices<T>,
-    filter: StateVariableFilter<T>,
-}
-
-impl<T: Real> Simulation<T> {
-    /// Starts `model` in steady state at the constant `input`, with samples every `interval_s`.
-    pub fn new(model: &Reduced5<T>, interval_s: T, input: T) -> Self {
-        let scale = model.time_scale_radps();
-        let model = model.in_scaled_time(scale);
-        Self {
-            model,
-            step: StepMatrices::new(&model, interval_s * scale),
-            filter: StateVariableFilter::at_rest(&model, input),
-        }
-    }
-
-    /// Resets the simulation to the steady state at the constant `input`.
-    pub fn rest(&mut self, input: T) {
-        self.filter = StateVariableFilter::at_rest(&self.model, input);
-    }
-
-    /// The present roll angle, in radians.
-    pub fn roll_rad(&self) -> T {
-        self.model.response(&self.filter.derivatives(&self.model))
-    }
-
-    /// Advances one interval to the next input sample and returns the roll angle there, in radians.
-    pub fn push(&mut self, input: T) -> T {
-        self.filter.push(&self.step, input);
-        self.roll_rad()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::truck::simulation::Simulation;
 
     /// 120 / ((s + 1)(s + 2)(s + 3)(s + 4)(s + 5)): unit DC gain and known responses.
     fn five_lags() -> Reduced5<f64> {

@@ -7,7 +7,7 @@ use std::array::from_fn;
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
-use cg_core::truck::reduced::Simulation;
+use cg_core::truck::simulation::Simulation;
 use cg_core::{
     Channel, ChannelDesign, Design, Estimator, Reduced5, RolloverDesign, Spread, ThresholdLine,
 };

@@ -29,6 +29,8 @@ pub struct Prediction {
 /// The running filter, in scaled time.
 struct Running {
     model: Reduced5<f64>,
+    /// `U0/U − 1`, to which the numerator belongs.
+    pace: f64,
     scale_radps: f64,
     trailer_mass_kg: f64,
     filter: StateVariableFilter<f64>,
@@ -109,6 +111,7 @@ impl Running {
         let filter = StateVariableFilter::at_rest(&model, input_rad);
         Self {
             model,
+            pace: 0.0,
             scale_radps,
             trailer_mass_kg,
             filter,
@@ -129,7 +132,9 @@ impl Running {
                 (interval_s, StepMatrices::new(&self.model, interval_s * self.scale_radps))
             }));
             self.filter.push(&step, input_rad);
-            self.roll_rad = self.model.response_at(pace, &self.filter.derivatives(&self.model));
+            self.model.change_pace(pace - self.pace);
+            self.pace = pace;
+            self.roll_rad = self.model.response(&self.filter.derivatives(&self.model));
         }
         self.roll_rad
     }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use cg_core::Channel;
-use cg_core::truck::reduced::Simulation as ReducedSimulation;
+use cg_core::truck::simulation::Simulation as ReducedSimulation;
 
 use super::scenario::{Motion, Scenario};
 use crate::maneuver::Histories;

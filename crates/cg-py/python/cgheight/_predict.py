@@ -31,9 +31,10 @@ def predict_roll(
     """Predict the roll angle of a log for a c.g. height, from one of its inputs.
 
     The prediction is the response of the reduced model to the input, with the DC ratio at the given
-    height, speed and mass. It does not include the offset of the roll sensor. In all channels except
-    that of the steer angle, the estimator passes the roll angle through two lags of 0.2 s, because
-    the tractor rolls before the trailer's own acceleration changes; the prediction contains them.
+    height, speed and mass. It does not include the offset of the roll sensor. In all channels
+    except that of the steer angle, the estimator passes the roll angle through two lags of 0.15 s,
+    because the tractor rolls before the trailer's own acceleration changes; the prediction contains
+    them.
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ def predict_roll(
     Returns
     -------
     array, shape (n,)
-        Roll angle at each row, rad (after the lags of the channel); NaN where speed or mass is outside the vehicle's range, and
-        before the first value of the input.
+        Roll angle at each row, rad (after the lags of the channel); NaN where speed or mass is
+        outside the vehicle's range, and before the first value of the input.
 
     Raises
     ------

@@ -5,7 +5,8 @@
 //! gives its part of the sampled numerator, and the weights of the six parts are solved for.
 
 use cg_core::Reduced5;
-use cg_core::truck::reduced::{ORDER, Simulation};
+use cg_core::truck::reduced::ORDER;
+use cg_core::truck::simulation::Simulation;
 use faer::c64;
 use nalgebra::{SMatrix, SVector};
 

@@ -4,7 +4,7 @@
 //! noise on the roll angle, SNR relative to its mean square, and `[n n+1 0]` ARX models in shift form.
 //! Draw `k` of every cell has the seed `seed + k`, so that cells differ by their settings only.
 
-use cg_core::truck::reduced::Simulation;
+use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
 use rand::SeedableRng;
 use rand::rngs::StdRng;

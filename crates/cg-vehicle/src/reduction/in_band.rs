@@ -3,8 +3,8 @@
 //! The weighted square of `N(iω)/B(iω) − G(iω)/(1 + iωT)²` over the frequencies is minimized over
 //! the numerator `N`, which is a linear problem. `G` is the exact transfer function from the input of
 //! a channel to its roll angle, scaled to `G(0) = 1`, `B` the given denominator, and `T` the time
-//! constant of the lags through which the estimator passes the measured roll angle (zero for the
-//! steer angle). `N(0) = B(0)` is exact.
+//! constant of the lags through which the estimator passes the measured roll angle. `N(0) = B(0)` is
+//! exact.
 //!
 //! At another speed `U` the numerator is `N + (U0/U − 1) M`, and `M` is fitted in the same way to
 //! what `N` leaves at the other speeds. The distance between the axles passes in a time of `1/U`, so
@@ -53,23 +53,18 @@ impl<'a> Band<'a> {
         Ok(Self { model, pace, points })
     }
 
-    /// Input and roll angle of a channel, relative to those of a slow turn.
+    /// Input and roll angle of a channel, relative to those of a slow turn; none for the steer angle.
     fn points(&self, channel: Channel) -> Result<Vec<Point>, VehicleError> {
         let model = self.model;
-        let output_row = model.output_row(channel.output());
-        let input_row = model.input_row(channel.input());
-        let steady_output = model.steady(output_row, 0.0)?;
-        let steady_input = match input_row {
-            Some((row, feedthrough)) => model.steady(row, feedthrough)?,
-            None => 1.0,
+        let Some((input_row, feedthrough)) = model.input_row(channel.input()) else {
+            return Ok(Vec::new());
         };
-        let lag_s = if channel.lags_roll() { ROLL_LAG_S } else { 0.0 };
+        let output_row = model.output_row(channel.output());
+        let steady_output = model.steady(output_row, 0.0)?;
+        let steady_input = model.steady(input_row, feedthrough)?;
         let points = self.points.iter().map(|(omega_radps, state)| {
-            let lag = Complex::new(1.0, omega_radps * lag_s);
-            let input = match input_row {
-                Some((row, feedthrough)) => response_of(state, row, feedthrough) / steady_input,
-                None => Complex::new(1.0, 0.0),
-            };
+            let lag = Complex::new(1.0, omega_radps * ROLL_LAG_S);
+            let input = response_of(state, input_row, feedthrough) / steady_input;
             let output = response_of(state, output_row, 0.0) / (lag * lag * steady_output);
             let weight = usual_steer(*omega_radps);
             (*omega_radps, input * weight, output * weight)
@@ -92,9 +87,10 @@ fn polynomial_at(coefficients: &[f64], omega_radps: f64) -> Complex<f64> {
     coefficients.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &c| sum * s + c)
 }
 
-/// The coefficients `c1 … cn` for which `Σ ck sᵏ/B` best turns the inputs into the roll angles.
+/// The coefficients `c1 … cn` for which `Σ ck sᵏ/B` best turns the inputs into the roll angles. The last
+/// is zero: after the lags a roll angle does not follow the noise of its input without delay.
 fn fitted(points: &[Point], denominator: &[f64]) -> Result<Vec<f64>, VehicleError> {
-    let unknown = denominator.len() - 1;
+    let unknown = denominator.len() - 2;
     let mut matrix = DMatrix::zeros(2 * points.len(), unknown);
     let mut rhs = DVector::zeros(2 * points.len());
     for (i, (omega_radps, input, output)) in points.iter().enumerate() {
@@ -110,13 +106,15 @@ fn fitted(points: &[Point], denominator: &[f64]) -> Result<Vec<f64>, VehicleErro
         .solve(&rhs, f64::EPSILON)
         .map_err(|error| VehicleError::Model(format!("reduced model: {error}")))?;
     let mut unit = denominator[0];
-    Ok(solution
+    let mut coefficients: Vec<f64> = solution
         .iter()
         .map(|share| {
             unit /= UNIT_RADPS;
             share * unit
         })
-        .collect())
+        .collect();
+    coefficients.push(0.0);
+    Ok(coefficients)
 }
 
 /// What a numerator leaves of the roll angles, with the input multiplied by `factor`.

@@ -5,7 +5,7 @@
 //! | [`pade`](mod@pade) | the reduction of the thesis, for any order |
 //! | [`balanced`](mod@balanced) | balanced truncation and residualization, for any order |
 //! | [`fitted`](mod@fitted) | the best model of any order for one input |
-//! | [`in_band`] | the best numerator for usual maneuvers |
+//! | `in_band` | the best numerator for usual maneuvers |
 //! | [`reduce`](mod@reduce) | the models of order 5 for the estimator |
 //! | [`quality`] | error of a reduced model: step response, H∞ norm |
 

@@ -12,8 +12,8 @@
 //! tractor rolls before the trailer's body is accelerated, so the acceleration has zeros in the
 //! right half-plane, and at 0.5 Hz the approximant is wrong by more than the roll angle itself. The
 //! estimator therefore delays the roll angle of these channels by two lags
-//! ([`cg_core::truck::channel::ROLL_LAG_S`]), and [`in_band`] fits the model to the frequency
-//! response that is left.
+//! ([`cg_core::truck::channel::ROLL_LAG_S`]), and `in_band` fits the model to the frequency response
+//! that is left.
 //!
 //! **Reference.** Chen and Shieh, *A novel approach to linear model simplification*, Int. J.
 //! Control 8 (1968); Baker and Graves-Morris, *Padé Approximants*, 2nd ed., §1.1.
@@ -114,22 +114,16 @@ pub fn reduce(
         }
     }
     let mut of_channels = [steer; CHANNELS];
-    for (channel, reduced) in Channel::ALL.into_iter().zip(&mut of_channels) {
+    let lagged = Channel::ALL.into_iter().zip(&mut of_channels);
+    for (channel, reduced) in lagged.filter(|(channel, _)| channel.lags_roll()) {
         let gain = steady_ratio(model, channel)?;
-        let unit = if channel.lags_roll() {
-            numerator(&band, channel, &denominator)?
-        } else {
-            steer.numerator.iter().map(|a| a / gain).collect()
-        };
-        let slope = if bands.is_empty() {
-            vec![0.0; ORDER]
-        } else {
-            speed_slope(&bands, channel, &unit, &denominator)?
-        };
+        let unit = numerator(&band, channel, &denominator)?;
         reduced.numerator = std::array::from_fn(|k| gain * unit[k]);
-        reduced.speed_slope = std::array::from_fn(|k| gain * slope[k]);
+        if !bands.is_empty() {
+            let slope = speed_slope(&bands, channel, &unit, &denominator)?;
+            reduced.speed_slope = std::array::from_fn(|k| gain * slope[k]);
+        }
     }
-    of_channels[Channel::Steer.index()].numerator = steer.numerator;
     Ok(ReducedModels { of_channels, method })
 }
 

@@ -147,9 +147,7 @@ def _roll(table: _Table, vehicle: _native.Vehicle, channel: Channel) -> NDArray[
     return table["tilt_rad"] - lateral / _STANDARD_GRAVITY_MPS2
 
 
-def _after_lags(
-    time_s: NDArray[np.float64], roll_rad: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _after_lags(time_s: NDArray[np.float64], roll_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the roll angle after two lags, as the estimator uses it (trapezoidal rule)."""
     lagged = roll_rad
     for _ in range(2):
