@@ -395,7 +395,7 @@ fn seen<T: Real, I: Identify<T>, const C: usize>(
         {
             let expected_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
             let [measured, its_input, its_model] =
-                lane.views_rad(expected_rad, design.lags_roll(place), design.feels_bank(place));
+                lane.views_rad(expected_rad, design.feels_bank(place));
             *input = its_input;
             if !model.present() {
                 (*roll, *model) = (measured, its_model);
