@@ -87,10 +87,8 @@ fn polynomial_at(coefficients: &[f64], omega_radps: f64) -> Complex<f64> {
     coefficients.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &c| sum * s + c)
 }
 
-/// The coefficients `c1 … cn` for which `Σ ck sᵏ/B` best turns the inputs into the roll angles. The last
-/// is zero: after the lags a roll angle does not follow the noise of its input without delay.
-fn fitted(points: &[Point], denominator: &[f64]) -> Result<Vec<f64>, VehicleError> {
-    let unknown = denominator.len() - 2;
+/// The coefficients `c1 … cn` for which `Σ ck sᵏ/B` best turns the inputs into the roll angles.
+fn fitted(points: &[Point], denominator: &[f64], unknown: usize) -> Result<Vec<f64>, VehicleError> {
     let mut matrix = DMatrix::zeros(2 * points.len(), unknown);
     let mut rhs = DVector::zeros(2 * points.len());
     for (i, (omega_radps, input, output)) in points.iter().enumerate() {
@@ -106,15 +104,13 @@ fn fitted(points: &[Point], denominator: &[f64]) -> Result<Vec<f64>, VehicleErro
         .solve(&rhs, f64::EPSILON)
         .map_err(|error| VehicleError::Model(format!("reduced model: {error}")))?;
     let mut unit = denominator[0];
-    let mut coefficients: Vec<f64> = solution
+    Ok(solution
         .iter()
         .map(|share| {
             unit /= UNIT_RADPS;
             share * unit
         })
-        .collect();
-    coefficients.push(0.0);
-    Ok(coefficients)
+        .collect())
 }
 
 /// What a numerator leaves of the roll angles, with the input multiplied by `factor`.
@@ -140,7 +136,7 @@ pub(super) fn numerator(
     let constant = [denominator[0]];
     let points: Vec<Point> = left_by(&constant, denominator, band.points(channel)?, 1.0).collect();
     let mut numerator = vec![denominator[0]];
-    numerator.extend(fitted(&points, denominator)?);
+    numerator.extend(fitted(&points, denominator, denominator.len() - 1)?);
     Ok(numerator)
 }
 
@@ -155,5 +151,8 @@ pub(super) fn speed_slope(
     for band in bands {
         points.extend(left_by(numerator, denominator, band.points(channel)?, band.pace));
     }
-    fitted(&points, denominator)
+    // Without the highest power, by which the noise of the input would pass without delay.
+    let mut slope = fitted(&points, denominator, denominator.len() - 2)?;
+    slope.push(0.0);
+    Ok(slope)
 }
