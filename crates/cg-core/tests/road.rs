@@ -214,7 +214,7 @@ fn ramp(mut road: Road<4>, rows: u32, roll_end_rad: f64) -> [Option<Reject<f64>>
 fn a_sensor_at_its_end_costs_the_channels_with_its_roll_angle() {
     let mut road = truck(Channel::ALL, flat());
     road.suspension_end_rad = 0.02;
-    // A smoothed channel needs a slower turn, in which its lags do not hide the end.
+    // A channel with lags needs a slower turn, in which its lags do not hide the end.
     let [steer, lateral, suspension, tractor] = ramp(road, 1200, f64::INFINITY);
     assert_eq!([steer, lateral, tractor], [None; 3]);
     let Some(Reject::Inconsistent(Inconsistency::Standstill { roll_rad })) = suspension else {

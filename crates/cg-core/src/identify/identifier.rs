@@ -64,7 +64,8 @@ pub struct Fit<T> {
     /// share of that angle. It is negative if the range of the sensor ends below the roll angle,
     /// and positive for a dead band. Zero if the identifier does not estimate it.
     pub bend: Measured<T>,
-    /// Standard deviation of the residual, radians (not below the noise floor).
+    /// Standard deviation of the residual, radians (not below the noise floor). For a roll angle that
+    /// passed the lags of its channel, it is that of the white noise of the sensor that would leave it.
     pub noise_sd_rad: T,
     /// Signal-to-noise ratio: mean square of the roll response divided by the noise variance, dB.
     pub snr_db: T,

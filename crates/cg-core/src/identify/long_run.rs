@@ -23,7 +23,7 @@ use crate::math::real::Real;
 /// below a round number, so that rounding does not decide which row is the last of a block.
 const BLOCK_S: f64 = 1.4996;
 
-/// White noise is assumed for this many additional blocks, because the result of a few blocks alone
+/// White noise of the sensor is assumed for this many additional blocks, because the result of a few blocks alone
 /// would vary too much.
 const BELIEVED_BLOCKS: f64 = 4.0;
 

@@ -29,7 +29,8 @@ pub(crate) type HalfSquare<T> = Packed<T, REGRESSORS, { REGRESSORS * (REGRESSORS
 pub(crate) struct Solution<T: Real> {
     /// Deviations from the reduced model.
     pub(crate) theta: [T; REGRESSORS],
-    /// Standard deviation of the residual of single rows; not below the noise floor.
+    /// Standard deviation of the residual of single rows, after the lags; not below the noise floor that
+    /// is left of the sensor's.
     pub(crate) noise_sd: T,
     /// The same from the long-run variance, which determines the uncertainty of the solution.
     pub(crate) slow_sd: T,
