@@ -52,9 +52,15 @@ def test_a_log_with_its_maneuvers_and_predicted_roll(kraz, turn, tmp_path):
     inputs, roll, rest = figure.axes[:3]
     assert f"height {answer.height_m:.2f} m" in inputs.get_title(loc="left")
     measured, predicted = roll.get_lines()[:2]
-    assert np.array_equal(measured.get_ydata(), np.degrees(turn["roll_rad"]))
+    # After two lags of 0.15 s, half of the turn's roll angle is reached 0.3 s later.
+    drawn_deg, given_deg = measured.get_ydata(), np.degrees(turn["roll_rad"])
+    half_s = [
+        turn["time_s"][np.argmax(angle > 0.5 * given_deg[-1])] for angle in (drawn_deg, given_deg)
+    ]
+    assert half_s[0] - half_s[1] == pytest.approx(0.3, abs=0.05)
+    assert drawn_deg[-1] == pytest.approx(given_deg[-1], abs=0.001)
     expected = cgheight.predict_roll(turn, answer.height_m, vehicle=kraz)
-    offset = np.mean(turn["roll_rad"] - expected)
+    offset = np.mean(np.radians(drawn_deg) - expected)
     assert predicted.get_ydata() == pytest.approx(np.degrees(expected + offset), abs=1e-12)
     assert np.mean(rest.get_lines()[0].get_ydata()) == pytest.approx(0.0, abs=1e-12)
     assert [axes.get_ylabel().split("(")[-1] for axes in figure.axes[:3]] == ["°)"] * 3

@@ -13,9 +13,9 @@ from cgheight._results import Estimate
 from cgheight._scenario import Scenario
 
 __all__ = [
+    "ROLL_LAG_S",
     "FrameStream",
     "FrameTable",
-    "ROLL_LAG_S",
     "Stream",
     "Vehicle",
     "__version__",
