@@ -1,4 +1,4 @@
-//! Loads off centre: intervals over drawn places, calibrations on loads that stand elsewhere, and what
+//! Loads off center: intervals over drawn places, calibrations on loads that stand elsewhere, and what
 //! a payload to one side does to the height and to the rollover threshold.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
