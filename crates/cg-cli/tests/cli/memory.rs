@@ -43,7 +43,9 @@ fn memory_does_not_grow_with_the_log() {
     let (short, long) = (drive("short.csv", "360"), drive("long.csv", "1800"));
     let [short_bytes, long_bytes] =
         [&short, &long].map(|log| std::fs::metadata(log).unwrap().len());
-    let [short_kb, long_kb] = [&short, &long].map(|log| peak_of_reading_kb(log));
+    // The least of three: the peak varies by 0.2 MB with what the allocator happens to keep.
+    let least = |log: &String| (0..3).map(|_| peak_of_reading_kb(log)).min().unwrap();
+    let [short_kb, long_kb] = [&short, &long].map(least);
     println!("{short_bytes} bytes: {short_kb} kB, {long_bytes} bytes: {long_kb} kB");
     // Fewer than 200 more maneuvers of less than 1 kB each, and whole pages of the allocator.
     assert!(long_kb < short_kb + 400, "{short_kb} kB, then {long_kb} kB");
