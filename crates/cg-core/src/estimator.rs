@@ -230,8 +230,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         self.other_since_us = None;
         for (place, lane) in self.lanes.iter_mut().enumerate() {
             if let Some(model) = self.design.borrow().model(place, trailer_mass_kg) {
-                lane.identifier.make_for(&model, self.options);
-                lane.identifier.lag(self.design.borrow().lags_roll(place));
+                let lags = self.design.borrow().lags_roll(place);
+                lane.identifier.make_for(&model, lags, self.options);
             }
             lane.last_us = None;
         }

@@ -58,7 +58,7 @@ mod _native {
     #[pymodule_export]
     use crate::reproduce::reproduce_tables;
     #[pymodule_export]
-    use crate::signals::{estimate_arrays, predict_roll};
+    use crate::signals::{after_lags, estimate_arrays, predict_roll};
     #[pymodule_export]
     use crate::simulate::{score_accuracy, simulate_log};
     #[pymodule_export]
@@ -67,10 +67,6 @@ mod _native {
     use crate::vehicle::{Vehicle, restore_vehicle};
     #[pymodule_export]
     use crate::write::{copy_file, may_write, write_file};
-
-    /// The time constant of the lags of a channel's roll angle, s.
-    #[pymodule_export]
-    const ROLL_LAG_S: f64 = cg_core::truck::channel::ROLL_LAG_S;
 
     /// The version of the package.
     #[pymodule_export]

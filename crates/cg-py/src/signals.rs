@@ -1,5 +1,7 @@
 //! Estimates and predictions from arrays.
 
+use cg_core::Settings;
+use cg_core::truck::lags::RollLags;
 use cg_logs::estimate::{LogEstimator, Prediction};
 use cg_logs::log::{LogRow, Signal};
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -216,4 +218,33 @@ pub(crate) fn predict_roll<'py>(
     };
     let roll_rad = py.detach(predict).map_err(value_error)?;
     Ok(PyArray1::from_vec(py, roll_rad))
+}
+
+/// The roll angle after the lags of a channel whose input is an acceleration, as the estimator uses it.
+/// They start again after a gap; an absent angle stays absent.
+#[pyfunction]
+#[pyo3(signature = (time_s, roll_rad, /))]
+#[allow(clippy::needless_pass_by_value)] // as arguments of Python arrive
+pub(crate) fn after_lags<'py>(
+    py: Python<'py>,
+    time_s: PyReadonlyArrayDyn<'py, f64>,
+    roll_rad: PyReadonlyArrayDyn<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (times_s, angles_rad) = (slice("time_s", &time_s)?, slice("roll_rad", &roll_rad)?);
+    #[allow(clippy::cast_precision_loss)] // half a second
+    let gap_s = Settings::<f64>::truck().gap_us as f64 * 1e-6;
+    let mut running: Option<(f64, RollLags<f64>)> = None;
+    let late: Vec<f64> = std::iter::zip(times_s, angles_rad)
+        .map(|(&time_s, &roll_rad)| {
+            if roll_rad.is_nan() {
+                return roll_rad;
+            }
+            let known = running.filter(|(last_s, _)| time_s - last_s <= gap_s);
+            let (last_s, mut lags) = known.unwrap_or((time_s, RollLags::at_rest(roll_rad)));
+            let late_rad = lags.push(roll_rad, time_s - last_s);
+            running = Some((time_s, lags));
+            late_rad
+        })
+        .collect();
+    Ok(PyArray1::from_vec(py, late))
 }

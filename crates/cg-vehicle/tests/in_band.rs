@@ -116,8 +116,8 @@ fn the_models_explain_turns_and_lane_changes() {
 }
 
 /// At speeds between those to which the slope is fitted, a model with it leaves less than one of a single
-/// speed: of the trailer's channels a third, of the tractor's channel, whose poles change too, a half to
-/// four fifths.
+/// speed: of the trailer's channels an eighth to a third, of the tractor's channel, whose poles change
+/// too, a half to four fifths.
 #[test]
 fn the_numerators_follow_the_speed() {
     for file in ["kraz.toml", "euro.toml"] {
@@ -134,7 +134,8 @@ fn the_numerators_follow_the_speed() {
                     let [with, _] = left(&truck, channel, &unit(reduced, pace), ROLL_LAG_S);
                     let [without, _] = left(&truck, channel, &unit(reduced, 0.0), ROLL_LAG_S);
                     println!("{file} {payload_kg} {channel} {pace}: {with:.4} for {without:.4}");
-                    assert!(with < 0.85 * without, "{file} {channel} {pace}: {with} {without}");
+                    let share = if channel == Channel::Tractor { 0.85 } else { 0.4 };
+                    assert!(with < share * without, "{file} {channel} {pace}: {with} {without}");
                 }
             }
         }

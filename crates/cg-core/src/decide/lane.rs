@@ -5,7 +5,7 @@ use crate::decide::height::Fusion;
 use crate::decide::settings::Settings;
 use crate::identify::identifier::Identify;
 use crate::math::real::Real;
-use crate::truck::channel::ROLL_LAG_S;
+use crate::truck::lags::RollLags;
 
 /// Time constant of the lag after which measured and expected roll angle of a suspension are compared
 /// to find a sensor that stands still: more than the time by which the roll angle comes before the force.
@@ -17,8 +17,8 @@ pub(crate) struct Lane<T: Real, I> {
     pub(crate) identifier: I,
     pub(crate) last_us: Option<u64>,
     settled_us: u64,
-    /// The measured roll angle, and what is left of it after one and two lags of [`ROLL_LAG_S`].
-    lagged_rad: [T; 3],
+    measured_rad: T,
+    lags: RollLags<T>,
     /// Expected and measured roll angle after [`VIEW_LAG_S`].
     view_rad: [T; 2],
     rest: Rest<T>,
@@ -57,7 +57,8 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         identifier: I::EMPTY,
         last_us: None,
         settled_us: 0,
-        lagged_rad: [T::ZERO; 3],
+        measured_rad: T::ZERO,
+        lags: RollLags::at_rest(T::ZERO),
         view_rad: [T::ZERO; 2],
         rest: Rest::new(0),
         fusion: Fusion::new(),
@@ -91,44 +92,28 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
                 self.settled_us = row.time_us.saturating_add(wait);
                 let rest_us = if row.turning { 0 } else { settings.rest_us };
                 self.rest = Rest::new(row.time_us.saturating_add(rest_us));
-                self.lagged_rad = [measured_rad; 3];
+                self.lags = RollLags::at_rest(measured_rad);
                 self.view_rad = [expected_rad, measured_rad];
             }
         }
         self.last_us = Some(row.time_us);
+        self.measured_rad = measured_rad;
         let interval_s: T = seconds(interval_us.unwrap_or(0));
-        let late_rad = if lags {
-            self.lag(expected_rad, measured_rad, interval_s)
-        } else {
-            self.lagged_rad[0] = measured_rad;
-            measured_rad
-        };
-        if row.time_us < self.rest.until_us && !row.turning {
-            let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad]);
-            self.lagged_rad = [measured_rad, mean_rad, mean_rad];
-            self.identifier.restart();
-            let roll_rad = if lags { mean_rad } else { measured_rad };
-            self.identifier.push(rest_rad, roll_rad, T::zero(), false);
-            return;
-        }
-        let use_row = usable && row.time_us >= self.settled_us;
-        self.identifier.push(expected_rad, late_rad, interval_s, use_row);
-    }
-
-    /// Advances all lags and returns the measured roll angle after the two of the model. These use
-    /// the trapezoidal rule: at 2 rad/s and 10 Hz it is wrong by 0.3 %.
-    fn lag(&mut self, expected_rad: T, measured_rad: T, interval_s: T) -> T {
-        let half_s = interval_s * T::of(0.5);
-        let share = half_s / (T::of(ROLL_LAG_S) + half_s);
-        let [before, once, twice] = self.lagged_rad;
-        let next_once = once + (before + measured_rad - once - once) * share;
-        let next_twice = twice + (once + next_once - twice - twice) * share;
-        self.lagged_rad = [measured_rad, next_once, next_twice];
+        let roll_rad = if lags { self.lags.push(measured_rad, interval_s) } else { measured_rad };
         let share = interval_s * T::of(1.0 / VIEW_LAG_S); // a gap ends at 0.5 s
         for (view, signal) in self.view_rad.iter_mut().zip([expected_rad, measured_rad]) {
             *view += (signal - *view) * share;
         }
-        next_twice
+        if row.time_us < self.rest.until_us && !row.turning {
+            let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad]);
+            self.lags = RollLags::at_rest(mean_rad);
+            self.identifier.restart();
+            let roll_rad = if lags { mean_rad } else { roll_rad };
+            self.identifier.push(rest_rad, roll_rad, T::zero(), false);
+            return;
+        }
+        let use_row = usable && row.time_us >= self.settled_us;
+        self.identifier.push(expected_rad, roll_rad, interval_s, use_row);
     }
 
     /// What shows a roll angle that stands still: the measured one, and two views of the motion that
@@ -136,7 +121,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     /// not feel the bank) comes before its specific force; the same lag for both makes up for it.
     pub(crate) fn views_rad(&self, expected_rad: T, feels_bank: bool) -> [T; 3] {
         if feels_bank {
-            [self.lagged_rad[0], expected_rad, self.identifier.expected_roll_rad()]
+            [self.measured_rad, expected_rad, self.identifier.expected_roll_rad()]
         } else {
             let [expected_late, measured_late] = self.view_rad;
             [measured_late, expected_rad, expected_late]
@@ -161,17 +146,15 @@ mod tests {
     #[derive(Clone, Copy)]
     struct Recorder {
         last: (f64, f64, bool),
-        roll_rad: f64,
         restarts: u32,
     }
 
     impl Identify<f64> for Recorder {
         type Options = ();
-        const EMPTY: Self = Self { last: (0.0, 0.0, false), roll_rad: 0.0, restarts: 0 };
-        fn make_for(&mut self, _: &Reduced5<f64>, (): ()) {}
-        fn push(&mut self, input: f64, roll_rad: f64, interval_s: f64, use_row: bool) {
+        const EMPTY: Self = Self { last: (0.0, 0.0, false), restarts: 0 };
+        fn make_for(&mut self, _: &Reduced5<f64>, _: bool, (): ()) {}
+        fn push(&mut self, input: f64, _: f64, interval_s: f64, use_row: bool) {
             self.last = (input, interval_s, use_row);
-            self.roll_rad = roll_rad;
         }
         fn clear(&mut self) {}
         fn restart(&mut self) {
@@ -248,41 +231,6 @@ mod tests {
         push(&mut lane, 1_300_000, true, f64::NAN);
         push(&mut lane, 1_600_000, true, 1.0);
         assert_eq!((lane.identifier.restarts, lane.last_us), (3, Some(1_600_000)));
-    }
-
-    /// A sine of 2 rad/s after two lags of `T`: its amplitude is `1/(1 + (2 T)²)`, and it is late by twice
-    /// the angle whose tangent is `2 T`. The trapezoidal rule changes the tangent by a twelfth of the
-    /// square of the angle between two rows: 0.3 % at 10 Hz.
-    #[test]
-    fn the_lags_are_those_of_the_model() {
-        for (rate_hz, tolerance) in [(10_u32, 2e-3), (100, 2e-5)] {
-            let mut lane = Lane::<f64, Recorder>::EMPTY;
-            let mut worst = 0.0_f64;
-            for k in 0..20 * rate_hz {
-                let time_s = f64::from(k) / f64::from(rate_hz);
-                let row = Row {
-                    time_us: u64::from(k) * 1_000_000 / u64::from(rate_hz),
-                    measured_rad: [(2.0 * time_s).sin(); 2],
-                    expected_rad: [0.0; 2],
-                    to_gravity: false,
-                    speed_mps: 10.0,
-                    trailer_mass_kg: 2e4,
-                    lateral_acceleration_mps2: 0.0,
-                    turning: true,
-                    usable: [true; 2],
-                };
-                lane.identify(&row, 1, true, &Settings::truck());
-                let tangent = 2.0 * ROLL_LAG_S;
-                let late = 2.0 * tangent.atan();
-                let expected = (2.0 * time_s - late).sin() / (1.0 + tangent * tangent);
-                // The start has decayed after five seconds.
-                if time_s > 5.0 {
-                    worst = worst.max((lane.identifier.roll_rad - expected).abs());
-                }
-                assert!((lane.lagged_rad[0] - row.measured_rad[1]).abs() < 1e-15);
-            }
-            assert!(worst < tolerance, "{rate_hz}: {worst}");
-        }
     }
 
     #[test]

@@ -220,7 +220,7 @@ impl<T: Real> Identify<T> for SampledArx<T> {
         origin: None,
     };
 
-    fn make_for(&mut self, model: &Reduced5<T>, options: ArxOptions<T>) {
+    fn make_for(&mut self, model: &Reduced5<T>, _lags: bool, options: ArxOptions<T>) {
         let order = options.order.clamp(1, Self::GREATEST_ORDER);
         *self = Self {
             arx: Arx { na: order, nb: order, nk: 1, with_constant: true, ..Arx::empty() },

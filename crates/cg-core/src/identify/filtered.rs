@@ -75,11 +75,11 @@ impl<T: Real> FilteredArx<T> {
     /// A new identifier for the reduced model `model`.
     pub fn new(model: &Reduced5<T>, prior: Prior<T>) -> Self {
         let mut identifier = Self::EMPTY;
-        identifier.begin(model, prior);
+        identifier.begin(model, false, prior);
         identifier
     }
 
-    fn begin(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
+    fn begin(&mut self, model: &Reduced5<T>, lags: bool, prior: Prior<T>) {
         self.scale_radps = model.time_scale_radps();
         self.model = model.in_scaled_time(self.scale_radps);
         self.pace = T::zero();
@@ -87,6 +87,7 @@ impl<T: Real> FilteredArx<T> {
         // The first interval determines the step of the filters.
         self.interval_s = T::zero();
         self.reference_rad = T::zero();
+        self.roll_noise = RollNoise::of(lags);
         self.restart();
     }
 
@@ -386,8 +387,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// The input from the estimator is the expected roll angle, so the model is scaled to unit
     /// gain.
-    fn make_for(&mut self, model: &Reduced5<T>, prior: Prior<T>) {
-        self.begin(&model.at_unit_gain(), prior);
+    fn make_for(&mut self, model: &Reduced5<T>, lags: bool, prior: Prior<T>) {
+        self.begin(&model.at_unit_gain(), lags, prior);
     }
 
     /// Advances the filters to the next sample, `interval_s` after the previous one, and adds its
@@ -413,10 +414,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         if use_row {
             self.take_row(input, roll_rad - self.reference_rad, interval_s);
         }
-    }
-
-    fn lag(&mut self, lags: bool) {
-        self.roll_noise = RollNoise::of(lags);
     }
 
     fn at_pace(&mut self, pace: T) {

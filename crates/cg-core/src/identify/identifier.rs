@@ -169,19 +169,19 @@ pub trait Identify<T: Real>: Copy {
     /// An identifier without a model and without rows.
     const EMPTY: Self;
 
-    /// Deletes all rows and samples and starts again with the reduced model of a channel.
-    fn make_for(&mut self, model: &Reduced5<T>, options: Self::Options);
-    /// A new identifier for the reduced model of a channel.
+    /// Deletes all rows and samples and starts again with the reduced model of a channel. `lags` says
+    /// whether the roll angle passes [`RollLags`](crate::truck::lags::RollLags), which make its noise
+    /// slow.
+    fn make_for(&mut self, model: &Reduced5<T>, lags: bool, options: Self::Options);
+    /// A new identifier for a reduced model of the roll angle without lags.
     fn for_model(model: &Reduced5<T>, options: Self::Options) -> Self {
         let mut identifier = Self::EMPTY;
-        identifier.make_for(model, options);
+        identifier.make_for(model, false, options);
         identifier
     }
     /// Adds the next sample, `interval_s` after the previous one. Its row is used for the fit only
     /// if `use_row` is true.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
-    /// Says whether the roll angle passes the lags of [`ROLL_LAG_S`](crate::truck::channel::ROLL_LAG_S), which make its noise slow.
-    fn lag(&mut self, _lags: bool) {}
     /// Sets the speed from the next sample on: `pace` is `U0/U − 1`, where `U0` is the speed of the
     /// reduced model. An identifier without prior dynamics does not need it.
     fn at_pace(&mut self, _pace: T) {}

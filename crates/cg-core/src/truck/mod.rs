@@ -2,6 +2,7 @@
 //! and the design that contains them.
 
 pub mod channel;
+pub mod lags;
 pub(crate) mod axis;
 pub mod reduced;
 pub mod simulation;

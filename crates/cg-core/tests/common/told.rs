@@ -1,7 +1,7 @@
 //! An estimator whose identifiers return prescribed results, on a drive at 100 Hz.
 
 use cg_core::Outcome;
-use cg_core::truck::channel::ROLL_LAG_S;
+use cg_core::truck::lags::RollLags;
 use cg_core::{
     Answer, Channel, Design, Estimator, Fit, Identify, Maneuver, Measured, Reduced5, Sample,
     Settings, Status, Unexcited,
@@ -29,37 +29,41 @@ pub(crate) struct Told<const C: usize = 2> {
     rows: u32,
     weight: f64,
     ratio: f64,
-    /// The input, and what is left of it after one and two lags.
-    input: [f64; 3],
+    input: f64,
+    /// Whether the roll angle passes lags; the input then passes the same ones, so their ratio is that
+    /// of the height.
+    lags: bool,
+    late: Option<RollLags<f64>>,
 }
 
 impl<const C: usize> Identify<f64> for Told<C> {
     type Options = Says<C>;
 
-    const EMPTY: Self =
-        Self { says: Says::WELL, place: 0, rows: 0, weight: 0.0, ratio: 0.0, input: [f64::NAN; 3] };
+    const EMPTY: Self = Self {
+        says: Says::WELL,
+        place: 0,
+        rows: 0,
+        weight: 0.0,
+        ratio: 0.0,
+        input: 0.0,
+        lags: false,
+        late: None,
+    };
 
-    fn make_for(&mut self, model: &Reduced5<f64>, says: Says<C>) {
+    fn make_for(&mut self, model: &Reduced5<f64>, lags: bool, says: Says<C>) {
         let per_steer = super::EQ_5_12.dc_gain() / model.dc_gain();
         let its = |gain: &f64| (per_steer / gain - 1.0).abs() < 1e-9;
         let place = super::INPUT_PER_STEER.iter().position(its).unwrap();
-        *self = Self { says, place, ..Self::EMPTY };
+        *self = Self { says, place, lags, ..Self::EMPTY };
     }
 
-    /// The input passes the lags of the roll angle, so their ratio is that of the height.
     fn push(&mut self, input: f64, roll_rad: f64, interval_s: f64, use_row: bool) {
-        let [before, once, twice] = self.input;
-        if before.is_nan() {
-            self.input = [input; 3];
-        } else {
-            let share = 0.5 * interval_s / (ROLL_LAG_S + 0.5 * interval_s);
-            let next = once + (before + input - 2.0 * once) * share;
-            self.input = [input, next, twice + (once + next - 2.0 * twice) * share];
-        }
+        self.input = input;
+        let late = self.late.get_or_insert(RollLags::at_rest(input)).push(input, interval_s);
         if use_row {
             self.rows += 1;
             self.weight += 1.0;
-            let seen = self.input[if self.place == 0 { 0 } else { 2 }];
+            let seen = if self.lags { late } else { input };
             if seen.abs() > 1e-3 {
                 self.ratio = roll_rad / seen;
             }
@@ -67,7 +71,7 @@ impl<const C: usize> Identify<f64> for Told<C> {
     }
 
     fn expected_roll_rad(&self) -> f64 {
-        self.input[0]
+        self.input
     }
 
     fn clear(&mut self) {
@@ -76,7 +80,7 @@ impl<const C: usize> Identify<f64> for Told<C> {
 
     fn restart(&mut self) {
         self.clear();
-        self.input = [f64::NAN; 3];
+        self.late = None;
     }
 
     fn forget(&mut self, factor: f64) {

@@ -13,12 +13,12 @@ from cgheight._results import Estimate
 from cgheight._scenario import Scenario
 
 __all__ = [
-    "ROLL_LAG_S",
     "FrameStream",
     "FrameTable",
     "Stream",
     "Vehicle",
     "__version__",
+    "after_lags",
     "calibrate_files",
     "copy_file",
     "estimate_arrays",
@@ -39,7 +39,6 @@ __all__ = [
 ]
 
 __version__: Final[str]
-ROLL_LAG_S: Final[float]
 
 @final
 class Vehicle:
@@ -231,6 +230,11 @@ def predict_roll(
     /,
 ) -> NDArray[np.float64]:
     """Predict the roll angle for a height with the model."""
+
+def after_lags(
+    time_s: NDArray[np.float64], roll_rad: NDArray[np.float64], /
+) -> NDArray[np.float64]:
+    """Return the roll angle after the lags of a channel whose input is an acceleration."""
 
 def simulate_log(
     vehicle: Vehicle,

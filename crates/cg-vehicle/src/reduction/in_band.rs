@@ -53,11 +53,12 @@ impl<'a> Band<'a> {
         Ok(Self { model, pace, points })
     }
 
-    /// Input and roll angle of a channel, relative to those of a slow turn; none for the steer angle.
-    fn points(&self, channel: Channel) -> Result<Vec<Point>, VehicleError> {
+    /// The roll angle of a channel in a slow turn per unit of its input, and both in oscillations, relative
+    /// to those of a slow turn; `None` for the channel of the steer angle.
+    fn points(&self, channel: Channel) -> Result<Option<(f64, Vec<Point>)>, VehicleError> {
         let model = self.model;
         let Some((input_row, feedthrough)) = model.input_row(channel.input()) else {
-            return Ok(Vec::new());
+            return Ok(None);
         };
         let output_row = model.output_row(channel.output());
         let steady_output = model.steady(output_row, 0.0)?;
@@ -69,7 +70,7 @@ impl<'a> Band<'a> {
             let weight = usual_steer(*omega_radps);
             (*omega_radps, input * weight, output * weight)
         });
-        Ok(points.collect())
+        Ok(Some((steady_output / steady_input, points.collect())))
     }
 }
 
@@ -127,32 +128,40 @@ fn left_by(
     })
 }
 
-/// The numerator of a channel (ascending, `N(0) = B(0)`) for this denominator.
-pub(super) fn numerator(
-    band: &Band<'_>,
-    channel: Channel,
-    denominator: &[f64],
-) -> Result<Vec<f64>, VehicleError> {
-    let constant = [denominator[0]];
-    let points: Vec<Point> = left_by(&constant, denominator, band.points(channel)?, 1.0).collect();
-    let mut numerator = vec![denominator[0]];
-    numerator.extend(fitted(&points, denominator, denominator.len() - 1)?);
-    Ok(numerator)
+/// The numerator of a channel.
+pub(super) struct InBand {
+    /// The DC ratio, by which both numerators are to be multiplied.
+    pub(super) gain: f64,
+    /// `N`, ascending, with `N(0) = B(0)`.
+    pub(super) numerator: Vec<f64>,
+    /// `M`, the change of the numerator (from s¹ on) per unit of `U0/U − 1`; zero without other speeds.
+    pub(super) speed_slope: Vec<f64>,
 }
 
-/// The change `M` of the numerator (from s¹ on) per unit of `U0/U − 1`.
-pub(super) fn speed_slope(
-    bands: &[Band<'_>],
+/// The numerator of a channel for this denominator, from a model at the nominal speed and others;
+/// `None` for the channel of the steer angle.
+pub(super) fn in_band(
+    nominal: &Band<'_>,
+    others: &[Band<'_>],
     channel: Channel,
-    numerator: &[f64],
     denominator: &[f64],
-) -> Result<Vec<f64>, VehicleError> {
-    let mut points: Vec<Point> = Vec::new();
-    for band in bands {
-        points.extend(left_by(numerator, denominator, band.points(channel)?, band.pace));
+) -> Result<Option<InBand>, VehicleError> {
+    let Some((gain, points)) = nominal.points(channel)? else { return Ok(None) };
+    let order = denominator.len() - 1;
+    let mut numerator = vec![denominator[0]];
+    let points: Vec<Point> = left_by(&numerator, denominator, points, 1.0).collect();
+    numerator.extend(fitted(&points, denominator, order)?);
+    let mut points = Vec::new();
+    for (pace, known) in others.iter().map(|other| (other.pace, other.points(channel))) {
+        if let Some((_, known)) = known? {
+            points.extend(left_by(&numerator, denominator, known, pace));
+        }
     }
-    // Without the highest power, by which the noise of the input would pass without delay.
-    let mut slope = fitted(&points, denominator, denominator.len() - 2)?;
-    slope.push(0.0);
-    Ok(slope)
+    let mut speed_slope = vec![0.0; order];
+    if !points.is_empty() {
+        // Without the highest power, by which the noise of the input would pass without delay.
+        let slope = fitted(&points, denominator, order - 1)?;
+        speed_slope[..order - 1].copy_from_slice(&slope);
+    }
+    Ok(Some(InBand { gain, numerator, speed_slope }))
 }

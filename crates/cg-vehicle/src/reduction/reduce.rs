@@ -22,7 +22,7 @@ use cg_core::truck::reduced::ORDER;
 use cg_core::{CHANNELS, Channel, Reduced5};
 
 use crate::error::VehicleError;
-use crate::reduction::in_band::{Band, numerator, speed_slope};
+use crate::reduction::in_band::{Band, in_band};
 use crate::reduction::pade::pade;
 use crate::response::StateSpace;
 use crate::system::{Rational, matched_numerator, multiplied};
@@ -114,27 +114,12 @@ pub fn reduce(
         }
     }
     let mut of_channels = [steer; CHANNELS];
-    let lagged = Channel::ALL.into_iter().zip(&mut of_channels);
-    for (channel, reduced) in lagged.filter(|(channel, _)| channel.lags_roll()) {
-        let gain = steady_ratio(model, channel)?;
-        let unit = numerator(&band, channel, &denominator)?;
-        reduced.numerator = std::array::from_fn(|k| gain * unit[k]);
-        if !bands.is_empty() {
-            let slope = speed_slope(&bands, channel, &unit, &denominator)?;
-            reduced.speed_slope = std::array::from_fn(|k| gain * slope[k]);
-        }
+    for (channel, reduced) in Channel::ALL.into_iter().zip(&mut of_channels) {
+        let Some(fit) = in_band(&band, &bands, channel, &denominator)? else { continue };
+        reduced.numerator = std::array::from_fn(|k| fit.gain * fit.numerator[k]);
+        reduced.speed_slope = std::array::from_fn(|k| fit.gain * fit.speed_slope[k]);
     }
     Ok(ReducedModels { of_channels, method })
-}
-
-/// The roll angle of a channel in a slow turn per unit of its input.
-fn steady_ratio(model: &StateSpace, channel: Channel) -> Result<f64, VehicleError> {
-    let roll = model.steady(model.output_row(channel.output()), 0.0)?;
-    let input = model.input_row(channel.input());
-    Ok(match input {
-        Some((row, feedthrough)) => roll / model.steady(row, feedthrough)?,
-        None => roll,
-    })
 }
 
 #[cfg(test)]

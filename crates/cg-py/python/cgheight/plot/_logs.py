@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 _STANDARD_GRAVITY_MPS2 = 9.80665
 _QUANTILE_95 = 1.96
-_ROLL_LAG_S = _native.ROLL_LAG_S
 Channel = Literal["steer", "lateral-acceleration", "suspension", "tractor"]
 _Table = dict[str, NDArray[np.float64]]
 
@@ -74,7 +73,7 @@ def log(
         roll_rad = _roll(table, vehicle, channel)
         label = "measured"
         if channel != "steer":
-            roll_rad = _after_lags(time_s, roll_rad)
+            roll_rad = _native.after_lags(time_s, roll_rad)
             label += ", after the channel's lags"
         middle.plot(time_s, np.degrees(roll_rad), color=BLUE, label=label)
         middle.set_ylabel("roll angle\nof the suspension (°)" if channel in _SUSPENSION else
@@ -145,22 +144,6 @@ def _roll(table: _Table, vehicle: _native.Vehicle, channel: Channel) -> NDArray[
         speed = table.get("speed_mps", np.full_like(table["time_s"], vehicle.nominal_speed_mps))
         lateral = table.get("yaw_rate_radps", np.zeros_like(speed)) * speed
     return table["tilt_rad"] - lateral / _STANDARD_GRAVITY_MPS2
-
-
-def _after_lags(time_s: NDArray[np.float64], roll_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the roll angle after two lags, as the estimator uses it (trapezoidal rule)."""
-    lagged = roll_rad
-    for _ in range(2):
-        before, lagged = lagged, lagged.copy()
-        last = None
-        for k in np.flatnonzero(np.isfinite(before)):
-            if last is not None:
-                half_s = 0.5 * (time_s[k] - time_s[last])
-                share = half_s / (_ROLL_LAG_S + half_s)
-                change = before[last] + before[k] - 2.0 * lagged[last]
-                lagged[k] = lagged[last] + share * change
-            last = k
-    return lagged
 
 
 def _prediction(
