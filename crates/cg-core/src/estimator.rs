@@ -298,9 +298,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         });
         let judge = Judge::new(design, &self.settings, window, bank_free);
         let mut outcomes = [Outcome::rejected(None, Reject::Absent); C];
+        let mut noise_rad2_s = [T::zero(); C]; // of all inputs that a roll angle is compared with
+        for (place, lane) in self.lanes.iter().enumerate() {
+            if let Some(noise) = noise_rad2_s.get_mut(design.first_with_output(place)) {
+                *noise = noise.max(lane.identifier.input_noise_rad2_s());
+            }
+        }
         for (place, (lane, outcome)) in self.lanes.iter_mut().zip(&mut outcomes).enumerate() {
             let answer = lane.last_us.is_some().then(|| lane.identifier.fit());
-            let (judged, far) = judge.outcome(place, answer);
+            let noise = noise_rad2_s.get(design.first_with_output(place));
+            let (judged, far) = judge.outcome(place, answer, noise.copied().unwrap_or(T::zero()));
             *outcome = judged;
             lane.impossible = far.unwrap_or(lane.impossible);
         }

@@ -15,6 +15,11 @@ const CONSTANT_SHARE: f64 = 0.02;
 const LAG_S: f64 = 0.5;
 /// Number of its own smallest steps during which the value of a coarse sensor may be constant.
 const CONSTANT_STEPS: f64 = 3.0;
+/// Greatest difference of the expected angles due to noise of the input, in standard deviations of
+/// the noise after the lag. Over a minute, with a hundred lags, the range of normal noise is above seven
+/// standard deviations once in ten times in a thousand. The model passes up to three times the
+/// variance (a resonance at 4 rad/s with a damping ratio of 0.3), so both views have 1.4 times as much.
+const NOISE_RANGE: f64 = 10.0;
 
 /// The reason why the roll angle of a maneuver is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,9 +137,11 @@ impl<T: Real> RollSensorCheck<T> {
     }
 
     /// Returns the standstill if the roll angle was constant for more than `share` of the expected
-    /// motion.
-    pub(crate) fn standstill(&self, share: T) -> Option<Inconsistency<T>> {
-        let usual = share * (self.input_range_rad[1] - self.input_range_rad[0]);
+    /// motion, and for more than noise of the input, of this spectral density, can imitate.
+    pub(crate) fn standstill(&self, share: T, input_noise_rad2_s: T) -> Option<Inconsistency<T>> {
+        let noise_rad = (input_noise_rad2_s / T::of(2.0 * LAG_S)).root();
+        let usual = share * (self.input_range_rad[1] - self.input_range_rad[0])
+            + T::of(NOISE_RANGE) * noise_rad;
         let long = self.standstill_motion_rad > usual
             && !(self.standstill_motion_rad <= T::of(CONSTANT_STEPS) * self.least_step_rad);
         // A sensor whose value never changed has no step.
@@ -154,7 +161,7 @@ mod tests {
             let expected = 2.5 * (f64::from(k) / 500.0).min(1.0);
             check.push(10_000 * u64::from(k), sensor(1.1 * expected), expected, expected);
         }
-        check.standstill(0.15)
+        check.standstill(0.15, 0.0)
     }
 
     #[test]
@@ -216,7 +223,7 @@ mod tests {
                 let stands = expected > 0.3 && expected <= 0.3 + 2.0 * share;
                 check.push(slow(k), if stands { 0.3 } else { expected }, expected, expected);
             }
-            match check.standstill(0.15) {
+            match check.standstill(0.15, 0.0) {
                 Some(Inconsistency::Standstill { roll_rad }) => {
                     assert!(hangs && (roll_rad - 0.3).abs() < 0.04, "{share}: {roll_rad}");
                 }
@@ -237,7 +244,7 @@ mod tests {
                 let expected = f64::from(k) / 1000.0;
                 check.push(slow(k), 0.1 * f64::from(shown), expected, expected);
             }
-            assert_eq!(check.standstill(0.15).is_some(), hangs, "{left_out}");
+            assert_eq!(check.standstill(0.15, 0.0).is_some(), hangs, "{left_out}");
         }
     }
 

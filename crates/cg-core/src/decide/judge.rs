@@ -57,11 +57,13 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
 
     /// The result of the channel at this place of the design, and whether its ratio is
     /// [far](Self::is_far) from what this trailer can have; `None` if this was not judged.
-    /// `answer` is the result of the identifier if the channel had signals.
+    /// `answer` is the result of the identifier if the channel had signals, `input_noise_rad2_s` the
+    /// noise of the inputs with which its roll angle is compared.
     pub(crate) fn outcome(
         &self,
         place: usize,
         answer: Option<Answer<T>>,
+        input_noise_rad2_s: T,
     ) -> (Outcome<T>, Option<bool>) {
         let (speed_mps, trailer_mass_kg) = (self.window.speed_mps, self.window.trailer_mass_kg);
         let rejected = |fit, reject| Outcome::rejected(fit, reject);
@@ -96,7 +98,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
             return (rejected(Some(fit), Reject::Imprecise { ratio_sd_relative }), None);
         }
-        if let Some(reason) = self.inconsistency(&fit, place) {
+        if let Some(reason) = self.inconsistency(&fit, place, input_noise_rad2_s) {
             return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
         }
         let square = |x: T| x * x;
@@ -158,10 +160,17 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
     }
 
     /// The reason why the roll angle cannot be true, if there is one.
-    fn inconsistency(&self, fit: &Fit<T>, place: usize) -> Option<Inconsistency<T>> {
+    fn inconsistency(
+        &self,
+        fit: &Fit<T>,
+        place: usize,
+        input_noise_rad2_s: T,
+    ) -> Option<Inconsistency<T>> {
         let Settings { standstill, misfit, bend, .. } = *self.settings;
         let watch = self.window.watch(self.design.first_with_output(place));
-        if let Some(stood) = watch.and_then(|watch| watch.standstill(standstill)) {
+        if let Some(stood) =
+            watch.and_then(|watch| watch.standstill(standstill, input_noise_rad2_s))
+        {
             return Some(stood);
         }
         if !(fit.misfit <= misfit) {

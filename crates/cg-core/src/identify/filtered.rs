@@ -416,6 +416,10 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         }
     }
 
+    fn input_noise_rad2_s(&self) -> T {
+        self.input_noise.variance() * self.interval_s
+    }
+
     fn at_pace(&mut self, pace: T) {
         let change = pace - self.pace;
         // The numerator is exact to a hundredth of its slope, and does not gather rounding errors.

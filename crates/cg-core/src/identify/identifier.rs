@@ -182,6 +182,11 @@ pub trait Identify<T: Real>: Copy {
     /// Adds the next sample, `interval_s` after the previous one. Its row is used for the fit only
     /// if `use_row` is true.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
+    /// Spectral density of the noise of the input, rad² s: the variance of a sample times the time
+    /// between two. Zero if the identifier does not measure it.
+    fn input_noise_rad2_s(&self) -> T {
+        T::ZERO
+    }
     /// Sets the speed from the next sample on: `pace` is `U0/U − 1`, where `U0` is the speed of the
     /// reduced model. An identifier without prior dynamics does not need it.
     fn at_pace(&mut self, _pace: T) {}

@@ -3,7 +3,7 @@
 use crate::math::real::Real;
 use crate::truck::reduced::{Reduced5, StateVariableFilter, StepMatrices};
 
-/// Simulates the reduced model sample by sample.
+/// Simulates the reduced model sample by sample, at the speed for which it was made.
 #[derive(Clone, Copy, Debug)]
 pub struct Simulation<T: Real> {
     model: Reduced5<T>,
