@@ -113,7 +113,7 @@ fn judged(
 fn intervals_hold_on_leaf_springs() {
     let vehicle = common::vehicle("baseline-tables.toml");
     let file = design(&vehicle, Variant::Complete).unwrap();
-    let designs = [("file", file), ("two flat drives", calibrated(&vehicle))];
+    let designs = [("file", &file), ("two flat drives", &calibrated(&vehicle))];
     let roads = [RoadKind::Rural, RoadKind::Motorway, RoadKind::Roundabouts];
     let drives = roads.map(|kind| drives(&vehicle, kind));
     println!("| calibrated with | pair | road | RMSE | stated sd |");
@@ -121,7 +121,7 @@ fn intervals_hold_on_leaf_springs() {
         for pair in [Channel::Suspension, Channel::Tractor] {
             let (mut square, mut stated) = (0.0, 0.0);
             for (kind, drives) in roads.iter().zip(&drives) {
-                let [rms, sd] = judged(&vehicle, &design, pair, drives).map(|share| 100.0 * share);
+                let [rms, sd] = judged(&vehicle, design, pair, drives).map(|share| 100.0 * share);
                 println!("| {known} | `{pair}` | {kind} | {rms:.1} % | {sd:.1} % |");
                 square += rms * rms;
                 stated += sd * sd;
