@@ -24,6 +24,7 @@ use crate::math::real::Real;
 use crate::signal::sample::Sample;
 use crate::truck::channel::{CHANNELS, Channel};
 use crate::truck::design::Design;
+use crate::truck::friction::Friction;
 
 /// Least number of rows of a maneuver, including the straight driving before it. Fewer rows are not
 /// enough for the unknowns of any identifier.
@@ -232,6 +233,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             if let Some(model) = self.design.borrow().model(place, trailer_mass_kg) {
                 let lags = self.design.borrow().lags_roll(place);
                 lane.identifier.make_for(&model, lags, self.options);
+                let friction = self.design.borrow().friction(place, trailer_mass_kg);
+                lane.friction = friction.unwrap_or(Friction::NONE);
             }
             lane.last_us = None;
         }

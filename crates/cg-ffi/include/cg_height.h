@@ -43,6 +43,11 @@ typedef struct cg_reduced_model {
     float speed_slope[CG_ORDER];
 } cg_reduced_model;
 
+/* The friction of the springs in the roll angle at one mass; all zero without friction. */
+typedef struct cg_friction {
+    float usual_share, roll_rad, deflection_rad;
+} cg_friction;
+
 /* DC ratio over height: (a1 h + a0) / (b1 h + b0). */
 typedef struct cg_ratio_line {
     float a0, a1, b0, b1;
@@ -52,6 +57,7 @@ typedef struct cg_channel_design {
     /* enum cg_channel. */
     uint32_t index;
     cg_reduced_model models[CG_MASSES];
+    cg_friction friction[CG_MASSES];
     cg_ratio_line lines[CG_SPEEDS][CG_MASSES];
     float compensation;
 } cg_channel_design;
@@ -92,7 +98,7 @@ typedef struct cg_design {
 } cg_design;
 
 /* Size of an estimator in bytes. */
-#define CG_ESTIMATOR_SIZE 4208
+#define CG_ESTIMATOR_SIZE 4248
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {

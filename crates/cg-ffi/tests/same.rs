@@ -6,8 +6,8 @@ mod common;
 use std::ptr::{from_ref, null_mut};
 
 use cg_core::{
-    Channel, ChannelDesign, Estimator, FilteredArx, Prior, RatioLine, Reduced5, RolloverDesign,
-    Sample, Settings, Spread, ThresholdLine,
+    Channel, ChannelDesign, Estimator, FilteredArx, Friction, Prior, RatioLine, Reduced5,
+    RolloverDesign, Sample, Settings, Spread, ThresholdLine,
 };
 use cg_ffi::{
     CG_ESTIMATOR_SIZE, CHANNELS, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgStep,
@@ -46,6 +46,7 @@ const fn channel(index: u32, gain: f32) -> ChannelDesign<f32> {
             denominator: [61.0, 83.0, 57.0, 22.0, 6.0],
             speed_slope: [0.0; 5],
         }; 6],
+        friction: [Friction::NONE; 6],
         lines: [[RatioLine { a0: 0.0, a1: gain / 2.0, b0: 1.0, b1: 0.0 }; 6]; 8],
         compensation: 1.0,
     }

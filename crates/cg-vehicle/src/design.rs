@@ -2,12 +2,15 @@
 
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::rollover::HEIGHTS;
-use cg_core::{CHANNELS, Channel, ChannelDesign, Design, RatioLine, Spread, ThresholdLine};
+use cg_core::{
+    CHANNELS, Channel, ChannelDesign, Design, Friction, RatioLine, Spread, ThresholdLine,
+};
 
 use crate::balance::greatest_mass_kg;
 use crate::belief::Belief;
 use crate::equations::{Equations, Variant};
 use crate::error::VehicleError;
+use crate::friction::roll_friction;
 use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::reduction::{ReducedModels, reduce};
@@ -67,10 +70,17 @@ fn computed(
         }
     }
     let models = models(vehicle, variant, &trailer_mass_kg)?;
+    let mut friction = [[Friction::NONE; CHANNELS]; MASSES];
+    if variant == Variant::Complete {
+        for (of_channels, &trailer_mass_kg) in friction.iter_mut().zip(&trailer_mass_kg) {
+            *of_channels = roll_friction(vehicle, Load { trailer_mass_kg, ..load })?;
+        }
+    }
     #[allow(clippy::cast_possible_truncation)] // below the number of channels
     let channel = |channel: Channel| ChannelDesign {
         index: channel.index() as u32,
         models: models.map(|reduced| reduced.of_channels[channel.index()]),
+        friction: friction.map(|of_channels| of_channels[channel.index()]),
         lines: lines[channel.index()],
         compensation: belief.gain(channel),
     };

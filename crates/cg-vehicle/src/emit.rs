@@ -4,7 +4,9 @@
 
 use std::fmt::Write;
 
-use cg_core::{ChannelDesign, Design, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine};
+use cg_core::{
+    ChannelDesign, Design, Friction, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine,
+};
 
 /// The language of the emitted text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +74,8 @@ structures! {
         reference_height_m, least_height_m, greatest_height_m, trailer_wheelbase_m,
         gravity_mps2, rollover, thresholds,
     }
-    ChannelDesign { index, models, lines, compensation }
+    ChannelDesign { index, models, friction, lines, compensation }
+    Friction { usual_share, roll_rad, deflection_rad }
     Reduced5 { numerator, denominator, speed_slope }
     RatioLine { a0, a1, b0, b1 }
     Spread<C> { covariance }

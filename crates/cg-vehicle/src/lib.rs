@@ -65,6 +65,7 @@ pub mod response;
 pub mod equations;
 mod as_printed;
 pub mod linear;
+mod friction;
 pub mod belief;
 pub mod influence;
 pub mod calibration;

@@ -33,13 +33,35 @@ impl Vehicle {
         let Some(spring) = self.spring_of(placed.axle) else { return linear };
         let axle = placed.axle;
         let half_spread_m = 0.5 * axle.spring_spread_m;
-        let spring_n = 0.5 * (load_n - axle.unsprung_mass_kg * self.gravity_mps2);
         let stiffness_n_per_m = Envelope::with_friction(spring, friction).stiffness_n_per_m(
-            spring_n,
+            self.spring_load_n(axle, load_n),
             half_spread_m * amplitude_rad,
             spring.friction_deflection_m,
         );
         let change = stiffness_n_per_m - axle.spring_stiffness_n_per_m;
         linear + 2.0 * half_spread_m * half_spread_m * change
+    }
+
+    /// Moment with which the friction of an axle's springs holds the body in rolling of an amplitude (N m),
+    /// and the roll angle within which it changes sides.
+    pub(crate) fn roll_friction(
+        &self,
+        placed: &PlacedAxle<'_>,
+        load_n: f64,
+        amplitude_rad: f64,
+    ) -> (f64, f64) {
+        let Some(spring) = self.spring_of(placed.axle) else { return (0.0, 0.0) };
+        let half_spread_m = 0.5 * placed.axle.spring_spread_m;
+        let around = Envelope::new(spring).hysteresis(
+            self.spring_load_n(placed.axle, load_n),
+            half_spread_m * amplitude_rad,
+            spring.friction_deflection_m,
+        );
+        (2.0 * half_spread_m * around.lost_n, around.deflection_m / half_spread_m)
+    }
+
+    /// The load of one spring of an axle that carries `load_n` on the road.
+    fn spring_load_n(&self, axle: &Axle, load_n: f64) -> f64 {
+        0.5 * (load_n - axle.unsprung_mass_kg * self.gravity_mps2)
     }
 }

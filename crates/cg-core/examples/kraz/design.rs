@@ -19,6 +19,14 @@ pub const DESIGN: cg_core::Design<f32, 2> = cg_core::Design {
                 cg_core::Reduced5 { numerator: [1119.3046, 249.37868, 62.59142, 6.4790225, 0.3648346, -0.010964003], denominator: [1273.686, 1317.86, 582.1172, 138.36964, 18.00716], speed_slope: [0.0, 0.0, 0.0, 0.0, 0.0] },
                 cg_core::Reduced5 { numerator: [1193.8606, 229.31651, 59.080006, 5.33828, 0.33086532, -0.009956813], denominator: [1067.0531, 1108.476, 502.4842, 125.57112, 17.312988], speed_slope: [0.0, 0.0, 0.0, 0.0, 0.0] },
             ],
+            friction: [
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+            ],
             lines: [
                 [
                     cg_core::RatioLine { a0: 0.005384496, a1: 0.0049350453, b0: 1.0432498, b1: -0.025441073 },
@@ -96,6 +104,14 @@ pub const DESIGN: cg_core::Design<f32, 2> = cg_core::Design {
                 cg_core::Reduced5 { numerator: [25.480001, 19.493227, 6.383213, 1.2198911, 0.14803678, 0.009080095], denominator: [1426.2673, 1492.6083, 657.46136, 151.85152, 18.799814], speed_slope: [2.6130517, 2.0153575, 0.21935314, -0.01691202, 0.0] },
                 cg_core::Reduced5 { numerator: [29.714916, 21.368683, 6.6471014, 1.2112454, 0.1501512, 0.010296495], denominator: [1273.686, 1317.86, 582.1172, 138.36964, 18.00716], speed_slope: [2.5747273, 1.7776821, 0.27087072, -0.007489718, 0.0] },
                 cg_core::Reduced5 { numerator: [31.777563, 22.136992, 6.846621, 1.2194889, 0.1462309, 0.012554177], denominator: [1067.0531, 1108.476, 502.4842, 125.57112, 17.312988], speed_slope: [2.3907013, 1.538072, 0.32987484, 0.0051285834, 0.0] },
+            ],
+            friction: [
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
+                cg_core::Friction { usual_share: 0.0, roll_rad: 0.0, deflection_rad: 0.0 },
             ],
             lines: [
                 [

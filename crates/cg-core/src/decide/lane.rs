@@ -5,6 +5,7 @@ use crate::decide::height::Fusion;
 use crate::decide::settings::Settings;
 use crate::identify::identifier::Identify;
 use crate::math::real::Real;
+use crate::truck::friction::{Friction, FrictionState};
 use crate::truck::lags::RollLags;
 
 /// Time constant of the lag after which measured and expected roll angle of a suspension are compared
@@ -19,6 +20,9 @@ pub(crate) struct Lane<T: Real, I> {
     settled_us: u64,
     measured_rad: T,
     lags: RollLags<T>,
+    /// Of the springs of this channel, at the present mass.
+    pub(crate) friction: Friction<T>,
+    state: FrictionState<T>,
     /// Expected and measured roll angle after [`VIEW_LAG_S`].
     view_rad: [T; 2],
     rest: Rest<T>,
@@ -59,6 +63,8 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         settled_us: 0,
         measured_rad: T::ZERO,
         lags: RollLags::at_rest(T::ZERO),
+        friction: Friction::NONE,
+        state: FrictionState::at_rest(T::ZERO),
         view_rad: [T::ZERO; 2],
         rest: Rest::new(0),
         fusion: Fusion::new(),
@@ -93,13 +99,17 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
                 let rest_us = if row.turning { 0 } else { settings.rest_us };
                 self.rest = Rest::new(row.time_us.saturating_add(rest_us));
                 self.lags = RollLags::at_rest(measured_rad);
+                self.state = FrictionState::at_rest(measured_rad);
                 self.view_rad = [expected_rad, measured_rad];
             }
         }
         self.last_us = Some(row.time_us);
         self.measured_rad = measured_rad;
         let interval_s: T = seconds(interval_us.unwrap_or(0));
-        let roll_rad = if lags { self.lags.push(measured_rad, interval_s) } else { measured_rad };
+        let late_rad = self.lags.push(measured_rad, interval_s);
+        let held_rad = self.state.push(&self.friction, late_rad);
+        let free = |roll_rad: T| roll_rad - self.friction.usual_share * roll_rad + held_rad;
+        let roll_rad = free(if lags { late_rad } else { measured_rad });
         let share = interval_s * T::of(1.0 / VIEW_LAG_S); // a gap ends at 0.5 s
         for (view, signal) in self.view_rad.iter_mut().zip([expected_rad, measured_rad]) {
             *view += (signal - *view) * share;
@@ -108,7 +118,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
             let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad]);
             self.lags = RollLags::at_rest(mean_rad);
             self.identifier.restart();
-            let roll_rad = if lags { mean_rad } else { roll_rad };
+            let roll_rad = if lags { free(mean_rad) } else { roll_rad };
             self.identifier.push(rest_rad, roll_rad, T::zero(), false);
             return;
         }

@@ -5,6 +5,7 @@ use core::fmt;
 use crate::math::real::Real;
 use crate::truck::axis::{Weights, cubic, locate};
 use crate::truck::channel::{CHANNELS, Channel, Output};
+use crate::truck::friction::Friction;
 use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
@@ -24,6 +25,8 @@ pub struct ChannelDesign<T> {
     /// The reduced models at the nominal speed and reference height, one for each mass on the
     /// design's mass axis. Only the shape of their dynamics is used.
     pub models: [Reduced5<T>; MASSES],
+    /// The friction of the springs in the roll angle, one for each mass on the design's mass axis.
+    pub friction: [Friction<T>; MASSES],
     /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All are
     /// scaled to `b0 + b1 h = 1` at the reference height, so that they can be interpolated.
     pub lines: [[RatioLine<T>; MASSES]; SPEEDS],
@@ -124,6 +127,8 @@ pub enum DesignError {
     },
     /// The reduced model of this channel is unstable.
     Unstable(Channel),
+    /// The friction of this channel is neither none nor a share below one and two positive angles.
+    NotFriction(Channel),
 }
 
 impl fmt::Display for DesignError {
@@ -137,6 +142,9 @@ impl fmt::Display for DesignError {
             }
             Self::NoSuchChannel { index } => {
                 write!(f, "channel {index} is unknown or occurs twice")
+            }
+            Self::NotFriction(channel) => {
+                write!(f, "the friction of the {channel} channel must be none, or positive angles")
             }
             Self::Unstable(channel) => {
                 write!(f, "the reduced model of the {channel} channel is unstable")
@@ -160,6 +168,11 @@ impl<T: Real, const C: usize> Design<T, C> {
                     numerator: model.numerator.map(to),
                     denominator: model.denominator.map(to),
                     speed_slope: model.speed_slope.map(to),
+                }),
+                friction: c.friction.map(|friction| Friction {
+                    usual_share: to(friction.usual_share),
+                    roll_rad: to(friction.roll_rad),
+                    deflection_rad: to(friction.deflection_rad),
                 }),
                 lines: c.lines.map(|row| {
                     row.map(|l| RatioLine {
@@ -213,6 +226,16 @@ impl<T: Real, const C: usize> Design<T, C> {
                 return Err(DesignError::Unstable(channel));
             }
             positive(design.compensation, "compensation")?;
+            for friction in &design.friction {
+                let Friction { usual_share, roll_rad, deflection_rad } = *friction;
+                // Comparisons that NaN fails.
+                let possible = usual_share >= T::zero() && usual_share < T::one();
+                let acts = roll_rad > T::zero() && deflection_rad > T::zero();
+                let none = usual_share + roll_rad + deflection_rad == T::zero();
+                if !(possible && (acts || none) && (roll_rad + deflection_rad).present()) {
+                    return Err(DesignError::NotFriction(channel));
+                }
+            }
             for line in design.lines.iter().flatten() {
                 positive(line.ratio_at(self.reference_height_m), "ratio at the reference height")?;
             }
@@ -356,17 +379,31 @@ impl<T: Real, const C: usize> Design<T, C> {
         design.map_or(T::one(), |design| design.compensation)
     }
 
-    /// The reduced model at a place in [`channels`](Self::channels) and a trailer mass, interpolated
-    /// linearly between the neighbors on the mass axis. If the interpolated model is unstable, it
-    /// is the nearer neighbor. Beyond the axis it is the last model.
-    pub fn model(&self, place: usize, trailer_mass_kg: T) -> Option<Reduced5<T>> {
+    /// The place of the mass below on the mass axis, and the share of the one above it. Beyond the axis
+    /// it is an end of the axis.
+    fn nearest_masses(&self, trailer_mass_kg: T) -> (usize, T) {
         let ends = (self.trailer_mass_kg.first(), self.trailer_mass_kg.last());
         let within_kg = match ends {
             (Some(least), Some(greatest)) => trailer_mass_kg.max(*least).min(*greatest),
             _ => trailer_mass_kg,
         };
+        locate(&self.trailer_mass_kg, within_kg).unwrap_or((0, T::zero()))
+    }
+
+    /// The friction at a place in [`channels`](Self::channels) and a trailer mass, interpolated like the
+    /// [model](Self::model).
+    pub fn friction(&self, place: usize, trailer_mass_kg: T) -> Option<Friction<T>> {
+        let friction = &self.channels.get(place)?.friction;
+        let (j, share) = self.nearest_masses(trailer_mass_kg);
+        Some(friction.get(j)?.blend(friction.get(j + 1)?, share))
+    }
+
+    /// The reduced model at a place in [`channels`](Self::channels) and a trailer mass, interpolated
+    /// linearly between the neighbors on the mass axis. If the interpolated model is unstable, it
+    /// is the nearer neighbor. Beyond the axis it is the last model.
+    pub fn model(&self, place: usize, trailer_mass_kg: T) -> Option<Reduced5<T>> {
         let models = &self.channels.get(place)?.models;
-        let (j, share) = locate(&self.trailer_mass_kg, within_kg).unwrap_or((0, T::zero()));
+        let (j, share) = self.nearest_masses(trailer_mass_kg);
         let (light, heavy) = (models.get(j)?, models.get(j + 1)?);
         let blended = light.blend(heavy, share);
         Some(if blended.is_stable() {

@@ -9,7 +9,8 @@ use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{
-    Channel, ChannelDesign, Design, Estimator, Reduced5, RolloverDesign, Spread, ThresholdLine,
+    Channel, ChannelDesign, Design, Estimator, Friction, Reduced5, RolloverDesign, Spread,
+    ThresholdLine,
 };
 use rand::SeedableRng;
 use rand::rngs::StdRng;
@@ -91,6 +92,7 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
                 denominator: EQ_5_12.denominator,
                 speed_slope: [0.0; 5],
             }; MASSES],
+            friction: [Friction::NONE; MASSES],
             lines: [[scaled(steer_line); MASSES]; SPEEDS],
             compensation: 1.489_6,
         }

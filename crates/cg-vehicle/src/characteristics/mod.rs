@@ -11,5 +11,5 @@ mod springs;
 mod tyres;
 
 pub use fifth_wheel::FifthWheel;
-pub use springs::Envelope;
+pub use springs::{Envelope, Loop};
 pub use tyres::Grip;

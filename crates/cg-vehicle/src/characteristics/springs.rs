@@ -7,6 +7,17 @@ use crate::tables::Spring;
 /// Nodes of the integral over half a cycle (midpoint rule): the stiffness is exact to 1e-4.
 const CYCLE_NODES: u32 = 48;
 
+/// The loop that a measured spring describes.
+#[derive(Clone, Copy, Debug)]
+pub struct Loop {
+    /// Slope of the middle between the curves, N/m.
+    pub slope: f64,
+    /// Half the force between both directions, N.
+    pub lost_n: f64,
+    /// Deflection within which the force changes from one direction's to the other's.
+    pub deflection_m: f64,
+}
+
 /// Two curves with common nodes; the end segments are extended.
 #[derive(Clone, Debug)]
 pub struct Envelope {
@@ -88,19 +99,8 @@ impl Envelope {
     ///
     /// `deflection_m` is `β`.
     pub fn stiffness_n_per_m(&self, load_n: f64, amplitude_m: f64, deflection_m: f64) -> f64 {
-        let start_m = self.deflection_at(load_n);
-        let ends = [1.0, -1.0].map(|side| self.middle(start_m + side * amplitude_m).0);
-        let slope = (ends[0] - ends[1]) / (2.0 * amplitude_m);
-        // Means over the amplitude, because the slopes of the tables jump at their nodes.
-        let (mut friction_n, mut usable_m) = (0.0, 0.0);
-        for side in [-0.75, -0.25, 0.25, 0.75] {
-            let x = start_m + side * amplitude_m;
-            let here_n = self.friction_n(x).max(0.0);
-            friction_n += 0.25 * here_n;
-            usable_m += 0.25 * deflection_m.min(here_n / self.steepest(x));
-        }
-        let deflection_m = usable_m;
-        let lost_n = friction_n - slope * deflection_m;
+        let Loop { slope, lost_n, deflection_m } =
+            self.hysteresis(load_n, amplitude_m, deflection_m);
         if !(lost_n > 0.0 && deflection_m > 0.0) {
             return slope;
         }
@@ -114,6 +114,24 @@ impl Envelope {
             })
             .sum();
         slope + 2.0 * lost_n / amplitude_m * sum / f64::from(CYCLE_NODES)
+    }
+
+    /// The loop that the spring describes in motion of an amplitude about its static load; the friction
+    /// in it is `C − k β`, and zero if that is negative. `deflection_m` is `β`.
+    pub fn hysteresis(&self, load_n: f64, amplitude_m: f64, deflection_m: f64) -> Loop {
+        let start_m = self.deflection_at(load_n);
+        let ends = [1.0, -1.0].map(|side| self.middle(start_m + side * amplitude_m).0);
+        let slope = (ends[0] - ends[1]) / (2.0 * amplitude_m);
+        // Means over the amplitude, because the slopes of the tables jump at their nodes.
+        let (mut friction_n, mut usable_m) = (0.0, 0.0);
+        for side in [-0.75, -0.25, 0.25, 0.75] {
+            let x = start_m + side * amplitude_m;
+            let here_n = self.friction_n(x).max(0.0);
+            friction_n += 0.25 * here_n;
+            usable_m += 0.25 * deflection_m.min(here_n / self.steepest(x));
+        }
+        let lost_n = (friction_n - slope * usable_m).max(0.0);
+        Loop { slope, lost_n, deflection_m: usable_m }
     }
 
     /// Deflection at which the force midway between the curves is `force_n`. The curves must be
