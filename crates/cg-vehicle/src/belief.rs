@@ -258,9 +258,9 @@ const AMPLITUDES: [f64; 2] = [0.5, 2.0];
 const FRICTION_SD: f64 = 0.3;
 
 /// Relative variances of the roll stiffness of the suspensions of tractor and trailer due to measured
-/// springs, which differ in every situation: the friction is not known exactly, and its effect
-/// depends on the amplitude of the motion. Within the usual amplitudes the stiffness is taken as
-/// distributed evenly.
+/// springs, which differ in every situation: the slope midway between their curves depends on the
+/// amplitude of the motion, and the friction, which is [calculated](crate::friction), is not known
+/// exactly. Within the usual amplitudes the slope is taken as distributed evenly.
 pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64; 2], VehicleError> {
     if !vehicle.has_measured_springs() {
         return Ok([0.0; 2]);
@@ -279,7 +279,7 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
                 .sum::<f64>();
             stiffness.ln()
         };
-        let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 1.0));
+        let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
         let by_amplitude = (small - large) / 12.0_f64.sqrt();
         // More friction changes more than less.
         let by_friction = logarithm(1.0, 1.0 + FRICTION_SD) - logarithm(1.0, 1.0);

@@ -341,7 +341,7 @@ fn add_mass(e: &mut Equations, mass_kg: f64, point: &Point) {
 }
 
 /// Lateral acceleration of usual turns, g.
-const USUAL_TURN_G: f64 = 0.15;
+const USUAL_TURN_G: f64 = 0.1;
 /// The least amplitude at which a measured spring is linearized: a tenth of a degree.
 const LEAST_ROLL_RAD: f64 = 0.0017;
 
