@@ -17,7 +17,7 @@ use crate::vehicle::Vehicle;
 ///
 /// # Errors
 /// As [`SteadyLines::new`].
-pub(crate) fn roll_friction(
+pub fn roll_friction(
     vehicle: &Vehicle,
     load: Load,
 ) -> Result<[Friction<f64>; CHANNELS], VehicleError> {

@@ -11,6 +11,7 @@
 //! | [`scales`] | sources of the trailer mass, and how exact they are | – |
 //! | [`check`] | reads a vehicle file and checks whether its numbers are plausible | – |
 //! | [`guide`] | templates, JSON schema and documentation of the vehicle file | – |
+//! | [`friction`] | friction of measured springs in the roll angle of each channel | Tables 2.3–2.8 |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
@@ -65,7 +66,7 @@ pub mod response;
 pub mod equations;
 mod as_printed;
 pub mod linear;
-mod friction;
+pub mod friction;
 pub mod belief;
 pub mod influence;
 pub mod calibration;

@@ -49,7 +49,7 @@ impl<T: Real> Friction<T> {
 
 /// The state of the friction.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FrictionState<T> {
+pub struct FrictionState<T> {
     /// The roll angle so far, without small motion.
     place_rad: T,
     /// `q`.
@@ -58,12 +58,12 @@ pub(crate) struct FrictionState<T> {
 
 impl<T: Real> FrictionState<T> {
     /// Springs midway between their curves.
-    pub(crate) const fn at_rest(roll_rad: T) -> Self {
+    pub const fn at_rest(roll_rad: T) -> Self {
         Self { place_rad: roll_rad, side: T::ZERO }
     }
 
     /// Advances to the next roll angle; returns `δ q`.
-    pub(crate) fn push(&mut self, friction: &Friction<T>, roll_rad: T) -> T {
+    pub fn push(&mut self, friction: &Friction<T>, roll_rad: T) -> T {
         if !(friction.deflection_rad > T::zero()) {
             return T::zero();
         }

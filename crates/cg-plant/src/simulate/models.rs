@@ -2,16 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cg_core::Channel;
+use cg_core::truck::friction::FrictionState;
 use cg_core::truck::simulation::Simulation as ReducedSimulation;
+use cg_core::{Channel, Friction};
 
 use super::scenario::{Motion, Scenario};
 use crate::maneuver::Histories;
-use cg_vehicle::Vehicle;
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::friction::roll_friction;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
+use cg_vehicle::{Variant, Vehicle};
 
 /// For a changing speed there is one model for each 0.1 m/s, which is at most 1 % of the gain at 20 m/s.
 const SPEED_STEP_MPS: f64 = 0.1;
@@ -21,6 +23,28 @@ pub(super) struct Models {
     at: BTreeMap<i64, (StateSpace, cg_vehicle::system::Simulation)>,
     reduced: Option<Reduced>,
     interval_s: f64,
+    friction: Friction<f64>,
+}
+
+/// The roll angle of springs with friction, from that of a linear model.
+struct Held {
+    friction: Friction<f64>,
+    state: FrictionState<f64>,
+    roll_rad: f64,
+}
+
+impl Held {
+    /// Solves `(1 − usual share) φ + δ q = φ` of the linear model. The friction changes by a third of the
+    /// motion at most, so ten rounds leave 1e-5 of a change.
+    fn push(&mut self, linear_rad: f64) -> f64 {
+        let before = self.state;
+        for _ in 0..10 {
+            self.state = before;
+            let held_rad = self.state.push(&self.friction, self.roll_rad);
+            self.roll_rad = (linear_rad - held_rad) / (1.0 - self.friction.usual_share);
+        }
+        self.roll_rad
+    }
 }
 
 /// The reduced model of roll; the other quantities are steady-state values.
@@ -80,7 +104,11 @@ impl Models {
             }
             _ => None,
         };
-        Ok(Self { at, reduced, interval_s })
+        let friction = match scenario.variant {
+            Variant::Complete => roll_friction(vehicle, scenario.load)?[Channel::Steer.index()],
+            Variant::AsPrinted => Friction::NONE,
+        };
+        Ok(Self { at, reduced, interval_s, friction })
     }
 
     /// Runs from rest, sample by sample.
@@ -92,6 +120,8 @@ impl Models {
     ) -> Result<(), E> {
         let mut reduced = self.reduced.as_ref().map(|reduced| reduced.simulation);
         let mut at = step_of(histories.speed_mps(0.0));
+        let friction = self.friction;
+        let mut held = Held { friction, state: FrictionState::at_rest(0.0), roll_rad: 0.0 };
         let mut linear = self.at.get(&at).map(|(_, simulation)| simulation.clone());
         for k in 0..samples {
             #[allow(clippy::cast_precision_loss)]
@@ -102,7 +132,7 @@ impl Models {
             if let (Some(model), Some(run)) = (&self.reduced, &mut reduced) {
                 let roll_rad = if k > 0 { run.push(steer_rad) } else { 0.0 };
                 let motion = Motion {
-                    roll_rad,
+                    roll_rad: held.push(roll_rad),
                     lateral_acceleration_mps2: model.lateral_gain * steer_rad,
                     yaw_rate_radps: model.yaw_gain * steer_rad,
                     ..still
@@ -123,7 +153,7 @@ impl Models {
                 run.push(steer_rad);
             }
             let motion = Motion {
-                roll_rad: model.trailer_roll.dot(&run.state),
+                roll_rad: held.push(model.trailer_roll.dot(&run.state)),
                 lateral_acceleration_mps2: model.lateral_acceleration.dot(&run.state)
                     + model.lateral_feedthrough * steer_rad,
                 yaw_rate_radps: model.trailer_yaw_rate.dot(&run.state),
