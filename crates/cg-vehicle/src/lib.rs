@@ -12,8 +12,9 @@
 //! | [`check`] | reads a vehicle file and checks whether its numbers are plausible | – |
 //! | [`guide`] | templates, JSON schema and documentation of the vehicle file | – |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
+//! | [`twisting`] | a semitrailer whose frame twists | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
-//! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
+//! | [`equations`], [`linear`] | equations of motion analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`belief`], [`calibration`] | uncertain parameters of a truck, and their estimation from runs | eq. 5.19 |
 //! | [`influence`] | the uncertain parameters that matter most for the height | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
@@ -58,7 +59,7 @@ pub mod characteristics;
 pub mod guide;
 mod measured_springs;
 mod leveled;
-mod twisting;
+pub mod twisting;
 pub mod system;
 mod output_error;
 pub mod response;

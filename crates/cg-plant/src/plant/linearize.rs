@@ -3,13 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::dynamics::{Control, Probe};
-use super::state::{AxleCoordinate, Coordinate, ROOM, at};
+use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, FRONT_ROLL_RATE, ROOM, at};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
 
 /// The states that matter for small motion. The tractor's own yaw angle and position do not matter;
-/// the trailer's yaw angle represents the negative articulation.
+/// the trailer's yaw angle represents the negative articulation. The axles follow, and then the front half
+/// of a trailer whose frame twists.
 const BODIES: [Coordinate; 14] = [
     Coordinate::TractorHeight,
     Coordinate::TractorPitch,
@@ -89,9 +90,8 @@ impl YawRollPlant {
         };
         let body = |c: Coordinate| row(BODIES.iter().position(|b| *b == c).unwrap_or(0), 1.0);
         let axles = self.parameters.axles.len();
-        let own = places.len() - BODIES.len();
-        let axle_roll: Vec<_> =
-            (0..axles).map(|i| row(BODIES.len() + own / axles * i + 1, 1.0)).collect();
+        let own = self.own().count();
+        let axle_roll: Vec<_> = (0..axles).map(|i| row(BODIES.len() + own * i + 1, 1.0)).collect();
         let suspension_roll = |on_trailer: bool| {
             let roll = if on_trailer { Coordinate::TrailerRoll } else { Coordinate::TractorRoll };
             let own: Vec<_> = (0..axles)
@@ -102,10 +102,15 @@ impl YawRollPlant {
             let share = 1.0 / own.len().max(1) as f64;
             own.iter().fold(body(roll), |rest, axle| rest - *axle * share)
         };
+        let mut trailer_roll = body(Coordinate::TrailerRoll);
+        if let Some(front) = &self.parameters.front {
+            let own = row(BODIES.len() + own * axles, 1.0);
+            trailer_roll += front.roll_share * (own - &trailer_roll);
+        }
         Ok(StateSpace {
             suspension_roll: [false, true].map(suspension_roll),
             specific_force: [1, 2].map(|k| (all.row(n + k).transpose(), by_steer[n + k])),
-            trailer_roll: body(Coordinate::TrailerRoll),
+            trailer_roll,
             tractor_roll: body(Coordinate::TractorRoll),
             trailer_yaw_rate: body(Coordinate::TrailerYawRate),
             tractor_yaw_rate: body(Coordinate::TractorYawRate),
@@ -125,12 +130,18 @@ impl YawRollPlant {
         Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
     }
 
-    /// Indices of the states that matter; the lagged slip only for tires with a lag.
+    /// The states of an axle that matter; the lagged slip only for tires with a lag.
+    fn own(&self) -> impl Iterator<Item = AxleCoordinate> + Clone {
+        let lags = self.parameters.axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);
+        OWN.into_iter().chain(lags.then_some(AxleCoordinate::Slip))
+    }
+
+    /// Indices of the states that matter.
     fn places(&self) -> Vec<usize> {
-        let axles = &self.parameters.axles;
-        let lags = axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);
-        let own: Vec<_> = OWN.into_iter().chain(lags.then_some(AxleCoordinate::Slip)).collect();
+        let p = &self.parameters;
         let bodies = BODIES.into_iter().map(|c| c as usize);
-        bodies.chain((0..axles.len()).flat_map(|i| own.iter().map(move |&c| at(i, c)))).collect()
+        let axles = (0..p.axles.len()).flat_map(|i| self.own().map(move |c| at(i, c)));
+        let front = p.front.iter().flat_map(|_| [FRONT_ROLL, FRONT_ROLL_RATE]);
+        bodies.chain(axles).chain(front).collect()
     }
 }
