@@ -164,7 +164,11 @@ fn difference(vehicle: &Vehicle, steer_rad: f64) -> f64 {
 /// tenth. At 0.01 rad loads change by 10 % and angles are 0.01: 1e-4 to 1e-3.
 #[test]
 fn small_motion_in_time_is_that_of_the_linear_model() {
-    for vehicle in [ungrouped(), kraz()] {
+    let mut twisting = kraz();
+    twisting.name = "kraz on a frame that twists".to_owned();
+    twisting.trailer.frame_torsional_stiffness_nm_per_rad = Some(6e5);
+    twisting.sensors.roll.behind_hitch_m = Some(0.5);
+    for vehicle in [ungrouped(), kraz(), twisting] {
         let [whole, half] = [0.01, 0.005].map(|steer_rad| difference(&vehicle, steer_rad));
         let three = difference(&vehicle, 3.3_f64.to_radians());
         println!(
