@@ -102,15 +102,10 @@ impl YawRollPlant {
             let share = 1.0 / own.len().max(1) as f64;
             own.iter().fold(body(roll), |rest, axle| rest - *axle * share)
         };
-        let mut trailer_roll = body(Coordinate::TrailerRoll);
-        if let Some(front) = &self.parameters.front {
-            let own = row(BODIES.len() + own * axles, 1.0);
-            trailer_roll += front.roll_share * (own - &trailer_roll);
-        }
         Ok(StateSpace {
             suspension_roll: [false, true].map(suspension_roll),
             specific_force: [1, 2].map(|k| (all.row(n + k).transpose(), by_steer[n + k])),
-            trailer_roll,
+            trailer_roll: self.with_front_roll(body(Coordinate::TrailerRoll)),
             tractor_roll: body(Coordinate::TractorRoll),
             trailer_yaw_rate: body(Coordinate::TrailerYawRate),
             tractor_yaw_rate: body(Coordinate::TractorYawRate),
@@ -122,6 +117,17 @@ impl YawRollPlant {
             a: all.rows(0, n).into_owned(),
             b: by_steer.rows(0, n).into_owned(),
         })
+    }
+
+    /// The roll angle at the sensors of the trailer, from that of the rear half.
+    fn with_front_roll(&self, mut rear: DVector<f64>) -> DVector<f64> {
+        if let Some(front) = &self.parameters.front {
+            // The front half is last: its roll and its rate.
+            let own = rear.len() - 2;
+            rear *= 1.0 - front.roll_share;
+            rear[own] = front.roll_share;
+        }
+        rear
     }
 
     /// Magnitude of the fastest pole, without the friction of measured springs.

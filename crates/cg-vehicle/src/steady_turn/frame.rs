@@ -14,8 +14,9 @@ pub(super) struct Frame {
 /// Where the front half stands.
 pub(super) struct Front {
     pub(super) alpha: f64,
+    pub(super) roll_rad: f64,
+    /// Roll angle of the rear half.
     pub(super) rear_rad: f64,
-    pub(super) front_rad: f64,
     /// Cosine of the articulation.
     pub(super) cos: f64,
     /// Moment of the fifth wheel, and its slope.
@@ -47,11 +48,11 @@ impl Frame {
     ) -> [f64; 3] {
         let (fifth, fifth_slope) = at.fifth_wheel;
         let frame = self.stiffness_nm_per_rad / at.compliance;
-        let frame_nm = frame * (at.front_rad - at.rear_rad);
+        let frame_nm = frame * (at.roll_rad - at.rear_rad);
         let lifted_nm = self.front_n * at.above_m;
         let held_nm = at.cos * fifth + frame_nm;
         let front =
-            [lifted_nm, at.cos * fifth_slope, lifted_nm * (at.alpha + at.front_rad) - held_nm];
+            [lifted_nm, at.cos * fifth_slope, lifted_nm * (at.alpha + at.roll_rad) - held_nm];
         trailer[0] -= front[0];
         trailer[1] -= front[1];
         trailer[2] -= lifted_nm * (at.alpha + at.rear_rad) - held_nm;

@@ -283,7 +283,7 @@ impl<'a> RollPlane<'a> {
                 let at = Front {
                     alpha: point.alpha,
                     rear_rad: roll_rad,
-                    front_rad: point.front_rad,
+                    roll_rad: point.front_rad,
                     cos,
                     fifth_wheel: (fifth, fifth_slope),
                     above_m: cg_height_m - self.hitch_height_m,
