@@ -13,8 +13,9 @@
 //! | [`guide`] | templates, JSON schema and documentation of the vehicle file | – |
 //! | [`friction`] | friction of measured springs in the roll angle of each channel | Tables 2.3–2.8 |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
+//! | [`twisting`] | a semitrailer whose frame twists | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
-//! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
+//! | [`equations`], [`linear`] | equations of motion analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`belief`], [`calibration`] | uncertain parameters of a truck, and their estimation from runs | eq. 5.19 |
 //! | [`influence`] | the uncertain parameters that matter most for the height | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
@@ -59,7 +60,7 @@ pub mod characteristics;
 pub mod guide;
 mod measured_springs;
 mod leveled;
-mod twisting;
+pub mod twisting;
 pub mod system;
 mod output_error;
 pub mod response;

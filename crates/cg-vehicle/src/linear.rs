@@ -250,7 +250,10 @@ fn add_trailer(
     let below_m = vehicle.hitch.height_m - sprung.cg_height_m;
     let (front, front_angle) = e.on_hitch();
     let twisting = e.twisting.clone();
-    let parts = Part::of(sprung, twisting.is_some().then_some(vehicle.trailer.payload.length_m));
+    let parts = match twisting {
+        Some(_) => Part::halves(sprung, vehicle.trailer.payload.length_m).to_vec(),
+        None => vec![Part::whole(sprung)],
+    };
     let bodies = [front, w::ROLL_2];
     let mut cg = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
     for (part, body) in parts.iter().zip(bodies) {

@@ -7,6 +7,16 @@
 
 use super::vector::{Vector, add, cross, scaled, sin_cos};
 
+/// A sprung mass.
+#[derive(Clone, Debug)]
+pub(super) struct Sprung {
+    pub(super) mass_kg: f64,
+    /// Roll, pitch, yaw about the c.g.
+    pub(super) inertia_kgm2: Vector,
+    /// C.g. from the unit's reference point, body axes.
+    pub(super) cg: Vector,
+}
+
 /// Pitch and roll of a sprung mass in its yaw frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attitude {
@@ -127,16 +137,11 @@ impl Equations {
         }
     }
 
-    /// Adds the sprung mass itself: c.g. at `rho`, principal inertias roll, pitch, yaw about it.
+    /// Adds the sprung mass itself.
     #[inline]
-    pub(super) fn add_sprung(
-        &mut self,
-        motion: &Motion,
-        rho: Vector,
-        mass_kg: f64,
-        inertia_kgm2: Vector,
-        gravity: Vector,
-    ) {
+    pub(super) fn add_sprung(&mut self, motion: &Motion, sprung: &Sprung, gravity: Vector) {
+        let mass_kg = sprung.mass_kg;
+        let rho = motion.attitude.outward(sprung.cg);
         let arms = motion.attitude.arms(rho);
         for i in 0..3 {
             self.mass[i][i] += mass_kg;
@@ -152,7 +157,7 @@ impl Equations {
         let (_, bias) = motion.point(rho);
         let force = add(gravity, scaled(bias, -1.0));
         self.add_force(&motion.attitude, rho, scaled(force, mass_kg));
-        self.add_rotation(motion, inertia_kgm2);
+        self.add_rotation(motion, sprung.inertia_kgm2);
     }
 
     /// Adds the rotational inertia, in body axes: `Jᵀ I J` and `−Jᵀ (I α + ω × I ω)`.

@@ -3,8 +3,8 @@
 //! ```text
 //!     1  poses of all axles, forces of all springs
 //!     2  tractor about its sprung c.g., its axles eliminated
-//!     3  trailer about the fifth wheel, its axles eliminated; its rotation eliminated leaves
-//!        an apparent 3 × 3 mass at the fifth wheel
+//!     3  trailer about the fifth wheel, its axles (and the roll of its front half, if its frame
+//!        twists) eliminated; its rotation eliminated leaves an apparent 3 × 3 mass at the fifth wheel
 //!     4  five equations for v1, z1, ψ1, θ1, φ1; then back-substitution to trailer and axles
 //! ```
 //!
@@ -12,10 +12,12 @@
 //! fifth wheel embedded. The speed is prescribed, so its reaction does no virtual work.
 
 use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
-use super::body::{Attitude, Equations, Motion};
+use super::body::{Attitude, Equations, Motion, Sprung};
+use super::front::Front;
 use super::ground::Ground;
 use super::hitch::couple;
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
+use super::state::{FRONT_ROLL, FRONT_ROLL_RATE};
 use super::suspension::Group;
 use super::tyre::Contact;
 use super::vector::{Vector, add, inverse_symmetric, scaled, sin_cos, solve_spd, turned};
@@ -35,23 +37,15 @@ pub struct Control {
     pub ground: Ground,
 }
 
-/// A sprung mass.
-#[derive(Clone, Debug)]
-pub(super) struct Sprung {
-    pub(super) mass_kg: f64,
-    /// Roll, pitch, yaw about the c.g.
-    pub(super) inertia_kgm2: Vector,
-    /// C.g. from the unit's reference point, body axes.
-    pub(super) cg: Vector,
-}
-
 /// The constant parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// Reference point: its c.g.
     pub(super) tractor: Sprung,
-    /// Reference point: the fifth wheel.
+    /// Reference point: the fifth wheel. The rear half, if the frame twists.
     pub(super) trailer: Sprung,
+    /// The front half of a trailer whose frame twists, with the same reference point.
+    pub(super) front: Option<Front>,
     /// From the tractor's c.g., body axes.
     pub(super) hitch_arm: Vector,
     pub(super) hitch: FifthWheel,
@@ -67,9 +61,8 @@ pub(super) struct Parameters {
 /// Intermediate results of the rates, reused from one evaluation to the next to avoid clearing them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Probe {
-    units: Option<[Motion; 2]>,
-    /// Accelerations of both units: reference point, then yaw, pitch, roll.
-    accelerations: [[f64; 6]; 2],
+    units: Option<[Moving; 2]>,
+    front: Option<Moving>,
     /// Force on the trailer, in its yaw frame.
     pub(super) hitch_force_n: Vector,
     pub(super) hitch_moment_nm: f64,
@@ -77,6 +70,13 @@ pub(super) struct Probe {
     eliminated: [Eliminated; MAX_AXLES],
     poses: [Pose; MAX_AXLES],
     pub(super) springs_n: [[f64; 2]; MAX_AXLES],
+}
+
+/// A body, its motion and its accelerations: reference point, then yaw, pitch, roll.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    motion: Motion,
+    rates: [f64; 6],
 }
 
 /// Positions and inputs at one instant.
@@ -178,8 +178,7 @@ impl Parameters {
         let mut equations = Equations::zeros();
         let sprung = if on_trailer { &self.trailer } else { &self.tractor };
         let gravity = instant.gravity[usize::from(on_trailer)];
-        let cg = motion.attitude.outward(sprung.cg);
-        equations.add_sprung(motion, cg, sprung.mass_kg, sprung.inertia_kgm2, gravity);
+        equations.add_sprung(motion, sprung, gravity);
         for (i, axle) in self.axles.iter().enumerate() {
             if axle.on_trailer != on_trailer {
                 continue;
@@ -214,33 +213,63 @@ impl Parameters {
         let [first, second] = units;
         let mut tractor = self.unit(instant, first, false, height_m, probe);
         let mut trailer = self.unit(instant, second, true, height_m + hitch_rho[2], probe);
+        let mut front = self.front(instant, second);
+        let on_hitch = front.as_ref().map_or(second, |(motion, _)| motion);
         let coupling = couple(
             &self.hitch,
             instant.x[C::TractorRoll as usize],
             first.rates,
-            &second.attitude,
-            second.rates,
+            &on_hitch.attitude,
+            on_hitch.rates,
             instant.turn,
         );
+        let coupled = front.as_mut().map_or(&mut trailer, |(_, own)| own);
         for i in 0..3 {
             tractor.force[3 + i] += coupling.tractor[i];
-            trailer.force[3 + i] += coupling.trailer[i];
+            coupled.force[3 + i] += coupling.trailer[i];
+        }
+        if let (Some(frame), Some((motion, own))) = (&self.front, &mut front) {
+            let twist_rad = instant.x[FRONT_ROLL] - instant.x[C::TrailerRoll as usize];
+            let frame_nm = frame.frame_nm(twist_rad, motion.rates[2] - second.rates[2]);
+            own.force[5] -= frame_nm;
+            trailer.force[5] += frame_nm;
+            Front::eliminate(own, &mut trailer);
         }
         let arms = first.attitude.arms(hitch_rho);
         let solution = join(&tractor, &trailer, &arms, instant.turn);
-        probe.units = Some(*units);
-        probe.accelerations = [solution.tractor, solution.trailer];
+        let moving = |motion: &Motion, rates| Moving { motion: *motion, rates };
+        probe.units = Some([moving(first, solution.tractor), moving(second, solution.trailer)]);
+        probe.front = front
+            .map(|(motion, own)| moving(&motion, Front::accelerations(&own, &solution.trailer)));
         probe.hitch_force_n = solution.hitch_force_n;
         probe.hitch_moment_nm = coupling.moment_nm;
-        self.spread(instant, probe, rate);
+        self.spread(instant, &solution, probe, rate);
+    }
+
+    /// Motion and equations of the front half, without the moments of fifth wheel and frame.
+    #[inline]
+    fn front(&self, instant: &Instant<'_>, rear: &Motion) -> Option<(Motion, Equations)> {
+        let front = self.front.as_ref()?;
+        let motion = Front::motion(instant.x, instant.x[C::TrailerPitch as usize], rear);
+        let mut equations = Equations::zeros();
+        equations.add_sprung(&motion, &front.half, instant.gravity[1]);
+        Some((motion, equations))
     }
 
     /// Writes every rate.
     #[inline]
-    fn spread(&self, instant: &Instant<'_>, probe: &Probe, rate: &mut [f64; ROOM]) {
+    fn spread(
+        &self,
+        instant: &Instant<'_>,
+        solution: &Solution,
+        probe: &Probe,
+        rate: &mut [f64; ROOM],
+    ) {
         let x = instant.x;
         rate[..7].copy_from_slice(&x[8..15]);
-        let [tractor, trailer] = &probe.accelerations;
+        let Solution { tractor, trailer, .. } = solution;
+        rate[FRONT_ROLL] = x[FRONT_ROLL_RATE];
+        rate[FRONT_ROLL_RATE] = probe.front.as_ref().map_or(0.0, |front| front.rates[5]);
         rate[7..12].copy_from_slice(&tractor[1..]);
         rate[12..15].copy_from_slice(&trailer[3..]);
         let (sin, cos) = x[C::TractorYaw as usize].sin_cos();
@@ -258,54 +287,72 @@ impl Parameters {
         }
     }
 
+    /// Values of tractor and trailer at the last evaluation; of a trailer whose frame twists, the mean of
+    /// both halves, in which the front half has a share.
+    fn of_units(
+        &self,
+        probe: &Probe,
+        share: impl Fn(&Front) -> f64,
+        value: impl Fn(&Moving, usize) -> f64,
+    ) -> [f64; 2] {
+        let Some([tractor, trailer]) = &probe.units else { return [0.0; 2] };
+        let mut found = [value(tractor, 0), value(trailer, 1)];
+        if let (Some(front), Some(moving)) = (&self.front, &probe.front) {
+            found[1] += share(front) * (value(moving, 1) - found[1]);
+        }
+        found
+    }
+
     /// Roll angles of tractor and trailer against the true vertical at the last evaluation.
-    pub(super) fn roll_to_gravity_rad(probe: &Probe, gravity: &[Vector; 2]) -> [f64; 2] {
-        [0, 1].map(|unit| {
-            let Some(units) = &probe.units else { return 0.0 };
+    pub(super) fn roll_to_gravity_rad(&self, probe: &Probe, gravity: &[Vector; 2]) -> [f64; 2] {
+        let roll_rad = |moving: &Moving, unit: usize| {
             let up = |axis: Vector| {
-                let axis = units[unit].attitude.outward(axis);
+                let axis = moving.motion.attitude.outward(axis);
                 -(0..3).map(|i| axis[i] * gravity[unit][i]).sum::<f64>()
             };
             up([0.0, 1.0, 0.0]).atan2(up([0.0, 0.0, 1.0]))
-        })
+        };
+        self.of_units(probe, |front| front.roll_share, roll_rad)
     }
 
     /// Lateral accelerations of the sprung c.g.s at the last evaluation, in the plane of the road, in
     /// each unit's heading.
     pub(super) fn lateral_mps2(&self, probe: &Probe) -> [f64; 2] {
-        [0, 1].map(|unit| {
-            let cg = [&self.tractor, &self.trailer][unit].cg;
-            acceleration(probe, unit, cg)[1]
-        })
+        let Some([tractor, trailer]) = &probe.units else { return [0.0; 2] };
+        let lateral = |moving: &Moving, sprung: &Sprung| moving.acceleration(sprung.cg)[1];
+        let mut found = [lateral(tractor, &self.tractor), lateral(trailer, &self.trailer)];
+        if let (Some(front), Some(moving)) = (&self.front, &probe.front) {
+            found[1] += front.mass_share * (lateral(moving, &front.half) - found[1]);
+        }
+        found
     }
 
     /// What the accelerometers of tractor and trailer show at the last evaluation: acceleration minus
     /// gravity along the lateral axis of the body.
     pub(super) fn specific_force_mps2(&self, probe: &Probe, gravity: &[Vector; 2]) -> [f64; 2] {
-        [0, 1].map(|unit| {
-            let Some(units) = &probe.units else { return 0.0 };
-            let felt = add(
-                acceleration(probe, unit, self.accelerometers[unit]),
-                scaled(gravity[unit], -1.0),
-            );
-            let left = units[unit].attitude.outward([0.0, 1.0, 0.0]);
+        let force_mps2 = |moving: &Moving, unit: usize| {
+            let felt =
+                add(moving.acceleration(self.accelerometers[unit]), scaled(gravity[unit], -1.0));
+            let left = moving.motion.attitude.outward([0.0, 1.0, 0.0]);
             (0..3).map(|i| felt[i] * left[i]).sum()
-        })
+        };
+        self.of_units(probe, |front| front.accelerometer_share, force_mps2)
     }
 }
 
-/// Acceleration of a point of a unit at the last evaluation, in the unit's yaw frame. `arm` is its
-/// place from the unit's reference point, body axes.
-fn acceleration(probe: &Probe, unit: usize, arm: Vector) -> Vector {
-    let Some(units) = &probe.units else { return [0.0; 3] };
-    let (motion, rates) = (&units[unit], &probe.accelerations[unit]);
-    let rho = motion.attitude.outward(arm);
-    let arms = motion.attitude.arms(rho);
-    let (_, bias) = motion.point(rho);
-    [0, 1, 2].map(|i| {
-        let turning: f64 = (0..3).map(|j| arms[j][i] * rates[3 + j]).sum();
-        rates[i] + turning + bias[i]
-    })
+impl Moving {
+    /// Acceleration of a point of the body, in the unit's yaw frame. `arm` is its place from the
+    /// unit's reference point, body axes.
+    fn acceleration(&self, arm: Vector) -> Vector {
+        let Self { motion, rates } = self;
+        let rho = motion.attitude.outward(arm);
+        let arms = motion.attitude.arms(rho);
+        let (_, bias) = motion.point(rho);
+        [0, 1, 2].map(|i| {
+            let turning: f64 = (0..3).map(|j| arms[j][i] * rates[3 + j]).sum();
+            rates[i] + turning + bias[i]
+        })
+    }
 }
 
 /// Attitudes of both units.

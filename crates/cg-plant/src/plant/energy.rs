@@ -2,10 +2,11 @@
 //! equations.
 
 use super::axle::Pose;
-use super::body::{Attitude, Motion};
+use super::body::{Attitude, Motion, Sprung};
 use super::dynamics::{Control, Parameters, Probe};
+use super::front::Front;
 use super::options::PlantOptions;
-use super::state::{AxleCoordinate as A, Coordinate as C, State, at};
+use super::state::{AxleCoordinate as A, Coordinate as C, FRONT_ROLL, FRONT_ROLL_RATE, State, at};
 use super::suspension::Law;
 use super::vector::{Vector, cross, sin_cos, turned};
 use super::yaw_roll::YawRollPlant;
@@ -16,8 +17,7 @@ fn square(v: Vector) -> f64 {
 }
 
 /// Kinetic and potential energy of a sprung mass.
-fn sprung(p: &Parameters, motion: &Motion, height_m: f64, on_trailer: bool) -> f64 {
-    let body = if on_trailer { &p.trailer } else { &p.tractor };
+fn sprung(p: &Parameters, motion: &Motion, height_m: f64, body: &Sprung) -> f64 {
     let a = &motion.attitude;
     let rho = a.outward(body.cg);
     let (velocity, _) = motion.point(rho);
@@ -89,20 +89,29 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
         [0.0; 3],
     );
     let heights = [value(C::TractorHeight), value(C::TractorHeight) + hitch[2]];
-    let mut energy = sprung(p, &tractor, heights[0], false) + sprung(p, &trailer, heights[1], true);
+    let mut energy =
+        sprung(p, &tractor, heights[0], &p.tractor) + sprung(p, &trailer, heights[1], &p.trailer);
+    let mut on_hitch = trailer.attitude;
+    if let Some(front) = &p.front {
+        let motion = Front::motion(&state.x, value(C::TrailerPitch), &trailer);
+        let twist_rad = state.x[FRONT_ROLL] - value(C::TrailerRoll);
+        energy += sprung(p, &motion, heights[1], &front.half);
+        energy += 0.5 * front.stiffness_nm_per_rad * twist_rad * twist_rad;
+        on_hitch = motion.attitude;
+    }
     for (i, a) in p.axles.iter().enumerate() {
         let unit = usize::from(a.on_trailer);
         energy += axle(p, state, i, [&tractor, &trailer][unit], heights[unit]);
     }
     // The fifth wheel: its angle from the vertical of the trailer in the tractor's heading.
-    let k = turned(trailer.attitude.outward([0.0, 0.0, 1.0]), (-turn.0, turn.1));
+    let k = turned(on_hitch.outward([0.0, 0.0, 1.0]), (-turn.0, turn.1));
     let angle = (-k[1]).atan2(k[2]) - value(C::TractorRoll);
     energy + 0.5 * p.hitch.stiffness_nm_per_rad * angle * angle
 }
 
 /// The vehicle of the file without lateral tire forces, dampers and load groups. The c.g. of its trailer is
-/// this far to the left: it does not rest there, but falls.
-fn conservative(file: &str, cg_left_m: f64) -> YawRollPlant {
+/// this far to the left: it does not rest there, but falls. Its frame may twist.
+fn conservative(file: &str, cg_left_m: f64, frame_nm_per_rad: Option<f64>) -> YawRollPlant {
     let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
     let mut vehicle = Vehicle::load(path).unwrap();
     for tyre in &mut vehicle.tyre {
@@ -121,9 +130,14 @@ fn conservative(file: &str, cg_left_m: f64) -> YawRollPlant {
         axle.spring = None;
     }
     vehicle.hitch.roll_stiffness_nm_per_rad = vehicle.hitch.roll_stiffness_nm_per_rad.min(1e6);
+    vehicle.trailer.frame_torsional_stiffness_nm_per_rad = frame_nm_per_rad;
     let (load, options) = (vehicle.reference_load(), PlantOptions::default());
     let mut plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
     plant.parameters.trailer.cg[1] = cg_left_m;
+    if let Some(front) = &mut plant.parameters.front {
+        front.half.cg[1] = cg_left_m;
+        front.damping_nms_per_rad = 0.0;
+    }
     plant
 }
 
@@ -142,6 +156,9 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
     ] {
         // Half of what lifts the lightest wheel, because RK4 is not accurate over the kink of a lift.
         state.set(c, 0.5 * rate);
+    }
+    if plant.parameters.front.is_some() {
+        state.x[FRONT_ROLL_RATE] = -0.1;
     }
     let start = energy_j(&plant.parameters, &state);
     let (still, mut probe) = ([Control::default(); 3], Probe::default());
@@ -163,8 +180,14 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
 /// few modes like it contain some percent of the total energy.
 #[test]
 fn energy_stays_without_dampers_and_lateral_tyre_forces() {
-    for (file, cg_left_m) in [("baseline.toml", 0.0), ("kraz.toml", 0.0), ("baseline.toml", 0.05)] {
-        let plant = conservative(file, cg_left_m);
+    for (file, cg_left_m, frame_nm_per_rad) in [
+        ("baseline.toml", 0.0, None),
+        ("kraz.toml", 0.0, None),
+        ("baseline.toml", 0.05, None),
+        ("kraz.toml", 0.0, Some(6e5)),
+        ("euro.toml", 0.05, Some(3e6)),
+    ] {
+        let plant = conservative(file, cg_left_m, frame_nm_per_rad);
         let (coarse, put_in) = drift_j(&plant, 2e-3);
         let (fine, _) = drift_j(&plant, 1e-3);
         println!(

@@ -1,13 +1,13 @@
 //! Straight driving at constant speed: the position in which nothing accelerates.
 //!
-//! Newton's method on height, pitch and roll of the bodies, on rise and roll of the axles, and on
+//! Newton's method on height, pitch and roll of the bodies (and of the front half of a twisting trailer), on rise and roll of the axles, and on
 //! lateral velocity, articulation and steer angle, which balance the vehicle on a banked road.
 //! Measured springs rest midway between their curves.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::dynamics::{Control, Parameters, Probe};
-use super::state::{AxleCoordinate, Coordinate, ROOM, State};
+use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, FRONT_ROLL_RATE, ROOM, State};
 use cg_vehicle::error::VehicleError;
 
 /// A state of rest and the steer angle that maintains it.
@@ -31,14 +31,16 @@ const BODIES: [Coordinate; 7] = [
 const OWN: [AxleCoordinate; 2] = [AxleCoordinate::Rise, AxleCoordinate::Roll];
 
 impl Rest {
-    fn unknowns(&self, axles: usize) -> DVector<f64> {
+    fn unknowns(&self, parameters: &Parameters) -> DVector<f64> {
         let bodies = BODIES.map(|c| self.state.get(c));
-        let own = (0..axles).flat_map(|i| OWN.map(|c| self.state.axle(i, c)));
-        let values: Vec<f64> = bodies.into_iter().chain([self.steer_rad]).chain(own).collect();
-        DVector::from_vec(values)
+        let own = (0..parameters.axles.len()).flat_map(|i| OWN.map(|c| self.state.axle(i, c)));
+        let front = parameters.front.is_some().then_some(self.state.x[FRONT_ROLL]);
+        let values = bodies.into_iter().chain([self.steer_rad]).chain(own).chain(front);
+        DVector::from_vec(values.collect())
     }
 
-    fn with(&self, axles: usize, unknowns: &DVector<f64>) -> Self {
+    fn with(&self, parameters: &Parameters, unknowns: &DVector<f64>) -> Self {
+        let axles = parameters.axles.len();
         let mut rest = *self;
         for (k, c) in BODIES.into_iter().enumerate() {
             rest.state.set(c, unknowns[k]);
@@ -48,6 +50,9 @@ impl Rest {
             for (k, c) in OWN.into_iter().enumerate() {
                 rest.state.set_axle(i, c, unknowns[BODIES.len() + 1 + 2 * i + k]);
             }
+        }
+        if parameters.front.is_some() {
+            rest.state.x[FRONT_ROLL] = unknowns[BODIES.len() + 1 + 2 * axles];
         }
         rest
     }
@@ -82,7 +87,8 @@ fn accelerations(parameters: &Parameters, rest: &Rest, control: &Control) -> DVe
     let own = (0..parameters.axles.len()).flat_map(|i| {
         [AxleCoordinate::RiseRate, AxleCoordinate::RollRate].map(|c| rate[super::state::at(i, c)])
     });
-    DVector::from_vec(bodies.chain(own).collect())
+    let front = parameters.front.is_some().then_some(rate[FRONT_ROLL_RATE]);
+    DVector::from_vec(bodies.chain(own).chain(front).collect())
 }
 
 /// Finds straight driving at the speed and on the bank of `control`, starting from a position near it.
@@ -94,18 +100,17 @@ pub(super) fn settle(
     start: &State,
     control: &Control,
 ) -> Result<Rest, VehicleError> {
-    let axles = parameters.axles.len();
     let mut rest = Rest { state: *start, steer_rad: 0.0 }.relaxed(parameters, control);
     let mut residual = accelerations(parameters, &rest, control);
     for _ in 0..50 {
         if residual.amax() < ROUNDING {
             return Ok(rest);
         }
-        let unknowns = rest.unknowns(axles);
+        let unknowns = rest.unknowns(parameters);
         let n = unknowns.len();
         let mut jacobian = DMatrix::zeros(n, n);
         let moved = |unknowns: &DVector<f64>| {
-            let rest = rest.with(axles, unknowns).relaxed(parameters, control);
+            let rest = rest.with(parameters, unknowns).relaxed(parameters, control);
             let residual = accelerations(parameters, &rest, control);
             (rest, residual)
         };

@@ -6,7 +6,7 @@ use super::dynamics::{Control, Probe};
 use super::ground::Ground;
 use super::method::Method;
 use super::sample::PlantSample;
-use super::state::{Coordinate, ROOM, State};
+use super::state::{Coordinate, FRONT_ROLL, ROOM, State};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 
@@ -136,9 +136,10 @@ impl<'a> Simulation<'a> {
     }
 
     fn judge(&mut self) {
-        let upright = [Coordinate::TractorRoll, Coordinate::TrailerRoll]
-            .into_iter()
-            .all(|c| self.state.get(c).abs() <= ROLLED_OVER_RAD);
+        let upright =
+            [Coordinate::TractorRoll as usize, Coordinate::TrailerRoll as usize, FRONT_ROLL]
+                .into_iter()
+                .all(|i| self.state.x[i].abs() <= ROLLED_OVER_RAD);
         if !upright {
             self.progress = Progress::RolledOver { time_s: self.time_s };
         }

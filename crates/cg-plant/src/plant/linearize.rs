@@ -3,13 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::dynamics::{Control, Probe};
-use super::state::{AxleCoordinate, Coordinate, ROOM, at};
+use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, FRONT_ROLL_RATE, ROOM, at};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
 
 /// The states that matter for small motion. The tractor's own yaw angle and position do not matter;
-/// the trailer's yaw angle represents the negative articulation.
+/// the trailer's yaw angle represents the negative articulation. The axles follow, and then the front half
+/// of a trailer whose frame twists.
 const BODIES: [Coordinate; 14] = [
     Coordinate::TractorHeight,
     Coordinate::TractorPitch,
@@ -89,9 +90,8 @@ impl YawRollPlant {
         };
         let body = |c: Coordinate| row(BODIES.iter().position(|b| *b == c).unwrap_or(0), 1.0);
         let axles = self.parameters.axles.len();
-        let own = places.len() - BODIES.len();
-        let axle_roll: Vec<_> =
-            (0..axles).map(|i| row(BODIES.len() + own / axles * i + 1, 1.0)).collect();
+        let own = self.own().count();
+        let axle_roll: Vec<_> = (0..axles).map(|i| row(BODIES.len() + own * i + 1, 1.0)).collect();
         let suspension_roll = |on_trailer: bool| {
             let roll = if on_trailer { Coordinate::TrailerRoll } else { Coordinate::TractorRoll };
             let own: Vec<_> = (0..axles)
@@ -105,7 +105,7 @@ impl YawRollPlant {
         Ok(StateSpace {
             suspension_roll: [false, true].map(suspension_roll),
             specific_force: [1, 2].map(|k| (all.row(n + k).transpose(), by_steer[n + k])),
-            trailer_roll: body(Coordinate::TrailerRoll),
+            trailer_roll: self.with_front_roll(body(Coordinate::TrailerRoll)),
             tractor_roll: body(Coordinate::TractorRoll),
             trailer_yaw_rate: body(Coordinate::TrailerYawRate),
             tractor_yaw_rate: body(Coordinate::TractorYawRate),
@@ -119,18 +119,35 @@ impl YawRollPlant {
         })
     }
 
+    /// The roll angle at the sensors of the trailer, from that of the rear half.
+    fn with_front_roll(&self, mut rear: DVector<f64>) -> DVector<f64> {
+        if let Some(front) = &self.parameters.front {
+            // The front half is last: its roll and its rate.
+            let own = rear.len() - 2;
+            rear *= 1.0 - front.roll_share;
+            rear[own] = front.roll_share;
+        }
+        rear
+    }
+
     /// Magnitude of the fastest pole, without the friction of measured springs.
     pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
         let poles = self.linearized(speed_mps)?.a.complex_eigenvalues();
         Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
     }
 
-    /// Indices of the states that matter; the lagged slip only for tires with a lag.
+    /// The states of an axle that matter; the lagged slip only for tires with a lag.
+    fn own(&self) -> impl Iterator<Item = AxleCoordinate> + Clone {
+        let lags = self.parameters.axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);
+        OWN.into_iter().chain(lags.then_some(AxleCoordinate::Slip))
+    }
+
+    /// Indices of the states that matter.
     fn places(&self) -> Vec<usize> {
-        let axles = &self.parameters.axles;
-        let lags = axles.iter().all(|axle| axle.tyres.relaxation_length_m > 0.0);
-        let own: Vec<_> = OWN.into_iter().chain(lags.then_some(AxleCoordinate::Slip)).collect();
+        let p = &self.parameters;
         let bodies = BODIES.into_iter().map(|c| c as usize);
-        bodies.chain((0..axles.len()).flat_map(|i| own.iter().map(move |&c| at(i, c)))).collect()
+        let axles = (0..p.axles.len()).flat_map(|i| self.own().map(move |c| at(i, c)));
+        let front = p.front.iter().flat_map(|_| [FRONT_ROLL, FRONT_ROLL_RATE]);
+        bodies.chain(axles).chain(front).collect()
     }
 }

@@ -16,6 +16,11 @@ impl Method {
     const ADAMS: f64 = 0.6;
     const RUNGE_KUTTA: f64 = 2.5;
 
+    /// Whether a method is stable with this step.
+    pub(super) fn is_stable(fastest_radps: f64, step_s: f64) -> bool {
+        fastest_radps * step_s <= Self::RUNGE_KUTTA
+    }
+
     pub(super) fn for_mode(fastest_radps: f64, step_s: f64) -> Result<Self, VehicleError> {
         match fastest_radps * step_s {
             reach if reach <= Self::ADAMS => Ok(Self::Adams),

@@ -10,6 +10,7 @@
 //! | `state` | the state vector |
 //! | `ground` | the road under the vehicle |
 //! | `body` | sprung masses: attitude, motion, equations of a unit |
+//! | `front` | the front half of a trailer whose frame twists |
 //! | `axle` | two degrees of freedom on a sliding roll center, eliminated directly |
 //! | `suspension` | springs: linear, or measured with friction; load equalization |
 //! | `tyre` | radial spring, lateral force and aligning moment over slip and load |
@@ -22,7 +23,7 @@
 //! | `sample` | outputs at an instant |
 //!
 //! Each sprung mass moves laterally, vertically, and in yaw, roll and pitch, at a prescribed forward
-//! speed. Each axle moves in roll and bounce. The fifth wheel connects the units in every direction
+//! speed. A trailer whose frame twists has two halves that roll by different angles. Each axle moves in roll and bounce. The fifth wheel connects the units in every direction
 //! and leaves yaw and pitch free. The road has a bank and a grade, and
 //! each axle may stand on a bank of its own.
 //!
@@ -55,6 +56,7 @@ mod suspension;
 #[cfg(test)]
 mod energy;
 mod body;
+mod front;
 mod hitch;
 mod tyre;
 mod axle;

@@ -34,7 +34,7 @@ pub struct PlantOptions {
     /// those heights, as in the linear model. The height of the load itself is always its height at
     /// rest.
     pub design_load: Option<Load>,
-    /// Step of the integration.
+    /// Step of the integration; half of it where a frame that twists on a hard fifth wheel needs it.
     pub step_s: f64,
 }
 

@@ -1,9 +1,12 @@
 //! Outputs of the plant at an instant.
 
 use super::dynamics::{Control, Parameters, Probe};
-use super::state::{AxleCoordinate, Coordinate as C, MAX_AXLES, State};
+use super::state::{
+    AxleCoordinate, Coordinate as C, FRONT_ROLL, FRONT_ROLL_RATE, MAX_AXLES, State,
+};
 
-/// A sprung mass at an instant; ISO 8855 signs.
+/// A sprung mass at an instant; ISO 8855 signs. Of a trailer whose frame twists, roll angles and specific
+/// force are those at the sensors of the vehicle file (of two roll sensors, the mean).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct UnitSample {
@@ -149,7 +152,7 @@ impl PlantSample {
         let turn_rad = trailer.yaw_rad - tractor.yaw_rad;
         let gravity = control.ground.gravity(parameters.gravity_mps2, turn_rad);
         let forces_mps2 = parameters.specific_force_mps2(probe, &gravity);
-        let rolls_rad = Parameters::roll_to_gravity_rad(probe, &gravity);
+        let rolls_rad = parameters.roll_to_gravity_rad(probe, &gravity);
         for (unit, on_trailer) in [(&mut tractor, false), (&mut trailer, true)] {
             unit.specific_force_mps2 = forces_mps2[usize::from(on_trailer)];
             unit.roll_to_gravity_rad = rolls_rad[usize::from(on_trailer)];
@@ -161,6 +164,12 @@ impl PlantSample {
                 }
             }
             unit.suspension_roll_rad = unit.roll_rad - sum_rad / f64::max(count, 1.0);
+        }
+        if let Some(front) = &parameters.front {
+            // So far these are the roll of the rear half.
+            let share = front.roll_share;
+            trailer.roll_rad += share * (state.x[FRONT_ROLL] - trailer.roll_rad);
+            trailer.roll_rate_radps += share * (state.x[FRONT_ROLL_RATE] - trailer.roll_rate_radps);
         }
         let mut axle = [AxleSample::default(); MAX_AXLES];
         let (mut difference, mut sum) = (0.0, 0.0);

@@ -6,7 +6,9 @@
 //! other load.
 
 use super::axle::Axle;
-use super::dynamics::{Parameters, Sprung};
+use super::body::Sprung;
+use super::dynamics::Parameters;
+use super::front::Front;
 use super::options::{Characteristics, PlantOptions};
 use super::state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 use super::suspension::{Group, Law};
@@ -16,6 +18,7 @@ use cg_vehicle::balance::static_balance;
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::twisting::{DAMPING_S, Part, Twisting};
 use cg_vehicle::vehicle::PlacedAxle;
 use cg_vehicle::{Load, Vehicle};
 
@@ -59,6 +62,7 @@ pub(super) fn parameters(
         state.set_axle(i, AxleCoordinate::Rise, axle.rise_m);
     }
     let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
+    let (trailer, front) = trailer(vehicle, load, options)?;
     let parameters = Parameters {
         tractor: Sprung {
             mass_kg: tractor.sprung_mass_kg,
@@ -69,7 +73,8 @@ pub(super) fn parameters(
             ],
             cg: [0.0; 3],
         },
-        trailer: trailer(vehicle, load, options)?,
+        trailer,
+        front,
         hitch_arm: [-tractor.hitch_behind_cg_m, 0.0, hitch.height_m - tractor.cg_height_m],
         hitch: FifthWheel::of(hitch),
         axles,
@@ -109,13 +114,6 @@ fn check(
             i + 1,
             placed[i].axle.tyre_positions_m.len()
         )));
-    }
-    if vehicle.trailer.frame_torsional_stiffness_nm_per_rad.is_some() {
-        return Err(model(
-            "the nonlinear plant has a rigid frame; remove \
-             trailer.frame_torsional_stiffness_nm_per_rad"
-                .to_owned(),
-        ));
     }
     if !(options.step_s.is_finite() && options.step_s > 0.0) {
         return Err(model(format!("step {} s must be positive", options.step_s)));
@@ -234,28 +232,42 @@ fn axle(
     }
 }
 
-fn trailer(vehicle: &Vehicle, load: Load, options: &PlantOptions) -> Result<Sprung, VehicleError> {
-    let sprung = vehicle.trailer_sprung_mass(load)?;
+/// The trailer's sprung mass, or its rear half and its front half if its frame twists.
+fn trailer(
+    vehicle: &Vehicle,
+    load: Load,
+    options: &PlantOptions,
+) -> Result<(Sprung, Option<Front>), VehicleError> {
+    let mut sprung = vehicle.trailer_sprung_mass(load)?;
     let share = sprung.payload_kg / sprung.mass_kg;
     let left_m = share * options.payload_left_m;
-    let behind_m = share * options.payload_behind_m;
     // Parallel-axis term of a payload that is not at the tare's c.g.; products of inertia are left out.
     let apart_kg = share * (sprung.mass_kg - sprung.payload_kg);
     let beside = apart_kg * options.payload_left_m.powi(2);
     let place = &vehicle.trailer;
     let along_m = place.payload.behind_hitch_m - place.tare.cg_behind_hitch_m;
     let along = apart_kg * ((along_m + options.payload_behind_m).powi(2) - along_m.powi(2));
-    Ok(Sprung {
-        mass_kg: sprung.mass_kg,
-        inertia_kgm2: [
-            sprung.roll_inertia_kgm2 + beside,
-            sprung.pitch_inertia_kgm2 + along,
-            sprung.yaw_inertia_kgm2 + beside + along,
-        ],
-        cg: [
-            -sprung.cg_behind_hitch_m - behind_m,
-            left_m,
-            sprung.cg_height_m - vehicle.hitch.height_m,
-        ],
-    })
+    sprung.cg_behind_hitch_m += share * options.payload_behind_m;
+    sprung.roll_inertia_kgm2 += beside;
+    sprung.pitch_inertia_kgm2 += along;
+    sprung.yaw_inertia_kgm2 = sprung.yaw_inertia_kgm2 + beside + along;
+    let above_m = sprung.cg_height_m - vehicle.hitch.height_m;
+    let body = |part: &Part| Sprung {
+        mass_kg: part.mass_kg,
+        inertia_kgm2: [part.roll_inertia_kgm2, part.pitch_inertia_kgm2, part.yaw_inertia_kgm2],
+        cg: [-part.cg_behind_hitch_m, left_m, above_m],
+    };
+    let Some(twisting) = Twisting::of(vehicle) else {
+        return Ok((body(&Part::whole(&sprung)), None));
+    };
+    let [front, rear] = Part::halves(&sprung, place.payload.length_m);
+    let frame = Front {
+        half: body(&front),
+        mass_share: front.mass_kg / sprung.mass_kg,
+        stiffness_nm_per_rad: twisting.stiffness_nm_per_rad,
+        damping_nms_per_rad: DAMPING_S * twisting.stiffness_nm_per_rad,
+        roll_share: twisting.roll_share,
+        accelerometer_share: twisting.accelerometer_share,
+    };
+    Ok((body(&rear), Some(frame)))
 }

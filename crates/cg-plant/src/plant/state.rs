@@ -1,18 +1,22 @@
 //! The state vector: one flat array, so that the integrator is a loop.
 //!
 //! ```text
-//!     bodies   z1 ψ1 θ1 φ1 ψ2 θ2 φ2 | v1 ż1 ψ̇1 θ̇1 φ̇1 ψ̇2 θ̇2 φ̇2 | X1 Y1
+//!     bodies   z1 ψ1 θ1 φ1 ψ2 θ2 φ2 | v1 ż1 ψ̇1 θ̇1 φ̇1 ψ̇2 θ̇2 φ̇2 | X1 Y1 | φf φ̇f
 //!     axle i   s φu | ṡ φ̇u | lagged slip | spring force left, right (first axle of a group)
 //! ```
 //!
-//! The trailer's position is not a state: it follows from the fifth wheel.
+//! The trailer's position is not a state: it follows from the fifth wheel. `φf` is the roll of the front
+//! half of a trailer whose frame twists, and zero for a rigid one.
 
 /// The greatest number of axles.
 pub const MAX_AXLES: usize = 8;
 
 /// States per axle.
 const PER_AXLE: usize = 7;
-const BODIES: usize = 17;
+/// Roll angle of the trailer's front half, and its rate.
+pub(super) const FRONT_ROLL: usize = 17;
+pub(super) const FRONT_ROLL_RATE: usize = 18;
+const BODIES: usize = 19;
 /// Size of the state vector.
 pub(super) const ROOM: usize = BODIES + PER_AXLE * MAX_AXLES;
 
@@ -32,7 +36,7 @@ pub enum Coordinate {
     TrailerYaw,
     /// Pitch angle of the trailer, rad.
     TrailerPitch,
-    /// Roll angle of the trailer, rad.
+    /// Roll angle of the trailer (of its rear half, if its frame twists), rad.
     TrailerRoll,
     /// Lateral velocity of the tractor's sprung c.g., horizontal, in the tractor's heading, m/s.
     LateralVelocity,
@@ -48,7 +52,7 @@ pub enum Coordinate {
     TrailerYawRate,
     /// Pitch rate of the trailer, rad/s.
     TrailerPitchRate,
-    /// Roll rate of the trailer, rad/s.
+    /// Roll rate of the trailer (of its rear half, if its frame twists), rad/s.
     TrailerRollRate,
     /// Position of the tractor's sprung c.g. along the initial heading, m.
     PositionX,

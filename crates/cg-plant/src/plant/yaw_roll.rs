@@ -8,7 +8,7 @@ use super::method::Method;
 use super::options::PlantOptions;
 use super::sample::PlantSample;
 use super::setup;
-use super::state::{AxleCoordinate, Coordinate, ROOM, State};
+use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, ROOM, State};
 use super::vector::Vector;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Vehicle};
@@ -44,7 +44,12 @@ impl YawRollPlant {
         if options.design_load.is_some() {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
-        plant.method = Method::for_mode(plant.fastest_radps(vehicle.nominal_speed_mps)?, step_s)?;
+        let fastest_radps = plant.fastest_radps(vehicle.nominal_speed_mps)?;
+        if plant.parameters.front.is_some() && !Method::is_stable(fastest_radps, step_s) {
+            // A half of the trailer on a hard fifth wheel is faster than the whole by up to √2.
+            plant.step_s *= 0.5;
+        }
+        plant.method = Method::for_mode(fastest_radps, plant.step_s)?;
         Ok(plant)
     }
 
@@ -52,7 +57,10 @@ impl YawRollPlant {
     fn lift_to(&mut self, height_m: f64, speed_mps: f64) -> Result<(), VehicleError> {
         for _ in 0..5 {
             let state = self.settled(speed_mps)?.state;
-            self.parameters.trailer.cg[2] += height_m - self.trailer_cg_height_m(&state);
+            let lift_m = height_m - self.trailer_cg_height_m(&state);
+            let p = &mut self.parameters;
+            p.trailer.cg[2] += lift_m;
+            p.front.iter_mut().for_each(|front| front.half.cg[2] += lift_m);
         }
         Ok(())
     }
@@ -68,9 +76,14 @@ impl YawRollPlant {
         let attitude = |pitch, roll| Attitude::new(state.get(pitch), state.get(roll));
         let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
         let trailer = attitude(Coordinate::TrailerPitch, Coordinate::TrailerRoll);
+        let mut above_m = trailer.outward(self.parameters.trailer.cg)[2];
+        if let Some(front) = &self.parameters.front {
+            let own = Attitude::new(state.get(Coordinate::TrailerPitch), state.x[FRONT_ROLL]);
+            above_m += front.mass_share * (own.outward(front.half.cg)[2] - above_m);
+        }
         state.get(Coordinate::TractorHeight)
             + tractor.outward(self.parameters.hitch_arm)[2]
-            + trailer.outward(self.parameters.trailer.cg)[2]
+            + above_m
     }
 
     /// Position of an axle's center, seen from above, along and to the left of the first heading.

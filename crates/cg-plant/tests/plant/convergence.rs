@@ -3,7 +3,7 @@
 use cg_plant::plant::{PlantOptions, Progress, YawRollPlant};
 use cg_vehicle::Load;
 
-use super::{KMH, plant, rounded, vehicle};
+use super::{KMH, flatbed, plant, rounded, vehicle};
 
 /// Left and right use the same order of summation: rounding is the same except for signs.
 #[test]
@@ -85,6 +85,27 @@ fn a_step_too_long_for_the_vehicle_is_an_error() {
     assert!(with(1e-3).is_ok());
     let error = with(2e-3).unwrap_err().to_string();
     assert!(error.contains("1561 rad/s: take 1.6e-3 s or less"), "{error}");
+}
+
+/// Half of an empty trailer on a hard joint moves faster than the whole, for which steps of 1 ms are
+/// enough.
+#[test]
+fn half_a_trailer_takes_half_a_step() {
+    let vehicle = flatbed();
+    let tare = &vehicle.trailer.tare;
+    let load =
+        Load { trailer_mass_kg: vehicle.empty_trailer_mass_kg(), cg_height_m: tare.cg_height_m };
+    let roll_rad = |step_s| {
+        let options = PlantOptions { step_s, ..PlantOptions::default() };
+        let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
+        let mut run = plant.start(50.0 * KMH).unwrap();
+        let samples = rounded(&mut run, 0.05, 50.0 * KMH, 3.0);
+        (plant.step_s(), samples.last().unwrap().trailer.roll_rad)
+    };
+    let ((taken_s, coarse_rad), (_, fine_rad)) = (roll_rad(1e-3), roll_rad(2.5e-4));
+    assert!((taken_s - 5e-4).abs() < 1e-12, "{taken_s}");
+    // As for the other loads below.
+    assert!((coarse_rad - fine_rad).abs().to_degrees() < 1e-4 && fine_rad > 0.0);
 }
 
 /// The smallest friction deflection on an empty trailer is limited to the value that dissipates energy,

@@ -24,6 +24,14 @@ fn vehicle(name: &str) -> Vehicle {
     Vehicle::load(format!("{folder}/{name}.toml")).unwrap()
 }
 
+/// The second independent truck with the frame of a flatbed, and a roll sensor at the fifth wheel.
+fn flatbed() -> Vehicle {
+    let mut vehicle = vehicle("euro");
+    vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(6e5);
+    vehicle.sensors.roll.behind_hitch_m = Some(0.5);
+    vehicle
+}
+
 fn plant(vehicle: &Vehicle) -> YawRollPlant {
     YawRollPlant::new(vehicle, vehicle.reference_load(), &PlantOptions::default()).unwrap()
 }

@@ -4,7 +4,7 @@ use cg_plant::plant::{Coordinate, PlantOptions, YawRollPlant};
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::{Load, Vehicle};
 
-use super::{KMH, linear, plant, vehicle};
+use super::{KMH, flatbed, linear, plant, vehicle};
 
 /// Figures 2.1 and 2.2 from the static balance: 1 N is one unit of the last digit.
 #[test]
@@ -23,8 +23,8 @@ fn straight_running_carries_the_known_loads() {
 /// 500 kg give 2e-14 m/s²; with the springs of the tires this is less than 1e-16 m in one second).
 #[test]
 fn straight_running_stays() {
-    for name in ["baseline", "baseline-tables", "air", "kraz"] {
-        let vehicle = vehicle(name);
+    let rigid = ["baseline", "baseline-tables", "air", "kraz"].map(vehicle);
+    for vehicle in rigid.into_iter().chain([flatbed()]) {
         let plant = plant(&vehicle);
         let mut run = plant.start(50.0 * KMH).unwrap();
         let start = run.state;
@@ -42,7 +42,7 @@ fn straight_running_stays() {
             Coordinate::TrailerYawRate,
         ] {
             let moved = run.state.get(c) - start.get(c);
-            assert!(moved.abs() < 1e-12, "{name}, {c:?}: {moved:e}");
+            assert!(moved.abs() < 1e-12, "{}, {c:?}: {moved:e}", vehicle.name);
         }
         assert!(
             (plant.trailer_cg_height_m(&start) - vehicle.trailer.reference_cg_height_m).abs()
@@ -54,22 +54,23 @@ fn straight_running_stays() {
 /// With a separate design load the body settles, and the load's height is still its height at rest.
 #[test]
 fn a_lighter_load_lifts_the_body_and_keeps_its_height() {
-    let vehicle = vehicle("baseline");
-    let design = vehicle.reference_load();
-    let load = Load { trailer_mass_kg: design.trailer_mass_kg - 10_000.0, cg_height_m: 1.8 };
-    let options = PlantOptions { design_load: Some(design), ..linear() };
-    let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
-    let run = plant.start(50.0 * KMH).unwrap();
-    // Newton's method stops at accelerations of 1e-7: nanometers on springs of 1 Hz and above.
-    assert!((plant.trailer_cg_height_m(&run.state) - 1.8).abs() < 1e-7);
-    let balance = static_balance(&vehicle, load).unwrap();
-    for (axle, known) in run.sample().axles().iter().zip(&balance.axle_load_n) {
-        let ratio = (axle.left_load_n + axle.right_load_n) / known;
-        // The frames pitch by up to 1/100 rad, which moves the c.g.s by 1 cm in 5 m.
-        assert!((ratio - 1.0).abs() < 3e-3, "{ratio}");
+    for vehicle in [vehicle("baseline"), flatbed()] {
+        let design = vehicle.reference_load();
+        let load = Load { trailer_mass_kg: design.trailer_mass_kg - 10_000.0, cg_height_m: 1.8 };
+        let options = PlantOptions { design_load: Some(design), ..linear() };
+        let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
+        let run = plant.start(50.0 * KMH).unwrap();
+        // Newton's method stops at accelerations of 1e-7: nanometers on springs of 1 Hz and above.
+        assert!((plant.trailer_cg_height_m(&run.state) - 1.8).abs() < 1e-7);
+        let balance = static_balance(&vehicle, load).unwrap();
+        for (axle, known) in run.sample().axles().iter().zip(&balance.axle_load_n) {
+            let ratio = (axle.left_load_n + axle.right_load_n) / known;
+            // The frames pitch by up to 1/100 rad, which moves the c.g.s by 1 cm in 5 m.
+            assert!((ratio - 1.0).abs() < 3e-3, "{ratio}");
+        }
+        let lifted = run.state.get(Coordinate::TractorHeight) - vehicle.tractor.cg_height_m;
+        assert!(lifted > 0.0 && lifted < 0.05, "{lifted}");
     }
-    let lifted = run.state.get(Coordinate::TractorHeight) - vehicle.tractor.cg_height_m;
-    assert!(lifted > 0.0 && lifted < 0.05, "{lifted}");
 }
 
 /// A payload 0.1 m to the left rolls the trailer to the left; a payload to the right rolls it as much
@@ -146,21 +147,24 @@ fn the_lean_is_that_of_the_roll_stiffness() {
 /// the steer angle is to the left, and the lateral acceleration is zero.
 #[test]
 fn a_bank_is_held_by_steering_up_it() {
-    let vehicle = vehicle("baseline-tables");
-    let options = PlantOptions { bank_rad: 0.035, ..PlantOptions::default() };
-    let plant = YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap();
-    let mut run = plant.start(50.0 * KMH).unwrap();
-    let start = run.sample();
-    println!(
-        "bank of 2 degrees: roll {:.3}, steer {:.3} degrees",
-        start.trailer.roll_rad.to_degrees(),
-        start.steer_rad.to_degrees()
-    );
-    assert!(start.trailer.roll_rad > 0.0);
-    for _ in 0..500 {
-        run.push(start.steer_rad, 50.0 * KMH, 0.01);
+    for vehicle in [vehicle("baseline-tables"), flatbed()] {
+        let options = PlantOptions { bank_rad: 0.035, ..PlantOptions::default() };
+        let plant = YawRollPlant::new(&vehicle, vehicle.reference_load(), &options).unwrap();
+        let mut run = plant.start(50.0 * KMH).unwrap();
+        let start = run.sample();
+        println!(
+            "bank of 2 degrees: roll {:.3}, steer {:.3} degrees",
+            start.trailer.roll_rad.to_degrees(),
+            start.steer_rad.to_degrees()
+        );
+        assert!(start.trailer.roll_rad > 0.0);
+        for _ in 0..500 {
+            run.push(start.steer_rad, 50.0 * KMH, 0.01);
+        }
+        let end = run.sample();
+        assert!((end.trailer.roll_rad - start.trailer.roll_rad).abs() < 1e-6);
+        assert!(end.trailer.lateral_acceleration_mps2.abs() < 1e-5);
+        let to_gravity_rad = end.trailer.roll_to_gravity_rad - end.trailer.roll_rad;
+        assert!((to_gravity_rad / 0.035 - 1.0).abs() < 1e-3, "{to_gravity_rad}");
     }
-    let end = run.sample();
-    assert!((end.trailer.roll_rad - start.trailer.roll_rad).abs() < 1e-6);
-    assert!(end.trailer.lateral_acceleration_mps2.abs() < 1e-5);
 }

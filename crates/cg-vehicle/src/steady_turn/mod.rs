@@ -5,6 +5,7 @@
 //! | `roll_plane` | the threshold: balance of moments until the last inner wheel lifts | static equilibrium |
 //! | `yaw_plane` | lateral forces in the turn and the articulation | steady yaw plane |
 //! | `support` | springs and tires in the roll plane | vehicle file |
+//! | `frame` | the front half of a trailer whose frame twists | [`twisting`](crate::twisting) |
 //! | `half_track` | half track and unsprung mass for the static stability factor | vehicle file |
 //! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::truck::rollover` |
 //!
@@ -25,6 +26,7 @@
 mod half_track;
 mod support;
 mod yaw_plane;
+mod frame;
 mod roll_plane;
 mod on_board;
 

@@ -12,7 +12,9 @@
 //! ```
 //!
 //! `Ms` includes spring curves with friction, `Mt` wheels that lift, and `M5 (φ2 cos γ − φ1)`
-//! plates that separate. The axles therefore lift one after the other, and when the first axle of a
+//! plates that separate. Of a trailer whose frame twists, the front half stands on the fifth wheel and the
+//! rear half on the axles; `φ2` is then the roll angle of the rear half, and the front half is eliminated
+//! (`frame`). The axles therefore lift one after the other, and when the first axle of a
 //! load group lifts, the springs that it shares yield as well. The lateral forces are those of a
 //! steady turn at the given speed (`yaw_plane`). The trailer's roll angle is increased in small
 //! steps, and the other unknowns are solved by Newton's method. The greatest `α` on this path is
@@ -22,6 +24,7 @@
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19, ch. 2 (the
 //! diagram of moment over roll angle, whose corners are computed here).
 
+use super::frame::{Frame, Front};
 use super::support::{Springs, Tyres};
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
 use crate::balance::{StaticBalance, balance_on, static_balance};
@@ -69,6 +72,8 @@ pub(crate) struct RollPlane<'a> {
     groups: Vec<Group>,
     turn: Turn,
     hitch: FifthWheel,
+    /// The frame, if it twists.
+    frame: Option<Frame>,
     hitch_height_m: f64,
     /// Moment of the weight of the tractor's sprung mass about the road.
     tractor_own_nm: f64,
@@ -81,6 +86,8 @@ pub(crate) struct RollPlane<'a> {
 struct Point {
     alpha: f64,
     tractor_rad: f64,
+    /// Roll angle of the trailer's front half, if its frame twists.
+    front_rad: f64,
     axles_rad: Vec<f64>,
     axle_load_n: Vec<f64>,
     hitch_load_n: f64,
@@ -127,6 +134,7 @@ impl<'a> RollPlane<'a> {
             groups: groups(vehicle, &placed, &sprung_n),
             turn: Turn::new(vehicle, &vehicle.trailer_sprung_mass(load)?, speed_mps),
             hitch: FifthWheel::of(hitch),
+            frame: Frame::of(vehicle, load)?,
             hitch_height_m: hitch.height_m,
             compliance,
         })
@@ -157,6 +165,7 @@ impl<'a> RollPlane<'a> {
         let mut point = Point {
             alpha: 0.0,
             tractor_rad: 0.0,
+            front_rad: 0.0,
             axles_rad: vec![0.0; self.axles.len()],
             axle_load_n: self.balance.axle_load_n.clone(),
             hitch_load_n: self.balance.hitch_load_n,
@@ -257,7 +266,8 @@ impl<'a> RollPlane<'a> {
         let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
         let cos = point.sides.cos;
         for _ in 0..12 {
-            let (fifth, fifth_slope) = self.fifth_wheel(roll_rad * cos - point.tractor_rad);
+            let on_hitch_rad = if self.frame.is_some() { point.front_rad } else { roll_rad };
+            let (fifth, fifth_slope) = self.fifth_wheel(on_hitch_rad * cos - point.tractor_rad);
             // Columns: derivatives with respect to α and φ1, and the residual.
             let mut trailer = [
                 of_trailer.side_nm,
@@ -269,6 +279,18 @@ impl<'a> RollPlane<'a> {
                 of_tractor.weight_nm - fifth_slope,
                 of_tractor.side_nm * point.alpha + of_tractor.weight_nm * point.tractor_rad + fifth,
             ];
+            let front = self.frame.as_ref().map_or([0.0; 3], |frame| {
+                let at = Front {
+                    alpha: point.alpha,
+                    rear_rad: roll_rad,
+                    roll_rad: point.front_rad,
+                    cos,
+                    fifth_wheel: (fifth, fifth_slope),
+                    above_m: cg_height_m - self.hitch_height_m,
+                    compliance: self.compliance,
+                };
+                frame.split(&at, &mut trailer, &mut tractor)
+            });
             let mut steps = vec![[0.0; 3]; self.axles.len()];
             for group in &self.groups {
                 let on_trailer = self.axles[group.axles[0]].on_trailer;
@@ -287,9 +309,11 @@ impl<'a> RollPlane<'a> {
                 let body = if axle.on_trailer { 0.0 } else { tractor_rad };
                 *axle_rad += by[0] * alpha + by[1] * body + by[2];
             }
+            let front_rad = front[0] * alpha + front[1] * tractor_rad + front[2];
             point.alpha += alpha;
             point.tractor_rad += tractor_rad;
-            if alpha.abs() + tractor_rad.abs() < ROUNDING {
+            point.front_rad += front_rad;
+            if alpha.abs() + tractor_rad.abs() + front_rad.abs() < ROUNDING {
                 break;
             }
         }
