@@ -1,0 +1,57 @@
+//! The friction that is calculated from the roll angle of leaf springs, against the nonlinear plant.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../../cg-vehicle/tests/common/mod.rs"]
+mod common;
+
+use cg_core::truck::friction::FrictionState;
+use cg_core::{Channel, Friction};
+use cg_plant::maneuver::Maneuver;
+use cg_plant::road::{Road, RoadKind};
+use cg_plant::sensors::ChassisSensors;
+use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_vehicle::Load;
+use cg_vehicle::friction::roll_friction;
+
+/// After a turn on leaf springs the suspension stays rolled, to one side or the other; without their
+/// friction it does not: less than a third is left on straights. Half or twice the friction, or the
+/// wrong sign, leave more.
+#[test]
+fn the_suspension_is_straight_again_without_the_friction() {
+    let vehicle = common::vehicle("baseline-tables.toml");
+    let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + 22e3;
+    let load = Load { trailer_mass_kg, cg_height_m: 1.9 };
+    let road = Road::kind(RoadKind::Rural, 4).unwrap().flat();
+    let scenario = Scenario {
+        load,
+        rate_hz: 50.0,
+        duration_s: road.usual_duration_s().min(150.0),
+        ..Scenario::of(&vehicle, Maneuver::Drive)
+    };
+    let simulation =
+        LogSimulation::on_road(&vehicle, scenario, &road, &ChassisSensors::default()).unwrap();
+    let rows = simulation.rows();
+    let friction = roll_friction(&vehicle, load).unwrap()[Channel::Suspension.index()];
+    let with = |factor: f64| {
+        let friction = Friction { roll_rad: factor * friction.roll_rad, ..friction };
+        let mut state = FrictionState::at_rest(0.0);
+        let (mut straight, mut square, mut still) = (0.0_f64, 0.0, 0_u32);
+        for row in &rows {
+            let free_rad = row.suspension_roll_rad + state.push(&friction, row.suspension_roll_rad);
+            let is_still = row.lateral_specific_force_mps2.abs() < 0.02;
+            still = if is_still { still + 1 } else { 0 };
+            if still > 50 {
+                straight += 1.0;
+                square += free_rad * free_rad;
+            }
+        }
+        assert!(straight > 300.0, "{straight} rows");
+        1e3 * (square / straight).sqrt()
+    };
+    for factor in [0.0, 0.5, 1.0, 2.0, -1.0] {
+        println!("friction times {factor}: {:.3} mrad", with(factor));
+    }
+    let right = with(1.0);
+    assert!(right < with(0.0) / 3.0, "{right} {}", with(0.0));
+    assert!(right < with(0.5) && right < with(2.0) && with(-1.0) > with(0.0), "{right}");
+}
