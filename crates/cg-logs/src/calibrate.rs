@@ -221,11 +221,15 @@ fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<R
         )));
     }
     let (cg_height_m, _) = known.load.of(vehicle);
+    // That of the empty trailer is in its papers.
+    let weighed = known.load != KnownLoad::Empty;
+    let trailer_mass_sd_kg = if weighed { identified.trailer_mass_sd_kg } else { 0.0 };
     let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m };
     vehicle.trailer_sprung_mass(load)?;
     Ok(Run {
         log: known.log.clone(),
         load,
+        trailer_mass_sd_kg,
         speed_mps: identified.speed_mps,
         ratio: identified.ratio,
         age_s: None,

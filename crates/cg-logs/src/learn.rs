@@ -108,6 +108,7 @@ impl EmptyTrip {
         Run {
             log: format!("empty trip of {} maneuvers", self.maneuvers),
             load: empty(vehicle),
+            trailer_mass_sd_kg: 0.0,
             speed_mps: self.speed_mps,
             ratio: self.ratio,
             age_s: Some((now_s - self.date_s).max(0.0)),

@@ -103,10 +103,18 @@ pub struct RunEntry {
     pub height_m: f64,
     /// Trailer mass.
     pub trailer_mass_kg: f64,
+    /// Its standard deviation; 0 is exact.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub trailer_mass_sd_kg: f64,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
     /// Results of the channels.
     pub channel: Vec<ChannelEntry>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// One identified ratio of a run.
@@ -153,6 +161,7 @@ impl RunEntry {
             log: run.log.clone(),
             height_m: run.load.cg_height_m,
             trailer_mass_kg: run.load.trailer_mass_kg,
+            trailer_mass_sd_kg: run.trailer_mass_sd_kg,
             speed_mps: run.speed_mps,
             channel,
         }

@@ -22,8 +22,8 @@ use nalgebra::{DMatrix, DVector};
 use super::judgment::Judgment;
 use super::walk::Walk;
 use crate::belief::{
-    Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios, place_change,
-    stiffness_variances,
+    Belief, Covariance, Deviations, PARAMETERS, Parameter, STIFFNESSES, log_ratios, mass_change,
+    place_change, stiffness_variances,
 };
 use crate::equations::Variant;
 use crate::error::VehicleError;
@@ -43,6 +43,8 @@ pub struct Run {
     pub log: String,
     /// Known load.
     pub load: Load,
+    /// Standard deviation of its mass, kg; 0 is exact.
+    pub trailer_mass_sd_kg: f64,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
     /// Identified DC ratios and their standard deviations due to noise, in the order of
@@ -152,7 +154,7 @@ pub fn fit(
     let age_s = |o: &Observation| runs[o.run].age_s.unwrap_or(0.0).max(0.0);
     let walk = Walk::new(&p0, &observations.iter().map(age_s).collect::<Vec<_>>());
     let mut alone = noise(vehicle, (runs, &observations), &slopes)?;
-    add_places(&mut alone, (vehicle, variant), (runs, &observations))?;
+    add_loads(&mut alone, (vehicle, variant), (runs, &observations))?;
     let mut noise = alone.clone();
     let mut mean = prior.mean;
     let mut step = f64::INFINITY;
@@ -263,20 +265,24 @@ fn noise(
     Ok(noise)
 }
 
-/// Adds the place of the payload, which is another one in each run and the same for all ratios of a run.
-fn add_places(
+/// Adds the place of the payload and the error of its mass, which are others in each run and the same for all
+/// ratios of a run.
+fn add_loads(
     noise: &mut DMatrix<f64>,
     (vehicle, variant): (&Vehicle, Variant),
     (runs, observations): (&[Run], &[Observation]),
 ) -> Result<(), VehicleError> {
     let file = Deviations::zeros();
     for (i, run) in runs.iter().enumerate() {
-        let by_place = place_change(vehicle, variant, run.speed_mps, run.load, &file)?;
-        let moved = DVector::from_iterator(
-            observations.len(),
-            observations.iter().map(|o| if o.run == i { by_place[o.channel.index()] } else { 0.0 }),
-        );
-        noise.ger(1.0, &moved, &moved, 1.0);
+        let weighed = (run.load, run.trailer_mass_sd_kg);
+        for change in [
+            place_change(vehicle, variant, run.speed_mps, run.load, &file)?,
+            mass_change(vehicle, variant, run.speed_mps, weighed)?,
+        ] {
+            let of_run = |o: &Observation| if o.run == i { change[o.channel.index()] } else { 0.0 };
+            let moved = DVector::from_iterator(observations.len(), observations.iter().map(of_run));
+            noise.ger(1.0, &moved, &moved, 1.0);
+        }
     }
     Ok(())
 }

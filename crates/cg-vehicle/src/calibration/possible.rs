@@ -91,6 +91,7 @@ pub(super) fn run(run: &RunEntry) -> Result<(), String> {
         })
     };
     numbers().map_err(|error| format!("run {}: {error}", run.log))?;
+    within("trailer_mass_sd_kg", run.trailer_mass_sd_kg, [0.0, GREATEST_TRAILER_MASS_KG])?;
     run.channel.iter().try_for_each(|entry| {
         within("ratio_sd", entry.ratio_sd, [0.0, GREATEST_RATIO])?;
         [entry.before_percent, entry.after_percent]

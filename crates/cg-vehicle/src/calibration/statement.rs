@@ -7,7 +7,7 @@ use super::advice::advice;
 use super::entry::ParameterEntry;
 use super::fit::{Fitted, Procedure, Run};
 use super::judgment::Judgment;
-use crate::belief::Belief;
+use crate::belief::{Belief, mass_change};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::vehicle::Vehicle;
@@ -116,7 +116,9 @@ fn far_ratios(
         let run = &runs[residual.run];
         let k = residual.channel.index();
         let covariance = prior.ratio_covariance(vehicle, variant, run.speed_mps, run.load)?;
-        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance());
+        let weighed = (run.load, run.trailer_mass_sd_kg);
+        let by_mass = mass_change(vehicle, variant, run.speed_mps, weighed)?[k];
+        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance()) + by_mass * by_mass;
         let distance = residual.before / (covariance[k][k] + noise).sqrt();
         if distance.abs() > FAR {
             far.push(format!(
