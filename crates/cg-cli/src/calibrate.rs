@@ -121,7 +121,7 @@ fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
         for entry in &run.channel {
             runs.add_row(vec![
                 run.log.clone(),
-                format!("{:.3} m", run.height_m),
+                height(run),
                 mass(run),
                 format!("{:.1} m/s", run.speed_mps),
                 entry.name.clone(),
@@ -149,6 +149,13 @@ fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
         output.display()
     )?;
     Ok(())
+}
+
+fn height(run: &RunEntry) -> String {
+    match run.height_sd_m {
+        None => format!("{:.3} m", run.height_m),
+        Some(sd_m) => format!("{:.3} ± {sd_m:.3} m", run.height_m),
+    }
 }
 
 fn mass(run: &RunEntry) -> String {

@@ -108,6 +108,7 @@ impl EmptyTrip {
         Run {
             log: format!("empty trip of {} maneuvers", self.maneuvers),
             load: empty(vehicle),
+            height_is_known: true,
             trailer_mass_sd_kg: 0.0,
             speed_mps: self.speed_mps,
             ratio: self.ratio,

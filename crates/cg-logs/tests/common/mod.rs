@@ -117,6 +117,7 @@ pub(crate) fn runs_of(
             Run {
                 log: format!("{trailer_mass_kg} kg"),
                 load,
+                height_is_known: true,
                 trailer_mass_sd_kg: 0.0,
                 speed_mps,
                 ratio,

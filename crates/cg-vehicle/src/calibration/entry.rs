@@ -5,7 +5,8 @@ use cg_core::truck::channel::Input;
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Parameter};
-use crate::calibration::fit::{Fitted, Run};
+use crate::calibration::fit::Fitted;
+use crate::calibration::ratios::Run;
 
 /// One parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -99,8 +100,11 @@ impl Compensations {
 pub struct RunEntry {
     /// Name of its log.
     pub log: String,
-    /// Known height of the sprung c.g.
+    /// Height of the sprung c.g.
     pub height_m: f64,
+    /// Standard deviation of a height that was not known but found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_sd_m: Option<f64>,
     /// Trailer mass.
     pub trailer_mass_kg: f64,
     /// Its standard deviation; 0 is exact.
@@ -160,6 +164,7 @@ impl RunEntry {
         Self {
             log: run.log.clone(),
             height_m: run.load.cg_height_m,
+            height_sd_m: fitted.heights[index].map(|found| found.sd),
             trailer_mass_kg: run.load.trailer_mass_kg,
             trailer_mass_sd_kg: run.trailer_mass_sd_kg,
             speed_mps: run.speed_mps,

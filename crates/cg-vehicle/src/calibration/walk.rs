@@ -14,6 +14,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::heights::Innovation;
 use crate::belief::{Covariance, Deviations, Parameter};
 
 /// Time in which a factor wanders as far as the vehicle file's `[uncertainty]` leaves it open, s: four
@@ -60,25 +61,23 @@ impl Walk {
     }
 
     /// The truck of today: mean and covariance. `slopes` and `left` are the linearized ratios
-    /// (`y − f(x₀) + H x₀`), `noise` is their covariance at the truck of the oldest run.
+    /// (`y − f(x₀) + H x₀`), `innovation` is of the truck of the oldest run.
     pub(super) fn carried(
         &self,
         prior: &DMatrix<f64>,
         (slopes, left): (&DMatrix<f64>, &DVector<f64>),
-        noise: &DMatrix<f64>,
-    ) -> Option<(Deviations, Covariance)> {
-        let innovation = slopes * prior * slopes.transpose() + noise;
+        innovation: &Innovation,
+    ) -> (Deviations, Covariance) {
         let mut shared = prior * slopes.transpose();
         for (k, since) in self.since.iter().enumerate() {
             let walked = self.variance.component_mul(&slopes.row(k).transpose()) * *since;
             let mut column = shared.column_mut(k);
             column += walked;
         }
-        let solved = innovation.cholesky()?;
-        let mean = &shared * solved.solve(left);
+        let mean = &shared * innovation.solve(left);
         let today = prior + DMatrix::from_diagonal(&(&self.variance * self.now));
-        let covariance = today - &shared * solved.solve(&shared.transpose());
+        let covariance = today - &shared * innovation.solve(&shared.transpose());
         let covariance = Covariance::from_fn(|i, j| covariance[(i, j)]);
-        Some((Deviations::from_column_slice(mean.as_slice()), covariance))
+        (Deviations::from_column_slice(mean.as_slice()), covariance)
     }
 }
