@@ -162,11 +162,12 @@ impl State {
     }
 }
 
-/// The trips with the empty trailer in some state files (name and content), as runs of a calibration.
-/// The truck is as at the time of the newest one.
+/// The trips with the empty trailer in some state files, or in texts of [`Learned::to_text`] (name and
+/// content), as runs of a calibration. The truck is as at the time of the newest one. A trip that is
+/// given twice counts once.
 ///
 /// # Errors
-/// [`VehicleError`] if a file is not a state of this vehicle, or has no trip.
+/// [`VehicleError`] if one is not a state of this vehicle, or has no trip.
 pub fn runs_of(
     files: &[(String, Vec<u8>)],
     vehicle: &Vehicle,
@@ -176,25 +177,31 @@ pub fn runs_of(
     let mut all = Vec::new();
     for (name, bytes) in files {
         let refused = |reason: String| VehicleError::Model(format!("{name}: {reason}"));
-        let state =
-            State::parse(bytes, design_crc32).map_err(|error| refused(error.to_string()))?;
-        if state.learned.trips() == 0 {
+        let text = std::str::from_utf8(bytes).ok();
+        let learned = match text.and_then(|text| Learned::parse(text).ok()) {
+            Some(learned) => learned,
+            None => {
+                let state = State::parse(bytes, design_crc32);
+                state.map_err(|error| refused(error.to_string()))?.learned
+            }
+        };
+        if learned.trips() == 0 {
             return Err(refused("contains no trip with the empty trailer".to_owned()));
         }
-        all.push((name, state.learned));
+        all.push((name, learned));
     }
     let now_s = all.iter().filter_map(|(_, learned)| learned.newest_s()).fold(f64::MIN, f64::max);
-    let named = |name: &String, (k, run): (usize, Run)| Run {
-        log: format!("{name}, trip {}", k + 1),
-        ..run
-    };
-    Ok(all
-        .iter()
-        .flat_map(|(name, learned)| {
-            let runs = learned.runs(vehicle, now_s).into_iter().enumerate();
-            runs.map(move |run| named(name, run))
-        })
-        .collect())
+    let mut runs: Vec<Run> = Vec::new();
+    for (name, learned) in &all {
+        for (k, run) in learned.runs(vehicle, now_s).into_iter().enumerate() {
+            let run = Run { log: format!("{name}, trip {}", k + 1), ..run };
+            let is_again = |other: &Run| Run { log: run.log.clone(), ..other.clone() } == run;
+            if !runs.iter().any(is_again) {
+                runs.push(run);
+            }
+        }
+    }
+    Ok(runs)
 }
 
 /// The checksum that distinguishes designs.

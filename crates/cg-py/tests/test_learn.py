@@ -42,6 +42,17 @@ def test_an_empty_trip_mends_a_laden_one(kraz, learned):
     assert json.loads(after.learned()) == json.loads(learned)
 
 
+def test_a_log_teaches_what_its_rows_teach(kraz, learned):
+    of_log = json.loads(cgheight.learn_log(EMPTY, vehicle=kraz))
+    of_rows = json.loads(learned)
+    ratio = [one.pop("ratio") for one in (*of_log["trips"], *of_rows["trips"])]
+    assert of_log == of_rows
+    assert ratio[0] == ratio[1]
+    assert json.loads(cgheight.learn_log(LADEN, vehicle=kraz))["trips"] == []
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        cgheight.learn_log("nowhere.csv", vehicle=kraz)
+
+
 def test_a_given_mass_teaches_nothing(kraz):
     stream = driven(kraz, EMPTY, trailer_mass_kg=kraz.empty_trailer_mass_kg)
     assert json.loads(stream.learned())["trips"] == []
