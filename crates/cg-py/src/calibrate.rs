@@ -91,19 +91,20 @@ pub(crate) fn calibrate_files(
     let vehicle = &vehicle.get().inner;
     let logs: Vec<KnownLog> = runs.into_iter().map(known).collect();
     let trips = runs_of(&contents(states)?, vehicle, how.variant).map_err(vehicle_error)?;
-    let mut calibration = calibrate_with_trips(vehicle, how, (&logs, &trips), |known, estimator| {
-        let path = PathBuf::from(&known.log);
-        let open = || LogReader::open(&path, &options);
-        let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
-        while py
-            .detach(|| push_some(&mut reader, estimator, &path))
-            .map_err(|refused| Failure(refused.raise()))?
-        {
-            py.check_signals().map_err(Failure)?;
-        }
-        Ok(())
-    })
-    .map_err(|Failure(error)| error)?;
+    let mut calibration =
+        calibrate_with_trips(vehicle, how, (&logs, &trips), |known, estimator| {
+            let path = PathBuf::from(&known.log);
+            let open = || LogReader::open(&path, &options);
+            let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
+            while py
+                .detach(|| push_some(&mut reader, estimator, &path))
+                .map_err(|refused| Failure(refused.raise()))?
+            {
+                py.check_signals().map_err(Failure)?;
+            }
+            Ok(())
+        })
+        .map_err(|Failure(error)| error)?;
     calibration.date = request.date;
     let text = calibration.to_toml().map_err(vehicle_error)?;
     let draft = target.write(&text).map_err(output_error)?;

@@ -3,7 +3,7 @@
 use cg_core::Settings;
 use cg_core::truck::lags::RollLags;
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Prediction};
-use cg_logs::learn::{Learned, Learner};
+use cg_logs::learn::Learner;
 use cg_logs::log::{LogRow, Signal};
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -187,7 +187,7 @@ pub(crate) fn learn_arrays(
     let vehicle = vehicle.get();
     let log = driven(py, vehicle, signals, options)?;
     let design = *log.design();
-    let mut learner = Learner::new(&vehicle.inner, options.variant, Learned::default());
+    let mut learner = Learner::new(&vehicle.inner, options.variant, vehicle.learned(None)?);
     let taken = py.detach(|| learner.log(log)).map_err(vehicle_error)?;
     let learned = learner.learned(&design).to_text();
     let text = learned.map_err(|error| value_error(error.to_string()))?;

@@ -58,12 +58,23 @@ def test_a_given_mass_teaches_nothing(kraz):
     assert json.loads(stream.learned())["trips"] == []
 
 
-def test_what_was_not_learned_is_refused(kraz, learned, tmp_path):
+def test_what_was_not_learned_is_refused(kraz, learned):
     unknown = learned.replace("speed_mps", "speed")
     impossible = learned.replace('"maneuvers":1', '"maneuvers":0')
     for text in ["", "{}", unknown, impossible]:
         with pytest.raises(ValueError, match="learned"):
             cgheight.Estimator(kraz, learned=text)
-    truck = cgheight.calibrate(kraz, [(EMPTY, "empty")], tmp_path / "truck.toml")
-    with pytest.raises(ValueError, match="has a calibration"):
-        cgheight.Estimator(truck, learned=learned)
+
+
+def test_a_trip_moves_a_calibration_unless_it_contains_the_trip(kraz, learned, tmp_path):
+    def sd_m(truck, **options):
+        return driven(truck, LADEN, **options).estimate().height_sd_m
+
+    of_laden = cgheight.calibrate(kraz, [(LADEN, LADEN_M)], tmp_path / "laden.toml")
+    moved = driven(of_laden, LADEN, learned=learned)
+    assert abs(moved.estimate().height_m / LADEN_M - 1) < 0.02
+    assert 0 < moved.estimate().height_sd_m < sd_m(of_laden)
+    dates = [line for line in (tmp_path / "laden.toml").read_text().splitlines() if "date" in line]
+    assert dates == [f'date = "{json.loads(moved.learned())["calibration_date"]}"']
+    of_trip = cgheight.calibrate(kraz, [], tmp_path / "trip.toml", from_state=[learned])
+    assert sd_m(of_trip, learned=learned) == sd_m(of_trip)

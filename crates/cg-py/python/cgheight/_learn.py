@@ -20,7 +20,7 @@ def learn_log(
     """Learn from the trips with the empty trailer in a log, as ``cg run`` does.
 
     A maneuver counts if a mass in the log says that the trailer is empty. A trip counts if its
-    ratios are possible for the vehicle file.
+    ratios are possible for the vehicle file, or for its calibration.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def learn_log(
         As for `estimate_log`. The time stamps should be Unix time, because older trips count for
         less.
     vehicle : Vehicle
-        The vehicle.
+        The vehicle, with its calibration if it has one.
 
     Returns
     -------

@@ -29,11 +29,17 @@ use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::vehicle::Vehicle;
 
-/// Greatest number of Gauss-Newton steps. The ratios are nearly linear in the parameters, so three
-/// are usually enough.
+/// Number of Gauss-Newton steps after which a short step is good enough. The ratios are nearly linear in
+/// the parameters, so three are usually enough.
 const STEPS: usize = 12;
+/// Greatest number of steps. On top of a calibration that the runs contradict, steps shrink slowly.
+const MOST_STEPS: usize = 60;
 /// A step below this (logarithm or meters) ends the iteration.
 const SETTLED: f64 = 1e-10;
+/// A step below this is short.
+const SHORT: f64 = 1e-5;
+/// Share of a prior variance below which a parameter follows from the others.
+const KNOWN: f64 = 1e-12;
 
 /// The method by which the parameters are determined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -64,7 +70,7 @@ pub struct Fitted {
     pub residuals: Vec<Residual>,
     /// For each run the height that was found, m; `None` if it was known.
     pub heights: Vec<Option<Measured<f64>>>,
-    /// `rᵀ R⁻¹ r + xᵀ P0⁻¹ x` at the solution. If the standard deviations of prior and noise are
+    /// `rᵀ R⁻¹ r + xᵀ P0⁻¹ x` at the solution, `x` from the prior's mean. If the standard deviations of prior and noise are
     /// correct, it is distributed as χ² with [`degrees_of_freedom`](Self::degrees_of_freedom).
     pub chi_square: f64,
 }
@@ -129,26 +135,49 @@ pub fn fit(
     procedure: Procedure,
     runs: &[Run],
 ) -> Result<Fitted, VehicleError> {
+    let prior = Prior { belief: Belief::prior(vehicle), age_s: 0.0 };
+    fit_from((vehicle, variant), procedure, &prior, runs)
+}
+
+/// What is known of a truck before its runs, such as a calibration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prior {
+    /// The truck at that time.
+    pub belief: Belief,
+    /// Time since then, s; if a run is older, the prior holds at the time of the run.
+    pub age_s: f64,
+}
+
+/// The same from another prior than that of the vehicle file.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_from(
+    (vehicle, variant): (&Vehicle, Variant),
+    procedure: Procedure,
+    Prior { belief: prior, age_s }: &Prior,
+    runs: &[Run],
+) -> Result<Fitted, VehicleError> {
     check(procedure, runs)?;
-    let prior = Belief::prior(vehicle);
     let p0 = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| prior.covariance[(i, j)]);
     let mut ratios = Ratios::new((vehicle, variant), runs, prior.residual_sd)?;
     let mut heights = Heights::of(vehicle, runs);
-    let walk = Walk::new(&p0, &ratios.ages_s());
+    let walk = Walk::new(vehicle, *age_s, &ratios.ages_s());
     let file = Deviations::zeros();
     let (mut before, slopes) = ratios.linearized(&file)?;
     let mut alone = ratios.noise(&slopes)?;
     let mut truck = Estimate { mean: prior.mean, covariance: p0.clone(), noise: alone.clone() };
     let mut step = f64::INFINITY;
-    for _ in 0..STEPS {
-        if step <= SETTLED {
+    for k in 0..MOST_STEPS {
+        if step <= if k < STEPS { SETTLED } else { SHORT } {
             break;
         }
         let last = truck.mean;
         (truck, step) = match procedure {
             Procedure::Compensation => (compensated(&last, &p0, (&ratios, &alone))?, 0.0),
             Procedure::MaximumAPosteriori => {
-                most_probable(&last, &p0, (&mut ratios, &alone), (&walk, &mut heights))?
+                let start = (&prior.mean, &p0);
+                most_probable(&last, start, (&mut ratios, &alone), (&walk, &mut heights))?
             }
         };
         step = step.max((truck.mean - last).amax());
@@ -158,7 +187,7 @@ pub fn fit(
             alone = ratios.noise(&slopes)?;
         }
     }
-    if !(step <= SETTLED.sqrt()) {
+    if !(step <= SHORT) {
         return Err(VehicleError::Unsettled);
     }
     let Estimate { mut mean, covariance, noise } = truck;
@@ -166,15 +195,17 @@ pub fn fit(
     let residuals = ratios.residuals([&before, &after]);
     let prior_of = match procedure {
         Procedure::Compensation => None,
-        Procedure::MaximumAPosteriori => Some((&mean, &p0)),
+        Procedure::MaximumAPosteriori => Some((mean - prior.mean, &p0)),
     };
     let chi_square = sum_of_squares(&after, noise, prior_of)?;
     let mut covariance = Covariance::from_fn(|i, j| covariance[(i, j)]);
     if walk.is_some() {
-        let left = after + &h * DVector::from_column_slice(mean.as_slice());
+        let left = after + &h * DVector::from_column_slice((mean - prior.mean).as_slice());
         let noise = walk.added_to(&alone, &h);
         let innovation = innovation((&p0, &h, &noise), heights.slopes(&ratios, &mean)?)?;
-        (mean, covariance) = walk.carried(&p0, (&h, &left), &innovation);
+        let moved;
+        (moved, covariance) = walk.carried(&p0, (&h, &left), &innovation);
+        mean = prior.mean + moved;
     }
     let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
     let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
@@ -221,7 +252,7 @@ fn compensated(
 /// A step of Gauss and Newton; unknown heights take theirs, whose greatest length is returned, m.
 fn most_probable(
     mean: &Deviations,
-    p0: &DMatrix<f64>,
+    (x0, p0): (&Deviations, &DMatrix<f64>),
     (ratios, alone): (&mut Ratios<'_>, &DMatrix<f64>),
     (walk, heights): (&Walk, &mut Heights),
 ) -> Result<(Estimate, f64), VehicleError> {
@@ -229,9 +260,10 @@ fn most_probable(
     let noise = walk.added_to(alone, &h);
     let innovation = innovation((p0, &h, &noise), heights.slopes(ratios, mean)?)?;
     let gain = innovation.solve(&(&h * p0)).transpose();
-    let left = &misfit + &h * DVector::from_column_slice(mean.as_slice());
+    let left = &misfit + &h * DVector::from_column_slice((mean - x0).as_slice());
     let step_m = heights.step(&mut ratios.runs, (&innovation, &left));
-    Ok((Estimate::new(&(&gain * left), &gain, (p0, &h, noise)), step_m))
+    let next = DVector::from_column_slice(x0.as_slice()) + &gain * left;
+    Ok((Estimate::new(&next, &gain, (p0, &h, noise)), step_m))
 }
 
 /// The covariance of the ratios before they are used: what is known of the parameters, and the noise.
@@ -246,15 +278,33 @@ fn innovation(
 fn sum_of_squares(
     left: &DVector<f64>,
     noise: DMatrix<f64>,
-    prior: Option<(&Deviations, &DMatrix<f64>)>,
+    prior: Option<(Deviations, &DMatrix<f64>)>,
 ) -> Result<f64, VehicleError> {
     let explained = noise.cholesky().map(|cholesky| cholesky.solve(left)).ok_or_else(singular)?;
     let of_noise = left.dot(&explained);
-    Ok(prior.map_or(of_noise, |(x, p0)| {
+    Ok(prior.map_or(of_noise, |(x, p0)| add_moves(of_noise, x, p0.clone())))
+}
+
+/// Adds `xᵀ P⁻¹ x`, one parameter after the other: each counts apart from what those before it tell of it.
+fn add_moves(sum: f64, mut x: Deviations, mut p: DMatrix<f64>) -> f64 {
+    let before = p.diagonal();
+    let mut sum = sum;
+    for k in 0..PARAMETERS {
+        let variance = p[(k, k)];
         // A parameter without prior variance does not change.
-        let moved = (0..PARAMETERS).filter(|&k| p0[(k, k)] > 0.0);
-        moved.fold(of_noise, |sum, k| sum + x[k] * x[k] / p0[(k, k)])
-    }))
+        if !(variance > KNOWN * before[k]) {
+            continue;
+        }
+        sum += x[k] * x[k] / variance;
+        for i in k + 1..PARAMETERS {
+            let share = p[(i, k)] / variance;
+            x[i] -= share * x[k];
+            for j in k + 1..PARAMETERS {
+                p[(i, j)] -= share * p[(k, j)];
+            }
+        }
+    }
+    sum
 }
 
 fn singular() -> VehicleError {

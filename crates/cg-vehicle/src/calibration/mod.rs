@@ -31,7 +31,7 @@ pub mod file;
 
 pub use entry::{ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, Unit};
 pub use file::Calibration;
-pub use fit::{Fitted, Procedure, fit};
+pub use fit::{Fitted, Prior, Procedure, fit, fit_from};
 pub use judgment::Judgment;
 pub use part::Part;
 pub use ratios::{Residual, Run};
