@@ -177,12 +177,9 @@ impl Learned {
         Self { open, ..self.clone() }
     }
 
-    /// What it rests on, in words.
-    pub fn basis(&self) -> String {
-        match &self.calibration_date {
-            None => "the vehicle file".to_owned(),
-            Some(date) => format!("its calibration of {date}"),
-        }
+    /// Date of the calibration on which it rests; `None` if it rests on the vehicle file.
+    pub fn calibration_date(&self) -> Option<&str> {
+        self.calibration_date.as_deref()
     }
 
     /// Whether there is nothing in it.

@@ -80,10 +80,12 @@ impl Start {
                 }
             }
             if known.is_some() {
+                let date = learned.calibration_date();
+                let basis = date.map(|date| format!(", on top of its calibration of {date}"));
                 let message = format!(
                     "the truck is taken as it has learned itself from its trips with the empty \
-                     trailer, beginning with {}",
-                    learned.basis()
+                     trailer{}",
+                    basis.unwrap_or_default()
                 );
                 messages.push(Told::Learned(trips, message));
             }
