@@ -8,7 +8,7 @@ use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate_with_trips};
 use cg_logs::output::{Draft, Files, Kind};
 use cg_logs::state::runs_of;
 use cg_vehicle::VehicleError;
-use cg_vehicle::calibration::{Calibration, ParameterEntry, Unit};
+use cg_vehicle::calibration::{Calibration, ParameterEntry, RunEntry, Unit};
 use cg_vehicle::sensor_places::Road;
 use chrono::{SecondsFormat, Utc};
 use comfy_table::presets::NOTHING;
@@ -53,7 +53,10 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
     let mut calibration =
         calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {
-            let take = |row: &_, _| estimator.push(row).map(|_| ());
+            let take = |row: &_, scale| {
+                estimator.weighed_by(scale);
+                estimator.push(row).map(|_| ())
+            };
             let remarks =
                 feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
             for remark in remarks {
@@ -118,8 +121,8 @@ fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
         for entry in &run.channel {
             runs.add_row(vec![
                 run.log.clone(),
-                format!("{:.3} m", run.height_m),
-                format!("{:.0} kg", run.trailer_mass_kg),
+                height(run),
+                mass(run),
                 format!("{:.1} m/s", run.speed_mps),
                 entry.name.clone(),
                 format!("{:.5}", entry.ratio),
@@ -146,6 +149,20 @@ fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
         output.display()
     )?;
     Ok(())
+}
+
+fn height(run: &RunEntry) -> String {
+    match run.height_sd_m {
+        None => format!("{:.3} m", run.height_m),
+        Some(sd_m) => format!("{:.3} ± {sd_m:.3} m", run.height_m),
+    }
+}
+
+fn mass(run: &RunEntry) -> String {
+    match run.trailer_mass_sd_kg {
+        0.0 => format!("{:.0} kg", run.trailer_mass_kg),
+        sd_kg => format!("{:.0} ± {sd_kg:.0} kg", run.trailer_mass_kg),
+    }
 }
 
 fn value(entry: &ParameterEntry) -> String {

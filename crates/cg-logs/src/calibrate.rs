@@ -41,27 +41,41 @@ pub enum KnownLoad {
         /// Mass of the whole semitrailer, kg; `None` uses the mass in the log.
         trailer_mass_kg: Option<f64>,
     },
+    /// A load of unknown height.
+    UnknownHeight {
+        /// As for a load of known height.
+        trailer_mass_kg: Option<f64>,
+    },
 }
 
 impl KnownLoad {
     /// Height of the c.g. of the trailer's sprung mass, m, and the mass of the whole semitrailer, kg,
-    /// if it is known.
+    /// if it is known. An unknown height is that of the reference load.
     pub fn of(self, vehicle: &Vehicle) -> (f64, Option<f64>) {
         match self {
             Self::Empty => {
                 (vehicle.trailer.tare.cg_height_m, Some(vehicle.empty_trailer_mass_kg()))
             }
             Self::Laden { height_m, trailer_mass_kg } => (height_m, trailer_mass_kg),
+            Self::UnknownHeight { trailer_mass_kg } => {
+                (vehicle.reference_load().cg_height_m, trailer_mass_kg)
+            }
         }
+    }
+
+    /// Whether its height is known.
+    pub fn height_is_known(self) -> bool {
+        !matches!(self, Self::UnknownHeight { .. })
     }
 }
 
-/// Reads `LOG=HEIGHT_M[,TRAILER_MASS_KG]` and `LOG=empty`.
+/// Reads `LOG=HEIGHT_M[,TRAILER_MASS_KG]`, the same with `?` for the height, and `LOG=empty`.
 impl FromStr for KnownLog {
     type Err = Malformed;
 
     fn from_str(text: &str) -> Result<Self, Malformed> {
-        let form = "expected LOG=HEIGHT_M, LOG=HEIGHT_M,TRAILER_MASS_KG or LOG=empty";
+        let form = "expected LOG=HEIGHT_M, LOG=HEIGHT_M,TRAILER_MASS_KG or LOG=empty; ? is an unknown \
+                    height";
         let (log, load) = text.rsplit_once('=').ok_or(form)?;
         if log.is_empty() {
             return Err(form.into());
@@ -81,9 +95,13 @@ impl FromStr for KnownLog {
                 .filter(|value| value.is_finite() && *value > 0.0)
                 .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
         };
-        let height_m = positive("height", height)?;
         let trailer_mass_kg = mass.map(|mass| positive("trailer mass", mass)).transpose()?;
-        Ok(Self { log, load: KnownLoad::Laden { height_m, trailer_mass_kg } })
+        let load = if height.trim() == "?" {
+            KnownLoad::UnknownHeight { trailer_mass_kg }
+        } else {
+            KnownLoad::Laden { height_m: positive("height", height)?, trailer_mass_kg }
+        };
+        Ok(Self { log, load })
     }
 }
 
@@ -221,11 +239,16 @@ fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<R
         )));
     }
     let (cg_height_m, _) = known.load.of(vehicle);
+    // That of the empty trailer is in its papers.
+    let weighed = known.load != KnownLoad::Empty;
+    let trailer_mass_sd_kg = if weighed { identified.trailer_mass_sd_kg } else { 0.0 };
     let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m };
     vehicle.trailer_sprung_mass(load)?;
     Ok(Run {
         log: known.log.clone(),
         load,
+        height_is_known: known.load.height_is_known(),
+        trailer_mass_sd_kg,
         speed_mps: identified.speed_mps,
         ratio: identified.ratio,
         age_s: None,

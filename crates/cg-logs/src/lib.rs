@@ -38,6 +38,7 @@ pub mod can;
 pub mod log;
 pub mod estimate;
 pub mod calibrate;
+mod learned;
 pub mod learn;
 pub mod state;
 

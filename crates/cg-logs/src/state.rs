@@ -15,7 +15,7 @@ use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::learn::Learned;
+use crate::learned::Learned;
 
 const FORMAT: &str = "cg-height state";
 const VERSION: u32 = 2;
@@ -31,6 +31,9 @@ pub struct State {
     version: u32,
     /// Checksum of the design (vehicle file and calibration, without what was learned).
     design_crc32: u32,
+    /// Checksum of the design without the calibration, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vehicle_crc32: Option<u32>,
     /// Time of saving, s, in the time of the frames (usually Unix time).
     pub saved_s: f64,
     /// Time of the last detected change of the load, s; `None` if no change was detected.
@@ -99,6 +102,7 @@ impl State {
             format: FORMAT.to_owned(),
             version: VERSION,
             design_crc32,
+            vehicle_crc32: None,
             saved_s,
             load_since_s,
             scale: None,
@@ -141,6 +145,16 @@ impl State {
         Ok(state)
     }
 
+    /// The same for a vehicle with any calibration or none; the [checksum](design_crc32) is of the design
+    /// without one.
+    fn of_vehicle(bytes: &[u8], vehicle_crc32: u32) -> Result<Self, StateError> {
+        let state = Self::of_any_design(bytes)?;
+        if state.vehicle_crc32.unwrap_or(state.design_crc32) != vehicle_crc32 {
+            return Err(StateError::OtherDesign);
+        }
+        Ok(state)
+    }
+
     /// Reads a state of any design and checks that it is complete.
     fn of_any_design(bytes: &[u8]) -> Result<Self, StateError> {
         let text = std::str::from_utf8(bytes).map_err(|_| StateError::NotText)?;
@@ -162,11 +176,12 @@ impl State {
     }
 }
 
-/// The trips with the empty trailer in some state files (name and content), as runs of a calibration.
-/// The truck is as at the time of the newest one.
+/// The trips with the empty trailer in some state files, or in texts of [`Learned::to_text`] (name and
+/// content), as runs of a calibration. The truck is as at the time of the newest one. A trip that is
+/// given twice counts once.
 ///
 /// # Errors
-/// [`VehicleError`] if a file is not a state of this vehicle, or has no trip.
+/// [`VehicleError`] if one is not a state of this vehicle, or has no trip.
 pub fn runs_of(
     files: &[(String, Vec<u8>)],
     vehicle: &Vehicle,
@@ -176,25 +191,30 @@ pub fn runs_of(
     let mut all = Vec::new();
     for (name, bytes) in files {
         let refused = |reason: String| VehicleError::Model(format!("{name}: {reason}"));
-        let state =
-            State::parse(bytes, design_crc32).map_err(|error| refused(error.to_string()))?;
-        if state.learned.trips() == 0 {
+        let text = std::str::from_utf8(bytes).ok();
+        let learned = if let Some(learned) = text.and_then(|text| Learned::parse(text).ok()) {
+            learned
+        } else {
+            let state = State::of_vehicle(bytes, design_crc32);
+            state.map_err(|error| refused(error.to_string()))?.learned
+        };
+        if learned.trips() == 0 {
             return Err(refused("contains no trip with the empty trailer".to_owned()));
         }
-        all.push((name, state.learned));
+        all.push((name, learned));
     }
     let now_s = all.iter().filter_map(|(_, learned)| learned.newest_s()).fold(f64::MIN, f64::max);
-    let named = |name: &String, (k, run): (usize, Run)| Run {
-        log: format!("{name}, trip {}", k + 1),
-        ..run
-    };
-    Ok(all
-        .iter()
-        .flat_map(|(name, learned)| {
-            let runs = learned.runs(vehicle, now_s).into_iter().enumerate();
-            runs.map(move |run| named(name, run))
-        })
-        .collect())
+    let mut runs: Vec<Run> = Vec::new();
+    for (name, learned) in &all {
+        for (k, run) in learned.runs(vehicle, now_s).into_iter().enumerate() {
+            let run = Run { log: format!("{name}, trip {}", k + 1), ..run };
+            let is_again = |other: &Run| Run { log: run.log.clone(), ..other.clone() } == run;
+            if !runs.iter().any(is_again) {
+                runs.push(run);
+            }
+        }
+    }
+    Ok(runs)
 }
 
 /// The checksum that distinguishes designs.

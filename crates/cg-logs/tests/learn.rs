@@ -8,10 +8,12 @@ use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_logs::learn::{EmptyTrip, Learned, Learner, Taken};
 use cg_logs::log::LogRow;
 use cg_vehicle::belief::{Belief, Deviations, Parameter};
+use cg_vehicle::calibration::{Calibration, Procedure, Run, fit};
+use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Load, Variant, Vehicle};
-use common::{known, largest, rms, vehicle};
+use common::{calibrated, known, largest, rms, runs_of, vehicle};
 
 const DAY_S: f64 = 86_400.0;
 
@@ -274,4 +276,78 @@ fn what_is_known_today_holds() {
         assert!((0.51..=1.71).contains(&square), "{today:?} {later:?}");
     }
     assert!(narrowed < 0.5, "{narrowed}");
+}
+
+/// A truck whose springs are stiffer than in its file, calibrated with a load, makes an empty trip: it is
+/// then known as if both were runs of one calibration. The older the calibration is, the less.
+#[test]
+fn a_trip_moves_a_calibration_as_another_run_does() {
+    let truck = vehicle("kraz.toml");
+    let deviations = deviations(0.08);
+    let runs = runs_of(&truck, &deviations, &[(28_684.0, 1.9, 13.9)]);
+    let fitted =
+        |runs: &[Run]| fit(&truck, Variant::Complete, Procedure::MaximumAPosteriori, runs).unwrap();
+    let first = fitted(&runs);
+    let mut calibration = Calibration::new(&truck, Variant::Complete, &runs, &first).unwrap();
+    let trip = exact(&truck, &deviations, 365.25 * DAY_S);
+    let moved = |calibration: &Calibration| {
+        let mut learned = Learned::default().on(Some(calibration));
+        let taken = learned.take(&truck, Variant::Complete, trip.clone()).unwrap();
+        assert_eq!(taken, Taken::Learned(1));
+        learned.belief(&truck, Variant::Complete, trip.date_s).unwrap().unwrap()
+    };
+    let without_age = moved(&calibration);
+    let mut of_file = Learned::default();
+    of_file.take(&truck, Variant::Complete, trip.clone()).unwrap();
+    let together = fitted(&[&runs[..], &of_file.runs(&truck, trip.date_s)].concat());
+    let sd = |belief: &Belief, k: usize| belief.covariance[(k, k)].sqrt();
+    for parameter in Parameter::ALL {
+        let k = parameter as usize;
+        let (one, both) = (sd(&without_age, k), sd(&together.belief, k));
+        let apart = without_age.mean[k] - together.belief.mean[k];
+        // The difference is where the ratios were linearized.
+        assert!((one - both).abs() <= 0.02 * both, "{parameter:?} {one} {both}");
+        assert!(apart.abs() <= 0.05 * both, "{parameter:?} {apart} {both}");
+    }
+    let stiffness = Parameter::TrailerRollStiffness as usize;
+    assert!(sd(&without_age, stiffness) < 0.95 * sd(&first.belief, stiffness));
+    calibration.date = "1970-01-01T00:00:00Z".to_owned(); // a year before the trip
+    assert!(sd(&moved(&calibration), stiffness) > 1.01 * sd(&without_age, stiffness));
+    // What contradicts the calibration waits, although the vehicle file allows it.
+    let mut learned = Learned::default().on(Some(&calibration));
+    let other = exact(&truck, &self::deviations(-0.15), 30.0 * DAY_S);
+    assert_eq!(learned.take(&truck, Variant::Complete, other.clone()).unwrap(), Taken::Waiting);
+    assert_eq!(of_file.take(&truck, Variant::Complete, other).unwrap(), Taken::Waiting);
+    // A trip that the calibration contains does not count again.
+    let contained = of_file.runs(&truck, trip.date_s);
+    let calibration =
+        Calibration::new(&truck, Variant::Complete, &contained, &fitted(&contained)).unwrap();
+    let learned = of_file.on(Some(&calibration));
+    assert!(learned.belief(&truck, Variant::Complete, trip.date_s).unwrap().is_none());
+}
+
+/// Calibrated on 20 t, the independent truck differs on its empty trip by as much as its residual allows.
+#[test]
+fn an_independent_truck_learns_on_top_of_its_calibration() {
+    let truck = vehicle("kraz.toml");
+    let all = known();
+    let pick = |name: &str| all.iter().find(|known| known.log.starts_with(name)).unwrap();
+    let calibration = calibrated(&truck, &[pick("A_p20_h190")]);
+    let (_, of_file) = plain("A_p00");
+    let learned = of_file.on(Some(&calibration));
+    let design = learned.design(&truck, Variant::Complete, 16.99).unwrap().unwrap();
+    let before = design_with(&truck, Variant::Complete, &calibration.belief()).unwrap();
+    let (mut errors, mut narrower) = (Vec::new(), 0.0);
+    let others = ["A_p10", "A_p20_h150", "A_p20_h220", "B_p15", "C_p15", "D_p15", "E_p15"];
+    for name in others {
+        let known = pick(name);
+        let [with, without] =
+            [&design, &before].map(|one| known.estimate(one, None, EstimateOptions::default()));
+        let error = with.height_m.unwrap() / known.load.cg_height_m - 1.0;
+        println!("{name} {:+.2} %", 100.0 * error);
+        errors.push(error);
+        narrower += with.height_sd_m.unwrap() / without.height_sd_m.unwrap() / 7.0;
+    }
+    println!("{:.2} % rms, narrowed to {narrower:.2}", 100.0 * rms(&errors));
+    assert!(rms(&errors) <= 0.01 && largest(&errors) <= 0.02 && narrower < 0.95, "{errors:?}");
 }

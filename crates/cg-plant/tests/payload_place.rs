@@ -94,7 +94,15 @@ fn run(vehicle: &Vehicle, truth: &Deviations, load: Load, behind_m: f64) -> Run 
         let value = ratio * log_gain(truth, channel).exp();
         Some(Measured { value, sd: 1e-4 * value })
     });
-    Run { log: "run".to_owned(), load, speed_mps: SPEED_MPS, ratio, age_s: None }
+    Run {
+        log: "run".to_owned(),
+        load,
+        height_is_known: true,
+        trailer_mass_sd_kg: 0.0,
+        speed_mps: SPEED_MPS,
+        ratio,
+        age_s: None,
+    }
 }
 
 /// Mean squares of the error of a predicted ratio divided by its standard deviation, over trucks drawn

@@ -1,14 +1,15 @@
-//! `calibrate_files`: calibration from logs of known height.
+//! `calibrate_files`: calibration from logs and from trips with the empty trailer.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate_with_trips};
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind};
+use cg_logs::state::runs_of;
 use cg_vehicle::VehicleError;
 use pyo3::prelude::*;
 
-use crate::error::{log_error, output_error, vehicle_error};
+use crate::error::{log_error, os_error, output_error, vehicle_error};
 use crate::log::push_some;
 use crate::options::word;
 use crate::reading::log_options;
@@ -36,13 +37,39 @@ pub(crate) struct Request {
     force: bool,
 }
 
-/// Calibrate with log files and write the calibration file.
+/// A run: its log, whether it is the empty trailer, the height and the mass if they are known.
+type GivenRun = (PathBuf, bool, Option<f64>, Option<f64>);
+
+fn known((log, is_empty, height_m, trailer_mass_kg): GivenRun) -> KnownLog {
+    let load = match height_m {
+        _ if is_empty => KnownLoad::Empty,
+        Some(height_m) => KnownLoad::Laden { height_m, trailer_mass_kg },
+        None => KnownLoad::UnknownHeight { trailer_mass_kg },
+    };
+    KnownLog { log: log.display().to_string(), load }
+}
+
+/// Names and contents of states: files, or texts with a name of their own.
+fn contents(states: Vec<(String, Option<String>)>) -> PyResult<Vec<(String, Vec<u8>)>> {
+    let content = |(name, text): (String, Option<String>)| {
+        let bytes = match text {
+            Some(text) => text.into_bytes(),
+            None => std::fs::read(&name)
+                .map_err(|error| os_error(&error, format!("{name}: cannot be read: {error}")))?,
+        };
+        Ok((name, bytes))
+    };
+    states.into_iter().map(content).collect()
+}
+
+/// Calibrate with log files and states, and write the calibration file.
 #[pyfunction]
-#[pyo3(signature = (vehicle, runs, output, request, /))]
+#[pyo3(signature = (vehicle, runs, states, output, request, /))]
 pub(crate) fn calibrate_files(
     py: Python<'_>,
     vehicle: &Bound<'_, Vehicle>,
-    runs: Vec<(PathBuf, Option<f64>, Option<f64>)>,
+    runs: Vec<GivenRun>,
+    states: Vec<(String, Option<String>)>,
     output: PathBuf,
     request: Request,
 ) -> PyResult<()> {
@@ -57,31 +84,27 @@ pub(crate) fn calibrate_files(
     for (log, ..) in &runs {
         files = files.reads("runs", log);
     }
+    for (name, _) in states.iter().filter(|(_, text)| text.is_none()) {
+        files = files.reads("from_state", Path::new(name));
+    }
     let target = files.writes("output", &output, Kind::Calibration).map_err(output_error)?;
     let vehicle = &vehicle.get().inner;
-    let logs: Vec<KnownLog> = runs
-        .into_iter()
-        .map(|(log, height_m, trailer_mass_kg)| KnownLog {
-            log: log.display().to_string(),
-            load: height_m.map_or(KnownLoad::Empty, |height_m| KnownLoad::Laden {
-                height_m,
-                trailer_mass_kg,
-            }),
+    let logs: Vec<KnownLog> = runs.into_iter().map(known).collect();
+    let trips = runs_of(&contents(states)?, vehicle, how.variant).map_err(vehicle_error)?;
+    let mut calibration =
+        calibrate_with_trips(vehicle, how, (&logs, &trips), |known, estimator| {
+            let path = PathBuf::from(&known.log);
+            let open = || LogReader::open(&path, &options);
+            let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
+            while py
+                .detach(|| push_some(&mut reader, estimator, &path))
+                .map_err(|refused| Failure(refused.raise()))?
+            {
+                py.check_signals().map_err(Failure)?;
+            }
+            Ok(())
         })
-        .collect();
-    let mut calibration = calibrate(vehicle, how, &logs, |known, estimator| {
-        let path = PathBuf::from(&known.log);
-        let open = || LogReader::open(&path, &options);
-        let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
-        while py
-            .detach(|| push_some(&mut reader, estimator, &path))
-            .map_err(|refused| Failure(refused.raise()))?
-        {
-            py.check_signals().map_err(Failure)?;
-        }
-        Ok(())
-    })
-    .map_err(|Failure(error)| error)?;
+        .map_err(|Failure(error)| error)?;
     calibration.date = request.date;
     let text = calibration.to_toml().map_err(vehicle_error)?;
     let draft = target.write(&text).map_err(output_error)?;

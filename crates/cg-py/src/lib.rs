@@ -6,9 +6,9 @@
 //! | `change` | values of Python for keys of a vehicle file |
 //! | `options` | the options that every estimate shares |
 //! | `reading` | how logs and frames are read |
-//! | `signals` | `estimate_arrays`, `predict_roll`: estimates and predictions from arrays |
+//! | `signals` | `estimate_arrays`, `learn_arrays`, `predict_roll`: estimates, learning and predictions from arrays |
 //! | `log` | `estimate_file`, `read_file`, `read_frames`, `resolve_columns`, `signals`: log files and their column names |
-//! | `calibrate` | `calibrate_files`: calibration from logs of known height |
+//! | `calibrate` | `calibrate_files`: calibration from logs and from trips with the empty trailer |
 //! | `stream` | `Stream`: the estimator, row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
 //! | `write` | `write_file`, `copy_file`, `may_write`: writing of log files |
@@ -58,7 +58,7 @@ mod _native {
     #[pymodule_export]
     use crate::reproduce::reproduce_tables;
     #[pymodule_export]
-    use crate::signals::{after_lags, estimate_arrays, predict_roll};
+    use crate::signals::{after_lags, estimate_arrays, learn_arrays, predict_roll};
     #[pymodule_export]
     use crate::simulate::{score_accuracy, simulate_log};
     #[pymodule_export]

@@ -2,7 +2,8 @@
 
 use cg_core::Settings;
 use cg_core::truck::lags::RollLags;
-use cg_logs::estimate::{LogEstimator, Prediction};
+use cg_logs::estimate::{EstimateOptions, LogEstimator, Prediction};
+use cg_logs::learn::Learner;
 use cg_logs::log::{LogRow, Signal};
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -169,10 +170,39 @@ pub(crate) fn estimate_arrays<'py>(
     signals: &Bound<'py, PyDict>,
     options: Options,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let options = options.checked()?;
+    let estimator = driven(py, vehicle.get(), signals, options.checked()?)?;
+    let answer = py.detach(|| estimator.finish());
+    results::estimate(py, &answer)
+}
+
+/// Return what a truck learns from a log of it: JSON text, and a message for each trip.
+#[pyfunction]
+#[pyo3(signature = (vehicle, signals, /))]
+pub(crate) fn learn_arrays(
+    py: Python<'_>,
+    vehicle: &Bound<'_, Vehicle>,
+    signals: &Bound<'_, PyDict>,
+) -> PyResult<(String, Vec<String>)> {
+    let options = EstimateOptions::default();
+    let vehicle = vehicle.get();
+    let log = driven(py, vehicle, signals, options)?;
+    let design = *log.design();
+    let mut learner = Learner::new(&vehicle.inner, options.variant, vehicle.learned(None)?);
+    let taken = py.detach(|| learner.log(log)).map_err(vehicle_error)?;
+    let learned = learner.learned(&design).to_text();
+    let text = learned.map_err(|error| value_error(error.to_string()))?;
+    Ok((text, taken.iter().map(ToString::to_string).collect()))
+}
+
+/// The estimator at the end of a log.
+fn driven(
+    py: Python<'_>,
+    vehicle: &Vehicle,
+    signals: &Bound<'_, PyDict>,
+    options: EstimateOptions,
+) -> PyResult<LogEstimator> {
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
-    let vehicle = vehicle.get();
     let options = vehicle.options(options);
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
@@ -183,8 +213,7 @@ pub(crate) fn estimate_arrays<'py>(
         py.detach(|| columns.push_range(&mut estimator, range)).map_err(value_error)?;
         py.check_signals()?;
     }
-    let answer = py.detach(|| estimator.finish());
-    results::estimate(py, &answer)
+    Ok(estimator)
 }
 
 /// Predict the roll angle for a height with the model: an array, one value for each row.

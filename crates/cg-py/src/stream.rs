@@ -66,7 +66,7 @@ impl Stream {
         let options = options.checked()?;
         let variant = options.variant;
         let vehicle = vehicle.get();
-        let known = learned.map(|text| vehicle.learned(text)).transpose()?.unwrap_or_default();
+        let known = vehicle.learned(learned)?;
         let design = py.detach(|| vehicle.design(variant)).map_err(vehicle_error)?;
         let now_s = known.newest_s().unwrap_or(0.0);
         let own =

@@ -72,15 +72,11 @@ impl Vehicle {
         EstimateOptions { judgment, ..options }.with_file(&self.inner)
     }
 
-    /// What the truck has learned, from its text. A calibrated vehicle does not learn.
-    pub(crate) fn learned(&self, text: &str) -> PyResult<Learned> {
-        if self.calibration.is_some() {
-            return Err(value_error(
-                "the vehicle has a calibration, which is used as it is: give learned without one"
-                    .to_owned(),
-            ));
-        }
-        Learned::parse(text).map_err(|error| value_error(format!("learned: {error}")))
+    /// What the truck has learned, from its text, on top of its calibration.
+    pub(crate) fn learned(&self, text: Option<&str>) -> PyResult<Learned> {
+        let learned = text.map(Learned::parse).transpose();
+        let learned = learned.map_err(|error| value_error(format!("learned: {error}")))?;
+        Ok(learned.unwrap_or_default().on(self.calibration.as_ref()))
     }
 
     /// The design for one set of equations, which is computed on first use.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 
 import pytest
@@ -86,6 +87,34 @@ def test_an_empty_run_has_the_height_and_mass_of_the_tare(kraz, tmp_path):
     cgheight.calibrate(kraz, [(EMPTY, "empty")], named)
     cgheight.calibrate(kraz, [(EMPTY, 1.33, kraz.empty_trailer_mass_kg)], measured)
     assert undated(named) == undated(measured)
+
+
+def test_a_height_may_be_unknown_and_trips_may_be_runs_as_on_the_command_line(kraz, tmp_path):
+    truck, state = FIXTURES / "vehicles" / "kraz.toml", tmp_path / "state.json"
+    drive = ["run", "--csv", EMPTY, "--vehicle", truck, "--state", state, "--status-s", "0"]
+    subprocess.run([cg(), *drive], check=True, stdout=subprocess.DEVNULL)
+    other = LOGS / "A_p10_h170_v50_L.csv"
+    runs = ["--run", f"{LADEN}=1.9", "--run", f"{other}=?,18684"]
+    python, program = tmp_path / "python.toml", tmp_path / "program.toml"
+    files = ["--vehicle", truck, "--from-state", state, "--output", program]
+    subprocess.run([cg(), "calibrate", *runs, *files], check=True)
+    given = [(LADEN, 1.9), (other, None, 18_684.0)]
+    cgheight.calibrate(kraz, given, python, from_state=[state])
+    assert undated(python) == undated(program)
+    assert python.read_text().count("height_sd_m") == 1
+    # The text of what was learned is as good as the state file, and no trip counts twice.
+    text = json.dumps(json.loads(state.read_text().splitlines()[0])["learned"])
+    twice = tmp_path / "twice.toml"
+    cgheight.calibrate(kraz, given, twice, from_state=[state, text])
+    assert undated(twice) == undated(program)
+    alone = tmp_path / "alone.toml"
+    cgheight.calibrate(kraz, [], alone, from_state=[text])
+    assert "from_state[0], trip 1" in alone.read_text()
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        cgheight.calibrate(kraz, [], alone, from_state=[tmp_path / "nowhere.json"])
+    nothing = cgheight.learn_log(LADEN, vehicle=kraz)
+    with pytest.raises(ValueError, match=r"from_state\[0\]: contains no trip"):
+        cgheight.calibrate(kraz, [], alone, from_state=[nothing])
 
 
 @pytest.mark.parametrize("keywords", [{"procedure": "compensation"}, {"part": "tractor"}])

@@ -42,17 +42,39 @@ def test_an_empty_trip_mends_a_laden_one(kraz, learned):
     assert json.loads(after.learned()) == json.loads(learned)
 
 
+def test_a_log_teaches_what_its_rows_teach(kraz, learned):
+    of_log = json.loads(cgheight.learn_log(EMPTY, vehicle=kraz))
+    of_rows = json.loads(learned)
+    ratio = [one.pop("ratio") for one in (*of_log["trips"], *of_rows["trips"])]
+    assert of_log == of_rows
+    assert ratio[0] == ratio[1]
+    assert json.loads(cgheight.learn_log(LADEN, vehicle=kraz))["trips"] == []
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        cgheight.learn_log("nowhere.csv", vehicle=kraz)
+
+
 def test_a_given_mass_teaches_nothing(kraz):
     stream = driven(kraz, EMPTY, trailer_mass_kg=kraz.empty_trailer_mass_kg)
     assert json.loads(stream.learned())["trips"] == []
 
 
-def test_what_was_not_learned_is_refused(kraz, learned, tmp_path):
+def test_what_was_not_learned_is_refused(kraz, learned):
     unknown = learned.replace("speed_mps", "speed")
     impossible = learned.replace('"maneuvers":1', '"maneuvers":0')
     for text in ["", "{}", unknown, impossible]:
         with pytest.raises(ValueError, match="learned"):
             cgheight.Estimator(kraz, learned=text)
-    truck = cgheight.calibrate(kraz, [(EMPTY, "empty")], tmp_path / "truck.toml")
-    with pytest.raises(ValueError, match="has a calibration"):
-        cgheight.Estimator(truck, learned=learned)
+
+
+def test_a_trip_moves_a_calibration_unless_it_contains_the_trip(kraz, learned, tmp_path):
+    def sd_m(truck, **options):
+        return driven(truck, LADEN, **options).estimate().height_sd_m
+
+    of_laden = cgheight.calibrate(kraz, [(LADEN, LADEN_M)], tmp_path / "laden.toml")
+    moved = driven(of_laden, LADEN, learned=learned)
+    assert abs(moved.estimate().height_m / LADEN_M - 1) < 0.02
+    assert 0 < moved.estimate().height_sd_m < sd_m(of_laden)
+    dates = [line for line in (tmp_path / "laden.toml").read_text().splitlines() if "date" in line]
+    assert dates == [f'date = "{json.loads(moved.learned())["calibration_date"]}"']
+    of_trip = cgheight.calibrate(kraz, [], tmp_path / "trip.toml", from_state=[learned])
+    assert sd_m(of_trip, learned=learned) == sd_m(of_trip)

@@ -11,7 +11,7 @@ import pytest
 from pyspark.sql import SparkSession
 
 import cgheight
-from cgheight.spark import estimate_files, estimate_trips
+from cgheight.spark import estimate_files, estimate_trips, learn_files, learn_trips
 from conftest import FIXTURES, LOGS
 
 TRIPS = 240
@@ -94,9 +94,40 @@ def test_a_calibrated_vehicle_travels_and_bad_files_are_rejected_not_fatal(spark
     assert "nowhere.csv: cannot be opened" in found[paths[-1]]["messages"]
 
 
+def test_the_empty_trips_of_a_truck_become_its_calibration(spark, kraz, tmp_path):
+    tables, day_s = [], 86_400.0
+    for name, log, day in [("a", "A_p00_v50_L.csv", 1), ("b", "A_p20_h190_v50_L.csv", 2),
+                           ("c", "A_p00_v50_L.csv", 9)]:  # fmt: skip
+        rows = pd.read_csv(FIXTURES / "logs" / log)
+        rows["time_s"] += day * day_s
+        tables.append(rows.assign(trip=name))
+    table = spark.createDataFrame(pd.concat(tables).sample(frac=1, random_state=1))
+    found = sorted(learn_trips(table, vehicle=kraz).collect(), key=lambda row: row["log"])
+    assert [(row["log"], row["trips"]) for row in found] == [("a", 1), ("b", 0), ("c", 1)]
+    texts = [row["learned"] for row in found if row["trips"]]
+    assert texts[0] == cgheight.learn_log(tables[0].drop(columns="trip"), vehicle=kraz)
+    truck = cgheight.calibrate(kraz, [], tmp_path / "fleet.toml", from_state=texts)
+    assert (tmp_path / "fleet.toml").read_text().count("[[run]]") == len(texts)
+    laden = FIXTURES / "logs" / "A_p20_h190_v50_L.csv"
+    before = cgheight.estimate_log(laden, vehicle=kraz)
+    after = cgheight.estimate_log(laden, vehicle=truck)
+    assert abs(after.height_m / 1.9 - 1) < 0.01 < abs(before.height_m / 1.9 - 1)
+    paths = [(str(FIXTURES / "logs" / "A_p00_v50_L.csv"),), ("nowhere.csv",)]
+    files = learn_files(spark.createDataFrame(paths, "path string"), vehicle=kraz).collect()
+    by_name = {row["log"]: row for row in files}
+    assert by_name[paths[0][0]]["learned"] == cgheight.learn_log(paths[0][0], vehicle=kraz)
+    lost = by_name["nowhere.csv"]
+    assert (lost["learned"], lost["trips"]) == (None, 0)
+    assert "cannot be opened" in lost["messages"]
+
+
 def test_a_column_that_is_not_there_is_named(spark, kraz):
     table = spark.createDataFrame([("a", 0.0)], "trip string, t double")
     with pytest.raises(ValueError, match="no column time_s; it has trip, t"):
         estimate_trips(table, vehicle=kraz)
     with pytest.raises(ValueError, match="no column path"):
         estimate_files(table, vehicle=kraz)
+    with pytest.raises(ValueError, match="no column time_s; it has trip, t"):
+        learn_trips(table, vehicle=kraz)
+    with pytest.raises(ValueError, match="no column path"):
+        learn_files(table, vehicle=kraz)

@@ -322,6 +322,34 @@ pub(crate) fn place_change(
     change(1.0).or_else(|_: VehicleError| change(1e-3))
 }
 
+/// Change of the logarithms of all channels' DC ratios if the trailer is one standard deviation heavier, as
+/// the mean of both directions. The mass belongs to a load, as its place does.
+///
+/// # Errors
+/// As [`ratio_line`]; also if a ratio is not positive.
+pub(crate) fn mass_change(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    (load, sd_kg): (Load, f64),
+) -> Result<[f64; CHANNELS], VehicleError> {
+    if sd_kg <= 0.0 {
+        return Ok([0.0; CHANNELS]);
+    }
+    let change = |[from, to]: [f64; 2]| {
+        let at = |sds: f64| {
+            let trailer_mass_kg = load.trailer_mass_kg + sds * sd_kg;
+            logarithms(vehicle, variant, speed_mps, Load { trailer_mass_kg, ..load })
+        };
+        let (lighter, heavier) = (at(from)?, at(to)?);
+        Ok(std::array::from_fn(|i| (heavier[i] - lighter[i]) / (to - from)))
+    };
+    // An empty trailer cannot be lighter, and a full one cannot be heavier.
+    change([-1.0, 1.0])
+        .or_else(|_: VehicleError| change([0.0, 1.0]))
+        .or_else(|_: VehicleError| change([-1.0, 0.0]))
+}
+
 /// Logarithms of all channels' DC ratios at the height of a load.
 fn logarithms(
     vehicle: &Vehicle,

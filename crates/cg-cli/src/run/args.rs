@@ -45,8 +45,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) state: Option<PathBuf>,
     /// Whether the truck learns itself from trips with the empty trailer: what was learned is kept in
-    /// the file of --state and used from the next start on. Default: on with --state and without
-    /// --calibration
+    /// the file of --state and used from the next start on, on top of --calibration if it is given.
+    /// Default: on with --state
     #[arg(long, value_enum, value_name = "on|off")]
     pub(crate) learn: Option<Learn>,
     /// Write counters and results to this file for Prometheus (textfile collector of its node

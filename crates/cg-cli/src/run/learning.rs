@@ -55,19 +55,11 @@ fn told(taken: Result<Option<Taken>, VehicleError>, trips: usize) -> Option<Told
 pub(crate) struct Start {
     /// The design with what was learned.
     pub(crate) design: Design<f64>,
-    pub(crate) learning: Option<Learning>,
+    pub(crate) learning: Learning,
     pub(crate) told: Vec<Told>,
 }
 
 impl Start {
-    /// A calibrated truck does not learn; this is told if nothing was said of `--learn`.
-    pub(crate) fn calibrated(design: &Design<f64>, is_told: bool) -> Self {
-        let message = "the truck does not learn itself, because --calibration is given; --learn off \
-                       omits this message";
-        let told = is_told.then(|| Told::Problem(message.to_owned()));
-        Self { design: *design, learning: None, told: told.into_iter().collect() }
-    }
-
     /// The design with what was learned at the time `now_s`, or the one without if `on` is false.
     pub(crate) fn new(
         (vehicle, variant): (&Vehicle, Variant),
@@ -88,14 +80,19 @@ impl Start {
                 }
             }
             if known.is_some() {
-                let message = "the truck is taken as it has learned itself from its trips with the \
-                               empty trailer";
-                messages.push(Told::Learned(trips, message.to_owned()));
+                let date = learned.calibration_date();
+                let basis = date.map(|date| format!(", on top of its calibration of {date}"));
+                let message = format!(
+                    "the truck is taken as it has learned itself from its trips with the empty \
+                     trailer{}",
+                    basis.unwrap_or_default()
+                );
+                messages.push(Told::Learned(trips, message));
             }
         }
         Self {
             design: known.unwrap_or(*design),
-            learning: Some(Learning { learner: Learner::new(vehicle, variant, learned), on }),
+            learning: Learning { learner: Learner::new(vehicle, variant, learned), on },
             told: messages,
         }
     }

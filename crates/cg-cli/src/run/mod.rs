@@ -41,7 +41,10 @@ use anyhow::bail;
 use cg_core::{Design, Settings, Warner};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
+use cg_logs::state::design_crc32;
 use cg_vehicle::Vehicle;
+use cg_vehicle::calibration::Calibration;
+use cg_vehicle::design::design;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 
@@ -61,16 +64,19 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let [state, metrics] = targets(arguments, files)?;
     refuse_learning(arguments)?;
     let vehicle = arguments.truck.load()?;
-    let design = arguments.truck.design(&vehicle)?;
+    let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let live = arguments.can.is_some() || arguments.realtime;
     let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
     let mut frames = Frames::new(options.decoder(), settings, mass_is_given, live);
     // The state belongs to the design without what was learned.
-    let state = state.map(|target| StateFile::new(target, &design));
-    let start = state.as_ref().map(|state| learned(arguments, (&vehicle, &design), state));
-    let design = start.as_ref().map_or(design, |start| start.design);
+    let calibration = arguments.truck.calibration(&vehicle)?;
+    let mut state = state.map(|target| StateFile::new(target, &own));
+    name_vehicle(&mut state, (&vehicle, calibration.as_ref()))?;
+    let truck = (&vehicle, calibration.as_ref(), &own);
+    let start = state.as_ref().map(|state| learned(arguments, truck, state));
+    let design = start.as_ref().map_or(own, |start| start.design);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let outputs = Outputs::new(lines, state, metrics, None);
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
@@ -135,19 +141,21 @@ fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>;
     ])
 }
 
-/// Learning needs a state file and a truck that is not calibrated.
+/// Learning needs a state file.
 fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
-    if arguments.learn != Some(Learn::On) {
-        return Ok(());
-    }
-    if arguments.state.is_none() {
+    if arguments.learn == Some(Learn::On) && arguments.state.is_none() {
         bail!("--learn on: what is learned is kept in a state file; give --state FILE too");
     }
-    if arguments.truck.calibration.is_some() {
-        bail!(
-            "--learn on: the calibration of --calibration is used as it is; remove it to let the \
-             truck learn itself, or calibrate again with --from-state"
-        );
+    Ok(())
+}
+
+/// A state with a calibration also belongs to the vehicle without it.
+fn name_vehicle(
+    state: &mut Option<StateFile>,
+    (vehicle, calibration): (&Vehicle, Option<&Calibration>),
+) -> anyhow::Result<()> {
+    if let (Some(state), Some(calibration)) = (state, calibration) {
+        state.vehicle_crc32 = Some(design_crc32(&design(vehicle, calibration.model)?));
     }
     Ok(())
 }
@@ -155,14 +163,12 @@ fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
 /// What the truck starts with.
 fn learned(
     arguments: &RunArgs,
-    (vehicle, design): (&Vehicle, &Design<f64>),
+    (vehicle, calibration, design): (&Vehicle, Option<&Calibration>, &Design<f64>),
     state: &StateFile,
 ) -> Start {
     let on = arguments.learn != Some(Learn::Off);
-    if arguments.truck.calibration.is_some() {
-        return Start::calibrated(design, on);
-    }
     let (learned, saved_s) = state.learned();
+    let learned = learned.on(calibration);
     // A replay begins when the state was saved.
     #[allow(clippy::cast_precision_loss)] // microseconds since 1970
     let now_s = if arguments.can.is_some() { socket::wall_us() as f64 * 1e-6 } else { saved_s };

@@ -320,7 +320,7 @@ impl<W: Write> Session<W> {
 
     /// Begins to learn from empty driving.
     pub(crate) fn begin(&mut self, start: Start) -> io::Result<()> {
-        self.learning = start.learning;
+        self.learning = Some(start.learning);
         start.told.into_iter().try_for_each(|told| self.tell(told))
     }
 

@@ -23,6 +23,8 @@ const LONGEST: u64 = 1 << 20;
 pub(crate) struct StateFile {
     target: Target,
     design_crc32: u32,
+    /// Checksum of the design without the calibration, if there is one.
+    pub(crate) vehicle_crc32: Option<u32>,
 }
 
 /// The content of a state file.
@@ -38,7 +40,7 @@ pub(crate) enum Found {
 
 impl StateFile {
     pub(crate) fn new(target: Target, design: &Design<f64>) -> Self {
-        Self { target, design_crc32: design_crc32(design) }
+        Self { target, design_crc32: design_crc32(design), vehicle_crc32: None }
     }
 
     /// Writes a state with the time of the last change of the load, s, and the scale of its mass; it
@@ -52,6 +54,7 @@ impl StateFile {
     ) -> io::Result<()> {
         let mut state = State::new(self.design_crc32, memory, saved_s, load_since_s, learned);
         state.scale = scale;
+        state.vehicle_crc32 = self.vehicle_crc32;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;

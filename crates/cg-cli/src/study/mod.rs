@@ -74,6 +74,12 @@ fn replayed(arguments: &StudyArgs, vehicle: &Vehicle) -> anyhow::Result<Study> {
     let mut logs = Vec::with_capacity(arguments.run.len());
     for run in &arguments.run {
         let known = run.clone();
+        if !known.load.height_is_known() {
+            return Err(anyhow!(
+                "replay: {}: a drive is simulated at a height; give it",
+                known.log
+            ));
+        }
         let rows = LogReader::open(Path::new(&known.log), &options)?.collect::<Result<_, _>>()?;
         logs.push(Recorded { known, rows });
     }

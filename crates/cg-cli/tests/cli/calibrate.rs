@@ -115,6 +115,30 @@ fn a_calibration_of_the_tractor_holds_with_another_trailer() {
     estimate(&fixture(LADEN), &changed, &["--calibration", &file]).refused(&["another tractor"]);
 }
 
+/// 20 t at 1.90 m, which the calibration must find; the file holds it and is read again.
+#[test]
+fn the_height_of_a_run_may_be_unknown() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    let runs = [format!("{}=empty", fixture(EMPTY)), format!("{}=?,28684", fixture(LADEN))];
+    let run = calibrate(&kraz(), &runs, &file).done();
+    assert!(run.out.contains("its height is 1.9"), "{}", run.out);
+    let text = std::fs::read_to_string(&file).unwrap();
+    let of_run = |key: &str| -> f64 {
+        let (_, laden) = text.rsplit_once("A_p20_h190").unwrap();
+        let line = laden.lines().find(|line| line.starts_with(key)).unwrap();
+        line.split_once(" = ").unwrap().1.parse().unwrap()
+    };
+    let (found_m, sd_m) = (of_run("height_m"), of_run("height_sd_m"));
+    assert!((found_m - 1.9).abs() < 0.03 && (0.02..0.1).contains(&sd_m), "{found_m} {sd_m}");
+    assert_eq!(text.matches("height_sd_m").count(), 1);
+    let other = fixture("logs/A_p10_h170_v50_L.csv");
+    let mended = estimate(&other, &kraz(), &["--calibration", &file]).done().answer();
+    assert!((height_m(&mended) / 1.7 - 1.0).abs() < 0.01, "{mended}");
+    cg(&["study", "replay", "--vehicle", &kraz(), "--run", &runs[1], "-o", &scratch.path("r")])
+        .refused(&["a drive is simulated at a height"]);
+}
+
 #[test]
 fn a_run_that_is_no_run_is_refused_with_the_form_it_needs() {
     let scratch = Scratch::new();

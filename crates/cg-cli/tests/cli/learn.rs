@@ -122,24 +122,36 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 #[test]
-fn learning_needs_a_state_file_and_no_calibration() {
+fn learning_needs_a_state_file_and_begins_with_the_calibration() {
     let scratch = Scratch::new();
     let (log, vehicle) = (fixture(EMPTY), kraz());
     let run = ["run", "--csv", &log, "--vehicle", &vehicle, "--learn", "on"];
     cg(&run).refused(&["--learn on", "--state"]);
-    let calibration = scratch.path("c.toml");
-    let empty = format!("{log}=empty");
-    cg(&["calibrate", "--vehicle", &vehicle, "--run", &empty, "-o", &calibration]).done();
+    let (calibration, again) = (scratch.path("c.toml"), scratch.path("again.toml"));
+    let laden = format!("{}={LADEN_M}", fixture(LADEN));
+    cg(&["calibrate", "--vehicle", &vehicle, "--run", &laden, "-o", &calibration]).done();
     let state = scratch.path("state.json");
     let with = ["--calibration", &calibration];
-    drive(EMPTY, &state, &[&with[..], &["--learn", "on"]].concat())
-        .refused(&["--calibration", "--from-state"]);
-    let told = lines(&drive(EMPTY, &state, &with).done());
-    let about = |line: &&&Value| line["subject"] == "learning";
-    assert_eq!(events(&told, "notice").iter().filter(about).count(), 1);
-    assert!(stored(&state)["learned"].is_null());
     let off = lines(&drive(EMPTY, &state, &[&with[..], &["--learn", "off"]].concat()).done());
-    assert_eq!(events(&off, "notice").iter().filter(about).count(), 0);
+    assert!(events(&off, "learned").is_empty() && stored(&state)["learned"].is_null());
+    let other = "logs/A_p10_h170_v50_L.csv";
+    let calibrated = lines(&drive(other, &scratch.path("other.json"), &with).done());
+    assert!(events(&calibrated, "learned").is_empty());
+    assert_eq!(events(&lines(&drive(EMPTY, &state, &with).done()), "learned").len(), 1);
+    let moved = lines(&drive(other, &state, &with).done());
+    let [start] = &events(&moved, "learned")[..] else { panic!("{moved:?}") };
+    let text = std::fs::read_to_string(&calibration).unwrap();
+    let date = stored(&state)["learned"]["calibration_date"].as_str().unwrap().to_owned();
+    assert!(text.contains(&format!("date = \"{date}\"")), "{date}");
+    let message = start["message"].as_str().unwrap();
+    assert!(message.ends_with(&format!("its calibration of {date}")), "{message}");
+    let sd = |lines: &[Value]| events(lines, "maneuver").last().unwrap()["height_sd_m"].as_f64();
+    assert!(sd(&moved).unwrap() < sd(&calibrated).unwrap(), "{moved:?} {calibrated:?}");
+    assert!((last_height(&moved) / 1.7 - 1.0).abs() < 0.01);
+    // The trip is also a run of a new calibration. Such a calibration contains it.
+    cg(&["calibrate", "--vehicle", &vehicle, "--from-state", &state, "-o", &again]).done();
+    cg(&["calibrate", "--vehicle", &fixture("vehicles/euro.toml"), "--from-state", &state])
+        .refused(&["-o"]);
 }
 
 /// The trips of state files make a calibration, alone or with logs.

@@ -189,6 +189,7 @@ impl LogEstimator {
         let mut identified = Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             trailer_mass_kg: self.trailer_mass_kg,
+            trailer_mass_sd_kg: self.mass_sd_kg(self.trailer_mass_kg),
             trailer_mass_is_known: self.seen.mass_kg.is_some()
                 || self.options.trailer_mass_kg.is_some(),
             logged_mass_kg: self.seen.mass_kg,

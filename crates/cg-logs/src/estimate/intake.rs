@@ -24,6 +24,8 @@ pub struct Identified {
     pub speed_mps: f64,
     /// Trailer mass used, kg.
     pub trailer_mass_kg: f64,
+    /// Its standard deviation, kg: that of its scale, or that of any load if it is not known.
+    pub trailer_mass_sd_kg: f64,
     /// Whether the mass comes from the log or the options, and not from the vehicle file.
     pub trailer_mass_is_known: bool,
     /// The last trailer mass in the log, kg, also if an option replaced it.

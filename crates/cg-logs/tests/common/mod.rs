@@ -114,7 +114,15 @@ pub(crate) fn runs_of(
                 let value = gain * lines[channel.index()].ratio_at(cg_height_m);
                 Some(Measured { value, sd: 1e-4 * value })
             });
-            Run { log: format!("{trailer_mass_kg} kg"), load, speed_mps, ratio, age_s: None }
+            Run {
+                log: format!("{trailer_mass_kg} kg"),
+                load,
+                height_is_known: true,
+                trailer_mass_sd_kg: 0.0,
+                speed_mps,
+                ratio,
+                age_s: None,
+            }
         })
         .collect()
 }

@@ -27,6 +27,7 @@ from cgheight._batch import Estimates, estimate_logs
 from cgheight._calibrate import calibrate
 from cgheight._columns import SIGNALS
 from cgheight._estimate import Arx, Estimator, estimate, estimate_log
+from cgheight._learn import learn_log
 from cgheight._logs import read_log, write_log
 from cgheight._model_results import (
     ArxModel,
@@ -73,6 +74,7 @@ __all__ = [
     "estimate",
     "estimate_log",
     "estimate_logs",
+    "learn_log",
     "linear_model",
     "predict_roll",
     "read_log",

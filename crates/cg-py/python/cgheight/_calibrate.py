@@ -1,4 +1,4 @@
-"""Calibration of a vehicle with logs of known height."""
+"""Calibration of a vehicle with logs and with what it has learned itself."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from cgheight._columns import flips, maps
 Run = (
     tuple[str | os.PathLike[str], float]
     | tuple[str | os.PathLike[str], float, float]
+    | tuple[str | os.PathLike[str], None]
+    | tuple[str | os.PathLike[str], None, float]
     | tuple[str | os.PathLike[str], Literal["empty"]]
 )
 
@@ -23,6 +25,7 @@ def calibrate(
     runs: Iterable[Run],
     output: str | os.PathLike[str],
     *,
+    from_state: Iterable[str | os.PathLike[str]] = (),
     model: Literal["complete", "as-printed"] = "complete",
     procedure: Literal["maximum-a-posteriori", "compensation"] = "maximum-a-posteriori",
     part: Literal["vehicle", "tractor"] = "vehicle",
@@ -30,7 +33,7 @@ def calibrate(
     flip: Iterable[str] = (),
     force: bool = False,
 ) -> _native.Vehicle:
-    """Calibrate a vehicle with logs whose height is known.
+    """Calibrate a vehicle with logs whose height is known, or with its trips without a load.
 
     The uncertain parameters of the truck are fitted to the runs and to ``[uncertainty]`` in the
     vehicle file. One run with the empty trailer is enough; a laden one makes it better. The
@@ -43,9 +46,13 @@ def calibrate(
     runs : iterable of (log, height_m), (log, height_m, trailer_mass_kg) or (log, "empty")
         Log files with turns at constant speed; height of the trailer's sprung c.g., m; mass of the
         whole semitrailer, kg, needed if it is not in the log. Height and mass of the empty trailer
-        are in the vehicle file.
+        are in the vehicle file. A height that is None is not known and is found.
     output : str or os.PathLike
         The calibration file (TOML) to write; it appears only when it is complete.
+    from_state : iterable of str or os.PathLike
+        Trips of this truck with the empty trailer, which become runs: state files of ``cg run``, or
+        the texts that `learn_log`, `Estimator.learned` and `cgheight.spark.learn_trips` give. They
+        tell the truck of the newest trip; a trip that is given twice counts once.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
     procedure : {"maximum-a-posteriori", "compensation"}
@@ -68,13 +75,13 @@ def calibrate(
     Raises
     ------
     FileNotFoundError
-        There is no such log.
+        There is no such log or state file.
     FileExistsError
         `output` exists, is not a calibration, and `force` is false.
     ValueError
         `output` is a run or the vehicle file; a run is not as described, has no turn, or has a load
-        that is impossible for the vehicle; or the runs contradict the vehicle file, and `force` is
-        false.
+        that is impossible for the vehicle; a state is of another vehicle file, or has no trip; or
+        the runs contradict the vehicle file, and `force` is false.
 
     Examples
     --------
@@ -87,20 +94,6 @@ def calibrate(
     >>> truck.is_calibrated
     True
     """
-    known: list[tuple[str, float | None, float | None]] = []
-    for run in runs:
-        match run:
-            case (log, "empty"):
-                known.append((os.fspath(log), None, None))
-            case (log, height_m):
-                known.append((os.fspath(log), number("height_m", height_m), None))
-            case (log, height_m, mass_kg):
-                height_m, mass_kg = number("height_m", height_m), number("trailer_mass_kg", mass_kg)
-                known.append((os.fspath(log), height_m, mass_kg))
-            case _:
-                raise ValueError(
-                    f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")'
-                )
     request: dict[str, object] = {
         "model": model,
         "procedure": procedure,
@@ -110,5 +103,30 @@ def calibrate(
         "date": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         "force": bool(force),
     }
-    _native.calibrate_files(vehicle, known, output, request)
+    states = [_state(position, state) for position, state in enumerate(from_state)]
+    _native.calibrate_files(vehicle, [_known(run) for run in runs], states, output, request)
     return vehicle.calibrated(output)
+
+
+def _known(run: Run) -> tuple[str, bool, float | None, float | None]:
+    """Return the log of a run, whether the trailer is empty, and height and mass if known."""
+    match run:
+        case (log, "empty"):
+            return os.fspath(log), True, None, None
+        case (log, height_m):
+            return os.fspath(log), False, _optional("height_m", height_m), None
+        case (log, height_m, mass_kg):
+            mass_kg = number("trailer_mass_kg", mass_kg)
+            return os.fspath(log), False, _optional("height_m", height_m), mass_kg
+    raise ValueError(f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")')
+
+
+def _optional(name: str, value: float | None) -> float | None:
+    return None if value is None else number(name, value)
+
+
+def _state(position: int, state: str | os.PathLike[str]) -> tuple[str, str | None]:
+    """Return the path of a state file, or a name and the text of what a truck has learned."""
+    if isinstance(state, str) and state.lstrip().startswith("{"):
+        return f"from_state[{position}]", state
+    return os.fspath(state), None

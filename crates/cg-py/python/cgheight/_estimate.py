@@ -248,12 +248,13 @@ class Estimator(_native.Stream):
     learned : str, optional
         What the truck has learned from its earlier trips with the empty trailer: the text that
         `learned` of another `Estimator` returned. Then ``time_s`` of all rows must be Unix time,
-        because older trips count for less.
+        because older trips count for less. With a calibration the trips move what it says; those
+        that it contains do not count again.
 
     Raises
     ------
     ValueError
-        An option is out of range; or `learned` is not such a text, or is given with a calibration.
+        An option is out of range; or `learned` is not such a text.
     FileNotFoundError
         There is no such calibration file.
     """

@@ -24,6 +24,7 @@ __all__ = [
     "estimate_arrays",
     "estimate_file",
     "fit_arx",
+    "learn_arrays",
     "linear_model",
     "may_write",
     "predict_roll",
@@ -201,12 +202,13 @@ def linear_model(
 
 def calibrate_files(
     vehicle: Vehicle,
-    runs: list[tuple[str, float | None, float | None]],
+    runs: list[tuple[str, bool, float | None, float | None]],
+    states: list[tuple[str, str | None]],
     output: str | os.PathLike[str],
     request: dict[str, object],
     /,
 ) -> None:
-    """Calibrate with log files and write the calibration file."""
+    """Calibrate with log files and states, and write the calibration file."""
 
 def read_file(
     path: str | os.PathLike[str], columns: list[str], flip: list[str], /
@@ -220,6 +222,11 @@ def read_frames(
 
 def signals() -> dict[str, str]:
     """Return the signals of logs: a dict of SI column names to their meanings."""
+
+def learn_arrays(
+    vehicle: Vehicle, signals: dict[str, NDArray[np.float64]], /
+) -> tuple[str, list[str]]:
+    """Return what a truck learns from a log of it: JSON text, and a message for each trip."""
 
 def predict_roll(
     vehicle: Vehicle,

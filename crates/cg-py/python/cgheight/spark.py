@@ -1,11 +1,14 @@
 """Estimates of thousands of trips on a cluster, with PySpark.
 
 The heights are the same as on one machine: a worker gives each trip to `cgheight.estimate_log` as
-Arrow columns. This module needs ``pip install 'cgheight[spark]'`` on the driver and on the workers.
+Arrow columns. `learn_trips` and `learn_files` do the same with `cgheight.learn_log`, so that the
+trips of a truck with the empty trailer become its calibration. This module needs ``pip install
+'cgheight[spark]'`` on the driver and on the workers.
 """
 
 from __future__ import annotations
 
+import json
 import pickle
 from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
@@ -14,13 +17,14 @@ from typing import TYPE_CHECKING, Any
 from cgheight import _native
 from cgheight._batch import Estimates
 from cgheight._estimate import estimate_log
+from cgheight._learn import learned
 from cgheight._results import rejected
 
 if TYPE_CHECKING:
     import pyarrow as pa
     from pyspark.sql import DataFrame
 
-__all__ = ["estimate_files", "estimate_trips"]
+__all__ = ["estimate_files", "estimate_trips", "learn_files", "learn_trips"]
 
 # The columns of `Estimates.to_frame` with their Spark types.
 _COLUMNS = {
@@ -50,7 +54,12 @@ _COLUMNS = {
     "tractor_height_m": "double",
     "tractor_height_sd_m": "double",
 }
-_SCHEMA = ", ".join(f"{name} {kind}" for name, kind in _COLUMNS.items())
+# The columns of what trips teach.
+_LEARNED = {"log": "string", "trips": "bigint", "learned": "string", "messages": "string"}
+
+# The rows of some logs (name and log), for a truck and the keywords of `estimate_log` or
+# `learn_log`.
+_Rows = Callable[[_native.Vehicle, list[tuple[str, Any]], Mapping[str, Any]], list[dict[str, Any]]]
 
 
 @lru_cache(maxsize=8)
@@ -60,11 +69,10 @@ def _truck(pickled: bytes) -> _native.Vehicle:
     return vehicle
 
 
-def _answers(pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, Any]) -> pa.Table:
-    """Estimate logs on a worker: one row for each log, even if it cannot be read."""
-    import pyarrow as pa
-
-    truck = _truck(pickled)
+def _estimated(
+    truck: _native.Vehicle, logs: list[tuple[str, Any]], options: Mapping[str, Any]
+) -> list[dict[str, Any]]:
+    """Estimate logs: one row for each log, even if it cannot be read."""
     answers = []
     for _, log in logs:
         try:
@@ -72,10 +80,43 @@ def _answers(pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, 
         except (OSError, ValueError) as error:
             mass_kg = truck.reference_trailer_mass_kg
             answers.append(rejected(str(error), mass_kg, dict(options)))
-    rows = Estimates(tuple(name for name, _ in logs), tuple(answers)).to_rows()
+    return Estimates(tuple(name for name, _ in logs), tuple(answers)).to_rows()
+
+
+def _taught(
+    truck: _native.Vehicle, logs: list[tuple[str, Any]], options: Mapping[str, Any]
+) -> list[dict[str, Any]]:
+    """Learn from logs: one row for each log, even if it cannot be read."""
+    rows = []
+    for name, log in logs:
+        try:
+            text, messages = learned(log, truck, **options)
+        except (OSError, ValueError) as error:
+            rows.append({"log": name, "trips": 0, "learned": None, "messages": str(error)})
+            continue
+        trips = len(json.loads(text)["trips"])
+        said = "; ".join(messages)
+        rows.append({"log": name, "trips": trips, "learned": text, "messages": said})
+    return rows
+
+
+def _columns_of(rows: _Rows) -> dict[str, str]:
+    return _LEARNED if rows is _taught else _COLUMNS
+
+
+def _schema(rows: _Rows) -> str:
+    return ", ".join(f"{name} {kind}" for name, kind in _columns_of(rows).items())
+
+
+def _table(
+    rows: _Rows, pickled: bytes, logs: list[tuple[str, Any]], options: Mapping[str, Any]
+) -> pa.Table:
+    """Return the rows of some logs on a worker."""
+    import pyarrow as pa
+
     kinds = {"string": pa.string(), "double": pa.float64(), "bigint": pa.int64()}
-    schema = pa.schema([(name, kinds[kind]) for name, kind in _COLUMNS.items()])
-    return pa.Table.from_pylist(rows, schema=schema)
+    schema = pa.schema([(name, kinds[kind]) for name, kind in _columns_of(rows).items()])
+    return pa.Table.from_pylist(rows(_truck(pickled), logs, options), schema=schema)
 
 
 def estimate_trips(
@@ -114,16 +155,66 @@ def estimate_trips(
     ImportError
         PySpark or PyArrow is not installed.
     """
-    for name in (trip, time):
+    return _of_trips(_estimated, trips, vehicle, (trip, time), options)
+
+
+def learn_trips(
+    trips: DataFrame,
+    *,
+    vehicle: _native.Vehicle,
+    trip: str = "trip",
+    time: str = "time_s",
+    **options: Any,
+) -> DataFrame:
+    """Learn from trips that are stored as rows of one table.
+
+    Parameters
+    ----------
+    trips, trip, time
+        As for `estimate_trips`; the time should be Unix time.
+    vehicle : Vehicle
+        The vehicle; it is sent to the workers as text.
+    **options
+        Keywords of `cgheight.learn_log`: ``columns``, ``flip``.
+
+    Returns
+    -------
+    pyspark.sql.DataFrame
+        One row for each trip, evaluated lazily: its name in ``log``, in ``trips`` how many trips
+        with the empty trailer in it count, in ``learned`` the text of `cgheight.learn_log`, and in
+        ``messages`` the reason why it cannot be read, or what became of the trips. The texts of one
+        truck, of rows with trips, are `from_state` of `cgheight.calibrate`.
+
+    Raises
+    ------
+    ValueError
+        A column is missing in the table.
+    ImportError
+        PySpark or PyArrow is not installed.
+    """
+    return _of_trips(_taught, trips, vehicle, (trip, time), options)
+
+
+def _of_trips(
+    rows: _Rows,
+    trips: DataFrame,
+    vehicle: _native.Vehicle,
+    names: tuple[str, str],
+    options: Mapping[str, Any],
+) -> DataFrame:
+    for name in names:
         if name not in trips.columns:
             raise ValueError(f"the table has no column {name}; it has {', '.join(trips.columns)}")
-    work = _trip_worker(pickle.dumps(vehicle), trip, time, dict(options))
-    return trips.groupBy(trip).applyInArrow(work, schema=_SCHEMA)
+    trip, time = names
+    work = _trip_worker(rows, pickle.dumps(vehicle), (trip, time), dict(options))
+    return trips.groupBy(trip).applyInArrow(work, schema=_schema(rows))
 
 
 def _trip_worker(
-    pickled: bytes, trip: str, time: str, options: dict[str, Any]
+    rows_of: _Rows, pickled: bytes, names: tuple[str, str], options: dict[str, Any]
 ) -> Callable[[tuple[Any, ...], pa.Table], pa.Table]:
+    trip, time = names
+
     def work(key: tuple[Any, ...], table: pa.Table) -> pa.Table:
         rows = table.drop_columns([trip]).sort_by(time)
         log = {
@@ -131,7 +222,7 @@ def _trip_worker(
             for name, kind in zip(rows.column_names, rows.schema.types, strict=True)
             if _is_number(kind)
         }
-        return _answers(pickled, [(str(key[0].as_py()), log)], options)
+        return _table(rows_of, pickled, [(str(key[0].as_py()), log)], options)
 
     return work
 
@@ -172,18 +263,57 @@ def estimate_files(
     ImportError
         PySpark or PyArrow is not installed.
     """
+    return _of_files(_estimated, files, vehicle, path, options)
+
+
+def learn_files(
+    files: DataFrame, *, vehicle: _native.Vehicle, path: str = "path", **options: Any
+) -> DataFrame:
+    """Learn from log files that every worker can open.
+
+    Parameters
+    ----------
+    files, path
+        As for `estimate_files`.
+    vehicle : Vehicle
+        The vehicle; it is sent to the workers as text.
+    **options
+        Keywords of `cgheight.learn_log`: ``columns``, ``flip``.
+
+    Returns
+    -------
+    pyspark.sql.DataFrame
+        One row for each file, evaluated lazily: the columns of `learn_trips`.
+
+    Raises
+    ------
+    ValueError
+        A column is missing in the table.
+    ImportError
+        PySpark or PyArrow is not installed.
+    """
+    return _of_files(_taught, files, vehicle, path, options)
+
+
+def _of_files(
+    rows: _Rows,
+    files: DataFrame,
+    vehicle: _native.Vehicle,
+    path: str,
+    options: Mapping[str, Any],
+) -> DataFrame:
     if path not in files.columns:
         raise ValueError(f"the table has no column {path}; it has {', '.join(files.columns)}")
-    work = _file_worker(pickle.dumps(vehicle), dict(options))
-    return files.select(path).mapInArrow(work, schema=_SCHEMA)
+    work = _file_worker(rows, pickle.dumps(vehicle), dict(options))
+    return files.select(path).mapInArrow(work, schema=_schema(rows))
 
 
 def _file_worker(
-    pickled: bytes, options: dict[str, Any]
+    rows: _Rows, pickled: bytes, options: dict[str, Any]
 ) -> Callable[[Iterator[pa.RecordBatch]], Iterator[pa.RecordBatch]]:
     def work(batches: Iterator[pa.RecordBatch]) -> Iterator[pa.RecordBatch]:
         for batch in batches:
             for name in batch.column(0).to_pylist():
-                yield from _answers(pickled, [(name, name)], options).to_batches()
+                yield from _table(rows, pickled, [(name, name)], options).to_batches()
 
     return work

@@ -3,7 +3,7 @@
 use cg_core::{CHANNELS, Channel};
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::Run;
+use super::ratios::Run;
 use crate::balance::greatest_mass_kg;
 use crate::belief::{Belief, Covariance, PARAMETERS, log_ratios, place_change};
 use crate::equations::Variant;

@@ -5,7 +5,8 @@ use cg_core::truck::channel::Input;
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Parameter};
-use crate::calibration::fit::{Fitted, Run};
+use crate::calibration::fit::Fitted;
+use crate::calibration::ratios::Run;
 
 /// One parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -99,14 +100,25 @@ impl Compensations {
 pub struct RunEntry {
     /// Name of its log.
     pub log: String,
-    /// Known height of the sprung c.g.
+    /// Height of the sprung c.g.
     pub height_m: f64,
+    /// Standard deviation of a height that was not known but found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_sd_m: Option<f64>,
     /// Trailer mass.
     pub trailer_mass_kg: f64,
+    /// Its standard deviation; 0 is exact.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub trailer_mass_sd_kg: f64,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
     /// Results of the channels.
     pub channel: Vec<ChannelEntry>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// One identified ratio of a run.
@@ -152,7 +164,9 @@ impl RunEntry {
         Self {
             log: run.log.clone(),
             height_m: run.load.cg_height_m,
+            height_sd_m: fitted.heights[index].map(|found| found.sd),
             trailer_mass_kg: run.load.trailer_mass_kg,
+            trailer_mass_sd_kg: run.trailer_mass_sd_kg,
             speed_mps: run.speed_mps,
             channel,
         }

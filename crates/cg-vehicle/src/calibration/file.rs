@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
 use crate::calibration::entry::{Compensations, ParameterEntry, RatioUnit, RunEntry};
-use crate::calibration::fit::{Fitted, Procedure, Run};
+use crate::calibration::fit::{Fitted, Procedure};
 use crate::calibration::judgment::Judgment;
 use crate::calibration::part::{Part, changed, checksums};
 use crate::calibration::possible;
+use crate::calibration::ratios::Run;
 use crate::calibration::statement::statements;
 use crate::equations::Variant;
 use crate::error::VehicleError;
@@ -81,6 +82,7 @@ impl Calibration {
     ) -> Result<Self, VehicleError> {
         let prior = Belief::prior(vehicle);
         let belief = &fitted.belief;
+        let runs = &fitted.placed(runs);
         let parameter =
             Parameter::ALL.map(|name| ParameterEntry::new(name, &prior, belief)).to_vec();
         let [statement, contradiction] = statements(vehicle, variant, runs, fitted, &parameter)?;
@@ -171,7 +173,10 @@ impl Calibration {
             // One factor for each ratio explains everything.
             Procedure::Compensation => Judgment::Sound,
             Procedure::MaximumAPosteriori => {
-                Judgment::of(self.chi_square, self.run.iter().map(|run| run.channel.len()).sum())
+                let told = |run: &RunEntry| {
+                    run.channel.len().saturating_sub(usize::from(run.height_sd_m.is_some()))
+                };
+                Judgment::of(self.chi_square, self.run.iter().map(told).sum())
             }
         }
     }

@@ -3,8 +3,10 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | `walk` | the changes of a truck in service |
 //! | `judgment` | whether the runs are possible for the vehicle file |
+//! | `ratios` | the runs, and what their ratios leave unexplained |
+//! | `heights` | runs of unknown height |
+//! | `walk` | the changes of a truck in service |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
 //! | `part` | what a calibration is for, and the parts of the vehicle file on which it depends |
 //! | `entry` | the tables of the file: parameters, runs |
@@ -16,6 +18,8 @@
 //! `cg_logs::calibrate` identifies the ratios from logs.
 
 mod judgment;
+mod ratios;
+mod heights;
 mod walk;
 pub mod fit;
 mod part;
@@ -27,6 +31,7 @@ pub mod file;
 
 pub use entry::{ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, Unit};
 pub use file::Calibration;
-pub use fit::{Fitted, Procedure, Run, fit};
+pub use fit::{Fitted, Prior, Procedure, fit, fit_from};
 pub use judgment::Judgment;
 pub use part::Part;
+pub use ratios::{Residual, Run};

@@ -11,6 +11,8 @@ const FACTOR: [f64; 2] = [1e-3, 1e3];
 const GREATEST_SHIFT_M: f64 = GREATEST_HEIGHT_M;
 /// Greatest standard deviation, relative or in meters. In a vehicle file, none is greater than 1.
 const GREATEST_SD: f64 = 2.0;
+/// Greatest standard deviation of a height that a run of unknown height gives: it tells nothing then.
+const GREATEST_HEIGHT_SD_M: f64 = 1e3;
 /// Greatest sum of squares; the Birge ratio of one run is then a thousand.
 const GREATEST_CHI_SQUARE: f64 = 1e6;
 /// Greatest DC ratio, rad per rad or per m/s²; usual ones are below 3.
@@ -91,6 +93,10 @@ pub(super) fn run(run: &RunEntry) -> Result<(), String> {
         })
     };
     numbers().map_err(|error| format!("run {}: {error}", run.log))?;
+    within("trailer_mass_sd_kg", run.trailer_mass_sd_kg, [0.0, GREATEST_TRAILER_MASS_KG])?;
+    if let Some(height_sd_m) = run.height_sd_m {
+        within("height_sd_m", height_sd_m, [0.0, GREATEST_HEIGHT_SD_M])?;
+    }
     run.channel.iter().try_for_each(|entry| {
         within("ratio_sd", entry.ratio_sd, [0.0, GREATEST_RATIO])?;
         [entry.before_percent, entry.after_percent]

@@ -5,9 +5,10 @@ use cg_core::{CHANNELS, Channel};
 
 use super::advice::advice;
 use super::entry::ParameterEntry;
-use super::fit::{Fitted, Procedure, Run};
+use super::fit::{Fitted, Procedure};
 use super::judgment::Judgment;
-use crate::belief::Belief;
+use super::ratios::Run;
+use crate::belief::{Belief, mass_change};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::vehicle::Vehicle;
@@ -56,15 +57,20 @@ pub(super) fn statements(
         Procedure::MaximumAPosteriori => what_was_determined(parameter),
     };
     statement.extend(certain_ratios(vehicle, variant, runs, fitted)?);
+    statement.extend(found_heights(runs, fitted));
     statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
     let mut contradiction = far_ratios(vehicle, variant, runs, fitted)?;
     contradiction.extend(far_parameters(parameter));
     if fitted.judgment() != Judgment::Sound {
         contradiction.push(format!(
             "the runs contradict the vehicle file more than its [uncertainty] allows (chi-square \
-             {:.1} for {} ratios): check heights, masses and units, or raise residual_sd",
+             {:.1} for {} ratios{}): check heights, masses and units, or raise residual_sd",
             fitted.chi_square,
-            fitted.residuals.len()
+            fitted.residuals.len(),
+            match fitted.heights.iter().flatten().count() {
+                0 => String::new(),
+                found => format!(" with {found} unknown heights"),
+            }
         ));
     }
     Ok([statement, contradiction])
@@ -103,6 +109,14 @@ fn certain_ratios(
     Ok(lines)
 }
 
+/// The heights that were not known.
+fn found_heights(runs: &[Run], fitted: &Fitted) -> impl Iterator<Item = String> {
+    runs.iter().zip(&fitted.heights).filter_map(|(run, found)| {
+        let height_m = (*found)?;
+        Some(format!("{}: its height is {:.2} ± {:.2} m", run.log, height_m.value, height_m.sd))
+    })
+}
+
 /// The ratios that are far from those of the vehicle file.
 fn far_ratios(
     vehicle: &Vehicle,
@@ -116,7 +130,9 @@ fn far_ratios(
         let run = &runs[residual.run];
         let k = residual.channel.index();
         let covariance = prior.ratio_covariance(vehicle, variant, run.speed_mps, run.load)?;
-        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance());
+        let weighed = (run.load, run.trailer_mass_sd_kg);
+        let by_mass = mass_change(vehicle, variant, run.speed_mps, weighed)?[k];
+        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance()) + by_mass * by_mass;
         let distance = residual.before / (covariance[k][k] + noise).sqrt();
         if distance.abs() > FAR {
             far.push(format!(

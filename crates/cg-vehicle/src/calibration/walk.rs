@@ -1,7 +1,7 @@
 //! The changes of a truck in service: springs and tires wear, sensors age.
 //!
-//! Each factor of [`crate::belief`] makes a random walk from the oldest run on. The prior holds at
-//! that time, so whatever changes later is wear, which leaves the roll centers where they are:
+//! Each factor of [`crate::belief`] makes a random walk from the oldest run on, or from the time of a
+//! calibration before. The prior holds at that time, so whatever changes later is wear, which leaves the roll centers where they are:
 //!
 //! ```text
 //!     x(t) = x₀ + w(t),     cov(w(s), w(t)) = Q min(s, t),     y(t) = f(x(t)) + e
@@ -14,7 +14,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::belief::{Covariance, Deviations, Parameter};
+use super::heights::Innovation;
+use crate::belief::{Belief, Covariance, Deviations, Parameter};
+use crate::vehicle::Vehicle;
 
 /// Time in which a factor wanders as far as the vehicle file's `[uncertainty]` leaves it open, s: four
 /// years. With 10 % that is 5 % in a year. Springs that lose 15 % in a year are followed nevertheless,
@@ -32,13 +34,14 @@ pub(super) struct Walk {
 }
 
 impl Walk {
-    /// The walk from the prior covariance and the ages of all ratios, s.
-    pub(super) fn new(prior: &DMatrix<f64>, ages_s: &[f64]) -> Self {
-        let mut variance = prior.diagonal();
+    /// The walk of a vehicle from the age of the prior and the ages of all ratios, s.
+    pub(super) fn new(vehicle: &Vehicle, prior_age_s: f64, ages_s: &[f64]) -> Self {
+        let file = Belief::prior(vehicle);
+        let mut variance = DVector::from_column_slice(file.covariance.diagonal().as_slice());
         for parameter in Parameter::ALL.into_iter().filter(|parameter| !parameter.is_factor()) {
             variance[parameter as usize] = 0.0;
         }
-        let oldest_s = ages_s.iter().copied().fold(0.0, f64::max);
+        let oldest_s = ages_s.iter().copied().fold(prior_age_s.max(0.0), f64::max);
         let since = ages_s.iter().map(|age_s| (oldest_s - age_s) / WALK_S).collect();
         Self { variance, since, now: oldest_s / WALK_S }
     }
@@ -59,26 +62,24 @@ impl Walk {
         })
     }
 
-    /// The truck of today: mean and covariance. `slopes` and `left` are the linearized ratios
-    /// (`y − f(x₀) + H x₀`), `noise` is their covariance at the truck of the oldest run.
+    /// The truck of today: mean relative to that of the prior, and covariance. `slopes` and `left` are the linearized ratios
+    /// (`y − f(x₀) + H x₀`, from the prior's mean), `innovation` is of the truck of the oldest run.
     pub(super) fn carried(
         &self,
         prior: &DMatrix<f64>,
         (slopes, left): (&DMatrix<f64>, &DVector<f64>),
-        noise: &DMatrix<f64>,
-    ) -> Option<(Deviations, Covariance)> {
-        let innovation = slopes * prior * slopes.transpose() + noise;
+        innovation: &Innovation,
+    ) -> (Deviations, Covariance) {
         let mut shared = prior * slopes.transpose();
         for (k, since) in self.since.iter().enumerate() {
             let walked = self.variance.component_mul(&slopes.row(k).transpose()) * *since;
             let mut column = shared.column_mut(k);
             column += walked;
         }
-        let solved = innovation.cholesky()?;
-        let mean = &shared * solved.solve(left);
+        let mean = &shared * innovation.solve(left);
         let today = prior + DMatrix::from_diagonal(&(&self.variance * self.now));
-        let covariance = today - &shared * solved.solve(&shared.transpose());
+        let covariance = today - &shared * innovation.solve(&shared.transpose());
         let covariance = Covariance::from_fn(|i, j| covariance[(i, j)]);
-        Some((Deviations::from_column_slice(mean.as_slice()), covariance))
+        (Deviations::from_column_slice(mean.as_slice()), covariance)
     }
 }
