@@ -9,6 +9,7 @@
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
+//! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 
 mod options;
 mod answer;
@@ -19,6 +20,7 @@ mod diagnosis;
 mod messages;
 mod finish;
 mod prediction;
+mod recorder;
 #[cfg(test)]
 mod trial;
 

@@ -195,7 +195,7 @@ pub fn fit(
         (mean, covariance) = walk.carried(&p0, (&h, &left), &noise).ok_or_else(singular)?;
     }
     let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
-    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
+    let belief = Belief { mean, covariance, ..prior };
     Ok(Fitted { procedure, belief, residuals, chi_square })
 }
 

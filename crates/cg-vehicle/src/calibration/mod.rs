@@ -6,6 +6,7 @@
 //! | `walk` | the changes of a truck in service |
 //! | `judgment` | whether the runs are possible for the vehicle file |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
+//! | `shape_fit`, [`shape`] | the compensation function `F(s)` of each channel, and its order |
 //! | `part` | what a calibration is for, and the parts of the vehicle file on which it depends |
 //! | `entry` | the tables of the file: parameters, runs |
 //! | `possible` | the numbers that it can have |
@@ -18,6 +19,8 @@
 mod judgment;
 mod walk;
 pub mod fit;
+mod shape_fit;
+pub mod shape;
 mod part;
 mod entry;
 mod possible;
@@ -25,7 +28,9 @@ mod advice;
 mod statement;
 pub mod file;
 
-pub use entry::{ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, Unit};
+pub use entry::{
+    ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, ShapeEntry, Unit,
+};
 pub use file::Calibration;
 pub use fit::{Fitted, Procedure, Run, fit};
 pub use judgment::Judgment;
