@@ -86,26 +86,28 @@ impl TruckArgs {
         Ok(design)
     }
 
+    /// The calibration, if there is one.
+    pub(crate) fn calibrated(&self, vehicle: &Vehicle) -> anyhow::Result<Option<Calibration>> {
+        let Some(path) = &self.calibration else { return Ok(None) };
+        let calibration = Calibration::load(path, vehicle)?;
+        if calibration.model != self.model {
+            return Err(anyhow!(
+                "{}: the calibration is for the other model; give the same --model as to cg calibrate",
+                path.display()
+            ));
+        }
+        Ok(Some(calibration))
+    }
+
     /// The design, and whether the runs of the calibration are possible.
     pub(crate) fn judged_design(
         &self,
         vehicle: &Vehicle,
     ) -> anyhow::Result<(Design<f64>, Judgment)> {
-        let variant = self.model;
-        let (belief, judgment) = match &self.calibration {
-            Some(path) => {
-                let calibration = Calibration::load(path, vehicle)?;
-                if calibration.model != variant {
-                    return Err(anyhow!(
-                        "{}: the calibration is for the other model; give the same --model as to \
-                         cg calibrate",
-                        path.display()
-                    ));
-                }
-                (calibration.belief(), calibration.judgment())
-            }
+        let (belief, judgment) = match self.calibrated(vehicle)? {
+            Some(calibration) => (calibration.belief(), calibration.judgment()),
             None => (Belief::prior(vehicle), Judgment::Sound),
         };
-        Ok((design_with(vehicle, variant, &belief)?, judgment))
+        Ok((design_with(vehicle, self.model, &belief)?, judgment))
     }
 }

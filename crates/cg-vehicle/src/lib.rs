@@ -18,6 +18,7 @@
 //! | [`influence`] | the uncertain parameters that matter most for the height | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
 //! | [`compensation`] | the compensation F(s) between two responses | section 5.4 |
+//! | [`compensated`] | F(s) of a calibration, its product with the model, and the product reduced to order 5 | eqs. 5.3–5.12 |
 //! | [`steady_turn`] | the rollover threshold, axle by axle | section 1.2 |
 //! | [`design`], [`emit`] | the constants for `cg_core`; the same as JSON, Rust or C for firmware | – |
 //!
@@ -72,6 +73,7 @@ pub mod reduction;
 pub mod compensation;
 pub mod steady_turn;
 pub mod design;
+pub mod compensated;
 pub mod emit;
 
 pub use equations::Variant;

@@ -68,8 +68,7 @@ pub(crate) fn refine(
     // Samples contain no information on poles beyond half the sampling rate, and a fit would move
     // them towards infinity.
     let limit = fastest_pole(&best)?.max(std::f64::consts::PI / interval_s);
-    let allowed =
-        |candidate: &Rational| fastest_pole(candidate).map(|fastest| fastest <= limit);
+    let allowed = |candidate: &Rational| fastest_pole(candidate).map(|fastest| fastest <= limit);
     let slopes = |function: &Rational| sensitivities(function, input, interval_s, steady);
     levenberg_marquardt(best, steady, residual, slopes, allowed)
 }

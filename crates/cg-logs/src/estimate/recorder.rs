@@ -1,6 +1,5 @@
 //! Inputs and roll angles of a log, from which a calibration learns the shapes of the responses.
 
-
 use cg_core::decide::condition::Row;
 use cg_core::truck::lags::RollLags;
 use cg_core::{CHANNELS, Channel, Conditioner, Design, Sample, SampleError};
@@ -9,8 +8,8 @@ use cg_vehicle::calibration::shape::{INTERVAL_S, ShapeRun, Stretch};
 
 /// A longer gap between two rows ends a stretch, µs.
 const GAP_US: u64 = 500_000;
-/// Rows before the first turn of a log, and from it on, that are kept: five seconds and a minute.
-const KEPT: [usize; 2] = [100, 1200];
+/// Rows before the first turn of a log, and from it on, that are kept: five seconds and half a minute.
+const KEPT: [usize; 2] = [100, 600];
 /// Rows at the start of a stretch in which the noise of the first row decays: a second.
 const START: usize = 20;
 /// Greatest relative difference from the speed of the run at which its model is valid.

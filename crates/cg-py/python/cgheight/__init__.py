@@ -30,6 +30,7 @@ from cgheight._estimate import Arx, Estimator, estimate, estimate_log
 from cgheight._logs import read_log, write_log
 from cgheight._model_results import (
     ArxModel,
+    CompensatedModel,
     LinearModel,
     RatioLine,
     ReducedModel,
@@ -50,6 +51,7 @@ __all__ = [
     "ArxModel",
     "ChannelEstimate",
     "ChassisSensors",
+    "CompensatedModel",
     "Estimate",
     "Estimates",
     "Estimator",

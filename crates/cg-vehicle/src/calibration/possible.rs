@@ -113,8 +113,10 @@ pub(super) fn shapes(shapes: &[ShapeEntry]) -> Result<(), String> {
         let long = shape.order + 1;
         let has_length = [&shape.numerator, &shape.denominator].iter().all(|c| c.len() == long);
         if shape.order > GREATEST_ORDER || !has_length {
-            return Err(format!("shape: {name} must have an order of at most {GREATEST_ORDER}, and one \
-                                coefficient more than that in numerator and denominator"));
+            return Err(format!(
+                "shape: {name} must have an order of at most {GREATEST_ORDER}, and one \
+                                coefficient more than that in numerator and denominator"
+            ));
         }
         for percent in [shape.before_percent, shape.after_percent] {
             within(&format!("shape: percentage of {name}"), percent, [0.0, 1e8])?;
@@ -122,7 +124,9 @@ pub(super) fn shapes(shapes: &[ShapeEntry]) -> Result<(), String> {
         let Some((_, function)) = shape.function() else { continue };
         let leading = function.denominator.last().copied().unwrap_or(0.0);
         if !((leading - 1.0).abs() <= 0.0 && is_possible(&function).map_err(|e| e.to_string())?) {
-            return Err(format!("shape: F(s) of {name} is not stable, of minimum phase and one at s = 0"));
+            return Err(format!(
+                "shape: F(s) of {name} is not stable, of minimum phase and one at s = 0"
+            ));
         }
     }
     Ok(())

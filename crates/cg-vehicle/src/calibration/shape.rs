@@ -14,8 +14,8 @@
 //!
 //! The order is chosen by logs that the fit has not seen: some of them in turn are left out, and predicted
 //! with the function of the others and the reduced model of order 5 that the chip would run. An order
-//! counts only if it predicts every log better than no function, and a higher one only if what it leaves
-//! is clearly less. An information criterion would not serve: what is left is not noise but the same small
+//! counts only if it predicts every log better than no function, and a higher one only if it leaves less
+//! than 80 % of what the lower one does. An information criterion would not serve: what is left is not noise but the same small
 //! error of the model in every row of a maneuver, so a few hundred rows would justify any order.
 //! With a single log there is nothing to judge with, and the order is 0.
 //!
@@ -23,7 +23,7 @@
 
 use cg_core::{CHANNELS, Channel};
 
-use super::shape_fit::{Response, fitted, left, none};
+use super::shape_fit::{Response, fitted, is_of_the_truck, left, none};
 use crate::belief::Belief;
 use crate::design::models_at;
 use crate::equations::Variant;
@@ -36,7 +36,7 @@ use crate::vehicle::Vehicle;
 pub use super::shape_fit::{GREATEST_ORDER, INTERVAL_S};
 
 /// Share of what an order leaves below which a higher order counts.
-const BETTER: f64 = 0.9;
+const BETTER: f64 = 0.8;
 /// Greatest number of times that logs are left out.
 const FOLDS: usize = 5;
 /// Least number of rows of a stretch: three seconds.
@@ -139,7 +139,8 @@ pub fn shapes(
     for channel in Channel::ALL {
         let mut of_channel = Vec::new();
         for (run, &models) in runs.iter().zip(&models) {
-            let usable = |one: &&Stretch| one.used.iter().filter(|&&used| used).count() >= LEAST_ROWS;
+            let usable =
+                |one: &&Stretch| one.used.iter().filter(|&&used| used).count() >= LEAST_ROWS;
             let stretches: Vec<_> = run.channels[channel.index()].iter().filter(usable).collect();
             if !stretches.is_empty() {
                 let pace = vehicle.nominal_speed_mps / run.speed_mps - 1.0;
@@ -173,23 +174,21 @@ fn chosen(channel: Channel, runs: &[Run<'_>]) -> Result<Shape, VehicleError> {
             }
         }
     }
-    let function = match order_of(&left_out) {
-        0 => None,
-        order => {
-            let all: Vec<&[Response]> = responses.iter().map(Vec::as_slice).collect();
-            fitted(&all)?.into_iter().nth(order - 1)
-        }
-    };
+    let all: Vec<&[Response]> = responses.iter().map(Vec::as_slice).collect();
+    let functions = fitted(&all)?;
+    let counts = functions.iter().map(is_of_the_truck).collect::<Result<Vec<_>, _>>()?;
+    let order = order_of(&left_out, &counts);
+    let function = order.checked_sub(1).and_then(|k| functions.into_iter().nth(k));
     Ok(Shape { channel, function, left_out })
 }
 
-/// The order for what each order leaves of each log.
-fn order_of(left_out: &[Vec<f64>]) -> usize {
+/// The order for what each order leaves of each log. Those from 1 on must also count.
+fn order_of(left_out: &[Vec<f64>], counts: &[bool]) -> usize {
     let square = |order: usize| left_out[order].iter().map(|share| share * share).sum::<f64>();
     let mut order = 0;
     for next in 1..left_out.len() {
         let pays = left_out[next].iter().zip(&left_out[0]).all(|(with, without)| with < without);
-        if pays && square(next) < BETTER * BETTER * square(order) {
+        if counts[next - 1] && pays && square(next) < BETTER * BETTER * square(order) {
             order = next;
         }
     }
@@ -203,7 +202,7 @@ mod tests {
     #[test]
     fn an_order_counts_if_it_pays_in_every_log() {
         let of = |left_out: &[[f64; 2]]| {
-            order_of(&left_out.iter().map(|logs| logs.to_vec()).collect::<Vec<_>>())
+            order_of(&left_out.iter().map(|logs| logs.to_vec()).collect::<Vec<_>>(), &[true; 3])
         };
         assert_eq!(of(&[[0.02, 0.03]]), 0);
         assert_eq!(of(&[[0.02, 0.03], [0.01, 0.02], [0.009, 0.02], [0.01, 0.02]]), 1);
@@ -213,5 +212,7 @@ mod tests {
         // A higher order may be the first that pays.
         assert_eq!(of(&[[0.02, 0.03], [0.021, 0.03], [0.01, 0.01], [0.01, 0.01]]), 2);
         assert_eq!(of(&[[0.02, 0.03], [f64::NAN, 0.01]]), 0);
+        let slow_root = order_of(&[vec![0.02; 2], vec![0.01; 2], vec![0.007; 2]], &[false, true]);
+        assert_eq!(slow_root, 2);
     }
 }

@@ -16,11 +16,14 @@ use crate::system::Rational;
 pub const GREATEST_ORDER: usize = 3;
 /// Interval of the responses. Trailers roll at less than 2 Hz.
 pub const INTERVAL_S: f64 = 0.05;
-/// Least and greatest magnitude of poles and zeros. Slower ones would follow the drift of a sensor, and
-/// faster ones change nothing in the band of usual maneuvers.
-const ROOTS_RADPS: [f64; 2] = [0.3, 30.0];
+/// Least and greatest magnitude of poles and zeros. Slower ones would follow slow noise of the roll angle
+/// and errors of the DC ratio, and faster ones change nothing in the band of usual maneuvers.
+const ROOTS_RADPS: [f64; 2] = [1.0, 30.0];
 /// Pairs of a pole and a zero, rad/s, with which the fits start.
-const STARTS_RADPS: [[f64; 2]; 4] = [[1.5, 2.0], [2.0, 1.5], [6.0, 8.0], [8.0, 6.0]];
+const STARTS_RADPS: [[f64; 2]; 2] = [[3.0, 4.0], [4.0, 3.0]];
+/// Least magnitude of the roots of a function that counts. A root at the lower limit is not one of the
+/// truck: the fit would like it even slower.
+const SLOWEST_RADPS: f64 = 1.1 * ROOTS_RADPS[0];
 
 /// The roll angle of the model in a stretch of a log, beside the measured one.
 pub(super) struct Response {
@@ -103,7 +106,18 @@ pub(super) fn none() -> Rational {
 /// Whether poles and zeros of a function are stable and within the band of a truck's motion, and
 /// `F(0) = 1`.
 pub(super) fn is_possible(function: &Rational) -> Result<bool, VehicleError> {
-    let [least, greatest] = ROOTS_RADPS;
+    has_roots_within(function, ROOTS_RADPS)
+}
+
+/// Whether a function counts.
+pub(super) fn is_of_the_truck(function: &Rational) -> Result<bool, VehicleError> {
+    has_roots_within(function, [SLOWEST_RADPS, ROOTS_RADPS[1]])
+}
+
+fn has_roots_within(
+    function: &Rational,
+    [least, greatest]: [f64; 2],
+) -> Result<bool, VehicleError> {
     let inside = |(re, im): &(f64, f64)| *re < 0.0 && (least..=greatest).contains(&re.hypot(*im));
     for coefficients in [&function.numerator, &function.denominator] {
         let leading = coefficients.last().copied().unwrap_or(0.0);
