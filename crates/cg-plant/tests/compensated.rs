@@ -52,10 +52,16 @@ fn calibrated(vehicle: &Vehicle, logs: &[&Log]) -> Calibration {
         .collect();
     calibrate::<VehicleError>(vehicle, CalibrateOptions::default(), &known, |known, estimator| {
         let log = logs.iter().find(|log| log.name == known.log).unwrap();
-        log.rows.iter().for_each(|row| drop(estimator.push(row).unwrap()));
+        feed(log, estimator);
         Ok(())
     })
     .unwrap()
+}
+
+fn feed(log: &Log, estimator: &mut LogEstimator) {
+    for row in &log.rows {
+        estimator.push(row).unwrap();
+    }
 }
 
 /// On other logs, for the steer channel: mean share of the roll angle that the model on board leaves at the
@@ -79,7 +85,7 @@ fn on_others(vehicle: &Vehicle, belief: &Belief, logs: &[&Log]) -> [f64; 3] {
         for (errors, channel) in errors.iter_mut().zip([Some(Channel::Steer), None]) {
             let options = EstimateOptions { channel, ..options };
             let mut estimator = LogEstimator::from_design(&design, settings, options);
-            log.rows.iter().for_each(|row| drop(estimator.push(row).unwrap()));
+            feed(log, &mut estimator);
             errors.push(estimator.finish().height_m.unwrap() / height_m - 1.0);
         }
     }
@@ -87,8 +93,8 @@ fn on_others(vehicle: &Vehicle, belief: &Belief, logs: &[&Log]) -> [f64; 3] {
     [mean, rms(&errors[0]), rms(&errors[1])].map(|share| 100.0 * share)
 }
 
-/// Prints the rows of a truck and checks that the function pays in the runs and does no harm elsewhere;
-/// returns the orders of the channels.
+/// Prints the rows of a truck; returns the orders of the channels. A function must pay in the runs, and
+/// must do no harm to other logs: heights to 0.05 %, a tenth of the best calibrated truck's error.
 fn told(name: &str, vehicle: &Vehicle, logs: &[&Log], others: &[(&str, Vec<&Log>)]) -> Vec<usize> {
     let calibration = calibrated(vehicle, logs);
     for shape in &calibration.shape {
@@ -103,14 +109,14 @@ fn told(name: &str, vehicle: &Vehicle, logs: &[&Log], others: &[(&str, Vec<&Log>
         println!(
             "  {which}, steer: misfit, rms error; all: rms error; {before:.2?} -> {after:.2?}"
         );
-        // A tenth of the best calibrated truck's error on the other logs would be visible.
-        assert!(after[2] < before[2] + 0.1, "{name} {which}");
+        assert!(after[0] <= before[0] && after[2] < before[2] + 0.05, "{name} {which}");
     }
     calibration.shape.iter().map(|shape| shape.order).collect()
 }
 
+/// The logs of the multibody trucks, without noise: steps of the empty and of a laden trailer calibrate.
 #[test]
-fn the_models_of_the_independent_trucks_need_no_function() {
+fn the_independent_trucks() {
     for (file, folder, pair) in
         [("kraz.toml", "logs", ["A_p00", "A_p20_h190"]), ("euro.toml", "euro", ["A_p00", "A_p24"])]
     {
@@ -124,12 +130,13 @@ fn the_models_of_the_independent_trucks_need_no_function() {
         let is_run = |log: &&Log| pair.iter().any(|name| log.name.starts_with(name));
         let (runs, others): (Vec<&Log>, Vec<&Log>) = logs.iter().partition(is_run);
         let orders = told(folder, &vehicle, &runs, &[("other logs", others)]);
-        assert!(orders.iter().all(|&order| order == 0), "{file}: {orders:?}");
+        assert_eq!(orders, if file == "euro.toml" { [2, 0] } else { [0, 0] }, "{file}");
     }
 }
 
+/// The nonlinear plant, without noise: steps and lane changes of the empty and of a laden trailer calibrate.
 #[test]
-fn the_plant_of_kraz_has_a_function_from_the_steer_angle() {
+fn the_nonlinear_plant() {
     for (file, expected) in
         [("kraz.toml", [1, 0]), ("euro.toml", [0, 0]), ("baseline-tables.toml", [0, 0])]
     {
