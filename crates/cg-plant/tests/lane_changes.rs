@@ -99,9 +99,9 @@ impl<'a> Drawn<'a> {
 }
 
 /// For each load: whether the interval holds the truth, and the error divided by its standard deviation.
-/// `None` if the calibration is refused.
+/// `None` if the calibration is refused, which is told.
 fn outcome(drawn: &Drawn<'_>) -> Option<[(bool, f64); 3]> {
-    let design = drawn.calibrated().ok()?;
+    let design = drawn.calibrated().map_err(|error| println!("{error}")).ok()?;
     let mut noise = 2;
     Some(LOADS.map(|one| {
         noise += 1;

@@ -169,7 +169,7 @@ pub(super) fn fitted(logs: &[&[Response]]) -> Result<Vec<Rational>, VehicleError
             let numerator = zero.into_iter().map(|c| c * pole_radps / zero_radps).collect();
             let start = Rational { numerator, ..raised(&lower, pole_radps) };
             let (function, left) =
-                levenberg_marquardt(start, Some(1.0), &residual, &slopes, is_possible)?;
+                levenberg_marquardt(start, Some(1.0), residual, slopes, is_possible)?;
             if best.as_ref().is_none_or(|(_, least)| left < *least) {
                 best = Some((function, left));
             }
