@@ -131,7 +131,7 @@ fn the_intervals_of_lane_changes_hold_after_a_calibration() {
         let other = scope.spawn(|| of(second));
         [of(first), other.join().unwrap()].concat()
     });
-    // Trucks that nearly oversteer have no steady turn at some masses.
+    // The models of some have no steady turn at some mass.
     println!("{} of {TRUCKS} trucks are calibrated", made.len());
     assert!(made.len() >= 90);
     let mean = |of: &dyn Fn(&(bool, f64)) -> f64, k: usize| {

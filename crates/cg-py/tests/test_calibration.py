@@ -156,21 +156,21 @@ def test_a_calibrated_truck_has_its_compensated_models(kraz, calibration, tmp_pa
     model = cgheight.linear_model(cgheight.calibrate(truck, runs, path))
     assert [one.order for one in model.compensated] == [2, 0, 0, 0]
     assert cgheight.linear_model(truck).compensated == ()
-    assert [one.order for one in cgheight.linear_model(kraz.calibrated(calibration)).compensated] == [
-        0
-    ] * 4
+    others = cgheight.linear_model(kraz.calibrated(calibration)).compensated
+    assert [one.order for one in others] == [0] * 4
     arguments = ["--vehicle", folder.parent / "vehicles" / "euro.toml", "--calibration", path]
     printed = subprocess.run(
         [cg(), "model", "--format", "json", *arguments], check=True, capture_output=True
     )
-    for ours, theirs in zip(model.compensated, json.loads(printed.stdout)["compensated"], strict=True):
+    known = json.loads(printed.stdout)["compensated"]
+    for ours, theirs in zip(model.compensated, known, strict=True):
         assert (ours.channel, ours.order) == (theirs["channel"], theirs["order"])
         assert 100 * ours.change == pytest.approx(theirs["change_percent"])
         for part in ("function", "product", "reduced"):
-            transfer, known = getattr(ours, part), theirs[part]
-            gain = known["numerator"][0] / known["denominator"][0]
+            transfer, polynomials = getattr(ours, part), theirs[part]
+            gain = polynomials["numerator"][0] / polynomials["denominator"][0]
             assert transfer.gain == pytest.approx(gain, rel=1e-9)
-            assert len(transfer.poles) == len(known["denominator"]) - 1
+            assert len(transfer.poles) == len(polynomials["denominator"]) - 1
             assert transfer.dc_gain == pytest.approx(1.0, rel=1e-6)
     with pytest.raises(ValueError, match="other model"):
         cgheight.linear_model(kraz.calibrated(calibration), model="as-printed")

@@ -6,21 +6,21 @@
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
+//! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
-//! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 
 mod options;
 mod answer;
 mod engine;
 mod signals;
+mod recorder;
 mod intake;
 mod diagnosis;
 mod messages;
 mod finish;
 mod prediction;
-mod recorder;
 #[cfg(test)]
 mod trial;
 

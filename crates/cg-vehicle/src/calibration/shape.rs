@@ -15,9 +15,9 @@
 //! The order is chosen by logs that the fit has not seen: some of them in turn are left out, and predicted
 //! with the function of the others and the reduced model of order 5 that the chip would run. An order
 //! counts only if it predicts every log better than no function, and a higher one only if it leaves less
-//! than 80 % of what the lower one does. An information criterion would not serve: what is left is not noise but the same small
-//! error of the model in every row of a maneuver, so a few hundred rows would justify any order.
-//! With a single log there is nothing to judge with, and the order is 0.
+//! than 80 % of what the lower one does. An information criterion would not serve: what is left is not
+//! noise but the same small error of the model in every row of a maneuver, so a few hundred rows would
+//! justify any order. With a single log there is nothing to judge with, and the order is 0.
 //!
 //! **Reference.** Stone, *J. R. Stat. Soc. B* 36 (1974) (cross-validation).
 
@@ -120,10 +120,10 @@ impl Run<'_> {
     }
 }
 
-/// The functions of all channels that the logs have.
+/// The functions of all channels that the logs have. A run in which the model is unstable does not count.
 ///
 /// # Errors
-/// [`VehicleError`] if the vehicle is unstable in a run.
+/// [`VehicleError`] if eigenvalues do not converge.
 pub fn shapes(
     file: &Vehicle,
     variant: Variant,
@@ -131,14 +131,13 @@ pub fn shapes(
     runs: &[ShapeRun],
 ) -> Result<Vec<Shape>, VehicleError> {
     let vehicle = belief.applied_to(file);
-    let models = runs
-        .iter()
-        .map(|run| models_at(&vehicle, variant, run.load))
-        .collect::<Result<Vec<_>, VehicleError>>()?;
+    let model = |run: &ShapeRun| models_at(&vehicle, variant, run.load).ok();
+    let runs: Vec<(&ShapeRun, ReducedModels)> =
+        runs.iter().filter_map(|run| Some((run, model(run)?))).collect();
     let mut shapes = Vec::new();
     for channel in Channel::ALL {
         let mut of_channel = Vec::new();
-        for (run, &models) in runs.iter().zip(&models) {
+        for &(run, models) in &runs {
             let usable =
                 |one: &&Stretch| one.used.iter().filter(|&&used| used).count() >= LEAST_ROWS;
             let stretches: Vec<_> = run.channels[channel.index()].iter().filter(usable).collect();
