@@ -177,12 +177,8 @@ pub(crate) struct DesignArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ModelArgs {
-    /// Vehicle file
-    #[arg(long, value_name = "V.toml")]
-    pub(crate) vehicle: PathBuf,
-    /// Equations of the vehicle model
-    #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
-    pub(crate) model: Variant,
+    #[command(flatten)]
+    pub(crate) truck: TruckArgs,
     /// Forward speed, m/s [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,

@@ -1,19 +1,21 @@
-//! `cg model`: transfer function, poles, zeros, DC ratio, reduced model and static loads.
+//! `cg model`: transfer function, poles, zeros, DC ratio, reduced model and static loads; of a calibrated
+//! truck the compensated models too.
 
 use std::io::Write;
 
 use anyhow::Context;
 use cg_core::truck::reduced::ORDER;
 use cg_core::{Channel, RatioLine};
+use cg_vehicle::belief::Belief;
+use cg_vehicle::compensated::{CompensatedModel, compensated_models};
 use cg_vehicle::reduction::{Method, reduce};
-use cg_vehicle::system::TransferFunction;
+use cg_vehicle::system::{Rational, TransferFunction};
 use cg_vehicle::{LinearModel, Vehicle};
 use serde::Serialize;
 
 use crate::args::ModelFormat;
 use crate::cli::ModelArgs;
 use crate::outcome::Outcome;
-use crate::truck;
 
 /// The JSON output.
 #[derive(Serialize)]
@@ -34,6 +36,27 @@ struct Description {
     tractor_ratio: Line,
     reduced: Reduced,
     static_balance: Balance,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    compensated: Vec<Compensated>,
+}
+
+/// The compensated model of a channel, with a DC gain of one.
+#[derive(Serialize)]
+struct Compensated {
+    channel: String,
+    order: usize,
+    function: Quotient,
+    product: Quotient,
+    reduced: Quotient,
+    change_percent: f64,
+    reduction_error_percent: f64,
+}
+
+/// Coefficients in descending powers of s.
+#[derive(Serialize)]
+struct Quotient {
+    numerator: Vec<f64>,
+    denominator: Vec<f64>,
 }
 
 /// `R_a(h) = (a1 h + a0)/(b1 h + b0)` with h in meters.
@@ -61,8 +84,16 @@ struct Balance {
 }
 
 pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
-    let vehicle = truck::load(&arguments.vehicle)?;
-    let description = describe(arguments, &vehicle)?;
+    let vehicle = arguments.truck.load()?;
+    let description = match arguments.truck.calibration(&vehicle)? {
+        None => describe(arguments, &vehicle)?,
+        Some(calibration) => {
+            let belief = calibration.belief();
+            let compensated = compensated(arguments, &vehicle, &belief)?;
+            let calibrated = describe(arguments, &belief.applied_to(&vehicle))?;
+            Description { compensated, ..calibrated }
+        }
+    };
     let mut out = std::io::stdout().lock();
     match arguments.format {
         ModelFormat::Json => writeln!(out, "{}", serde_json::to_string(&description)?),
@@ -72,10 +103,35 @@ pub(crate) fn run(arguments: &ModelArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// The compensated models of a calibrated truck.
+fn compensated(
+    arguments: &ModelArgs,
+    vehicle: &Vehicle,
+    belief: &Belief,
+) -> anyhow::Result<Vec<Compensated>> {
+    let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
+    let at = (speed_mps, arguments.load.load(vehicle));
+    let quotient = |one: &Rational| Quotient {
+        numerator: one.numerator.iter().rev().copied().collect(),
+        denominator: one.denominator.iter().rev().copied().collect(),
+    };
+    let models = compensated_models(vehicle, arguments.truck.model, belief, at)?;
+    let described = |model: &CompensatedModel| Compensated {
+        channel: model.channel.to_string(),
+        order: model.function.denominator.len() - 1,
+        function: quotient(&model.function),
+        product: quotient(&model.product),
+        reduced: quotient(&model.reduced),
+        change_percent: 100.0 * model.change,
+        reduction_error_percent: 100.0 * model.reduction_error,
+    };
+    Ok(models.iter().map(described).collect())
+}
+
 fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Description> {
     let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
     let load = arguments.load.load(vehicle);
-    let model = LinearModel::new(vehicle, arguments.model, speed_mps, load)?;
+    let model = LinearModel::new(vehicle, arguments.truck.model, speed_mps, load)?;
     let state_space = &model.state_space;
     let TransferFunction { numerator, denominator, poles, zeros, gain, dc_gain } =
         state_space.to_trailer_roll().transfer_function()?;
@@ -113,6 +169,7 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
             hitch_load_n: model.balance.hitch_load_n,
             residual_nm: model.balance.residual_nm,
         },
+        compensated: Vec::new(),
     })
 }
 
@@ -171,7 +228,21 @@ fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
     for (i, load_n) in d.static_balance.axle_load_n.iter().enumerate() {
         writeln!(out, "  axle {}       {:9.2} kN", i + 1, load_n / 1e3)?;
     }
-    writeln!(out, "  fifth wheel  {:9.2} kN", d.static_balance.hitch_load_n / 1e3)
+    writeln!(out, "  fifth wheel  {:9.2} kN", d.static_balance.hitch_load_n / 1e3)?;
+    d.compensated.iter().try_for_each(|model| print_compensated(out, model))
+}
+
+fn print_compensated(out: &mut impl Write, model: &Compensated) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "\nCompensated {}: F(s) of order {} changes a step by {:.2} %, order {ORDER} leaves {:.2} % of it",
+        model.channel, model.order, model.change_percent, model.reduction_error_percent
+    )?;
+    let all = [("F", &model.function), ("product", &model.product), ("reduced", &model.reduced)];
+    for (name, Quotient { numerator, denominator }) in all {
+        writeln!(out, "  {name:<8} {:?} / {:?}", rounded(numerator), rounded(denominator))?;
+    }
+    Ok(())
 }
 
 fn rounded(values: &[f64]) -> Vec<f64> {

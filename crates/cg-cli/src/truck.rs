@@ -104,11 +104,10 @@ impl TruckArgs {
         &self,
         vehicle: &Vehicle,
     ) -> anyhow::Result<(Design<f64>, Judgment)> {
-        let variant = self.model;
         let (belief, judgment) = match self.calibration(vehicle)? {
             Some(calibration) => (calibration.belief(), calibration.judgment()),
             None => (Belief::prior(vehicle), Judgment::Sound),
         };
-        Ok((design_with(vehicle, variant, &belief)?, judgment))
+        Ok((design_with(vehicle, self.model, &belief)?, judgment))
     }
 }

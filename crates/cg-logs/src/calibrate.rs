@@ -1,11 +1,12 @@
 //! Calibration from logs with a known height.
 //!
 //! The runs are identified with the design, and the calibration changes the design. The calibration
-//! is therefore done twice.
+//! is therefore done twice. From the last pass it also learns the shapes of the responses.
 
 use std::str::FromStr;
 
 use cg_vehicle::belief::Belief;
+use cg_vehicle::calibration::shape::shapes;
 use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
@@ -149,7 +150,8 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let CalibrateOptions { variant, procedure, part, force } = options;
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
-    for _ in 0..PASSES {
+    let mut shape_runs = Vec::new();
+    for pass in 1..=PASSES {
         let mut design = design_with(vehicle, variant, &belief)?;
         // The height is known and only the ratio is needed, so no height is rejected.
         design.least_height_m = -1e3;
@@ -164,8 +166,16 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             .with_file(vehicle);
             let mut estimator =
                 LogEstimator::from_design(&design, vehicle.align_settings(), options);
+            if pass == PASSES {
+                estimator.record();
+            }
             feed(known, &mut estimator)?;
-            runs.push(run(vehicle, known, estimator)?);
+            let recorder = estimator.recorder();
+            let run = run(vehicle, known, estimator)?;
+            // The model of a shape is that at the run's own height.
+            let recorder = recorder.filter(|_| run.height_is_known);
+            shape_runs.extend(recorder.map(|recorder| recorder.finish(run.load, run.speed_mps)));
+            runs.push(run);
         }
         runs.extend_from_slice(trips);
         let fitted = fit(vehicle, variant, procedure, &runs)?;
@@ -173,7 +183,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
         outcome = Some((runs, fitted));
     }
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
-    let calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
+    let mut calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
     if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
         return Err(VehicleError::Model(format!(
             "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
@@ -183,10 +193,11 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
         ))
         .into());
     }
-    Ok(match part {
-        Part::Tractor => calibration.of_tractor(vehicle)?,
-        _ => calibration,
-    })
+    if part == Part::Tractor {
+        return Ok(calibration.of_tractor(vehicle)?);
+    }
+    calibration.add_shapes(&shapes(vehicle, variant, &fitted.belief, &shape_runs)?);
+    Ok(calibration)
 }
 
 /// Checks what can be checked before a log is read.

@@ -229,3 +229,50 @@ fn impossible_numbers_are_refused() {
     refused(&with_line(&text, "unit = \"factor\"", "unit = \"m\""), &vehicle);
     refused(&with_line(&text, "unit = \"rad_per_rad\"", "unit = \"rad_per_mps2\""), &vehicle);
 }
+
+/// The compensation functions of the channels are read as they were written, and impossible ones are
+/// refused. Files without them are valid.
+#[test]
+fn compensation_functions_are_read_and_checked() {
+    let vehicle = vehicle("kraz.toml");
+    let plain = calibration(&vehicle).to_toml().unwrap();
+    assert_eq!(Calibration::parse(&plain, "c.toml", &vehicle).unwrap().shape, []);
+    let with = |shape: &str| {
+        let content = unsealed(&plain, CHECKSUM).unwrap();
+        sealed(&format!("{content}\n[[shape]]\n{shape}\n"), CHECKSUM)
+    };
+    let function = |order: usize, numerator: &str, denominator: &str| {
+        format!(
+            "name = \"steer\"\norder = {order}\nnumerator = {numerator}\n\
+             denominator = {denominator}\nruns = 2\nbefore_percent = 2.0\nafter_percent = 1.0"
+        )
+    };
+    let good = function(1, "[0.8, 4.0]", "[1.0, 4.0]");
+    let read = Calibration::parse(&with(&good), "c.toml", &vehicle).unwrap();
+    let shapes = read.belief().shapes;
+    let steer = shapes[0].clone().unwrap();
+    assert_eq!((steer.numerator, steer.denominator), (vec![4.0, 0.8], vec![4.0, 1.0]));
+    assert!(shapes[1..].iter().all(Option::is_none));
+    assert_eq!(read.to_toml().unwrap(), {
+        let again = Calibration::parse(&read.to_toml().unwrap(), "c.toml", &vehicle).unwrap();
+        again.to_toml().unwrap()
+    });
+    let order_0 = Calibration::parse(&with(&function(0, "[1.0]", "[1.0]")), "c.toml", &vehicle);
+    assert!(order_0.unwrap().belief().shapes[0].is_none());
+    let twice = format!("{good}\n[[shape]]\n{good}");
+    for (shape, message) in [
+        (function(1, "[0.8, 4.0]", "[1.0, -4.0]"), "is not stable"),
+        (function(1, "[-0.8, 4.0]", "[1.0, 4.0]"), "is not stable"),
+        (function(1, "[0.8, 4.1]", "[1.0, 4.0]"), "one at s = 0"),
+        (function(1, "[0.8, 4.0]", "[2.0, 4.0]"), "is not stable"),
+        (function(1, "[0.8, nan]", "[1.0, 4.0]"), "is not stable"),
+        (function(1, "[1.0]", "[1.0, 4.0]"), "one coefficient more"),
+        (function(4, "[1.0, 4.0]", "[1.0, 4.0]"), "an order of at most 3"),
+        (good.replace("steer", "roll"), "shape: "),
+        (good.replace("before_percent = 2.0", "before_percent = -1.0"), "percentage of steer"),
+        (twice, "two entries"),
+    ] {
+        let error = refused(&with(&shape), &vehicle);
+        assert!(error.contains(message), "{error}");
+    }
+}

@@ -57,7 +57,7 @@ fn estimate(
 fn intervals_hold_over_drawn_places() {
     let vehicle = vehicle("kraz");
     let certain =
-        Belief { mean: Deviations::zeros(), covariance: Covariance::zeros(), residual_sd: 1e-4 };
+        Belief { covariance: Covariance::zeros(), residual_sd: 1e-4, ..Belief::prior(&vehicle) };
     let design = design_with(&vehicle, Variant::Complete, &certain).unwrap();
     let place_m = vehicle.trailer.payload.behind_hitch_m;
     let load = laden(&vehicle, 20e3, 1.9);

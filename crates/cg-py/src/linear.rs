@@ -2,12 +2,13 @@
 
 use cg_core::RatioLine;
 use cg_core::truck::reduced::ORDER;
+use cg_vehicle::compensated::{CompensatedModel, compensated_models};
 use cg_vehicle::reduction::{Method, ReducedModels, reduce};
-use cg_vehicle::system::TransferFunction;
+use cg_vehicle::system::{Rational, TransferFunction};
 use cg_vehicle::{Load, VehicleError};
 use numpy::{Complex64, PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::error::vehicle_error;
 use crate::options::{positive, word};
@@ -19,6 +20,7 @@ struct Computed {
     model: cg_vehicle::LinearModel,
     transfer: TransferFunction,
     reduced: ReducedModels,
+    compensated: Vec<CompensatedModel>,
 }
 
 /// Return the linear model of a vehicle from steer angle to trailer roll angle.
@@ -26,7 +28,7 @@ struct Computed {
 /// Parameters
 /// ----------
 /// vehicle : Vehicle
-///     The vehicle.
+///     The vehicle; a calibrated one as the calibration says.
 /// model : {"complete", "as-printed"}
 ///     The equations: with all terms, or with those printed in the thesis (corrected).
 /// speed_mps : float, optional
@@ -43,8 +45,8 @@ struct Computed {
 /// Raises
 /// ------
 /// ValueError
-///     The load is impossible, the vehicle rolls over or is unstable, or the printed model is not
-///     available at this load.
+///     The load is impossible, the vehicle rolls over or is unstable, the printed model is not
+///     available at this load, or the calibration is for the other model.
 #[pyfunction]
 #[pyo3(signature = (
     vehicle, *, model = "complete", speed_mps = None, height_m = None, trailer_mass_kg = None
@@ -58,7 +60,10 @@ pub(crate) fn linear_model<'py>(
     trailer_mass_kg: Option<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let variant = word("model", model)?;
-    let vehicle = &vehicle.get().inner;
+    let belief = vehicle.get().posterior(variant).map_err(vehicle_error)?;
+    let file = &vehicle.get().inner;
+    let calibrated = belief.as_ref().map(|belief| belief.applied_to(file));
+    let vehicle = calibrated.as_ref().unwrap_or(file);
     let speed_mps = positive("speed_mps", speed_mps)?.unwrap_or(vehicle.nominal_speed_mps);
     let reference = vehicle.reference_load();
     let load = Load {
@@ -70,7 +75,11 @@ pub(crate) fn linear_model<'py>(
         let model = cg_vehicle::LinearModel::new(vehicle, variant, speed_mps, load)?;
         let transfer = model.state_space.to_trailer_roll().transfer_function()?;
         let reduced = reduce(&model.state_space, &[])?;
-        Ok(Computed { model, transfer, reduced })
+        let compensated = match &belief {
+            Some(belief) => compensated_models(file, variant, belief, (speed_mps, load))?,
+            None => Vec::new(),
+        };
+        Ok(Computed { model, transfer, reduced, compensated })
     };
     let computed = py.detach(compute).map_err(vehicle_error)?;
     let fields = PyDict::new(py);
@@ -85,6 +94,9 @@ pub(crate) fn linear_model<'py>(
     fields.set_item("suspension_ratio", ratio_line(py, &computed.model.ratio[2])?)?;
     fields.set_item("tractor_ratio", ratio_line(py, &computed.model.ratio[3])?)?;
     fields.set_item("reduced", reduced_model(py, &computed.reduced)?)?;
+    let compensated = computed.compensated.iter().map(|one| compensated_model(py, one));
+    let compensated = compensated.collect::<PyResult<Vec<_>>>()?;
+    fields.set_item("compensated", PyTuple::new(py, compensated)?)?;
     fields.set_item("static_balance", static_balance(py, computed.model)?)?;
     make(py, "LinearModel", &fields)
 }
@@ -137,6 +149,27 @@ fn reduced_model<'py>(py: Python<'py>, models: &ReducedModels) -> PyResult<Bound
     fields.set_item("numerator", PyArray1::from_vec(py, numerator))?;
     fields.set_item("denominator", PyArray1::from_vec(py, denominator))?;
     make(py, "ReducedModel", &fields)
+}
+
+fn compensated_model<'py>(
+    py: Python<'py>,
+    model: &CompensatedModel,
+) -> PyResult<Bound<'py, PyAny>> {
+    let class = py.import("cgheight")?.getattr("TransferFunction")?;
+    let transfer = |one: &Rational| {
+        let [numerator, denominator] = [&one.numerator, &one.denominator]
+            .map(|list| PyArray1::from_iter(py, list.iter().rev().copied()));
+        class.call_method1("from_polynomials", (numerator, denominator))
+    };
+    let fields = PyDict::new(py);
+    fields.set_item("channel", model.channel.to_string())?;
+    fields.set_item("order", model.function.denominator.len() - 1)?;
+    fields.set_item("function", transfer(&model.function)?)?;
+    fields.set_item("product", transfer(&model.product)?)?;
+    fields.set_item("reduced", transfer(&model.reduced)?)?;
+    fields.set_item("change", model.change)?;
+    fields.set_item("reduction_error", model.reduction_error)?;
+    make(py, "CompensatedModel", &fields)
 }
 
 fn static_balance(py: Python<'_>, model: cg_vehicle::LinearModel) -> PyResult<Bound<'_, PyAny>> {

@@ -79,6 +79,16 @@ impl Vehicle {
         Ok(learned.unwrap_or_default().on(self.calibration.as_ref()))
     }
 
+    /// What the calibration says, if there is one.
+    pub(crate) fn posterior(&self, variant: Variant) -> Result<Option<Belief>, VehicleError> {
+        match &self.calibration {
+            Some(calibration) if calibration.model != variant => Err(VehicleError::Model(
+                "the calibration is for the other model: give that model".to_owned(),
+            )),
+            calibration => Ok(calibration.as_ref().map(Calibration::belief)),
+        }
+    }
+
     /// The design for one set of equations, which is computed on first use.
     pub(crate) fn design(&self, variant: Variant) -> Result<&Design<f64>, VehicleError> {
         let cell = match variant {
@@ -88,15 +98,7 @@ impl Vehicle {
         if let Some(known) = cell.get() {
             return Ok(known);
         }
-        let belief = match &self.calibration {
-            Some(calibration) if calibration.model != variant => {
-                return Err(VehicleError::Model(
-                    "the calibration is for the other model: give that model".to_owned(),
-                ));
-            }
-            Some(calibration) => calibration.belief(),
-            None => Belief::prior(&self.inner),
-        };
+        let belief = self.posterior(variant)?.unwrap_or_else(|| Belief::prior(&self.inner));
         let computed = design_with(&self.inner, variant, &belief)?;
         Ok(cell.get_or_init(|| computed))
     }

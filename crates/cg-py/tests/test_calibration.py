@@ -171,3 +171,34 @@ def test_the_uncertainty_of_the_mass_is_in_the_interval(kraz, calibration):
         sd_m((18_684.0,))
     with pytest.raises(ValueError, match="trailer_mass_kg"):
         sd_m((18_684.0, -1.0))
+
+
+def test_a_calibrated_truck_has_its_compensated_models(kraz, calibration, tmp_path):
+    truck = cgheight.Vehicle.load(FIXTURES / "vehicles" / "euro.toml")
+    folder = FIXTURES / "euro"
+    runs = [
+        (folder / "A_p00_v50_L.csv.gz", 1.27483, 6318.23),
+        (folder / "A_p24_h200_v50_L.csv.gz", 2.00067, 30318.23),
+    ]
+    path = tmp_path / "c.toml"
+    model = cgheight.linear_model(cgheight.calibrate(truck, runs, path))
+    assert [one.order for one in model.compensated] == [2, 0, 0, 0]
+    assert cgheight.linear_model(truck).compensated == ()
+    others = cgheight.linear_model(kraz.calibrated(calibration)).compensated
+    assert [one.order for one in others] == [0] * 4
+    arguments = ["--vehicle", folder.parent / "vehicles" / "euro.toml", "--calibration", path]
+    printed = subprocess.run(
+        [cg(), "model", "--format", "json", *arguments], check=True, capture_output=True
+    )
+    known = json.loads(printed.stdout)["compensated"]
+    for ours, theirs in zip(model.compensated, known, strict=True):
+        assert (ours.channel, ours.order) == (theirs["channel"], theirs["order"])
+        assert 100 * ours.change == pytest.approx(theirs["change_percent"])
+        for part in ("function", "product", "reduced"):
+            transfer, polynomials = getattr(ours, part), theirs[part]
+            gain = polynomials["numerator"][0] / polynomials["denominator"][0]
+            assert transfer.gain == pytest.approx(gain, rel=1e-9)
+            assert len(transfer.poles) == len(polynomials["denominator"]) - 1
+            assert transfer.dc_gain == pytest.approx(1.0, rel=1e-6)
+    with pytest.raises(ValueError, match="other model"):
+        cgheight.linear_model(kraz.calibrated(calibration), model="as-printed")

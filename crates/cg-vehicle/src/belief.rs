@@ -20,6 +20,7 @@ use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::linear::{ratio_line, usual_roll_rad};
 use crate::load::Load;
+use crate::reduction::Shapes;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// Number of parameters.
@@ -151,6 +152,8 @@ pub struct Belief {
     /// Relative standard deviation of the rest of the model error, which differs in every situation
     /// and which no calibration removes.
     pub residual_sd: f64,
+    /// The shapes of the responses that a calibration found.
+    pub shapes: Shapes,
 }
 
 impl Belief {
@@ -192,6 +195,7 @@ impl Belief {
             mean: Deviations::zeros(),
             covariance: Covariance::from_diagonal(&variances),
             residual_sd: u.residual_sd,
+            shapes: Shapes::default(),
         }
     }
 

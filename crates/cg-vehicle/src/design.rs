@@ -13,7 +13,7 @@ use crate::error::VehicleError;
 use crate::friction::roll_friction;
 use crate::linear::ratio_line;
 use crate::load::Load;
-use crate::reduction::{ReducedModels, reduce};
+use crate::reduction::{ReducedModels, Shapes, reduce};
 use crate::steady_turn::{rollover, threshold_line};
 use crate::vehicle::Vehicle;
 
@@ -69,7 +69,7 @@ fn computed(
             spread[i][j] = Spread { covariance };
         }
     }
-    let models = models(vehicle, variant, &trailer_mass_kg)?;
+    let models = models(vehicle, variant, &belief.shapes, &trailer_mass_kg)?;
     let mut friction = [[Friction::NONE; CHANNELS]; MASSES];
     if variant == Variant::Complete {
         for (of_channels, &trailer_mass_kg) in friction.iter_mut().zip(&trailer_mass_kg) {
@@ -145,24 +145,34 @@ fn add_interpolation_error(
 /// are 22, 34, 68 and 86 km/h.
 const PACES: [f64; 4] = [1.3, 0.45, -0.27, -0.42];
 
-/// The reduced models at each mass. If the vehicle is unstable at a mass, the model at the
-/// reference load is used.
+/// The reduced models of a load at the nominal speed, with their change with the speed.
+///
+/// # Errors
+/// [`VehicleError`] if the vehicle is unstable with this load.
+pub fn models_at(
+    vehicle: &Vehicle,
+    variant: Variant,
+    load: Load,
+) -> Result<ReducedModels, VehicleError> {
+    let nominal_mps = vehicle.nominal_speed_mps;
+    let model = |speed_mps: f64| Equations::new(vehicle, variant, speed_mps, load)?.state_space();
+    let others: Vec<_> = PACES
+        .into_iter()
+        .filter_map(|pace| Some((pace, model(nominal_mps / (1.0 + pace)).ok()?)))
+        .collect();
+    reduce(&model(nominal_mps)?, &others)
+}
+
+/// The reduced models at each mass, compensated as the calibration says. If the vehicle is unstable at a
+/// mass, the model at the reference load is used.
 fn models(
     vehicle: &Vehicle,
     variant: Variant,
+    shapes: &Shapes,
     masses_kg: &[f64; MASSES],
 ) -> Result<[ReducedModels; MASSES], VehicleError> {
     let load = vehicle.reference_load();
-    let nominal_mps = vehicle.nominal_speed_mps;
-    let at = |load: Load| {
-        let model =
-            |speed_mps: f64| Equations::new(vehicle, variant, speed_mps, load)?.state_space();
-        let others: Vec<_> = PACES
-            .into_iter()
-            .filter_map(|pace| Some((pace, model(nominal_mps / (1.0 + pace)).ok()?)))
-            .collect();
-        reduce(&model(nominal_mps)?, &others)
-    };
+    let at = |load: Load| models_at(vehicle, variant, load)?.compensated(shapes);
     let reference = at(load)?;
     let mut models = [reference; MASSES];
     if variant == Variant::Complete {

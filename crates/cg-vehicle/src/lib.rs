@@ -15,13 +15,16 @@
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`twisting`] | a semitrailer whose frame twists | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
-//! | [`equations`], [`linear`] | equations of motion analytic DC ratio | ch. 3, 4, eq. 5.17 |
-//! | [`belief`], [`calibration`] | uncertain parameters of a truck, and their estimation from runs | eq. 5.19 |
-//! | [`influence`] | the uncertain parameters that matter most for the height | – |
+//! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
 //! | [`compensation`] | the compensation F(s) between two responses | section 5.4 |
+//! | [`belief`] | uncertain parameters of a truck | eq. 5.19 |
+//! | [`influence`] | the uncertain parameters that matter most for the height | – |
 //! | [`steady_turn`] | the rollover threshold, axle by axle | section 1.2 |
-//! | [`design`], [`emit`] | the constants for `cg_core`; the same as JSON, Rust or C for firmware | – |
+//! | [`design`] | the constants for `cg_core` | – |
+//! | [`calibration`] | estimation of the uncertain parameters and of the shapes F(s) from runs | eqs. 5.4, 5.19 |
+//! | [`compensated`] | F(s) of a calibration, its product with the model, and the product reduced to order 5 | eqs. 5.3–5.12 |
+//! | [`emit`] | the design as JSON, Rust or C for firmware | – |
 //!
 //! Axes and signs are those of [`cg_core::signal::sample`] (ISO 8855). The references are to the
 //! thesis (F. Yang, Concordia University, 2005).
@@ -68,13 +71,14 @@ pub mod equations;
 mod as_printed;
 pub mod linear;
 pub mod friction;
-pub mod belief;
-pub mod influence;
-pub mod calibration;
 pub mod reduction;
 pub mod compensation;
+pub mod belief;
+pub mod influence;
 pub mod steady_turn;
 pub mod design;
+pub mod calibration;
+pub mod compensated;
 pub mod emit;
 
 pub use equations::Variant;

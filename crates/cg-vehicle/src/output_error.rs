@@ -68,10 +68,27 @@ pub(crate) fn refine(
     // Samples contain no information on poles beyond half the sampling rate, and a fit would move
     // them towards infinity.
     let limit = fastest_pole(&best)?.max(std::f64::consts::PI / interval_s);
+    let allowed = |candidate: &Rational| fastest_pole(candidate).map(|fastest| fastest <= limit);
+    let slopes = |function: &Rational| sensitivities(function, input, interval_s, steady);
+    levenberg_marquardt(best, steady, residual, slopes, allowed)
+}
+
+/// The function near `best` whose `residual` is the least among those that are `allowed`, and the
+/// remaining sum of squares. `slopes` are those of the response, in the order of [`sensitivities`].
+///
+/// # Errors
+/// Those of `allowed`.
+pub(crate) fn levenberg_marquardt(
+    mut best: Rational,
+    steady: Option<f64>,
+    residual: impl Fn(&Rational) -> DVector<f64>,
+    slopes: impl Fn(&Rational) -> DMatrix<f64>,
+    allowed: impl Fn(&Rational) -> Result<bool, VehicleError>,
+) -> Result<(Rational, f64), VehicleError> {
     let mut error = residual(&best);
     let mut damping = DAMPING.0;
     for _ in 0..STEPS {
-        let jacobian = sensitivities(&best, input, interval_s, steady);
+        let jacobian = slopes(&best);
         let mut normal = jacobian.transpose() * &jacobian;
         let gradient = jacobian.transpose() * &error;
         let before = error.norm_squared();
@@ -83,7 +100,7 @@ pub(crate) fn refine(
             continue;
         };
         let candidate = moved(&best, &step, steady);
-        if fastest_pole(&candidate)? <= limit {
+        if allowed(&candidate)? {
             let left = residual(&candidate);
             if left.norm_squared() < before {
                 let gain = 1.0 - left.norm_squared() / before;
@@ -111,7 +128,7 @@ pub(crate) fn raised(function: &Rational, pole_radps: f64) -> Rational {
 }
 
 /// The magnitude of the fastest pole; infinity if a pole is unstable.
-fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
+pub(crate) fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
     let poles = function.system().poles()?;
     if poles.iter().any(|pole| !(pole.0 < 0.0)) {
         return Ok(f64::INFINITY);
@@ -121,7 +138,7 @@ fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
 
 /// Columns: the denominator without its leading coefficient, then the numerator (without its
 /// constant if the steady-state value is given).
-fn sensitivities(
+pub(crate) fn sensitivities(
     function: &Rational,
     input: &[f64],
     interval_s: f64,

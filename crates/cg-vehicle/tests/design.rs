@@ -6,7 +6,7 @@ mod common;
 use cg_core::truck::ratio::solve_height;
 use cg_core::{CHANNELS, Channel, Design, Measured, RatioLine};
 use cg_vehicle::balance::static_balance;
-use cg_vehicle::belief::{Belief, Covariance, Deviations};
+use cg_vehicle::belief::{Belief, Covariance};
 use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::tables::Spring;
@@ -63,8 +63,8 @@ fn between_its_nodes_a_design_keeps_the_heights_of_the_model() {
 }
 
 /// Only what measured springs make uncertain in every situation.
-fn of_springs() -> Belief {
-    Belief { mean: Deviations::zeros(), covariance: Covariance::zeros(), residual_sd: 0.0 }
+fn of_springs(vehicle: &Vehicle) -> Belief {
+    Belief { covariance: Covariance::zeros(), residual_sd: 0.0, ..Belief::prior(vehicle) }
 }
 
 /// The slopes of measured springs jump from one segment of their tables to the next, and no smooth
@@ -87,7 +87,7 @@ fn measured_springs_make_a_design_uncertain_between_its_nodes() {
 /// The errors of a design's ratios between its masses, for each channel: squares divided by the
 /// variance that its uncertainty has for them.
 fn missed(vehicle: &Vehicle) -> [Vec<f64>; CHANNELS] {
-    let (belief, speed_mps) = (of_springs(), 17.0);
+    let (belief, speed_mps) = (of_springs(vehicle), 17.0);
     let design = design_with(vehicle, Variant::Complete, &belief).unwrap();
     let at = |trailer_mass_kg| Load { trailer_mass_kg, ..vehicle.reference_load() };
     let at_node = |mass_kg| {
@@ -132,7 +132,7 @@ fn the_friction_of_springs_makes_ratios_uncertain() {
         lines(&more)
     });
     let covariance =
-        of_springs().ratio_covariance(&usual, Variant::Complete, speed_mps, load).unwrap();
+        of_springs(&usual).ratio_covariance(&usual, Variant::Complete, speed_mps, load).unwrap();
     for channel in Channel::ALL {
         let k = channel.index();
         let ratio = |line: &RatioLine<f64>| line.ratio_at(load.cg_height_m);

@@ -5,7 +5,7 @@ mod common;
 
 use cg_core::CHANNELS;
 use cg_vehicle::balance::static_balance;
-use cg_vehicle::belief::{Belief, Covariance, Deviations};
+use cg_vehicle::belief::{Belief, Covariance};
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Load, Variant, Vehicle};
 
@@ -105,9 +105,9 @@ fn the_place_is_in_the_covariance_of_the_ratios() {
             };
             let (front, rear) = (ratios(place_m - 0.3), ratios(place_m + 0.3));
             let belief = Belief {
-                mean: Deviations::zeros(),
                 covariance: Covariance::zeros(),
                 residual_sd: 0.0,
+                ..Belief::prior(&vehicle)
             };
             let covariance = |sd_m: f64| {
                 let mut vehicle = vehicle.clone();

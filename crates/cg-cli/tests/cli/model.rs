@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{baseline, cg, kraz};
+use crate::common::{Scratch, baseline, cg, fixture, kraz};
 use crate::output::keys;
 
 fn model(vehicle: &str, more: &[&str]) -> Value {
@@ -104,4 +104,51 @@ fn the_table_names_poles_ratio_and_loads() {
     for part in ["DC gain", "Poles", "Zeros", "a0", "Reduced to order 5", "fifth wheel"] {
         assert!(run.out.contains(part), "{part}");
     }
+}
+
+/// Two runs of the second multibody truck give a function of order 2 from the steer angle.
+#[test]
+fn a_calibrated_truck_has_its_compensated_models() {
+    let scratch = Scratch::new();
+    let (file, vehicle) = (scratch.path("c.toml"), fixture("vehicles/euro.toml"));
+    let [empty, laden] =
+        [("A_p00_v50_L", "1.27483,6318.23"), ("A_p24_h200_v50_L", "2.00067,30318.23")]
+            .map(|(log, load)| format!("{}={load}", fixture(&format!("euro/{log}.csv.gz"))));
+    let run = cg(&[
+        "calibrate",
+        "--vehicle",
+        &vehicle,
+        "--run",
+        &empty,
+        "--run",
+        &laden,
+        "--output",
+        &file,
+    ])
+    .done();
+    assert!(run.out.contains("steer: F(s) of order 2"), "{}", run.out);
+    assert!(run.out.contains("lateral-acceleration: F(s) of order 0; no function"), "{}", run.out);
+    let calibrated = model(&vehicle, &["--calibration", &file]);
+    let plain = model(&vehicle, &[]);
+    assert!(plain.get("compensated").is_none());
+    assert_ne!(plain["dc_gain"], calibrated["dc_gain"]);
+    let compensated = calibrated["compensated"].as_array().unwrap();
+    let orders: Vec<_> = compensated.iter().map(|one| one["order"].as_u64().unwrap()).collect();
+    assert_eq!(orders, [2, 0, 0, 0]);
+    for (one, order) in compensated.iter().zip([2, 0, 0, 0]) {
+        for (part, length) in [("function", 1 + order), ("product", 6 + order), ("reduced", 6)] {
+            let [numerator, denominator] =
+                ["numerator", "denominator"].map(|key| numbers(&one[part][key]));
+            assert_eq!(denominator.len(), length, "{part}");
+            let (Some(a0), Some(b0)) = (numerator.last(), denominator.last()) else { panic!() };
+            assert!((a0 / b0 - 1.0).abs() < 1e-9, "{part}: {a0} {b0}");
+        }
+        let [change, left] =
+            ["change_percent", "reduction_error_percent"].map(|key| one[key].as_f64().unwrap());
+        assert!(if order == 0 { change == 0.0 && left < 1e-9 } else { left < 0.5 * change });
+    }
+    let table = cg(&["model", "--vehicle", &vehicle, "--calibration", &file]).done();
+    assert!(table.out.contains("Compensated steer: F(s) of order 2"), "{}", table.out);
+    cg(&["model", "--vehicle", &kraz(), "--calibration", &file])
+        .refused(&["belongs to the vehicle"]);
 }

@@ -5,6 +5,7 @@ use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Si
 
 use super::engine::Engine;
 use super::options::EstimateOptions;
+use super::recorder::Recorder;
 use super::signals::SignalCheck;
 use crate::log::LogRow;
 use cg_vehicle::Vehicle;
@@ -54,6 +55,7 @@ pub struct LogEstimator {
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
+    recorder: Option<Box<Recorder>>,
 }
 
 /// Which optional signals the log contains.
@@ -102,7 +104,18 @@ impl LogEstimator {
             check: SignalCheck::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
+            recorder: None,
         }
+    }
+
+    /// Records the inputs and roll angles of the next rows.
+    pub(crate) fn record(&mut self) {
+        self.recorder = Some(Box::new(Recorder::new(&self.design)));
+    }
+
+    /// What it has recorded.
+    pub(crate) fn recorder(&mut self) -> Option<Box<Recorder>> {
+        self.recorder.take()
     }
 
     /// Processes one row and returns the state of the estimator.
@@ -114,6 +127,9 @@ impl LogEstimator {
         let sample = self.sample(row);
         let step = self.engine.push(&sample)?;
         self.check.push(&sample);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.push(&self.design, &sample)?;
+        }
         self.rows += 1;
         if step.status == Status::Absent {
             self.absent_rows += 1;

@@ -6,6 +6,7 @@
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
+//! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
@@ -14,6 +15,7 @@ mod options;
 mod answer;
 mod engine;
 mod signals;
+mod recorder;
 mod intake;
 mod diagnosis;
 mod messages;

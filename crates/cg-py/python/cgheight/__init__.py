@@ -31,6 +31,7 @@ from cgheight._learn import learn_log
 from cgheight._logs import read_log, write_log
 from cgheight._model_results import (
     ArxModel,
+    CompensatedModel,
     LinearModel,
     RatioLine,
     ReducedModel,
@@ -51,6 +52,7 @@ __all__ = [
     "ArxModel",
     "ChannelEstimate",
     "ChassisSensors",
+    "CompensatedModel",
     "Estimate",
     "Estimates",
     "Estimator",

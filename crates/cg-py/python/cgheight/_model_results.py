@@ -251,6 +251,37 @@ class StaticBalance:
     residual_nm: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class CompensatedModel:
+    """The compensated model of a channel of a calibrated vehicle, with a DC gain of one.
+
+    Attributes
+    ----------
+    channel : {"steer", "lateral-acceleration", "suspension", "tractor"}
+        The channel.
+    order : int
+        Order of the compensation function; 0 if none makes every calibration run better.
+    function : TransferFunction
+        The compensation function F(s).
+    product : TransferFunction
+        The reduced model of the calibrated truck times F(s).
+    reduced : TransferFunction
+        The product reduced to order 5, which runs on board.
+    change : float
+        How much F(s) changes the response to a rounded step, rms as a share of the response.
+    reduction_error : float
+        What the reduction leaves of the response of the product, likewise.
+    """
+
+    channel: str
+    order: int
+    function: TransferFunction
+    product: TransferFunction
+    reduced: TransferFunction
+    change: float
+    reduction_error: float
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LinearModel:
     """The linear model from steer angle (rad) to trailer roll angle (rad) at one speed and load.
@@ -279,6 +310,8 @@ class LinearModel:
         The reduced model.
     static_balance : StaticBalance
         Static loads.
+    compensated : tuple of CompensatedModel
+        For a calibrated vehicle, the model that runs on board for each channel; otherwise empty.
     A, B, C, D : array, shapes (n, n), (n, 1), (1, n), (1, 1)
         State-space form of the same transfer function.
     """
@@ -299,6 +332,7 @@ class LinearModel:
     tractor_ratio: RatioLine
     reduced: ReducedModel
     static_balance: StaticBalance
+    compensated: tuple[CompensatedModel, ...]
     A: _Array
     B: _Array
     C: _Array

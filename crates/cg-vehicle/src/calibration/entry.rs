@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::belief::{Belief, Parameter};
 use crate::calibration::fit::Fitted;
 use crate::calibration::ratios::Run;
+use crate::calibration::shape::Shape;
+use crate::system::Rational;
 
 /// One parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -192,5 +194,58 @@ impl RatioUnit {
                 Self::RadPerMps2
             }
         }
+    }
+}
+
+/// The compensation function `F(s)` of a channel, with `F(0) = 1`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShapeEntry {
+    /// Name of the channel.
+    pub name: String,
+    /// Its order; 0 if no function makes every run better.
+    pub order: usize,
+    /// Coefficients in descending powers of s.
+    pub numerator: Vec<f64>,
+    /// Coefficients in descending powers of s; the first is one.
+    pub denominator: Vec<f64>,
+    /// Number of runs.
+    pub runs: usize,
+    /// What the model leaves of the roll angle of a run, rms in %.
+    pub before_percent: f64,
+    /// What it leaves with the function of the other runs.
+    pub after_percent: f64,
+}
+
+impl ShapeEntry {
+    pub(super) fn new(shape: &Shape) -> Self {
+        let rms_percent = |order: usize| {
+            let all = &shape.left_out[order];
+            #[allow(clippy::cast_precision_loss)] // runs
+            let count = all.len() as f64;
+            100.0 * (all.iter().map(|share| share * share).sum::<f64>() / count).sqrt()
+        };
+        let descending = |ascending: &[f64]| ascending.iter().rev().copied().collect();
+        let (numerator, denominator) = match &shape.function {
+            Some(function) => (descending(&function.numerator), descending(&function.denominator)),
+            None => (vec![1.0], vec![1.0]),
+        };
+        Self {
+            name: shape.channel.to_string(),
+            order: shape.order(),
+            numerator,
+            denominator,
+            runs: shape.left_out[0].len(),
+            before_percent: rms_percent(0),
+            after_percent: rms_percent(shape.order()),
+        }
+    }
+
+    /// The channel and its function; `None` if the order is 0 or there is no such channel.
+    pub(super) fn function(&self) -> Option<(Channel, Rational)> {
+        let ascending = |descending: &[f64]| descending.iter().rev().copied().collect();
+        let (numerator, denominator) = (ascending(&self.numerator), ascending(&self.denominator));
+        let channel = self.name.parse().ok()?;
+        (self.order > 0).then_some((channel, Rational { numerator, denominator }))
     }
 }

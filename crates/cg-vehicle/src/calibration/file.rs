@@ -8,17 +8,19 @@ use cg_core::Channel;
 use serde::{Deserialize, Serialize};
 
 use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
-use crate::calibration::entry::{Compensations, ParameterEntry, RatioUnit, RunEntry};
+use crate::calibration::entry::{Compensations, ParameterEntry, RatioUnit, RunEntry, ShapeEntry};
 use crate::calibration::fit::{Fitted, Procedure};
 use crate::calibration::judgment::Judgment;
 use crate::calibration::part::{Part, changed, checksums};
 use crate::calibration::possible;
 use crate::calibration::ratios::Run;
-use crate::calibration::statement::statements;
+use crate::calibration::shape::Shape;
+use crate::calibration::statement::{of_shapes, statements};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files::{self, Unsealed};
 use crate::load::Load;
+use crate::reduction::Shapes;
 use crate::vehicle::Vehicle;
 
 const FORMAT: &str = "cg-height calibration";
@@ -67,6 +69,10 @@ pub struct Calibration {
     pub parameter: Vec<ParameterEntry>,
     /// The runs.
     pub run: Vec<RunEntry>,
+    /// The compensation functions `F(s)` of the channels that at least one run has; without an entry, the
+    /// order is 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shape: Vec<ShapeEntry>,
 }
 
 impl Calibration {
@@ -105,11 +111,18 @@ impl Calibration {
                 .collect(),
             parameter,
             run: runs.iter().enumerate().map(|(i, run)| RunEntry::new(i, run, fitted)).collect(),
+            shape: Vec::new(),
         };
         calibration.check_numbers().map_err(|reason| {
             VehicleError::Model(format!("no calibration is made: {reason}; check the units"))
         })?;
         Ok(calibration)
+    }
+
+    /// Adds the shapes of the responses, and a statement on them.
+    pub fn add_shapes(&mut self, shapes: &[Shape]) {
+        self.shape = shapes.iter().map(ShapeEntry::new).collect();
+        self.statement.extend(of_shapes(&self.shape));
     }
 
     /// Reads a calibration file and checks that it belongs to the present version of this vehicle.
@@ -190,7 +203,11 @@ impl Calibration {
         }
         let birge = self.judgment().birge();
         let covariance = Covariance::from_fn(|i, j| birge * birge * self.covariance[i][j]);
-        Belief { mean, covariance, residual_sd: birge * self.residual_sd }
+        let mut shapes = Shapes::default();
+        for (channel, function) in self.shape.iter().filter_map(ShapeEntry::function) {
+            shapes[channel.index()] = Some(function);
+        }
+        Belief { mean, covariance, residual_sd: birge * self.residual_sd, shapes }
     }
 
     /// The same calibration for the tractor alone: it holds with any trailer.
@@ -213,6 +230,9 @@ impl Calibration {
     /// Replaces what is not of the calibrated part by the prior. The parameters that remain keep
     /// their joint uncertainty.
     fn take_prior(&mut self, prior: &Belief) {
+        if self.part != Part::Vehicle {
+            self.shape.clear();
+        }
         for entry in &mut self.parameter {
             let k = entry.name as usize;
             if self.part.keeps(entry.name) {
@@ -271,7 +291,8 @@ impl Calibration {
         possible::parameters(&self.parameter, &self.covariance)?;
         possible::compensations(&self.compensation)?;
         possible::misfit(self.residual_sd, self.chi_square)?;
-        self.run.iter().try_for_each(possible::run)
+        self.run.iter().try_for_each(possible::run)?;
+        possible::shapes(&self.shape)
     }
 
     /// Whether the equations of the model still give the ratios on which the calibration is based.

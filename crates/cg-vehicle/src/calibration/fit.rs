@@ -208,7 +208,7 @@ pub fn fit_from(
         mean = prior.mean + moved;
     }
     let covariance = Covariance::from_fn(|i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]));
-    let belief = Belief { mean, covariance, residual_sd: prior.residual_sd };
+    let belief = Belief { mean, covariance, ..prior.clone() };
     let heights = heights.found(&ratios.runs)?;
     Ok(Fitted { procedure, belief, residuals, heights, chi_square })
 }

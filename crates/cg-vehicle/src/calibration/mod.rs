@@ -8,6 +8,7 @@
 //! | `heights` | runs of unknown height |
 //! | `walk` | the changes of a truck in service |
 //! | [`mod@fit`] | estimation of the parameters of [`crate::belief`] from the ratios of the runs |
+//! | `shape_fit`, [`shape`] | the compensation function `F(s)` of each channel, and its order |
 //! | `part` | what a calibration is for, and the parts of the vehicle file on which it depends |
 //! | `entry` | the tables of the file: parameters, runs |
 //! | `possible` | the numbers that it can have |
@@ -22,6 +23,8 @@ mod ratios;
 mod heights;
 mod walk;
 pub mod fit;
+mod shape_fit;
+pub mod shape;
 mod part;
 mod entry;
 mod possible;
@@ -29,7 +32,9 @@ mod advice;
 mod statement;
 pub mod file;
 
-pub use entry::{ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, Unit};
+pub use entry::{
+    ChannelEntry, Compensations, ParameterEntry, RatioUnit, RunEntry, ShapeEntry, Unit,
+};
 pub use file::Calibration;
 pub use fit::{Fitted, Prior, Procedure, fit, fit_from};
 pub use judgment::Judgment;

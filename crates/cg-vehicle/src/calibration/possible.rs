@@ -1,8 +1,11 @@
 //! The numbers that a calibration can have. A number beyond these limits is an error of a unit, or the
 //! file is damaged.
 
+use cg_core::Channel;
+
 use crate::belief::{Covariance, PARAMETERS, Parameter};
-use crate::calibration::entry::{Compensations, ParameterEntry, RunEntry, Unit};
+use crate::calibration::entry::{Compensations, ParameterEntry, RunEntry, ShapeEntry, Unit};
+use crate::calibration::shape_fit::{GREATEST_ORDER, is_possible};
 use crate::limits::{GREATEST_HEIGHT_M, GREATEST_SPEED_MPS, GREATEST_TRAILER_MASS_KG, positive};
 
 /// Factors of parameters, `R_c` included: degrees in place of radians are a factor of 57.
@@ -103,4 +106,34 @@ pub(super) fn run(run: &RunEntry) -> Result<(), String> {
             .into_iter()
             .try_for_each(|percent| within("percentage", percent, [-100.0, 1e8]))
     })
+}
+
+/// Checks the compensation functions: at most one for each channel, stable, minimum phase, `F(0) = 1`.
+pub(super) fn shapes(shapes: &[ShapeEntry]) -> Result<(), String> {
+    for (k, shape) in shapes.iter().enumerate() {
+        let name = &shape.name;
+        name.parse::<Channel>().map_err(|error| format!("shape: {error}"))?;
+        if shapes[..k].iter().any(|other| other.name == *name) {
+            return Err(format!("shape: {name} has two entries"));
+        }
+        let long = shape.order + 1;
+        let has_length = [&shape.numerator, &shape.denominator].iter().all(|c| c.len() == long);
+        if shape.order > GREATEST_ORDER || !has_length {
+            return Err(format!(
+                "shape: {name} must have an order of at most {GREATEST_ORDER}, and one \
+                                coefficient more than that in numerator and denominator"
+            ));
+        }
+        for percent in [shape.before_percent, shape.after_percent] {
+            within(&format!("shape: percentage of {name}"), percent, [0.0, 1e8])?;
+        }
+        let Some((_, function)) = shape.function() else { continue };
+        let leading = function.denominator.last().copied().unwrap_or(0.0);
+        if !((leading - 1.0).abs() <= 0.0 && is_possible(&function).map_err(|e| e.to_string())?) {
+            return Err(format!(
+                "shape: F(s) of {name} is not stable, of minimum phase and one at s = 0"
+            ));
+        }
+    }
+    Ok(())
 }

@@ -4,7 +4,7 @@
 use cg_core::{CHANNELS, Channel};
 
 use super::advice::advice;
-use super::entry::ParameterEntry;
+use super::entry::{ParameterEntry, ShapeEntry};
 use super::fit::{Fitted, Procedure};
 use super::judgment::Judgment;
 use super::ratios::Run;
@@ -37,6 +37,32 @@ fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
         "single parameters are less certain than the ratios that they determine together:"
             .to_owned(),
     ]
+}
+
+/// Text lines on the compensation functions.
+pub(super) fn of_shapes(shapes: &[ShapeEntry]) -> Vec<String> {
+    let mut lines: Vec<String> = shapes
+        .iter()
+        .filter(|shape| shape.order > 0)
+        .map(|ShapeEntry { name, order, before_percent, after_percent, .. }| {
+            format!(
+                "{name}: F(s) of order {order}; of the roll angle in a run that it has not seen, it leaves \
+                 {after_percent:.2} % instead of {before_percent:.2} %"
+            )
+        })
+        .collect();
+    for (reason, judged) in [
+        ("no function makes every run better", true),
+        ("only a second run with this channel can show whether a function holds", false),
+    ] {
+        let of_order_0 = |shape: &&ShapeEntry| shape.order == 0 && (shape.runs > 1) == judged;
+        let names: Vec<&str> =
+            shapes.iter().filter(of_order_0).map(|shape| shape.name.as_str()).collect();
+        if !names.is_empty() {
+            lines.push(format!("{}: F(s) of order 0; {reason}", names.join(", ")));
+        }
+    }
+    lines
 }
 
 /// Text lines on what the runs could and could not determine, and on where they and the vehicle file

@@ -16,7 +16,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::VehicleError;
 use crate::response::StateSpace;
-use crate::system::{response_of, state_at};
+use crate::system::{Rational, response_of, state_at};
 
 /// Least and greatest frequency. Trailers roll in lane changes at 1.5 to 3 rad/s; beyond 12 rad/s a
 /// driver excites nothing.
@@ -39,16 +39,20 @@ pub(super) struct Band<'a> {
 /// be explained.
 type Point = (f64, Complex<f64>, Complex<f64>);
 
+/// The frequencies of the band.
+fn frequencies() -> impl Iterator<Item = f64> {
+    let ratio = BAND_RADPS.1 / BAND_RADPS.0;
+    (0..FREQUENCIES).map(move |k| {
+        let place = f64::from(k) / f64::from(FREQUENCIES - 1);
+        BAND_RADPS.0 * ratio.powf(place)
+    })
+}
+
 impl<'a> Band<'a> {
     /// The states of a model at `pace`.
     pub(super) fn new(model: &'a StateSpace, pace: f64) -> Result<Self, VehicleError> {
-        let ratio = BAND_RADPS.1 / BAND_RADPS.0;
-        let points = (0..FREQUENCIES)
-            .map(|k| {
-                let place = f64::from(k) / f64::from(FREQUENCIES - 1);
-                let omega_radps = BAND_RADPS.0 * ratio.powf(place);
-                Ok((omega_radps, state_at(&model.a, &model.b, omega_radps)?))
-            })
+        let points = frequencies()
+            .map(|omega_radps| Ok((omega_radps, state_at(&model.a, &model.b, omega_radps)?)))
             .collect::<Result<_, VehicleError>>()?;
         Ok(Self { model, pace, points })
     }
@@ -164,4 +168,24 @@ pub(super) fn in_band(
         speed_slope[..order - 1].copy_from_slice(&slope);
     }
     Ok(Some(InBand { gain, numerator, speed_slope }))
+}
+
+/// The numerator, with `constant` at s = 0, whose quotient with `denominator` is nearest to `wanted` in the
+/// band. It is of this `degree`.
+pub(super) fn nearest(
+    wanted: &Rational,
+    denominator: &[f64],
+    constant: f64,
+    degree: usize,
+) -> Result<Vec<f64>, VehicleError> {
+    let points = frequencies().map(|omega_radps| {
+        let at = |polynomial: &[f64]| polynomial_at(polynomial, omega_radps);
+        let left = at(&wanted.numerator) / at(&wanted.denominator) - constant / at(denominator);
+        let weight = usual_steer(omega_radps);
+        (omega_radps, Complex::new(weight, 0.0), left * weight)
+    });
+    let mut numerator = vec![constant];
+    numerator.extend(fitted(&points.collect::<Vec<_>>(), denominator, degree)?);
+    numerator.resize(denominator.len(), 0.0);
+    Ok(numerator)
 }

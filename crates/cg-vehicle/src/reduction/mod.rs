@@ -19,4 +19,4 @@ pub mod reduce;
 pub use balanced::{Keep, balanced};
 pub use fitted::fitted;
 pub use pade::pade;
-pub use reduce::{Method, ReducedModels, reduce};
+pub use reduce::{Method, ReducedModels, Shapes, reduce};

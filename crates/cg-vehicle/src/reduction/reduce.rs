@@ -22,7 +22,7 @@ use cg_core::truck::reduced::ORDER;
 use cg_core::{CHANNELS, Channel, Reduced5};
 
 use crate::error::VehicleError;
-use crate::reduction::in_band::{Band, in_band};
+use crate::reduction::in_band::{Band, in_band, nearest};
 use crate::reduction::pade::pade;
 use crate::response::StateSpace;
 use crate::system::{Rational, matched_numerator, multiplied};
@@ -65,6 +65,21 @@ fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
     denominator
 }
 
+/// The model of order 5 with the Taylor coefficients `series` at s = 0, from a function with these poles.
+fn of_order_five(series: &[f64], poles: &[(f64, f64)]) -> (Reduced5<f64>, Method) {
+    let approximant = pade(series, ORDER).map(|r| fixed(&r)).filter(Reduced5::is_stable);
+    if let Some(model) = approximant {
+        return (model, Method::Pade);
+    }
+    let denominator = slowest_poles(poles);
+    let numerator = matched_numerator(&denominator, series);
+    (fixed(&Rational { numerator, denominator }), Method::SlowestPoles)
+}
+
+/// The compensation function `F(s)` of each channel, in the order of [`Channel::ALL`], with `F(0) = 1`;
+/// `None` is a function of order 0.
+pub type Shapes = [Option<Rational>; CHANNELS];
+
 /// The reduced models of order 5 of a vehicle model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -94,15 +109,7 @@ pub fn reduce(
         )));
     }
     let terms = 2 * ORDER + 1;
-    let roll = system.moments(terms)?;
-    let approximant = pade(&roll, ORDER).map(|r| fixed(&r)).filter(Reduced5::is_stable);
-    let (steer, method) = if let Some(steer) = approximant {
-        (steer, Method::Pade)
-    } else {
-        let denominator = slowest_poles(&poles);
-        let numerator = matched_numerator(&denominator, &roll);
-        (fixed(&Rational { numerator, denominator }), Method::SlowestPoles)
-    };
+    let (steer, method) = of_order_five(&system.moments(terms)?, &poles);
     let mut denominator = steer.denominator.to_vec();
     denominator.push(1.0);
     let band = Band::new(model, 0.0)?;
@@ -120,6 +127,52 @@ pub fn reduce(
         reduced.speed_slope = std::array::from_fn(|k| fit.gain * fit.speed_slope[k]);
     }
     Ok(ReducedModels { of_channels, method })
+}
+
+/// A model as a rational function with this numerator.
+fn rational(model: &Reduced5<f64>, numerator: &[f64]) -> Rational {
+    let mut denominator = model.denominator.to_vec();
+    denominator.push(1.0);
+    Rational { numerator: numerator.to_vec(), denominator }
+}
+
+/// The product of a model and a function, of the order of both.
+fn product(model: &Rational, function: &Rational) -> Rational {
+    Rational {
+        numerator: multiplied(&model.numerator, &function.numerator),
+        denominator: multiplied(&model.denominator, &function.denominator),
+    }
+}
+
+impl ReducedModels {
+    /// The compensated models: each is multiplied by the function of its channel, which has `F(0) = 1`,
+    /// and reduced to order 5 again (section 5.5). From an acceleration, the denominator remains, and the
+    /// numerator is the nearest to the product in the band of usual maneuvers.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] if eigenvalues do not converge.
+    pub fn compensated(&self, functions: &Shapes) -> Result<Self, VehicleError> {
+        let mut compensated = *self;
+        for (channel, function) in Channel::ALL.into_iter().zip(functions) {
+            let Some(function) = function else { continue };
+            let reduced = &mut compensated.of_channels[channel.index()];
+            let own = product(&rational(reduced, &reduced.numerator), function);
+            if channel.lags_roll() {
+                let slope = [&[0.0], &reduced.speed_slope[..]].concat();
+                let slope = product(&rational(reduced, &slope), function);
+                let denominator = rational(reduced, &[]).denominator;
+                let numerator = nearest(&own, &denominator, reduced.numerator[0], ORDER)?;
+                let slope = nearest(&slope, &denominator, 0.0, ORDER - 1)?;
+                reduced.numerator.copy_from_slice(&numerator);
+                reduced.speed_slope.copy_from_slice(&slope[1..]);
+            } else {
+                let system = own.system();
+                (*reduced, compensated.method) =
+                    of_order_five(&system.moments(2 * ORDER + 1)?, &system.poles()?);
+            }
+        }
+        Ok(compensated)
+    }
 }
 
 #[cfg(test)]

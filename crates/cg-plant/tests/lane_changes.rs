@@ -1,0 +1,160 @@
+//! Lane changes of trucks that differ from their file, after a calibration: whether their intervals hold.
+#![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "helpers of tests")]
+
+#[path = "../../cg-logs/tests/common/mod.rs"]
+mod common;
+
+use cg_core::{Channel, Design};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice};
+use cg_logs::log::LogRow;
+use cg_plant::maneuver::Maneuver;
+use cg_plant::sensors::Sensors;
+use cg_plant::simulate::{LogSimulation, Plant, Scenario};
+use cg_vehicle::belief::{Belief, Deviations, adjusted, log_gain};
+use cg_vehicle::design::design_with;
+use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Payload, kg, and height, m, of the lane changes. None is that of a calibration run.
+const LOADS: [(f64, f64); 3] = [(5e3, 1.6), (15e3, 1.85), (25e3, 2.1)];
+const TRUCKS: u64 = 100;
+
+/// A truck that differs from its file, as the file says of its own uncertainty.
+struct Drawn<'a> {
+    file: &'a Vehicle,
+    truck: Vehicle,
+    /// What the steer angle and the lateral acceleration are multiplied with by their sensors.
+    gains: [f64; 2],
+    seed: u64,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(file: &'a Vehicle, deviations: &Deviations, seed: u64) -> Self {
+        let gain = |channel| (-log_gain(deviations, channel)).exp();
+        let gains = [Channel::Steer, Channel::LateralAcceleration].map(gain);
+        Self { file, truck: adjusted(file, deviations), gains, seed }
+    }
+
+    fn load(&self, (payload_kg, cg_height_m): (f64, f64)) -> Load {
+        Load { trailer_mass_kg: self.file.empty_trailer_mass_kg() + payload_kg, cg_height_m }
+    }
+
+    /// Drives a maneuver of 0.03 rad at 50 km/h in noise of 20 dB at 20 Hz.
+    fn drive(&self, maneuver: Maneuver, load: Load, noise: u64) -> Vec<LogRow> {
+        let scenario = Scenario {
+            plant: Plant::Nonlinear,
+            load,
+            rate_hz: 20.0,
+            duration_s: 12.0,
+            steer_rad: Some(0.03),
+            sensors: Sensors { snr_db: Some(20.0), ..Sensors::default() },
+            seed: 10 * self.seed + noise,
+            ..Scenario::of(&self.truck, maneuver)
+        };
+        // The part of the model error that no calibration removes.
+        let mut source = StdRng::seed_from_u64(scenario.seed);
+        let residual_sd = self.file.uncertainty.residual_sd;
+        let [steer, lateral] = self.gains.map(|gain| {
+            let normal: f64 = StandardNormal.sample(&mut source);
+            gain * (residual_sd * normal).exp()
+        });
+        let mut rows = LogSimulation::new(&self.truck, scenario).unwrap().rows();
+        for row in &mut rows {
+            row.steer_rad *= steer;
+            row.lateral_acceleration_mps2 *= lateral;
+            row.yaw_rate_radps *= lateral;
+        }
+        rows
+    }
+
+    /// The design after a calibration with a turn of the empty and of a laden trailer.
+    fn calibrated(&self) -> Result<Design<f64>, VehicleError> {
+        let loads = [(0.0, self.file.trailer.tare.cg_height_m), (20e3, 1.9)];
+        let logs = loads.map(|(payload_kg, height_m)| {
+            let trailer_mass_kg = Some(self.load((payload_kg, height_m)).trailer_mass_kg);
+            let load = KnownLoad::Laden { height_m, trailer_mass_kg };
+            KnownLog { log: format!("{payload_kg} kg"), load }
+        });
+        let runs = [0, 1].map(|k| self.drive(Maneuver::SteadyTurn, self.load(loads[k]), k as u64));
+        let how = CalibrateOptions { force: true, ..CalibrateOptions::default() };
+        let calibration = calibrate::<VehicleError>(self.file, how, &logs, |known, estimator| {
+            for row in &runs[usize::from(*known == logs[1])] {
+                estimator.push(row).unwrap();
+            }
+            Ok(())
+        })?;
+        design_with(self.file, Variant::Complete, &calibration.belief())
+    }
+
+    fn lane_change(&self, design: &Design<f64>, load: Load, noise: u64) -> LogEstimate {
+        let options = EstimateOptions {
+            trailer_mass_kg: Some(load.trailer_mass_kg),
+            road: Some(RoadChoice::FLAT), // that of the plant
+            ..EstimateOptions::default()
+        };
+        let settings = self.file.align_settings();
+        let mut estimator = LogEstimator::from_design(design, settings, options);
+        for row in self.drive(Maneuver::LaneChange, load, noise) {
+            estimator.push(&row).unwrap();
+        }
+        estimator.finish()
+    }
+}
+
+/// For each load: whether the interval holds the truth, and the error divided by its standard deviation.
+/// `None` if the calibration is refused, which is told.
+fn outcome(drawn: &Drawn<'_>) -> Option<[(bool, f64); 3]> {
+    let design = drawn.calibrated().map_err(|error| println!("{error}")).ok()?;
+    let mut noise = 2;
+    Some(LOADS.map(|one| {
+        noise += 1;
+        let load = drawn.load(one);
+        let estimate = drawn.lane_change(&design, load, noise);
+        let (height_m, sd_m) = (estimate.height_m.unwrap(), estimate.height_sd_m.unwrap());
+        let [low_m, high_m] = estimate.height_ci95_m.unwrap();
+        let holds = (low_m..=high_m).contains(&load.cg_height_m);
+        (holds, (height_m - load.cg_height_m) / sd_m)
+    }))
+}
+
+/// 95 % intervals after a calibration with two turns. Of 100 trucks the share scatters by 2.2 % at each load
+/// and by at least 1.3 % at all, since the loads of a truck have its errors in common; the mean square
+/// of the error divided by its standard deviation scatters by 14 % and at least 8 %.
+#[test]
+fn the_intervals_of_lane_changes_hold_after_a_calibration() {
+    let file = common::vehicle("kraz.toml");
+    let prior = Belief::prior(&file);
+    let mut source = StdRng::seed_from_u64(11);
+    let trucks: Vec<Drawn<'_>> = (0..TRUCKS)
+        .map(|seed| Drawn::new(&file, &prior.drawn(|| StandardNormal.sample(&mut source)), seed))
+        .collect();
+    let (first, second) = trucks.split_at(trucks.len() / 2);
+    let of = |half: &[Drawn<'_>]| half.iter().filter_map(outcome).collect::<Vec<_>>();
+    let made = std::thread::scope(|scope| {
+        let other = scope.spawn(|| of(second));
+        [of(first), other.join().unwrap()].concat()
+    });
+    // The models of some have no steady turn at some mass.
+    println!("{} of {TRUCKS} trucks are calibrated", made.len());
+    assert!(made.len() >= 90);
+    let mean = |of: &dyn Fn(&(bool, f64)) -> f64, k: usize| {
+        made.iter().map(|loads| of(&loads[k])).sum::<f64>() / made.len() as f64
+    };
+    let (mut all, mut squares) = (0.0, 0.0);
+    for (k, (payload_kg, height_m)) in LOADS.into_iter().enumerate() {
+        let held = mean(&|one| f64::from(u8::from(one.0)), k);
+        let (bias, square) = (mean(&|one| one.1, k), mean(&|one| one.1 * one.1, k));
+        println!(
+            "{payload_kg} kg at {height_m} m: {:.1} % hold; error {bias:+.2} standard deviations, \
+             mean square {square:.2}",
+            100.0 * held
+        );
+        assert!(held >= 0.93, "{payload_kg} kg: {held}");
+        all += held / 3.0;
+        squares += square / 3.0;
+    }
+    assert!(all <= 0.98 && (0.7..=1.3).contains(&squares), "{all} {squares}");
+}
