@@ -147,7 +147,7 @@ dist-firmware: firmware-tools
 
 # Compares the interface of the published crates with that of the last release. Before the first release, it is compared
 # with the commit since which the interface has been kept stable.
-SEMVER_BASE := $(or $(shell git describe --tags --abbrev=0 --match 'v*' 2>/dev/null),9090679)
+SEMVER_BASE := $(or $(shell git describe --tags --abbrev=0 --match 'v*' 2>/dev/null),facb987)
 semver:
 	@cargo semver-checks --version >/dev/null 2>&1 || cargo install cargo-semver-checks --locked
 	cargo semver-checks --baseline-rev $(SEMVER_BASE)

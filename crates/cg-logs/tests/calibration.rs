@@ -111,7 +111,9 @@ fn posterior_covers_with(given: usize) {
     let mut rng = StdRng::seed_from_u64(7);
     let normal = Normal::new(0.0, 1.0).unwrap();
     let loads = [(8_684.0, 1.33, 13.9), (28_684.0, 1.9, 13.9), (18_684.0, 1.7, 18.0)];
-    let (mut squares, mut improved, trucks) = ([0.0; CHANNELS], [0.0; CHANNELS], 60);
+    let trucks: u16 = 200;
+    let (mut squares, mut improved) = ([0.0; CHANNELS], [0.0; CHANNELS]);
+    let mut held = [0.0; CHANNELS];
     for _ in 0..trucks {
         let truth = prior.drawn(|| normal.sample(&mut rng));
         let runs = runs_of(&vehicle, &truth, &loads);
@@ -130,17 +132,22 @@ fn posterior_covers_with(given: usize) {
             let c = channel.index();
             let predicted = fitted.belief.gain(channel) * lines[c].ratio_at(probe.load.cg_height_m);
             let error = (probe.ratio[c].unwrap().value / predicted).ln();
-            squares[c] += error * error / after[c][c] / f64::from(trucks);
+            let square = error * error / after[c][c];
+            held[c] += f64::from(u8::from(square < 1.96 * 1.96)) / f64::from(trucks);
+            squares[c] += square / f64::from(trucks);
             improved[c] += (after[c][c] / before[c][c]).sqrt() / f64::from(trucks);
         }
     }
     println!(
-        "{given} runs: mean square of error over sd {squares:?}, sd after/before {improved:?}"
+        "{given} runs: mean square of error over sd {squares:.2?}, 95 % intervals hold {held:.3?}, sd \
+         after/before {improved:.2?}"
     );
     for c in 0..CHANNELS {
-        // χ² of 60 draws: 1 ± √(2/60) = 0.18. Three times this, and as much again for the
+        // χ² of 200 draws: 1 ± √(2/200) = 0.1. Three times this, and as much again for the
         // nonlinearity of the model over 15 % of cornering stiffness.
-        assert!((0.45..=1.9).contains(&squares[c]), "{squares:?}");
+        assert!((0.7..=1.6).contains(&squares[c]), "{squares:?}");
+        // √(0.95 · 0.05/200) = 1.5 %: three times, and as much again below.
+        assert!((0.86..=0.996).contains(&held[c]), "{held:?}");
         // The empty trailer tells less of the laden one.
         assert!(improved[c] < [0.9, 0.5][given - 1], "{improved:?}");
     }

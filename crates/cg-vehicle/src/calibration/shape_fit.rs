@@ -3,7 +3,7 @@
 //! The constant factor and the offset of each stretch are eliminated from residuals and slopes; the rest is
 //! the Levenberg-Marquardt method of [`crate::output_error`].
 //!
-//! **Reference.** Golub and Pereyra, *SIAM J. Numer. Anal.* 10 (1973), with the simplification of
+//! **Reference.** Golub and Pereyra, *SIAM Journal on Numerical Analysis* 10 (1973), with the simplification of
 //! Kaufman, *BIT* 15 (1975).
 
 use nalgebra::{DMatrix, DVector};
