@@ -178,11 +178,12 @@ def test_a_calibrated_truck_has_its_compensated_models(kraz, calibration, tmp_pa
     folder = FIXTURES / "euro"
     runs = [
         (folder / "A_p00_v50_L.csv.gz", 1.27483, 6318.23),
+        (folder / "A_p16_h170_v50_L.csv.gz", 1.70859, 22318.23),
         (folder / "A_p24_h200_v50_L.csv.gz", 2.00067, 30318.23),
     ]
     path = tmp_path / "c.toml"
     model = cgheight.linear_model(cgheight.calibrate(truck, runs, path))
-    assert [one.order for one in model.compensated] == [2, 0, 0, 0]
+    assert [one.order for one in model.compensated] == [3, 0, 0, 0]
     assert cgheight.linear_model(truck).compensated == ()
     others = cgheight.linear_model(kraz.calibrated(calibration)).compensated
     assert [one.order for one in others] == [0] * 4

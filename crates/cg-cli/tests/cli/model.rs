@@ -106,14 +106,17 @@ fn the_table_names_poles_ratio_and_loads() {
     }
 }
 
-/// Two runs of the second multibody truck give a function of order 2 from the steer angle.
+/// Three runs of the second multibody truck give a function of order 3 from the steer angle.
 #[test]
 fn a_calibrated_truck_has_its_compensated_models() {
     let scratch = Scratch::new();
     let (file, vehicle) = (scratch.path("c.toml"), fixture("vehicles/euro.toml"));
-    let [empty, laden] =
-        [("A_p00_v50_L", "1.27483,6318.23"), ("A_p24_h200_v50_L", "2.00067,30318.23")]
-            .map(|(log, load)| format!("{}={load}", fixture(&format!("euro/{log}.csv.gz"))));
+    let [empty, half, laden] = [
+        ("A_p00_v50_L", "1.27483,6318.23"),
+        ("A_p16_h170_v50_L", "1.70859,22318.23"),
+        ("A_p24_h200_v50_L", "2.00067,30318.23"),
+    ]
+    .map(|(log, load)| format!("{}={load}", fixture(&format!("euro/{log}.csv.gz"))));
     let run = cg(&[
         "calibrate",
         "--vehicle",
@@ -121,12 +124,14 @@ fn a_calibrated_truck_has_its_compensated_models() {
         "--run",
         &empty,
         "--run",
+        &half,
+        "--run",
         &laden,
         "--output",
         &file,
     ])
     .done();
-    assert!(run.out.contains("steer: F(s) of order 2"), "{}", run.out);
+    assert!(run.out.contains("steer: F(s) of order 3"), "{}", run.out);
     assert!(run.out.contains("lateral-acceleration: F(s) of order 0; no function"), "{}", run.out);
     let calibrated = model(&vehicle, &["--calibration", &file]);
     let plain = model(&vehicle, &[]);
@@ -134,8 +139,8 @@ fn a_calibrated_truck_has_its_compensated_models() {
     assert_ne!(plain["dc_gain"], calibrated["dc_gain"]);
     let compensated = calibrated["compensated"].as_array().unwrap();
     let orders: Vec<_> = compensated.iter().map(|one| one["order"].as_u64().unwrap()).collect();
-    assert_eq!(orders, [2, 0, 0, 0]);
-    for (one, order) in compensated.iter().zip([2, 0, 0, 0]) {
+    assert_eq!(orders, [3, 0, 0, 0]);
+    for (one, order) in compensated.iter().zip([3, 0, 0, 0]) {
         for (part, length) in [("function", 1 + order), ("product", 6 + order), ("reduced", 6)] {
             let [numerator, denominator] =
                 ["numerator", "denominator"].map(|key| numbers(&one[part][key]));
@@ -148,7 +153,7 @@ fn a_calibrated_truck_has_its_compensated_models() {
         assert!(if order == 0 { change == 0.0 && left < 1e-9 } else { left < 0.5 * change });
     }
     let table = cg(&["model", "--vehicle", &vehicle, "--calibration", &file]).done();
-    assert!(table.out.contains("Compensated steer: F(s) of order 2"), "{}", table.out);
+    assert!(table.out.contains("Compensated steer: F(s) of order 3"), "{}", table.out);
     cg(&["model", "--vehicle", &kraz(), "--calibration", &file])
         .refused(&["belongs to the vehicle"]);
 }

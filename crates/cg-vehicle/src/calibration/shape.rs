@@ -17,7 +17,8 @@
 //! counts only if it predicts every log better than no function, and a higher one only if it leaves less
 //! than 80 % of what the lower one does. An information criterion would not serve: what is left is not
 //! noise but the same small error of the model in every row of a maneuver, so a few hundred rows would
-//! justify any order. With a single log there is nothing to judge with, and the order is 0.
+//! justify any order. With fewer than three logs the function that is judged would be that of a single
+//! log, whose sensors and maneuver it describes as well as the truck; the order is then 0.
 //!
 //! **Reference.** Stone, *J. R. Stat. Soc. B* 36 (1974) (cross-validation).
 
@@ -37,6 +38,8 @@ pub use super::shape_fit::{GREATEST_ORDER, INTERVAL_S};
 
 /// Share of what an order leaves below which a higher order counts.
 const BETTER: f64 = 0.8;
+/// Least number of logs.
+pub(crate) const LEAST_RUNS: usize = 3;
 /// Greatest number of times that logs are left out.
 const FOLDS: usize = 5;
 /// Least number of rows of a stretch: three seconds.
@@ -73,7 +76,7 @@ pub struct Shape {
     /// The function with `F(0) = 1`; `None` is order 0.
     pub function: Option<Rational>,
     /// For each order from 0, what it leaves of the roll angle of each log that was left out: rms as
-    /// a share. Only order 0 with a single log.
+    /// a share. Only order 0 with fewer than three logs.
     pub left_out: Vec<Vec<f64>>,
 }
 
@@ -157,7 +160,7 @@ pub fn shapes(
 fn chosen(channel: Channel, runs: &[Run<'_>]) -> Result<Shape, VehicleError> {
     let without = |run: &Run<'_>| run.left(channel, None);
     let mut left_out = vec![runs.iter().map(without).collect::<Result<Vec<_>, _>>()?];
-    if runs.len() < 2 {
+    if runs.len() < LEAST_RUNS {
         return Ok(Shape { channel, function: None, left_out });
     }
     let models = |run: &Run<'_>| run.responses(channel, None);

@@ -8,6 +8,7 @@ use super::entry::{ParameterEntry, ShapeEntry};
 use super::fit::{Fitted, Procedure};
 use super::judgment::Judgment;
 use super::ratios::Run;
+use super::shape::LEAST_RUNS;
 use crate::belief::{Belief, mass_change};
 use crate::equations::Variant;
 use crate::error::VehicleError;
@@ -53,9 +54,10 @@ pub(super) fn of_shapes(shapes: &[ShapeEntry]) -> Vec<String> {
         .collect();
     for (reason, judged) in [
         ("no function makes every run better", true),
-        ("only a second run with this channel can show whether a function holds", false),
+        ("only a third run with this channel can show whether a function holds", false),
     ] {
-        let of_order_0 = |shape: &&ShapeEntry| shape.order == 0 && (shape.runs > 1) == judged;
+        let of_order_0 =
+            |shape: &&ShapeEntry| shape.order == 0 && (shape.runs >= LEAST_RUNS) == judged;
         let names: Vec<&str> =
             shapes.iter().filter(of_order_0).map(|shape| shape.name.as_str()).collect();
         if !names.is_empty() {
