@@ -2,7 +2,7 @@
 //!
 //! The height of the empty trailer is in its papers, so every trip without a load is a calibration
 //! run. A trip counts if a signal of the mass says that the trailer is empty. Its ratios become a
-//! [`Run`], and all trips together a posterior of the truck's parameters ([`fit()`](cg_vehicle::calibration::fit())).
+//! [`Run`](cg_vehicle::calibration::Run), and all trips together a posterior of the truck's parameters ([`fit()`](cg_vehicle::calibration::fit())).
 //!
 //! The truck changes between the trips, as a random walk (`cg_vehicle::calibration`): older trips count
 //! for less, and the posterior grows wider when no trip comes. A sudden change (new tires, another

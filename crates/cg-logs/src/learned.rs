@@ -26,7 +26,7 @@ pub struct EmptyTrip {
     pub speed_mps: f64,
     /// Mean of the measured trailer mass, kg.
     pub trailer_mass_kg: f64,
-    /// DC ratios of the empty trailer in the order of [`Channel::ALL`], with the standard deviation
+    /// DC ratios of the empty trailer in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation
     /// due to noise and to the bank of the road.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
     /// Number of its maneuvers.
