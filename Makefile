@@ -15,7 +15,8 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
   dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
-# The tests of one part run while another part is built (one job often waits for the lock of a target folder). The last two measure times and run alone.
+# The tests of one part run while another part is built; one job often waits for the lock of a target folder. The last
+# two measure times and run alone.
 test: tools fmt lint
 	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware
 	$(MAKE) guest bench-short

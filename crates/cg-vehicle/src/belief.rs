@@ -285,9 +285,13 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
         };
         let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
         let by_amplitude = (small - large) / 12.0_f64.sqrt();
-        // More friction changes more than less.
-        let by_friction = logarithm(1.0, 1.0 + FRICTION_SD) - logarithm(1.0, 1.0);
-        by_amplitude * by_amplitude + by_friction * by_friction
+        // More friction changes more than less, and small motion more than usual motion: their mean square.
+        let by_friction: f64 = [AMPLITUDES[0], 1.0]
+            .map(|amplitude| logarithm(amplitude, 1.0 + FRICTION_SD) - logarithm(amplitude, 1.0))
+            .map(|change| 0.5 * change * change)
+            .iter()
+            .sum();
+        by_amplitude * by_amplitude + by_friction
     }))
 }
 

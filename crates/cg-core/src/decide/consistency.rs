@@ -16,8 +16,8 @@ const LAG_S: f64 = 0.5;
 /// Number of its own smallest steps during which the value of a coarse sensor may be constant.
 const CONSTANT_STEPS: f64 = 3.0;
 /// Greatest difference of the expected angles due to noise of the input, in standard deviations of
-/// the noise after the lag. Over a minute, with a hundred lags, the range of normal noise is above seven
-/// standard deviations once in ten times in a thousand. The model passes up to three times the
+/// the noise after the lag. In a minute there are about a hundred independent values; their range is five
+/// standard deviations and hardly ever above seven. The model passes up to three times the
 /// variance (a resonance at 4 rad/s with a damping ratio of 0.3), so both views have 1.4 times as much.
 const NOISE_RANGE: f64 = 10.0;
 
