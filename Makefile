@@ -15,8 +15,8 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
   dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
-# The tests of one part run while another part is built; one job often waits for the lock of a target folder. The last
-# two measure times and run alone.
+# All parts use one build, that of the dev profile with the features of the whole workspace. The tests of one part run
+# while another part is built. The guest measures latencies and runs alone.
 test: tools fmt lint
 	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware
 	$(MAKE) guest bench-short
@@ -48,7 +48,7 @@ $(TOOLS):
 # features compiles and names the feature that is missing.
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
-	cargo test --quiet --package cg-cli --no-default-features --test cli left_out | tee -a /dev/stderr | grep --quiet "ok. [1-9]" # not none
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 cargo test --quiet --package cg-cli --no-default-features --target-dir target/without --test cli left_out | tee -a /dev/stderr | grep --quiet "ok. [1-9]" # not none
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
 rust: firmware-tools
@@ -72,30 +72,31 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The program in the release build, as users have it.
+# The program as the tests have it.
 cg:
-	cargo build --release --package cg-cli
+	cargo build --workspace --bin cg
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
 guest: venv cg
-	guest/run.sh target/release/cg $(VENV)
+	guest/run.sh target/debug/cg $(VENV)
 
-# The Python package in a fresh environment with every extra.
+# The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
+PROFILE := dev
 venv:
 	$(PYTHON) -m venv $(VENV)
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
-	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --release --extras all -m crates/cg-py/Cargo.toml
+	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
 
 # The Python package: tests (also of the HTML report in Chromium, of Spark and of the notebook), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
 python: venv cg
-	CG=$(CURDIR)/target/release/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
+	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
 	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
-	$(VENV)/bin/maturin build --quiet --release --out target/wheels -m crates/cg-py/Cargo.toml
+	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
@@ -216,9 +217,9 @@ rollover-table:
 
 # Runs every bench once on little data, to show that it works. It gives no valid measurements.
 bench-short: venv cg
-	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
+	CG_BENCH_ROWS=50000 cargo test --workspace --benches --quiet
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
-	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/release/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
+	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 
 # All benches with ten million rows and a thousand logs; writes benches/RESULTS.md. Run `make python` first.
 bench: firmware-tools
