@@ -10,7 +10,7 @@ use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_vehicle::files;
-use cg_vehicle::scales::{Scale, Scales};
+use cg_vehicle::scales::Scale;
 use cg_vehicle::{LinearModel, Variant};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -39,10 +39,11 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,
         trailer_mass_sd_kg: arguments.trailer_mass_sd_kg,
-        scales: Scales::of(&vehicle),
         road: arguments.road.of(&vehicle),
         judgment,
-    };
+        ..EstimateOptions::default()
+    }
+    .with_file(&vehicle);
     if let Some(mass_kg) = arguments.trailer_mass_kg {
         let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };
         vehicle.trailer_sprung_mass(load).context("--trailer-mass-kg")?;

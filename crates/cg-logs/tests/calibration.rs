@@ -57,6 +57,31 @@ fn two_runs_calibrate_the_independent_truck() {
     }
 }
 
+/// The second truck, calibrated on the empty and one laden run. The target for the others (16 and 24 t, 80
+/// km/h, a drive of three minutes at 28 to 68 km/h) is 0.35 % rms, and no run may be 1 % off; the intervals
+/// hold. Where the laden run is at another speed than the empty one, the target is that of the first truck.
+#[test]
+fn two_runs_calibrate_the_second_truck() {
+    let (vehicle, known) = (vehicle("euro.toml"), known_in("euro"));
+    let pick = |name: &str| known.iter().find(|known| known.log.starts_with(name)).unwrap();
+    for (laden, most) in [("A_p16_h170", 0.0035), ("A_p24_h200", 0.0035), ("B_p16_h185", 0.007)] {
+        let calibration = calibrated(&vehicle, &[pick("A_p00"), pick(laden)]);
+        let design = design_with(&vehicle, Variant::Complete, &calibration.belief()).unwrap();
+        let mut errors = Vec::new();
+        for known in known.iter().filter(|k| ![laden, "A_p00"].iter().any(|n| k.log.starts_with(n)))
+        {
+            let estimate = known.estimate(&design, None, known.weighed());
+            let (h, [low, high]) = (estimate.height_m.unwrap(), estimate.height_ci95_m.unwrap());
+            let truth_m = known.load.cg_height_m;
+            println!("{laden}: {:32} {:+.2} %", known.log, 100.0 * (h / truth_m - 1.0));
+            assert!((low..=high).contains(&truth_m), "{}: {low} to {high}", known.log);
+            errors.push(h / truth_m - 1.0);
+        }
+        println!("{laden}: {:.2} % rms", 100.0 * rms(&errors));
+        assert!(rms(&errors) <= most && largest(&errors) <= 0.01, "{laden} {errors:?}");
+    }
+}
+
 /// Calibration with the empty run alone, whose height and mass are in the vehicle file: all other logs
 /// are to be within 1.0 % rms and 3 % at worst, and their intervals hold.
 #[test]
@@ -75,11 +100,7 @@ fn the_empty_run_alone_calibrates_both_independent_trucks() {
         let design = design_with(&vehicle, Variant::Complete, &calibration.belief()).unwrap();
         let mut errors = Vec::new();
         for known in known.iter().filter(|k| !k.log.starts_with("A_p00")) {
-            let options = EstimateOptions {
-                trailer_mass_kg: Some(known.load.trailer_mass_kg),
-                ..EstimateOptions::default()
-            };
-            let estimate = known.estimate(&design, None, options);
+            let estimate = known.estimate(&design, None, known.weighed());
             let (h, [low, high]) = (estimate.height_m.unwrap(), estimate.height_ci95_m.unwrap());
             let truth_m = known.load.cg_height_m;
             println!("{name} {:28} {:+.2} %", known.log, 100.0 * (h / truth_m - 1.0));

@@ -94,6 +94,7 @@ impl Vehicle {
                 .tractor_level
                 .as_ref()
                 .map(LevelSensors::roll_per_difference),
+            second_roll_share: sensors.roll.second_share,
         }
     }
 

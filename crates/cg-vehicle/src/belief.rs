@@ -167,12 +167,8 @@ impl Belief {
             Parameter::RollCenterHeight => u.roll_center_height_sd_m,
             Parameter::TractorCgHeight => u.tractor_cg_height_sd_m,
             Parameter::FifthWheelStiffness => u.fifth_wheel_stiffness_sd,
-            // A rigid frame stays rigid.
             Parameter::FrameTorsionalStiffness => {
-                match vehicle.trailer.frame_torsional_stiffness_nm_per_rad {
-                    Some(_) => u.frame_torsional_stiffness_sd,
-                    None => 0.0,
-                }
+                vehicle.trailer.frame_sd(u.frame_torsional_stiffness_sd)
             }
             Parameter::TyreVerticalStiffness => u.tyre_vertical_stiffness_sd,
             Parameter::SteeredCorneringStiffness
@@ -433,8 +429,9 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     let mut moved = vehicle.clone();
     moved.tractor.cg_height_m += value(deviations, Parameter::TractorCgHeight);
     moved.hitch.roll_stiffness_nm_per_rad *= factor(Parameter::FifthWheelStiffness);
-    if let Some(stiffness) = &mut moved.trailer.frame_torsional_stiffness_nm_per_rad {
-        *stiffness *= factor(Parameter::FrameTorsionalStiffness);
+    if let Some(stiffness) = vehicle.trailer.frame_nm_per_rad() {
+        moved.trailer.frame_torsional_stiffness_nm_per_rad =
+            Some(stiffness * factor(Parameter::FrameTorsionalStiffness));
     }
     moved.tyre.clear();
     let find = |axle: &Axle| vehicle.tyre.iter().find(|tyre| tyre.name == axle.tyre);

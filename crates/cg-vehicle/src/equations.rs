@@ -126,7 +126,7 @@ impl Equations {
     }
 
     /// The stiffness with that of the fifth wheel.
-    fn stiffness_with_hitch(&self) -> DMatrix<f64> {
+    pub(crate) fn stiffness_with_hitch(&self) -> DMatrix<f64> {
         let mut stiffness = self.stiffness.clone();
         let (rate, roll) = self.on_hitch();
         for (velocity, angle) in [(w::ROLL_1, q::ROLL_1), (rate, roll)] {

@@ -13,13 +13,16 @@
 //! | [`guide`] | templates, JSON schema and documentation of the vehicle file | – |
 //! | [`friction`] | friction of measured springs in the roll angle of each channel | Tables 2.3–2.8 |
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
+//! | [`slip`] | the cornering stiffness of a tire with a slip table | – |
 //! | [`twisting`] | a semitrailer whose frame twists | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
+//! | [`lean`] | the roll angle of a trailer whose load stands beside the middle | – |
 //! | [`reduction`] | the reduced 5th-order model and its error | section 5.5 |
 //! | [`compensation`] | the compensation F(s) between two responses | section 5.4 |
 //! | [`belief`] | uncertain parameters of a truck | eq. 5.19 |
 //! | [`influence`] | the uncertain parameters that matter most for the height | – |
+//! | [`second_sensor`] | two roll sensors on a frame that twists | – |
 //! | [`steady_turn`] | the rollover threshold, axle by axle | section 1.2 |
 //! | [`design`] | the constants for `cg_core` | – |
 //! | [`calibration`] | estimation of the uncertain parameters and of the shapes F(s) from runs | eqs. 5.4, 5.19 |
@@ -58,6 +61,7 @@ mod uncertainty;
 pub mod vehicle;
 pub mod balance;
 pub mod scales;
+pub mod slip;
 pub mod check;
 pub mod characteristics;
 pub mod guide;
@@ -70,11 +74,13 @@ pub mod response;
 pub mod equations;
 mod as_printed;
 pub mod linear;
+pub mod lean;
 pub mod friction;
 pub mod reduction;
 pub mod compensation;
 pub mod belief;
 pub mod influence;
+pub mod second_sensor;
 pub mod steady_turn;
 pub mod design;
 pub mod calibration;

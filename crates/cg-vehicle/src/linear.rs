@@ -47,7 +47,8 @@ impl Equations {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
         }
-        if variant == Variant::AsPrinted && Twisting::of(vehicle).is_some() {
+        let given = vehicle.trailer.frame_torsional_stiffness_nm_per_rad.is_some();
+        if variant == Variant::AsPrinted && given && Twisting::of(vehicle).is_some() {
             return Err(VehicleError::Model(
                 "the printed model has a rigid frame: remove trailer.frame_torsional_stiffness_nm_per_rad"
                     .to_owned(),
@@ -90,6 +91,9 @@ impl Equations {
     }
 }
 
+/// The error of a vehicle that tips at once.
+pub(crate) const NO_STEADY_TURN: &str = "the model has no steady turn";
+
 /// Column of the yaw rate in [`Equations::steady`], and of the first angle.
 const STEADY_YAW_RATE: usize = 1;
 const STEADY_ANGLES: usize = 2;
@@ -131,7 +135,7 @@ impl SteadyLines {
             let (steady, steer) = equations.steady();
             let lu = steady.lu();
             let determinant = lu.determinant();
-            let none = || VehicleError::Model("the model has no steady turn".to_owned());
+            let none = || VehicleError::Model(NO_STEADY_TURN.to_owned());
             let unknowns = lu.solve(&steer).ok_or_else(none)? * determinant;
             Ok::<_, VehicleError>((equations, unknowns, determinant))
         };

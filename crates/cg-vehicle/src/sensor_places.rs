@@ -84,16 +84,23 @@ pub struct RollSensor {
     /// Distance behind the fifth wheel; if absent, the sensor is over the axles.
     #[serde(default)]
     pub behind_hitch_m: Option<f64>,
-    /// The same of a second sensor; the roll angle is then the mean of both.
+    /// The same of a second sensor.
     #[serde(default)]
     pub second_behind_hitch_m: Option<f64>,
+    /// Share of the second sensor in the roll angle, if it has a column of its own in the log; if absent,
+    /// the log has the mean of both (see [`crate::second_sensor`]).
+    #[serde(default)]
+    pub second_share: Option<f64>,
 }
 
 impl RollSensor {
-    /// Distances of the sensors behind the fifth wheel, infinite over the axles.
-    pub(crate) fn places_m(&self) -> Vec<f64> {
+    /// Distances of the sensors behind the fifth wheel, infinite over the axles, with their shares in the
+    /// roll angle.
+    pub(crate) fn places_m(&self) -> impl Iterator<Item = (f64, f64)> {
         let first_m = self.behind_hitch_m.unwrap_or(f64::INFINITY);
-        std::iter::once(first_m).chain(self.second_behind_hitch_m).collect()
+        let second = self.second_behind_hitch_m.map(|m| (m, self.second_share.unwrap_or(0.5)));
+        let others: f64 = second.iter().map(|(_, share)| share).sum();
+        std::iter::once((first_m, 1.0 - others)).chain(second)
     }
 }
 

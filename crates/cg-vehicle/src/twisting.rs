@@ -9,11 +9,24 @@
 //! [`SteadyLines`](crate::linear::SteadyLines)).
 
 use crate::load::SprungMass;
-use crate::vehicle::Vehicle;
+use crate::vehicle::{Trailer, Vehicle};
 
 /// Damping of the frame divided by its stiffness: at the natural frequency of the frame (20 to 30
 /// rad/s) about a tenth of the critical damping.
 pub const DAMPING_S: f64 = 0.01;
+
+/// The stiffness that a vehicle file gives for a rigid frame.
+pub const RIGID_NM_PER_RAD: f64 = 1e10;
+/// The stiffness from which on a frame is rigid. A usual one is so much softer that no calibration takes
+/// it there.
+const RIGID_FROM_NM_PER_RAD: f64 = 4e9;
+
+/// Stiffness of a frame of which the vehicle file says nothing, and the standard deviation of its
+/// logarithm. The effect on the roll angle is less than in proportion to the compliance, so the standard
+/// deviation is so great that the effects of a rigid frame, of a box van (3e6 N m/rad), of a flatbed (6e5)
+/// and of the softest usual frames (4e5) are all within 2.3 of it (test `twisting`).
+const UNKNOWN_NM_PER_RAD: f64 = 2e6;
+const UNKNOWN_SD: f64 = 1.2;
 
 /// The frame of a trailer that twists.
 #[derive(Clone, Debug)]
@@ -74,17 +87,33 @@ impl Part {
     }
 }
 
+impl Trailer {
+    /// Torsional stiffness of the frame: that of the file, or a usual one if it is not known; `None` if the
+    /// frame is rigid.
+    pub fn frame_nm_per_rad(&self) -> Option<f64> {
+        let stiffness = self.frame_torsional_stiffness_nm_per_rad.unwrap_or(UNKNOWN_NM_PER_RAD);
+        (stiffness < RIGID_FROM_NM_PER_RAD).then_some(stiffness)
+    }
+
+    /// Standard deviation of the logarithm of that stiffness, if `given` is that of one in the file.
+    pub(crate) fn frame_sd(&self, given: f64) -> f64 {
+        match (self.frame_torsional_stiffness_nm_per_rad, self.frame_nm_per_rad()) {
+            (_, None) => 0.0, // a rigid frame stays rigid
+            (None, _) => UNKNOWN_SD,
+            _ => given,
+        }
+    }
+}
+
 impl Twisting {
     /// The frame of a vehicle; `None` if it is rigid.
     pub fn of(vehicle: &Vehicle) -> Option<Self> {
-        let stiffness_nm_per_rad = vehicle.trailer.frame_torsional_stiffness_nm_per_rad?;
+        let stiffness_nm_per_rad = vehicle.trailer.frame_nm_per_rad()?;
         let joint_m = vehicle.trailer.payload.behind_hitch_m;
         let share = |behind_hitch_m: f64| f64::from(u8::from(behind_hitch_m < joint_m));
         let (_, accelerometer_m) = vehicle.accelerometer_positions_m();
         let places = vehicle.sensors.roll.places_m();
-        #[allow(clippy::cast_precision_loss)] // one or two places
-        let roll_share =
-            places.iter().map(|place| share(*place)).sum::<f64>() / places.len().max(1) as f64;
+        let roll_share = places.map(|(place_m, weight)| weight * share(place_m)).sum();
         Some(Self { stiffness_nm_per_rad, roll_share, accelerometer_share: share(accelerometer_m) })
     }
 }

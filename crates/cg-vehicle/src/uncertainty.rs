@@ -16,7 +16,7 @@ pub struct Uncertainty {
     pub tractor_cg_height_sd_m: f64,
     /// Roll stiffness of the fifth wheel.
     pub fifth_wheel_stiffness_sd: f64,
-    /// Torsional stiffness of the trailer's frame, if it has one.
+    /// Torsional stiffness of the trailer's frame, if the file gives it.
     #[serde(default = "usual_frame_sd")]
     pub frame_torsional_stiffness_sd: f64,
     /// Vertical stiffness of the tires.

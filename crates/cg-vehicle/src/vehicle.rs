@@ -142,7 +142,10 @@ pub struct Trailer {
     /// Calibration of the pressure of the air suspension; without it a pressure is not used.
     #[serde(default)]
     pub suspension_pressure: Option<SuspensionPressure>,
-    /// Torsional stiffness of the frame between the fifth wheel and the axles; if absent, it is rigid.
+    /// Torsional stiffness of the frame between the fifth wheel and the axles, [`RIGID_NM_PER_RAD`] for a
+    /// rigid one; if absent, it is not known (see [`crate::twisting`]).
+    ///
+    /// [`RIGID_NM_PER_RAD`]: crate::twisting::RIGID_NM_PER_RAD
     #[serde(default)]
     pub frame_torsional_stiffness_nm_per_rad: Option<f64>,
     /// Axles, front to rear.
@@ -264,7 +267,9 @@ pub struct Tyre {
     pub overturning_stiffness_nm_per_rad: f64,
     /// Loads of the two tables below, strictly increasing.
     pub load_n: Vec<f64>,
-    /// Lateral force per slip angle at each load.
+    /// Lateral force per slip angle at each load: the secant at the lateral acceleration of usual
+    /// maneuvers ([`crate::slip::USUAL_G`]). A file may leave it out if it has [`lateral_force`](Self::lateral_force).
+    #[serde(default)]
     pub cornering_stiffness_n_per_rad: Vec<f64>,
     /// Aligning moment per slip angle at each load.
     pub aligning_stiffness_nm_per_rad: Vec<f64>,

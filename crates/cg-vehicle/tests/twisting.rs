@@ -7,6 +7,8 @@ use cg_core::Channel;
 use cg_vehicle::belief::{Belief, Parameter};
 use cg_vehicle::equations::Equations;
 use cg_vehicle::linear::{LinearModel, SteadyLines};
+use cg_vehicle::second_sensor::SecondShare;
+use cg_vehicle::twisting::RIGID_NM_PER_RAD;
 use cg_vehicle::{Load, Variant, Vehicle};
 
 const SPEED_MPS: f64 = 13.9;
@@ -36,7 +38,7 @@ fn exact(vehicle: &Vehicle, load: Load) -> [f64; 4] {
 #[test]
 fn a_very_stiff_frame_is_rigid() {
     let load = load(16e3, 1.7);
-    let (rigid, stiff) = (euro(None), euro(Some(1e9)));
+    let (rigid, stiff) = (euro(Some(RIGID_NM_PER_RAD)), euro(Some(1e9)));
     for (a, b) in exact(&rigid, load).into_iter().zip(exact(&stiff, load)) {
         // Half the roll moment, 1e5 N m, over the stiffness, relative to 0.03 rad.
         assert!((a / b - 1.0).abs() < 3e-3, "{a} {b}");
@@ -83,17 +85,68 @@ fn the_lines_are_nearly_those_of_the_twisting_model() {
     assert!(worst[0] < 1e-3 && worst[1] < 5e-3, "{worst:?}");
 }
 
-/// The frame's stiffness is uncertain only if there is one.
+/// A rigid frame is certain, and one in the file has the file's standard deviation.
 #[test]
 fn the_stiffness_of_a_frame_is_a_parameter() {
     let k = Parameter::FrameTorsionalStiffness as usize;
-    assert!(Belief::prior(&euro(None)).covariance[(k, k)].abs() < f64::EPSILON);
+    let rigid = euro(Some(RIGID_NM_PER_RAD));
+    assert!(Belief::prior(&rigid).covariance[(k, k)].abs() < f64::EPSILON);
+    assert_eq!(Belief::prior(&rigid).applied_to(&rigid).trailer.frame_nm_per_rad(), None);
     let vehicle = euro(Some(3e6));
     let mut belief = Belief::prior(&vehicle);
     assert!((belief.covariance[(k, k)] - 0.09).abs() < 1e-12);
     belief.mean[k] = 2.0_f64.ln();
     let applied = belief.applied_to(&vehicle).trailer.frame_torsional_stiffness_nm_per_rad;
     assert!((applied.unwrap() - 6e6).abs() < 1e-3);
+}
+
+/// A file that says nothing of the frame allows for all of them, at both ends of the trailer.
+#[test]
+fn an_unknown_frame_may_be_any_usual_one() {
+    let k = Parameter::FrameTorsionalStiffness as usize;
+    let sd = Belief::prior(&euro(None)).covariance[(k, k)].sqrt();
+    let mean = euro(None).trailer.frame_nm_per_rad().unwrap();
+    for (place_m, at) in [(0.5, load(0.0, 1.275)), (0.5, load(24e3, 2.0)), (8.0, load(0.0, 1.275))]
+    {
+        let logarithm = |stiffness: f64| {
+            let mut vehicle = euro(Some(stiffness));
+            vehicle.sensors.roll.behind_hitch_m = Some(place_m);
+            exact(&vehicle, at)[Channel::LateralAcceleration.index()].ln()
+        };
+        let of_sd = sd * (logarithm(1.001 * mean) - logarithm(mean)) / 1.001_f64.ln();
+        let deviations = [4e5, 6e5, 3e6, RIGID_NM_PER_RAD]
+            .map(|stiffness| (logarithm(stiffness) - logarithm(mean)) / of_sd);
+        println!("{place_m} m: {deviations:+.2?} standard deviations");
+        assert!(deviations.iter().all(|deviation| deviation.abs() < 2.3), "{deviations:?}");
+    }
+}
+
+/// The soft frame is uncertain by 30 %, and moves the roll of both halves in opposite directions. With the
+/// best share of the second sensor the height is as certain as with a rigid frame, within a tenth.
+#[test]
+fn two_sensors_know_the_height_as_if_the_frame_were_certain() {
+    let mut flatbed = euro(Some(6e5));
+    flatbed.uncertainty.frame_torsional_stiffness_sd = 0.3;
+    let roll = &mut flatbed.sensors.roll;
+    [roll.behind_hitch_m, roll.second_behind_hitch_m] = [Some(0.5), Some(8.0)];
+    let best = SecondShare::best(&flatbed).unwrap().unwrap();
+    let of = |share: f64| SecondShare::of(&flatbed, share).unwrap().height_sd;
+    let mut certain = flatbed.clone();
+    certain.uncertainty.frame_torsional_stiffness_sd = 0.0;
+    let least = SecondShare::of(&certain, best.share).unwrap().height_sd;
+    println!(
+        "share {:.2}: {:.2?} %; first, second, mean: {:.2?} %; frame certain: {:.2?} %",
+        best.share,
+        best.height_sd.map(|sd| 100.0 * sd),
+        [0.0, 1.0, 0.5].map(|share| of(share).map(|sd| 100.0 * sd)),
+        least.map(|sd| 100.0 * sd)
+    );
+    for load in 0..2 {
+        assert!(best.height_sd[load] < 1.1 * least[load], "{best:?} {least:?}");
+        assert!(best.height_sd[load] < of(0.0)[load], "the front sensor alone");
+    }
+    flatbed.trailer.frame_torsional_stiffness_nm_per_rad = Some(RIGID_NM_PER_RAD);
+    assert_eq!(SecondShare::best(&flatbed).unwrap(), None);
 }
 
 /// A sensor at the fifth wheel sees the front half, one over the axles the rear half, and two see the
@@ -108,6 +161,14 @@ fn a_roll_sensor_has_a_place() {
     };
     let [front, rear, both] = [[Some(0.5), None], [None, None], [Some(0.5), Some(8.0)]].map(ratio);
     assert!((both / (0.5 * (front + rear)) - 1.0).abs() < 1e-12, "{front} {rear} {both}");
+    let shared = {
+        let mut vehicle = euro(Some(6e5));
+        let roll = &mut vehicle.sensors.roll;
+        [roll.behind_hitch_m, roll.second_behind_hitch_m] = [Some(0.5), Some(8.0)];
+        roll.second_share = Some(0.3);
+        exact(&vehicle, at)[Channel::LateralAcceleration.index()]
+    };
+    assert!((shared / (0.7 * front + 0.3 * rear) - 1.0).abs() < 1e-12, "{shared}");
     assert!(front > 1.05 * rear, "{front} {rear}");
 }
 

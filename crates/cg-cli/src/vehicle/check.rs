@@ -9,7 +9,10 @@ use cg_vehicle::belief::Belief;
 use cg_vehicle::design::design;
 use cg_vehicle::finding::{Finding, Severity};
 use cg_vehicle::influence::{Influence, Influences, influences};
+use cg_vehicle::second_sensor::SecondShare;
+use cg_vehicle::slip::USUAL_G;
 use cg_vehicle::steady_turn::steady_turn_threshold_g;
+use cg_vehicle::vehicle::Tyre;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
@@ -38,6 +41,18 @@ struct Report {
     speed_mps: f64,
     loads: [Loaded; 2],
     influences: Influences,
+    /// The share of the second roll sensor: that of the file, and the best one.
+    second_roll: Option<[SecondShare; 2]>,
+    tyres: Vec<Slopes>,
+}
+
+/// Cornering stiffness of a tire with a slip table at its greatest static load.
+struct Slopes {
+    tyre: String,
+    load_n: f64,
+    file: f64,
+    at_zero_slip: f64,
+    secant: f64,
 }
 
 pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<Outcome> {
@@ -74,7 +89,27 @@ fn report(
     // What every estimate needs.
     design(&vehicle, Variant::Complete)?;
     let influences = influences(&vehicle, &Belief::prior(&vehicle), speed_mps, laden)?;
-    Ok(Report { vehicle, findings, speed_mps, loads, influences })
+    let share = vehicle.sensors.roll.second_share.unwrap_or(0.5);
+    let second_roll = match SecondShare::best(&vehicle)? {
+        Some(best) => Some([SecondShare::of(&vehicle, share)?, best]),
+        None => None,
+    };
+    let tyres = slopes(&vehicle, &loads[1].balance);
+    Ok(Report { vehicle, findings, speed_mps, loads, influences, second_roll, tyres })
+}
+
+fn slopes(vehicle: &Vehicle, laden: &StaticBalance) -> Vec<Slopes> {
+    let axles = vehicle.axles();
+    let of_tyre = |tyre: &Tyre| {
+        let own =
+            axles.iter().zip(&laden.axle_load_n).filter(|(axle, _)| axle.tyre.name == tyre.name);
+        let load_n = own.map(|(axle, load_n)| load_n / axle.tyres()).fold(0.0, f64::max);
+        let table = tyre.lateral_force.as_ref()?;
+        let [at_zero_slip, secant] = table.slopes_n_per_rad(load_n, USUAL_G)?;
+        let file = tyre.stiffness_at(load_n).0;
+        Some(Slopes { tyre: tyre.name.clone(), load_n, file, at_zero_slip, secant })
+    };
+    vehicle.tyre.iter().filter_map(of_tyre).collect()
 }
 
 fn describe(report: &Report) -> Value {
@@ -103,6 +138,26 @@ fn describe(report: &Report) -> Value {
         })).collect::<Vec<_>>(),
         "height_relative_sd": of_channels(report.influences.height_sd),
     });
+    if let Some(shares) = &report.second_roll {
+        let [file, best] = shares.map(|one| {
+            let [empty, laden] = one.height_sd;
+            json!({ "share": one.share, "height_relative_sd": { "empty": empty, "laden": laden } })
+        });
+        object["second_roll_sensor"] = json!({ "file": file, "best": best });
+    }
+    object["tyres"] = report
+        .tyres
+        .iter()
+        .map(|one| {
+            json!({
+                "name": one.tyre,
+                "load_n": one.load_n,
+                "cornering_stiffness_n_per_rad": one.file,
+                "at_zero_slip_n_per_rad": one.at_zero_slip,
+                "secant_n_per_rad": one.secant,
+            })
+        })
+        .collect();
     for loaded in &report.loads {
         let axles = loaded.balance.axle_load_n.iter().map(|n| kg(*n)).collect::<Vec<_>>();
         object[loaded.name] = json!({
@@ -142,7 +197,47 @@ fn print(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
         "\nStandard deviation of the laden height in % of it, by the pair of signals (channel), \
          before a calibration\n\n{}",
         parameters(&report.influences).trim_fmt()
+    )?;
+    if let Some(shares) = &report.second_roll {
+        print_second_roll(out, &report.vehicle, shares)?;
+    }
+    if report.tyres.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "\nCornering stiffness at the greatest laden load of a tire, kN/rad: that of the file should be \
+         the secant at {USUAL_G} g in the slip table\n\n{}",
+        tyres(&report.tyres).trim_fmt()
     )
+}
+
+fn print_second_roll(
+    out: &mut impl Write,
+    vehicle: &Vehicle,
+    [file, best]: &[SecondShare; 2],
+) -> std::io::Result<()> {
+    let named = match vehicle.sensors.roll.second_share {
+        Some(_) => "sensors.roll.second_share = ",
+        None => "The roll angle is the mean of two sensors: a share of ",
+    };
+    let sd = |one: &SecondShare| one.height_sd.map(|sd| format!("{:.1}", 100.0 * sd));
+    let ([empty, laden], [best_empty, best_laden]) = (sd(file), sd(best));
+    writeln!(
+        out,
+        "\n{named}{:.2} leaves {empty} % (empty) and {laden} % (laden) in the channel \
+         lateral-acceleration; the best share, {:.2}, would leave {best_empty} % and {best_laden} %",
+        file.share, best.share
+    )
+}
+
+fn tyres(all: &[Slopes]) -> Table {
+    let kilo = |n: f64| format!("{:.1}", n / 1e3);
+    let row = |one: &Slopes| {
+        let values = [one.load_n, one.file, one.at_zero_slip, one.secant].map(kilo);
+        std::iter::once(one.tyre.clone()).chain(values).collect()
+    };
+    plain(vec!["tire", "load kN", "file", "at zero slip", "secant"], all.iter().map(row))
 }
 
 /// A table without lines whose columns are aligned to the right, except the first.

@@ -26,6 +26,8 @@ macro_rules! quantities {
             SteeringWheel steering_wheel_rad "steering_wheel" Angle [-60.0, 60.0] directed 500_000;
             /// Roll angle of the trailer's sprung mass to the road, positive right side down.
             Roll roll_rad "roll" Angle [-1.0, 1.0] directed 500_000;
+            /// The same from a second sensor, at another place along a trailer whose frame twists.
+            SecondRoll second_roll_rad "second_roll" Angle [-1.0, 1.0] directed 500_000;
             /// Roll angle of the trailer's sprung mass to gravity (roll plus the bank of the road),
             /// positive right side down.
             RollToGravity roll_to_gravity_rad "roll_to_gravity" Angle [-1.0, 1.0] directed 500_000;

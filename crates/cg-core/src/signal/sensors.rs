@@ -27,6 +27,8 @@ pub struct AlignSettings<T> {
     pub suspension_roll_of_level: Option<T>,
     /// The same for the level sensors at the drive axles of the tractor.
     pub tractor_suspension_roll_of_level: Option<T>,
+    /// Share of the second roll sensor in the trailer's roll angle, which then needs both sensors.
+    pub second_roll_share: Option<T>,
 }
 
 impl<T: Real> AlignSettings<T> {
@@ -39,6 +41,7 @@ impl<T: Real> AlignSettings<T> {
         mass_range_kg: None,
         suspension_roll_of_level: None,
         tractor_suspension_roll_of_level: None,
+        second_roll_share: None,
     };
 
     /// Mean road-wheel angle, rad: the measured one or, if it is absent, the one that follows from
@@ -71,7 +74,13 @@ impl<T: Real> AlignSettings<T> {
         Sample {
             time_us,
             steer_rad: self.steer_rad(at(Quantity::Steer), at(Quantity::SteeringWheel)),
-            roll_rad: at(Quantity::Roll),
+            roll_rad: match self.second_roll_share {
+                Some(share) => {
+                    let first_rad = at(Quantity::Roll);
+                    first_rad + share * (at(Quantity::SecondRoll) - first_rad)
+                }
+                None => at(Quantity::Roll),
+            },
             roll_to_gravity_rad: at(Quantity::RollToGravity),
             tilt_rad,
             suspension_roll_rad: or(
@@ -228,6 +237,18 @@ mod tests {
         assert!(one.suspension_roll_rad.is_nan() && one.tractor_suspension_roll_rad.is_nan());
         let bare = sample(AlignSettings::NONE, &levels);
         assert!(bare.suspension_roll_rad.is_nan() && bare.tractor_suspension_roll_rad.is_nan());
+    }
+
+    /// A quarter of 0.06 rad and three quarters of 0.02 rad. One sensor alone gives nothing.
+    #[test]
+    fn two_roll_sensors_give_one_roll_angle() {
+        let settings = AlignSettings { second_roll_share: Some(0.25), ..AlignSettings::NONE };
+        let both = [(Quantity::Roll, 0.02), (Quantity::SecondRoll, 0.06)];
+        close(sample(settings, &both).roll_rad, 0.03);
+        for one in both {
+            assert!(sample(settings, &[one]).roll_rad.is_nan());
+        }
+        close(sample(AlignSettings::NONE, &both).roll_rad, 0.02);
     }
 
     /// The body tilts more than the axle: 0.25 − 0.20 and 0.23 − 0.21.

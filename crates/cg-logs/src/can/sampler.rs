@@ -72,6 +72,11 @@ impl Sampler {
         instant
     }
 
+    /// Whether its samples have a roll angle of two sensors.
+    pub(crate) fn shares_roll(&self) -> bool {
+        self.settings.second_roll_share.is_some()
+    }
+
     /// The value of a quantity at the time of the last sample, SI units.
     pub fn value(&self, quantity: Quantity, stream_us: u64) -> f64 {
         self.aligner.value(quantity, stream_us)

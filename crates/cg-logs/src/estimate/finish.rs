@@ -67,7 +67,8 @@ impl LogEstimator {
             verdict: Verdict::Inconsistent,
             remark: Some(format!("inconsistent: {remark}")),
         };
-        let signals = self.check.contradiction(self.design.gravity_mps2);
+        let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
+        let signals = rolls.or_else(|| self.check.contradiction(self.design.gravity_mps2));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };
         }

@@ -6,6 +6,7 @@ use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Si
 use super::engine::Engine;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
+use super::rolls::RollCheck;
 use super::signals::SignalCheck;
 use crate::log::LogRow;
 use cg_vehicle::Vehicle;
@@ -52,6 +53,7 @@ pub struct LogEstimator {
     bus_scale: Option<Scale>,
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
+    pub(super) rolls: RollCheck,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
@@ -102,6 +104,7 @@ impl LogEstimator {
             bus_scale: None,
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             check: SignalCheck::default(),
+            rolls: RollCheck::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
             recorder: None,
@@ -127,6 +130,7 @@ impl LogEstimator {
         let sample = self.sample(row);
         let step = self.engine.push(&sample)?;
         self.check.push(&sample);
+        self.rolls.push(row, &sample, step.status);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
         }

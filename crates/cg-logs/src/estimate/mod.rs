@@ -6,6 +6,8 @@
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
+//! | `pair` | two signals compared |
+//! | `rolls` | whether two roll sensors agree, and whether the trailer leans |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
@@ -14,7 +16,9 @@
 mod options;
 mod answer;
 mod engine;
+mod pair;
 mod signals;
+mod rolls;
 mod recorder;
 mod intake;
 mod diagnosis;

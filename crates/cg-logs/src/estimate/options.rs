@@ -5,6 +5,7 @@ use std::str::FromStr;
 use cg_core::Channel;
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
 use cg_vehicle::calibration::Judgment;
+use cg_vehicle::lean::Lean;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::{Variant, Vehicle};
 use serde::Serialize;
@@ -137,15 +138,19 @@ pub struct EstimateOptions {
     pub road: Option<RoadChoice>,
     /// Whether the runs of the calibration are possible; if not, the messages say so.
     pub judgment: Judgment,
+    /// The lean of a trailer whose load stands beside the middle, if that can make the height wrong.
+    pub lean: Option<Lean>,
 }
 
 impl EstimateOptions {
-    /// The same options with the scales of the vehicle, and with the roads of its file if no others are
-    /// given.
+    /// The same options with the scales and the lean of the vehicle, and with the roads of its file if no
+    /// others are given.
     #[must_use]
     pub fn with_file(self, vehicle: &Vehicle) -> Self {
         let road = self.road.or_else(|| RoadChoice::of_vehicle(vehicle));
-        Self { road, scales: Scales::of(vehicle), ..self }
+        // A vehicle without equations has no design either, and its error is that of the design.
+        let lean = Lean::of(vehicle).ok().flatten();
+        Self { road, lean, scales: Scales::of(vehicle), ..self }
     }
 }
 
@@ -162,6 +167,7 @@ impl Default for EstimateOptions {
             scales: Scales::EXACT,
             road: None,
             judgment: Judgment::Sound,
+            lean: None,
         }
     }
 }

@@ -5,6 +5,8 @@
 
 use cg_core::Sample;
 
+use super::pair::Pair;
+
 /// Time constant of the filter before the comparison. It removes noise and keeps turns.
 const FILTER_S: f64 = 0.5;
 /// Speed below which the yaw rate is not used, m/s.
@@ -19,29 +21,6 @@ const TOLERANCE: f64 = 0.15;
 const NEAR: f64 = 0.1;
 /// Longest interval between two rows that the estimator accepts, s.
 const GAP_S: f64 = 0.5;
-
-/// Running means and sums of products of two signals.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pair {
-    mean: [f64; 2],
-    /// Sums of the squares of the first signal and of the products, about the means.
-    sums: [f64; 2],
-}
-
-impl Pair {
-    fn push(&mut self, rows: f64, [x, y]: [f64; 2]) {
-        let before = [x - self.mean[0], y - self.mean[1]];
-        self.mean[0] += before[0] / rows;
-        self.mean[1] += before[1] / rows;
-        self.sums[0] += before[0] * (x - self.mean[0]);
-        self.sums[1] += before[0] * (y - self.mean[1]);
-    }
-
-    /// Slope of the second signal with respect to the first.
-    fn slope(&self) -> f64 {
-        self.sums[1] / self.sums[0]
-    }
-}
 
 /// Checks the samples of one log.
 #[derive(Clone, Copy, Debug, Default)]
@@ -95,7 +74,7 @@ impl SignalCheck {
 
     /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
     pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
-        let spread_mps2 = (self.lateral.sums[0] / self.rows).sqrt();
+        let spread_mps2 = (self.lateral.square() / self.rows).sqrt();
         let enough = self.rows >= LEAST_ROWS && spread_mps2 > EXCITED_MPS2;
         // Only yaw rate times speed must vary enough. A lateral acceleration in g, or one that is
         // nearly zero, is compared too.

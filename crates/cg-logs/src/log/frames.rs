@@ -91,7 +91,11 @@ impl FrameRows {
         self.scale = self.sampler.scale(sample.time_us);
         #[allow(clippy::cast_precision_loss)]
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
-        let row = LogRow::of_sample(time_s, sample);
+        let mut row = LogRow::of_sample(time_s, sample);
+        if self.sampler.shares_roll() {
+            // The sample has the roll angle of both sensors together, so that of each in the row may be it.
+            row.second_roll_rad = row.roll_rad;
+        }
         if !self.without_truck {
             return row;
         }

@@ -28,6 +28,14 @@ impl Known {
         reader.map(Result::unwrap).collect()
     }
 
+    /// Options with its trailer mass, which not every log has.
+    pub(crate) fn weighed(&self) -> EstimateOptions {
+        EstimateOptions {
+            trailer_mass_kg: Some(self.load.trailer_mass_kg),
+            ..EstimateOptions::default()
+        }
+    }
+
     pub(crate) fn feed(&self, estimator: &mut LogEstimator) {
         for row in self.rows() {
             estimator.push(&row).unwrap();
@@ -85,7 +93,10 @@ pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
         .iter()
         .map(|known| KnownLog {
             log: known.log.clone(),
-            load: KnownLoad::Laden { height_m: known.load.cg_height_m, trailer_mass_kg: None },
+            load: KnownLoad::Laden {
+                height_m: known.load.cg_height_m,
+                trailer_mass_kg: Some(known.load.trailer_mass_kg),
+            },
         })
         .collect();
     calibrate::<VehicleError>(vehicle, CalibrateOptions::default(), &logs, |log, estimator| {

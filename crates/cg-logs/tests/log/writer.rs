@@ -145,7 +145,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 proptest! {
     #[test]
     fn what_is_written_is_read_again_bit_for_bit(
-        steps_us in prop::collection::vec((1_u32..2_000_000_000, prop::array::uniform25(any_number())), 1..20),
+        steps_us in prop::collection::vec((1_u32..2_000_000_000, prop::array::uniform26(any_number())), 1..20),
         start_us in -1e15..1e15,
     ) {
         let mut time_us = f64::round(start_us);

@@ -6,7 +6,7 @@ use super::state::{
 };
 
 /// A sprung mass at an instant; ISO 8855 signs. Of a trailer whose frame twists, roll angles and specific
-/// force are those at the sensors of the vehicle file (of two roll sensors, the mean).
+/// force are those at the sensors of the vehicle file (of two roll sensors, their sum by shares).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct UnitSample {
@@ -85,6 +85,8 @@ pub struct PlantSample {
     pub tractor: UnitSample,
     /// The trailer's sprung mass.
     pub trailer: UnitSample,
+    /// Roll angles of the front and the rear half of the trailer; the same if its frame is rigid.
+    pub halves_roll_rad: [f64; 2],
     /// Yaw of the tractor minus that of the trailer.
     pub articulation_rad: f64,
     /// `(right − left)/(right + left)` of the loads of all axles that are not steered.
@@ -165,7 +167,9 @@ impl PlantSample {
             }
             unit.suspension_roll_rad = unit.roll_rad - sum_rad / f64::max(count, 1.0);
         }
+        let mut halves_roll_rad = [trailer.roll_rad; 2];
         if let Some(front) = &parameters.front {
+            halves_roll_rad[0] = state.x[FRONT_ROLL];
             // So far these are the roll of the rear half.
             let share = front.roll_share;
             trailer.roll_rad += share * (state.x[FRONT_ROLL] - trailer.roll_rad);
@@ -199,6 +203,7 @@ impl PlantSample {
             grade_rad: control.ground.grade_rad,
             tractor,
             trailer,
+            halves_roll_rad,
             articulation_rad: tractor.yaw_rad - trailer.yaw_rad,
             load_transfer_ratio: if sum > 0.0 { difference / sum } else { 0.0 },
             hitch_load_n: probe.hitch_force_n[2],

@@ -146,7 +146,7 @@ pub struct Instruments {
     /// The steer angle on the sensor's side of the play.
     steer_shown_rad: Option<f64>,
     /// True times and roll angles (to the road, to gravity), as far back as the delay.
-    past: VecDeque<(f64, [f64; 2])>,
+    past: VecDeque<(f64, [f64; 3])>,
     chassis: Option<ChassisInstruments>,
     is_first: bool,
 }
@@ -210,11 +210,17 @@ impl Instruments {
         };
         let noise_rad = self.roll_noise_rad(truth.time_s);
         let lost = sensors.drop_out > 0.0 && self.chance.random_bool(sensors.drop_out);
-        let [mut roll_rad, to_gravity_rad] = self.delayed_roll_rad(truth).map(|true_rad| {
+        let delayed_rad = self.delayed_roll_rad(truth);
+        let shown = |true_rad: f64, noise_rad: f64| {
             let shown_rad = true_rad + felt_rad + sensors.roll_offset_rad + noise_rad;
             if lost { f64::NAN } else { sensors.within_roll_sensor(shown_rad) }
-        });
-        row.roll_to_gravity_rad = to_gravity_rad;
+        };
+        let mut roll_rad = shown(delayed_rad[0], noise_rad);
+        row.roll_to_gravity_rad = shown(delayed_rad[1], noise_rad);
+        if truth.second_roll_rad.is_finite() {
+            // White noise is its own; of slow noise both sensors have the same.
+            row.second_roll_rad = shown(delayed_rad[2], self.roll_noise_rad(truth.time_s));
+        }
         if let Some(chassis) = &mut self.chassis {
             chassis.measure(truth, &mut row);
         }
@@ -263,8 +269,8 @@ impl Instruments {
     }
 
     /// The roll angle `delay_s` ago, interpolated linearly between rows; before the first row, its value.
-    fn delayed_roll_rad(&mut self, truth: &LogRow) -> [f64; 2] {
-        let now_rad = [truth.roll_rad, truth.roll_to_gravity_rad];
+    fn delayed_roll_rad(&mut self, truth: &LogRow) -> [f64; 3] {
+        let now_rad = [truth.roll_rad, truth.roll_to_gravity_rad, truth.second_roll_rad];
         if self.sensors.delay_s <= 0.0 {
             return now_rad;
         }
@@ -274,7 +280,7 @@ impl Instruments {
             self.past.pop_front();
         }
         match (self.past.front(), self.past.get(1)) {
-            (Some(before), Some(after)) if then_s > before.0 => [0, 1].map(|k| {
+            (Some(before), Some(after)) if then_s > before.0 => [0, 1, 2].map(|k| {
                 let change_rad = after.1[k] - before.1[k];
                 before.1[k] + change_rad * (then_s - before.0) / (after.0 - before.0)
             }),

@@ -22,6 +22,8 @@ pub(super) struct Signals {
     drive_axles_kg: f64,
     /// Gauge pressure without load, and per load of the drive axles in kg.
     drive_pressure: Option<[f64; 2]>,
+    /// Halves of the trailer on which two roll sensors are, if the log has them separately.
+    roll_halves: Option<[usize; 2]>,
 }
 
 impl Signals {
@@ -37,7 +39,15 @@ impl Signals {
             let per_kg = (q - p) / (b - a);
             [p - per_kg * a, per_kg]
         });
+        let joint_m = vehicle.trailer.payload.behind_hitch_m;
+        let half = |behind_hitch_m: f64| usize::from(behind_hitch_m >= joint_m);
+        let roll = places.roll;
+        let roll_halves = roll
+            .second_share
+            .and(roll.second_behind_hitch_m)
+            .map(|second_m| [half(roll.behind_hitch_m.unwrap_or(f64::INFINITY)), half(second_m)]);
         Self {
+            roll_halves,
             has_chassis,
             gravity_mps2: vehicle.gravity_mps2,
             trailer_mass_kg,
@@ -45,6 +55,11 @@ impl Signals {
             drive_axles_kg: drive.map(|axle| axle.axle.unsprung_mass_kg).sum(),
             drive_pressure,
         }
+    }
+
+    /// Whether the log has two roll sensors.
+    pub(super) fn has_two_rolls(&self) -> bool {
+        self.roll_halves.is_some()
     }
 
     /// Whether the vehicle has a gauge on the drive axles.
@@ -55,10 +70,15 @@ impl Signals {
     /// The row of a sample.
     pub(super) fn row(&self, time_s: f64, sample: &PlantSample) -> LogRow {
         let (tractor, trailer) = (&sample.tractor, &sample.trailer);
+        let [roll_rad, second_roll_rad] = match self.roll_halves {
+            Some(halves) => halves.map(|half| sample.halves_roll_rad[half]),
+            None => [trailer.roll_rad, f64::NAN],
+        };
         let row = LogRow {
             time_s,
             steer_rad: sample.steer_rad,
-            roll_rad: trailer.roll_rad,
+            roll_rad,
+            second_roll_rad,
             speed_mps: sample.speed_mps,
             lateral_acceleration_mps2: trailer.lateral_acceleration_mps2,
             yaw_rate_radps: trailer.yaw_rate_radps,

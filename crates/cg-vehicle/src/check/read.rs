@@ -64,7 +64,10 @@ fn checked(text: &str, file: &str) -> Result<(Vehicle, Vec<Finding>), VehicleErr
     if !unknown.is_empty() {
         return Err(refused(unknown));
     }
-    let vehicle: Vehicle = toml::from_str(text).map_err(syntax)?;
+    let mut vehicle: Vehicle = toml::from_str(text).map_err(syntax)?;
+    for tyre in &mut vehicle.tyre {
+        tyre.complete_cornering_stiffness();
+    }
     let mut findings = ranges::findings(&ranges::numbers(&root));
     findings.extend(shapes::findings(&vehicle));
     let related = relations::findings(&vehicle, &findings);

@@ -71,6 +71,11 @@ pub(super) fn findings(v: &Vehicle) -> Vec<Finding> {
     let mut found = Vec::new();
     names(v, &mut found);
     heights_and_masses(v, &mut found);
+    let roll = &v.sensors.roll;
+    if let (Some(share), None) = (roll.second_share, roll.second_behind_hitch_m) {
+        let problem = "needs the place of the second sensor, sensors.roll.second_behind_hitch_m";
+        found.push(Finding::error("sensors.roll.second_share", share, problem));
+    }
     axles(v, &mut found);
     for (i, tyre) in v.tyre.iter().enumerate() {
         tyre_tables(&format!("tyre[{i}]"), tyre, &mut found);

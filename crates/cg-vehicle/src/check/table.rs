@@ -143,7 +143,7 @@ const UNCERTAINTY: &[Key] = &[
     number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the roll sensor, and the error of the model that is the same everywhere, relative"),
     number("suspension_roll_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the sensors of suspension roll, with the error of the model that is the same everywhere, for trailer and tractor separately, relative").optional(),
     number("specific_force_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the sensors of specific force, for trailer and tractor separately, relative").optional(),
-    number("frame_torsional_stiffness_sd", "", [0.05, 0.7], [0.0, 1.0], "torsional stiffness of the trailer's frame, relative; only if the trailer has one").optional(),
+    number("frame_torsional_stiffness_sd", "", [0.05, 0.7], [0.0, 1.0], "torsional stiffness of the trailer's frame, relative; only if the file gives it").optional(),
     number("payload_place_sd_m", "m", [0.05, 1.0], [0.0, 3.0], "distance of a load's c.g. from trailer.payload.behind_hitch_m, to the front or to the rear; every load has its own place, so no calibration reduces it").optional().or(0.0, "every load at that place"),
     number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "the rest of the model error, relative"),
 ];
@@ -177,7 +177,7 @@ const TRACTOR_AXLE: &[Key] = &[
 const TRAILER: &[Key] = &[
     number("reference_mass_kg", "kg", [4e3, 6e4], [1.5e3, HEAVIEST_KG], "mass of the whole semitrailer, with axles and payload, if no other one is given"),
     number("reference_cg_height_m", "m", [0.8, 3.2], [0.3, HIGHEST_M], "height of the c.g. of its sprung mass if no other one is given"),
-    number("frame_torsional_stiffness_nm_per_rad", "N m/rad", [1e5, 1e7], [2e4, 1e9], "torsional stiffness of the frame between the fifth wheel and the axles; if absent, the frame is rigid").optional(),
+    number("frame_torsional_stiffness_nm_per_rad", "N m/rad", [1e5, 9e6], [2e4, 1e10], "torsional stiffness of the frame between the fifth wheel and the axles: 3e6 for a box van, 6e5 for a flatbed; if absent, it is taken as unknown, which makes the interval of a roll sensor wider").optional().or(1e10, "rigid"),
 ];
 
 #[rustfmt::skip]
@@ -207,7 +207,8 @@ const PRESSURE: &[Key] = &[
 #[rustfmt::skip]
 const ROLL_SENSOR: &[Key] = &[
     number("behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "distance behind the fifth wheel; if absent, over the axles").optional(),
-    number("second_behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "the same of a second sensor; the roll angle is then the mean of both").optional(),
+    number("second_behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "the same of a second sensor").optional(),
+    number("second_share", "", [0.05, 0.95], [0.0, 1.0], "share of the second sensor in the roll angle, if the log has it as second_roll_rad beside roll_rad; `cg vehicle check` says the best one; if absent, roll_rad is the mean of both sensors").optional().or(0.0, "the first sensor alone"),
 ];
 
 #[rustfmt::skip]
@@ -273,7 +274,7 @@ const TYRE: &[Key] = &[
     number("vertical_stiffness_n_per_m", "N/m", [4e5, 2e6], [1e5, 6e6], "vertical stiffness of one tire"),
     number("overturning_stiffness_nm_per_rad", "N m/rad", [800.0, 4e4], [0.0, 2e5], "moment about the forward axis per camber angle").optional().or(0.0, "none"),
     number("load_n", "N", [500.0, 1e5], [0.0, 2e5], "loads of the two tables of stiffness").list().or(0.0, "no load"),
-    number("cornering_stiffness_n_per_rad", "N/rad", [2e3, 1e6], [0.0, 3e6], "lateral force per slip angle at each load").list().or(0.0, "no load"),
+    number("cornering_stiffness_n_per_rad", "N/rad", [2e3, 1e6], [0.0, 3e6], "lateral force per slip angle at each load, as the secant at a lateral acceleration of 0.15 g (some percent below the slope at zero slip); if absent, it is computed from lateral_force").list().optional().or(0.0, "no load"),
     number("aligning_stiffness_nm_per_rad", "N m/rad", [120.0, 1e5], [0.0, 5e5], "aligning moment per slip angle at each load").list().or(0.0, "none"),
     number("vertical_damping_ns_per_m", "N s/m", [100.0, 2e4], [0.0, 2e5], "vertical damping of one tire; for the simulation").optional().or(0.0, "none"),
     number("relaxation_length_m", "m", [0.1, 1.5], [0.0, 5.0], "distance rolled until two thirds of a new slip angle are effective; for the simulation").optional().or(0.0, "none"),

@@ -14,7 +14,7 @@ fn complete() -> Table {
     let readings = "gauge_pa = [1e5, 4e5]\naxle_load_kg = [6e3, 2e4]".parse().unwrap();
     let trailer = root.get_mut("trailer").unwrap().as_table_mut().unwrap();
     trailer.insert("suspension_pressure".to_owned(), Value::Table(readings));
-    let sensors = "[roll]\nbehind_hitch_m = 7.0\n[accelerometer]\nheight_m = 1.1\n[tractor_accelerometer]\nheight_m = 0.9\n\
+    let sensors = "[roll]\nbehind_hitch_m = 7.0\nsecond_behind_hitch_m = 0.5\n[accelerometer]\nheight_m = 1.1\n[tractor_accelerometer]\nheight_m = 0.9\n\
                    [level]\nspread_m = 1.0\n[tractor_level]\nspread_m = 0.9\n\
                    [drive_pressure]\ngauge_pa = [1e5, 4e5]\naxle_load_kg = [5e3, 1.8e4]\n\
                    [mass]\nweighed_sd_kg = 20.0";

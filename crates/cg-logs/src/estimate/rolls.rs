@@ -1,0 +1,165 @@
+//! Checks of the roll angles of a log: whether two roll sensors agree, and whether the trailer leans.
+
+use cg_core::{Sample, Status};
+use cg_vehicle::lean::Lean;
+
+use super::pair::Pair;
+use crate::log::LogRow;
+
+/// Minimum number of rows for a statement.
+const LEAST_ROWS: f64 = 100.0;
+/// Minimum standard deviation of the first roll angle for a comparison, rad: a third of a degree.
+const EXCITED_RAD: f64 = 0.006;
+/// Slopes of one roll sensor with respect to another on the same frame. The soft frame of an empty flatbed
+/// leans 1.5 times as far at its front as over the axles.
+const POSSIBLE: [f64; 2] = [0.4, 2.5];
+/// Distance of the reference payload from the middle from which on its lean is reported. At 0.1 m the
+/// height is at most 3 % too great, which is within the interval of every vehicle file (docs/limits.md).
+const BESIDE_M: f64 = 0.12;
+
+/// Checks the roll angles of one log.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RollCheck {
+    both: Pair,
+    both_rows: f64,
+    /// Rows with the first or the second sensor alone.
+    alone: [u64; 2],
+    straight_rows: f64,
+    straight_rad: f64,
+}
+
+impl RollCheck {
+    pub(super) fn push(&mut self, row: &LogRow, sample: &Sample<f64>, status: Status) {
+        let [first, second] = [row.roll_rad, row.second_roll_rad];
+        match [first.is_finite(), second.is_finite()] {
+            [true, true] => {
+                self.both_rows += 1.0;
+                self.both.push(self.both_rows, [first, second]);
+            }
+            [false, false] => {}
+            [is_first, _] => self.alone[usize::from(!is_first)] += 1,
+        }
+        if status == Status::Straight && sample.roll_rad.is_finite() {
+            self.straight_rows += 1.0;
+            self.straight_rad += (sample.roll_rad - self.straight_rad) / self.straight_rows;
+        }
+    }
+
+    /// Whether any row has the roll angle of a second sensor.
+    pub(super) fn has_second(&self) -> bool {
+        self.both_rows > 0.0 || self.alone[1] > 0
+    }
+
+    /// The contradiction between two roll sensors, if there is one.
+    pub(super) fn contradiction(&self) -> Option<String> {
+        let spread_rad = (self.both.square() / self.both_rows).sqrt();
+        let slope = self.both.slope();
+        let compared = self.both_rows >= LEAST_ROWS && spread_rad > EXCITED_RAD;
+        if !compared || (POSSIBLE[0]..=POSSIBLE[1]).contains(&slope) {
+            return None;
+        }
+        let cause = if slope < 0.0 {
+            "one of them is reversed (⟨flip roll⟩ or ⟨flip second_roll⟩)"
+        } else {
+            "the unit or the gain of one of them is wrong (⟨columns second_roll=NAME[deg]⟩)"
+        };
+        Some(format!(
+            "the second roll sensor shows {slope:.2} times the roll angle of the first, which no frame \
+             does: {cause}"
+        ))
+    }
+
+    /// What is wrong with the sensors of a log, where the vehicle file has this share of the second one.
+    pub(super) fn places(&self, second_share: Option<f64>) -> Option<String> {
+        let [first, second] = self.alone;
+        match second_share {
+            None => self.has_second().then(|| {
+                "the log has the roll angle of a second sensor, but the vehicle file has no \
+                 sensors.roll.second_share for it: it is not used"
+                    .to_owned()
+            }),
+            Some(_) if first + second > 0 => Some(format!(
+                "{} rows have the roll angle of one of the two sensors only and were left out, because \
+                 the vehicle file has sensors.roll.second_share; if roll is already the mean of both, \
+                 remove that key, and if there is only one sensor, second_behind_hitch_m too",
+                first + second
+            )),
+            Some(_) => None,
+        }
+    }
+
+    /// A lean in straight driving that can make the height wrong.
+    pub(super) fn lean(&self, lean: Option<Lean>, trailer_mass_kg: f64) -> Option<String> {
+        let lean = lean?;
+        let least_rad = BESIDE_M * lean.rad_per_kgm * lean.reference_payload_kg;
+        let beside_m = lean.beside_m(self.straight_rad, trailer_mass_kg);
+        let told = self.straight_rows >= LEAST_ROWS
+            && self.straight_rad.abs() > least_rad
+            && trailer_mass_kg > 1.1 * lean.empty_kg;
+        told.then(|| {
+            let [heavy, away] =
+                if self.straight_rad > 0.0 { ["right", "left"] } else { ["left", "right"] };
+            format!(
+                "in straight driving the roll angle is {:.1} degrees: the roll sensor has that offset, or \
+                 the load stands about {:.1} m to the {heavy}. In the second case springs and fifth wheel \
+                 with play make the height too great in turns to the {away}, also beyond the interval, and \
+                 the truck tips over there at a smaller lateral acceleration than is stated",
+                self.straight_rad.to_degrees(),
+                beside_m.abs(),
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(rows: impl IntoIterator<Item = [f64; 2]>) -> RollCheck {
+        let mut check = RollCheck::default();
+        for [roll_rad, second_roll_rad] in rows {
+            let row = LogRow { roll_rad, second_roll_rad, ..LogRow::ABSENT };
+            let sample = Sample { roll_rad, ..Sample::absent(0) };
+            check.push(&row, &sample, Status::Straight);
+        }
+        check
+    }
+
+    fn swing(k: u32) -> f64 {
+        0.03 * (0.1 * f64::from(k)).sin()
+    }
+
+    #[test]
+    fn two_sensors_on_one_frame_agree_in_sign_and_size() {
+        let found = |slope: f64, rows: u32, size: f64| {
+            check((0..rows).map(|k| [size * swing(k), slope * size * swing(k) + 0.01]))
+                .contradiction()
+        };
+        assert!(found(1.4, 200, 1.0).is_none() && found(0.6, 200, 1.0).is_none());
+        assert!(found(-1.0, 200, 1.0).unwrap().contains("reversed"));
+        assert!(found(57.3, 200, 1.0).unwrap().contains("unit"));
+        // Too few rows, too little roll.
+        assert!(found(-1.0, 99, 1.0).is_none() && found(-1.0, 200, 0.1).is_none());
+    }
+
+    #[test]
+    fn a_log_and_a_file_need_the_same_sensors() {
+        let (both, first) = (check([[0.01, 0.02]]), check([[0.01, f64::NAN]]));
+        assert!(both.places(None).unwrap().contains("second_share"));
+        assert!(both.places(Some(0.5)).is_none() && first.places(None).is_none());
+        assert!(first.places(Some(0.5)).unwrap().starts_with("1 rows"));
+    }
+
+    /// 0.12 m of 20 t are 24 mrad at 1e-5 rad/(kg m).
+    #[test]
+    fn a_lean_is_told_with_its_side() {
+        let truck = || Lean::from_parts([1e-5, 20e3, 7e3]);
+        let leaning = |rad: f64| check((0..100).map(|_| [rad, f64::NAN]));
+        let found = |rad: f64, mass_kg: f64| leaning(rad).lean(Some(truck()), mass_kg);
+        let message = found(0.026, 27e3).unwrap();
+        assert!(message.contains("0.1 m to the right") && message.contains("turns to the left"));
+        assert!(found(-0.03, 27e3).unwrap().contains("to the left"));
+        assert!(found(0.022, 27e3).is_none() && found(0.03, 7.1e3).is_none());
+        assert!(leaning(0.03).lean(None, 27e3).is_none());
+    }
+}
