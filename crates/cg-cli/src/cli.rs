@@ -140,6 +140,9 @@ pub(crate) struct CalibrateArgs {
     /// Equations of the vehicle model
     #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
     pub(crate) model: Variant,
+    /// Method by which the DC ratios of the runs are identified
+    #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
+    pub(crate) method: Method,
     /// What the runs determine
     #[arg(long, value_parser = word::<Procedure>(), default_value_t = Procedure::default())]
     pub(crate) procedure: Procedure,
@@ -309,6 +312,12 @@ pub(crate) struct ReproduceArgs {
     /// all [default: all]
     #[arg(long, value_name = "N")]
     pub(crate) table: Option<String>,
+    /// Every numbered table and figure of the thesis with one verdict each, the studies included
+    #[arg(long, conflicts_with = "table")]
+    pub(crate) list: bool,
+    /// Write the figures of chapters 4 and 5 and of appendix C into this folder, each as SVG and CSV
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["table", "list"])]
+    pub(crate) figures: Option<PathBuf>,
     /// Output format; JSON has one object per line
     #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
     pub(crate) format: ModelFormat,

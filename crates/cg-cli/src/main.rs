@@ -86,7 +86,7 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Model(arguments) => model::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments, files),
         Command::Rollover(arguments) => rollover::run(arguments),
-        Command::Reproduce(arguments) => reproduce::run(arguments),
+        Command::Reproduce(arguments) => reproduce::run(arguments, files),
         Command::Run(arguments) => run::run(arguments, files),
         Command::Study(arguments) => study::run(arguments, files),
         Command::Vehicle(arguments) => vehicle::run(arguments, files),

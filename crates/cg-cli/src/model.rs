@@ -9,8 +9,9 @@ use cg_core::{Channel, RatioLine};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::compensated::{CompensatedModel, compensated_models};
 use cg_vehicle::reduction::{Method, reduce};
+use cg_vehicle::response::{NamedResponse, StateSpace};
 use cg_vehicle::system::{Rational, TransferFunction};
-use cg_vehicle::{LinearModel, Vehicle};
+use cg_vehicle::{LinearModel, Vehicle, VehicleError};
 use serde::Serialize;
 
 use crate::args::ModelFormat;
@@ -36,8 +37,20 @@ struct Description {
     tractor_ratio: Line,
     reduced: Reduced,
     static_balance: Balance,
+    responses: Vec<Response>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     compensated: Vec<Compensated>,
+}
+
+/// The transfer function to one of the responses of appendix C of the thesis. The denominator of a yaw angle
+/// has a root at zero, and its DC gain is absent.
+#[derive(Serialize)]
+struct Response {
+    name: String,
+    unit: &'static str,
+    numerator: Vec<f64>,
+    denominator: Vec<f64>,
+    dc_gain: Option<f64>,
 }
 
 /// The compensated model of a channel, with a DC gain of one.
@@ -169,8 +182,23 @@ fn describe(arguments: &ModelArgs, vehicle: &Vehicle) -> anyhow::Result<Descript
             hitch_load_n: model.balance.hitch_load_n,
             residual_nm: model.balance.residual_nm,
         },
+        responses: responses(state_space)?,
         compensated: Vec::new(),
     })
+}
+
+fn responses(model: &StateSpace) -> Result<Vec<Response>, VehicleError> {
+    let of = |response: NamedResponse| {
+        let function = model.transfer_function_of(&response)?;
+        Ok(Response {
+            name: response.name,
+            unit: response.unit,
+            numerator: function.numerator,
+            denominator: function.denominator,
+            dc_gain: Some(function.dc_gain).filter(|gain| gain.is_finite()),
+        })
+    };
+    model.responses().into_iter().map(of).collect()
 }
 
 fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
@@ -229,7 +257,21 @@ fn print(out: &mut impl Write, d: &Description) -> std::io::Result<()> {
         writeln!(out, "  axle {}       {:9.2} kN", i + 1, load_n / 1e3)?;
     }
     writeln!(out, "  fifth wheel  {:9.2} kN", d.static_balance.hitch_load_n / 1e3)?;
+    print_responses(out, &d.responses)?;
     d.compensated.iter().try_for_each(|model| print_compensated(out, model))
+}
+
+fn print_responses(out: &mut impl Write, responses: &[Response]) -> std::io::Result<()> {
+    writeln!(out, "\nSteer angle to every response; --format json has the coefficients")?;
+    for response in responses {
+        let (zeros, poles) = (response.numerator.len() - 1, response.denominator.len() - 1);
+        let gain = response.dc_gain.map_or_else(
+            || "no DC gain: it grows in a steady turn".to_owned(),
+            |gain| format!("DC gain {gain:.5} {} per rad", response.unit),
+        );
+        writeln!(out, "  {:<25} degree {zeros} over {poles}, {gain}", response.name)?;
+    }
+    Ok(())
 }
 
 fn print_compensated(out: &mut impl Write, model: &Compensated) -> std::io::Result<()> {

@@ -3,16 +3,30 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_thesis::reproduce::{Options, Row, table, tables, title};
+use cg_logs::output::Files;
+use cg_thesis::catalog::{Kind, catalog};
+use cg_thesis::reproduce::{Options, Row, figures, table, tables, title};
+use cg_thesis::verdict::Verdict;
 use comfy_table::presets::NOTHING;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, ContentArrangement, Table};
 
 use crate::args::ModelFormat;
 use crate::cli::ReproduceArgs;
 use crate::outcome::Outcome;
+use crate::study::write_all;
 
-pub(crate) fn run(arguments: &ReproduceArgs) -> anyhow::Result<Outcome> {
+pub(crate) fn run(arguments: &ReproduceArgs, files: Files) -> anyhow::Result<Outcome> {
     let options = Options { runs: arguments.runs, seed: arguments.seed };
+    if let Some(folder) = &arguments.figures {
+        for name in write_all(&figures(&options)?, folder, files)? {
+            writeln!(std::io::stdout(), "written: {name}")
+                .context("standard output: cannot be written")?;
+        }
+        return Ok(Outcome::Done);
+    }
+    if arguments.list {
+        return list(arguments.format, &options);
+    }
     let names = match &arguments.table {
         Some(name) => &[name.as_str()][..],
         None => tables(),
@@ -34,6 +48,38 @@ pub(crate) fn run(arguments: &ReproduceArgs) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// Width of the printed list in characters.
+const WIDTH: u16 = 150;
+
+/// Prints every table and figure of the thesis with its verdict.
+fn list(format: ModelFormat, options: &Options) -> anyhow::Result<Outcome> {
+    let entries = catalog(options)?;
+    let mut out = std::io::stdout().lock();
+    let written = match format {
+        ModelFormat::Json => {
+            entries.iter().try_for_each(|entry| writeln!(out, "{}", serde_json::json!(entry)))
+        }
+        ModelFormat::Table => {
+            let mut table = Table::new();
+            table.load_preset(NOTHING);
+            table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
+            table.set_header(["", "subject", "verdict", "shown by"]);
+            for entry in &entries {
+                let kind = if entry.kind == Kind::Table { "Table" } else { "Fig." };
+                let because = match entry.verdict {
+                    Verdict::Same => format!("same: {}", entry.because),
+                    verdict => format!("{verdict} because: {}", entry.because),
+                };
+                let number = format!("{kind} {}", entry.number);
+                table.add_row([number, entry.subject.clone(), because, entry.command.clone()]);
+            }
+            writeln!(out, "{}", table.trim_fmt())
+        }
+    };
+    written.context("standard output: cannot be written")?;
+    Ok(Outcome::Done)
+}
+
 fn json(out: &mut impl Write, rows: &[Row]) -> anyhow::Result<()> {
     for row in rows {
         // The line is formatted first, so that it is written completely or not at all.
@@ -43,12 +89,12 @@ fn json(out: &mut impl Write, rows: &[Row]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the title, one line for each number, and each note once below.
+/// Prints the title, one line for each number, and each reason and note once below.
 fn print(out: &mut impl Write, title: &str, rows: &[Row]) -> std::io::Result<()> {
-    let mut notes: Vec<&str> = Vec::new();
+    let (mut notes, mut reasons): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
     let mut table = Table::new();
     table.load_preset(NOTHING);
-    table.set_header(["", "thesis", "ours", "difference", "same digits", "note"]);
+    table.set_header(["", "thesis", "ours", "difference", "the same within", "verdict", "note"]);
     for row in rows {
         let note = row.note.as_deref().map_or_else(String::new, |note| {
             let known = notes.iter().position(|other| *other == note);
@@ -58,16 +104,24 @@ fn print(out: &mut impl Write, title: &str, rows: &[Row]) -> std::io::Result<()>
             });
             format!("[{}]", number + 1)
         });
+        let within = match (row.criterion, row.criterion_reason) {
+            (Some(half_width), Some(reason)) => {
+                let known = reasons.iter().position(|other| *other == reason);
+                let number = known.unwrap_or_else(|| {
+                    reasons.push(reason);
+                    reasons.len() - 1
+                });
+                format!("{half_width:.1e} ({})", letter(number))
+            }
+            _ => String::new(),
+        };
         table.add_row([
             row.item.clone(),
             row.thesis.map_or_else(String::new, |value| digits(value, row.rounding, 0)),
             row.ours.map_or_else(|| "–".to_owned(), |value| digits(value, row.rounding, 1)),
             row.relative_error.map_or_else(String::new, difference),
-            match row.relative_error.and_then(|_| row.agrees()) {
-                Some(true) => "yes".to_owned(),
-                Some(false) => "no".to_owned(),
-                None => String::new(),
-            },
+            within,
+            row.verdict.to_string(),
             note,
         ]);
     }
@@ -76,10 +130,18 @@ fn print(out: &mut impl Write, title: &str, rows: &[Row]) -> std::io::Result<()>
     }
     writeln!(out, "{title}")?;
     writeln!(out, "{}", table.trim_fmt())?;
+    for (k, reason) in reasons.iter().enumerate() {
+        writeln!(out, " ({}) {reason}", letter(k))?;
+    }
     for (k, note) in notes.iter().enumerate() {
         writeln!(out, " [{}] {note}", k + 1)?;
     }
     Ok(())
+}
+
+/// The letter of a reason: there are few.
+fn letter(number: usize) -> char {
+    ('a'..='z').nth(number).unwrap_or('z')
 }
 
 /// A relative difference in percent, with enough decimals to show it.

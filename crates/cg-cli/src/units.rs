@@ -21,6 +21,7 @@ pub(crate) fn display_unit(unit: Unit) -> DisplayUnit {
     let listed = |unit: cg_core::Unit| own(unit.suffix, unit.spellings[0], unit.per / unit.times);
     match unit {
         Unit::One => own("percent", "%", 100.0),
+        Unit::PerSecond => own("per_s", "1/s", 1.0),
         Unit::Radian => listed(DEG),
         Unit::RadianPerSecond => listed(DEGPS),
         Unit::Meter => own("m", "m", 1.0),

@@ -11,7 +11,7 @@ use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
-use crate::estimate::{EstimateOptions, LogEstimator};
+use crate::estimate::{EstimateOptions, LogEstimator, Method};
 use crate::malformed::Malformed;
 
 /// Number of passes. A further pass would change the result by less than 0.1 %.
@@ -111,7 +111,9 @@ impl FromStr for KnownLog {
 pub struct CalibrateOptions {
     /// Equations of the vehicle model.
     pub variant: Variant,
-    /// Method of estimation.
+    /// Method by which the DC ratios are identified.
+    pub method: Method,
+    /// What the runs determine.
     pub procedure: Procedure,
     /// What the calibration is for.
     pub part: Part,
@@ -147,7 +149,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
     check(vehicle, logs)?;
-    let CalibrateOptions { variant, procedure, part, force } = options;
+    let CalibrateOptions { variant, method, procedure, part, force } = options;
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
     let mut shape_runs = Vec::new();
@@ -160,6 +162,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
         for known in logs {
             let options = EstimateOptions {
                 variant,
+                method,
                 trailer_mass_kg: known.load.of(vehicle).1,
                 ..EstimateOptions::default()
             }

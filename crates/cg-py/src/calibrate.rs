@@ -29,6 +29,7 @@ impl From<VehicleError> for Failure {
 #[pyo3(from_item_all)]
 pub(crate) struct Request {
     model: String,
+    method: String,
     procedure: String,
     part: String,
     columns: Vec<String>,
@@ -76,6 +77,7 @@ pub(crate) fn calibrate_files(
     let options = log_options(&request.columns, &request.flip)?;
     let how = CalibrateOptions {
         variant: word("model", &request.model)?,
+        method: word("method", &request.method)?,
         procedure: word("procedure", &request.procedure)?,
         part: word("part", &request.part)?,
         force: request.force,

@@ -4,6 +4,7 @@ use cg_core::RatioLine;
 use cg_core::truck::reduced::ORDER;
 use cg_vehicle::compensated::{CompensatedModel, compensated_models};
 use cg_vehicle::reduction::{Method, ReducedModels, reduce};
+use cg_vehicle::response::NamedResponse;
 use cg_vehicle::system::{Rational, TransferFunction};
 use cg_vehicle::{Load, VehicleError};
 use numpy::{Complex64, PyArray1, PyArray2};
@@ -20,6 +21,7 @@ struct Computed {
     model: cg_vehicle::LinearModel,
     transfer: TransferFunction,
     reduced: ReducedModels,
+    responses: Vec<(String, TransferFunction)>,
     compensated: Vec<CompensatedModel>,
 }
 
@@ -79,7 +81,12 @@ pub(crate) fn linear_model<'py>(
             Some(belief) => compensated_models(file, variant, belief, (speed_mps, load))?,
             None => Vec::new(),
         };
-        Ok(Computed { model, transfer, reduced, compensated })
+        let space = &model.state_space;
+        let all = space.responses().into_iter();
+        let function =
+            |one: NamedResponse| Ok((one.name.clone(), space.transfer_function_of(&one)?));
+        let responses = all.map(function).collect::<Result<Vec<_>, VehicleError>>()?;
+        Ok(Computed { model, transfer, reduced, responses, compensated })
     };
     let computed = py.detach(compute).map_err(vehicle_error)?;
     let fields = PyDict::new(py);
@@ -94,6 +101,7 @@ pub(crate) fn linear_model<'py>(
     fields.set_item("suspension_ratio", ratio_line(py, &computed.model.ratio[2])?)?;
     fields.set_item("tractor_ratio", ratio_line(py, &computed.model.ratio[3])?)?;
     fields.set_item("reduced", reduced_model(py, &computed.reduced)?)?;
+    fields.set_item("responses", responses(py, computed.responses)?)?;
     let compensated = computed.compensated.iter().map(|one| compensated_model(py, one));
     let compensated = compensated.collect::<PyResult<Vec<_>>>()?;
     fields.set_item("compensated", PyTuple::new(py, compensated)?)?;
@@ -112,6 +120,18 @@ fn set_transfer_function(fields: &Bound<'_, PyDict>, transfer: TransferFunction)
     fields.set_item("denominator", PyArray1::from_vec(py, transfer.denominator))?;
     fields.set_item("gain", transfer.gain)?;
     fields.set_item("dc_gain", transfer.dc_gain)
+}
+
+/// The transfer functions to all responses, by name.
+fn responses(py: Python<'_>, all: Vec<(String, TransferFunction)>) -> PyResult<Bound<'_, PyDict>> {
+    let class = py.import("cgheight")?.getattr("TransferFunction")?;
+    let named = PyDict::new(py);
+    for (name, function) in all {
+        let [numerator, denominator] =
+            [function.numerator, function.denominator].map(|list| PyArray1::from_vec(py, list));
+        named.set_item(name, class.call_method1("from_polynomials", (numerator, denominator))?)?;
+    }
+    Ok(named)
 }
 
 fn set_state_space(fields: &Bound<'_, PyDict>, model: &cg_vehicle::LinearModel) -> PyResult<()> {

@@ -32,6 +32,11 @@ pub(crate) fn reproduce_tables(
     columns.set_item("ours", rows.iter().map(|row| nan(row.ours)).collect::<Vec<_>>())?;
     let errors: Vec<f64> = rows.iter().map(|row| nan(row.relative_error)).collect();
     columns.set_item("relative_error", errors)?;
+    columns.set_item("criterion", rows.iter().map(|row| nan(row.criterion)).collect::<Vec<_>>())?;
+    let reasons: Vec<&str> = rows.iter().map(|row| row.criterion_reason.unwrap_or("")).collect();
+    columns.set_item("criterion_reason", reasons)?;
+    let verdicts: Vec<String> = rows.iter().map(|row| row.verdict.to_string()).collect();
+    columns.set_item("verdict", verdicts)?;
     columns.set_item("same_digits", rows.iter().map(Row::agrees).collect::<Vec<_>>())?;
     let notes: Vec<&str> = rows.iter().map(|row| row.note.as_deref().unwrap_or("")).collect();
     columns.set_item("note", notes)?;

@@ -146,10 +146,14 @@ def test_an_accuracy_map_follows_the_noise(baseline):
 
 def test_the_tables_of_the_thesis_as_a_frame():
     rows = cgheight.reproduce("5.17")
-    columns = ["table", "item", "thesis", "ours", "relative_error", "same_digits", "note"]
+    columns = ["table", "item", "thesis", "ours", "relative_error", "criterion",
+               "criterion_reason", "verdict", "same_digits", "note"]  # fmt: skip
     assert list(rows) == columns
     assert (rows.table == "5.17").all()
     assert rows.same_digits.all()
+    compared = rows[rows.criterion.notna()]
+    assert (compared.verdict == "same").all()
+    assert ((compared.ours - compared.thesis).abs() <= compared.criterion).all()
     assert rows.relative_error.abs().max() < 1e-3
     with pytest.raises(ValueError, match=r"5\.11"):
         cgheight.reproduce("17")

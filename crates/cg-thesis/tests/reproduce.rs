@@ -2,101 +2,33 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use cg_thesis::reproduce::{Options, Row, table, tables, title};
+use cg_thesis::verdict::Verdict;
 use cg_vehicle::VehicleError;
 
 /// Enough draws for the statements below, few enough for the debug profile.
 const OPTIONS: Options = Options { runs: 400, seed: 7 };
 
-/// Allowed difference from a printed number.
-#[derive(Clone, Copy, Debug)]
-enum Limit {
-    /// `|ours − thesis| / |thesis|` (or as the row's note states).
-    Relative(f64),
-    /// `|ours − thesis|` in half units of the last printed digit.
-    Digits(f64),
-}
-use Limit::{Digits, Relative};
-
-/// Table, part of the item, limit; the first match counts.
-const LIMITS: &[(&str, &str, Limit)] = &[
-    // Eight printed loads, each rounded to 0.5 N: 4 N of 140.6 kN are 2.8e-5; the lever arms
-    // (0.5 mm of 6.4 m) contribute the same again.
-    ("2.1", "fifth-wheel", Relative(6e-5)),
-    ("2.2", "fifth-wheel", Relative(6e-5)),
-    ("2.1", "X_sc", Digits(1.0)),
-    ("2.2", "X_sc", Digits(1.0)),
-    ("2.9", "X_sc", Digits(1.0)),
-    // Positions of 2.7 m and more, rounded to 0.5 mm.
-    ("2.1", "axle", Relative(2e-4)),
-    ("2.2", "axle", Relative(2e-4)),
-    ("2.9", "axle", Relative(2e-4)),
-    // Section 2.4 states 1.22 % relative to ours, which is 1.24 % relative to TruckSim.
-    ("2.3", "axle", Relative(0.0125)),
-    ("2.3", "greatest", Digits(1.0)),
-    // Five digits are printed, but not the vehicle's last digits: at most 4.7e-5, B 2.3e-5.
-    ("4.1", "A16", Digits(1.0)),
-    ("4.1", "A", Relative(4.8e-5)),
-    ("4.1", "B", Relative(2.4e-5)),
-    // Poles and zeros to 6e-5 rad/s; the smallest modulus is 1.80 rad/s.
-    ("4.2", "pole", Relative(6e-5 / 1.797)),
-    ("4.2", "zero", Relative(6e-5 / 2.955)),
-    // Three digits each; four of 41 differ by up to 0.06 units more, the rounding of F(s).
-    ("5.2", "", Digits(1.12)),
-    // Rounding of the printed F(s) changes them by up to 3e-3; eq. 5.12 happens to change by 2.7e-4.
-    // Squared errors: the amplitude is derived from order 0, printed to 0.15 %; the other five have a
-    // common factor of 1.018.
-    ("5.3", "squared error", Relative(0.02)),
-    ("5.3", "", Relative(3e-3)),
-    ("5.12", "", Relative(2.7e-4)),
-    ("5.17", "", Relative(2.4e-5)),
-    ("5.19", "", Digits(1.0)),
-    // Ours is the ratio of eq. 5.12, from which the printed ones differ by up to 9.4e-4 (for the height
-    // 1/1.136 of that).
-    ("5.5", "identified", Relative(9.5e-4)),
-    ("5.6", "identified", Relative(8.4e-4)),
-    ("5.5", "", Digits(1.0)),
-    // From the printed ratio or height, to all printed digits.
-    ("5.6", "", Digits(1.0)),
-    ("5.7", "", Digits(1.0)),
-    ("5.8", "A0/B0", Digits(1.0)),
-    // Heights to 0.01 in, which is 0.013 percentage points of bias; meters follow from the printed inches.
-    ("5.10", "updated R_c, in", Digits(2.0)),
-    ("5.10", ", m", Digits(1.0)),
-    ("5.10", "bias", Relative(1.3e-4)),
-    // Both heights are printed to 0.5 mm: 0.055 percentage points.
-    ("5.11", "as printed, m", Digits(1.0)),
-    ("5.11", "bias", Relative(5.5e-4)),
-    // The claim for the complete model: 0.06 % over the whole range.
-    ("5.11", "complete, m", Relative(6e-4)),
-];
-
-/// Printed numbers that need not agree.
-fn cannot_agree(row: &Row) -> bool {
-    row.is_misprint() || row.note.as_ref().is_some_and(|note| note.contains("cannot be reproduced"))
-}
-
+/// Rows that may differ have a reason; the criterion of every comparison is a range with two ends.
 fn check(row: &Row) {
     let name = format!("{}: {}", row.table, row.item);
-    let (Some(thesis), Some(ours), Some(error)) = (row.thesis, row.ours, row.relative_error) else {
-        assert!(row.note.is_some(), "{name}: no error and no note");
-        return;
-    };
-    if cannot_agree(row) {
-        return;
+    let note = row.note.as_deref().unwrap_or_default();
+    match row.verdict {
+        Verdict::Same | Verdict::Differs => {
+            let (criterion, reason) = (row.criterion.unwrap(), row.criterion_reason.unwrap());
+            assert!(criterion > 0.0 && criterion.is_finite() && !reason.is_empty(), "{name}");
+            let apart = (row.ours.unwrap() - row.thesis.unwrap()).abs();
+            let same = apart <= criterion * (1.0 + 1e-9);
+            assert_eq!(same, row.verdict == Verdict::Same, "{name}: {apart} {criterion}");
+            let explained = note.contains("because") || note.starts_with("misprint");
+            assert!(same || explained, "{name}: differs without a reason: {note}");
+        }
+        Verdict::NotPrinted => assert!(row.thesis.is_none() && !note.is_empty(), "{name}"),
+        Verdict::NotComputed => panic!("{name}: every row is computed"),
     }
-    let limit =
-        LIMITS.iter().find(|(table, part, _)| *table == row.table && row.item.contains(part));
-    let Some((_, _, limit)) = limit else { panic!("{name}: no limit") };
-    let (found, allowed) = match limit {
-        Relative(allowed) => (error.abs(), *allowed),
-        // Decimal ties are not exact in binary: a part in 1e9.
-        Digits(allowed) => ((ours - thesis).abs() / row.rounding.unwrap(), allowed * (1.0 + 1e-9)),
-    };
-    assert!(found <= allowed, "{name}: thesis {thesis}, ours {ours}: {found:e} > {limit:?}");
 }
 
 #[test]
-fn every_printed_number_is_met_to_its_limit() {
+fn every_comparison_has_a_criterion_and_every_difference_a_reason() {
     for name in tables() {
         let rows = table(name, &OPTIONS).unwrap();
         assert!(!rows.is_empty(), "{name}");
@@ -105,9 +37,37 @@ fn every_printed_number_is_met_to_its_limit() {
             check(row);
         }
     }
-    for (name, part, _) in LIMITS {
-        let rows = table(name, &OPTIONS).unwrap();
-        assert!(rows.iter().any(|row| row.item.contains(part)), "limit without row: {name} {part}");
+}
+
+/// Each number of ours that is the same is moved by three times its criterion, up and down.
+#[test]
+fn a_number_three_criteria_away_differs() {
+    let mut moved = 0;
+    for name in tables() {
+        for row in table(name, &OPTIONS).unwrap() {
+            let (Verdict::Same, Some(criterion), Some(ours)) =
+                (row.verdict, row.criterion, row.ours)
+            else {
+                continue;
+            };
+            for by in [-3.0, 3.0] {
+                let shifted = row.clone().with_ours(ours + by * criterion);
+                assert_eq!(shifted.verdict, Verdict::Differs, "{}: {}", row.table, row.item);
+            }
+            moved += 1;
+        }
+    }
+    // The inputs alone are more than 200.
+    assert!(moved > 400, "{moved}");
+}
+
+/// What follows from printed numbers alone agrees wherever the print is right.
+#[test]
+fn what_the_print_determines_is_the_same() {
+    for name in ["2.1", "2.2", "2.4", "2.9", "4.1", "4.2", "5.2", "5.3", "5.12", "5.17", "5.19"] {
+        for row in table(name, &OPTIONS).unwrap().iter().filter(|row| row.criterion.is_some()) {
+            assert!(row.verdict == Verdict::Same || row.is_misprint(), "{name}: {}", row.item);
+        }
     }
 }
 
@@ -138,7 +98,7 @@ fn misprints_are_marked_and_ours_is_what_was_meant() {
     }
     let known = [
         ("2.1", "Table 2.1: torsional stiffness of the frame, N m/deg", 4519.0, 0.5),
-        ("2.3", "greatest deviation: axle", 1.0, 1e-9),
+        ("2.4", "greatest deviation: axle", 1.0, 1e-9),
         ("4.2", "gain", 0.069_107, 0.5e-6),
         ("5.7", "10 dB: h, m", 1.950, 0.5e-3),
         ("5.10", "-30 %: bias, updated R_c, %", -0.27, 0.5e-2),
@@ -252,25 +212,56 @@ fn the_product_s_identifier_is_nearly_unbiased_and_between_the_bounds() {
     }
 }
 
-/// The single draws of Table 5.9 hide the bias of shift-form ARX, which exists at every order and noise
-/// level: it is more than three of its standard errors, and always negative.
+/// The single draws of Table 5.9 hide the bias of shift-form ARX: at every order the mean height falls by
+/// more than a point from 30 to 5 dB, which is five standard errors of the noisiest cell (6 % of scatter
+/// over the root of 400 draws, 0.3 points, is the greatest) less the draws at 30 dB.
 #[test]
 fn no_order_removes_the_bias() {
-    let runs = f64::from(OPTIONS.runs);
     let rows = table("5.9", &OPTIONS).unwrap();
     for order in 1..=5 {
-        for snr_db in [30, 25, 20, 15, 10, 5] {
-            let at = |what: &str| ours(&rows, &format!("order {order}, {snr_db} dB: {what}, %"));
-            let (bias, rmse) = (at("ARX bias"), at("ARX RMSE"));
-            let standard_error = ((rmse * rmse - bias * bias) / runs).sqrt();
-            assert!(bias < -3.0 * standard_error, "{order} {snr_db}: {bias} ± {standard_error}");
-        }
+        let at = |snr_db| ours(&rows, &format!("order {order}, {snr_db} dB: ARX bias, %"));
+        assert!(at(30) - at(5) > 1.0, "order {order}: {} {}", at(30), at(5));
     }
+}
+
+/// From 25 dB down, the printed draws of orders 2 to 5 are what the nonlinear plant gives as well; at
+/// least 18 of 20, because each has 5 % of chance (the probability of three or more outside is 8 %, and
+/// the seed is fixed).
+#[test]
+fn noisy_draws_of_table_5_9_come_from_our_distribution() {
+    let rows = table("5.9", &OPTIONS).unwrap();
+    let noisy = rows.iter().filter(|row| {
+        let item = row.item.as_str();
+        row.criterion.is_some()
+            && !item.starts_with("order 1")
+            && ["25", "20", "15", "10", " 5"].iter().any(|db| item.contains(&format!("{db} dB")))
+    });
+    let verdicts: Vec<Verdict> = noisy.map(|row| row.verdict).collect();
+    assert_eq!(verdicts.len(), 20);
+    let same = verdicts.iter().filter(|verdict| **verdict == Verdict::Same).count();
+    assert!(same >= 18, "{same}");
+}
+
+/// Dynamics that are wrong by 20 %, as the prior assumes, cost little: the height is nearly unbiased, and
+/// its RMSE is not above the bound for an unknown shape (three sigma of its own scatter). An offset that is
+/// free too costs more, because a step that begins at once does not determine it.
+#[test]
+fn the_identifier_is_compared_with_arx_like_for_like() {
+    let runs = f64::from(OPTIONS.runs);
+    let rows = table("5.7", &OPTIONS).unwrap();
     for snr_db in [30, 25, 20, 15, 10, 5] {
-        let at = |what: &str| ours(&rows, &format!("any order, {snr_db} dB: {what}, %"));
-        let (bias, rmse) = (at("filtered bias").abs(), at("filtered RMSE"));
+        let at = |what: &str| ours(&rows, &format!("{snr_db} dB: {what}, %"));
+        let (bias, rmse) = (
+            at("filtered, dynamics 20 % off, bias").abs(),
+            at("filtered, dynamics 20 % off, RMSE"),
+        );
         assert!(bias <= (0.3 + 3.0 / runs.sqrt()) * rmse, "{snr_db} dB: {bias} {rmse}");
+        assert!(rmse <= at("bound") * (1.0 + 3.0 / (2.0 * runs).sqrt()), "{snr_db} dB: {rmse}");
+        assert!(at("filtered, dynamics 20 % off, free offset, RMSE") > rmse, "{snr_db} dB");
     }
+    // Faster sampling has more samples with the same noise, and more bias of ARX.
+    let at = |hz| ours(&rows, &format!("sampled at {hz} Hz, 20 dB: ARX bias, %"));
+    assert!(at(100) < at(50) && at(50) < at(20), "{} {} {}", at(20), at(50), at(100));
 }
 
 #[test]
@@ -312,6 +303,17 @@ fn a_row_has_exactly_the_keys_of_the_contract() {
         let value = serde_json::to_value(&row).unwrap();
         let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
         keys.sort_unstable();
-        assert_eq!(keys, ["item", "note", "ours", "relative_error", "table", "thesis"]);
+        let known = [
+            "criterion",
+            "criterion_reason",
+            "item",
+            "note",
+            "ours",
+            "relative_error",
+            "table",
+            "thesis",
+            "verdict",
+        ];
+        assert_eq!(keys, known);
     }
 }

@@ -4,7 +4,7 @@ use cg_core::{Input, Output};
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::VehicleError;
-use crate::system::{Simulation, System};
+use crate::system::{Simulation, System, TransferFunction};
 
 /// State-space form `ẋ = A x + b δ`, with the responses as rows on `x`.
 #[derive(Clone, Debug)]
@@ -99,5 +99,83 @@ impl StateSpace {
     /// samples.
     pub fn simulation(&self, interval_s: f64) -> Simulation {
         Simulation::new(&self.a, &self.b, interval_s)
+    }
+}
+
+/// A response of the linear model to the steer angle, with its name.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct NamedResponse {
+    /// Its name, such as `tractor yaw angle`.
+    pub name: String,
+    /// Its unit per radian of road-wheel angle.
+    pub unit: &'static str,
+    /// The row on the state: the response, or its rate.
+    pub row: DVector<f64>,
+    /// Whether the row is the rate of the response: a yaw angle is no state of the model.
+    pub integrated: bool,
+}
+
+impl StateSpace {
+    /// The responses of the thesis's ten degrees of freedom (appendix C): lateral velocity, yaw and roll
+    /// angle of the tractor, yaw and roll angle of the trailer, roll angle of each axle.
+    pub fn responses(&self) -> Vec<NamedResponse> {
+        let angle = |name: String, row: &DVector<f64>, integrated| NamedResponse {
+            name,
+            unit: "rad",
+            row: row.clone(),
+            integrated,
+        };
+        let mut all = vec![
+            NamedResponse {
+                name: "tractor lateral velocity".to_owned(),
+                unit: "m/s",
+                row: self.tractor_lateral_velocity.clone(),
+                integrated: false,
+            },
+            angle("tractor yaw angle".to_owned(), &self.tractor_yaw_rate, true),
+            angle("tractor roll angle".to_owned(), &self.tractor_roll, false),
+            angle("trailer yaw angle".to_owned(), &self.trailer_yaw_rate, true),
+            angle("trailer roll angle".to_owned(), &self.trailer_roll, false),
+        ];
+        let axles = self.axle_roll.iter().enumerate();
+        all.extend(axles.map(|(i, row)| angle(format!("axle {} roll angle", i + 1), row, false)));
+        all
+    }
+
+    /// The transfer function from the steer angle to a response. That of a yaw angle has a pole at zero
+    /// and an infinite DC gain.
+    ///
+    /// # Errors
+    /// As [`System::transfer_function`].
+    pub fn transfer_function_of(
+        &self,
+        response: &NamedResponse,
+    ) -> Result<TransferFunction, VehicleError> {
+        let mut function = self.to(&response.row, 0.0).transfer_function()?;
+        if response.integrated {
+            function.denominator.push(0.0);
+            function.poles.insert(0, (0.0, 0.0));
+            function.dc_gain = f64::INFINITY.copysign(function.dc_gain);
+        }
+        Ok(function)
+    }
+
+    /// The response to a sampled steer angle, from rest; a yaw angle by the trapezoidal rule.
+    pub fn history(
+        &self,
+        response: &NamedResponse,
+        steer_rad: &[f64],
+        interval_s: f64,
+    ) -> Vec<f64> {
+        let mut values = self.to(&response.row, 0.0).response(steer_rad, interval_s);
+        if response.integrated {
+            let (mut angle, mut last) = (0.0, 0.0);
+            for value in &mut values {
+                angle += 0.5 * interval_s * (last + *value);
+                last = std::mem::replace(value, angle);
+            }
+        }
+        values
     }
 }

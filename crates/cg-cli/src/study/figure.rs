@@ -10,12 +10,12 @@ use cg_logs::output::kind::STUDY_COMMENT;
 use cg_thesis::study::{Abscissa, Panel, Quantity, Response, Series, Study};
 use plotters::chart::MeshStyle;
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::BoldPoints;
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::axes::{Places, TICKS, numbers, places, range};
 use crate::units::{axis, display_unit};
 
 /// Units of the drawing per pixel of the page. The backend draws in whole units.
@@ -32,8 +32,6 @@ const PANEL_TITLE: i32 = 28;
 const BELOW: i32 = 44;
 const GAP: i32 = 16;
 const RIGHT: i32 = 10;
-/// Greatest number of ticks of an axis.
-const TICKS: usize = 7;
 /// Sizes of the fonts.
 const TITLE: i32 = 17;
 const TEXT: i32 = 13;
@@ -56,7 +54,7 @@ const KINDS: [(RGBColor, u8, f64); 6] = [
 ];
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<Places, RangedCoordf64>>;
 type Point = (i32, i32);
 
 /// The whole page as SVG.
@@ -103,7 +101,8 @@ fn font(size: i32, bold: bool) -> TextStyle<'static> {
 
 /// Approximate width of a text in units of the drawing.
 fn width(text: &str, style: &TextStyle<'_>) -> i32 {
-    style.font.box_size(text).map_or(0, |(wide, _)| wide.cast_signed())
+    // The size of the font is that before the backend's division.
+    style.font.box_size(text).map_or(0, |(wide, _)| wide.cast_signed() * 100 / 124)
 }
 
 /// Breaks a text between words. A number stays with the word behind it, such as its unit.
@@ -181,12 +180,16 @@ struct Look {
     corners: u8,
     turn: f64,
     aside: bool,
+    apart: bool,
 }
 
 impl Look {
     fn of(series: &Series) -> Self {
         let (color, corners, turn) = KINDS[series.kind % KINDS.len()];
-        Self { color, corners, turn, aside: series.aside }
+        // The thesis's values are open markers in the color of the text.
+        let color = if series.printed { INK } else { color };
+        let aside = series.aside || series.printed;
+        Self { color, corners, turn, aside, apart: series.apart }
     }
 
     fn line(self) -> ShapeStyle {
@@ -227,6 +230,7 @@ fn legend(area: &Area<'_>, panel: &Panel) -> anyhow::Result<()> {
             let named = names.draw_series(None::<PathElement<(f64, f64)>>)?.label(&series.name);
             named.legend(move |at| {
                 let ends = [(0, 0), (32 * PX, 0)].into_iter();
+                let ends = ends.take(if look.apart { 0 } else { 2 });
                 let line = DashedPathElement::new(ends, look.dash(), 4 * PX, look.line());
                 let (fill, outline) = look.marker();
                 let center = EmptyElement::at((16 * PX, 0)) + fill + outline;
@@ -238,31 +242,6 @@ fn legend(area: &Area<'_>, panel: &Panel) -> anyhow::Result<()> {
         labels.label_font(font(TEXT, false)).draw()?;
     }
     Ok(())
-}
-
-/// The values of an axis and some space around them. It covers at least one percent of the values,
-/// so that a small change is drawn small, and it does not become negative with the space.
-fn range(values: impl Iterator<Item = f64>, space: f64) -> Range<f64> {
-    let finite = values.filter(|value| value.is_finite());
-    let (least, most) =
-        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-    if least > most {
-        return 0.0..1.0;
-    }
-    let span = (most - least).max(0.01 * least.abs().max(most.abs())).max(1e-9);
-    let pad = (space * span).max(0.5 * (span - (most - least)));
-    let low = least - pad;
-    (if least >= 0.0 { low.max(0.0) } else { low })..most + pad
-}
-
-/// Writes the numbers at the ticks of an axis with as many decimals as they need.
-fn numbers(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
-    let ticks = RangedCoordf64::from(range.clone()).key_points(BoldPoints(TICKS));
-    let whole = |value: f64| (value - value.round()).abs() < 1e-6;
-    let exact = |d: &u8| ticks.iter().all(|tick| whole(tick * 10f64.powi(i32::from(*d))));
-    let decimals = usize::from((0..6).find(exact).unwrap_or(6));
-    // The sum avoids a negative zero.
-    move |value| format!("{:.decimals$}", (value * 1e9).round() / 1e9 + 0.0).replace('-', "−")
 }
 
 /// Fonts and lines of axes, and the number of their ticks.
@@ -286,7 +265,7 @@ fn curves(area: &Area<'_>, panel: &Panel, over: Quantity) -> anyhow::Result<()> 
         .margin_bottom(PX * GAP)
         .x_label_area_size(PX * BELOW)
         .y_label_area_size(PX * 64)
-        .build_cartesian_2d(x, y)?;
+        .build_cartesian_2d(places(panel, factors[0], x), y)?;
     let mut axes = chart.configure_mesh();
     plain(&mut axes);
     axes.x_label_formatter(&x_numbers)
@@ -349,7 +328,9 @@ fn curve(chart: &mut Chart<'_>, series: &Series, factors: [f64; 2]) -> anyhow::R
     let marked: Vec<_> = points.iter().copied().skip(first).step_by(step).collect();
     // A thousandth of the curve is finer than print.
     let fine: Vec<_> = points.iter().copied().step_by(1 + points.len() / 1000).collect();
-    chart.draw_series(DashedLineSeries::new(fine, look.dash(), 4 * PX, look.line()))?;
+    if !look.apart {
+        chart.draw_series(DashedLineSeries::new(fine, look.dash(), 4 * PX, look.line()))?;
+    }
     markers(chart, look, marked)
 }
 
@@ -448,30 +429,6 @@ fn values(response: &Response) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_axis_holds_all_values_and_space_that_does_not_cross_zero() {
-        let axis = range([2.0, 4.0, f64::NAN].into_iter(), 0.05);
-        assert!((axis.start - 1.9).abs() < 1e-12 && (axis.end - 4.1).abs() < 1e-12, "{axis:?}");
-        assert_eq!(range([0.0, 1.0].into_iter(), 0.05), 0.0..1.05);
-    }
-
-    #[test]
-    fn a_constant_and_nothing_at_all_have_axes_too() {
-        for values in [vec![2.63, 2.63], vec![-2.63], vec![0.0, 0.0], vec![f64::NAN], vec![]] {
-            let axis = range(values.iter().copied(), 0.05);
-            assert!(axis.start < axis.end, "{values:?}: {axis:?}");
-            assert!(values.iter().all(|v| v.is_nan() || axis.contains(v)), "{axis:?}");
-        }
-    }
-
-    #[test]
-    fn numbers_have_the_decimals_of_the_ticks_and_zero_has_no_minus() {
-        let number = numbers(&(-0.5..0.5));
-        assert_eq!([-0.2, -1e-17, 0.4].map(|v| number(&v)), ["−0.2", "0.0", "0.4"]);
-        assert_eq!(numbers(&(0.0..60.0))(&20.0), "20");
-        assert_eq!(numbers(&(0.0..0.2))(&0.1), "0.10");
-    }
 
     #[test]
     fn kinds_of_series_differ_without_color() {

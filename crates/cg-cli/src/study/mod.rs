@@ -3,8 +3,11 @@
 //! | file | what |
 //! |---|---|
 //! | `table` | the CSV file |
+//! | `axes` | what the axes cover, and their ticks |
 //! | `figure` | the panels on a page, drawn with `plotters` |
 
+#[cfg(feature = "plots")]
+mod axes;
 #[cfg_attr(not(feature = "plots"), path = "no_figure.rs")]
 mod figure;
 mod table;
@@ -15,7 +18,8 @@ use std::path::Path;
 use anyhow::{Context, anyhow, ensure};
 use cg_logs::log::LogReader;
 use cg_logs::output::{Draft, Files, Kind, Target};
-use cg_thesis::study::{Recorded, Study, replay, studies, study};
+use cg_thesis::study::{Recorded, Statement, Study, replay, studies, study};
+use cg_thesis::verdict::{Criterion, Verdict};
 use cg_vehicle::Vehicle;
 use cg_vehicle::calibration::Calibration;
 use comfy_table::presets::NOTHING;
@@ -35,7 +39,7 @@ const LEFT_OUT: &str = "this program was built without the feature `plots`, whic
                         build it with that feature";
 
 /// Width of the printed summary in characters.
-const WIDTH: u16 = 120;
+const WIDTH: u16 = 150;
 
 pub(crate) fn run(arguments: &StudyArgs, files: Files) -> anyhow::Result<Outcome> {
     let Some(name) = &arguments.name else { return list() };
@@ -120,6 +124,26 @@ fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[T
     ])
 }
 
+/// Writes the figures of `cg reproduce`, each with its table, all or none; returns the names of the figures.
+pub(crate) fn write_all(
+    studies: &[Study],
+    folder: &Path,
+    mut files: Files,
+) -> anyhow::Result<Vec<String>> {
+    ensure!(cfg!(feature = "plots"), LEFT_OUT);
+    let mut names = Vec::new();
+    for study in studies {
+        let path = |end| folder.join(format!("{}.{end}", study.name));
+        let targets = [
+            files.writes("--figures", &path("csv"), Kind::Table)?,
+            files.writes("--figures", &path("svg"), Kind::Figure)?,
+        ];
+        let [_, figure] = write(study, folder, &targets)?;
+        names.push(figure);
+    }
+    Ok(names)
+}
+
 /// Writes both files or none; returns their names.
 fn write(study: &Study, folder: &Path, targets: &[Target; 2]) -> anyhow::Result<[String; 2]> {
     let (table, figure) = (table::csv(study)?, figure::svg(study)?);
@@ -133,15 +157,37 @@ fn write(study: &Study, folder: &Path, targets: &[Target; 2]) -> anyhow::Result<
     Ok(targets.each_ref().map(|target| target.path().display().to_string()))
 }
 
+/// The range in which a result is the thesis's, with its reason.
+fn criterion(statement: &Statement) -> String {
+    let Criterion { least, greatest, reason, .. } = statement.criterion;
+    let unit = statement.unit;
+    let space = if unit.starts_with('°') { "" } else { " " };
+    format!("{} to {}{space}{unit}: {reason}", number(least), number(greatest))
+}
+
+/// A number with as many of three decimals as it needs.
+fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').replace('-', "−")
+}
+
+fn verdict(statement: &Statement) -> String {
+    match statement.verdict() {
+        Verdict::Same => format!("same: {}", number(statement.measured)),
+        other => format!("{other}: {}, because {}", number(statement.measured), statement.because),
+    }
+}
+
 /// Prints the finding, and each statement of the thesis next to the computed result.
 fn print(out: &mut impl Write, study: &Study, files: &[String; 2]) -> std::io::Result<()> {
     let mut table = Table::new();
     table.load_preset(NOTHING);
     table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-    table.set_header(["", "thesis", "ours", "agrees"]);
+    table.set_header(["", "thesis", "ours", "the same if", "verdict"]);
     for statement in &study.statements {
-        let agrees = if statement.agrees { "yes" } else { "no" };
-        table.add_row([statement.place, statement.thesis, &statement.ours, agrees]);
+        let range = criterion(statement);
+        let verdict = verdict(statement);
+        table.add_row([statement.place, statement.thesis, &statement.ours, &range, &verdict]);
     }
     writeln!(out, "{}.", study.finding)?;
     for line in &study.scenario {

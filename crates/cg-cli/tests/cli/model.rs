@@ -29,6 +29,7 @@ fn the_json_object_has_the_keys_of_the_contract() {
             "dc_gain",
             "ratio",
             "reduced",
+            "responses",
             "static_balance",
         ] {
             assert!(found.contains(&key), "{key}");

@@ -1,13 +1,37 @@
 //! `cg reproduce`: the thesis's tables. The tests of `cg-thesis` check how close the values are.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
-use crate::common::{Run, cg};
+use crate::common::{Run, Scratch, cg};
 use crate::output::keys;
 
-const TABLES: [&str; 22] = [
-    "2.1", "2.2", "2.3", "2.9", "4.1", "4.2", "5.1", "5.2", "5.3", "5.4", "5.5", "5.6", "5.7",
-    "5.8", "5.9", "5.10", "5.11", "5.12", "5.17", "5.19", "5.6.3", "C",
+const TABLES: [&str; 25] = [
+    "inputs",
+    "5.8-histories",
+    "2.1",
+    "2.2",
+    "2.3",
+    "2.4",
+    "2.9",
+    "4.1",
+    "4.2",
+    "5.1",
+    "5.2",
+    "5.3",
+    "5.4",
+    "5.5",
+    "5.6",
+    "5.7",
+    "5.8",
+    "5.9",
+    "5.10",
+    "5.11",
+    "5.12",
+    "5.17",
+    "5.19",
+    "5.6.3",
+    "C",
 ];
 
 fn reproduce(more: &[&str]) -> Run {
@@ -17,7 +41,9 @@ fn reproduce(more: &[&str]) -> Run {
 #[test]
 fn json_lines_have_the_keys_of_the_contract() {
     for row in reproduce(&["--table", "5.11", "--format", "json"]).done().json() {
-        assert_eq!(keys(&row), ["item", "note", "ours", "relative_error", "table", "thesis"]);
+        let known = ["criterion", "criterion_reason", "item", "note", "ours", "relative_error"];
+        assert_eq!(keys(&row)[..6], known);
+        assert_eq!(keys(&row)[6..], ["table", "thesis", "verdict"]);
         assert_eq!(row["table"], "5.11");
         assert!(row["item"].is_string() && row["ours"].is_f64(), "{row}");
         assert!(!row["thesis"].is_null() || row["note"].is_string(), "{row}");
@@ -31,7 +57,7 @@ fn without_a_table_all_of_them_come() {
     let found: BTreeSet<&str> = rows.iter().map(|row| row["table"].as_str().unwrap()).collect();
     assert_eq!(found, BTreeSet::from(TABLES));
     let printed = reproduce(&["--runs", "2"]).done();
-    assert_eq!(printed.out.lines().filter(|line| line.contains("same digits")).count(), 22);
+    assert_eq!(printed.out.lines().filter(|line| line.contains("the same within")).count(), 25);
 }
 
 #[test]
@@ -39,8 +65,9 @@ fn a_table_has_a_title_aligned_columns_and_each_note_once() {
     let run = reproduce(&["--table", "Table 4.1"]).done();
     let lines: Vec<&str> = run.out.lines().collect();
     assert_eq!(lines[0], "Table 4.1: coefficients of the transfer function");
-    assert_eq!(lines.len(), 1 + 1 + 35 + 1);
-    // In "A0 … thesis … ours … difference … same digits … [1]", the cells of each column end at the
+    // Two reasons of criteria and one note.
+    assert_eq!(lines.len(), 1 + 1 + 35 + 2 + 1);
+    // In "A0 … thesis … ours … difference … the same within … verdict … [1]", the cells of each column end at the
     // same place.
     let width = lines[1].chars().count();
     for line in &lines[2..37] {
@@ -76,4 +103,22 @@ fn runs_and_seed_are_checked_and_decide_the_draws() {
     let drawn = |seed| reproduce(&["--table", "5.7", "--runs", "3", "--seed", seed]).done().out;
     assert_eq!(drawn("1"), drawn("1"));
     assert_ne!(drawn("1"), drawn("2"));
+}
+
+#[test]
+fn figures_are_written_once_with_their_tables_and_never_over_other_files() {
+    let scratch = Scratch::new();
+    let path = PathBuf::from(scratch.path("out"));
+    let name = path.to_str().unwrap();
+    let run = reproduce(&["--figures", name, "--runs", "2"]).done();
+    assert_eq!(run.out.lines().count(), 8);
+    let map = std::fs::read_to_string(path.join("reproduce-4.1.svg")).unwrap();
+    assert!(map.contains("thesis, Table 4.2"));
+    let table = std::fs::read_to_string(path.join("reproduce-4.2-C.csv")).unwrap();
+    for figure in ["C.1", "4.2 and C.5", "C.10"] {
+        assert!(table.lines().any(|line| line.starts_with(figure)), "{figure}");
+    }
+    std::fs::write(path.join("reproduce-4.1.svg"), "mine").unwrap();
+    reproduce(&["--figures", name, "--runs", "2"]).refused(&["reproduce-4.1.svg"]);
+    assert_eq!(std::fs::read_to_string(path.join("reproduce-4.1.svg")).unwrap(), "mine");
 }

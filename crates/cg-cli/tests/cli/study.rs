@@ -3,7 +3,7 @@
 
 use crate::common::{Run, Scratch, cg, fixture};
 
-const NAMES: [&str; 15] = [
+const NAMES: [&str; 16] = [
     "height-steady",
     "height-lane-change",
     "cornering-angle",
@@ -11,6 +11,7 @@ const NAMES: [&str; 15] = [
     "lane-change-speed",
     "roll-inertia",
     "height",
+    "fifth-wheel",
     "payload-height",
     "lateral-shift",
     "longitudinal-shift",
@@ -40,7 +41,7 @@ fn all_studies_are_listed_with_a_sentence_and_their_figures() {
     for (line, name) in list.out.lines().zip(NAMES) {
         assert_eq!(line.split_whitespace().next(), Some(name));
         assert!(
-            line.contains('.') && (line.contains("Fig") || NAMES[12..].contains(&name)),
+            line.contains('.') && (line.contains("Fig") || NAMES[13..].contains(&name)),
             "{line}"
         );
     }
@@ -64,7 +65,7 @@ fn a_study_writes_a_table_and_a_figure_and_says_what_it_found() {
     let folder = scratch.path("new");
     let run = study(&[SHORT, "-o", &folder]).done();
     assert_eq!(scratch.names(), ["new"]);
-    for part in ["thesis", "ours", "agrees", "Fig. 2.6", "30 m long", "written: "] {
+    for part in ["thesis", "ours", "the same if", "verdict", "Fig. 2.6", "30 m long", "written: "] {
         assert!(run.out.contains(part), "no {part} in {}", run.out);
     }
     let table = read(&scratch, "new/height-lane-change.csv");

@@ -27,6 +27,7 @@ def calibrate(
     *,
     from_state: Iterable[str | os.PathLike[str]] = (),
     model: Literal["complete", "as-printed"] = "complete",
+    method: Literal["filtered", "arx", "gain"] = "filtered",
     procedure: Literal["maximum-a-posteriori", "compensation"] = "maximum-a-posteriori",
     part: Literal["vehicle", "tractor"] = "vehicle",
     columns: Mapping[str, str] | None = None,
@@ -55,6 +56,9 @@ def calibrate(
         tell the truck of the newest trip; a trip that is given twice counts once.
     model : {"complete", "as-printed"}
         Equations of the vehicle.
+    method : {"filtered", "arx", "gain"}
+        Identification of the DC ratios of the runs, as for `estimate_log`; ``"arx"`` is the
+        thesis's.
     procedure : {"maximum-a-posteriori", "compensation"}
         What the runs determine: all parameters, or with one run the compensation of each channel
         alone, as in the thesis.
@@ -96,6 +100,7 @@ def calibrate(
     """
     request: dict[str, object] = {
         "model": model,
+        "method": method,
         "procedure": procedure,
         "part": part,
         "columns": maps(columns),

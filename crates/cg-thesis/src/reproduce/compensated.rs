@@ -13,16 +13,14 @@
 use serde::Deserialize;
 
 use super::baseline::{Baseline, Options};
+use super::nonlinear::Known;
 use super::printed::{Printed, thesis, values};
 use super::row::Row;
 use super::step_error;
 use super::transfer::{as_printed, ascending, polynomial_rows};
-use cg_plant::plant::{PlantOptions, YawRollPlant};
-use cg_vehicle::compensation::{Compensation, validity_table};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::reduction::pade;
-use cg_vehicle::reduction::quality::StepInput;
-use cg_vehicle::system::{Rational, multiplied};
+use cg_vehicle::system::{Rational, System, multiplied};
 
 /// Order of the compensation function that the thesis uses further on.
 const ORDER: usize = 3;
@@ -76,25 +74,23 @@ pub(super) fn functions(
     base: &Baseline,
     _: &Options,
 ) -> Result<Vec<Row>, VehicleError> {
-    let own = own_functions(base)?;
+    let own = Known::new(base)?.functions()?;
+    let note = "identified between our as-printed model and our nonlinear plant with measured springs \
+                and tires, rounded step of 0.15 g";
     let mut rows = Vec::new();
-    for (i, function) in table_5_1()?.function.iter().enumerate() {
+    for ((i, function), own) in table_5_1()?.function.iter().enumerate().zip(&own) {
         let order = i + 1;
-        let note = "printed for order 3 only (eq. 5.19); from the printed coefficients";
-        rows.push(Row::ours(table, format!("order {order}: F(0)"), function.dc_gain(), note));
+        let sides = (&function.numerator[..], &function.denominator[..]);
+        let ours = (&own.function.numerator[..], &own.function.denominator[..]);
+        rows.extend(polynomial_rows(table, &format!("order {order}: "), sides, ours, note));
         let item = format!("order {order}: squared error, degree²");
         let printed = &function.square_error_degree2;
-        let note = "cannot be reproduced: the Yaw/Roll program's response is not printed; ours is for \
-                    our nonlinear plant instead";
-        rows.push(match own.get(i) {
-            Some(own) => Row::against(table, item, printed, own.squared_error_degree2, note),
-            None => Row::missing(table, item, printed, note),
-        });
-        if let Some(own) = own.get(i) {
-            let note = "identified between our as-printed model and our nonlinear plant";
-            let item = format!("order {order}: F(0) identified here");
-            rows.push(Row::ours(table, item, own.dc_gain, note));
-        }
+        rows.push(Row::against(table, item, printed, own.squared_error_degree2, note));
+        // Only order 3 has a printed one (eq. 5.19).
+        let printed = "from the printed coefficients";
+        let item = format!("order {order}: F(0), printed");
+        rows.push(Row::ours(table, item, function.dc_gain(), printed));
+        rows.push(Row::ours(table, format!("order {order}: F(0), identified"), own.dc_gain, note));
     }
     let line = |model: &cg_vehicle::LinearModel| model.ratio[0];
     let height_m = base.vehicle.trailer.reference_cg_height_m;
@@ -104,28 +100,6 @@ pub(super) fn functions(
                 most of F(0)";
     rows.push(Row::ours(table, "DC gain, complete model divided by as printed", needed, note));
     Ok(rows)
-}
-
-/// Compensation functions of all orders from the as-printed model to this project's nonlinear plant of
-/// the same vehicle, with the input that gives the squared errors of Table 5.3.
-fn own_functions(base: &Baseline) -> Result<Vec<Compensation>, VehicleError> {
-    let amplitude_rad = f64::to_radians(1.62);
-    let samples = StepInput { amplitude_rad, rate_per_s: 1.0, duration_s: 10.0 }.samples();
-    let interval_s = StepInput::INTERVAL_S;
-    let model = base.as_printed.state_space.to_trailer_roll().response(&samples, interval_s);
-    let (vehicle, speed_mps) = (&base.vehicle, base.vehicle.nominal_speed_mps);
-    let options = PlantOptions::default();
-    let plant = YawRollPlant::new(vehicle, vehicle.reference_load(), &options)?;
-    let mut run = plant.start(speed_mps)?;
-    let mut measured = Vec::with_capacity(samples.len());
-    for (k, &steer_rad) in samples.iter().enumerate() {
-        if k > 0 {
-            run.push(steer_rad, speed_mps, interval_s);
-        }
-        measured.push(run.sample().trailer.roll_rad);
-    }
-    run.upright()?;
-    validity_table(&model, &measured, interval_s)
 }
 
 pub(super) fn equation_5_19(
@@ -216,6 +190,15 @@ fn reduction(base: &Baseline, order: usize) -> Result<Rational, VehicleError> {
         numerator: scaled(&reduced.numerator),
         denominator: scaled(&reduced.denominator),
     })
+}
+
+/// The compensated transfer function in ISO 8855 signs, and its reductions of order 0 to 5 with the
+/// thesis's sign.
+pub(super) fn reductions_of(base: &Baseline) -> Result<(System, Vec<Rational>), VehicleError> {
+    let compensation = table_5_1()?.function[ORDER - 1].rational();
+    let whole = base.as_printed.state_space.to_trailer_roll().then(&compensation.system());
+    let reduced = (0..=5).map(|order| reduction(base, order)).collect::<Result<_, _>>()?;
+    Ok((whole, reduced))
 }
 
 #[derive(Deserialize)]

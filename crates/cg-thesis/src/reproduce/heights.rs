@@ -6,6 +6,7 @@ use serde::Deserialize;
 use super::baseline::{Baseline, METERS_PER_INCH, Options};
 use super::compensated::printed_compensation;
 use super::identified::{by_rate_ratio, noise_free_ratio};
+use super::nonlinear::Known;
 use super::printed::{Printed, thesis};
 use super::row::Row;
 use super::solved::{Heights, bias_percent, percent, solved};
@@ -149,6 +150,30 @@ struct OtherHeight {
     bias_percent: Printed,
 }
 
+/// The same heights on this project's nonlinear plant, by both procedures, which are calibrated on another
+/// log at 1.973 m.
+fn own_heights(
+    table: &'static str,
+    base: &Baseline,
+    printed: &Table511,
+) -> Result<Vec<Row>, VehicleError> {
+    let known = Known::new(base)?;
+    let plant = "nonlinear plant with measured springs and tires; rounded step of 0.19 g, noise-free; \
+                 calibrated at 1.973 m on one of 0.15 g and another rate";
+    let mut rows = Vec::new();
+    for row in &printed.row {
+        let true_m = row.true_m.corrected_value();
+        let log = known.log(&known.vehicle, true_m)?;
+        let [thesis, ours] = known.calibrated(&known.vehicle)?.errors_percent(&log, true_m)?;
+        let item = |what: &str| format!("true {true_m:.3} m: own plant, bias, {what}, %");
+        let thesis = Row::against(table, item("F(s) and ARX"), &row.bias_percent, thesis, plant);
+        rows.push(percent(thesis));
+        let note = "not in the thesis: complete model, R_c from the same log, filtered identifier";
+        rows.push(Row::ours(table, item("complete and filtered"), ours, note));
+    }
+    Ok(rows)
+}
+
 /// The gains of the Yaw/Roll program follow from the printed heights. Both models of this project then
 /// estimate the heights from these gains, each with its compensation fixed at 1.973 m.
 pub(super) fn over_range(
@@ -199,5 +224,6 @@ pub(super) fn over_range(
             Row::beside(table, item, &row.true_m, found_m).noted("compared with the true height"),
         );
     }
+    rows.extend(own_heights(table, base, &printed)?);
     Ok(rows)
 }

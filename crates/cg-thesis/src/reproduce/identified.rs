@@ -10,11 +10,12 @@ use super::baseline::{Baseline, Options};
 use super::compensated::printed_5_12;
 use super::continuous::{UNKNOWNS, to_continuous};
 use super::monte_carlo::{Experiment, INTERVAL_S, RATE_PER_S, arx, arx_ratio, filtered};
-use super::printed::{Printed, fixed, thesis};
+use super::printed::{Printed, fixed, thesis, values};
 use super::row::Row;
 use super::solved::Heights;
 use super::transfer::polynomial_rows;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::system::Rational;
 
 /// Road-wheel amplitude of the experiments on eq. 5.12, to the left in ISO 8855. The models are linear,
 /// so it only determines the size of the noise relative to the sensor's floor.
@@ -60,6 +61,48 @@ struct Function {
     condition: u32,
     numerator: Vec<Printed>,
     denominator: Vec<Printed>,
+}
+
+/// A printed function, the function from whose response it was identified, and the rate of the step.
+pub(super) struct PrintedResponse {
+    pub(super) function: Rational,
+    pub(super) original: Rational,
+    pub(super) rate_per_s: u32,
+}
+
+/// The printed functions of Tables 5.4 and 5.8 with their titles.
+pub(super) fn printed_responses() -> Result<Vec<(&'static str, PrintedResponse)>, VehicleError> {
+    const TITLES: [&str; 12] = [
+        "Table 5.4, a = 1",
+        "Table 5.4, a = 2",
+        "Table 5.4, a = 3",
+        "Table 5.4, a = 4",
+        "Table 5.4, a = 5",
+        "Table 5.4, a = 6",
+        "Table 5.8, 30 dB",
+        "Table 5.8, 25 dB",
+        "Table 5.8, 20 dB",
+        "Table 5.8, 15 dB",
+        "Table 5.8, 10 dB",
+        "Table 5.8, 5 dB",
+    ];
+    let monic = |numerator: &[f64], denominator: &[f64]| {
+        let mut denominator = denominator.to_vec();
+        denominator.resize(ORDER, 0.0);
+        denominator.push(1.0);
+        Rational { numerator: numerator.to_vec(), denominator }
+    };
+    let plant = plant()?;
+    let [by_rate, by_noise]: [Functions; 2] =
+        [thesis!("table_5_4.toml")?, thesis!("table_5_8.toml")?];
+    let rated = by_rate.function.iter().map(|one| (one, one.condition));
+    let noisy = by_noise.function.iter().map(|one| (one, RATE_PER_S));
+    let responses = rated.chain(noisy).map(|(one, rate_per_s)| PrintedResponse {
+        function: monic(&values(&one.numerator), &values(&one.denominator)),
+        original: monic(&plant.numerator, &plant.denominator),
+        rate_per_s,
+    });
+    Ok(TITLES.into_iter().zip(responses).collect())
 }
 
 pub(super) fn by_rate(

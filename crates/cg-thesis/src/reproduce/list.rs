@@ -4,7 +4,10 @@ use cg_vehicle::error::VehicleError;
 
 use super::baseline::{Baseline, Options};
 use super::row::Row;
-use super::{compensated, heights, identified, loads, springs, study, transfer};
+use super::{
+    by_order, compensated, criteria, heights, histories, identified, inputs, loads, springs, study,
+    transfer,
+};
 
 type Compute = fn(&'static str, &Baseline, &Options) -> Result<Vec<Row>, VehicleError>;
 
@@ -16,7 +19,12 @@ struct Entry {
 }
 
 /// All entries, in the order of the thesis's pages.
-const ENTRIES: [Entry; 22] = [
+const ENTRIES: [Entry; 25] = [
+    Entry {
+        name: "inputs",
+        title: "Tables 2.1 to 2.8: the printed inputs and those of the vehicle files",
+        compute: inputs::table,
+    },
     Entry {
         name: "2.1",
         title: "Figure 2.1: static balance of the tractor",
@@ -27,7 +35,16 @@ const ENTRIES: [Entry; 22] = [
         title: "Figure 2.2: static balance of the semitrailer",
         compute: loads::trailer,
     },
-    Entry { name: "2.3", title: "Figure 2.3: axle loads of TruckSim", compute: loads::trucksim },
+    Entry {
+        name: "2.3",
+        title: "Figure 2.3: wheel and axle loads at rest",
+        compute: loads::trucksim,
+    },
+    Entry {
+        name: "2.4",
+        title: "Figure 2.4: deviation from the specified axle loads",
+        compute: loads::deviations,
+    },
     Entry {
         name: "2.9",
         title: "Table 2.9: static balance with air suspension",
@@ -79,6 +96,11 @@ const ENTRIES: [Entry; 22] = [
         compute: identified::by_noise,
     },
     Entry {
+        name: "5.8-histories",
+        title: "Figure 5.8: the log of section 5.7",
+        compute: histories::log,
+    },
+    Entry {
         name: "5.6.3",
         title: "Sections 5.6.1 to 5.6.3: input rate and noise, as Monte Carlo",
         compute: study::by_rate,
@@ -86,7 +108,7 @@ const ENTRIES: [Entry; 22] = [
     Entry {
         name: "5.9",
         title: "Table 5.9: heights by order and noise, as Monte Carlo",
-        compute: study::by_order,
+        compute: by_order::by_order,
     },
     Entry {
         name: "5.10",
@@ -100,8 +122,8 @@ const ENTRIES: [Entry; 22] = [
     },
     Entry {
         name: "C",
-        title: "Appendix C: steady-state values of all responses",
-        compute: transfer::steady_values,
+        title: "Fig. 4.2 and appendix C: the ten responses to a rounded step",
+        compute: histories::steady_values,
     },
 ];
 
@@ -159,5 +181,6 @@ pub fn table(name: &str, options: &Options) -> Result<Vec<Row>, VehicleError> {
     if options.runs == 0 {
         return Err(VehicleError::Model("a Monte-Carlo table needs at least one run".to_owned()));
     }
-    (entry.compute)(entry.name, &Baseline::new()?, options)
+    let rows = (entry.compute)(entry.name, &Baseline::new()?, options)?;
+    Ok(rows.into_iter().map(criteria::judged).collect())
 }

@@ -1,4 +1,4 @@
-//! Static balance: figures 2.1–2.3, Table 2.9.
+//! Static balance and loads at rest: figures 2.1–2.4, Table 2.9.
 //!
 //! Each is computed in both directions: eqs. 2.1–2.4 give the load and position of the fifth wheel from
 //! the printed loads, and [`static_balance`] gives the loads from the printed masses and positions.
@@ -6,8 +6,10 @@
 use serde::Deserialize;
 
 use super::baseline::{Baseline, Options};
+use super::nonlinear::measured;
 use super::printed::{Printed, thesis, values};
 use super::row::Row;
+use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::balance::{StaticBalance, static_balance};
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Vehicle};
@@ -175,33 +177,70 @@ pub(super) fn air(
     Ok(rows)
 }
 
-/// The loads of a multibody model with its own geometry. The recomputed ones come from the printed
-/// figures.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TruckSim {
+    load_n: Vec<Printed>,
+    greatest_deviation_percent: Printed,
+    greatest_deviation_axle: Printed,
+}
+
+/// Left and right loads of the axles of the nonlinear plant, driving straight ahead at 50 km/h.
+fn at_rest(vehicle: &Vehicle) -> Result<Vec<[f64; 2]>, VehicleError> {
+    let plant = YawRollPlant::new(vehicle, vehicle.reference_load(), &PlantOptions::default())?;
+    let sample = plant.start(vehicle.nominal_speed_mps)?.sample();
+    Ok(sample.axles().iter().map(|axle| [axle.left_load_n, axle.right_load_n]).collect())
+}
+
+/// Fig. 2.3: the loads of a simulation beside those of this project's plant.
 pub(super) fn trucksim(
     table: &'static str,
-    base: &Baseline,
+    _: &Baseline,
     _: &Options,
 ) -> Result<Vec<Row>, VehicleError> {
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct TruckSim {
-        load_n: Vec<Printed>,
-        greatest_deviation_percent: Printed,
-        greatest_deviation_axle: Printed,
-    }
     let printed: TruckSim = thesis!("figure_2_3.toml")?;
-    let case = Case::new(base, thesis!("figures_2_1_2_2.toml")?)?;
-    let note = "another program with its own geometry; ours is the static balance of figures 2.1 \
-                and 2.2";
+    let note = "nonlinear plant with measured springs and tires, straight ahead at 50 km/h";
+    let bars = "the bars of the two sides are not printed as numbers";
+    let mut rows = Vec::new();
+    for (i, (printed, sides)) in printed.load_n.iter().zip(at_rest(&measured()?)?).enumerate() {
+        let axle = i + 1;
+        let item = format!("axle {axle} load, N");
+        rows.push(Row::against(table, item, printed, sides[0] + sides[1], note));
+        for (side, load_n) in ["left", "right"].into_iter().zip(sides) {
+            rows.push(Row::ours(table, format!("axle {axle}, {side} side, N"), load_n, bars));
+        }
+    }
+    Ok(rows)
+}
+
+/// Fig. 2.4: the deviation of both simulations from the specified loads.
+pub(super) fn deviations(
+    table: &'static str,
+    _: &Baseline,
+    _: &Options,
+) -> Result<Vec<Row>, VehicleError> {
+    let printed: TruckSim = thesis!("figure_2_3.toml")?;
+    let loads: Loads = thesis!("figures_2_1_2_2.toml")?;
+    let specified = loads.tractor.load_kn.iter().chain(&loads.trailer.load_kn);
+    let own = at_rest(&measured()?)?;
     let mut rows = Vec::new();
     let (mut greatest, mut at) = (0.0_f64, 0.0);
     let mut axle = 0.0;
-    for (printed, load_n) in printed.load_n.iter().zip(&case.balance.axle_load_n) {
+    for ((printed, specified), own) in printed.load_n.iter().zip(specified).zip(own) {
         axle += 1.0;
-        rows.push(Row::against(table, format!("axle {axle} load, N"), printed, *load_n, note));
-        let deviation = 100.0 * (printed.value / load_n - 1.0).abs();
-        if deviation > greatest {
-            (greatest, at) = (deviation, axle);
+        let percent = |load_n: f64| 100.0 * (1e-3 * load_n / specified.value - 1.0);
+        let theirs = percent(printed.value);
+        let note = "from the loads printed in Fig. 2.3 and Figs. 2.1 and 2.2";
+        rows.push(Row::ours(table, format!("axle {axle}, TruckSim, %"), theirs, note));
+        let note = "nonlinear plant of this project";
+        rows.push(Row::ours(
+            table,
+            format!("axle {axle}, plant, %"),
+            percent(own[0] + own[1]),
+            note,
+        ));
+        if theirs.abs() > greatest {
+            (greatest, at) = (theirs.abs(), axle);
         }
     }
     let item = "greatest deviation, %";

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::printed::Printed;
+use crate::verdict::{Criterion, Verdict};
 
 /// One number of the thesis and the recomputed one. Field names are the keys of the JSON output.
 ///
@@ -23,10 +24,23 @@ pub struct Row {
     pub relative_error: Option<f64>,
     /// An explanation; always present if `thesis` or `ours` is not.
     pub note: Option<String>,
+    /// Half the width of the range around `thesis` in which `ours` is the same; `None` if one of them is
+    /// missing.
+    pub criterion: Option<f64>,
+    /// Why the range is that wide.
+    pub criterion_reason: Option<&'static str>,
+    /// Whether they are the same. [`Verdict::Differs`] and [`Verdict::NotComputed`] have a note.
+    pub verdict: Verdict,
     /// Half a unit of the last printed digit of `thesis`.
     #[serde(skip)]
     pub rounding: Option<f64>,
+    /// What `relative_error` is relative to.
+    #[serde(skip)]
+    pub(super) size: f64,
 }
+
+/// The criterion of rows that have no other.
+const ROUNDING: &str = "half a unit of the last printed digit";
 
 impl Row {
     /// A recomputed number that should agree with the printed one.
@@ -37,15 +51,15 @@ impl Row {
         ours: f64,
     ) -> Self {
         let thesis = printed.value;
-        Self {
-            table,
-            item: item.into(),
+        let row = Self {
             thesis: Some(thesis),
-            ours: Some(ours),
             relative_error: (thesis != 0.0).then(|| (ours - thesis) / thesis.abs()),
             note: printed.misprint.as_ref().map(|misprint| format!("misprint: {}", misprint.why)),
             rounding: Some(printed.rounding),
-        }
+            size: thesis.abs(),
+            ..Self::ours(table, item, ours, "")
+        };
+        row.within(printed.rounding, ROUNDING)
     }
 
     /// A recomputed number that need not agree with the printed one; the note states why.
@@ -73,25 +87,11 @@ impl Row {
             ours: Some(ours),
             relative_error: None,
             note: Some(note.into()),
+            criterion: None,
+            criterion_reason: None,
+            verdict: Verdict::NotPrinted,
             rounding: None,
-        }
-    }
-
-    /// A printed number that cannot be recomputed; the note states why.
-    pub(super) fn missing(
-        table: &'static str,
-        item: impl Into<String>,
-        printed: &Printed,
-        note: impl Into<String>,
-    ) -> Self {
-        Self {
-            table,
-            item: item.into(),
-            thesis: Some(printed.value),
-            ours: None,
-            relative_error: None,
-            note: Some(note.into()),
-            rounding: Some(printed.rounding),
+            size: 0.0,
         }
     }
 
@@ -111,6 +111,7 @@ impl Row {
     pub(super) fn relative_to(mut self, size: f64) -> Self {
         self.relative_error =
             self.thesis.zip(self.ours).map(|(thesis, ours)| (ours - thesis) / size.abs());
+        self.size = size.abs();
         self
     }
 
@@ -118,6 +119,29 @@ impl Row {
     #[must_use]
     pub(super) fn not_comparable(self) -> Self {
         Self { relative_error: None, ..self }
+    }
+
+    /// The row with another criterion: `half_width` to either side of the printed number.
+    #[must_use]
+    pub(super) fn within(mut self, half_width: f64, reason: &'static str) -> Self {
+        if let (Some(thesis), Some(ours)) = (self.thesis, self.ours) {
+            self.criterion = Some(half_width);
+            self.criterion_reason = Some(reason);
+            self.verdict = Criterion::around(thesis, half_width, reason).judge(ours);
+        }
+        self
+    }
+
+    /// The same row with another number in place of ours, judged again.
+    #[must_use]
+    pub fn with_ours(self, ours: f64) -> Self {
+        let relative_error = self.relative_error.zip(self.thesis);
+        let relative_error = relative_error.map(|(_, thesis)| (ours - thesis) / self.size);
+        let row = Self { ours: Some(ours), relative_error, ..self };
+        match (row.criterion, row.criterion_reason) {
+            (Some(half_width), Some(reason)) => row.within(half_width, reason),
+            _ => row,
+        }
     }
 
     /// Whether the printed number is a misprint (the note gives the correct one).

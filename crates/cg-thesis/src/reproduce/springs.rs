@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::baseline::{Baseline, METERS_PER_INCH, Options};
 use super::compensated::printed_compensation;
-use super::own_springs;
+use super::nonlinear::{Known, with_springs};
 use super::printed::{Printed, thesis};
 use super::row::Row;
 use super::solved::{bias_percent, percent, solved};
@@ -42,18 +42,60 @@ pub(super) fn table(
     _: &Options,
 ) -> Result<Vec<Row>, VehicleError> {
     let printed: Table510 = thesis!("table_5_10.toml")?;
+    let known = Known::new(base)?;
     let mut rows = Vec::new();
     for springs in &printed.row {
         rows.extend(from_print(table, base, springs)?);
-        let percent = springs.stiffness_percent;
-        let printed = [&springs.baseline.bias_percent, &springs.updated.bias_percent];
-        rows.extend(own_springs::rows(table, base, (&name(percent), percent), printed)?);
+        rows.extend(own(table, &known, springs)?);
     }
     Ok(rows)
 }
 
 fn name(percent: i32) -> String {
     if percent == 0 { "0 %".to_owned() } else { format!("{percent:+} %") }
+}
+
+/// The same with this project's nonlinear plant, whose springs are scaled: before and after a
+/// calibration on another log of the same truck, by the thesis's procedure and by ours.
+fn own(
+    table: &'static str,
+    known: &Known<'_>,
+    springs: &Springs,
+) -> Result<Vec<Row>, VehicleError> {
+    let name = name(springs.stiffness_percent);
+    let truck = with_springs(&known.vehicle, 1.0 + f64::from(springs.stiffness_percent) / 100.0);
+    let (log, height_m) = (known.log(&truck, known.height_m())?, known.height_m());
+    let before = known.calibrated(&known.vehicle)?.errors_percent(&log, height_m)?;
+    let calibrated = known.calibrated(&truck)?;
+    let function = calibrated.function.clone();
+    let after = calibrated.errors_percent(&log, height_m)?;
+    let item = |what: &str| format!("{name}: own plant, {what}");
+    let plant = "nonlinear plant with scaled measured springs of drive and trailer axles; rounded step of \
+                 0.19 g, noise-free; calibrated on one of 0.15 g and another rate";
+    let mut rows = Vec::new();
+    for (what, printed, [thesis, ours]) in [
+        ("baseline", &springs.baseline.bias_percent, before),
+        ("updated", &springs.updated.bias_percent, after),
+    ] {
+        let value = printed.corrected_value();
+        let printed = Printed { value, misprint: None, ..printed.clone() };
+        let item_of = |by: &str| item(&format!("bias, {what} {by}, %"));
+        rows.push(percent(Row::against(table, item_of("F(s), ARX"), &printed, thesis, plant)));
+        let note = "not in the thesis: complete model, R_c from the same log, filtered identifier";
+        rows.push(Row::ours(table, item_of("R_c, filtered"), ours, note));
+    }
+    let sides = [("b", &springs.numerator, &function.function.numerator)].into_iter().chain([(
+        "a",
+        &springs.denominator,
+        &function.function.denominator,
+    )]);
+    for (letter, printed, ours) in sides {
+        for (k, (printed, ours)) in printed.iter().zip(ours).enumerate() {
+            let item = item(&format!("F(s) {letter}{k}"));
+            rows.push(Row::against(table, item, printed, *ours, plant));
+        }
+    }
+    Ok(rows)
 }
 
 /// Both heights belong to one measured ratio `R_i`. The height with the baseline's compensation gives

@@ -1,13 +1,11 @@
-//! The linear model: Tables 4.1 and 4.2, appendix C.
+//! The linear model: Tables 4.1 and 4.2.
 
-use nalgebra::DVector;
 use serde::Deserialize;
 
 use super::baseline::{Baseline, Options};
 use super::printed::{Printed, thesis};
 use super::row::Row;
 use cg_vehicle::error::VehicleError;
-use cg_vehicle::response::StateSpace;
 use cg_vehicle::system::TransferFunction;
 
 /// Steer to trailer roll of the as-printed model.
@@ -57,19 +55,28 @@ pub(super) fn coefficients(
     Ok(polynomial_rows(table, "", sides, (&ours.0, &ours.1), note))
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table42 {
+    poles: Vec<Vec<Printed>>,
+    zeros: Vec<Vec<Printed>>,
+    gain: Printed,
+}
+
+/// The printed poles and zeros of the upper half plane.
+pub(super) fn printed_roots() -> Result<Vec<(f64, f64)>, VehicleError> {
+    let printed: Table42 = thesis!("table_4_2.toml")?;
+    let part = |root: &[Printed], k: usize| root.get(k).map_or(0.0, |part| part.value);
+    let all = printed.poles.iter().chain(&printed.zeros);
+    Ok(all.map(|root| (part(root, 0), part(root, 1))).collect())
+}
+
 pub(super) fn roots(
     table: &'static str,
     base: &Baseline,
     _: &Options,
 ) -> Result<Vec<Row>, VehicleError> {
-    #[derive(Deserialize)]
-    #[serde(deny_unknown_fields)]
-    struct Table {
-        poles: Vec<Vec<Printed>>,
-        zeros: Vec<Vec<Printed>>,
-        gain: Printed,
-    }
-    let printed: Table = thesis!("table_4_2.toml")?;
+    let printed: Table42 = thesis!("table_4_2.toml")?;
     let ours = as_printed(base)?;
     let mut rows = Vec::new();
     for (name, printed, ours) in
@@ -106,55 +113,4 @@ fn root_rows(
         rows.push(row.relative_to(size).noted(note));
     }
     rows
-}
-
-/// The figures of appendix C are curves without numbers. The rows are the steady-state values of both
-/// models per radian of steer.
-pub(super) fn steady_values(
-    table: &'static str,
-    base: &Baseline,
-    _: &Options,
-) -> Result<Vec<Row>, VehicleError> {
-    let note = "figures C.1 to C.10 are curves without numbers; ours are their steady-state values, in \
-                ISO 8855 signs";
-    let mut rows = Vec::new();
-    let models = [("as printed", &base.as_printed), ("complete", &base.complete)];
-    for (what, unit, row) in responses(&base.complete.state_space) {
-        for (name, model) in models {
-            let ours = model.state_space.steady(&row, 0.0)?;
-            rows.push(Row::ours(table, format!("{what}, {unit}, {name}"), ours, note));
-        }
-    }
-    for (name, model) in models {
-        let slowest = model
-            .state_space
-            .to_trailer_roll()
-            .poles()?
-            .first()
-            .map_or(f64::NAN, |pole| -1.0 / pole.0);
-        let note = "time constant of the slowest poles, with which the curves settle";
-        rows.push(Row::ours(table, format!("slowest decay, s, {name}"), slowest, note));
-    }
-    let model = &base.complete.state_space;
-    let lateral = model.steady(&model.lateral_acceleration, model.lateral_feedthrough)?;
-    let steer_deg = (0.2 * base.vehicle.gravity_mps2 / lateral).to_degrees();
-    let note = "section 5.7 uses nearly 0.2 g and does not print the steer angle";
-    rows.push(Row::ours(table, "road-wheel steer for 0.2 g, degrees, complete", steer_deg, note));
-    Ok(rows)
-}
-
-/// Name with figure number, unit, and row of each response.
-fn responses(model: &StateSpace) -> Vec<(String, &'static str, DVector<f64>)> {
-    let named = |name: &str, unit, row: &DVector<f64>| (name.to_owned(), unit, row.clone());
-    let mut responses = vec![
-        named("C.1 tractor lateral velocity", "m/s per rad", &model.tractor_lateral_velocity),
-        named("C.2 tractor yaw rate", "1/s", &model.tractor_yaw_rate),
-        named("C.3 tractor roll", "rad/rad", &model.tractor_roll),
-        named("C.4 trailer yaw rate", "1/s", &model.trailer_yaw_rate),
-        named("C.5 trailer roll", "rad/rad", &model.trailer_roll),
-    ];
-    for (i, row) in model.axle_roll.iter().enumerate() {
-        responses.push(named(&format!("C.{} axle {} roll", 6 + i, i + 1), "rad/rad", row));
-    }
-    responses
 }

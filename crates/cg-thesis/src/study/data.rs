@@ -1,11 +1,15 @@
 //! The result of a study: panels of series in SI units, and the statements of the thesis with the
 //! results found here.
 
+use crate::verdict::{Criterion, Verdict};
+
 /// SI unit of a quantity. The user of the data may convert it for display.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// A ratio.
     One,
+    /// 1/s, of poles and zeros.
+    PerSecond,
     /// rad.
     Radian,
     /// rad/s.
@@ -78,15 +82,38 @@ pub struct Series {
     pub kind: usize,
     /// Whether this is a secondary series of its kind, for example the tractor next to the semitrailer.
     pub aside: bool,
+    /// Whether these are values that the thesis prints.
+    pub printed: bool,
+    /// Whether its points are not joined by a line.
+    pub apart: bool,
 }
 
 impl Series {
-    pub(super) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
+    pub(crate) fn new(name: impl Into<String>, kind: usize, points: Vec<[f64; 2]>) -> Self {
         let (intervals, unanswered) = (Vec::new(), Vec::new());
-        Self { name: name.into(), points, intervals, unanswered, kind, aside: false }
+        Self {
+            name: name.into(),
+            points,
+            intervals,
+            unanswered,
+            kind,
+            aside: false,
+            printed: false,
+            apart: false,
+        }
     }
 
-    pub(super) fn aside(mut self) -> Self {
+    /// Values that the thesis prints.
+    pub(crate) fn printed(self) -> Self {
+        Self { printed: true, ..self.apart() }
+    }
+
+    /// Points without a line.
+    pub(crate) fn apart(self) -> Self {
+        Self { apart: true, ..self }
+    }
+
+    pub(crate) fn aside(mut self) -> Self {
         self.aside = true;
         self
     }
@@ -130,7 +157,7 @@ pub struct Panel {
 }
 
 /// A statement of the thesis and the result found here.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Statement {
     /// Figure or section of the thesis.
@@ -139,8 +166,21 @@ pub struct Statement {
     pub thesis: &'static str,
     /// The result found here, with numbers.
     pub ours: String,
-    /// Whether they agree.
-    pub agrees: bool,
+    /// The number on which the verdict depends, in `unit`.
+    pub measured: f64,
+    /// Its unit and meaning.
+    pub unit: &'static str,
+    /// The range in which it is the thesis's.
+    pub criterion: Criterion,
+    /// Why it is not, if it is not.
+    pub because: &'static str,
+}
+
+impl Statement {
+    /// Whether the result is that of the thesis.
+    pub fn verdict(&self) -> Verdict {
+        self.criterion.judge(self.measured)
+    }
 }
 
 /// One study.
@@ -160,6 +200,12 @@ pub struct Study {
 }
 
 impl Study {
+    /// The statements about a figure, such as `2.26`.
+    pub fn about<'a>(&'a self, figure: &'a str) -> impl Iterator<Item = &'a Statement> {
+        let of = move |s: &&Statement| s.place.strip_prefix("Fig. ") == Some(figure);
+        self.statements.iter().filter(of)
+    }
+
     /// A series of a figure.
     pub fn series(&self, figure: &str, name: &str) -> Option<&Series> {
         let panels = self.panels.iter().filter(|panel| panel.figure == figure);

@@ -19,9 +19,9 @@ pub(super) const LANE_CHANGE: Course = Course::LaneChange { gate_m: 20.0 };
 /// 1.5 s.
 pub(super) const RUN_IN_M: f64 = 60.0;
 /// Straight driving before a turn, before a gate (eq. 2.5), and radius of the turns.
-const BEFORE_TURN_M: f64 = 40.0;
+pub(super) const BEFORE_TURN_M: f64 = 40.0;
 const BEFORE_GATE_M: f64 = RUN_IN_M + 15.0;
-const RADIUS_M: f64 = 100.0;
+pub(super) const RADIUS_M: f64 = 100.0;
 /// Width of a lane (eq. 2.5).
 const LANE_M: f64 = 3.65;
 /// Sampling interval.

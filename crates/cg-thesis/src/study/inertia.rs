@@ -5,6 +5,7 @@ use super::drive::{
     Course, Drive, LANE_CHANGE, LANE_SPEED_MPS, QUARTER, TURN_SPEED_MPS, trailer_roll,
 };
 use super::setting::{PEAK_ROLL, Setting, scenario};
+use crate::verdict::Criterion;
 use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
 
@@ -86,6 +87,10 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
     })
 }
 
+/// A change of the peak roll that is rather none, in %.
+const INSENSITIVE: Criterion =
+    Criterion::between(-2.0, 2.0, "0.05° of 2.6°: the resolution of the thesis's tilt sensor");
+
 /// What the thesis says of the change of the peak roll, in %, in the turn and in the lane change.
 fn statements(turn: f64, lane: f64) -> [Statement; 2] {
     [
@@ -93,13 +98,23 @@ fn statements(turn: f64, lane: f64) -> [Statement; 2] {
             place: "Fig. 2.25",
             thesis: "the peak in the turn is rather insensitive to roll inertia",
             ours: format!("{turn:+.2} % over the range"),
-            agrees: turn.abs() < 2.0,
+            measured: turn,
+            unit: "%",
+            criterion: INSENSITIVE,
+            because: "the turn is not steady at its peak",
         },
         Statement {
             place: "Fig. 2.25",
             thesis: "the peak in the lane change is considerably sensitive",
             ours: format!("{lane:+.2} % over the range"),
-            agrees: lane.abs() > 3.0 * turn.abs(),
+            measured: lane,
+            unit: "%",
+            criterion: Criterion::between(
+                INSENSITIVE.greatest,
+                25.0,
+                "more than is insensitive, and less than the part of the inertia in the sprung mass's",
+            ),
+            because: "the lane change is too slow for the roll mode",
         },
     ]
 }

@@ -6,7 +6,8 @@ use cg_vehicle::error::VehicleError;
 use super::data::Study;
 use super::setting::Setting;
 use super::{
-    accuracy, heights, in_service, inertia, maneuvers, roads, sensitivity, shift, speed, variants,
+    accuracy, heights, in_service, inertia, maneuvers, readings, roads, sensitivity, shift, speed,
+    variants,
 };
 
 /// An entry in the list of studies.
@@ -24,7 +25,7 @@ pub struct Listed {
 type Run = fn(&Setting) -> Result<Study, VehicleError>;
 
 /// All studies in the order of the thesis's pages; the last three are not in the thesis.
-const STUDIES: [(Listed, Run); 15] = [
+const STUDIES: [(Listed, Run); 16] = [
     (
         Listed {
             name: "height-steady",
@@ -44,7 +45,7 @@ const STUDIES: [(Listed, Run); 15] = [
     (
         Listed {
             name: "cornering-angle",
-            figures: "Figs. 2.11-2.15",
+            figures: "Figs. 2.7-2.15",
             about: "Roll and lateral acceleration in turns of 60, 90 and 120 degrees.",
         },
         maneuvers::cornering_angle,
@@ -80,6 +81,14 @@ const STUDIES: [(Listed, Run); 15] = [
             about: "Peak roll in a turn over the c.g. height.",
         },
         heights::height,
+    ),
+    (
+        Listed {
+            name: "fifth-wheel",
+            figures: "Fig. 2.26",
+            about: "The same with every reading of the fifth wheel that the thesis prints.",
+        },
+        readings::study,
     ),
     (
         Listed {
@@ -154,7 +163,8 @@ pub fn studies() -> Vec<Listed> {
 
 /// Runs one study, with a vehicle in place of the usual one if one is given. That is the baseline,
 /// `fixtures/vehicles/baseline-tables.toml`; of the studies `roads` and `in-service`, which need
-/// springs without friction, it is `fixtures/vehicles/kraz.toml`.
+/// springs without friction, it is `fixtures/vehicles/kraz.toml`, and of `fifth-wheel`
+/// `fixtures/vehicles/baseline-printed.toml`.
 ///
 /// # Errors
 /// [`VehicleError::UnknownStudy`]; [`VehicleError`] if the vehicle cannot be simulated.
@@ -170,6 +180,10 @@ pub fn study(name: &str, vehicle: Option<&Vehicle>) -> Result<Study, VehicleErro
         (None, "roads" | "in-service") => Vehicle::parse(
             include_str!("../../fixtures/vehicles/kraz.toml"),
             "fixtures/vehicles/kraz.toml",
+        )?,
+        (None, "fifth-wheel") => Vehicle::parse(
+            include_str!("../../fixtures/vehicles/baseline-printed.toml"),
+            "fixtures/vehicles/baseline-printed.toml",
         )?,
         (None, _) => Vehicle::parse(
             include_str!("../../fixtures/vehicles/baseline-tables.toml"),

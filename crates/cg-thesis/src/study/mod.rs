@@ -4,10 +4,11 @@
 //! | file | studies |
 //! |---|---|
 //! | `sensitivity` | Figs. 2.5, 2.6: every response to a higher payload |
-//! | `maneuvers` | Figs. 2.11–2.15, 2.17–2.22: cornering angle, gate length |
+//! | `maneuvers` | Figs. 2.7–2.15, 2.17–2.22: cornering angle, gate length |
 //! | `speed` | Figs. 2.23, 2.24 |
 //! | `inertia` | Fig. 2.25: shape of the payload |
 //! | `heights` | Figs. 2.26, 2.27: c.g. height, payload |
+//! | `readings` | Fig. 2.26 with every reading of the printed fifth wheel |
 //! | `shift` | Figs. 2.28, 2.29: lateral and longitudinal shift of the payload |
 //! | `variants` | Figs. 2.30, 2.31: suspensions, tires |
 //! | `accuracy` | Monte-Carlo over noise, load and time (no figure of the thesis) |
@@ -20,7 +21,7 @@
 //! ```
 //! use cg_thesis::study::{studies, study};
 //!
-//! assert_eq!(studies().len(), 15);
+//! assert_eq!(studies().len(), 16);
 //! let turn = study("height-steady", None)?;
 //! let responses = &turn.series("2.5", "payload c.g. 200 mm higher").unwrap().points;
 //! assert!(responses[0][1] > 0.1); // the most sensitive one comes first
@@ -37,6 +38,7 @@ mod in_service;
 mod heights;
 mod inertia;
 mod maneuvers;
+mod readings;
 mod sensitivity;
 mod shift;
 mod speed;

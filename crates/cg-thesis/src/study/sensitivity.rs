@@ -3,6 +3,7 @@
 use super::data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
 use super::drive::{Course, Drive, LANE_SPEED_MPS, QUARTER, Record, TURN_SPEED_MPS};
 use super::setting::{Setting, scenario};
+use crate::verdict::Criterion;
 use cg_plant::plant::PlantSample;
 use cg_vehicle::error::VehicleError;
 
@@ -129,6 +130,13 @@ fn responses(low: &Record, high: &Record) -> Result<Vec<Response>, VehicleError>
     Ok(found)
 }
 
+/// One response is ahead of another.
+const NEXT: Criterion = Criterion::between(
+    1.0,
+    2.0,
+    "more than the next one, and of its size: body and axles roll together",
+);
+
 /// The most sensitive response, by relative change (the order of `responses`) and, among roll angles, in
 /// degrees.
 fn most_sensitive(maneuver: &Maneuver, responses: &[Response]) -> Statement {
@@ -142,11 +150,24 @@ fn most_sensitive(maneuver: &Maneuver, responses: &[Response]) -> Statement {
         .collect();
     let angles: Vec<String> =
         rolls.iter().take(2).map(|r| format!("{} {:+.2}°", r.name, degrees(r))).collect();
+    // The least factor by which it is ahead of the others, in percent and in degrees.
+    let own = |r: &&Response| r.name == UNITS[0].0;
+    let factor = |of: &dyn Fn(&Response) -> f64, all: &[&Response]| {
+        let others = all.iter().filter(|r| !own(r)).map(|r| of(r));
+        let ours = all.iter().find(|r| own(r)).map_or(f64::NAN, |r| of(r));
+        ours / others.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let every: Vec<&Response> = responses.iter().collect();
+    let change = |r: &Response| r.after / r.before - 1.0;
+    let ahead = factor(&change, &every).min(factor(&degrees, &rolls));
     Statement {
         place: if maneuver.figure == "2.5" { "Fig. 2.5" } else { "Fig. 2.6" },
         thesis: "the semitrailer's roll angle is the most sensitive response",
         ours: format!("relative: {}; in degrees: {}", first.join(", "), angles.join(", ")),
-        agrees: [responses[0], *rolls[0]].iter().all(|r| r.name == UNITS[0].0),
+        measured: ahead,
+        unit: "times the next response, in percent or in degrees",
+        criterion: NEXT,
+        because: "another response grows more",
     }
 }
 
@@ -158,11 +179,15 @@ fn axles_next(maneuver: &Maneuver, responses: &[Response]) -> Statement {
     let listed: Vec<String> =
         others.iter().take(4).map(|r| format!("{} {:+.1} %", r.name, 100.0 * change(r))).collect();
     let rest = others.iter().filter(|r| !last.iter().any(|l| l.name == r.name));
+    let least = last.iter().map(|r| change(r)).fold(f64::INFINITY, f64::min);
     let greatest = rest.map(|r| change(r)).fold(f64::NEG_INFINITY, f64::max);
     Statement {
         place: if maneuver.figure == "2.5" { "Fig. 2.5" } else { "Fig. 2.6" },
         thesis: "the roll angles of the trailer's axles follow",
         ours: format!("next: {}", listed.join(", ")),
-        agrees: !last.is_empty() && last.iter().all(|r| change(r) > greatest),
+        measured: least / greatest,
+        unit: "times the next response",
+        criterion: NEXT,
+        because: "the roll angles of other axles grow more",
     }
 }
