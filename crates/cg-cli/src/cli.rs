@@ -71,8 +71,8 @@ pub(crate) enum Command {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateArgs {
-    /// Logs: .csv, .csv.gz, .parquet, or candump logs (with time stamps: -L, -l, -ta); `-` reads
-    /// CSV or a candump log from standard input
+    /// Logs or patterns of them (`logs/*.csv`): .csv, .csv.gz, .parquet, candump (with time stamps: -L,
+    /// -l, -ta) or .asc; `-` reads CSV or frames from standard input
     #[arg(required = true, value_name = "LOG")]
     pub(crate) logs: Vec<PathBuf>,
     #[command(flatten)]

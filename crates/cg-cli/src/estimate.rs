@@ -28,7 +28,8 @@ use crate::sink;
 const ROWS_PER_TICK: u32 = 8192;
 
 pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outcome> {
-    let target = report_target(arguments, files)?;
+    let logs = matched(&arguments.logs)?;
+    let target = report_target(arguments, &logs, files)?;
     let vehicle = arguments.truck.load()?;
     let (design, judgment) = arguments.truck.judged_design(&vehicle)?;
     let options = EstimateOptions {
@@ -54,24 +55,22 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         }
     }
     let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
-    if arguments.logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
+    if logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read only once"));
     }
     let estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
     let log_options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
-    let progress = progress_bar(&arguments.logs);
+    let progress = progress_bar(&logs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs).build()?;
-    let room = target.as_ref().map(|_| report::room(arguments.logs.len()));
+    let room = target.as_ref().map(|_| report::room(logs.len()));
     let results: Vec<anyhow::Result<Estimated>> = pool.install(|| {
-        arguments
-            .logs
-            .par_iter()
+        logs.par_iter()
             .map(|log| estimate_log(log, &log_options, estimator.clone(), room, &progress))
             .collect()
     });
     progress.finish_and_clear();
 
-    let Batch { answers, unreadable, outcome } = gathered(&arguments.logs, results, truth.as_ref());
+    let Batch { answers, unreadable, outcome } = gathered(&logs, results, truth.as_ref());
     let page = match &target {
         Some(target) => {
             let about = About {
@@ -88,10 +87,36 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     Ok(outcome)
 }
 
+/// The given logs, with the files that match a pattern (`'logs/*.csv'`, which shells on Windows and
+/// programs do not expand) in its place, sorted.
+fn matched(logs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut all = Vec::with_capacity(logs.len());
+    for log in logs {
+        let text = log.to_string_lossy();
+        if !text.contains(['*', '?', '[']) || log.exists() {
+            all.push(log.clone());
+            continue;
+        }
+        let matches = glob::glob(&text).with_context(|| format!("{text}: not a pattern"))?;
+        let before = all.len();
+        for path in matches {
+            all.push(path.with_context(|| format!("{text}: cannot be read"))?);
+        }
+        if all.len() == before {
+            return Err(anyhow!("{text}: no file matches this pattern; check the path"));
+        }
+    }
+    Ok(all)
+}
+
 /// The file of the report, if one is written.
-fn report_target(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Option<Target>> {
+fn report_target(
+    arguments: &EstimateArgs,
+    logs: &[PathBuf],
+    files: Files,
+) -> anyhow::Result<Option<Target>> {
     let mut files = arguments.truck.read(files).reads_some("--truth", arguments.truth.as_deref());
-    for log in &arguments.logs {
+    for log in logs {
         files = files.reads("LOG", log);
     }
     let target =

@@ -10,6 +10,8 @@ use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 
 #[path = "log/files.rs"]
 mod files;
+#[path = "log/foreign.rs"]
+mod foreign;
 #[path = "log/options.rs"]
 mod options;
 #[cfg(feature = "parquet")]
@@ -97,7 +99,7 @@ fn comments_and_blank_lines_are_skipped_anywhere_and_never_interpreted() {
 
 #[test]
 fn unknown_columns_are_ignored_whatever_they_hold() {
-    let csv = "note,time_s,roll_rate_grad,steer_rad,roll_rad,x\n\
+    let csv = "note,time_s,pitch_rate_grad,steer_rad,roll_rad,x\n\
                \"a,\"\"b\n# c\",0,?,0.1,-0.2,\n5\" nail,1,\u{fffd},0.1,-0.2,inf\n";
     let rows = read(csv).unwrap();
     assert_eq!((rows.len(), rows[0].roll_rad, rows[1].steer_rad), (2, -0.2, 0.1));
@@ -157,7 +159,7 @@ fn any_input_will_do() {
 
 #[test]
 fn the_nearest_name_is_proposed_for_the_signal_it_is_near_to() {
-    refused("time_s,steer_rad,Rol_rad\n0,0,0\n", &["⟨columns roll=Rol_rad[deg]"]);
+    refused("time_s,steer_rad,Rol_rad\n0,0,0\n", &["⟨columns roll=Rol_rad[rad]"]);
     refused("time_s,steer_rad,Trailer Tilt\n0,0,0\n", &["⟨columns tilt=Trailer Tilt[deg]⟩"]);
     refused("time_s,SteeringWheelAngle,roll_rad\n0,0,0\n", &["steering_wheel=SteeringWheelAngle"]);
     refused("Timestamp,steer_rad,roll_rad\n0,0,0\n", &["⟨columns time=Timestamp[s]"]);
@@ -180,7 +182,8 @@ fn text_in_a_number_is_an_error_that_shows_it_shortened_and_escaped() {
     refused(format!("{ONE}1,0,{}\n", "y".repeat(999)), &[&format!("`{}…`", "y".repeat(40))]);
     refused(format!("{ONE}1,0,1.5x\n"), &["`1.5x`"]);
     refused(b"time_s,steer_rad,roll_rad\n0,0,\xff\0\n", &["`\u{fffd}\\u{0}`"]);
-    refused("time_s;steer_rad;roll_rad\n0;0;0,1\n", &["`0,1`", "decimals with a point"]);
+    let quoted = format!("{ONE}1,0,\"0,1\"\n");
+    refused(quoted, &["`0,1`", "decimals with a point"]);
 }
 
 #[test]

@@ -3,16 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate_with_trips};
-use cg_logs::log::LogReader;
+use cg_logs::estimate::LogEstimator;
+use cg_logs::log::{LogOptions, LogReader};
 use cg_logs::output::{Draft, Files, Kind};
 use cg_logs::state::runs_of;
 use cg_vehicle::VehicleError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::error::{log_error, os_error, output_error, vehicle_error};
-use crate::log::push_some;
+use crate::log::{Refused, push_some};
 use crate::options::word;
 use crate::reading::log_options;
+use crate::signals::{borrowed, columns};
 use crate::vehicle::Vehicle;
 
 /// An exception that `calibrate` passes through.
@@ -38,8 +41,16 @@ pub(crate) struct Request {
     force: bool,
 }
 
-/// A run: its log, whether it is the empty trailer, the height and the mass if they are known.
-type GivenRun = (PathBuf, bool, Option<f64>, Option<f64>);
+/// The rows of a run: a file, or a dict of SI column names to arrays.
+#[derive(FromPyObject)]
+pub(crate) enum Source {
+    Table(Py<PyDict>),
+    File(PathBuf),
+}
+
+/// A run: the name of its log, whether it is the empty trailer, the height and the mass if they are
+/// known.
+type GivenRun = (String, bool, Option<f64>, Option<f64>);
 
 fn known((log, is_empty, height_m, trailer_mass_kg): GivenRun) -> KnownLog {
     let load = match height_m {
@@ -47,7 +58,7 @@ fn known((log, is_empty, height_m, trailer_mass_kg): GivenRun) -> KnownLog {
         Some(height_m) => KnownLoad::Laden { height_m, trailer_mass_kg },
         None => KnownLoad::UnknownHeight { trailer_mass_kg },
     };
-    KnownLog { log: log.display().to_string(), load }
+    KnownLog { log, load }
 }
 
 /// Names and contents of states: files, or texts with a name of their own.
@@ -69,7 +80,7 @@ fn contents(states: Vec<(String, Option<String>)>) -> PyResult<Vec<(String, Vec<
 pub(crate) fn calibrate_files(
     py: Python<'_>,
     vehicle: &Bound<'_, Vehicle>,
-    runs: Vec<GivenRun>,
+    runs: Vec<(GivenRun, Source)>,
     states: Vec<(String, Option<String>)>,
     output: PathBuf,
     request: Request,
@@ -83,32 +94,51 @@ pub(crate) fn calibrate_files(
         force: request.force,
     };
     let mut files = Files::new(request.force).reads("vehicle", vehicle.get().path());
-    for (log, ..) in &runs {
-        files = files.reads("runs", log);
+    for ((log, ..), _) in &runs {
+        files = files.reads("runs", Path::new(log));
     }
     for (name, _) in states.iter().filter(|(_, text)| text.is_none()) {
         files = files.reads("from_state", Path::new(name));
     }
     let target = files.writes("output", &output, Kind::Calibration).map_err(output_error)?;
     let vehicle = &vehicle.get().inner;
+    let (runs, sources): (Vec<GivenRun>, Vec<Source>) = runs.into_iter().unzip();
     let logs: Vec<KnownLog> = runs.into_iter().map(known).collect();
+    let source_of = |known: &KnownLog| {
+        let place = logs.iter().position(|log| log.log == known.log);
+        place.and_then(|place| sources.get(place))
+    };
     let trips = runs_of(&contents(states)?, vehicle, how.variant).map_err(vehicle_error)?;
     let mut calibration =
         calibrate_with_trips(vehicle, how, (&logs, &trips), |known, estimator| {
-            let path = PathBuf::from(&known.log);
-            let open = || LogReader::open(&path, &options);
-            let mut reader = py.detach(open).map_err(|error| Failure(log_error(error)))?;
-            while py
-                .detach(|| push_some(&mut reader, estimator, &path))
-                .map_err(|refused| Failure(refused.raise()))?
-            {
-                py.check_signals().map_err(Failure)?;
-            }
-            Ok(())
+            let fed = match source_of(known) {
+                Some(Source::File(path)) => feed_file(py, path, &options, estimator),
+                Some(Source::Table(table)) => feed_table(py, table, estimator),
+                None => Ok(()),
+            };
+            fed.map_err(Failure)
         })
         .map_err(|Failure(error)| error)?;
     calibration.date = request.date;
     let text = calibration.to_toml().map_err(vehicle_error)?;
     let draft = target.write(&text).map_err(output_error)?;
     draft.map_or(Ok(()), Draft::publish).map_err(|error| output_error(target.failed(error)))
+}
+
+fn feed_file(
+    py: Python<'_>,
+    path: &Path,
+    options: &LogOptions,
+    estimator: &mut LogEstimator,
+) -> PyResult<()> {
+    let mut reader = py.detach(|| LogReader::open(path, options)).map_err(log_error)?;
+    while py.detach(|| push_some(&mut reader, estimator, path)).map_err(Refused::raise)? {
+        py.check_signals()?;
+    }
+    Ok(())
+}
+
+fn feed_table(py: Python<'_>, table: &Py<PyDict>, estimator: &mut LogEstimator) -> PyResult<()> {
+    let arrays = borrowed(table.bind(py))?;
+    columns(&arrays)?.push_all(py, estimator)
 }

@@ -8,6 +8,7 @@
 //! | `reading` | how logs and frames are read |
 //! | `signals` | `estimate_arrays`, `learn_arrays`, `predict_roll`: estimates, learning and predictions from arrays |
 //! | `log` | `estimate_file`, `read_file`, `read_frames`, `resolve_columns`, `signals`: log files and their column names |
+//! | `prepare` | `prepare`: channels of different rasters, and roll angles from a roll rate |
 //! | `calibrate` | `calibrate_files`: calibration from logs and from trips with the empty trailer |
 //! | `stream` | `Stream`: the estimator, row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
@@ -32,6 +33,7 @@ mod results;
 mod reading;
 mod signals;
 mod log;
+mod prepare;
 mod stream;
 mod calibrate;
 mod arx;
@@ -55,6 +57,8 @@ mod _native {
     use crate::linear::linear_model;
     #[pymodule_export]
     use crate::log::{estimate_file, read_file, read_frames, resolve_columns, signals};
+    #[pymodule_export]
+    use crate::prepare::prepare;
     #[pymodule_export]
     use crate::reproduce::reproduce_tables;
     #[pymodule_export]

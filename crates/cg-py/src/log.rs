@@ -142,12 +142,14 @@ pub(crate) fn push_some(
 
 /// Find the columns of a log among the column names of a table.
 ///
+/// `units` has the unit of each column, or nothing if it is not known, and "clock" for points in time.
 /// Returns a dict of SI column names to (index of the column, factor to SI with sign).
 #[pyfunction]
-#[pyo3(signature = (names, columns, flip, /))]
+#[pyo3(signature = (names, units, columns, flip, /))]
 pub(crate) fn resolve_columns(
     py: Python<'_>,
     names: Vec<String>,
+    units: Vec<String>,
     columns: Vec<String>,
     flip: Vec<String>,
 ) -> PyResult<Bound<'_, PyDict>> {
@@ -155,7 +157,7 @@ pub(crate) fn resolve_columns(
     // The log reader applies the rules for names and units to a log with these column names and
     // two rows. The first row is one in every column, so that it becomes the factor to SI; the
     // second row contains the number of each column.
-    let found = probe(&names, &options).map_err(log_error)?;
+    let found = probe(&names, &units, &options).map_err(log_error)?;
     let result = PyDict::new(py);
     if let Some((first, second)) = found {
         for signal in Signal::ALL {
@@ -171,16 +173,38 @@ pub(crate) fn resolve_columns(
     Ok(result)
 }
 
-fn probe(names: &[String], options: &LogOptions) -> Result<Option<(LogRow, LogRow)>, LogError> {
-    let quoted: Vec<String> = names
-        .iter()
-        .map(|name| format!("\"{}\"", name.replace('"', "\"\"").replace(['\r', '\n'], " ")))
-        .collect();
-    let ones = vec!["1".to_owned(); names.len()];
-    let numbers: Vec<String> = (2..names.len() + 2).map(|number| number.to_string()).collect();
-    let text = [quoted, ones, numbers].map(|row| row.join(",") + "\n").concat();
-    let stream = Box::new(std::io::Cursor::new(text.into_bytes()));
+fn probe(
+    names: &[String],
+    units: &[String],
+    options: &LogOptions,
+) -> Result<Option<(LogRow, LogRow)>, LogError> {
+    let quoted =
+        |text: &String| format!("\"{}\"", text.replace('"', "\"\"").replace(['\r', '\n'], " "));
+    let is_clock = |column: usize| units.get(column).is_some_and(|unit| unit == "clock");
+    let number = |(column, number): (usize, usize)| {
+        if is_clock(column) {
+            format!("{:02}:{:02}:{:02}", number / 3600, number / 60 % 60, number % 60)
+        } else {
+            number.to_string()
+        }
+    };
+    let row = |numbers: &mut dyn Iterator<Item = usize>| {
+        numbers.enumerate().map(number).collect::<Vec<_>>().join(",")
+    };
+    let mut lines = vec![names.iter().map(quoted).collect::<Vec<_>>().join(",")];
+    let stated = |column: usize| units.get(column).filter(|_| !is_clock(column));
+    if (0..names.len()).any(|column| stated(column).is_some_and(|unit| !unit.is_empty())) {
+        let unit = |column| stated(column).map(quoted).unwrap_or_default();
+        lines.push((0..names.len()).map(unit).collect::<Vec<_>>().join(","));
+    }
+    lines.push(row(&mut names.iter().map(|_| 1)));
+    lines.push(row(&mut (2..names.len() + 2)));
+    let stream = Box::new(std::io::Cursor::new((lines.join("\n") + "\n").into_bytes()));
+    // A row of units may be an error of the first row only.
     let mut reader = LogReader::from_reader("the table", stream, options)?;
-    let first = reader.next_row()?;
-    Ok(first.zip(reader.next_row()?))
+    let mut rows = Vec::new();
+    while let Some(row) = reader.next_row()? {
+        rows.push(row);
+    }
+    Ok((rows.len() == 2).then(|| (rows[0], rows[1])))
 }

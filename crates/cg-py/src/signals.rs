@@ -73,6 +73,11 @@ impl<'a> Columns<'a> {
         Ok(Self { values: *values, time_s })
     }
 
+    /// The signals that the log has.
+    pub(crate) fn signals(&self) -> Vec<Signal> {
+        Signal::ALL.into_iter().filter(|&signal| self.values[signal as usize].is_some()).collect()
+    }
+
     pub(crate) fn rows(&self) -> usize {
         self.time_s.len()
     }
@@ -81,6 +86,17 @@ impl<'a> Columns<'a> {
         LogRow::from_values(
             self.values.map(|column| column.map_or(f64::NAN, |values| values[index])),
         )
+    }
+
+    /// Passes all rows to an estimator.
+    pub(crate) fn push_all(&self, py: Python<'_>, estimator: &mut LogEstimator) -> PyResult<()> {
+        let rows = self.rows();
+        for start in (0..rows).step_by(ROWS_BETWEEN_LOOKS) {
+            let range = start..rows.min(start + ROWS_BETWEEN_LOOKS);
+            py.detach(|| self.push_range(estimator, range)).map_err(value_error)?;
+            py.check_signals()?;
+        }
+        Ok(())
     }
 
     fn push_range(
@@ -98,7 +114,8 @@ impl<'a> Columns<'a> {
         Ok(())
     }
 
-    fn check(&self, index: usize, row: &LogRow) -> Result<(), String> {
+    /// Checks the time and the values of a row.
+    pub(crate) fn check(&self, index: usize, row: &LogRow) -> Result<(), String> {
         if let Some(previous_s) = index.checked_sub(1).map(|before| self.time_s[before])
             && row.time_s <= previous_s
         {
@@ -207,12 +224,7 @@ fn driven(
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
     let mut estimator = LogEstimator::from_design(design, settings, options);
-    let rows = columns.time_s.len();
-    for start in (0..rows).step_by(ROWS_BETWEEN_LOOKS) {
-        let range = start..rows.min(start + ROWS_BETWEEN_LOOKS);
-        py.detach(|| columns.push_range(&mut estimator, range)).map_err(value_error)?;
-        py.check_signals()?;
-    }
+    columns.push_all(py, &mut estimator)?;
     Ok(estimator)
 }
 

@@ -58,8 +58,8 @@ def test_arrays_must_hold_numbers(kraz, turn):
     words = {**turn, "steer_rad": ["left"] * 1700}
     with pytest.raises(ValueError, match="steer_rad does not contain numbers"):
         cgheight.estimate(**words, vehicle=kraz)
-    dates = {**turn, "time_s": np.arange(1700).astype("datetime64[s]")}
-    with pytest.raises(ValueError, match="time_s does not contain numbers: dates"):
+    dates = {**turn, "steer_rad": np.arange(1700).astype("datetime64[s]")}
+    with pytest.raises(ValueError, match="steer_rad does not contain numbers: dates"):
         cgheight.estimate(**dates, vehicle=kraz)
 
 
@@ -148,20 +148,20 @@ def test_a_bad_row_is_named_with_file_line_and_column(kraz, tmp_path):
 
 @pytest.mark.parametrize("kind", ["file", "frame"])
 def test_a_missing_column_comes_with_a_remedy_in_python(kind, kraz, turn, tmp_path):
-    frame = pd.DataFrame(turn).rename(columns={"roll_rad": "Roll rate"})
+    frame = pd.DataFrame(turn).rename(columns={"roll_rad": "Roll sensor"})
     log = frame
     if kind == "file":
         log = tmp_path / "log.csv"
         frame.to_csv(log, index=False)
     with pytest.raises(ValueError, match="no column for roll_rad or tilt_rad") as caught:
         cgheight.estimate_log(log, vehicle=kraz)
-    assert 'columns={"roll": "Roll rate[deg]"}' in str(caught.value)
+    assert 'columns={"roll": "Roll sensor[deg]"}' in str(caught.value)
     assert "--" not in str(caught.value)
     with pytest.raises(ValueError, match="`Roll` is not a signal"):
-        cgheight.estimate_log(log, vehicle=kraz, columns={"Roll": "Roll rate"})
+        cgheight.estimate_log(log, vehicle=kraz, columns={"Roll": "Roll sensor"})
     with pytest.raises(ValueError, match="`kmh` is not a unit of roll"):
-        cgheight.estimate_log(log, vehicle=kraz, columns={"roll": "Roll rate[kmh]"})
-    options = {"columns": {"roll": "Roll rate[rad]"}, "flip": ["time"]}
+        cgheight.estimate_log(log, vehicle=kraz, columns={"roll": "Roll sensor[kmh]"})
+    options = {"columns": {"roll": "Roll sensor[rad]"}, "flip": ["time"]}
     with pytest.raises(ValueError, match="time cannot be flipped"):
         cgheight.estimate_log(log, vehicle=kraz, **options)
 

@@ -179,3 +179,21 @@ def test_the_figure_of_a_file_is_that_of_its_arrays(kraz, turn):
     by_arrays = plot.log(turn, vehicle=kraz)
     lines = [figure.axes[1].get_lines()[1].get_ydata() for figure in (by_path, by_arrays)]
     assert lines[0] == pytest.approx(lines[1], abs=1e-9)
+
+
+def test_the_heights_of_many_logs_with_their_names(kraz, turn, tmp_path):
+    straight = {name: column[:150] for name, column in turn.items()}
+    logs = {"north": turn, "south": turn, "straight": straight}
+    answers = cgheight.estimate_logs(logs, vehicle=kraz)
+    figure = plot.heights(answers, true_heights_m={"north": 1.7})
+    drawn(figure, tmp_path / "heights.png")
+    (axes,) = figure.axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(logs)
+    # Two logs with bar and point, and one true height.
+    assert [line.get_xdata()[0] for line in axes.get_lines()] == [
+        answers[0].height_ci95_m[0], answers[0].height_m,
+        answers[1].height_ci95_m[0], answers[1].height_m, 1.7,
+    ]  # fmt: skip
+    assert [text.get_text() for text in axes.texts] == ["no height: rejected"]
+    with pytest.raises(ValueError, match="no log to draw"):
+        plot.heights(cgheight.estimate_logs([], vehicle=kraz))

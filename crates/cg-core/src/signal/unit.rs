@@ -29,7 +29,7 @@ const RAD_PER_DEG: f64 = core::f64::consts::PI / 180.0;
 /// Degree.
 pub const DEG: Unit = unit("deg", &["°", "deg", "degree", "degrees"], RAD_PER_DEG, 1.0);
 /// Degree per second.
-pub const DEGPS: Unit = unit("degps", &["°/s", "deg/s"], RAD_PER_DEG, 1.0);
+pub const DEGPS: Unit = unit("degps", &["°/s", "deg/s", "deg/sec", "dps"], RAD_PER_DEG, 1.0);
 /// Kilometer per hour.
 pub const KMH: Unit = unit("kmh", &["km/h", "kph"], 1.0, 3.6);
 /// Standard gravity, exact by definition (CGPM 1901).
@@ -66,9 +66,11 @@ impl Dimension {
             Self::Time => {
                 const {
                     &[
-                        unit("s", &["s"], 1.0, 1.0),
-                        unit("ms", &["ms"], 1.0, 1e3),
-                        unit("us", &["us", "µs"], 1.0, 1e6),
+                        unit("s", &["s", "sec", "seconds"], 1.0, 1.0),
+                        unit("ms", &["ms", "msec"], 1.0, 1e3),
+                        // The micro sign and the Greek letter.
+                        unit("us", &["us", "\u{b5}s", "\u{3bc}s"], 1.0, 1e6),
+                        unit("ns", &["ns"], 1.0, 1e9),
                     ]
                 }
             }
@@ -88,7 +90,7 @@ impl Dimension {
                 const { &[unit("mps", &["m/s"], 1.0, 1.0), KMH, unit("mph", &["mph"], 0.447_04, 1.0)] }
             }
             Self::Acceleration => {
-                const { &[unit("mps2", &["m/s²", "m/s2", "m/s^2"], 1.0, 1.0), G] }
+                const { &[unit("mps2", &["m/s²", "m/s2", "m/s^2", "m/s/s"], 1.0, 1.0), G] }
             }
             Self::Mass => {
                 const { &[unit("kg", &["kg"], 1.0, 1.0), TONNE, unit("lb", &["lb"], 0.453_592_37, 1.0)] }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `frame` | a CAN frame |
 //! | `candump`, `reader` | lines in the candump format, and a log of them |
+//! | `asc` | a log in the format ASC |
 //! | `dbc`, `dbc_file` | signals of a DBC file, mapped to quantities |
 //! | `decoder` | values of frames: J1939 and the mapped signals |
 //! | `clock` | a continuous time from time stamps |
@@ -21,9 +22,12 @@ mod dbc;
 mod dbc_file;
 mod decoder;
 mod reader;
+mod asc;
 mod tally;
 mod sampler;
 
+pub use asc::AscReader;
+pub(crate) use asc::is_asc;
 pub use candump::{CandumpError, Content, Line, parse};
 pub use clock::{Clock, Instant};
 pub use dbc::{DbcError, MappedSignal, SignalMap};

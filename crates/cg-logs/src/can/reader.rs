@@ -7,7 +7,7 @@ use super::candump::{CandumpError, Content, Line, parse};
 use super::frame::Frame;
 
 /// Maximum length of a line. Lines of candump are shorter (CAN FD in the plain form: 300 bytes).
-const LONGEST_LINE: u64 = 4096;
+pub(super) const LONGEST_LINE: u64 = 4096;
 /// Number of frames without time stamps after which the log counts as one without time stamps.
 const PATIENCE: u64 = 10;
 /// Number of frames from which it is decided whether time stamps are differences.
@@ -15,7 +15,7 @@ const LOOK: usize = 100;
 /// Time stamps below this one (12 January 1970) are not Unix time.
 const RELATIVE_US: u64 = 1_000_000_000_000;
 /// Maximum number of interfaces whose names are stored.
-const MOST_BUSES: usize = 32;
+pub(super) const MOST_BUSES: usize = 32;
 
 /// The reason why a candump log cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -45,6 +45,28 @@ pub enum CandumpFault {
         /// The names in the log.
         found: String,
     },
+}
+
+impl CandumpFault {
+    /// Refuses a bus that is not in the log.
+    pub(super) fn check_bus(only: Option<&String>, buses: &[String]) -> Result<(), Self> {
+        match only {
+            Some(wanted) if !buses.contains(wanted) => {
+                let found = if buses.is_empty() { "none".to_owned() } else { buses.join(", ") };
+                Err(Self::NoBus { wanted: wanted.clone(), found })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The remark for a log of several buses of which all are used.
+    pub(super) fn several_buses(buses: &[String]) -> String {
+        format!(
+            "the log has frames of the buses {}; each signal is taken from the bus on which it appears \
+             first; ⟨bus NAME⟩ selects one bus",
+            buses.join(", ")
+        )
+    }
 }
 
 /// Meaning of the time stamps.
@@ -199,16 +221,7 @@ impl<R: BufRead> CandumpReader<R> {
         if !self.stamped && self.without_time > 0 {
             return self.untimed();
         }
-        match &self.only {
-            Some(wanted) if !self.buses.contains(wanted) => {
-                let found = match self.buses.as_slice() {
-                    [] => "none".to_owned(),
-                    buses => buses.join(", "),
-                };
-                Err(CandumpFault::NoBus { wanted: wanted.clone(), found })
-            }
-            _ => Ok(()),
-        }
+        CandumpFault::check_bus(self.only.as_ref(), &self.buses)
     }
 
     /// Decides whether time stamps are times or differences. Times increase, while differences vary
@@ -297,13 +310,8 @@ impl<R: BufRead> CandumpReader<R> {
             self.first_malformed.map(|(line, error)| format!("line {line}: skipped: {error}")),
             self.first_error
                 .map(|line| format!("line {line}: an error frame reports an error on the bus")),
-            (self.buses.len() > 1 && self.only.is_none()).then(|| {
-                format!(
-                    "the log has frames of the buses {}; each signal is taken from the bus on which \
-                     it appears first; ⟨bus NAME⟩ selects one bus",
-                    self.buses.join(", ")
-                )
-            }),
+            (self.buses.len() > 1 && self.only.is_none())
+                .then(|| CandumpFault::several_buses(&self.buses)),
         ]
     }
 }

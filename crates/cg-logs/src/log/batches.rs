@@ -8,14 +8,15 @@ use arrow_array::types::{
     Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
     UInt32Type, UInt64Type,
 };
-use arrow_array::{Array, Float64Array, RecordBatch};
-use arrow_schema::{ArrowError, DataType};
+use arrow_array::{Array, Float64Array, Int64Array, RecordBatch};
+use arrow_schema::{ArrowError, DataType, FieldRef, TimeUnit};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 
 use super::cell::{BadCell, Slot, bad_cell};
 use super::columns::{Column, column_name, resolve};
 use super::error::{ColumnName, LogError, Place, Position};
+use super::heading::{Heading, Stated};
 use super::options::LogOptions;
 use super::signal::Signal;
 
@@ -24,7 +25,7 @@ const BATCH_ROWS: usize = 8192;
 pub(super) struct Batches {
     file: Box<str>,
     reader: ParquetRecordBatchReader,
-    names: Box<[Box<str>]>,
+    names: Box<[Heading]>,
     columns: Box<[Column]>,
     /// The columns of the current batch in the order of the file, and the next row in it.
     batch: Vec<(Slot, Float64Array)>,
@@ -44,11 +45,18 @@ impl Batches {
         };
         let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| bad(&e))?;
         let fields = builder.schema().fields().clone();
-        let names: Box<[Box<str>]> = fields.iter().map(|f| f.name().trim().into()).collect();
+        let heading = |field: &FieldRef| {
+            let mut heading = Heading::new(field.name().trim());
+            if matches!(field.data_type(), DataType::Timestamp(..) | DataType::Duration(_)) {
+                heading.stated = Stated::Clock;
+            }
+            heading
+        };
+        let names: Box<[Heading]> = fields.iter().map(heading).collect();
         let columns = resolve(&place, &names, options)?;
         for column in &columns {
             let kind = fields[column.index].data_type();
-            if !kind.is_numeric() {
+            if !kind.is_numeric() && !column.clock {
                 return Err(LogError::NotNumeric {
                     place,
                     column: column_name(&names, column.index),
@@ -163,12 +171,30 @@ fn numbers(array: &dyn Array) -> Result<Float64Array, ArrowError> {
         DataType::Float16 => array.as_primitive::<Float16Type>().unary(f64::from),
         DataType::Float32 => array.as_primitive::<Float32Type>().unary(f64::from),
         DataType::Float64 => array.as_primitive::<Float64Type>().clone(),
+        DataType::Timestamp(unit, _) | DataType::Duration(unit) => times(array, *unit)?,
         DataType::Decimal32(_, scale) => decimals::<Decimal32Type>(array, *scale),
         DataType::Decimal64(_, scale) => decimals::<Decimal64Type>(array, *scale),
         DataType::Decimal128(_, scale) => decimals::<Decimal128Type>(array, *scale),
         DataType::Decimal256(_, scale) => decimals::<Decimal256Type>(array, *scale),
         other => return Err(ArrowError::CastError(format!("{other} is not a number"))),
     })
+}
+
+/// Points in time and durations, s.
+fn times(array: &dyn Array, unit: TimeUnit) -> Result<Float64Array, ArrowError> {
+    let per_second: i64 = match unit {
+        TimeUnit::Second => 1,
+        TimeUnit::Millisecond => 1_000,
+        TimeUnit::Microsecond => 1_000_000,
+        TimeUnit::Nanosecond => 1_000_000_000,
+    };
+    let data = array.to_data().into_builder().data_type(DataType::Int64).build()?;
+    // Whole seconds are exact, so that the sum is rounded once.
+    #[allow(clippy::cast_precision_loss, reason = "the rounding")]
+    let seconds = |x: i64| {
+        x.div_euclid(per_second) as f64 + x.rem_euclid(per_second) as f64 / per_second as f64
+    };
+    Ok(Int64Array::from(data).unary(seconds))
 }
 
 fn decimals<D: DecimalType>(array: &dyn Array, scale: i8) -> Float64Array {
@@ -180,7 +206,7 @@ fn decimals<D: DecimalType>(array: &dyn Array, scale: i8) -> Float64Array {
 mod tests {
     use std::sync::Arc;
 
-    use arrow_array::{ArrayRef, Decimal128Array, Int8Array, Int64Array, StringArray};
+    use arrow_array::{ArrayRef, Decimal128Array, Int8Array, StringArray};
 
     use super::*;
 

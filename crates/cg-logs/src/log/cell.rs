@@ -1,5 +1,6 @@
 //! Reads the numbers in the cells of a CSV row.
 
+use super::clock;
 use super::columns::Column;
 use super::error::{ColumnName, LogError, Place, shown_bytes};
 use super::signal::Signal;
@@ -10,11 +11,54 @@ pub(super) struct Slot {
     pub(super) signal: usize,
     times: f64,
     per: f64,
+    clock: bool,
 }
 
 impl From<&Column> for Slot {
     fn from(column: &Column) -> Self {
-        Self { signal: column.signal as usize, times: column.times, per: column.per }
+        let &Column { signal, times, per, clock, .. } = column;
+        Self { signal: signal as usize, times, per, clock }
+    }
+}
+
+/// How a file writes numbers: its delimiter, and the decimal sign that it has used so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Writing {
+    pub(super) delimiter: u8,
+    decimal: Option<u8>,
+}
+
+impl Writing {
+    /// A comma that separates fields is no decimal sign.
+    pub(super) fn new(delimiter: u8) -> Self {
+        Self { delimiter, decimal: (delimiter == b',').then_some(b'.') }
+    }
+
+    /// Learns from a number with a decimal point, in a file that may have decimal commas. Returns
+    /// `false` if the file has decimal commas.
+    #[inline]
+    fn see(&mut self, number: &[u8]) -> bool {
+        if self.decimal == Some(b'.') || !number.contains(&b'.') {
+            return true;
+        }
+        self.decimal.replace(b'.').is_none()
+    }
+
+    /// A number with a decimal comma; `None` if the cell is not one.
+    #[cold]
+    fn with_comma(&mut self, cell: &[u8]) -> Option<Result<f64, BadCell>> {
+        let comma = cell.iter().position(|&byte| byte == b',')?;
+        if self.delimiter == b',' || cell.len() > 40 {
+            return None;
+        }
+        let mut text = cell.to_vec();
+        text[comma] = b'.';
+        let value = fast_float2::parse::<f64, _>(&text).ok()?;
+        if self.decimal == Some(b'.') {
+            return Some(Err(BadCell::Decimals));
+        }
+        self.decimal = Some(b',');
+        Some(Ok(value))
     }
 }
 
@@ -23,6 +67,8 @@ impl From<&Column> for Slot {
 pub(super) enum BadCell {
     Text,
     Infinite,
+    /// Its decimal sign is not that of the numbers before it.
+    Decimals,
 }
 
 impl Slot {
@@ -43,12 +89,19 @@ impl Slot {
     }
 
     /// The number in a whole cell; NaN if the cell is empty, `NaN` or `NA`.
-    pub(super) fn any(self, cell: &[u8]) -> Result<f64, BadCell> {
+    pub(super) fn any(self, cell: &[u8], writing: &mut Writing) -> Result<f64, BadCell> {
         let cell = cell.trim_ascii();
         if cell.is_empty() || cell.eq_ignore_ascii_case(b"na") {
             return Ok(f64::NAN);
         }
-        let value = fast_float2::parse::<f64, _>(cell).map_err(|_| BadCell::Text)?;
+        if self.clock {
+            return clock::seconds(cell).ok_or(BadCell::Text);
+        }
+        let value = match fast_float2::parse::<f64, _>(cell) {
+            Ok(value) if writing.see(cell) => value,
+            Ok(_) => return Err(BadCell::Decimals),
+            Err(_) => writing.with_comma(cell).ok_or(BadCell::Text)??,
+        };
         let value = self.si(value);
         if value.is_infinite() { Err(BadCell::Infinite) } else { Ok(value) }
     }
@@ -60,6 +113,7 @@ pub(super) fn bad_cell(place: Place, column: ColumnName, cell: &[u8], bad: BadCe
     let text = shown_bytes(cell);
     match bad {
         BadCell::Infinite => LogError::Infinite { place, column, text },
+        BadCell::Decimals => LogError::TwoDecimals { place, column, text },
         BadCell::Text => LogError::NotANumber { place, column, text, remedy: remedy(cell) },
     }
 }
@@ -97,22 +151,26 @@ pub(super) enum Stop {
 #[inline]
 pub(super) fn read_plain(
     row: &[u8],
-    delimiter: u8,
+    writing: &mut Writing,
     plan: &[Option<Slot>],
     values: &mut [f64; Signal::COUNT],
 ) -> Result<(), Stop> {
     let mut start = 0;
     let last = plan.len() - 1;
+    let delimiter = writing.delimiter;
     for (field, slot) in plan.iter().enumerate() {
         let rest = &row[start..];
         let length = if let Some(slot) = slot {
             if let Some((value, length)) = slot.plain(rest, delimiter) {
                 values[slot.signal] = value;
+                if !writing.see(&rest[..length]) {
+                    return Err(Stop::Cell(field, start..start + length, BadCell::Decimals));
+                }
                 length
             } else {
                 let length = field_length(rest, delimiter)?;
                 let stop = |bad| Stop::Cell(field, start..start + length, bad);
-                values[slot.signal] = slot.any(&rest[..length]).map_err(stop)?;
+                values[slot.signal] = slot.any(&rest[..length], writing).map_err(stop)?;
                 length
             }
         } else {

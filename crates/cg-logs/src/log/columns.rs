@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 
 use super::error::{ColumnName, LogError, Place, shown};
+use super::heading::{Heading, Stated};
 use super::options::{ColumnMap, LogOptions};
 use super::signal::Signal;
 use cg_core::Unit;
@@ -15,12 +16,14 @@ pub(super) struct Column {
     pub(super) signal: Signal,
     pub(super) times: f64,
     pub(super) per: f64,
+    /// Whether the cells are points in time.
+    pub(super) clock: bool,
 }
 
 /// Finds the columns to read, in the order of the file.
 pub(super) fn resolve(
     place: &Place,
-    names: &[Box<str>],
+    names: &[Heading],
     options: &LogOptions,
 ) -> Result<Box<[Column]>, LogError> {
     let mut header = Header { place, names, columns: Vec::new(), claimed: Vec::new() };
@@ -30,6 +33,7 @@ pub(super) fn resolve(
     for index in 0..names.len() {
         header.recognize(index)?;
     }
+    header.recognize_clock()?;
     header.refuse_bare_names()?;
     header.require(&[Signal::Time])?;
     header.require_channel()?;
@@ -46,13 +50,14 @@ pub(super) fn resolve(
 }
 
 /// The name of a column for messages.
-pub(super) fn column_name(names: &[Box<str>], index: usize) -> ColumnName {
-    ColumnName { number: index + 1, name: names.get(index).cloned().unwrap_or_default() }
+pub(super) fn column_name(names: &[Heading], index: usize) -> ColumnName {
+    let name = names.get(index).map(|heading| heading.name.clone()).unwrap_or_default();
+    ColumnName { number: index + 1, name }
 }
 
 struct Header<'a> {
     place: &'a Place,
-    names: &'a [Box<str>],
+    names: &'a [Heading],
     columns: Vec<Column>,
     /// Signals that an option assigns to a column. Columns with their standard names are ignored.
     claimed: Vec<Signal>,
@@ -77,17 +82,25 @@ impl Header<'_> {
                 second,
             });
         }
-        self.columns.push(Column { index, signal, times: unit.times, per: unit.per });
+        let clock = self.names[index].stated == Stated::Clock;
+        if clock && signal != Signal::Time {
+            let (place, column) = (self.place.clone(), self.name(index));
+            return Err(LogError::NotNumeric { place, column, kind: "points in time".into() });
+        }
+        self.columns.push(Column { index, signal, times: unit.times, per: unit.per, clock });
         Ok(())
     }
 
     /// Uses a column because an option names it.
     fn claim(&mut self, map: &ColumnMap) -> Result<(), LogError> {
-        let named = |wanted: &str| {
-            let mut all = (0..self.names.len()).filter(|&index| *self.names[index] == *wanted);
+        let all = |is: &dyn Fn(&Heading) -> bool| {
+            let mut all = (0..self.names.len()).filter(|&index| is(&self.names[index]));
             all.next().map(|first| (first, all.next()))
         };
-        let Some((index, twin)) = named(map.name()).or_else(|| named(map.written())) else {
+        let named = |wanted: &str| all(&|heading| *heading.name == *wanted);
+        let bare = || all(&|heading| heading.bare() == map.name());
+        let found = named(map.name()).or_else(|| named(map.written())).or_else(bare);
+        let Some((index, twin)) = found else {
             let wanted = format!("⟨columns {}={}⟩", map.signal(), shown(map.name(), 80));
             return Err(self.missing(&wanted, &[(map.signal(), map.name())]));
         };
@@ -100,30 +113,71 @@ impl Header<'_> {
                 second: map.signal(),
             });
         }
-        self.add(index, map.signal(), map.factor())?;
+        let heading = &self.names[index];
+        let unit = match heading.unit(map.signal()) {
+            _ if heading.stated == Stated::Clock => map.signal().si(),
+            Some(unit) if !map.unit_is_given() => unit,
+            None if !map.unit_is_given() && heading.contradicts(map.signal()) => {
+                return Err(self.unknown_unit(index, map.signal()));
+            }
+            _ => map.factor(),
+        };
+        self.add(index, map.signal(), unit)?;
         self.claimed.push(map.signal());
-        twin.map_or(Ok(()), |twin| self.add(twin, map.signal(), map.factor()))
+        twin.map_or(Ok(()), |twin| self.add(twin, map.signal(), unit))
     }
 
-    /// Uses a column because it has the standard name of a signal.
+    /// Uses a column because it has the standard name of a signal and a unit: `roll_deg`, or `Roll`
+    /// with a unit in brackets or in the row below.
     fn recognize(&mut self, index: usize) -> Result<(), LogError> {
-        let Some((stem, suffix)) = self.names[index].rsplit_once('_') else { return Ok(()) };
-        let Ok(signal) = stem.parse::<Signal>() else { return Ok(()) };
+        let heading = &self.names[index];
+        let suffixed = heading.name.rsplit_once('_').and_then(|(stem, suffix)| {
+            let signal = stem.parse::<Signal>().ok()?;
+            Some((signal, signal.unit(suffix), true))
+        });
+        let stated = || {
+            let is = |signal: &Signal| plain(heading.bare()) == plain(signal.name());
+            let signal = Signal::ALL.into_iter().find(is)?;
+            let unit = Some(heading).filter(|h| h.stated != Stated::Nothing)?.unit(signal);
+            Some((signal, unit, heading.bare().parse::<Signal>().is_ok()))
+        };
+        let Some((signal, unit, standard)) = suffixed.or_else(stated) else { return Ok(()) };
         let taken = self.columns.iter().any(|column| column.index == index);
         if taken || self.claimed.contains(&signal) {
             return Ok(());
         }
-        match signal.unit(suffix) {
-            Some(unit) => self.add(index, signal, unit),
-            None => Err(self.unknown_unit(index, signal)),
+        match unit {
+            Some(unit) if self.agrees(index, signal, unit) => self.add(index, signal, unit),
+            None if !standard => Ok(()),
+            _ => Err(self.unknown_unit(index, signal)),
+        }
+    }
+
+    /// Whether the unit in the name and the one beside it are the same, if there are both.
+    fn agrees(&self, index: usize, signal: Signal, unit: Unit) -> bool {
+        match &self.names[index].stated {
+            Stated::Unit(text) => signal.spelled(text) == Some(unit),
+            Stated::Nothing | Stated::Clock => true,
+        }
+    }
+
+    /// Uses the only column of points in time as the time, whatever its name, if no other is the time.
+    fn recognize_clock(&mut self) -> Result<(), LogError> {
+        let is = |&index: &usize| self.names[index].stated == Stated::Clock;
+        let mut clocks = (0..self.names.len()).filter(is);
+        match (clocks.next(), clocks.next()) {
+            (Some(only), None) if self.find(Signal::Time).is_none() => {
+                self.add(only, Signal::Time, Signal::Time.si())
+            }
+            _ => Ok(()),
         }
     }
 
     /// Refuses a column with a signal name but no unit, such as `speed`, which would otherwise be
     /// ignored without a message.
     fn refuse_bare_names(&self) -> Result<(), LogError> {
-        for (index, name) in self.names.iter().enumerate() {
-            let Ok(signal) = name.parse::<Signal>() else { continue };
+        for (index, heading) in self.names.iter().enumerate() {
+            let Ok(signal) = heading.bare().parse::<Signal>() else { continue };
             let taken = self.columns.iter().any(|column| column.index == index);
             if !taken && self.find(signal).is_none() {
                 return Err(self.unknown_unit(index, signal));
@@ -159,13 +213,15 @@ impl Header<'_> {
 
     fn missing(&self, wanted: &str, near: &[(Signal, &str)]) -> LogError {
         let remedy = if let Some((index, signal)) = self.nearest(near) {
-            let (name, unit) = (shown(&self.names[index], 80), signal.usual_unit());
-            format!("if `{name}` is meant: ⟨columns {signal}={name}[{unit}]⟩")
+            let heading = &self.names[index];
+            let unit = heading.unit(signal).map_or(signal.usual_unit(), |unit| unit.suffix);
+            let (name, bare) = (shown(&heading.name, 80), shown(heading.bare(), 80));
+            format!("if `{name}` is meant: ⟨columns {signal}={bare}[{unit}]⟩")
         } else {
             let signal = near[0].0;
             format!("give its column with ⟨columns {signal}=NAME[{}]⟩", signal.usual_unit())
         };
-        let found: Vec<_> = self.names.iter().map(|name| shown(name, 40)).collect();
+        let found: Vec<_> = self.names.iter().map(|h| shown(&h.name, 40)).collect();
         LogError::MissingColumn {
             place: self.place.clone(),
             wanted: wanted.into(),
@@ -189,12 +245,18 @@ impl Header<'_> {
     /// name.
     fn nearest(&self, wanted: &[(Signal, &str)]) -> Option<(usize, Signal)> {
         let mut best: Option<(_, usize, Signal)> = None;
-        for (index, name) in self.names.iter().enumerate() {
+        for (index, heading) in self.names.iter().enumerate() {
             if self.columns.iter().any(|column| column.index == index) {
                 continue;
             }
+            let name = plain(heading.bare());
             for &(signal, word) in wanted {
-                let Some(far) = distance(&plain(name), &plain(word)) else { continue };
+                // A rate is not an angle.
+                let other = name.contains("rate") && !word.contains("rate");
+                if other || heading.contradicts(signal) {
+                    continue;
+                }
+                let Some(far) = distance(&name, &plain(word)) else { continue };
                 let score = (far, Reverse(word.len()));
                 if best.is_none_or(|(least, ..)| score < least) {
                     best = Some((score, index, signal));

@@ -71,9 +71,18 @@ pub enum LogError {
          put the column names first, such as time_s,steer_rad,roll_rad"
     )]
     NoHeader { place: Place },
-    /// The header is not UTF-8 text.
-    #[error("{place}: the header is not UTF-8 text; export the log as CSV in UTF-8")]
+    /// The header is no text in one byte per letter.
+    #[error("{place}: the header is not UTF-8 or Latin-1 text; export the log as CSV in UTF-8")]
     NotUtf8 { place: Place },
+    /// The file has a format that is not read here.
+    #[error("{place}: is {format}, which is not read here; {remedy}")]
+    OtherFormat { place: Place, format: &'static str, remedy: &'static str },
+    /// A file has decimal commas and decimal points.
+    #[error(
+        "{place}, {column}: `{text}` has another decimal sign than the numbers before it; write all \
+         decimals alike, without thousands separators"
+    )]
+    TwoDecimals { place: Place, column: ColumnName, text: Box<str> },
     /// Lines end with a carriage return only.
     #[error("{place}: lines end in a bare carriage return; save the log with line feeds")]
     CarriageReturns { place: Place },
@@ -131,10 +140,10 @@ pub enum LogError {
          sort the log by time, or remove the duplicate row"
     )]
     TimeOrder { place: Place, column: ColumnName, previous_s: f64, time_s: f64 },
-    /// A candump log cannot be read.
+    /// A log of CAN frames cannot be read.
     #[error("{place}: {source}")]
     Candump { place: Place, source: CandumpFault },
-    /// A candump log contains no valid roll angle.
+    /// A log of CAN frames contains no valid roll angle.
     #[error(
         "{place}: none of its {frames} frames contains a valid roll angle (J1939 SSI2 or SSI); \
          for another sensor give ⟨dbc⟩ and ⟨signals⟩{remarks}"
@@ -155,6 +164,7 @@ impl LogError {
             self,
             Self::FieldCount { .. }
                 | Self::NotANumber { .. }
+                | Self::TwoDecimals { .. }
                 | Self::Infinite { .. }
                 | Self::AbsentTime { .. }
                 | Self::TimeOrder { .. }

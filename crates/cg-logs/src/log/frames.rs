@@ -5,7 +5,9 @@ use std::io::{BufReader, Read};
 use cg_core::{Quantity, Sample};
 use cg_vehicle::scales::Scale;
 
-use crate::can::{CandumpError, CandumpFault, CandumpReader, Frame, Instant, Sampler, parse};
+use crate::can::{
+    AscReader, CandumpError, CandumpFault, CandumpReader, Frame, Instant, Sampler, parse,
+};
 
 use super::error::{LogError, Place, Position};
 use super::options::LogOptions;
@@ -127,11 +129,24 @@ impl FrameRows {
     }
 }
 
+type Bytes = BufReader<Box<dyn Read + Send>>;
+
+/// A log of frames in one of the text formats.
+enum Source {
+    Candump(CandumpReader<Bytes>),
+    Asc(AscReader<Bytes>),
+}
+
 pub(super) struct Frames {
     file: Box<str>,
-    reader: CandumpReader<BufReader<Box<dyn Read + Send>>>,
+    source: Source,
     rows: FrameRows,
     over: bool,
+}
+
+/// Whether a log with this beginning is in the format ASC.
+pub(super) fn is_asc(head: &[u8]) -> bool {
+    crate::can::is_asc(&String::from_utf8_lossy(head))
 }
 
 /// Whether a log with this beginning is a candump log: one of its first lines is a frame.
@@ -145,10 +160,20 @@ pub(super) fn is_candump(head: &[u8]) -> bool {
 }
 
 impl Frames {
-    pub(super) fn new(file: &str, stream: Box<dyn Read + Send>, options: &LogOptions) -> Self {
+    pub(super) fn new(
+        file: &str,
+        stream: Box<dyn Read + Send>,
+        asc: bool,
+        options: &LogOptions,
+    ) -> Self {
+        let (bytes, bus) = (BufReader::new(stream), options.can.bus.clone());
         Self {
             file: file.into(),
-            reader: CandumpReader::new(BufReader::new(stream), options.can.bus.clone()),
+            source: if asc {
+                Source::Asc(AscReader::new(bytes, bus))
+            } else {
+                Source::Candump(CandumpReader::new(bytes, bus))
+            },
             rows: FrameRows::new(options),
             over: false,
         }
@@ -163,7 +188,10 @@ impl Frames {
     }
 
     pub(super) fn position(&self) -> Position {
-        Position::Line(self.reader.line())
+        Position::Line(match &self.source {
+            Source::Candump(reader) => reader.line(),
+            Source::Asc(reader) => reader.line(),
+        })
     }
 
     pub(super) fn place(&self) -> Place {
@@ -181,7 +209,11 @@ impl Frames {
             if self.over {
                 return Ok(false);
             }
-            match self.reader.next_frame() {
+            let frame = match &mut self.source {
+                Source::Candump(reader) => reader.next_frame(),
+                Source::Asc(reader) => reader.next_frame(),
+            };
+            match frame {
                 Ok(Some(frame)) => {
                     self.rows.push(&frame);
                 }
@@ -204,11 +236,18 @@ impl Frames {
     pub(super) fn no_rows(&self) -> LogError {
         let place = Place { file: self.file.clone(), position: Position::File };
         let remarks = self.remarks().into_iter().fold(String::new(), |all, one| all + "; " + &one);
-        LogError::NoSamples { place, frames: self.reader.frames(), remarks: remarks.into() }
+        let frames = match &self.source {
+            Source::Candump(reader) => reader.frames(),
+            Source::Asc(reader) => reader.frames(),
+        };
+        LogError::NoSamples { place, frames, remarks: remarks.into() }
     }
 
     pub(super) fn remarks(&self) -> Vec<String> {
-        let mut remarks = self.reader.remarks();
+        let mut remarks = match &self.source {
+            Source::Candump(reader) => reader.remarks(),
+            Source::Asc(reader) => reader.remarks(),
+        };
         remarks.extend(self.rows.remarks());
         remarks
     }

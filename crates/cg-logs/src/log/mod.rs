@@ -4,9 +4,10 @@
 //! |---|---|---|
 //! | bytes | `source` | counts bytes and decompresses gzip |
 //! | lines | `lines` | splits at line feeds and refuses lines that are too long |
-//! | cells | `cell`, `quoted` | reads numbers in place; splits rows with quotes |
+//! | cells | `cell`, `clock`, `quoted` | reads numbers and points in time; splits rows with quotes |
 //! | rows | `rows`, `batches`, `frames` | reads CSV, parquet or CAN frames; skips comments |
-//! | signals | `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
+//! | signals | `heading`, `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
+//! | samples | `roll_rate`, `preparation` | aligns channels of different rasters; roll angles from a roll rate |
 //! | log | `reader`, `writer`, `candump` | checks time and values; the public interface |
 //!
 //! # Format
@@ -18,13 +19,16 @@
 //! time, a roll angle (`roll` or `tilt`) and an input (`steer`, `steering_wheel`,
 //! `lateral_acceleration` or `yaw_rate`) are required; all other columns are optional.
 //!
-//! Signs are those of ISO 8855 (see [`LogRow`]). Other columns are ignored, except that a column
-//! with one of these names and an unknown unit, or without a unit, is an error. The delimiter is a
-//! comma, a semicolon or a tab: the one that occurs most often in the header. Lines that begin with
-//! `#` are comments and are skipped. Blank lines, CRLF, a byte order mark and quotes are allowed.
-//! An empty cell, `NaN` or `NA` is an absent value. If the reader knows the truck, a number that
-//! the truck [cannot have](cg_core::AlignSettings::believes) is absent too. The time is required
-//! and must increase.
+//! Signs are those of ISO 8855 (see [`LogRow`]). The unit may also stand in brackets after the name
+//! (`Roll [deg]`, `Speed (km/h)`) or in a row of units below the names. Other columns are ignored, except
+//! that a column with one of these names and an unknown unit, or without a unit, is an error. The
+//! delimiter is a comma, a semicolon or a tab: the one that occurs most often in the header. With the
+//! other two, decimals may have a comma. The header may be UTF-8 or Latin-1. Lines that begin with `#`
+//! are comments and are skipped. Blank lines, CRLF, a byte order mark and quotes are allowed. An empty
+//! cell, `NaN` or `NA` is an absent value. If the reader knows the truck, a number that the truck
+//! [cannot have](cg_core::AlignSettings::believes) is absent too. The time is required and must
+//! increase. It may be points in time (`2024-05-01 12:00:00.02`, timestamps of parquet), which become
+//! Unix time; the only column of such values is the time, whatever its name.
 
 mod signal;
 mod error;
@@ -32,13 +36,17 @@ mod lines;
 mod quoted;
 mod candump;
 mod options;
+mod heading;
 mod columns;
+mod clock;
 mod cell;
 #[cfg_attr(not(feature = "parquet"), path = "no_batches.rs")]
 mod batches;
 mod frames;
 mod rows;
 mod source;
+mod roll_rate;
+mod preparation;
 mod reader;
 mod writer;
 
@@ -46,6 +54,7 @@ pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
 pub use frames::FrameRows;
 pub use options::{CanOptions, ColumnMap, LogOptions, OptionError};
+pub use preparation::Preparation;
 pub use reader::LogReader;
 pub use signal::{LogRow, Signal, UnknownSignal};
 pub use writer::LogWriter;

@@ -51,7 +51,8 @@ pub struct CanOptions {
 /// The column for a signal, as text `roll=MyName[deg]`.
 ///
 /// The `[unit]` is optional. Without it, the unit is the suffix of the name if that is a unit of
-/// the signal (`roll=Gyro_deg` is in degrees), and otherwise the SI unit of the signal (`roll=Gyro`
+/// the signal (`roll=Gyro_deg` is in degrees), otherwise that which the file gives (in brackets after
+/// the name, or in a row of units below it), and otherwise the SI unit of the signal (`roll=Gyro`
 /// is in radians). If the suffix is a unit of another signal (`roll=Gyro_kmh`), the `[unit]` is
 /// required.
 ///
@@ -74,6 +75,8 @@ pub struct ColumnMap {
     name: Box<str>,
     written: Box<str>,
     unit: Unit,
+    /// Whether the unit is given, by `[unit]` or the suffix, and not the SI unit for lack of one.
+    unit_is_given: bool,
 }
 
 impl ColumnMap {
@@ -87,12 +90,12 @@ impl ColumnMap {
         if name.is_empty() {
             return Err(OptionError::Shape { text: format!("{signal}={name}[{unit}]").into() });
         }
-        let unit = signal.unit(unit).ok_or_else(|| OptionError::UnknownUnit {
+        let unit = signal.spelled(unit).ok_or_else(|| OptionError::UnknownUnit {
             signal,
             unit: unit.into(),
             accepted: signal.unit_names().into(),
         })?;
-        Ok(Self { signal, name: name.into(), written: name.into(), unit })
+        Ok(Self { signal, name: name.into(), written: name.into(), unit, unit_is_given: true })
     }
 
     /// The signal.
@@ -118,6 +121,10 @@ impl ColumnMap {
     pub(super) const fn factor(&self) -> Unit {
         self.unit
     }
+
+    pub(super) const fn unit_is_given(&self) -> bool {
+        self.unit_is_given
+    }
 }
 
 impl FromStr for ColumnMap {
@@ -129,25 +136,27 @@ impl FromStr for ColumnMap {
         let signal: Signal = signal.trim().parse()?;
         let written = written.trim();
         let bracket = written.strip_suffix(']').and_then(|head| head.rsplit_once('['));
+        let of_name = || unit_of_name(signal, written);
         let (name, unit) = match bracket {
-            Some((name, unit)) => (name.trim(), unit.trim()),
-            None => (written, unit_of_name(signal, written)?),
+            Some((name, unit)) => (name.trim(), Some(unit.trim())),
+            None => (written, of_name()?),
         };
         if name.is_empty() {
             return Err(shape());
         }
-        Ok(Self { written: written.into(), ..Self::new(signal, name, unit)? })
+        let map = Self::new(signal, name, unit.unwrap_or(signal.si().suffix))?;
+        Ok(Self { written: written.into(), unit_is_given: unit.is_some(), ..map })
     }
 }
 
-/// The unit of a column whose text has no brackets.
-fn unit_of_name(signal: Signal, name: &str) -> Result<&str, OptionError> {
+/// The unit that is the suffix of a name without brackets, if there is one.
+fn unit_of_name(signal: Signal, name: &str) -> Result<Option<&str>, OptionError> {
     match name.rsplit_once('_') {
-        Some((_, suffix)) if signal.unit(suffix).is_some() => Ok(suffix),
+        Some((_, suffix)) if signal.unit(suffix).is_some() => Ok(Some(suffix)),
         Some((_, suffix)) if Signal::any_has_unit(suffix) => {
             Err(OptionError::ForeignUnit { signal, name: name.into(), suffix: suffix.into() })
         }
-        _ => Ok(signal.si().suffix),
+        _ => Ok(None),
     }
 }
 

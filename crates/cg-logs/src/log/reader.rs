@@ -14,15 +14,16 @@ use cg_vehicle::scales::Scale;
 use crate::can::Tally;
 
 use super::error::{ColumnName, LogError, Place, Position};
-use super::frames::{Frames, is_candump};
+use super::frames::{Frames, is_asc, is_candump};
 use super::options::LogOptions;
+use super::preparation::Preparation;
 use super::rows::Rows;
 use super::signal::{LogRow, Signal};
 use super::source::{Counted, Magic, Sniffed, head, sniff, text};
 
 /// A log that is read row by row in constant memory.
 ///
-/// It reads CSV and candump logs, plain or gzip, and parquet. The format is detected from the first
+/// It reads CSV, candump and ASC logs, plain or gzip, and parquet. The format is detected from the first
 /// bytes of the file, not from its name. The reader is also an iterator.
 ///
 /// # Example
@@ -48,6 +49,11 @@ pub struct LogReader {
     settings: Option<AlignSettings<f64>>,
     /// Counts of values that the truck cannot have.
     tally: Tally,
+    preparation: Option<Preparation>,
+    /// The line of the row that was given last, if rows are prepared.
+    given_line: Option<u64>,
+    /// Whether the rows of the file are at their end.
+    at_end: bool,
     previous_s: f64,
     /// Whether a row, valid or not, has been read.
     begun: bool,
@@ -64,12 +70,33 @@ enum Body {
 }
 
 impl LogReader {
-    /// Opens a `.csv`, `.csv.gz`, `.log` (candump) or `.parquet` file and reads its header.
+    /// Opens a `.csv`, `.csv.gz`, `.log` (candump), `.asc` or `.parquet` file and reads its header.
     ///
     /// # Errors
     ///
     /// The file cannot be opened or read, or its header is not valid.
     pub fn open(path: &Path, options: &LogOptions) -> Result<Self, LogError> {
+        let log = Self::unprepared(path, options)?;
+        if log.is_of_frames() || log.total_bytes.is_none() {
+            return Ok(log.prepared(&[], options));
+        }
+        // Another reader looks at the beginning. Its errors are those of this reader later.
+        let beginning =
+            Self::unprepared(path, options)?.map_while(Result::ok).take(Preparation::LOOK);
+        Ok(log.prepared(&beginning.collect::<Vec<_>>(), options))
+    }
+
+    fn prepared(mut self, beginning: &[LogRow], options: &LogOptions) -> Self {
+        if !self.is_of_frames() {
+            self.preparation = Preparation::of(&self.signals, beginning, options);
+        }
+        if let Some(preparation) = &self.preparation {
+            self.signals = preparation.signals(&self.signals).into();
+        }
+        self
+    }
+
+    fn unprepared(path: &Path, options: &LogOptions) -> Result<Self, LogError> {
         let name = path.display().to_string();
         let place = || Place { file: name.as_str().into(), position: Position::File };
         let open = |source| LogError::Open { place: place(), source };
@@ -93,8 +120,8 @@ impl LogReader {
         Ok(Self::new(body, options, taken_bytes, total_bytes))
     }
 
-    /// Reads CSV or a candump log, plain or gzip, from a stream such as the standard input. `name`
-    /// is its name in messages.
+    /// Reads CSV or CAN frames (candump, ASC), plain or gzip, from a stream such as the standard input.
+    /// `name` is its name in messages. Channels of a stream must have the same time stamps.
     ///
     /// # Errors
     ///
@@ -111,7 +138,7 @@ impl LogReader {
             return Err(LogError::ParquetStream { place: place() });
         }
         let body = text_body(name, sniffed, options)?;
-        Ok(Self::new(body, options, taken_bytes, None))
+        Ok(Self::new(body, options, taken_bytes, None).prepared(&[], options))
     }
 
     fn new(
@@ -120,21 +147,16 @@ impl LogReader {
         taken_bytes: Arc<AtomicU64>,
         total_bytes: Option<u64>,
     ) -> Self {
-        let columns = body.columns();
-        let mut signals: Vec<Signal> = match &body {
-            Body::Can(frames) => frames.signals(),
-            _ => columns.iter().map(|column| column.signal).collect(),
-        };
-        signals.sort_unstable();
-        let time = columns.iter().find(|column| column.signal == Signal::Time);
-        let time_index = time.map_or(0, |column| column.index);
         Self {
+            signals: body.signals(),
+            time_index: body.time_index(),
             body,
-            signals: signals.into(),
-            time_index,
             values: [f64::NAN; Signal::COUNT],
             settings: options.settings,
             tally: Tally::default(),
+            preparation: None,
+            given_line: None,
+            at_end: false,
             previous_s: f64::NEG_INFINITY,
             begun: false,
             over_bad_rows: false,
@@ -173,6 +195,34 @@ impl LogReader {
     /// next call returns `None`. If the file cannot be read further, the next call returns `None`.
     #[inline]
     pub fn next_row(&mut self) -> Result<Option<LogRow>, LogError> {
+        if self.preparation.is_some() { self.next_prepared() } else { self.next_of_body() }
+    }
+
+    fn next_prepared(&mut self) -> Result<Option<LogRow>, LogError> {
+        loop {
+            let Some(preparation) = &mut self.preparation else { return Ok(None) };
+            if let Some((line, row)) = preparation.next_row() {
+                self.given_line = Some(line);
+                return Ok(Some(row));
+            }
+            if self.at_end {
+                return Ok(None);
+            }
+            self.given_line = None;
+            let row = self.next_of_body()?;
+            let line = self.line();
+            let Some(preparation) = &mut self.preparation else { return Ok(None) };
+            if let Some(row) = row {
+                preparation.push(line, row);
+            } else {
+                self.at_end = true;
+                preparation.finish();
+            }
+        }
+    }
+
+    #[inline]
+    fn next_of_body(&mut self) -> Result<Option<LogRow>, LogError> {
         let more = match &mut self.body {
             Body::Text(rows) => rows.read(&mut self.values),
             Body::Parquet(batches) => batches.read(&mut self.values),
@@ -181,7 +231,11 @@ impl LogReader {
         if !matches!(more, Ok(true)) {
             return self.stopped(more);
         }
-        self.begun = true;
+        if !std::mem::replace(&mut self.begun, true) && self.preparation.is_none() {
+            // A row of units may have said more than the header.
+            self.signals = self.body.signals();
+            self.time_index = self.body.time_index();
+        }
         let time_s = self.values[Signal::Time as usize];
         // The time is stored even if it decreased, because the following rows may be in order
         // again.
@@ -224,6 +278,7 @@ impl LogReader {
             Body::Can(frames) => frames.remarks(),
             _ => Vec::new(),
         };
+        remarks.extend(self.preparation.iter().flat_map(Preparation::remarks));
         remarks.extend(self.tally.remarks(&self.settings.unwrap_or_default()));
         remarks
     }
@@ -268,6 +323,9 @@ impl LogReader {
     /// The line of the last row, counted from one and with comments and blank lines. In a parquet
     /// file it is the number of the row.
     pub fn line(&self) -> u64 {
+        if let Some(line) = self.given_line {
+            return line;
+        }
         match self.body.position() {
             Position::Line(number) | Position::Row(number) => number,
             Position::File => 0,
@@ -299,6 +357,22 @@ impl Iterator for LogReader {
 }
 
 impl Body {
+    /// The signals, in the order of [`Signal::ALL`].
+    fn signals(&self) -> Box<[Signal]> {
+        let mut signals: Vec<Signal> = match self {
+            Self::Can(frames) => frames.signals(),
+            _ => self.columns().iter().map(|column| column.signal).collect(),
+        };
+        signals.sort_unstable();
+        signals.into()
+    }
+
+    /// Index of the column of the time.
+    fn time_index(&self) -> usize {
+        let time = self.columns().iter().find(|column| column.signal == Signal::Time);
+        time.map_or(0, |column| column.index)
+    }
+
     fn columns(&self) -> &[Column] {
         match self {
             Self::Text(rows) => rows.columns(),
@@ -351,10 +425,14 @@ fn text_body<R: Read + Send + 'static>(
     sniffed: Sniffed<R>,
     options: &LogOptions,
 ) -> Result<Body, LogError> {
+    if let Magic::Other(format, remedy) = sniffed.magic {
+        let place = Place { file: name.into(), position: Position::File };
+        return Err(LogError::OtherFormat { place, format, remedy });
+    }
     let gzip = sniffed.magic == Magic::Gzip;
     let (head, text) = head(text(sniffed));
-    Ok(if is_candump(&head) {
-        Body::Can(Box::new(Frames::new(name, text, options)))
+    Ok(if is_candump(&head) || is_asc(&head) {
+        Body::Can(Box::new(Frames::new(name, text, is_asc(&head), options)))
     } else {
         Body::Text(Box::new(Rows::open(name, text, gzip, options)?))
     })

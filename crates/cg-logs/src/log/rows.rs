@@ -2,9 +2,11 @@
 
 use std::io::{self, Read};
 
-use super::cell::{Slot, Stop, bad_cell, plan, read_plain};
+use super::cell::{Slot, Stop, Writing, bad_cell, plan, read_plain};
+use super::clock;
 use super::columns::{Column, column_name, resolve};
 use super::error::{ColumnName, LogError, Place, Position};
+use super::heading::{Heading, Stated, are_units};
 use super::lines::{Fault, LIMIT_BYTES, Lines};
 use super::options::LogOptions;
 use super::quoted::Quoted;
@@ -18,11 +20,16 @@ pub(super) struct Rows {
     lines: Lines,
     /// The line in which the current record begins.
     line: u64,
-    delimiter: u8,
-    names: Box<[Box<str>]>,
+    writing: Writing,
+    names: Box<[Heading]>,
     columns: Box<[Column]>,
     plan: Box<[Option<Slot>]>,
     quoted: Quoted,
+    options: LogOptions,
+    /// The current line is a row that has not been read yet.
+    held: bool,
+    /// How often the first row may still turn out to be a row of units, or to have points in time.
+    looks: u8,
     over: bool,
 }
 
@@ -38,17 +45,20 @@ impl Rows {
             gzip,
             lines: Lines::new(source),
             line: 1,
-            delimiter: b',',
+            writing: Writing::new(b','),
             names: Box::default(),
             columns: Box::default(),
             plan: Box::default(),
             quoted: Quoted::new(b','),
+            options: options.clone(),
+            held: false,
+            looks: 2,
             over: false,
         };
         if !rows.advance()? {
             return Err(LogError::Empty { place: rows.place() });
         }
-        let header = rows.header(options);
+        let header = rows.header();
         header.map_err(|error| rows.damage().unwrap_or(error))?;
         Ok(rows)
     }
@@ -72,11 +82,18 @@ impl Rows {
     /// Reads the signals of the next row into `values`. Returns `false` at the end.
     #[inline]
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
-        if !self.advance()? {
+        if self.held {
+            self.held = false;
+        } else if !self.advance()? {
             return Ok(false);
         }
-        match read_plain(self.lines.line(), self.delimiter, &self.plan, values) {
+        let looks = std::mem::take(&mut self.looks);
+        match read_plain(self.lines.line(), &mut self.writing, &self.plan, values) {
             Ok(()) => Ok(true),
+            Err(_) if looks > 0 && self.learns()? => {
+                self.looks = looks - 1;
+                self.read(values)
+            }
             Err(Stop::Quote) => self.read_quoted(values).map(|()| true),
             Err(stop) => Err(self.refuse(&stop)),
         }
@@ -134,33 +151,103 @@ impl Rows {
         }
     }
 
-    /// Reads the header from the current line.
-    fn header(&mut self, options: &LogOptions) -> Result<(), LogError> {
+    /// Reads the header from the current line. The line after it is read only if the names leave
+    /// something open, so that a live stream is not delayed.
+    fn header(&mut self) -> Result<(), LogError> {
         self.names = self.split_names()?;
-        self.columns = resolve(&self.place(), &self.names, options)?;
+        let header_line = self.line;
+        let mut settled = self.settle_at(header_line);
+        if settled.is_ok() || !matches!(self.advance(), Ok(true)) {
+            return settled;
+        }
+        self.looks = 0;
+        if self.take_units() {
+            settled = self.settle_at(header_line);
+            if settled.is_ok() || !matches!(self.advance(), Ok(true)) {
+                return settled;
+            }
+        }
+        self.held = true;
+        self.find_clocks();
+        self.settle_at(header_line)
+    }
+
+    /// Whether the current line says more about the columns than the header: it is a row of units, or
+    /// has points in time.
+    #[cold]
+    fn learns(&mut self) -> Result<bool, LogError> {
+        if !self.take_units() {
+            if !self.find_clocks() {
+                return Ok(false);
+            }
+            self.held = true;
+        }
+        self.settle_at(self.line).map(|()| true)
+    }
+
+    /// Finds the columns by the names and what is stated with them.
+    fn settle_at(&mut self, line: u64) -> Result<(), LogError> {
+        let place = Place { file: self.file.clone(), position: Position::Line(line) };
+        self.columns = resolve(&place, &self.names, &self.options)?;
         self.plan = plan(&self.columns, self.names.len());
         Ok(())
     }
 
-    fn split_names(&mut self) -> Result<Box<[Box<str>]>, LogError> {
+    /// The cells of the current line as text.
+    fn cells(&mut self) -> Vec<String> {
+        if !self.quoted.begin(self.lines.line()) {
+            return Vec::new();
+        }
+        self.quoted.fields().map(|field| one_byte_text(field).trim().to_owned()).collect()
+    }
+
+    /// Takes the units from the current line, if it is a row of units.
+    #[cold]
+    fn take_units(&mut self) -> bool {
+        let cells = self.cells();
+        if cells.len() != self.names.len() || !are_units(cells.iter().map(String::as_str)) {
+            return false;
+        }
+        for (heading, cell) in self.names.iter_mut().zip(&cells) {
+            heading.take_unit(cell);
+        }
+        true
+    }
+
+    /// Marks the columns whose cell in the current line is a point in time. Returns whether there are
+    /// any.
+    fn find_clocks(&mut self) -> bool {
+        let cells = self.cells();
+        let mut any = false;
+        for (heading, cell) in self.names.iter_mut().zip(&cells) {
+            if clock::seconds(cell.as_bytes()).is_some() {
+                heading.stated = Stated::Clock;
+                any = true;
+            }
+        }
+        any
+    }
+
+    fn split_names(&mut self) -> Result<Box<[Heading]>, LogError> {
         let mut record = self.lines.line();
         if self.line == 1 {
             record = record.strip_prefix(BYTE_ORDER_MARK.as_bytes()).unwrap_or(record);
         }
-        if str::from_utf8(record).is_err() || record.contains(&0) {
-            return Err(LogError::NotUtf8 { place: self.place() });
-        }
         if record.contains(&b'\r') {
             return Err(LogError::CarriageReturns { place: self.place() });
         }
-        self.delimiter = sniff_delimiter(record);
-        self.quoted = Quoted::new(self.delimiter);
+        if record.iter().any(|&byte| byte < b' ' && byte != b'\t') {
+            return Err(LogError::NotUtf8 { place: self.place() });
+        }
+        let delimiter = sniff_delimiter(record);
+        self.writing = Writing::new(delimiter);
+        self.quoted = Quoted::new(delimiter);
         if !self.quoted.begin(record) {
             return Err(LogError::OpenQuote { place: self.place() });
         }
-        let name = |field| String::from_utf8_lossy(field).trim().into();
-        let names: Box<[Box<str>]> = self.quoted.fields().map(name).collect();
-        if names.iter().all(|name| fast_float2::parse::<f64, _>(name.as_bytes()).is_ok()) {
+        let name = |field| Heading::new(one_byte_text(field).trim());
+        let names: Box<[Heading]> = self.quoted.fields().map(name).collect();
+        if names.iter().all(|h| fast_float2::parse::<f64, _>(h.name.as_bytes()).is_ok()) {
             return Err(LogError::NoHeader { place: self.place() });
         }
         Ok(names)
@@ -188,7 +275,7 @@ impl Rows {
         for (index, (field, slot)) in self.quoted.fields().zip(&self.plan).enumerate() {
             let Some(slot) = slot else { continue };
             values[slot.signal] = slot
-                .any(field)
+                .any(field, &mut self.writing)
                 .map_err(|bad| bad_cell(self.place(), self.name(index), field, bad))?;
         }
         Ok(())
@@ -207,6 +294,14 @@ impl Rows {
             }
             Stop::Quote => LogError::OpenQuote { place },
         }
+    }
+}
+
+/// UTF-8 text, or Latin-1, in which every byte is the letter of its number.
+fn one_byte_text(field: &[u8]) -> String {
+    match str::from_utf8(field) {
+        Ok(text) => text.to_owned(),
+        Err(_) => field.iter().copied().map(char::from).collect(),
     }
 }
 

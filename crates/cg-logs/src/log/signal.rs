@@ -1,4 +1,7 @@
-//! Signals of a log (the time and all quantities of [`cg_core::quantities!`]) and one row of them.
+//! Signals of a log (the time, all quantities of [`cg_core::quantities!`] and the roll rate) and one
+//! row of them.
+//!
+//! The roll rate is no quantity of the estimator: `roll_rate` makes a roll angle of it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,7 +21,10 @@ macro_rules! rows {
             /// Time stamp from any origin, s. It increases strictly and is never NaN in a row from
             /// a reader.
             pub time_s: f64,
-            $($(#[doc = $meaning])+ pub $field: f64),+
+            $($(#[doc = $meaning])+ pub $field: f64,)+
+            /// Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the right
+            /// side moves down.
+            pub roll_rate_radps: f64,
         }
 
         impl LogRow {
@@ -26,14 +32,15 @@ macro_rules! rows {
             pub const fn get(&self, signal: Signal) -> f64 {
                 match signal {
                     Signal::Time => self.time_s,
+                    Signal::RollRate => self.roll_rate_radps,
                     $(Signal::$variant => self.$field),+
                 }
             }
 
             /// A row with these values in the order of [`Signal::ALL`].
             pub const fn from_values(values: [f64; Signal::COUNT]) -> Self {
-                let [time_s, $($field),+] = values;
-                Self { time_s, $($field),+ }
+                let [time_s, $($field,)+ roll_rate_radps] = values;
+                Self { time_s, $($field,)+ roll_rate_radps }
             }
         }
 
@@ -42,17 +49,19 @@ macro_rules! rows {
         pub enum Signal {
             /// Time stamp.
             Time,
-            $($(#[doc = $meaning])+ $variant),+
+            $($(#[doc = $meaning])+ $variant,)+
+            /// Roll rate of the trailer's sprung mass.
+            RollRate,
         }
 
         impl Signal {
             /// Every signal, in the order of the fields of [`LogRow`].
-            pub const ALL: [Self; Self::COUNT] = [Self::Time, $(Self::$variant),+];
+            pub const ALL: [Self; Self::COUNT] = [Self::Time, $(Self::$variant,)+ Self::RollRate];
 
-            /// The measured quantity; `None` for the time.
+            /// The quantity of the estimator; `None` for the time and the roll rate.
             pub const fn quantity(self) -> Option<Quantity> {
                 match self {
-                    Self::Time => None,
+                    Self::Time | Self::RollRate => None,
                     $(Self::$variant => Some(Quantity::$variant)),+
                 }
             }
@@ -138,7 +147,7 @@ impl Signal {
             &[]
         } else if !has(INPUTS) && !has(&[Self::LateralSpecificForce]) {
             INPUTS
-        } else if !has(&[Self::Roll, Self::RollToGravity, Self::Tilt]) {
+        } else if !has(&[Self::Roll, Self::RollToGravity, Self::Tilt, Self::RollRate]) {
             &[Self::Roll, Self::Tilt]
         } else {
             &[]
@@ -146,21 +155,23 @@ impl Signal {
     }
 
     /// Number of signals.
-    pub const COUNT: usize = 1 + Quantity::COUNT;
+    pub const COUNT: usize = 2 + Quantity::COUNT;
 
     /// The name without the unit, such as `roll`.
     pub const fn name(self) -> &'static str {
         match self.quantity() {
-            None => "time",
             Some(quantity) => quantity.name(),
+            None if matches!(self, Self::RollRate) => "roll_rate",
+            None => "time",
         }
     }
 
     /// The column name in SI units, such as `roll_rad`.
     pub const fn column(self) -> &'static str {
         match self.quantity() {
-            None => "time_s",
             Some(quantity) => quantity.column(),
+            None if matches!(self, Self::RollRate) => "roll_rate_radps",
+            None => "time_s",
         }
     }
 
@@ -172,21 +183,26 @@ impl Signal {
     /// The meaning of the signal in one sentence.
     pub const fn meaning(self) -> &'static str {
         match self.quantity() {
-            None => "Time stamp from any origin, strictly increasing.",
             Some(quantity) => quantity.meaning(),
+            None if matches!(self, Self::RollRate) => {
+                "Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the \
+                 right side moves down."
+            }
+            None => "Time stamp from any origin, strictly increasing.",
         }
     }
 
     const fn dimension(self) -> Dimension {
         match self.quantity() {
-            None => Dimension::Time,
             Some(quantity) => quantity.dimension(),
+            None if matches!(self, Self::RollRate) => Dimension::AngularRate,
+            None => Dimension::Time,
         }
     }
 
     /// Whether the sign depends on how the sensor is mounted.
     pub(super) fn is_directed(self) -> bool {
-        self.quantity().is_some_and(Quantity::is_directed)
+        self == Self::RollRate || self.quantity().is_some_and(Quantity::is_directed)
     }
 
     /// The SI unit of this signal.
@@ -197,6 +213,16 @@ impl Signal {
     /// The unit with this suffix; `None` if it is not a unit of this signal.
     pub(super) fn unit(self, suffix: &str) -> Option<Unit> {
         self.dimension().unit(suffix)
+    }
+
+    /// The unit with this suffix or spelling, such as `km/h`, in upper or lower case.
+    pub(super) fn spelled(self, text: &str) -> Option<Unit> {
+        self.dimension().spelled(text)
+    }
+
+    /// Whether any signal has a unit with this suffix or spelling.
+    pub(super) fn any_spells(text: &str) -> bool {
+        Self::ALL.into_iter().any(|signal| signal.spelled(text).is_some())
     }
 
     /// The units for messages, such as "rad, deg".

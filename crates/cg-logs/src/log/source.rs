@@ -12,9 +12,30 @@ pub(super) enum Magic {
     Text,
     Gzip,
     Parquet,
+    /// Another format: what it is, and what to do.
+    Other(&'static str, &'static str),
 }
 
 const MAGIC_BYTES: usize = 4;
+
+const BY_PYTHON: &str =
+    "the Python package reads it (cgheight.estimate_log), and cgheight.write_log saves it as CSV";
+const AS_CSV: &str = "save it as CSV";
+
+/// Formats that logs may have and that are not read here: their first bytes, what they are, and what to
+/// do.
+const OTHERS: [(&[u8; 4], &str, &str); 10] = [
+    (b"LOGG", "a log of CAN frames in the format BLF", BY_PYTHON),
+    (b"MDF ", "a measurement in the format MDF (MF4)", BY_PYTHON),
+    (b"UnFi", "an unfinished measurement in the format MDF (MF4)", BY_PYTHON),
+    (b";$FI", "a log of CAN frames in the format TRC", BY_PYTHON),
+    (b"MATL", "a MATLAB file", BY_PYTHON),
+    (b"\x89HDF", "an HDF5 file (MATLAB 7.3 writes such files)", BY_PYTHON),
+    (b"AR\x52O", "an Arrow file (Feather)", BY_PYTHON),
+    (b"FEA1", "a Feather file of the first version", BY_PYTHON),
+    (b"PK\x03\x04", "a ZIP archive or an Excel workbook", AS_CSV),
+    (b"\xd0\xcf\x11\xe0", "an old Excel workbook", AS_CSV),
+];
 
 /// A stream whose first bytes have been read for detection and are delivered again.
 pub(super) struct Sniffed<R> {
@@ -29,6 +50,10 @@ pub(super) fn sniff<R: Read>(mut stream: R) -> io::Result<Sniffed<R>> {
     let magic = match head.as_slice() {
         [0x1f, 0x8b, ..] => Magic::Gzip,
         b"PAR1" => Magic::Parquet,
+        [a, b, c, d] => OTHERS
+            .iter()
+            .find(|(magic, ..)| *magic == &[*a, *b, *c, *d])
+            .map_or(Magic::Text, |&(_, format, remedy)| Magic::Other(format, remedy)),
         _ => Magic::Text,
     };
     Ok(Sniffed { magic, stream: Cursor::new(head).chain(stream) })

@@ -10,6 +10,7 @@ use crate::output::{Draft, Target};
 
 use super::columns::resolve;
 use super::error::{ColumnName, LogError, Place, Position};
+use super::heading::Heading;
 use super::lines::LIMIT_BYTES;
 use super::options::LogOptions;
 use super::signal::{LogRow, Signal};
@@ -216,7 +217,7 @@ impl LogWriter {
 
 /// Checks that the columns form a log.
 fn check_columns(place: &Place, columns: &[Signal]) -> Result<(), LogError> {
-    let names: Vec<Box<str>> = columns.iter().map(|signal| signal.column().into()).collect();
+    let names: Vec<Heading> = columns.iter().map(|s| Heading::new(s.column())).collect();
     resolve(place, &names, &LogOptions::default()).map(|_| ())
 }
 

@@ -88,7 +88,7 @@ fn a_quote_that_is_never_closed_is_an_error_where_it_opens() {
 
 #[test]
 fn a_header_that_is_not_text_is_an_error() {
-    refused(b"time_s,steer_rad,roll_rad,\xb0\n0,0,0,0\n", &["line 1", "not UTF-8"]);
+    refused(b"time_s,steer_rad,roll_rad,\x01\n0,0,0,0\n", &["line 1", "not UTF-8"]);
     let wide: Vec<u8> = ONE.encode_utf16().flat_map(u16::to_le_bytes).collect();
     refused(wide, &["line 1", "not UTF-8", "export the log"]);
     refused(ONE.replace('\n', "\r"), &["line 1", "bare carriage return", "line feeds"]);

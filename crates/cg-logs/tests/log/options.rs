@@ -63,6 +63,7 @@ fn a_malformed_option_is_an_error_that_says_how_to_write_it() {
         ("roll=", "SIGNAL=NAME[UNIT]"),
         ("roll=[deg]", "SIGNAL=NAME[UNIT]"),
         ("rol=Gyro[deg]", "the signals are time, steer"),
+        ("roll=Gyro[km/h]", "`km/h` is not a unit of roll; the units are rad, deg"),
         ("roll=Gyro[kmh]", "`kmh` is not a unit of roll; the units are rad, deg"),
         ("roll=Gyro_kmh", "give the unit: roll=Gyro_kmh[rad]"),
     ] {

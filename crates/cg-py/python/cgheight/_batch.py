@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
+from glob import glob
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from cgheight import _native, _show
@@ -24,7 +25,8 @@ class Estimates(Sequence[Estimate]):
     Attributes
     ----------
     logs : tuple of str
-        Names of the logs; tables are called ``table 0``, ``table 1``, … by their position.
+        Names of the logs: paths, or the keys of a dict; other tables are called
+        ``table 0``, ``table 1``, … by their position.
     estimates : tuple of Estimate
         One result for each log.
     """
@@ -117,8 +119,34 @@ def _numbers(table: pd.DataFrame) -> pd.DataFrame:
 _UNITS = ("_m", "_s", "_sd", "_mps", "_kg", "_db", "_percent", "_g")
 
 
+def named_logs(logs: Any) -> tuple[list[str], list[Any]]:
+    """Return the names of logs and the logs, with the files that match a pattern in its place."""
+    if isinstance(logs, Mapping) and all(_is_log(log) for log in logs.values()):
+        return [str(name) for name in logs], list(logs.values())
+    one = isinstance(logs, str | os.PathLike | Mapping) or hasattr(logs, "columns")
+    found: list[Any] = []
+    for log in [logs] if one else logs:
+        path = os.fspath(log) if isinstance(log, str | os.PathLike) else ""
+        if not set(path) & set("*?[") or os.path.exists(path):
+            found.append(log)
+            continue
+        files = sorted(glob(path, recursive=True))
+        if not files:
+            raise FileNotFoundError(f"{path}: no file matches this pattern; check the path")
+        found.extend(files)
+    names = [
+        os.fspath(log) if isinstance(log, str | os.PathLike) else f"table {place}"
+        for place, log in enumerate(found)
+    ]
+    return names, found
+
+
+def _is_log(log: Any) -> bool:
+    return isinstance(log, str | os.PathLike | Mapping) or hasattr(log, "columns")
+
+
 def estimate_logs(
-    logs: Iterable[str | os.PathLike[str] | Any],
+    logs: Iterable[str | os.PathLike[str] | Any] | str | os.PathLike[str],
     *,
     vehicle: _native.Vehicle,
     jobs: int | None = None,
@@ -131,8 +159,9 @@ def estimate_logs(
 
     Parameters
     ----------
-    logs : iterable of str, os.PathLike, or data frame
-        The logs, each in a form that `estimate_log` accepts.
+    logs : iterable of str, os.PathLike, or data frame; or one of them
+        The logs, each in a form that `estimate_log` accepts. A path may be a pattern of files,
+        ``"logs/*.csv"``, or ``"logs/**/*.csv"`` for all folders below. A dict gives the logs names.
     vehicle : Vehicle
         The vehicle.
     jobs : int, optional
@@ -155,7 +184,8 @@ def estimate_logs(
     Raises
     ------
     FileNotFoundError, ValueError
-        As for `estimate_log`, if `errors` is "raise"; logs that were not started are skipped.
+        No file matches a pattern; or as for `estimate_log`, if `errors` is "raise"; logs
+        that were not started are skipped.
     ImportError
         `progress` is true and tqdm is not installed.
 
@@ -171,7 +201,7 @@ def estimate_logs(
         raise ValueError(f'errors is {errors!r}: it must be "raise" or "reject"')
     if jobs is not None and jobs < 1:
         raise ValueError(f"jobs is {jobs}: it must be 1 or more")
-    known = list(logs)
+    names, known = named_logs(logs)
     truck = vehicle if calibration is None else vehicle.calibrated(calibration)
     bar = need("tqdm.auto", "progress").tqdm(total=len(known), unit="log") if progress else None
 
@@ -186,13 +216,9 @@ def estimate_logs(
             bar.update()
         return answer
 
-    names = tuple(
-        os.fspath(log) if isinstance(log, str | os.PathLike) else f"table {place}"
-        for place, log in enumerate(known)
-    )
     pool = ThreadPoolExecutor(jobs or os.cpu_count())
     try:
-        return Estimates(names, tuple(pool.map(work, known)))
+        return Estimates(tuple(names), tuple(pool.map(work, known)))
     finally:
         pool.shutdown(cancel_futures=True)
         if bar is not None:

@@ -5,19 +5,26 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
-from typing import Literal
+from tempfile import TemporaryDirectory
+from typing import Any, Literal
 
 from cgheight import _native
 from cgheight._arrays import number
 from cgheight._columns import flips, maps
+from cgheight._frames import as_candump, is_can
+from cgheight._logs import signals
+from cgheight._tables import is_table
 
+Log = str | os.PathLike[str] | Any
 Run = (
-    tuple[str | os.PathLike[str], float]
-    | tuple[str | os.PathLike[str], float, float]
-    | tuple[str | os.PathLike[str], None]
-    | tuple[str | os.PathLike[str], None, float]
-    | tuple[str | os.PathLike[str], Literal["empty"]]
+    tuple[Log, float]
+    | tuple[Log, float, float]
+    | tuple[Log, None]
+    | tuple[Log, None, float]
+    | tuple[Log, Literal["empty"]]
 )
+# The name of a run, whether the trailer is empty, and its height and mass if they are known.
+_Known = tuple[str, bool, float | None, float | None]
 
 
 def calibrate(
@@ -45,7 +52,8 @@ def calibrate(
     vehicle : Vehicle
         The vehicle.
     runs : iterable of (log, height_m), (log, height_m, trailer_mass_kg) or (log, "empty")
-        Log files with turns at constant speed; height of the trailer's sprung c.g., m; mass of the
+        Logs with turns at constant speed, in any form that `estimate_log` takes; height
+        of the trailer's sprung c.g., m; mass of the
         whole semitrailer, kg, needed if it is not in the log. Height and mass of the empty trailer
         are in the vehicle file. A height that is None is not known and is found.
     output : str or os.PathLike
@@ -109,20 +117,33 @@ def calibrate(
         "force": bool(force),
     }
     states = [_state(position, state) for position, state in enumerate(from_state)]
-    _native.calibrate_files(vehicle, [_known(run) for run in runs], states, output, request)
+    with TemporaryDirectory() as folder:
+        given = [_given(place, run, columns, flip, folder) for place, run in enumerate(runs)]
+        _native.calibrate_files(vehicle, given, states, output, request)
     return vehicle.calibrated(output)
 
 
-def _known(run: Run) -> tuple[str, bool, float | None, float | None]:
-    """Return the log of a run, whether the trailer is empty, and height and mass if known."""
-    match run:
-        case (log, "empty"):
-            return os.fspath(log), True, None, None
-        case (log, height_m):
-            return os.fspath(log), False, _optional("height_m", height_m), None
-        case (log, height_m, mass_kg):
+def _given(
+    place: int, run: Run, columns: Mapping[str, str] | None, flip: Iterable[str], folder: str
+) -> tuple[_Known, Any]:
+    """Return what is known of a run, and its rows: a file or a table."""
+    log, *load = run
+    name = os.fspath(log) if isinstance(log, str | os.PathLike) else f"table {place}"
+    known = _known(name, load, run)
+    if not isinstance(log, str | os.PathLike) or is_table(log, columns):
+        return known, signals(log, columns, flip)
+    return known, as_candump(name, folder) if is_can(name) else name
+
+
+def _known(name: str, load: list[Any], run: Run) -> _Known:
+    match load:
+        case ["empty"]:
+            return name, True, None, None
+        case [height_m]:
+            return name, False, _optional("height_m", height_m), None
+        case [height_m, mass_kg]:
             mass_kg = number("trailer_mass_kg", mass_kg)
-            return os.fspath(log), False, _optional("height_m", height_m), mass_kg
+            return name, False, _optional("height_m", height_m), mass_kg
     raise ValueError(f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")')
 
 

@@ -5,19 +5,20 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self, TypedDict
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cgheight import _native
 from cgheight._arrays import column, number
+from cgheight._clock import is_clock, seconds
 from cgheight._columns import flips, maps
 from cgheight._frames import estimate_frames, is_can
-from cgheight._logs import FOR_TABLES
-from cgheight._logs import signals as log_signals
+from cgheight._logs import log_table, prepared, refuse_columns
 from cgheight._results import Estimate
+from cgheight._tables import is_table
 
 
 def calibrated(
@@ -135,9 +136,20 @@ def estimate(
         value = given.get(name)
         if value is not None and np.ndim(value) == 0:
             scalars[name], given[name] = value, None
+    if is_clock(time_s):
+        given["time_s"] = seconds("time_s", time_s)
     arrays = {name: column(name, values) for name, values in given.items() if values is not None}
     options = shared_options(method, channel, model, **scalars)
-    return _native.estimate_arrays(calibrated(vehicle, calibration), arrays, options)
+    return estimate_table(calibrated(vehicle, calibration), arrays, options)
+
+
+def estimate_table(
+    vehicle: _native.Vehicle, arrays: dict[str, NDArray[np.float64]], options: dict[str, Any]
+) -> Estimate:
+    """Estimate from the signals of a table, with the remarks about its preparation."""
+    arrays, remarks = prepared(arrays)
+    answer = _native.estimate_arrays(vehicle, arrays, options)
+    return replace(answer, messages=(*answer.messages, *remarks)) if remarks else answer
 
 
 def estimate_log(
@@ -166,9 +178,11 @@ def estimate_log(
     Parameters
     ----------
     log : str, os.PathLike, or data frame
-        A file: ``.csv``, ``.csv.gz``, ``.parquet``, or J1939 frames in ``.log`` (candump),
-        ``.asc``, ``.blf``, ``.mf4``, ``.trc``; or anything with ``columns`` and ``__getitem__``
-        such as a data frame of pandas or polars; or a dict of arrays.
+        A file: ``.csv``, ``.csv.gz``, ``.parquet``, ``.feather``, ``.mat``, channels in ``.mf4``,
+        or
+        J1939 frames in ``.log`` (candump), ``.asc``, ``.blf``, ``.mf4``, ``.trc``; or anything with
+        ``columns`` and ``__getitem__`` such as a data frame of pandas or polars; or a dict of
+        arrays. The time may be points in time, also as the index of a data frame.
     vehicle : Vehicle
         The vehicle.
     columns : dict, optional
@@ -196,17 +210,17 @@ def estimate_log(
     ValueError
         The log is not as described; the message gives the line (or row), the column and a remedy.
     ImportError
-        The log is ``.asc``, ``.blf``, ``.mf4`` or ``.trc`` and python-can is not installed.
+        The package that reads the format is not installed: python-can for ``.blf`` and ``.trc``,
+        asammdf for ``.mf4``, scipy or h5py for ``.mat``, pyarrow for ``.feather``.
     """
     options = shared_options(method, channel, model, speed_mps, trailer_mass_kg)
     vehicle = calibrated(vehicle, calibration)
-    if isinstance(log, str | os.PathLike) and is_can(log):
-        if columns:
-            raise ValueError(FOR_TABLES)
+    if not isinstance(log, str | os.PathLike) or is_table(log, columns):
+        return estimate_table(vehicle, log_table(log, columns, flip), options)
+    if is_can(log):
+        refuse_columns(columns)
         return estimate_frames(log, vehicle, flips(flip), options)
-    if isinstance(log, str | os.PathLike):
-        return _native.estimate_file(vehicle, os.fspath(log), maps(columns), flips(flip), options)
-    return _native.estimate_arrays(vehicle, log_signals(log, columns, flip), options)
+    return _native.estimate_file(vehicle, os.fspath(log), maps(columns), flips(flip), options)
 
 
 class EstimatorOptions(TypedDict, total=False):

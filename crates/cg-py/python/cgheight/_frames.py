@@ -8,20 +8,21 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from pathlib import PurePath
+from tempfile import mkstemp
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cgheight import _native
-from cgheight._arrays import column
 from cgheight._columns import flips, maps
 from cgheight._extras import need
 from cgheight._results import Estimate
 
-# File formats of CAN frames. The compiled module reads candump logs, python-can the others.
+# File formats of CAN frames. The compiled module reads those in text, python-can the others.
 CANDUMP = ".log"
-CAN_SUFFIXES = (CANDUMP, ".asc", ".blf", ".mf4", ".trc")
+NATIVE = (CANDUMP, ".asc")
+CAN_SUFFIXES = (*NATIVE, ".blf", ".mf4", ".trc")
 #: The largest number of buses that can be distinguished.
 _BUSES = 32
 
@@ -112,7 +113,7 @@ def read_frames(
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
     """Return the rows of a CAN log as SI columns, and the remarks about its signals."""
     name = os.fspath(path)
-    if suffix(name) == CANDUMP:
+    if suffix(name) in NATIVE:
         return _native.read_frames(name, understood)
     table = _native.FrameTable(understood)
     for frame in _frames(name):
@@ -127,7 +128,7 @@ def estimate_frames(
 ) -> Estimate:
     """Estimate from a CAN log with J1939 signals."""
     name = os.fspath(path)
-    if suffix(name) == CANDUMP:
+    if suffix(name) in NATIVE:
         return _native.estimate_file(vehicle, name, [], flip, options)
     stream = _native.FrameStream(vehicle, reading(flip=flip), options)
     for frame in _frames(name):
@@ -136,37 +137,17 @@ def estimate_frames(
     return stream.estimate()
 
 
-def read_channels(
-    name: str, signals: Mapping[str, str], flip: Iterable[str]
-) -> dict[str, NDArray[np.float64]]:
-    """Return measured channels of an MDF file, aligned in the same way as CAN signals."""
-    if "roll" not in signals and "tilt" not in signals:
-        raise ValueError("signals contains no roll angle: give 'roll' or 'tilt'")
-    table = _native.FrameTable(reading(flip=flip))
-    with need("asammdf", "can").MDF(name) as file:
-        known = set(file.channels_db)
-        for signal, text in signals.items():
-            channel, unit = split(text)
-            if channel not in known:
-                raise ValueError(f"{name}: has no channel {channel}; it has {_some(known)}")
-            found = file.get(channel)
-            unit = unit or _plain(found.unit)
-            times_s = column("timestamps", found.timestamps)
-            table.push_channel(signal, channel, unit, times_s, column(channel, found.samples))
-    return table.finish()
-
-
-def split(text: str) -> tuple[str, str]:
-    """Return name and unit of ``Name[unit]``; the unit is empty if there are no brackets."""
-    name, bracket, unit = text.partition("[")
-    return name.strip(), unit.removesuffix("]").strip() if bracket else ""
-
-
-def _plain(unit: str | None) -> str:
-    # A degree sign in UTF-8 that was decoded as Latin-1 is preceded by an Â.
-    return (unit or "").replace("Â", "")
-
-
-def _some(names: set[str]) -> str:
-    more = "" if len(names) <= 20 else f" and {len(names) - 20} more"
-    return ", ".join(sorted(names)[:20]) + more
+def as_candump(name: str, folder: str) -> str:
+    """Return a log that the compiled module reads; other frames are converted in `folder`."""
+    if suffix(name) in NATIVE:
+        return name
+    # Only its suffix is fixed: two runs may have the same name.
+    handle, path = mkstemp(CANDUMP, dir=folder)
+    with open(handle, "w", encoding="ascii") as out:
+        for (time_s, bus), identifier, extended, data in _frames(name):
+            digits = 8 if extended else 3
+            mark = "#" if len(data) <= 8 else "##0"
+            out.write(
+                f"({time_s:.6f}) can{bus} {identifier:0{digits}X}{mark}{data.hex().upper()}\n"
+            )
+    return path

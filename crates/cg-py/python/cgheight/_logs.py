@@ -15,29 +15,49 @@ from cgheight import _native
 from cgheight._columns import flips, maps, table_signals
 from cgheight._extras import need
 from cgheight._frames import CANDUMP, is_can, read_frames, reading, suffix
+from cgheight._tables import is_table, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-FOR_TABLES = (
-    "columns applies to tables only: read a CAN log with "
-    "cgheight.can.read_log(path, dbc=…, signals=…)"
-)
+
+def refuse_columns(columns: Mapping[str, str] | None) -> None:
+    """Refuse names of columns for a log of CAN frames."""
+    if columns:
+        raise ValueError(
+            "columns applies to tables only: read a CAN log with "
+            "cgheight.can.read_log(path, dbc=…, signals=…)"
+        )
+
+
+def prepared(
+    table: dict[str, NDArray[np.float64]],
+) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
+    """Align channels of different rasters, and make roll angles of a roll rate."""
+    return _native.prepare(table) or (table, [])
+
+
+def log_table(
+    log: Any, columns: Mapping[str, str] | None, flip: Iterable[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the signals of a table as they are."""
+    if isinstance(log, str | os.PathLike):
+        return read_table(log, columns, flip)
+    if isinstance(getattr(log, "signals", None), dict):
+        log = log.signals  # a SimulatedLog
+    return table_signals(log, maps(columns), flips(flip))
 
 
 def signals(
     log: Any, columns: Mapping[str, str] | None, flip: Iterable[str]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the signals of a file or a table in SI units, with their SI column names as keys."""
-    if isinstance(log, str | os.PathLike):
-        if not is_can(log):
-            return _native.read_file(os.fspath(log), maps(columns), flips(flip))
-        if columns:
-            raise ValueError(FOR_TABLES)
-        return read_frames(log, reading(flip=flip))[0]
-    if isinstance(getattr(log, "signals", None), dict):
-        log = log.signals  # a SimulatedLog
-    return table_signals(log, maps(columns), flips(flip))
+    if not isinstance(log, str | os.PathLike) or is_table(log, columns):
+        return prepared(log_table(log, columns, flip))[0]
+    if not is_can(log):
+        return _native.read_file(os.fspath(log), maps(columns), flips(flip))
+    refuse_columns(columns)
+    return read_frames(log, reading(flip=flip))[0]
 
 
 def read_log(
@@ -51,8 +71,7 @@ def read_log(
     Parameters
     ----------
     log : str, os.PathLike, or data frame
-        A file: ``.csv``, ``.csv.gz``, ``.parquet``, or J1939 frames in ``.log`` (candump),
-        ``.asc``, ``.blf``, ``.mf4``, ``.trc``; or a table, whose columns are converted.
+        As for `estimate_log`.
         `cgheight.can.read_log` reads CAN logs that need a DBC file.
     columns, flip
         As for `estimate_log`.
@@ -69,7 +88,7 @@ def read_log(
     ValueError
         The log is not as described; the message gives the line (or row), the column and a remedy.
     ImportError
-        pandas, or for ``.asc``, ``.blf``, ``.mf4`` and ``.trc`` python-can, is not installed.
+        pandas, or the package that reads the format, is not installed.
     """
     return need("pandas", "pandas").DataFrame(signals(log, columns, flip))
 

@@ -28,6 +28,7 @@ __all__ = [
     "linear_model",
     "may_write",
     "predict_roll",
+    "prepare",
     "read_file",
     "read_frames",
     "reproduce_tables",
@@ -174,8 +175,13 @@ def estimate_file(
 ) -> Estimate:
     """Estimate from a log file (CSV, CSV in gzip, parquet, candump)."""
 
+def prepare(
+    signals: dict[str, NDArray[np.float64]], /
+) -> tuple[dict[str, NDArray[np.float64]], list[str]] | None:
+    """Align channels of different rasters, and make roll angles of a roll rate."""
+
 def resolve_columns(
-    names: list[str], columns: list[str], flip: list[str], /
+    names: list[str], units: list[str], columns: list[str], flip: list[str], /
 ) -> dict[str, tuple[int, float]]:
     """Find the columns of a log among the column names of a table."""
 
@@ -202,7 +208,7 @@ def linear_model(
 
 def calibrate_files(
     vehicle: Vehicle,
-    runs: list[tuple[str, bool, float | None, float | None]],
+    runs: list[tuple[tuple[str, bool, float | None, float | None], Any]],
     states: list[tuple[str, str | None]],
     output: str | os.PathLike[str],
     request: dict[str, object],

@@ -19,12 +19,12 @@ from cgheight._frames import (
     CAN_SUFFIXES,
     framed,
     is_can,
-    read_channels,
     read_frames,
     reading,
     suffix,
 )
 from cgheight._results import Estimate
+from cgheight._tables import read_channels
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -220,18 +220,20 @@ def _trip_worker(
         log = {
             name: rows.column(name).to_numpy()
             for name, kind in zip(rows.column_names, rows.schema.types, strict=True)
-            if _is_number(kind)
+            if _has_values(kind)
         }
         return _table(rows_of, pickled, [(str(key[0].as_py()), log)], options)
 
     return work
 
 
-def _is_number(kind: Any) -> bool:
-    import pyarrow as pa
+def _has_values(kind: Any) -> bool:
+    """Return whether a column may be a signal: numbers, points in time, durations."""
+    from pyarrow import types
 
-    is_number: bool = pa.types.is_floating(kind) or pa.types.is_integer(kind)
-    return is_number
+    tests = (types.is_floating, types.is_integer, types.is_decimal, types.is_timestamp,
+             types.is_duration)  # fmt: skip
+    return any(test(kind) for test in tests)
 
 
 def estimate_files(

@@ -1,0 +1,129 @@
+//! What some tables need before their rows are samples: channels of different rasters become rows with
+//! all signals, and a roll rate becomes a roll angle.
+
+use std::collections::VecDeque;
+
+use super::frames::FrameRows;
+use super::options::LogOptions;
+use super::roll_rate::RollAngles;
+use super::signal::{LogRow, Signal};
+
+/// Roll angles, which give the rows of aligned channels, and what they are compared with.
+const ROLLS: [Signal; 6] = [
+    Signal::Roll,
+    Signal::RollToGravity,
+    Signal::Tilt,
+    Signal::SuspensionRoll,
+    Signal::LevelLeft,
+    Signal::TractorSuspensionRoll,
+];
+const INPUTS: [Signal; 6] = [
+    Signal::Steer,
+    Signal::SteeringWheel,
+    Signal::LateralAcceleration,
+    Signal::LateralSpecificForce,
+    Signal::YawRate,
+    Signal::TractorLateralSpecificForce,
+];
+
+/// Rows of a table on their way to samples.
+pub struct Preparation {
+    rasters: Option<FrameRows>,
+    angles: Option<RollAngles>,
+    /// The line of the row that was added last.
+    line: u64,
+    ready: VecDeque<(u64, LogRow)>,
+}
+
+impl Preparation {
+    /// Number of rows from which it is decided whether the channels have rasters of their own.
+    pub const LOOK: usize = 500;
+
+    /// What a table needs that has these signals and begins with these rows; `None` if its rows are
+    /// samples already.
+    pub fn of(signals: &[Signal], beginning: &[LogRow], options: &LogOptions) -> Option<Self> {
+        let has = |signal: &Signal| signals.contains(signal);
+        let rasters = of_different_rasters(beginning).then(|| FrameRows::new(options));
+        // A tilt feels the lateral acceleration and is no angle to blend with.
+        let rate = has(&Signal::RollRate) && rasters.is_none();
+        let other = ROLLS.iter().any(|roll| has(roll) && !is_angle(*roll));
+        let angles = (rate && (!other || has(&Signal::Roll) || has(&Signal::RollToGravity)))
+            .then(|| RollAngles::new(has(&Signal::Roll), has(&Signal::RollToGravity)));
+        (rasters.is_some() || angles.is_some()).then(|| Self {
+            rasters,
+            angles,
+            line: 0,
+            ready: VecDeque::new(),
+        })
+    }
+
+    /// The signals of the prepared rows.
+    pub fn signals(&self, signals: &[Signal]) -> Vec<Signal> {
+        let mut all = signals.to_vec();
+        let angle = all.iter().any(|signal| is_angle(*signal));
+        if self.angles.is_some() && !angle {
+            all.push(Signal::RollToGravity);
+            all.sort_unstable();
+        }
+        all
+    }
+
+    /// Adds the next row, which stands in this line.
+    pub fn push(&mut self, line: u64, row: LogRow) {
+        self.line = line;
+        if let Some(angles) = &mut self.angles {
+            angles.push(line, row);
+        } else if let Some(frames) = &mut self.rasters {
+            // The times of a table are whole microseconds at most.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            let time_us = (row.time_s.max(0.0) * 1e6).round() as u64;
+            for signal in Signal::ALL {
+                let value = row.get(signal);
+                if let Some(quantity) = signal.quantity().filter(|_| !value.is_nan()) {
+                    frames.push_value(quantity, time_us, value);
+                }
+            }
+            self.ready.extend(std::iter::from_fn(|| frames.next_row()).map(|row| (line, row)));
+        }
+    }
+
+    /// Ends the table.
+    pub fn finish(&mut self) {
+        let line = self.line;
+        if let Some(angles) = &mut self.angles {
+            angles.finish();
+        } else if let Some(frames) = &mut self.rasters {
+            self.ready.extend(std::iter::from_fn(|| frames.rest()).map(|row| (line, row)));
+        }
+    }
+
+    /// The next prepared row with its line.
+    pub fn next_row(&mut self) -> Option<(u64, LogRow)> {
+        let angles = self.angles.as_mut().and_then(RollAngles::next);
+        angles.or_else(|| self.ready.pop_front())
+    }
+
+    /// What was found, as text for the user.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = self.angles.as_ref().map(RollAngles::remarks).unwrap_or_default();
+        if self.rasters.is_some() {
+            remarks.push(
+                "the channels have time stamps of their own and were aligned to those of the roll angle"
+                    .to_owned(),
+            );
+        }
+        remarks
+    }
+}
+
+fn is_angle(signal: Signal) -> bool {
+    matches!(signal, Signal::Roll | Signal::RollToGravity)
+}
+
+/// Whether fewer than half of the rows with a roll angle have an input too, though both occur.
+fn of_different_rasters(rows: &[LogRow]) -> bool {
+    let has = |row: &LogRow, signals: &[Signal]| signals.iter().any(|s| !row.get(*s).is_nan());
+    let rolls = rows.iter().filter(|row| has(row, &ROLLS));
+    let both = rolls.clone().filter(|row| has(row, &INPUTS)).count();
+    rows.iter().any(|row| has(row, &INPUTS)) && 2 * both < rolls.count()
+}

@@ -1,0 +1,203 @@
+"""Tables in files that other packages read: MATLAB, Feather, and measured channels in MF4."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cgheight import _native
+from cgheight._arrays import column
+from cgheight._columns import flips, maps, table_signals
+from cgheight._extras import need
+from cgheight._frames import reading
+
+_MATLAB, _HDF5, _ARROW, _MDF = "MATLAB", "HDF5", "Arrow", "MDF"
+# The first bytes of a file.
+_MAGIC = {
+    b"MATLAB 7.3": _HDF5,
+    b"MATLAB": _MATLAB,
+    b"\x89HDF": _HDF5,
+    b"ARROW1": _ARROW,
+    b"FEA1": _ARROW,
+    b"MDF ": _MDF,
+    b"UnFinMF": _MDF,
+}
+
+
+def _kind(path: str | os.PathLike[str]) -> str | None:
+    try:
+        with open(path, "rb") as file:
+            head = file.read(16)
+    except OSError:
+        return None  # whoever reads it says why it cannot be read
+    return next((kind for magic, kind in _MAGIC.items() if head.startswith(magic)), None)
+
+
+def is_table(path: str | os.PathLike[str], columns: Mapping[str, str] | None) -> bool:
+    """Return whether `read_table` reads this file: its first bytes say so.
+
+    An MF4 file is a table if it has no CAN frames, or if columns of it are named.
+    """
+    kind = _kind(path)
+    if kind != _MDF or columns:
+        return kind is not None
+    with need("asammdf", "can").MDF(path) as file:
+        return not any(getattr(file, "bus_logging_map", {}).get("CAN", {}).values())
+
+
+def read_table(
+    path: str | os.PathLike[str], columns: Mapping[str, str] | None, flip: Iterable[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the signals of such a file in SI units."""
+    name, kind = os.fspath(path), _kind(path)
+    try:
+        if kind == _MDF:
+            return channels(name, maps(columns), flips(flip))
+        table = {_MATLAB: _matlab, _HDF5: _hdf5, _ARROW: _feather}[str(kind)](name)
+        return table_signals(table, maps(columns), flips(flip))
+    except ValueError as error:
+        said = str(error).removeprefix("the table, line 1: ").removeprefix("the table: ")
+        raise ValueError(f"{name}: {said}") from error
+
+
+def _matlab(name: str) -> dict[str, NDArray[Any]]:
+    held = need("scipy.io", "mat").loadmat(name, squeeze_me=True, struct_as_record=True)
+    table: dict[str, NDArray[Any]] = {}
+    for key, value in held.items():
+        if key.startswith("__"):
+            continue
+        array = np.atleast_1d(value)
+        # The fields of a structure are columns.
+        fields = array.dtype.names if array.size == 1 else None
+        for field, item in [(key, array)] if not fields else [(f, array[f][0]) for f in fields]:
+            item = np.atleast_1d(item)
+            if item.ndim == 1 and item.dtype.kind in "biuf":
+                table[field] = item
+    remedy = (
+        "a table or a timetable must be saved as a structure of vectors: "
+        "s = table2struct(T, 'ToScalar', true); save('log.mat', '-struct', 's')"
+    )
+    return _rows_of(table, remedy)
+
+
+def _hdf5(name: str) -> dict[str, NDArray[Any]]:
+    table: dict[str, NDArray[Any]] = {}
+
+    def visit(key: str, item: Any) -> None:
+        kind = getattr(getattr(item, "dtype", None), "kind", "")
+        if kind and kind in "biuf" and "#refs#" not in key:
+            array = np.squeeze(item[()])
+            if array.ndim == 1:
+                table[key.rpartition("/")[2]] = array
+
+    with need("h5py", "mat").File(name, "r") as file:
+        file.visititems(visit)
+    return _rows_of(table, "save the log as numeric vectors of one length")
+
+
+def _rows_of(table: dict[str, NDArray[Any]], remedy: str) -> dict[str, NDArray[Any]]:
+    """Return the columns of the most frequent length; the others are parameters."""
+    lengths = [len(values) for values in table.values() if len(values) > 1]
+    if not lengths:
+        raise ValueError(f"contains no numeric vectors; {remedy}")
+    rows = max(set(lengths), key=lengths.count)
+    return {key: values for key, values in table.items() if len(values) == rows}
+
+
+def _feather(name: str) -> Any:
+    return need("pyarrow.feather", "arrow").read_table(name)
+
+
+# More names than this do not fit into a message; then only those that may be signals are resolved.
+_MANY = 500
+
+
+def channels(name: str, maps: list[str], flips: list[str]) -> dict[str, NDArray[np.float64]]:
+    """Return measured channels of an MDF file, aligned in the same way as CAN signals."""
+    with need("asammdf", "can").MDF(name) as file:
+        known = _channel_names(file, maps)
+        units = [_unit(file, channel) for channel in known]
+        found = _native.resolve_columns(["time_s", *known], ["", *units], maps, flips)
+        held = {}
+        for signal, (place, factor) in found.items():
+            if place > 0:
+                channel = file.get(known[place - 1])
+                samples = column(known[place - 1], channel.samples) * factor
+                held[signal] = (column("timestamps", channel.timestamps), samples)
+    return aligned(held)
+
+
+def aligned(
+    held: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]],
+) -> dict[str, NDArray[np.float64]]:
+    """Return signals with time stamps of their own as a table."""
+    times = [time_s for time_s, _ in held.values()]
+    if all(np.array_equal(times[0], time_s) for time_s in times):
+        return {"time_s": times[0], **{signal: values for signal, (_, values) in held.items()}}
+    table = _native.FrameTable(reading())
+    for signal, (time_s, values) in held.items():
+        quantity, _, unit = signal.rpartition("_")
+        table.push_channel(quantity, signal, unit, time_s, values)
+    return table.finish()
+
+
+def _channel_names(file: Any, maps: list[str]) -> list[str]:
+    masters = set(file.masters_db.items())
+    names = sorted(
+        name
+        for name, places in file.channels_db.items()
+        if not all((group, index) in masters for group, index in places)
+    )
+    if len(names) <= _MANY:
+        return names
+    wanted = " ".join(maps)
+    stems = tuple(signal.rpartition("_")[0].replace("_", "") for signal in _native.signals())
+    plain = {name: "".join(filter(str.isalnum, name)).lower() for name in names}
+    return [name for name in names if name in wanted or plain[name].startswith(stems)]
+
+
+def _unit(file: Any, channel: str) -> str:
+    group, index = file.channels_db[channel][0]
+    unit = file.get_channel_unit(channel, group, index) or ""
+    # A degree sign in UTF-8 that was decoded as Latin-1 is preceded by an Â.
+    return str(unit).replace("Â", "")
+
+
+def read_channels(
+    name: str, signals: Mapping[str, str], flip: Iterable[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Return measured channels of an MDF file, aligned in the same way as CAN signals."""
+    if "roll" not in signals and "tilt" not in signals:
+        raise ValueError("signals contains no roll angle: give 'roll' or 'tilt'")
+    table = _native.FrameTable(reading(flip=flip))
+    with need("asammdf", "can").MDF(name) as file:
+        known = set(file.channels_db)
+        for signal, text in signals.items():
+            channel, unit = _split(text)
+            if channel not in known:
+                raise ValueError(f"{name}: has no channel {channel}; it has {_some(known)}")
+            found = file.get(channel)
+            unit = unit or _plain(found.unit)
+            times_s = column("timestamps", found.timestamps)
+            table.push_channel(signal, channel, unit, times_s, column(channel, found.samples))
+    return table.finish()
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return name and unit of ``Name[unit]``; the unit is empty if there are no brackets."""
+    name, bracket, unit = text.partition("[")
+    return name.strip(), unit.removesuffix("]").strip() if bracket else ""
+
+
+def _plain(unit: str | None) -> str:
+    # A degree sign in UTF-8 that was decoded as Latin-1 is preceded by an Â.
+    return (unit or "").replace("Â", "")
+
+
+def _some(names: set[str]) -> str:
+    more = "" if len(names) <= 20 else f" and {len(names) - 20} more"
+    return ", ".join(sorted(names)[:20]) + more
