@@ -18,6 +18,7 @@
 //! | `truck` | the arguments that select the truck |
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: the studies of chapter 2 as CSV files and figures |
+//! | `web` | what the pages of `report` and `run` have in common |
 //! | `words`, `flags` | arguments that are words of a library; flags in the libraries' messages |
 //! | `units` | conversion from SI to the units of columns and axes |
 //! | `interrupt` | SIGINT and SIGTERM, without incomplete files |
@@ -49,6 +50,7 @@ mod study;
 mod truck;
 mod units;
 mod vehicle;
+mod web;
 mod words;
 
 use std::process::ExitCode;

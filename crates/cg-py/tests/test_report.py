@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import gzip
-import json
 import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
-from selenium import webdriver
 from selenium.webdriver.common.by import By
 
+from chromium import PHONE, asked_for, browser, check_contrast, is_within
 from conftest import FIXTURES, LOGS, cg
 
 ROOT = FIXTURES.parent
 PATHS = [str(FIXTURES / "logs" / name) for name in LOGS]
-PHONE = (390, 844)
 HOSTILE = "<img src=x onerror=alert(1)>&\"'.csv"
 
 
@@ -37,18 +35,6 @@ def page(tmp_path_factory) -> Path:
     assert done.returncode == 2, done.stderr  # one log cannot be read
     assert b"broken.csv" in done.stderr
     return out
-
-
-def browser(size: tuple[int, int]) -> webdriver.Chrome:
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
-    # A window cannot be as narrow as a phone.
-    metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-    return driver
 
 
 @pytest.fixture(scope="module", params=[(1280, 900), PHONE], ids=["desktop", "phone"])
@@ -117,20 +103,12 @@ def test_a_row_opens_its_pictures_and_messages(opened):
 
 
 def test_the_page_is_no_wider_than_its_screen_and_says_nothing_to_the_console(opened):
-    wide, room = opened.execute_script(
-        "const e = document.documentElement; return [e.scrollWidth, e.clientWidth]"
-    )
-    assert wide <= room
+    assert is_within(opened)
     assert opened.get_log("browser") == []
 
 
 def test_nothing_is_fetched(opened, page):
-    entries = (json.loads(entry["message"])["message"] for entry in opened.get_log("performance"))
-    asked = {
-        entry["params"]["request"]["url"]
-        for entry in entries
-        if entry["method"] == "Network.requestWillBeSent"
-    }
+    asked = asked_for(opened)
     assert asked <= {page.as_uri(), "data:,"}
     assert page.as_uri() in asked
 
@@ -170,30 +148,12 @@ def test_every_pair_of_signals_in_the_log_is_drawn(tmp_path):
 def test_light_and_dark_can_both_be_read(page):
     """Text and background have at least the WCAG contrast of 4.5 in both color schemes."""
     for scheme in ("light", "dark"):
-        driver = browser((1280, 900))
+        driver = browser((1280, 900), scheme)
         try:
-            features = [{"name": "prefers-color-scheme", "value": scheme}]
-            driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
             driver.get(page.as_uri())
-            for selector in ("body", ".quiet", "td.bad"):
-                element = driver.find_element(By.CSS_SELECTOR, selector)
-                ink = luminance(element.value_of_css_property("color"))
-                body = driver.find_element(By.CSS_SELECTOR, "body")
-                paper = luminance(body.value_of_css_property("background-color"))
-                contrast = (max(ink, paper) + 0.05) / (min(ink, paper) + 0.05)
-                assert contrast >= 4.5, (scheme, selector, contrast)
-                assert (paper > 0.5) == (scheme == "light")
+            check_contrast(driver, scheme, ("body", ".quiet", "td.bad"))
         finally:
             driver.quit()
-
-
-def luminance(color: str) -> float:
-    """Return the relative luminance of `rgb(r, g, b)` according to WCAG."""
-    parts = [int(part) / 255 for part in re.findall(r"\d+", color)[:3]]
-    linear = [
-        part / 12.92 if part <= 0.03928 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
-    ]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
 def test_a_hundred_logs_make_a_page_of_a_few_hundred_kib_and_a_rejected_target_leaves_nothing(

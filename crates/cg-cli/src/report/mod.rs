@@ -14,6 +14,7 @@ use chrono::Utc;
 use serde::Serialize;
 
 use crate::answer::Answer;
+use crate::web;
 
 pub(crate) use trace::Trace;
 
@@ -97,17 +98,17 @@ pub(crate) fn write(
     Ok(target.write(&fill(&data))?)
 }
 
-/// Inserts the parts into the template. Inserted text is not searched for marks.
 fn fill(data: &str) -> String {
-    let mut page = String::with_capacity(PAGE.len() + STYLE.len() + SCRIPT.len() + data.len());
-    let mut rest = PAGE;
-    for (mark, part) in [("{{style}}", STYLE), ("{{data}}", data), ("{{script}}", SCRIPT)] {
-        let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
-        page.push_str(before);
-        page.push_str(part);
-        rest = after;
-    }
-    page + rest
+    web::fill(
+        PAGE,
+        &[
+            ("{{base}}", web::STYLE),
+            ("{{style}}", STYLE),
+            ("{{data}}", data),
+            ("{{chart}}", web::SCRIPT),
+            ("{{script}}", SCRIPT),
+        ],
+    )
 }
 
 #[cfg(test)]
@@ -117,10 +118,8 @@ mod tests {
     #[test]
     fn the_template_has_each_part_once_and_nothing_from_elsewhere() {
         let page = fill("{\"logs\":[]}");
-        assert!(!page.contains("{{"));
-        assert!(page.contains("{\"logs\":[]}") && page.ends_with("</html>\n"));
-        assert!(!page.contains("http://") || page.matches("http://").count() == 1); // SVG's name
-        assert!(!page.contains("https://"));
+        web::check(&page);
+        assert!(page.contains("{\"logs\":[]}"));
     }
 
     #[test]

@@ -9,6 +9,8 @@ use crate::can::CanArgs;
 use crate::numbers::{not_negative, payload_kg, trailer_mass_kg};
 use crate::truck::{RoadArgs, TruckArgs};
 
+use super::serve::address::Address;
+
 /// Source of the signals, truck, and outputs.
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("source").required(true)))]
@@ -67,9 +69,21 @@ pub(crate) struct RunArgs {
     /// ends
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
     pub(crate) warn_hysteresis: f64,
+    /// Show a live page at this port of this computer, or at an address and a port that others can
+    /// open, such as 0.0.0.0:8080; after a replay it stays until Ctrl-C
+    #[arg(long, value_name = "ADDR")]
+    pub(crate) serve: Option<Address>,
     /// Time between two status lines, s; 0 writes none
     #[arg(long, value_name = "T", default_value_t = 1.0, allow_negative_numbers = true, value_parser = not_negative)]
     pub(crate) status_s: f64,
+}
+
+impl RunArgs {
+    /// Whether the source is a file, which ends.
+    pub(crate) fn is_of_a_file(&self) -> bool {
+        let path = self.candump.as_ref().or(self.csv.as_ref());
+        path.is_some_and(|path| path.as_os_str() != "-")
+    }
 }
 
 /// Whether the truck learns itself.

@@ -3,9 +3,9 @@
 //! Each line has `event` and `time_s`, the time stamp of the frame or row that caused it (Unix
 //! time, if the source has it).
 
-use std::io::{self, Write};
+use std::io;
 
-use cg_core::{Channel, Combined, Design, Measured};
+use cg_core::{Channel, Combined, Design, Maneuver, Measured, Reject};
 use cg_logs::estimate::{ManeuverEstimate, Verdict};
 use cg_vehicle::scales::Scale;
 use serde::Serialize;
@@ -15,17 +15,25 @@ const QUANTILE_95: f64 = 1.959_964;
 
 /// A line of the output.
 #[derive(Debug, Serialize)]
-pub(crate) struct Line<'a> {
-    pub(crate) time_s: f64,
+struct Line<'a> {
+    time_s: f64,
     #[serde(flatten)]
-    pub(crate) event: Event<'a>,
+    event: &'a Event<'a>,
 }
 
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub(crate) enum Event<'a> {
     /// The program has started.
-    Start { version: &'a str, vehicle: &'a str, source: &'a str, restored: bool },
+    Start {
+        version: &'a str,
+        vehicle: &'a str,
+        source: &'a str,
+        restored: bool,
+        /// Address of the live page.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        page: Option<&'a str>,
+    },
     /// The driving state has changed: straight driving, a turn, or no signals.
     State { state: &'a str, missing: Vec<&'a str> },
     /// A maneuver has ended.
@@ -57,6 +65,25 @@ pub(crate) struct ManeuverLine {
     pub(crate) tractor: Option<ManeuverEstimate>,
     #[serde(flatten)]
     pub(crate) result: Result,
+}
+
+impl ManeuverLine {
+    /// A maneuver with the height after it. Pairs of signals that the truck does not have are left out.
+    /// `origin_s` is the time stamp of the estimator's time zero, s.
+    pub(crate) fn new(maneuver: &Maneuver<f64>, result: Result, origin_s: f64) -> Self {
+        let outcome = |channel: Channel| &maneuver.outcomes[channel.index()];
+        let of = |channel| ManeuverEstimate::new(maneuver, outcome(channel), origin_s);
+        let there =
+            |channel| (outcome(channel).height_m != Err(Reject::Absent)).then(|| of(channel));
+        Self {
+            speed_mps: maneuver.speed_mps,
+            steer: of(Channel::Steer),
+            lateral_acceleration: of(Channel::LateralAcceleration),
+            suspension: there(Channel::Suspension),
+            tractor: there(Channel::Tractor),
+            result,
+        }
+    }
 }
 
 /// Where the trailer mass comes from.
@@ -150,6 +177,8 @@ impl Result {
 #[derive(Debug, Serialize)]
 pub(crate) struct Status {
     pub(crate) state: &'static str,
+    /// Signals that have arrived and are not missing.
+    pub(crate) present: Vec<&'static str>,
     pub(crate) missing: Vec<&'static str>,
     #[serde(flatten)]
     pub(crate) result: Result,
@@ -191,11 +220,9 @@ pub(crate) struct Latency {
     pub(crate) greatest: f64,
 }
 
-/// Writes a line and flushes it at once.
-pub(crate) fn write(out: &mut impl Write, time_s: f64, event: Event<'_>) -> io::Result<()> {
-    serde_json::to_writer(&mut *out, &Line { time_s, event })?;
-    out.write_all(b"\n")?;
-    out.flush()
+/// An event as a line with its end.
+pub(crate) fn line(time_s: f64, event: &Event<'_>) -> io::Result<String> {
+    Ok(serde_json::to_string(&Line { time_s, event })? + "\n")
 }
 
 #[cfg(test)]
@@ -261,10 +288,8 @@ mod tests {
 
     #[test]
     fn a_line_is_an_object_with_its_time_and_an_end() {
-        let mut out = Vec::new();
         let event = Event::Notice { subject: "trial", message: "text".to_owned() };
-        write(&mut out, 1.5, event).unwrap();
-        let text = String::from_utf8(out).unwrap();
+        let text = line(1.5, &event).unwrap();
         let line = r#"{"time_s":1.5,"event":"notice","subject":"trial","message":"text"}"#;
         assert_eq!(text, format!("{line}\n"));
     }

@@ -76,6 +76,7 @@ impl Frames {
         if now_us.saturating_sub(self.looked_us) >= LOOK_US {
             self.looked_us = now_us;
             let sampler = &self.sampler;
+            session.seen = self.presence.seen;
             session.missing(self.presence.missing(now_us, |q| sampler.is_stale(q)))?;
         }
         session.run_periodic(self.live)

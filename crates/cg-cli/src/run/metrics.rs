@@ -86,6 +86,7 @@ mod tests {
         };
         let status = Status {
             state: "straight",
+            present: Vec::new(),
             missing: Vec::new(),
             result: Result::default(),
             load_since_s: None,

@@ -8,13 +8,16 @@
 //! | `frames` | conversion of frames to samples |
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
 //! | `session` | processing of samples to events |
+//! | `channels` | the heights of the channels |
 //! | `felt` | the lateral acceleration that the truck feels |
 //! | `learning` | learning of the truck from empty driving |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
+//! | `serve` | the live page |
 //! | `signals` | requests to stop |
 
 pub(crate) mod args;
+mod channels;
 mod events;
 mod felt;
 mod frames;
@@ -26,6 +29,7 @@ mod outputs;
 mod pace;
 mod presence;
 mod replay;
+mod serve;
 mod session;
 mod signals;
 mod socket;
@@ -33,7 +37,7 @@ mod state;
 mod transmit;
 mod weighing;
 
-use std::io::{self, LineWriter, Stdout};
+use std::io::{self, LineWriter, Stdout, Write};
 use std::path::PathBuf;
 
 use anyhow::Context as _;
@@ -54,11 +58,18 @@ use frames::Frames;
 use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
+use serve::Page;
 use session::Session;
 use signals::Stop;
 use state::StateFile;
 
 use args::{Learn, RunArgs};
+
+/// The notice about a page that others can open.
+const OPEN: &str = "every computer that can reach this address can read the page; none can change \
+    anything";
+/// The notice at the end of a log.
+const STAYS: &str = "the log has ended; the page stays until the program is stopped (Ctrl-C)";
 
 pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> {
     let [state, metrics] = targets(arguments, files)?;
@@ -78,7 +89,8 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let start = state.as_ref().map(|state| learned(arguments, truck, state));
     let design = start.as_ref().map_or(own, |start| start.design);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
-    let outputs = Outputs::new(lines, state, metrics, None);
+    let mut outputs = Outputs::new(lines, state, metrics, None);
+    outputs.page = arguments.serve.as_ref().map(Page::open).transpose()?;
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
     let mass_kg = arguments.trailer_mass_kg;
@@ -93,17 +105,8 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     }
     let stop = Stop::listen()?;
     let restored = session.restore()?;
-    let source = source(arguments);
-    let version = env!("CARGO_PKG_VERSION");
-    session.write_event(Event::Start {
-        version,
-        vehicle: &vehicle.name,
-        source: &source,
-        restored,
-    })?;
-    if let Some(start) = start {
-        session.begin(start)?;
-    }
+    begin(arguments, &vehicle, &mut session, restored)?;
+    start.map_or(Ok(()), |start| session.begin(start))?;
     let reason = match (&arguments.can, &arguments.candump, &arguments.csv) {
         (Some(interface), ..) => {
             let address = arguments.transmit.then_some(arguments.transmit_address);
@@ -119,9 +122,35 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         }
         _ => "no source",
     };
+    let stays = !stop.is_requested() && arguments.is_of_a_file() && session.outputs.page.is_some();
+    if stays {
+        session.notice("page", STAYS)?;
+    }
     session.stop(reason)?;
+    if stays {
+        stop.wait();
+    }
     // A live run without a height ends normally.
     Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
+}
+
+/// Reports the start.
+fn begin<W: Write>(
+    arguments: &RunArgs,
+    vehicle: &Vehicle,
+    session: &mut Session<W>,
+    restored: bool,
+) -> io::Result<()> {
+    let (source, version) = (source(arguments), env!("CARGO_PKG_VERSION"));
+    let page = session.outputs.page.as_ref().map(|page| (page.url.clone(), page.is_open));
+    session.write_event(Event::Start {
+        version,
+        vehicle: &vehicle.name,
+        source: &source,
+        restored,
+        page: page.as_ref().map(|(url, _)| url.as_str()),
+    })?;
+    if page.is_some_and(|(_, is_open)| is_open) { session.notice("page", OPEN) } else { Ok(()) }
 }
 
 /// The files of state and metrics, if they are written.

@@ -1,4 +1,4 @@
-//! All outputs except the events: state file, metrics, frames.
+//! All outputs: events, live page, state file, metrics, frames.
 //!
 //! A failure of an output is reported once and tried again later. It never stops the estimation.
 
@@ -9,9 +9,10 @@ use cg_logs::learn::Learned;
 use cg_logs::output::Target;
 use cg_vehicle::scales::Scale;
 
-use super::events::Status;
+use super::events::{self, Event, Status};
 use super::latency::Histogram;
 use super::metrics;
+use super::serve::{Kind, Page};
 use super::state::{Found, StateFile};
 use super::transmit;
 
@@ -26,6 +27,8 @@ pub(crate) struct Outputs<W: Write> {
     pub(crate) metrics: Option<Target>,
     /// The sender of frames and its source address.
     pub(crate) sender: Option<(Sender, u8)>,
+    /// The live page.
+    pub(crate) page: Option<Page>,
     pub(crate) latency: Histogram,
     state_failed: bool,
     metrics_failed: bool,
@@ -39,7 +42,26 @@ impl<W: Write> Outputs<W> {
         sender: Option<(Sender, u8)>,
     ) -> Self {
         let latency = Histogram::default();
-        Self { lines, state, metrics, sender, latency, state_failed: false, metrics_failed: false }
+        Self {
+            lines,
+            state,
+            metrics,
+            sender,
+            page: None,
+            latency,
+            state_failed: false,
+            metrics_failed: false,
+        }
+    }
+
+    /// Writes an event as a line, which is flushed at once, and shows it on the page.
+    pub(crate) fn write(&mut self, time_s: f64, event: &Event<'_>) -> io::Result<()> {
+        let line = events::line(time_s, event)?;
+        if let Some(page) = &self.page {
+            page.line(Kind::from(event), &line);
+        }
+        self.lines.write_all(line.as_bytes())?;
+        self.lines.flush()
     }
 
     /// The content of the state file, if there is one.

@@ -46,7 +46,7 @@ const ROLLS: &[Quantity] = &[
 pub(crate) struct Presence {
     /// For each group, the signal that is named if none of the group is present.
     expected: [Option<Quantity>; PURPOSES.len()],
-    seen: [bool; Quantity::COUNT],
+    pub(crate) seen: [bool; Quantity::COUNT],
     cadence: [Cadence; Quantity::COUNT],
     since_us: Option<u64>,
 }

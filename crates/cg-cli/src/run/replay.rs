@@ -122,6 +122,7 @@ pub(crate) fn csv<W: Write>(
             session.weighing.scale = Scale::in_log(quantity);
         }
         session.push(row.sample(instant.stream_us, &settings))?;
+        session.seen = presence.seen;
         session.missing(presence.missing(instant.stream_us, |_| false))?;
         session.run_periodic(realtime)?;
         pace.wait(instant.stream_us);

@@ -3,16 +3,17 @@
 use std::io::{self, Write};
 
 use cg_core::{
-    Channel, Design, Estimator, FilteredArx, Maneuver, Prior, Sample, Settings, Status as Driving,
+    Design, Estimator, Maneuver, Prior, Quantity, Sample, SampleError, Settings, Status as Driving,
     Warner,
 };
-use cg_core::{Reject, SampleError};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{ManeuverEstimate, Verdict};
+use cg_logs::estimate::Verdict;
+use cg_logs::log::Signal;
 
 use crate::flags;
 
-use super::events::{self, Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
+use super::channels::{self, Live, contradiction, mass_sd_m};
+use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::felt::felt_mps2;
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
@@ -32,7 +33,7 @@ const WEIGHED_US: u64 = 5_000_000;
 
 /// The processing of samples of one run.
 pub(crate) struct Session<W: Write> {
-    estimator: Estimator<f64, FilteredArx<f64>>,
+    estimator: Live,
     settings: Settings<f64>,
     trailer_mass_kg: Option<f64>,
     pub(crate) weighing: Weighing,
@@ -52,6 +53,8 @@ pub(crate) struct Session<W: Write> {
     load_since_s: Option<f64>,
     driving: &'static str,
     missing: Vec<&'static str>,
+    /// The quantities that have arrived, in the order of [`Quantity::ALL`].
+    pub(crate) seen: [bool; Quantity::COUNT],
     samples: u64,
     pub(crate) counters: Counters,
     /// Time stamp minus stream time, s.
@@ -103,6 +106,7 @@ impl<W: Write> Session<W> {
             load_since_s: None,
             driving: "waiting",
             missing: Vec::new(),
+            seen: [false; Quantity::COUNT],
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,
@@ -165,8 +169,7 @@ impl<W: Write> Session<W> {
     }
 
     pub(crate) fn write_event(&mut self, event: Event<'_>) -> io::Result<()> {
-        let time_s = self.time_s(self.now_us);
-        events::write(&mut self.outputs.lines, time_s, event)
+        self.outputs.write(self.time_s(self.now_us), &event)
     }
 
     pub(crate) fn notice(&mut self, subject: &'static str, message: &str) -> io::Result<()> {
@@ -193,6 +196,9 @@ impl<W: Write> Session<W> {
     }
 
     fn estimate(&mut self, sample: &Sample<f64>) -> io::Result<()> {
+        if let Some(page) = &mut self.outputs.page {
+            page.remember(sample, self.speed_mps, self.estimator.design().gravity_mps2);
+        }
         let step = match self.estimator.push(sample) {
             Ok(step) => step,
             // Clock and aligner prevent decreasing times. If there is one, the sample is not used.
@@ -296,22 +302,12 @@ impl<W: Write> Session<W> {
         }
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
-        let of = |channel: Channel| {
-            ManeuverEstimate::new(maneuver, &maneuver.outcomes[channel.index()], self.offset_s)
-        };
-        let there = |channel: Channel| {
-            let outcome = &maneuver.outcomes[channel.index()];
-            (outcome.height_m != Err(Reject::Absent)).then(|| of(channel))
-        };
-        let line = ManeuverLine {
-            speed_mps: maneuver.speed_mps,
-            steer: of(Channel::Steer),
-            lateral_acceleration: of(Channel::LateralAcceleration),
-            suspension: there(Channel::Suspension),
-            tractor: there(Channel::Tractor),
-            result: self.known.clone(),
-        };
+        let line = ManeuverLine::new(maneuver, self.known.clone(), self.offset_s);
         self.write_event(Event::Maneuver(Box::new(line)))?;
+        if let Some(page) = &self.outputs.page {
+            let times_s = [self.time_s(self.now_us), self.offset_s];
+            page.turn(self.estimator.design(), maneuver, &self.known, times_s);
+        }
         let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
         self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
@@ -340,10 +336,8 @@ impl<W: Write> Session<W> {
 
     /// Updates the result from the estimator.
     fn update(&mut self, trailer_mass_kg: f64) {
-        let with_height = |channel: &Channel| self.estimator.height(*channel).is_some();
-        let mut channels = Channel::ALL.into_iter().filter(with_height);
         // One channel alone is named.
-        let channel = channels.next().filter(|_| channels.next().is_none());
+        let channel = channels::alone(&self.estimator);
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.estimator.combined();
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
@@ -353,12 +347,10 @@ impl<W: Write> Session<W> {
 
     /// Standard deviation of the height due to that of the trailer mass, m.
     fn mass_sd_m(&self) -> f64 {
-        let (design, known) = (self.estimator.design(), &self.known);
-        let Some(height_m) = known.height_m else { return 0.0 };
-        let with_height = |channel: &Channel| self.estimator.height(*channel).is_some();
-        let mass = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
-        let channels = Channel::ALL.into_iter().filter(with_height);
-        design.mass_sd_m(channels, self.speed_mps, mass, height_m)
+        let known = &self.known;
+        let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
+        let sd_m = |height_m| mass_sd_m(&self.estimator, self.speed_mps, mass_kg, height_m);
+        known.height_m.map_or(0.0, sd_m)
     }
 
     /// Reports the beginning of a contradiction between the channels.
@@ -366,27 +358,14 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        let heights: Vec<String> = Channel::ALL
-            .into_iter()
-            .filter_map(|channel| match self.estimator.height(channel) {
-                Some(height) => Some(format!(
-                    "{channel} channel {:.2} ± {:.2} m",
-                    height.height_m.value, height.height_m.sd
-                )),
-                // The others may have no sensors.
-                None if channel.feels_bank() => {
-                    Some(format!("{channel} channel without a possible height"))
-                }
-                None => None,
-            })
-            .collect();
-        self.notice(
-            "channels",
-            &format!(
-                "inconsistent, so there is no height: {}; check the sensors",
-                heights.join(", ")
-            ),
-        )
+        self.notice("channels", &contradiction(&self.estimator))
+    }
+
+    /// Names of the signals that have arrived and are not missing.
+    fn present(&self) -> Vec<&'static str> {
+        let seen = Quantity::ALL.into_iter().filter(|quantity| self.seen[quantity.index()]);
+        let names = seen.map(|quantity| Signal::from(quantity).name());
+        names.filter(|name| !self.missing.contains(name)).collect()
     }
 
     fn status(&self) -> Status {
@@ -394,6 +373,7 @@ impl<W: Write> Session<W> {
         let trailer_mass_kg = self.estimator.memory().trailer_mass_kg;
         Status {
             state: self.driving,
+            present: self.present(),
             missing: self.missing.clone(),
             result: self.weighing.of(
                 self.estimator.design(),
@@ -438,6 +418,9 @@ impl<W: Write> Session<W> {
             let status = self.status();
             self.outputs.transmit(&status);
         }
+        if self.outputs.page.as_mut().is_some_and(|page| page.is_due(now_us)) {
+            self.show();
+        }
         // A replay as fast as possible writes them only at its end.
         if live && now_us >= self.next.metrics_us {
             self.next.metrics_us = now_us + METRICS_US;
@@ -447,6 +430,13 @@ impl<W: Write> Session<W> {
             self.save()?;
         }
         Ok(())
+    }
+
+    /// Shows the present values on the page.
+    fn show(&self) {
+        if let Some(page) = &self.outputs.page {
+            page.snapshot(self.time_s(self.now_us), self.status());
+        }
     }
 
     fn measure(&mut self) -> io::Result<()> {
@@ -479,6 +469,7 @@ impl<W: Write> Session<W> {
         self.learn(None)?;
         self.save()?;
         self.measure()?;
+        self.show();
         if self.status_us.is_some() {
             let status = self.status();
             self.write_event(Event::Status(Box::new(status)))?;

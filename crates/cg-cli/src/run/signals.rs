@@ -3,6 +3,7 @@
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use crate::interrupt;
 
@@ -20,5 +21,12 @@ impl Stop {
 
     pub(crate) fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// Waits for a request.
+    pub(crate) fn wait(&self) {
+        while !self.is_requested() {
+            std::thread::sleep(Duration::from_millis(100));
+        }
     }
 }

@@ -49,6 +49,7 @@ mod tests {
     fn status(result: Result, margin_g: Option<f64>) -> Status {
         Status {
             state: "straight",
+            present: Vec::new(),
             missing: Vec::new(),
             result,
             load_since_s: None,

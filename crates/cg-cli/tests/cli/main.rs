@@ -21,6 +21,7 @@
 //! | `reproduce` | the thesis's tables with recomputed values |
 //! | `learn` | a truck that learns itself from empty driving |
 //! | `run` | replays of recorded drives, restarts, full disks, a service manager |
+//! | `serve` | the live page over real connections, slow ones among them |
 //! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs need no more memory than short ones |
 //! | `left_out` | a build without optional features names the feature that is needed (`make package`) |
@@ -45,6 +46,8 @@ mod output;
 mod reproduce;
 mod run;
 mod rollover;
+#[cfg(unix)]
+mod serve;
 mod simulate;
 mod streams;
 mod study;
