@@ -143,7 +143,7 @@ fn begin<W: Write>(
 ) -> io::Result<()> {
     let (source, version) = (source(arguments), env!("CARGO_PKG_VERSION"));
     let page = session.outputs.page.as_ref().map(|page| (page.url.clone(), page.is_open));
-    session.write_event(Event::Start {
+    session.write_event(&Event::Start {
         version,
         vehicle: &vehicle.name,
         source: &source,

@@ -168,12 +168,12 @@ impl<W: Write> Session<W> {
         self.notice("clock", &format!("the time stamps jumped by {jump_s:.3} s"))
     }
 
-    pub(crate) fn write_event(&mut self, event: Event<'_>) -> io::Result<()> {
-        self.outputs.write(self.time_s(self.now_us), &event)
+    pub(crate) fn write_event(&mut self, event: &Event<'_>) -> io::Result<()> {
+        self.outputs.write(self.time_s(self.now_us), event)
     }
 
     pub(crate) fn notice(&mut self, subject: &'static str, message: &str) -> io::Result<()> {
-        self.write_event(Event::Notice { subject, message: flags::with_flags(message) })
+        self.write_event(&Event::Notice { subject, message: flags::with_flags(message) })
     }
 
     #[allow(clippy::cast_precision_loss)]
@@ -266,7 +266,7 @@ impl<W: Write> Session<W> {
         let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
         let Some(level) = level else { return Ok(()) };
         let margin_g = self.known.margin_g(self.lateral_g());
-        self.write_event(Event::Warning { level, margin_g })
+        self.write_event(&Event::Warning { level, margin_g })
     }
 
     fn lateral_g(&self) -> Option<f64> {
@@ -279,7 +279,7 @@ impl<W: Write> Session<W> {
         }
         self.driving = state;
         let missing = self.missing.clone();
-        self.write_event(Event::State { state, missing })
+        self.write_event(&Event::State { state, missing })
     }
 
     /// Reports changes of the missing signals.
@@ -288,7 +288,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         }
         self.missing.clone_from(&missing);
-        self.write_event(Event::State { state: self.driving, missing })
+        self.write_event(&Event::State { state: self.driving, missing })
     }
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
@@ -298,12 +298,12 @@ impl<W: Write> Session<W> {
         if since_us == Some(maneuver.end_us) {
             self.load_since_s = since_s;
             let message = "the heights so far belong to another load and were discarded";
-            self.write_event(Event::LoadChanged { message })?;
+            self.write_event(&Event::LoadChanged { message })?;
         }
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
         let line = ManeuverLine::new(maneuver, self.known.clone(), self.offset_s);
-        self.write_event(Event::Maneuver(Box::new(line)))?;
+        self.write_event(&Event::Maneuver(Box::new(line)))?;
         if let Some(page) = &self.outputs.page {
             let times_s = [self.time_s(self.now_us), self.offset_s];
             page.turn(self.estimator.design(), maneuver, &self.known, times_s);
@@ -329,7 +329,7 @@ impl<W: Write> Session<W> {
 
     fn tell(&mut self, told: Told) -> io::Result<()> {
         match told {
-            Told::Learned(trips, message) => self.write_event(Event::Learned { trips, message }),
+            Told::Learned(trips, message) => self.write_event(&Event::Learned { trips, message }),
             Told::Problem(message) => self.notice("learning", &message),
         }
     }
@@ -411,7 +411,7 @@ impl<W: Write> Session<W> {
         {
             self.next.status_us = now_us + cycle_us;
             let status = self.status();
-            self.write_event(Event::Status(Box::new(status)))?;
+            self.write_event(&Event::Status(Box::new(status)))?;
         }
         if self.outputs.transmits() && now_us >= self.next.transmit_us {
             self.next.transmit_us = now_us + super::transmit::CYCLE_US;
@@ -472,11 +472,11 @@ impl<W: Write> Session<W> {
         self.show();
         if self.status_us.is_some() {
             let status = self.status();
-            self.write_event(Event::Status(Box::new(status)))?;
+            self.write_event(&Event::Status(Box::new(status)))?;
         }
         let Counters { frames, frames_lost, .. } = self.counters;
         let latency_ms = self.outputs.latency.summary();
-        self.write_event(Event::Stop { reason, frames, frames_lost, latency_ms })
+        self.write_event(&Event::Stop { reason, frames, frames_lost, latency_ms })
     }
 
     /// Whether any maneuver has given a height.

@@ -158,14 +158,9 @@ impl PlantSample {
         for (unit, on_trailer) in [(&mut tractor, false), (&mut trailer, true)] {
             unit.specific_force_mps2 = forces_mps2[usize::from(on_trailer)];
             unit.roll_to_gravity_rad = rolls_rad[usize::from(on_trailer)];
-            let (mut sum_rad, mut count) = (0.0, 0.0);
-            for (i, axle) in parameters.axles.iter().enumerate() {
-                if axle.on_trailer == on_trailer && !steered[i] {
-                    sum_rad += state.axle(i, AxleCoordinate::Roll);
-                    count += 1.0;
-                }
-            }
-            unit.suspension_roll_rad = unit.roll_rad - sum_rad / f64::max(count, 1.0);
+            let ours = |&i: &usize| parameters.axles[i].on_trailer == on_trailer && !steered[i];
+            unit.suspension_roll_rad =
+                unit.roll_rad - mean_axle_roll_rad(state, (0..steered.len()).filter(ours));
         }
         let mut halves_roll_rad = [trailer.roll_rad; 2];
         if let Some(front) = &parameters.front {
@@ -213,4 +208,14 @@ impl PlantSample {
             axles: steered.len(),
         }
     }
+}
+
+/// The mean roll angle of some axles; zero if there are none.
+fn mean_axle_roll_rad(state: &State, axles: impl Iterator<Item = usize>) -> f64 {
+    let (mut sum_rad, mut count) = (0.0, 0.0);
+    for axle in axles {
+        sum_rad += state.axle(axle, AxleCoordinate::Roll);
+        count += 1.0;
+    }
+    sum_rad / f64::max(count, 1.0)
 }

@@ -190,14 +190,13 @@ impl<S: Connection> Client<S> {
 impl Seen {
     /// Adds what the client has not got.
     fn fill(&mut self, board: &Board, pending: &mut Vec<u8>) {
-        match self.lines.and_then(|seen| board.since(seen)) {
-            Some(lines) => lines.for_each(|line| pending.extend(line)),
-            None => {
-                let (history, _) = board.history();
-                pending.extend(history);
-                // The history does not contain the last maneuver's signals.
-                self.turn = 0;
-            }
+        if let Some(lines) = self.lines.and_then(|seen| board.since(seen)) {
+            lines.for_each(|line| pending.extend(line));
+        } else {
+            let (history, _) = board.history();
+            pending.extend(history);
+            // The history does not contain the last maneuver's signals.
+            self.turn = 0;
         }
         self.lines = Some(board.count());
         for newest in [board.turn.after(&mut self.turn), board.snapshot.after(&mut self.snapshot)] {
