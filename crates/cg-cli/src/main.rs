@@ -21,7 +21,7 @@
 //! | `web` | what the pages of `report` and `run` have in common |
 //! | `words`, `flags` | arguments that are words of a library; flags in the libraries' messages |
 //! | `units` | conversion from SI to the units of columns and axes |
-//! | `interrupt` | SIGINT and SIGTERM, without incomplete files |
+//! | `interrupt` | SIGINT and SIGTERM (`interrupt_console`: Ctrl-C on Windows), without incomplete files |
 //!
 //! Exit status: 0 every log has a height; 1 some log has no height; 2 wrong usage, an input that
 //! cannot be read, or an output that may not be written. After a signal it is that of the signal.
@@ -34,7 +34,7 @@ mod cli;
 mod design;
 mod estimate;
 mod flags;
-#[cfg(unix)]
+#[cfg_attr(windows, path = "interrupt_console.rs")]
 mod interrupt;
 mod model;
 mod numbers;
@@ -62,7 +62,8 @@ use cli::{Cli, Command};
 use outcome::{Outcome, print_error};
 
 fn main() -> ExitCode {
-    match answer(&Cli::parse()) {
+    // The shells of Windows leave wildcards such as `*.csv` to the program.
+    match answer(&Cli::parse_from(wild::args_os())) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::NoAnswer) => ExitCode::from(1),
         Ok(Outcome::Unreadable) => ExitCode::from(2),
@@ -76,7 +77,6 @@ fn main() -> ExitCode {
 
 fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
     // `cg run` handles signals itself, so that it can save its state.
-    #[cfg(unix)]
     if !matches!(cli.command, Command::Run(_)) {
         interrupt::handle_signals(None)?;
     }

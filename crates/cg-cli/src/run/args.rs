@@ -15,8 +15,8 @@ use super::serve::address::Address;
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("source").required(true)))]
 pub(crate) struct RunArgs {
-    /// Read from this CAN interface (J1939, and the signals of --dbc)
-    #[arg(long, group = "source", value_name = "IFACE")]
+    /// Read from this CAN interface (J1939, and the signals of --dbc); on Linux only
+    #[arg(long, group = "source", value_name = "IFACE", value_parser = interface)]
     pub(crate) can: Option<String>,
     /// Replay a candump log with time stamps (`candump -L`, -l, -ta, -td or -tz); `-` reads
     /// standard input
@@ -93,6 +93,17 @@ pub(crate) enum Learn {
     On,
     /// It does not, and what was learned before is not used
     Off,
+}
+
+/// The name of an interface, on systems that have SocketCAN.
+fn interface(name: &str) -> Result<String, String> {
+    if cfg!(target_os = "linux") {
+        Ok(name.to_owned())
+    } else {
+        Err("this system has no SocketCAN, only Linux has; record the frames and replay them with \
+             --candump or --csv"
+            .to_owned())
+    }
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -9,7 +9,8 @@ use sd_notify::NotifyState;
 use super::frames::Frames;
 use super::session::Session;
 use super::signals::Stop;
-use super::socket::{Bus, Received, wall_us};
+use super::socket::{Bus, Received};
+use super::wall;
 
 /// Longest wait for a frame. Requests to stop and the watchdog are handled in between.
 const WAIT: Duration = Duration::from_millis(50);
@@ -105,7 +106,7 @@ impl Live<'_> {
 
     fn down<W: Write>(&mut self, session: &mut Session<W>, error: &io::Error) -> io::Result<()> {
         if self.link == Link::Up {
-            self.link = Link::Down { since_us: wall_us() };
+            self.link = Link::Down { since_us: wall::now_us() };
             let message = format!("{}: {error}; waiting for it", self.interface);
             session.notice("interface", &message)?;
         }
@@ -129,7 +130,7 @@ impl Live<'_> {
 
     fn idle<W: Write>(&mut self, frames: &mut Frames, session: &mut Session<W>) -> io::Result<()> {
         self.feed_watchdog();
-        frames.idle(wall_us(), self.monotonic_us(), session)
+        frames.idle(wall::now_us(), self.monotonic_us(), session)
     }
 
     fn feed_watchdog(&mut self) {
@@ -193,7 +194,7 @@ impl Live<'_> {
                     session.notice("interface", &format!("{}: up again", self.interface))?;
                 }
                 frames.take(frame, Some(self.monotonic_us()), session)?;
-                session.outputs.latency.push(wall_us().saturating_sub(frame.time_us));
+                session.outputs.latency.push(wall::now_us().saturating_sub(frame.time_us));
             }
             Received::Error(words) => {
                 session.counters.error_frames += 1;

@@ -3,7 +3,8 @@
 //! | file | what |
 //! |---|---|
 //! | `args` | the arguments |
-//! | `live`, `socket` | a CAN interface: frames with kernel time stamps, errors, loss of the interface |
+//! | `live`, `socket` | a CAN interface: frames with kernel time stamps, errors, loss of the interface (Linux) |
+//! | `no_live` | in place of both on other systems, which can only replay |
 //! | `replay` | candump and CSV logs |
 //! | `frames` | conversion of frames to samples |
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
@@ -15,6 +16,8 @@
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
 //! | `serve` | the live page |
 //! | `signals` | requests to stop |
+//! | `wall` | the wall clock |
+#![cfg_attr(not(target_os = "linux"), allow(dead_code))] // what only a live bus needs
 
 pub(crate) mod args;
 mod channels;
@@ -23,6 +26,7 @@ mod felt;
 mod frames;
 mod latency;
 mod learning;
+#[cfg_attr(not(target_os = "linux"), path = "no_live.rs")]
 mod live;
 mod metrics;
 mod outputs;
@@ -32,9 +36,11 @@ mod replay;
 mod serve;
 mod session;
 mod signals;
+#[cfg(target_os = "linux")]
 mod socket;
 mod state;
 mod transmit;
+mod wall;
 mod weighing;
 
 use std::io::{self, LineWriter, Stdout, Write};
@@ -101,7 +107,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     session.weighing.scales = Scales::of(&vehicle);
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
-        session.tick(socket::wall_us() as f64 * 1e-6, 0);
+        session.tick(wall::now_us() as f64 * 1e-6, 0);
     }
     let stop = Stop::listen()?;
     let restored = session.restore()?;
@@ -200,7 +206,7 @@ fn learned(
     let learned = learned.on(calibration);
     // A replay begins when the state was saved.
     #[allow(clippy::cast_precision_loss)] // microseconds since 1970
-    let now_s = if arguments.can.is_some() { socket::wall_us() as f64 * 1e-6 } else { saved_s };
+    let now_s = if arguments.can.is_some() { wall::now_us() as f64 * 1e-6 } else { saved_s };
     let mut vehicle = vehicle.clone();
     vehicle.road = arguments.road.of(&vehicle).map(|road| Road { bank_sd_rad: road.bank_sd_rad });
     Start::new((&vehicle, arguments.truck.model), design, (learned, now_s), on)

@@ -15,6 +15,8 @@ use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg, setsockopt};
 use nix::sys::time::TimeSpec;
 use socketcan::{CanFilter, CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, SocketOptions};
 
+use super::wall;
+
 /// Size of the receive buffer in bytes: some seconds of a full bus, while a disk is slow.
 const BUFFER: usize = 8 << 20;
 const EXTENDED_FLAG: u32 = 0x8000_0000;
@@ -134,7 +136,7 @@ impl Bus {
             (message.bytes, time_us)
         };
         if time_us == 0 {
-            time_us = wall_us();
+            time_us = wall::now_us();
         }
         Ok(Some(frame(&bytes, length, time_us)))
     }
@@ -191,13 +193,6 @@ fn microseconds(time: TimeSpec) -> u64 {
     let (seconds, nanos) = (time.tv_sec(), time.tv_nsec());
     let part = |value: i64, factor: u64| u64::try_from(value).unwrap_or(0).saturating_mul(factor);
     part(seconds, 1_000_000).saturating_add(part(nanos, 1) / 1000)
-}
-
-/// The wall clock, µs since 1970.
-pub(crate) fn wall_us() -> u64 {
-    std::time::SystemTime::now()
-        .duration_since(std::time::UNIX_EPOCH)
-        .map_or(0, |since| u64::try_from(since.as_micros()).unwrap_or(u64::MAX))
 }
 
 #[cfg(test)]

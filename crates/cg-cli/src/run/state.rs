@@ -59,7 +59,15 @@ impl StateFile {
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
         draft.map_or(Ok(()), Draft::publish)?;
-        // The new name is on the disk only after its folder is written.
+        self.store_name()
+    }
+
+    /// The new name is on the disk only after its folder is written. Windows does not open folders
+    /// as files, and its file system keeps a journal of names.
+    fn store_name(&self) -> io::Result<()> {
+        if cfg!(windows) {
+            return Ok(());
+        }
         let folder = self.target.path().parent().filter(|folder| !folder.as_os_str().is_empty());
         File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
     }

@@ -35,10 +35,10 @@ impl Files {
     /// The files of a call. With `force`, outputs may replace files that cg did not write, but
     /// never inputs of the same call.
     pub fn new(force: bool) -> Self {
-        let mut outputs = Vec::new();
-        // A file to which the shell redirects standard output is an output like any other.
-        #[cfg(unix)]
-        outputs.extend(Named::new("standard output", Path::new("/dev/stdout")));
+        // A file to which the shell redirects standard output is an output like any other. Windows
+        // has no name for it.
+        let stdout = cfg!(unix).then(|| Named::new("standard output", Path::new("/dev/stdout")));
+        let outputs = stdout.flatten().into_iter().collect();
         Self { force, inputs: Vec::new(), outputs }
     }
 
