@@ -233,11 +233,11 @@ impl Rows {
         if self.line == 1 {
             record = record.strip_prefix(BYTE_ORDER_MARK.as_bytes()).unwrap_or(record);
         }
+        if record.iter().any(|&byte| byte < b' ' && !b"\t\r".contains(&byte)) {
+            return Err(LogError::NotUtf8 { place: self.place() });
+        }
         if record.contains(&b'\r') {
             return Err(LogError::CarriageReturns { place: self.place() });
-        }
-        if record.iter().any(|&byte| byte < b' ' && byte != b'\t') {
-            return Err(LogError::NotUtf8 { place: self.place() });
         }
         let delimiter = sniff_delimiter(record);
         self.writing = Writing::new(delimiter);

@@ -117,7 +117,7 @@ pub(super) fn steady_values(
     let step = step(&known)?;
     let all = histories(base, &step);
     let note = "the thesis prints no numbers of the curves; ours are the values after 10 s of the rounded \
-                step of 0.19 g, in ISO 8855 signs; `cg reproduce --figures` draws them";
+                step of 0.19 g, in ISO 8855 signs; `cg reproduce` draws them as figures";
     let mut rows = trailer_roll(table, base, &all[4]);
     for history in &all {
         let item =
