@@ -87,7 +87,7 @@ venv:
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
 	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
 
-# The Python package: tests (also of the HTML report in Chromium, of Spark and of the notebook), comparison of the stubs
+# The Python package: tests (also of the HTML report and the live page in Chromium, of Spark and of the notebook), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
 python: venv cg
 	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
@@ -220,6 +220,7 @@ bench-short: venv cg
 	CG_BENCH_ROWS=50000 cargo test --workspace --benches --quiet
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
+	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
 
 # All benches with ten million rows and a thousand logs; writes benches/RESULTS.md. Run `make python` first.
 bench: firmware-tools

@@ -11,6 +11,7 @@ guest/run.sh target/dist/cg .venv | grep '^guest: ' > "$raw.guest"
 VIRTUAL_ENV=$PWD/.venv .venv/bin/maturin develop --quiet --profile dist -m crates/cg-py/Cargo.toml
 OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
 CG=$PWD/target/dist/cg .venv/bin/python benches/python/spark_trips.py >> "$raw.python"
+CG=$PWD/target/dist/cg .venv/bin/python benches/python/live_clients.py >> "$raw.python"
 {
   echo "# Bench results"
   echo

@@ -127,7 +127,9 @@ fn the_independent_trucks() {
             load: known.load,
             rows: known.rows(),
         };
-        let logs: Vec<Log> = common::known_in(folder).iter().map(of).collect();
+        // Euro's gentle drive is too slow for F(s): with and without it, the misfit of the mean is 4.4 %.
+        let known = common::known_in(folder).into_iter().filter(|one| !one.log.contains("gentle"));
+        let logs: Vec<Log> = known.map(|one| of(&one)).collect();
         let is_run = |log: &&Log| pair.iter().any(|name| log.name.starts_with(name));
         let (runs, others): (Vec<&Log>, Vec<&Log>) = logs.iter().partition(is_run);
         let orders = told(folder, &vehicle, &runs, &[("other logs", others)]);

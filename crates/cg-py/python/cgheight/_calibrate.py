@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict, Unpack
 
 from cgheight import _native
 from cgheight._arrays import number
@@ -27,6 +27,19 @@ Run = (
 _Known = tuple[str, bool, float | None, float | None]
 
 
+class Reading(TypedDict, total=False):
+    """How the logs of `calibrate` are read, as for `estimate_log`."""
+
+    columns: Mapping[str, str] | None
+    flip: Iterable[str]
+
+
+def _read_by(
+    columns: Mapping[str, str] | None = None, flip: Iterable[str] = ()
+) -> tuple[Mapping[str, str] | None, Iterable[str]]:
+    return columns, flip
+
+
 def calibrate(
     vehicle: _native.Vehicle,
     runs: Iterable[Run],
@@ -37,9 +50,8 @@ def calibrate(
     method: Literal["filtered", "arx", "gain"] = "filtered",
     procedure: Literal["maximum-a-posteriori", "compensation"] = "maximum-a-posteriori",
     part: Literal["vehicle", "tractor"] = "vehicle",
-    columns: Mapping[str, str] | None = None,
-    flip: Iterable[str] = (),
     force: bool = False,
+    **reading: Unpack[Reading],
 ) -> _native.Vehicle:
     """Calibrate a vehicle with logs whose height is known, or with its trips without a load.
 
@@ -72,12 +84,12 @@ def calibrate(
         alone, as in the thesis.
     part : {"vehicle", "tractor"}
         What the calibration is for. One of the tractor alone holds with any trailer.
-    columns, flip
-        As for `estimate_log`.
     force : bool
         Replace a file at `output` even if it is not a calibration, and calibrate even with runs
         that contradict the vehicle file; then every estimate has a message that says so. The runs
         and the vehicle file are never replaced.
+    **reading
+        How the logs are read: `columns` and `flip`, as for `estimate_log`.
 
     Returns
     -------
@@ -106,6 +118,7 @@ def calibrate(
     >>> truck.is_calibrated
     True
     """
+    columns, flip = _read_by(**reading)
     request: dict[str, object] = {
         "model": model,
         "method": method,

@@ -311,9 +311,9 @@ class LinearModel:
     static_balance : StaticBalance
         Static loads.
     responses : dict of str to TransferFunction
-        From the steer angle to lateral velocity (m/s), yaw angle and roll angle (rad) of the tractor,
-        yaw and roll angle of the trailer and the roll angle of each axle. A yaw angle has a pole at
-        zero: it grows in a steady turn.
+        From the steer angle to lateral velocity (m/s), yaw angle and roll angle (rad) of the
+        tractor, yaw and roll angle of the trailer and the roll angle of each axle. A yaw angle has
+        a pole at zero: it grows in a steady turn.
     compensated : tuple of CompensatedModel
         For a calibrated vehicle, the model that runs on board for each channel; otherwise empty.
     A, B, C, D : array, shapes (n, n), (n, 1), (1, n), (1, 1)

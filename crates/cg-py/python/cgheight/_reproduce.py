@@ -29,10 +29,10 @@ def reproduce(table: str | None = None, *, runs: int = 1000, seed: int = 1) -> p
     -------
     pandas.DataFrame
         ``table, item, thesis, ours, relative_error, criterion, criterion_reason, verdict,
-        same_digits, note``, one row for each number. ``verdict`` is ``"same"`` if ``ours`` is at most
-        ``criterion`` from ``thesis``, otherwise ``"differs"``, ``"not printed"`` or
-        ``"cannot be computed"``; ``note`` says why. Units (given in ``item``) and signs are those of
-        the thesis. NaN where the thesis or this package has no such number.
+        same_digits, note``, one row for each number. ``verdict`` is ``"same"`` if ``ours`` is at
+        most ``criterion`` from ``thesis``, otherwise ``"differs"``, ``"not printed"`` or
+        ``"cannot be computed"``; ``note`` says why. Units (given in ``item``) and signs are those
+        of the thesis. NaN where the thesis or this package has no such number.
 
     Raises
     ------

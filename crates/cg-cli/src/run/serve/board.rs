@@ -132,10 +132,10 @@ impl Board {
         });
     }
 
-    /// What a new client needs, as one event; the number of the last line in it.
-    pub(super) fn history(&self) -> (Vec<u8>, u64) {
+    /// What a new client needs, as one event.
+    pub(super) fn history(&self) -> Vec<u8> {
         let lines: Vec<&str> = self.kept.iter().map(|(_, line)| &**line).collect();
-        (frame("history", &format!("[{}]", lines.join(","))), self.count)
+        frame("history", &format!("[{}]", lines.join(",")))
     }
 
     /// The lines after the one with this number. `None` if some of them are no longer there.
@@ -171,8 +171,7 @@ mod tests {
     }
 
     fn numbers(board: &Board, kind: Kind) -> Vec<u64> {
-        let (frame, _) = board.history();
-        let text = String::from_utf8(frame).unwrap();
+        let text = String::from_utf8(board.history()).unwrap();
         let data =
             text.strip_prefix("event: history\ndata: ").unwrap().strip_suffix("\n\n").unwrap();
         let lines: Vec<Value> = serde_json::from_str(data).unwrap();
@@ -197,7 +196,7 @@ mod tests {
         assert!((64..=128).contains(&maneuvers.len()), "{}", maneuvers.len());
         assert_eq!((maneuvers[0], *maneuvers.last().unwrap()), (0, 99_999));
         assert!(maneuvers.is_sorted());
-        assert!(board.lines.len() <= WAITING && board.history().0.len() < 20_000);
+        assert!(board.lines.len() <= WAITING && board.history().len() < 20_000);
     }
 
     #[test]

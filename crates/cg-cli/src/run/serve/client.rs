@@ -193,8 +193,7 @@ impl Seen {
         if let Some(lines) = self.lines.and_then(|seen| board.since(seen)) {
             lines.for_each(|line| pending.extend(line));
         } else {
-            let (history, _) = board.history();
-            pending.extend(history);
+            pending.extend(board.history());
             // The history does not contain the last maneuver's signals.
             self.turn = 0;
         }

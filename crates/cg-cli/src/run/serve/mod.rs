@@ -5,6 +5,7 @@
 //! | `address` | where it listens |
 //! | `request` | what may be asked for |
 //! | `turn` | roll over lateral acceleration of the last maneuver |
+//! | `queue` | from the estimation to the server |
 //! | `board` | what the server knows, in limited room |
 //! | `client` | one client, slow or not |
 //! | `server` | the thread |
@@ -15,12 +16,12 @@
 pub(crate) mod address;
 mod board;
 mod client;
+mod queue;
 mod request;
 mod server;
 mod turn;
 
 use std::net::SocketAddr;
-use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -31,6 +32,7 @@ use super::events::{Result as Known, Status};
 use crate::web;
 use address::Address;
 use board::Message;
+use queue::{Inlet, queue};
 use server::Server;
 use turn::Recent;
 
@@ -40,9 +42,6 @@ pub(crate) use board::Kind;
 const SNAPSHOT_US: u64 = 100_000;
 /// Least time between two snapshots. A replay is faster than its stream time.
 const LEAST: Duration = Duration::from_millis(50);
-/// Number of messages that wait for the server: a replay as fast as possible writes some hundred events per turn of
-/// the server.
-const QUEUE: usize = 4096;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -54,7 +53,7 @@ pub(crate) struct Page {
     pub(crate) url: String,
     /// Whether other computers can open it.
     pub(crate) is_open: bool,
-    sender: Option<SyncSender<Message>>,
+    inlet: Option<Inlet>,
     thread: Option<JoinHandle<()>>,
     recent: Recent,
     next_us: u64,
@@ -67,14 +66,14 @@ impl Page {
         let listener = address.listen()?;
         let open = listener.set_nonblocking(true).and_then(|()| listener.local_addr());
         let local = open.context("--serve: the address cannot be used")?;
-        let (sender, receiver) = sync_channel(QUEUE);
+        let (inlet, outlet) = queue();
         let name = address.name().map(str::to_owned);
-        let server = Server { listener, receiver, page: page(), name };
+        let server = Server { listener, outlet, page: page(), name };
         let thread = Builder::new().name("page".to_owned()).spawn(|| server.run());
         Ok(Self {
             url: url(local),
             is_open: !local.ip().is_loopback(),
-            sender: Some(sender),
+            inlet: Some(inlet),
             thread: Some(thread.context("--serve: no thread for the server")?),
             recent: Recent::default(),
             next_us: 0,
@@ -84,8 +83,8 @@ impl Page {
 
     /// Puts a message into the queue, or drops it.
     fn tell(&self, message: Message) {
-        if let Some(sender) = &self.sender {
-            let _ = sender.try_send(message);
+        if let Some(inlet) = &self.inlet {
+            inlet.put(message);
         }
     }
 
@@ -131,7 +130,7 @@ impl Page {
 impl Drop for Page {
     /// Sends the last events to the clients. This takes a second at most.
     fn drop(&mut self) {
-        self.sender = None;
+        self.inlet = None;
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }

@@ -3,14 +3,15 @@
 //! No connection blocks, so one thread is enough, and its work per turn is limited by the number of clients.
 
 use std::net::{TcpListener, TcpStream};
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::TryRecvError;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use socket2::SockRef;
 
-use super::board::{Board, Message};
+use super::board::Board;
 use super::client::{Client, Offer};
+use super::queue::Outlet;
 
 /// Time between two turns with clients, and without.
 const TURN: Duration = Duration::from_millis(50);
@@ -27,7 +28,7 @@ const ENDING: Duration = Duration::from_millis(500);
 /// The server.
 pub(super) struct Server {
     pub(super) listener: TcpListener,
-    pub(super) receiver: Receiver<Message>,
+    pub(super) outlet: Outlet,
     pub(super) page: String,
     /// The name of this computer, if it was given.
     pub(super) name: Option<String>,
@@ -54,7 +55,7 @@ impl Server {
     /// Takes what was told. Returns the time if nothing more will follow.
     fn take(&self, board: &mut Board) -> Option<Instant> {
         loop {
-            match self.receiver.try_recv() {
+            match self.outlet.take() {
                 Ok(message) => board.take(message),
                 Err(TryRecvError::Empty) => return None,
                 Err(TryRecvError::Disconnected) => return Some(Instant::now()),
