@@ -12,6 +12,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table};
 
 use crate::args::ModelFormat;
 use crate::cli::ReproduceArgs;
+use crate::flags::with_flags;
 use crate::outcome::Outcome;
 use crate::study::write_all;
 
@@ -53,7 +54,10 @@ const WIDTH: u16 = 150;
 
 /// Prints every table and figure of the thesis with its verdict.
 fn list(format: ModelFormat, options: &Options) -> anyhow::Result<Outcome> {
-    let entries = catalog(options)?;
+    let mut entries = catalog(options)?;
+    for entry in &mut entries {
+        entry.command = with_flags(&entry.command);
+    }
     let mut out = std::io::stdout().lock();
     let written = match format {
         ModelFormat::Json => {

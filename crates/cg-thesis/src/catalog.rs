@@ -90,12 +90,12 @@ impl Computed<'_> {
         let (verdict, because, command) = match (&caption.reproduce, &caption.study) {
             (Some(name), _) => {
                 let (verdict, because) = self.of_table(name, &caption)?;
-                (verdict, because, format!("cg reproduce --table {name}"))
+                (verdict, because, format!("cg reproduce ⟨table {name}⟩"))
             }
             (None, Some(name)) => {
                 let (verdict, because) = self.of_study(name, &caption.number)?;
                 let file = "fixtures/vehicles/baseline-printed.toml";
-                (verdict, because, format!("cg study {name} --vehicle {file}"))
+                (verdict, because, format!("cg study {name} ⟨vehicle {file}⟩"))
             }
             (None, None) => {
                 (Verdict::NotComputed, caption.because.clone().unwrap_or_default(), String::new())
