@@ -15,8 +15,8 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
   dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
-# All parts use one build, that of the dev profile with the features of the whole workspace. The tests of one part run
-# while another part is built. The guest measures latencies and runs alone.
+# The program, the Python package and the tests are one build, that of the dev profile. The tests of one part run while
+# another part is built. The last two measure times, have the release build and run alone.
 test: tools fmt lint
 	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware
 	$(MAKE) guest bench-short
@@ -48,7 +48,7 @@ $(TOOLS):
 # features compiles and names the feature that is missing.
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
-	CARGO_PROFILE_DEV_OPT_LEVEL=0 cargo test --quiet --package cg-cli --no-default-features --target-dir target/without --test cli left_out | tee -a /dev/stderr | grep --quiet "ok. [1-9]" # not none
+	cargo test --quiet --package cg-cli --no-default-features --test cli left_out | tee -a /dev/stderr | grep --quiet "ok. [1-9]" # not none
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
 rust: firmware-tools
@@ -77,8 +77,9 @@ cg:
 	cargo build --workspace --bin cg
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
-guest: venv cg
-	guest/run.sh target/debug/cg $(VENV)
+guest: venv
+	cargo build --release --package cg-cli
+	guest/run.sh target/release/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
@@ -217,7 +218,7 @@ rollover-table:
 
 # Runs every bench once on little data, to show that it works. It gives no valid measurements.
 bench-short: venv cg
-	CG_BENCH_ROWS=50000 cargo test --workspace --benches --quiet
+	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
