@@ -72,9 +72,9 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The program as the tests have it.
+# The program as the tests have it, and the library that `cg fmu` packs.
 cg:
-	cargo build --workspace --bin cg
+	cargo build --workspace --bin cg --lib
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
 guest: venv
@@ -88,7 +88,7 @@ venv:
 	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
 	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
 
-# The Python package: tests (also of the HTML report and the live page in Chromium, of Spark and of the notebook), comparison of the stubs
+# The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
 python: venv cg
 	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
@@ -123,7 +123,9 @@ dist-program:
 	  cargo build --profile dist --package cg-cli --target $(STATIC)
 	! readelf --program-headers target/$(STATIC)/dist/cg | grep INTERP # fails if the program needs shared libraries
 	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
-	tar -czf dist/cg-$(VERSION)-$(STATIC).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C target/$(STATIC)/dist cg
+	cargo build --profile dist --package cg-fmi
+	tar -czf dist/cg-$(VERSION)-$(STATIC).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C $(CURDIR)/target/$(STATIC)/dist cg \
+	  -C $(CURDIR)/target/dist libcg_fmi.so
 
 # Wheel and source distribution, each tested in an empty environment. The files of a source distribution are old, so cargo
 # would take what an earlier build left: it gets a folder of its own.

@@ -16,6 +16,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::args::{ColumnArgs, Format, LoadArgs, ModelFormat};
 use crate::can::CanArgs;
+use crate::fmu::FmuArgs;
 use crate::numbers::{
     duration_s, gate_m, lateral_g, not_negative, number, payload_behind_hitch_m, payload_kg,
     radius_m, rate_hz, speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
@@ -57,6 +58,8 @@ pub(crate) enum Command {
     Model(ModelArgs),
     /// Simulate a drive and write a log with known c.g. height
     Simulate(SimulateArgs),
+    /// Write the plant or the estimator as an FMU (FMI 3.0) for simulation tools
+    Fmu(FmuArgs),
     /// Compute rollover measures: thresholds, load transfer, rearward amplification, damping
     Rollover(RolloverArgs),
     /// Recompute the thesis's tables and print them next to the printed values

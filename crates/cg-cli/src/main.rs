@@ -11,6 +11,7 @@
 //! | `design` | `cg design`: the constants of a vehicle for firmware |
 //! | `model` | `cg model`: properties of the vehicle model |
 //! | `simulate`, `sensors` | `cg simulate`: logs with known truth; errors of the sensors |
+//! | `fmu` | `cg fmu`: plant or estimator as a functional mock-up unit |
 //! | `rollover` | `cg rollover`: rollover measures of a loaded vehicle |
 //! | `run` | `cg run`: live estimates from CAN, or a replay of a recorded drive |
 //! | `reproduce` | `cg reproduce`: the thesis's tables, recomputed |
@@ -34,6 +35,7 @@ mod cli;
 mod design;
 mod estimate;
 mod flags;
+mod fmu;
 #[cfg_attr(windows, path = "interrupt_console.rs")]
 mod interrupt;
 mod model;
@@ -87,6 +89,7 @@ fn answer(cli: &Cli) -> anyhow::Result<Outcome> {
         Command::Design(arguments) => design::run(arguments, files),
         Command::Model(arguments) => model::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments, files),
+        Command::Fmu(arguments) => fmu::run(arguments, files),
         Command::Rollover(arguments) => rollover::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments, files),
         Command::Run(arguments) => run::run(arguments, files),

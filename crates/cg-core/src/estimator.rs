@@ -40,6 +40,14 @@ const ELSEWHERE: f64 = 1.5;
 /// `D` is the type that holds the design: the design itself, or a reference to it, so that it can
 /// stay in flash on a microcontroller.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, D: serde::Serialize, I::Options: serde::Serialize, [T; C]: serde::Serialize, [Lane<T, I>; C]: serde::Serialize, Window<T, C>: serde::Serialize, LoadWatch<T, C>: serde::Serialize, [[T; C]; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, D: serde::Deserialize<'de>, I::Options: serde::Deserialize<'de>, [T; C]: serde::Deserialize<'de>, [Lane<T, I>; C]: serde::Deserialize<'de>, Window<T, C>: serde::Deserialize<'de>, LoadWatch<T, C>: serde::Deserialize<'de>, [[T; C]; C]: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>, const C: usize = CHANNELS> {
     design: D,
     settings: Settings<T>,

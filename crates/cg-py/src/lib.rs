@@ -12,6 +12,7 @@
 //! | `calibrate` | `calibrate_files`: calibration from logs and from trips with the empty trailer |
 //! | `stream` | `Stream`: the estimator, row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
+//! | `plant` | `Plant`: the nonlinear plant, step by step |
 //! | `write` | `write_file`, `copy_file`, `may_write`: writing of log files |
 //! | `can` | `FrameTable`, `FrameStream`: rows and estimates from CAN frames |
 //! | `reproduce` | `reproduce_tables`: the tables of the thesis, recomputed |
@@ -39,6 +40,7 @@ mod calibrate;
 mod arx;
 mod linear;
 mod scenario;
+mod plant;
 mod simulate;
 mod write;
 mod can;
@@ -57,6 +59,8 @@ mod _native {
     use crate::linear::linear_model;
     #[pymodule_export]
     use crate::log::{estimate_file, read_file, read_frames, resolve_columns, signals};
+    #[pymodule_export]
+    use crate::plant::Plant;
     #[pymodule_export]
     use crate::prepare::prepare;
     #[pymodule_export]

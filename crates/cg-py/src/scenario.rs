@@ -116,7 +116,7 @@ impl Request {
             to_rollover: self.to_rollover,
             plant: word("plant", &self.plant)?,
             variant: word("model", &self.model)?,
-            load: self.load(vehicle)?,
+            load: load(vehicle, self.height_m, self.trailer_mass_kg, self.payload_kg)?,
             payload_behind_hitch_m: self
                 .payload_behind_hitch_m
                 .unwrap_or(usual.payload_behind_hitch_m),
@@ -136,18 +136,6 @@ impl Request {
         })
     }
 
-    fn load(&self, vehicle: &Vehicle) -> PyResult<Load> {
-        if self.trailer_mass_kg.is_some() && self.payload_kg.is_some() {
-            return Err(value_error("trailer_mass_kg and payload_kg are both given: give one"));
-        }
-        let reference = vehicle.reference_load();
-        let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
-        Ok(Load {
-            trailer_mass_kg: self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
-            cg_height_m: self.height_m.unwrap_or(reference.cg_height_m),
-        })
-    }
-
     fn course(&self, maneuver: Maneuver) -> PyResult<Option<Course>> {
         let turn = self.turn_rad.is_some() || self.radius_m.is_some();
         match (maneuver, turn, self.gate_m) {
@@ -162,6 +150,24 @@ impl Request {
             )),
         }
     }
+}
+
+/// The load that the keywords of these names say; absent values are those of the vehicle.
+pub(crate) fn load(
+    vehicle: &Vehicle,
+    height_m: Option<f64>,
+    trailer_mass_kg: Option<f64>,
+    payload_kg: Option<f64>,
+) -> PyResult<Load> {
+    if trailer_mass_kg.is_some() && payload_kg.is_some() {
+        return Err(value_error("trailer_mass_kg and payload_kg are both given: give one"));
+    }
+    let reference = vehicle.reference_load();
+    let payload = payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
+    Ok(Load {
+        trailer_mass_kg: trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
+        cg_height_m: height_m.unwrap_or(reference.cg_height_m),
+    })
 }
 
 impl ChassisRequest {

@@ -8,7 +8,8 @@ use cg_logs::learn::Learner;
 use cg_logs::log::{LogRow, Signal};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
+use serde::{Deserialize, Serialize};
 
 use crate::error::{value_error, vehicle_error};
 use crate::options::Options;
@@ -20,12 +21,26 @@ use crate::vehicle::Vehicle;
 #[pyclass(frozen, subclass, module = "cgheight._native")]
 pub(crate) struct Stream {
     state: Mutex<State>,
+    source: Source,
+}
+
+/// What it was made of.
+struct Source {
+    vehicle: Py<Vehicle>,
+    options: Py<PyDict>,
+    learned: Option<String>,
 }
 
 struct State {
-    estimator: LogEstimator,
+    now: Now,
     /// What goes on from what the truck had learned.
     learner: Learner,
+}
+
+/// What changes with every row, and is pickled.
+#[derive(Clone, Serialize, Deserialize)]
+struct Now {
+    estimator: LogEstimator,
     previous_s: f64,
 }
 
@@ -35,16 +50,16 @@ impl State {
             None => format!("{name} is NaN: every row needs a time stamp"),
             Some(value) => format!("{name} = {value} is not finite: use NaN if there is no value"),
         })?;
-        if row.time_s <= self.previous_s {
+        if row.time_s <= self.now.previous_s {
             return Err(format!(
                 "time_s = {} does not come after {}, the time of the previous row",
-                row.time_s, self.previous_s
+                row.time_s, self.now.previous_s
             ));
         }
         let time_s = row.time_s;
         let status =
-            self.estimator.push(row).map_err(|error| format!("time_s = {time_s}: {error}"))?;
-        self.previous_s = time_s;
+            self.now.estimator.push(row).map_err(|error| format!("time_s = {time_s}: {error}"))?;
+        self.now.previous_s = time_s;
         Ok(match status {
             Status::Absent => "absent",
             Status::Straight => "straight",
@@ -53,20 +68,36 @@ impl State {
     }
 }
 
+/// The arguments of `Stream`.
+type Parts<'py> = (Py<Vehicle>, Bound<'py, PyDict>, Option<String>, Bound<'py, PyBytes>);
+
 #[pymethods]
 impl Stream {
     #[new]
-    #[pyo3(signature = (vehicle, options, learned = None, /))]
+    #[pyo3(signature = (vehicle, options, learned = None, state = None, /))]
     fn new(
         py: Python<'_>,
         vehicle: &Bound<'_, Vehicle>,
-        options: Options,
+        options: &Bound<'_, PyDict>,
         learned: Option<&str>,
+        state: Option<&[u8]>,
     ) -> PyResult<Self> {
-        let options = options.checked()?;
+        let source = Source {
+            vehicle: vehicle.clone().unbind(),
+            options: options.copy()?.unbind(),
+            learned: learned.map(str::to_owned),
+        };
+        let options = options.extract::<Options>()?.checked()?;
         let variant = options.variant;
         let vehicle = vehicle.get();
         let known = vehicle.learned(learned)?;
+        if let Some(state) = state {
+            let now = postcard::from_bytes(state).map_err(|error| {
+                value_error(format!("the state of an estimator is damaged: {error}"))
+            })?;
+            let learner = Learner::new(&vehicle.inner, variant, known);
+            return Ok(Self { state: Mutex::new(State { now, learner }), source });
+        }
         let design = py.detach(|| vehicle.design(variant)).map_err(vehicle_error)?;
         let now_s = known.newest_s().unwrap_or(0.0);
         let own =
@@ -76,8 +107,21 @@ impl Stream {
         let settings = vehicle.inner.align_settings();
         let options = vehicle.options(options);
         let estimator = LogEstimator::from_design(design, settings, options);
-        let state = State { estimator, learner, previous_s: f64::NEG_INFINITY };
-        Ok(Self { state: Mutex::new(state) })
+        let now = Now { estimator, previous_s: f64::NEG_INFINITY };
+        Ok(Self { state: Mutex::new(State { now, learner }), source })
+    }
+
+    /// Return what makes the same estimator again: the arguments of `Stream`.
+    #[pyo3(name = "_parts")]
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
+        let now = {
+            let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+            state.now.clone()
+        };
+        let bytes = postcard::to_stdvec(&now).map_err(|error| value_error(error.to_string()))?;
+        let Source { vehicle, options, learned } = &self.source;
+        let options = options.bind(py).copy()?;
+        Ok((vehicle.clone_ref(py), options, learned.clone(), PyBytes::new(py, &bytes)))
     }
 
     /// Process one row. Absent signals are NaN.
@@ -141,7 +185,7 @@ impl Stream {
     fn learned(&self, py: Python<'_>) -> PyResult<String> {
         let (log, mut learner) = {
             let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-            (state.estimator.clone(), state.learner.clone())
+            (state.now.estimator.clone(), state.learner.clone())
         };
         let design = *log.design();
         py.detach(|| learner.log(log)).map_err(vehicle_error)?;
@@ -157,7 +201,7 @@ impl Stream {
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let so_far = {
             let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-            state.estimator.clone()
+            state.now.estimator.clone()
         };
         let answer = py.detach(|| so_far.finish());
         results::estimate(py, &answer)

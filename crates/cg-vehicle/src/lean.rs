@@ -10,7 +10,7 @@ use crate::linear::NO_STEADY_TURN;
 use crate::vehicle::Vehicle;
 
 /// The lean of a trailer whose springs or fifth wheel have play.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Lean {
     /// Roll angle per moment of the load about the middle, rad/(kg m).

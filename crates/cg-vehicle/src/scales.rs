@@ -53,7 +53,7 @@ impl Scale {
 }
 
 /// How exact the scales of a vehicle are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     sd: MassUncertainty,
     /// Trailer mass at which the trailer's axles and the drive axles would carry nothing, kg; a scale's

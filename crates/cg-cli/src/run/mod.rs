@@ -10,7 +10,6 @@
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
 //! | `session` | processing of samples to events |
 //! | `channels` | the heights of the channels |
-//! | `felt` | the lateral acceleration that the truck feels |
 //! | `learning` | learning of the truck from empty driving |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
@@ -22,7 +21,6 @@
 pub(crate) mod args;
 mod channels;
 mod events;
-mod felt;
 mod frames;
 mod latency;
 mod learning;

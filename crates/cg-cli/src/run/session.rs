@@ -7,14 +7,13 @@ use cg_core::{
     Warner,
 };
 use cg_logs::can::Instant;
-use cg_logs::estimate::Verdict;
+use cg_logs::estimate::{Verdict, felt_mps2};
 use cg_logs::log::Signal;
 
 use crate::flags;
 
 use super::channels::{self, Live, contradiction, mass_sd_m};
 use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
-use super::felt::felt_mps2;
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};

@@ -102,6 +102,14 @@ pub struct Row<T, const C: usize = CHANNELS> {
 
 /// Converts each [`Sample`] to a [`Row`].
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [T; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [T; C]: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Conditioner<T, const C: usize = CHANNELS> {
     previous_us: Option<u64>,
     speed_mps: T,

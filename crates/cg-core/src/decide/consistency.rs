@@ -24,6 +24,7 @@ const NOISE_RANGE: f64 = 10.0;
 /// The reason why the roll angle of a maneuver is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Inconsistency<T> {
     /// The reduced model does not explain the roll angle at the identified gain.
     Misfit {
@@ -47,6 +48,7 @@ pub enum Inconsistency<T> {
 /// Compares the roll angle during a maneuver with two expected roll angles: the response of the
 /// reduced model to the input, and the input after a first-order lag.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RollSensorCheck<T> {
     time_us: u64,
     roll_rad: T,

@@ -14,6 +14,7 @@ const VIEW_LAG_S: f64 = 0.8;
 
 /// The state of one channel: its identifier, the time of its last sample, and its fused heights.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Lane<T: Real, I> {
     pub(crate) identifier: I,
     pub(crate) last_us: Option<u64>,
@@ -35,6 +36,7 @@ pub(crate) struct Lane<T: Real, I> {
 /// The initial steady state of an identifier and of the lags: the means of expected and measured roll
 /// angle of some straight driving. With a single sample, its noise would look like the end of a turn.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Rest<T> {
     until_us: u64,
     rows: T,

@@ -43,6 +43,14 @@ pub(crate) enum Verdict<T, const C: usize> {
 
 /// The state of the detection of load changes.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [Said<T>; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [Said<T>; C]: serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) struct LoadWatch<T, const C: usize> {
     mass_kg: Option<T>,
     mass_change: T,

@@ -22,6 +22,7 @@ pub enum Status {
 /// The reason why a channel gives no height for a maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reject<T> {
     /// The input or the roll angle of the channel was absent.
     Absent,
@@ -94,6 +95,7 @@ impl<T: Real> fmt::Display for Reject<T> {
 /// The result of one maneuver in one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outcome<T> {
     /// Result of the identification. Its `ratio` is the DC ratio `R_i` in radians of roll per unit
     /// of input. `None` if nothing was identified.
@@ -120,6 +122,14 @@ impl<T: Real> Outcome<T> {
 /// The results of one closed maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [Outcome<T>; C]: serde::Serialize, [[T; C]; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [Outcome<T>; C]: serde::Deserialize<'de>, [[T; C]; C]: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Maneuver<T, const C: usize = CHANNELS> {
     /// First time stamp, µs.
     pub start_us: u64,

@@ -10,6 +10,7 @@ pub const PUBLIC_BANK_SD_RAD: f64 = 0.02;
 /// in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings<T> {
     /// Duration of straight driving that ends a maneuver.
     pub straight_us: u64,

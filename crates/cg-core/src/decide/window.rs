@@ -6,6 +6,14 @@ use crate::math::real::Real;
 
 /// The part of the drive whose rows are in the identifiers.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [Option<RollSensorCheck<T>>; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [Option<RollSensorCheck<T>>; C]: serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) struct Window<T, const C: usize> {
     pub(crate) start_us: u64,
     pub(crate) last_us: u64,

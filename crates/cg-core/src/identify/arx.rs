@@ -31,6 +31,14 @@ use crate::truck::simulation::Simulation;
 /// assert!((fit.ratio.value - 2.5).abs() < 1e-10); // 0.5 / (1 − 0.8)
 /// ```
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [T; N]: serde::Serialize, [[T; N]; N]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [T; N]: serde::Deserialize<'de>, [[T; N]; N]: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Arx<T, const N: usize> {
     na: usize,
     nb: usize,
@@ -183,6 +191,7 @@ const MOST_STEPS: u32 = 100;
 
 /// Settings of [`SampledArx`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ArxOptions<T> {
     /// Model order, with `na = nb = order` and `nk = 1`; at most [`SampledArx::GREATEST_ORDER`].
     pub order: usize,
@@ -196,6 +205,7 @@ pub struct ArxOptions<T> {
 /// It is meant for comparison with the thesis. Its DC ratio has a bias that does not decrease with
 /// more data and that grows with the sampling rate. Prefer [`FilteredArx`](crate::FilteredArx).
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampledArx<T: Real> {
     arx: Arx<T, 21>,
     model: Option<Simulation<T>>,

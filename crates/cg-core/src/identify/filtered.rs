@@ -49,6 +49,7 @@ const BEND_RAD: f64 = 0.05;
 /// measured roll angle is a nonlinear function of the expected one, for instance because the range
 /// of the sensor ends.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FilteredArx<T: Real> {
     model: Reduced5<T>, // in scaled time, at the pace `U0/U − 1`
     pace: T,

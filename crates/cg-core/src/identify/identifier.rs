@@ -22,6 +22,7 @@ use crate::truck::reduced::Reduced5;
 /// The reason why the data do not determine a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Unexcited {
     /// There are fewer rows than unknowns.
     TooFewRows {
@@ -54,6 +55,7 @@ impl fmt::Display for Unexcited {
 
 /// An identified model.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fit<T> {
     /// The DC ratio `R_i = A0/B0`, radians of roll per unit of input, and its standard deviation.
     pub ratio: Measured<T>,
@@ -91,6 +93,7 @@ pub enum Answer<T> {
 
 /// Weighted sums over the rows, for means and variances.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Moments<T> {
     pub(crate) weight: T,
     pub(crate) rows: u32,

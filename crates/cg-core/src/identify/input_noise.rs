@@ -12,6 +12,7 @@ const MEAN_S: f64 = 0.0996;
 /// `E[Δ²v Δ²v⁻] = −4 σ²/m` for means of `m` rows, whereas motion slower than 1.6 Hz makes them
 /// positive. Neither motion nor vibration is therefore mistaken for noise.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct InputNoise<T> {
     sum: T,
     rows: T,

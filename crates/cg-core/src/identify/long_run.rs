@@ -29,6 +29,14 @@ const BELIEVED_BLOCKS: f64 = 4.0;
 
 /// Sums of rows over blocks of time.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [T; N]: serde::Serialize, R: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [T; N]: serde::Deserialize<'de>, R: serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) struct LongRun<T, const N: usize, R = [[T; N]; N]> {
     regressors: [T; N],
     observation: T,

@@ -8,6 +8,14 @@ pub(crate) const BLOCK: usize = 5;
 
 /// Rows that wait until their block is full. The rest of the block is zero and has no effect.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [[T; BLOCK]; N]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [[T; BLOCK]; N]: serde::Deserialize<'de>"
+    ))
+)]
 pub(crate) struct Pending<T, const N: usize> {
     pub(crate) rows: usize,
     columns: [[T; BLOCK]; N],

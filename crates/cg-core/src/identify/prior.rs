@@ -10,6 +10,7 @@ pub(crate) const HELD: f64 = 1e3;
 
 /// Prior knowledge of [`FilteredArx`](crate::FilteredArx).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Prior<T> {
     /// Relative standard deviation of each coefficient of the dynamics about the reduced model. 0
     /// fixes the dynamics to the model and leaves only the gain free; infinity means no prior.

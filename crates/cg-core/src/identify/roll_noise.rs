@@ -9,6 +9,7 @@ use crate::truck::reduced::{ORDER, StepMatrices};
 
 /// The noise of the roll angle in the rows.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RollNoise<T> {
     /// The weight of the newest sample in the signal filtered by `sᵏ/B`, k = 0…4, summed over the rows;
     /// zero with lags.

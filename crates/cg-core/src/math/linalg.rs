@@ -46,7 +46,7 @@ impl<T: Real, const N: usize> Rows<T> for [[T; N]; N] {
 /// Stores the rows of the triangle one after the other in `P = N (N + 1)/2` numbers, which takes
 /// half the memory of a square array.
 #[derive(Clone, Copy, Debug)]
-pub struct Packed<T, const N: usize, const P: usize>([T; P]);
+pub struct Packed<T, const N: usize, const P: usize>(pub(crate) [T; P]);
 
 impl<T, const N: usize, const P: usize> Packed<T, N, P> {
     /// Index range of row `i`.
@@ -90,6 +90,14 @@ impl<T: Real, const N: usize, const P: usize> Rows<T> for Packed<T, N, P> {
 /// assert!((theta[0] - 3.0).abs() < 1e-12 && (theta[1] - 0.5).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [T; N]: serde::Serialize, R: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [T; N]: serde::Deserialize<'de>, R: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Triangle<T, const N: usize, R = [[T; N]; N]> {
     r: R,
     z: [T; N],

@@ -2,3 +2,5 @@
 
 pub mod real;
 pub mod linalg;
+#[cfg(feature = "serde")]
+mod packed_serde;

@@ -5,6 +5,7 @@ use crate::signal::sample::{Quantity, Sample};
 
 /// The vehicle data that convert sensor values to the values of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlignSettings<T> {
     /// Steering-wheel angle divided by the mean road-wheel angle. Without it, the steering-wheel
     /// angle is not used.

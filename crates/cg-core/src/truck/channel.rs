@@ -43,6 +43,7 @@ impl Input {
 
 /// A pair of an output and an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Channel {
     /// Steer angle to roll angle, as in the thesis. Its ratio depends on the tires and on the speed.
     Steer,

@@ -9,6 +9,7 @@ use crate::truck::friction::Friction;
 use crate::truck::ratio::{Measured, RatioLine};
 use crate::truck::reduced::Reduced5;
 use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
+pub use crate::truck::spread::Spread;
 
 /// Number of speeds on the speed axis of a design.
 pub const SPEEDS: usize = 8;
@@ -18,6 +19,7 @@ pub const MASSES: usize = 6;
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChannelDesign<T> {
     /// [`Channel::index`] of this channel: a number, because a structure in the memory of another
     /// language may hold any.
@@ -34,50 +36,19 @@ pub struct ChannelDesign<T> {
     pub compensation: T,
 }
 
-/// The uncertainty of the DC ratios of all channels at one speed and mass. It comes from the model
-/// and the calibration, so it does not average out over maneuvers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct Spread<T, const C: usize = CHANNELS> {
-    /// Covariance of the logarithms of the ratios, in the order of [`Design::channels`]. Springs and
-    /// roll centers affect several of them.
-    pub covariance: [[T; C]; C],
-}
-
-impl<T: Real, const C: usize> Spread<T, C> {
-    /// Adds another covariance with a weight.
-    fn add(&mut self, other: &Self, weight: T) {
-        let others = other.covariance.iter().flatten();
-        for (entry, other) in self.covariance.iter_mut().flatten().zip(others) {
-            *entry += *other * weight;
-        }
-    }
-
-    fn at(&self, i: usize, j: usize) -> T {
-        self.covariance.get(i).and_then(|row| row.get(j)).copied().unwrap_or(T::zero())
-    }
-
-    /// Relative standard deviation of the ratio at this place in [`Design::channels`].
-    pub fn sd(&self, place: usize) -> T {
-        self.at(place, place).root()
-    }
-
-    /// Correlation of the ratios at two places.
-    pub fn correlation(&self, i: usize, j: usize) -> T {
-        let scale = (self.at(i, i) * self.at(j, j)).root();
-        if scale > T::zero() {
-            (self.at(i, j) / scale).max(-T::one()).min(T::one())
-        } else {
-            T::zero()
-        }
-    }
-}
-
 /// The constants of one truck: numbers only, checked by [`Design::validate`].
 ///
 /// The memory layout is that of C, so firmware in any language can keep the structure in flash.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, [ChannelDesign<T>; C]: serde::Serialize, [[T; C]; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [ChannelDesign<T>; C]: serde::Deserialize<'de>, [[T; C]; C]: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Design<T, const C: usize = CHANNELS> {
     /// Speed axis of the ratio lines, strictly increasing.
     pub speed_mps: [T; SPEEDS],

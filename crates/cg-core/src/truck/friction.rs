@@ -20,6 +20,7 @@ const PLAY_SHARE: f64 = 0.05;
 /// The friction of the springs in a channel, at one mass; all zero without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Friction<T> {
     /// The part of the roll angle that the linear model takes as friction: its stiffness contains the
     /// mean effect of friction in a usual turn, which is subtracted first.
@@ -49,6 +50,7 @@ impl<T: Real> Friction<T> {
 
 /// The state of the friction.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrictionState<T> {
     /// The roll angle so far, without small motion.
     place_rad: T,

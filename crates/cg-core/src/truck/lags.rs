@@ -7,6 +7,7 @@ use crate::truck::channel::ROLL_LAG_S;
 ///
 /// The trapezoidal rule advances them: at 2 rad/s and 10 Hz it is wrong by 0.3 %.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RollLags<T> {
     /// The angle itself, and after one and two lags.
     angles_rad: [T; 3],

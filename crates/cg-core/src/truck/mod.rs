@@ -9,5 +9,6 @@ pub mod reduced;
 pub mod simulation;
 pub mod ratio;
 pub mod rollover;
+pub mod spread;
 pub mod design;
 mod mass;

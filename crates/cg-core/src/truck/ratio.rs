@@ -42,6 +42,7 @@ impl<T: Real> Measured<T> {
 /// common factor of the four numbers has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RatioLine<T> {
     /// Numerator at zero height.
     pub a0: T,
@@ -76,6 +77,7 @@ impl<T: Real> RatioLine<T> {
 /// The reason why a ratio gives no height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum HeightError<T> {
     /// The ratio is not a finite number, or no height gives this ratio.
     NoSolution {

@@ -37,6 +37,7 @@ pub const ORDER: usize = 5;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reduced5<T> {
     /// `A0 … A5`, ascending powers of s (in 1/s); radians of roll per unit of input.
     pub numerator: [T; ORDER + 1],
@@ -150,6 +151,7 @@ const DOUBLINGS: u32 = 12;
 /// One step of the filters `sᵏ/B(s)` over a fixed sampling interval, exact for signals that are
 /// linear between samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepMatrices<T: Real> {
     /// `exp(A h) − I`, stored without the identity to avoid rounding errors of short steps in
     /// `f32`.
@@ -289,6 +291,7 @@ fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7>
 
 /// The states of the filters `sᵏ/B(s)`, k = 0…5, for one signal.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StateVariableFilter<T: Real> {
     state: SVector<T, ORDER>,
     input: T,

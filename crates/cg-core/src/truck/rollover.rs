@@ -32,6 +32,7 @@ pub const TURN_MPS: [f64; 2] = [40.0 / 3.6, 90.0 / 3.6];
 /// Rollover thresholds over the height, for one trailer mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ThresholdLine<T> {
     /// Lateral acceleration beyond which the vehicle tips, in g: `[speed][height]`, with the speeds
     /// of [`TURN_MPS`].
@@ -93,6 +94,7 @@ fn at_height<T: Real>(threshold_g: &[T; HEIGHTS], share: T) -> T {
 /// The parameters of the static stability factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RolloverDesign<T> {
     /// Half the effective track: the lever arm of the outer wheels (the middle of dual wheels). It
     /// is the mean over the axles that support the trailer, weighted with their loads.

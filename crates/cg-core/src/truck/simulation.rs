@@ -5,6 +5,7 @@ use crate::truck::reduced::{Reduced5, StateVariableFilter, StepMatrices};
 
 /// Simulates the reduced model sample by sample, at the speed for which it was made.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Simulation<T: Real> {
     model: Reduced5<T>,
     step: StepMatrices<T>,

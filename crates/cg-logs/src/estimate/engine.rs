@@ -6,6 +6,7 @@ use cg_core::{
     Channel, Combined, Design, Estimator, FilteredArx, Height, Prior, Sample, SampleError,
     Settings, Step,
 };
+use serde::{Deserialize, Serialize};
 
 use super::options::{EstimateOptions, Method};
 use cg_vehicle::Variant;
@@ -14,7 +15,7 @@ use cg_vehicle::Variant;
 const ARX_INTERVAL_S: f64 = 0.05;
 
 /// The estimator with the chosen method of identification.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) enum Engine {
     Filtered(Box<Estimator<f64, FilteredArx<f64>>>),
     Arx(Box<Estimator<f64, SampledArx<f64>>>),

@@ -2,8 +2,10 @@
 
 use cg_core::Maneuver;
 use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Signals, Status};
+use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
+use super::felt::felt_mps2;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
@@ -40,7 +42,10 @@ pub struct Identified {
 
 /// Estimates the height from one log, row by row. Its memory grows only with the number of
 /// maneuvers, up to ten thousand.
-#[derive(Clone)]
+///
+/// It is serialized with its whole state, so that it goes on to the last bit where it was; a format
+/// without NaN, such as JSON, does not do. Another version may have another state.
+#[derive(Clone, Serialize, Deserialize)]
 pub struct LogEstimator {
     pub(super) design: Design<f64>,
     pub(super) options: EstimateOptions,
@@ -57,11 +62,13 @@ pub struct LogEstimator {
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
+    /// Only while a calibration reads a log.
+    #[serde(skip)]
     recorder: Option<Box<Recorder>>,
 }
 
 /// Which optional signals the log contains.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
 #[allow(clippy::struct_excessive_bools, reason = "one flag per signal")]
 pub(super) struct SignalsSeen {
     pub(super) speed: bool,
@@ -186,6 +193,15 @@ impl LogEstimator {
     pub fn signals(&mut self, row: &LogRow) -> Signals<f64> {
         let sample = self.sample(row).checked();
         Signals::of(&sample, sample.speed_mps, self.design.gravity_mps2)
+    }
+
+    /// The lateral acceleration that the truck feels in a row at a speed, m/s²; see
+    /// [`felt_mps2`](super::felt_mps2). The height is that so far.
+    pub fn felt_mps2(&mut self, row: &LogRow, speed_mps: f64) -> f64 {
+        let sample = self.sample(row).checked();
+        let height = self.engine.combined().and_then(|all| all.height());
+        let height_m = height.map_or(self.design.reference_height_m, |all| all.height_m.value);
+        felt_mps2(&self.design, &sample, speed_mps, [self.trailer_mass_kg, height_m])
     }
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {

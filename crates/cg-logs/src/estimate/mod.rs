@@ -9,6 +9,7 @@
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree, and whether the trailer leans |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
+//! | `felt` | the lateral acceleration that the truck feels |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
@@ -20,6 +21,7 @@ mod pair;
 mod signals;
 mod rolls;
 mod recorder;
+mod felt;
 mod intake;
 mod diagnosis;
 mod messages;
@@ -29,6 +31,7 @@ mod prediction;
 mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
+pub use felt::felt_mps2;
 pub use intake::{Identified, LogEstimator};
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;

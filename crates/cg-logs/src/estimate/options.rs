@@ -8,13 +8,13 @@ use cg_vehicle::calibration::Judgment;
 use cg_vehicle::lean::Lean;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::{Variant, Vehicle};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE_95: f64 = 1.959_964;
 
 /// Method by which the DC ratio is identified.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
     /// ARX on filtered signals with prior dynamics: the recommended method.
@@ -58,7 +58,7 @@ cg_core::words!(ChannelChoice {
 });
 
 /// The roads of a log, by the standard deviation of their bank in curves.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RoadChoice {
     /// Standard deviation of the bank, rad.
     pub bank_sd_rad: f64,
@@ -114,7 +114,7 @@ impl From<ChannelChoice> for Option<Channel> {
 }
 
 /// Options of an estimate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EstimateOptions {
     /// Equations of the vehicle model.
     pub variant: Variant,

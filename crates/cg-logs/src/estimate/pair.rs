@@ -1,7 +1,9 @@
 //! Two signals compared with each other.
 
+use serde::{Deserialize, Serialize};
+
 /// Running means and sums of products of two signals.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Pair {
     pub(super) mean: [f64; 2],
     /// Sums of the squares of the first signal and of the products, about the means.

@@ -2,6 +2,7 @@
 
 use cg_core::{Sample, Status};
 use cg_vehicle::lean::Lean;
+use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
 use crate::log::LogRow;
@@ -18,7 +19,7 @@ const POSSIBLE: [f64; 2] = [0.4, 2.5];
 const BESIDE_M: f64 = 0.12;
 
 /// Checks the roll angles of one log.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct RollCheck {
     both: Pair,
     both_rows: f64,

@@ -4,6 +4,7 @@
 //! wrong sign, unit or gain of one of them is visible without any model of the truck.
 
 use cg_core::Sample;
+use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
 
@@ -23,7 +24,7 @@ const NEAR: f64 = 0.1;
 const GAP_S: f64 = 0.5;
 
 /// Checks the samples of one log.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct SignalCheck {
     last_us: Option<u64>,
     /// Yaw rate times speed, lateral acceleration and roll, filtered.

@@ -234,9 +234,17 @@ impl Target {
     /// # Errors
     /// [`OutputError`].
     pub fn write(&self, text: &str) -> Result<Option<Draft>, OutputError> {
+        self.write_bytes(format!("{}\n", text.trim_end()).as_bytes())
+    }
+
+    /// The same with bytes as they are.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn write_bytes(&self, bytes: &[u8]) -> Result<Option<Draft>, OutputError> {
         let write = || -> io::Result<Option<Draft>> {
             let (draft, mut file) = self.open()?;
-            io::Write::write_all(&mut file, format!("{}\n", text.trim_end()).as_bytes())?;
+            io::Write::write_all(&mut file, bytes)?;
             Ok(draft)
         };
         write().map_err(|source| self.failed(source))

@@ -17,6 +17,9 @@ pub const LOG_COMMENT: &str = "cg-height log";
 /// The comment in the table and the figure of a study.
 pub const STUDY_COMMENT: &str = "cg study";
 
+/// The attribute in the model description of an FMU.
+pub const FMU_TOOL: &str = "generationTool=\"cg-height ";
+
 /// A kind of output file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -44,6 +47,8 @@ pub enum Kind {
     State,
     /// The metrics of `cg run`.
     Metrics,
+    /// A functional mock-up unit.
+    Fmu,
 }
 
 impl fmt::Display for Kind {
@@ -60,6 +65,7 @@ impl fmt::Display for Kind {
             Self::Figure => "figure of a study",
             Self::State => "state file",
             Self::Metrics => "metrics file",
+            Self::Fmu => "FMU",
         })
     }
 }
@@ -93,6 +99,8 @@ impl Kind {
             Self::Figure => starts("<svg ") && holds(head, &format!("<!-- {STUDY_COMMENT} ")),
             Self::State => looks_like_a_state(head),
             Self::Metrics => starts("# HELP cg_"),
+            // The model description comes first and is not compressed.
+            Self::Fmu => starts("PK\x03\x04") && holds(head, FMU_TOOL),
         }
     }
 }

@@ -17,7 +17,7 @@ pub struct Ground {
 
 impl Ground {
     /// The road at a share of the way to another one.
-    pub(super) fn towards(&self, other: &Self, share: f64) -> Self {
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
         let line = |a: f64, b: f64| a + share * (b - a);
         let mut twist_rad = self.twist_rad;
         for (twist, other) in twist_rad.iter_mut().zip(other.twist_rad) {

@@ -2,6 +2,8 @@
 //! four. Runge-Kutta starts the other method, and replaces it where something moves too fast for it
 //! (a joint that is a hard spring).
 
+use std::borrow::Cow;
+
 use super::dynamics::{Control, Probe};
 use super::ground::Ground;
 use super::method::Method;
@@ -28,7 +30,7 @@ pub enum Progress {
 /// A simulation run that starts from straight driving. After a rollover it does not move any more.
 #[derive(Clone, Debug)]
 pub struct Simulation<'a> {
-    plant: &'a YawRollPlant,
+    plant: Cow<'a, YawRollPlant>,
     /// The present state.
     pub state: State,
     control: Control,
@@ -61,31 +63,48 @@ impl YawRollPlant {
     /// # Errors
     /// If the vehicle cannot drive straight there.
     pub fn start(&self, speed_mps: f64) -> Result<Simulation<'_>, VehicleError> {
-        if !(speed_mps.is_finite() && speed_mps > 0.0) {
-            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
-        }
-        let rest = self.settled(speed_mps)?;
-        let control = Control {
-            steer_rad: rest.steer_rad,
-            speed_mps,
-            acceleration_mps2: 0.0,
-            ground: self.ground,
-        };
-        Ok(Simulation::new(self, &rest.state, control))
+        Simulation::new(Cow::Borrowed(self), speed_mps)
+    }
+
+    /// The same run, which owns its plant.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn into_run(self, speed_mps: f64) -> Result<Simulation<'static>, VehicleError> {
+        Simulation::new(Cow::Owned(self), speed_mps)
+    }
+
+    /// The number of steps of equal length that an interval has: at least one, and none is longer than
+    /// [`step_s`](Self::step_s).
+    pub fn steps(&self, interval_s: f64) -> u32 {
+        // Rounding of a log's times must not add a step.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let steps = (interval_s / self.step_s() - 1e-9).ceil().max(1.0) as u32;
+        steps
     }
 }
 
 impl<'a> Simulation<'a> {
-    fn new(plant: &'a YawRollPlant, state: &State, control: Control) -> Self {
-        Self {
+    fn new(plant: Cow<'a, YawRollPlant>, speed_mps: f64) -> Result<Self, VehicleError> {
+        if !(speed_mps.is_finite() && speed_mps > 0.0) {
+            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
+        }
+        let rest = plant.settled(speed_mps)?;
+        let control = Control {
+            steer_rad: rest.steer_rad,
+            speed_mps,
+            acceleration_mps2: 0.0,
+            ground: plant.ground,
+        };
+        Ok(Self {
             plant,
-            state: *state,
+            state: rest.state,
             control,
             time_s: 0.0,
             progress: Progress::Running,
             probe: Box::default(),
             past: Past::new(),
-        }
+        })
     }
 
     /// Advances by an interval, to a steer angle and speed at its end; both are interpolated linearly.
@@ -106,9 +125,7 @@ impl<'a> Simulation<'a> {
         let acceleration_mps2 = (speed_mps - self.control.speed_mps) / interval_s;
         let from = Control { acceleration_mps2, ..self.control };
         let to = Control { steer_rad, speed_mps, acceleration_mps2, ground: *ground };
-        // At least one step, and no step longer than the plant's; rounding must not add a step.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let steps = (interval_s / self.plant.step_s() - 1e-9).ceil().max(1.0) as u32;
+        let steps = self.plant.steps(interval_s);
         let h = interval_s / f64::from(steps);
         // Differences due to rounding of a log's times are ignored.
         if (h - self.past.step_s).abs() > 1e-6 * h {
@@ -121,7 +138,7 @@ impl<'a> Simulation<'a> {
             }
             let at = |share: f64| between(&from, &to, (f64::from(k) + share) / f64::from(steps));
             let controls = [at(0.0), at(0.5), at(1.0)];
-            let plant = self.plant;
+            let plant = &*self.plant;
             self.state = match plant.method {
                 Method::Adams => {
                     plant.adams(&self.state, &controls, &mut self.past, &mut self.probe)
@@ -143,6 +160,16 @@ impl<'a> Simulation<'a> {
         if !upright {
             self.progress = Progress::RolledOver { time_s: self.time_s };
         }
+    }
+
+    /// Steer angle, speed and road at present.
+    pub fn control(&self) -> &Control {
+        &self.control
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &YawRollPlant {
+        &self.plant
     }
 
     /// Step of the integration.

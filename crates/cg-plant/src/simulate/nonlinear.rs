@@ -1,11 +1,11 @@
 //! Runs the nonlinear plant through a scenario, steered by a steer history, by the driver on a path,
 //! or by the driver on a road.
 
-use super::on_road::{Action, RoadDriver};
+use super::on_road::RoadDriver;
+use super::plant_run::{PlantInput, PlantRun};
 use super::scenario::{Scenario, Track};
-use super::signals::Signals;
 use crate::maneuver::{Course, Histories};
-use crate::plant::{Driver, DriverSettings, Ground, Path, PlantOptions, Simulation, YawRollPlant};
+use crate::plant::{Driver, DriverSettings, Ground, Path, PlantOptions, Simulation};
 use crate::road::Road;
 use crate::rollover::maneuver::{GATE_START_M, LANE_WIDTH_M};
 use cg_logs::log::LogRow;
@@ -39,18 +39,17 @@ enum Steering<'a> {
 
 impl Steering<'_> {
     /// What happens until a time, one step ahead.
-    fn next(&mut self, run: &Simulation<'_>, until_s: f64, step_s: f64) -> Action {
+    fn next(&mut self, run: &Simulation<'_>, until_s: f64, step_s: f64) -> PlantInput {
+        let ground = Ground::default();
         match self {
-            Self::History(histories) => Action {
+            Self::History(histories) => PlantInput {
                 steer_rad: histories.steer_rad(until_s),
                 speed_mps: histories.speed_mps(until_s),
-                ground: Ground::default(),
+                ground,
             },
-            Self::Path(driver, speed_mps) => Action {
-                steer_rad: driver.steer_rad(run),
-                speed_mps: *speed_mps,
-                ground: Ground::default(),
-            },
+            Self::Path(driver, speed_mps) => {
+                PlantInput { steer_rad: driver.steer_rad(run), speed_mps: *speed_mps, ground }
+            }
             Self::Road(driver) => driver.next(run, step_s),
         }
     }
@@ -65,16 +64,16 @@ pub(super) fn record(
 ) -> Result<Recorded, VehicleError> {
     let options =
         PlantOptions { payload_left_m: scenario.payload_left_m, ..PlantOptions::default() };
-    let plant = YawRollPlant::new(vehicle, scenario.load, &options)?;
-    let run = plant.start(histories.speed_mps(0.0))?;
+    let run = PlantRun::of(vehicle, scenario.load, &options, histories.speed_mps(0.0))?;
+    let plant = run.simulation().plant();
     let driver = |course| {
-        Driver::new(&plant, path(course, scenario), scenario.speed_mps, DriverSettings::default())
+        Driver::new(plant, path(course, scenario), scenario.speed_mps, DriverSettings::default())
     };
     let mut steering = match scenario.course {
         Some(course) => Steering::Path(Box::new(driver(course)?), scenario.speed_mps),
         None => Steering::History(histories),
     };
-    run_through(vehicle, scenario, run, &mut steering, samples)
+    run_through(scenario, run.without_chassis(), &mut steering, samples)
 }
 
 /// A drive along a road that has a speed limit.
@@ -88,49 +87,35 @@ pub(super) fn record_on_road(
     let (speed_mps, Ground { bank_rad, grade_rad, .. }) = driver.start();
     let payload_left_m = scenario.payload_left_m;
     let options = PlantOptions { bank_rad, grade_rad, payload_left_m, ..PlantOptions::default() };
-    let plant = YawRollPlant::new(vehicle, scenario.load, &options)?;
-    let run = plant.start(speed_mps)?;
-    run_through(vehicle, scenario, run, &mut Steering::Road(Box::new(driver)), samples)
+    let run = PlantRun::of(vehicle, scenario.load, &options, speed_mps)?;
+    run_through(scenario, run, &mut Steering::Road(Box::new(driver)), samples)
 }
 
 fn run_through(
-    vehicle: &Vehicle,
     scenario: &Scenario,
-    mut run: Simulation<'_>,
+    mut run: PlantRun,
     steering: &mut Steering<'_>,
     samples: u64,
 ) -> Result<Recorded, VehicleError> {
-    let mass_kg = scenario.load.trailer_mass_kg;
-    let on_road = matches!(steering, Steering::Road(_));
-    let signals = Signals::new(vehicle, mass_kg, on_road);
-    let track = on_road.then(Track::default);
+    let track = matches!(steering, Steering::Road(_)).then(Track::default);
     let mut recorded = Recorded { rows: Vec::new(), track, rolled_over_s: None };
     for k in 0..samples {
         #[allow(clippy::cast_precision_loss)]
         let time_s = k as f64 / scenario.rate_hz;
         if k > 0 {
             // The steer history is evaluated at each step of the plant, not interpolated between samples.
-            let interval_s = time_s - run.time_s();
-            let steps = (interval_s / run.step_s()).ceil().max(1.0);
-            let start_s = run.time_s();
-            let mut done = 0.0;
-            while done < steps {
-                done += 1.0;
-                let now_s = start_s + interval_s * done / steps;
-                let Action { steer_rad, speed_mps, ground } =
-                    steering.next(&run, now_s, interval_s / steps);
-                run.push_on(steer_rad, speed_mps, &ground, interval_s / steps);
-            }
-            if let Err(rolled) = run.upright() {
+            let interval_s = time_s - run.simulation().time_s();
+            run.drive(interval_s, |run, until_s, step_s| steering.next(run, until_s, step_s))?;
+            if let Err(rolled) = run.simulation().upright() {
                 if scenario.to_rollover {
-                    recorded.rolled_over_s = Some(run.time_s());
+                    recorded.rolled_over_s = Some(run.simulation().time_s());
                     break;
                 }
                 return Err(rolled);
             }
         }
         let sample = run.sample();
-        recorded.rows.push(signals.row(time_s, &sample));
+        recorded.rows.push(run.row(time_s, &sample));
         if let (Steering::Road(driver), Some(track)) = (&*steering, &mut recorded.track) {
             track.push(time_s, driver.distance_m(), sample.bank_rad);
         }

@@ -9,6 +9,7 @@
 //! model in a steady turn; `B` is the steer angle per bank with which the plant drives straight. An
 //! error of the course decays with the time constant `T`. The lateral position is not controlled.
 
+use super::plant_run::PlantInput;
 use crate::plant::{Coordinate, Ground, MAX_AXLES, PlantOptions, Simulation, YawRollPlant};
 use crate::road::{Pace, Road};
 use cg_vehicle::equations::Equations;
@@ -26,14 +27,6 @@ const COURSE_S: f64 = 2.0;
 const SPEEDS_MPS: [f64; 2] = [8.0, 20.0];
 /// Bank on which the steer angle per bank is computed.
 const BANK_RAD: f64 = 0.02;
-
-/// What a driver does until the end of a step.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Action {
-    pub(super) steer_rad: f64,
-    pub(super) speed_mps: f64,
-    pub(super) ground: Ground,
-}
 
 /// A driver on a road.
 #[derive(Clone, Debug)]
@@ -116,7 +109,7 @@ impl RoadDriver {
     }
 
     /// Drives on for one step.
-    pub(super) fn next(&mut self, run: &Simulation<'_>, step_s: f64) -> Action {
+    pub(super) fn next(&mut self, run: &Simulation<'_>, step_s: f64) -> PlantInput {
         let course_rad = self.course_rad(run);
         let before_mps = self.pace.speed_mps(self.front_m);
         let after_mps = self.pace.speed_mps(self.front_m + step_s * before_mps);
@@ -130,7 +123,7 @@ impl RoadDriver {
         let ground = self.ground();
         let wanted_per_m = curvature_per_m + error_rad / (speed_mps * COURSE_S);
         let steer_rad = per_curvature * wanted_per_m + self.by_bank * ground.bank_rad;
-        Action { steer_rad, speed_mps, ground }
+        PlantInput { steer_rad, speed_mps, ground }
     }
 
     /// Direction in which the drive axles move.

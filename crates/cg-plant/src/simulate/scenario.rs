@@ -37,6 +37,25 @@ cg_core::words!(Plant {
     Nonlinear => "nonlinear", "The nonlinear yaw/roll plant, springs and tyres as the vehicle file has them";
 });
 
+/// Whether the payload is not where the vehicle file says.
+fn is_moved(vehicle: &Vehicle, behind_hitch_m: f64) -> bool {
+    (behind_hitch_m - vehicle.trailer.payload.behind_hitch_m).abs() > 0.0
+}
+
+/// The vehicle with the payload of this load at a distance behind the fifth wheel.
+pub(super) fn with_payload_at(
+    vehicle: &Vehicle,
+    load: Load,
+    behind_hitch_m: f64,
+) -> Result<Cow<'_, Vehicle>, VehicleError> {
+    let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
+    limits::positive("⟨payload_behind_hitch_m⟩", behind_hitch_m, greatest_m)?;
+    if is_moved(vehicle, behind_hitch_m) {
+        return vehicle.with_payload_at(load, behind_hitch_m).map(Cow::Owned);
+    }
+    Ok(Cow::Borrowed(vehicle))
+}
+
 /// What to simulate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scenario {
@@ -128,23 +147,13 @@ impl Scenario {
         &self,
         vehicle: &'a Vehicle,
     ) -> Result<Cow<'a, Vehicle>, VehicleError> {
-        if !self.moves_payload(vehicle) {
-            return Ok(Cow::Borrowed(vehicle));
-        }
-        vehicle.with_payload_at(self.load, self.payload_behind_hitch_m).map(Cow::Owned)
-    }
-
-    /// Whether the payload is not where the vehicle file says.
-    fn moves_payload(&self, vehicle: &Vehicle) -> bool {
-        (self.payload_behind_hitch_m - vehicle.trailer.payload.behind_hitch_m).abs() > 0.0
+        with_payload_at(vehicle, self.load, self.payload_behind_hitch_m)
     }
 
     fn check_place(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
-        let greatest_m = limits::GREATEST_PAYLOAD_BEHIND_HITCH_M;
-        limits::positive("⟨payload_behind_hitch_m⟩", self.payload_behind_hitch_m, greatest_m)?;
         let is_printed = self.variant == Variant::AsPrinted && self.plant != Plant::Nonlinear;
-        if is_printed && self.moves_payload(vehicle) {
+        if is_printed && is_moved(vehicle, self.payload_behind_hitch_m) {
             return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
         }
         if self.plant != Plant::Nonlinear && !(self.payload_left_m.abs() <= 0.0) {

@@ -57,6 +57,11 @@ impl Signals {
         }
     }
 
+    /// The same without the signals of suspension roll and specific force.
+    pub(super) fn without_chassis(self) -> Self {
+        Self { has_chassis: false, ..self }
+    }
+
     /// Whether the log has two roll sensors.
     pub(super) fn has_two_rolls(&self) -> bool {
         self.roll_halves.is_some()

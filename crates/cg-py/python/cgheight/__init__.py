@@ -38,7 +38,7 @@ from cgheight._model_results import (
     StaticBalance,
 )
 from cgheight._models import OrderSelection, arx, select_order
-from cgheight._native import Vehicle, __version__, linear_model
+from cgheight._native import Plant, Vehicle, __version__, linear_model
 from cgheight._predict import predict_roll
 from cgheight._reproduce import reproduce
 from cgheight._results import ChannelEstimate, Estimate, Maneuver
@@ -59,6 +59,7 @@ __all__ = [
     "LinearModel",
     "Maneuver",
     "OrderSelection",
+    "Plant",
     "RatioLine",
     "ReducedModel",
     "RoadTruth",

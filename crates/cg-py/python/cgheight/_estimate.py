@@ -245,10 +245,22 @@ def stream_options(options: EstimatorOptions) -> dict[str, Any]:
     )
 
 
+def _restored(kind: type[Estimator], version: str, parts: tuple[Any, ...]) -> Estimator:
+    """Return an estimator in the state in which it was copied or pickled."""
+    if version != _native.__version__:
+        raise ValueError(
+            f"this Estimator was pickled by cgheight {version}, and this is {_native.__version__}, "
+            "whose state is another one: push its rows to a new Estimator"
+        )
+    return _native.Stream.__new__(kind, *parts)
+
+
 class Estimator(_native.Stream):
     """Estimator that processes one row at a time and gives its estimate at any time.
 
-    It can be used from several threads, but the rows must come in the order of time.
+    It can be used from several threads, but the rows must come in the order of time. A copy
+    (`copy.copy`, `copy.deepcopy`) or a pickle goes on to the last bit as the original would; a
+    pickle can be read by the version that wrote it.
 
     Parameters
     ----------
@@ -288,3 +300,7 @@ class Estimator(_native.Stream):
         """Start a log."""
         options = shared_options(method, channel, model, speed_mps, trailer_mass_kg)
         return super().__new__(cls, calibrated(vehicle, calibration), options, learned)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what restores it: its vehicle, options and state."""
+        return _restored, (type(self), _native.__version__, self._parts()), self.__dict__ or None

@@ -1,11 +1,11 @@
 """The compiled module of cgheight."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, Literal, Self, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
 from cgheight._model_results import ArxModel, LinearModel
@@ -15,6 +15,7 @@ from cgheight._scenario import Scenario
 __all__ = [
     "FrameStream",
     "FrameTable",
+    "Plant",
     "Stream",
     "Vehicle",
     "__version__",
@@ -93,9 +94,16 @@ class Stream:
     """Estimator that processes one row at a time; `cgheight.Estimator` sets its options."""
 
     def __new__(
-        cls, vehicle: Vehicle, options: dict[str, Any], learned: str | None = None, /
+        cls,
+        vehicle: Vehicle,
+        options: dict[str, Any],
+        learned: str | None = None,
+        state: bytes | None = None,
+        /,
     ) -> Self:
-        """Start a log."""
+        """Start a log, or go on from a state."""
+    def _parts(self) -> tuple[Vehicle, dict[str, Any], str | None, bytes]:
+        """Return what makes the same estimator again: the arguments of `Stream`."""
     def learned(self) -> str:
         """Return what the truck has learned, as if the log ended here; more rows may follow."""
     def push(
@@ -156,6 +164,60 @@ class FrameTable:
     @property
     def frames(self) -> tuple[int, int]:
         """Number of frames received, and of frames with a value that is used."""
+
+@final
+class Plant:
+    """The nonlinear plant of a loaded vehicle that drives, step by step."""
+
+    def __new__(
+        cls,
+        vehicle: Vehicle,
+        *,
+        height_m: float | None = None,
+        trailer_mass_kg: float | None = None,
+        payload_kg: float | None = None,
+        payload_behind_hitch_m: float | None = None,
+        payload_left_m: float = 0.0,
+        speed_mps: float | None = None,
+        bank_rad: float = 0.0,
+        grade_rad: float = 0.0,
+        path_m: Sequence[Sequence[float]] | NDArray[np.float64] | None = None,
+    ) -> Self:
+        """Start straight ahead."""
+    def step(
+        self,
+        steer_rad: float | None,
+        interval_s: float,
+        *,
+        speed_mps: float | None = None,
+        bank_rad: float | None = None,
+        grade_rad: float | None = None,
+    ) -> dict[str, float]:
+        """Drive on for a time."""
+    def drive(
+        self,
+        steer_rad: ArrayLike,
+        interval_s: float,
+        *,
+        speed_mps: ArrayLike | None = None,
+        bank_rad: ArrayLike | None = None,
+        grade_rad: ArrayLike | None = None,
+    ) -> dict[str, NDArray[np.float64]]:
+        """Drive on through traces of your own: a `step` for each element."""
+    @property
+    def signals(self) -> dict[str, float]:
+        """What perfect sensors show now, with the time, by the names in `cgheight.SIGNALS`."""
+    @property
+    def states(self) -> dict[str, float]:
+        """The true states now: a dict of names with units to values. Axles count from one."""
+    @property
+    def time_s(self) -> float:
+        """Time since the start, s."""
+    @property
+    def rolled_over(self) -> bool:
+        """Whether a unit has rolled beyond 0.6 rad. The vehicle then does not move any more."""
+    def __copy__(self) -> Plant: ...
+    def __deepcopy__(self, _memo: Any, /) -> Plant: ...
 
 def estimate_arrays(
     vehicle: Vehicle,

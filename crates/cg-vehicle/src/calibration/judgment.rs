@@ -5,7 +5,7 @@ const DOUBTFUL: f64 = 2.326;
 const CONTRADICTORY: f64 = 3.719;
 
 /// Whether runs and vehicle file agree within the uncertainty of both.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum Judgment {
     /// They agree.

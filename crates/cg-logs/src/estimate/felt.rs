@@ -5,7 +5,7 @@ use cg_core::{Channel, Design, Sample};
 /// The lateral acceleration in the plane of the road: with the part of gravity that a bank adds, if an
 /// accelerometer shows it (`f = a_e + g φ`, `φ = R a_e`), m/s². The load is its mass, kg, and its
 /// height, m.
-pub(super) fn felt_mps2(
+pub fn felt_mps2(
     design: &Design<f64>,
     sample: &Sample<f64>,
     speed_mps: f64,
