@@ -11,7 +11,7 @@ CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint package rust docs firmware firmware-tools firmware-budgets cg guest venv python bench-short \
+.PHONY: test tools fmt lint package rust docs firmware firmware-tools firmware-budgets cg guest venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
@@ -100,6 +100,10 @@ python: venv cg
 	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
+
+# Executes the notebook and stores it with its output.
+notebook: venv
+	$(VENV)/bin/python crates/cg-py/tests/test_notebook.py
 
 # Builds and tests everything that is published, in dist (RELEASING.md). Needs a clean tree; the crates are compiled from
 # their packages.

@@ -1,8 +1,7 @@
 //! The result for one log.
 
 use cg_logs::estimate::LogEstimate;
-
-use crate::report::trace::Trace;
+use cg_logs::report::Trace;
 
 /// The result for one log with its known height and its signals.
 pub(crate) struct Answer {

@@ -9,6 +9,7 @@ use cg_core::SampleError;
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_logs::output::{Draft, Files, Kind, Target};
+use cg_logs::report::{self, Entry, Trace};
 use cg_vehicle::files;
 use cg_vehicle::scales::Scale;
 use cg_vehicle::{LinearModel, Variant};
@@ -20,8 +21,6 @@ use crate::answer::Answer;
 use crate::cli::EstimateArgs;
 use crate::flags;
 use crate::outcome::{Outcome, error_message, print_error};
-use crate::report::trace::Trace;
-use crate::report::{self, About};
 use crate::sink;
 
 /// Number of rows between two updates of the progress bar.
@@ -72,19 +71,28 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
 
     let Batch { answers, unreadable, outcome } = gathered(&logs, results, truth.as_ref());
     let page = match &target {
-        Some(target) => {
-            let about = About {
-                vehicle: &vehicle.name,
-                calibration: arguments.truck.calibration.as_deref(),
-                unreadable: &unreadable,
-            };
-            report::write(target, &about, &answers)?
-        }
+        Some(target) => target.write(&page(arguments, &vehicle.name, &answers, &unreadable)?)?,
         None => None,
     };
     sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
     page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
+}
+
+/// The report of all logs.
+fn page(
+    arguments: &EstimateArgs,
+    vehicle: &str,
+    answers: &[Answer],
+    unreadable: &[(String, String)],
+) -> serde_json::Result<String> {
+    let calibration = arguments.truck.calibration.as_ref().map(|path| path.display().to_string());
+    let read = answers
+        .iter()
+        .map(|one| Entry::new(&one.log, &one.estimate, one.known_m, one.trace.as_ref()));
+    let unread = unreadable.iter().map(|(log, reason)| Ok(Entry::unreadable(log, reason)));
+    let entries = read.chain(unread).collect::<serde_json::Result<Vec<_>>>()?;
+    report::page(vehicle, calibration.as_deref(), &entries)
 }
 
 /// The given logs, with the files that match a pattern (`'logs/*.csv'`, which shells on Windows and

@@ -7,7 +7,6 @@
 //! | `estimate` | `cg estimate`: heights from logs, in parallel |
 //! | `calibrate` | `cg calibrate`: a calibration from logs with known height |
 //! | `sink` | output of heights as table, JSON Lines or CSV |
-//! | `report` | output of heights as an HTML page (`--report`) |
 //! | `design` | `cg design`: the constants of a vehicle for firmware |
 //! | `model` | `cg model`: properties of the vehicle model |
 //! | `simulate`, `sensors` | `cg simulate`: logs with known truth; errors of the sensors |
@@ -19,7 +18,6 @@
 //! | `truck` | the arguments that select the truck |
 //! | `numbers` | arguments that are numbers, and their limits |
 //! | `study` | `cg study`: the studies of chapter 2 as CSV files and figures |
-//! | `web` | what the pages of `report` and `run` have in common |
 //! | `words`, `flags` | arguments that are words of a library; flags in the libraries' messages |
 //! | `units` | conversion from SI to the units of columns and axes |
 //! | `interrupt` | SIGINT and SIGTERM (`interrupt_console`: Ctrl-C on Windows), without incomplete files |
@@ -41,7 +39,6 @@ mod interrupt;
 mod model;
 mod numbers;
 mod outcome;
-mod report;
 mod reproduce;
 mod rollover;
 mod run;
@@ -52,7 +49,6 @@ mod study;
 mod truck;
 mod units;
 mod vehicle;
-mod web;
 mod words;
 
 use std::process::ExitCode;

@@ -8,6 +8,8 @@
 //! | [`can`] | candump logs, J1939 and DBC signals, samples with a continuous time |
 //! | [`log`] | reading and writing of CSV, gzip, Parquet and candump logs |
 //! | [`estimate`] | the height of a log, with messages and likely causes of contradictions |
+//! | [`web`] | what the pages of the report and of `cg run --serve` have in common |
+//! | [`report`] | the report of many logs: an HTML page |
 //! | [`calibrate`] | calibration from logs with a known height |
 //! | [`learn`] | calibration in service, from trips with the empty trailer |
 //! | [`state`] | the text of a state file, which keeps the estimator's memory over a restart |
@@ -37,6 +39,8 @@ pub mod place;
 pub mod can;
 pub mod log;
 pub mod estimate;
+pub mod web;
+pub mod report;
 pub mod calibrate;
 mod learned;
 pub mod learn;

@@ -85,11 +85,20 @@ struct Fitted {
     covariance: Vec<Vec<f64>>,
 }
 
-fn fitted<const N: usize>(u: &[f64], y: &[f64], orders: Orders) -> Result<Fitted, String> {
+/// Input and output of an experiment.
+type Experiment<'a> = (&'a [f64], &'a [f64]);
+
+fn fitted<const N: usize>(
+    experiments: &[Experiment<'_>],
+    orders: Orders,
+) -> Result<Fitted, String> {
     let mut arx = Arx::<f64, N>::new(orders.na, orders.nb, orders.nk)
         .ok_or_else(|| "the orders are out of range".to_owned())?;
-    for (&input, &output) in u.iter().zip(y) {
-        arx.push(input, output, true);
+    for (u, y) in experiments {
+        arx.restart();
+        for (&input, &output) in u.iter().zip(*y) {
+            arx.push(input, output, true);
+        }
     }
     let fit = match arx.fit() {
         Answer::Ready(fit) => fit,
@@ -115,36 +124,60 @@ fn checked(name: &str, values: &[f64]) -> PyResult<()> {
     }
 }
 
-/// Fit an ARX model to 1-D contiguous float64 arrays.
+/// The experiments, of one length each and without absent values.
+fn paired<'a>(
+    u: &'a [PyReadonlyArrayDyn<'_, f64>],
+    y: &'a [PyReadonlyArrayDyn<'_, f64>],
+) -> PyResult<Vec<Experiment<'a>>> {
+    if u.len() != y.len() {
+        return Err(value_error(format!(
+            "y has {} experiments and u has {}: give one of each for every experiment",
+            y.len(),
+            u.len()
+        )));
+    }
+    let one = |k: usize| {
+        let name =
+            |letter: &str| if u.len() == 1 { letter.into() } else { format!("{letter}[{k}]") };
+        let (input, output) = (slice(&name("u"), &u[k])?, slice(&name("y"), &y[k])?);
+        if input.len() != output.len() {
+            return Err(value_error(format!(
+                "{} has {} values and {} has {}: they must have the same length",
+                name("y"),
+                output.len(),
+                name("u"),
+                input.len()
+            )));
+        }
+        checked(&name("u"), input)?;
+        checked(&name("y"), output)?;
+        Ok((input, output))
+    };
+    (0..u.len()).map(one).collect()
+}
+
+/// Fit an ARX model to experiments: lists of 1-D contiguous float64 arrays.
 #[pyfunction]
 #[pyo3(signature = (u, y, na, nb, nk, ts, /))]
 pub(crate) fn fit_arx<'py>(
     py: Python<'py>,
-    u: PyReadonlyArrayDyn<'py, f64>,
-    y: PyReadonlyArrayDyn<'py, f64>,
+    u: Vec<PyReadonlyArrayDyn<'py, f64>>,
+    y: Vec<PyReadonlyArrayDyn<'py, f64>>,
     na: i64,
     nb: i64,
     nk: i64,
     ts: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (u, y) = (slice("u", &u)?, slice("y", &y)?);
-    if u.len() != y.len() {
-        return Err(value_error(format!(
-            "y has {} values and u has {}: they must have the same length",
-            y.len(),
-            u.len()
-        )));
-    }
+    let experiments = paired(&u, &y)?;
     if !(ts.is_finite() && ts > 0.0) {
         return Err(value_error(format!("ts is {ts}: it must be positive and finite")));
     }
-    checked("u", u)?;
-    checked("y", y)?;
     let orders = Orders::checked(na, nb, nk)?;
     let small = orders.count() <= SMALL && orders.nk + orders.nb <= SMALL + 1;
+    let data = experiments.as_slice();
     let fitted = py
         .detach(
-            || if small { fitted::<SMALL>(u, y, orders) } else { fitted::<LARGE>(u, y, orders) },
+            || if small { fitted::<SMALL>(data, orders) } else { fitted::<LARGE>(data, orders) },
         )
         .map_err(value_error)?;
     model(py, orders, ts, &fitted)

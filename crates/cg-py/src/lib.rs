@@ -14,6 +14,7 @@
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
 //! | `plant` | `Plant`: the nonlinear plant, step by step |
 //! | `write` | `write_file`, `copy_file`, `may_write`: writing of log files |
+//! | `report` | `trace_arrays`, `write_report`, `may_write_report`: the report of many logs |
 //! | `can` | `FrameTable`, `FrameStream`: rows and estimates from CAN frames |
 //! | `reproduce` | `reproduce_tables`: the tables of the thesis, recomputed |
 //! | `results` | results as the dataclasses of `cgheight._results` |
@@ -44,6 +45,7 @@ mod plant;
 mod simulate;
 mod write;
 mod can;
+mod report;
 mod reproduce;
 
 /// The compiled module of cgheight.
@@ -63,6 +65,8 @@ mod _native {
     use crate::plant::Plant;
     #[pymodule_export]
     use crate::prepare::prepare;
+    #[pymodule_export]
+    use crate::report::{may_write_report, trace_arrays, write_report};
     #[pymodule_export]
     use crate::reproduce::reproduce_tables;
     #[pymodule_export]

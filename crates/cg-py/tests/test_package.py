@@ -198,6 +198,7 @@ EXTRAS = [
     ("can", "can", "cgheight.can"),
     ("control", "control", "lag.to_control()"),
     ("pandas", "pandas", "cgheight.reproduce('5.17')"),
+    ("scipy", "identify", "cgheight.arx([0, 1, 0, 2, 1], [0, 1, 2, 2, 3], 1, 1, 0, 1).step()"),
     ("tqdm", "progress", "cgheight.estimate_logs([], vehicle=truck, progress=True)"),
 ]
 
@@ -208,7 +209,7 @@ EXTRAS = [
 def test_numpy_alone_is_enough_and_a_missing_extra_is_named(package, extra, call):
     vehicle = str(FIXTURES / "vehicles" / "kraz.toml")
     program = WITHOUT.format(
-        absent={one for one, _, _ in EXTRAS} | {"polars", "scipy", "pyspark", "pyarrow"},
+        absent={one for one, _, _ in EXTRAS} | {"polars", "pyspark", "pyarrow"},
         log=str(FIXTURES / "logs" / "A_p10_h170_v50_L.csv"),
         vehicle=vehicle,
         call=call,

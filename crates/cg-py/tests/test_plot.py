@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import inspect
+import tomllib
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.signal
 from matplotlib.figure import Figure
 
 import cgheight
@@ -94,6 +96,53 @@ def test_the_height_over_time_ends_with_the_answer(kraz, tmp_path):
     assert axes.get_ylabel() == "c.g. height (m)"
 
 
+def test_a_log_of_one_turn_has_a_line_over_the_turn(kraz, turn, tmp_path):
+    figure = plot.height(turn, vehicle=kraz)
+    drawn(figure, tmp_path / "one.png")
+    answer = cgheight.estimate(**turn, vehicle=kraz)
+    (axes,) = figure.axes
+    times, heights = axes.get_lines()[0].get_data()
+    assert list(times) == [answer.maneuvers[0].start_s, turn["time_s"][-1]]
+    assert list(heights) == [answer.height_m] * 2
+    assert axes.get_xlim()[1] > answer.maneuvers[0].end_s  # the point is not on the border
+    # A drive that ends in a turn: this turn counts from its beginning, and time does not go back.
+    drive = cgheight.read_log(DRIVE)
+    part = drive[drive.time_s < drive.time_s.iloc[-1] / 2]
+    while cgheight.estimate_log(part, vehicle=kraz).maneuvers[-1].end_s != part.time_s.iloc[-1]:
+        part = part[:-50]
+    times = plot.height(part, vehicle=kraz).axes[0].get_lines()[0].get_xdata()
+    assert np.all(np.diff(times) >= 0)
+    assert times[-2] < times[-1] - 1.0
+
+
+def test_figures_of_a_file_have_its_name(kraz, turn):
+    path = FIXTURES / "logs" / ONE_TURN
+    for draw in (plot.log, plot.height):
+        for log, named in ((path, True), (str(path), True), (turn, False)):
+            title = draw(log, vehicle=kraz).axes[0].get_title(loc="left")
+            assert title.startswith(f"{ONE_TURN}\n" if named else "c.g. height")
+
+
+def test_the_magnitude_of_a_bode_plot_has_the_unit_of_its_models(baseline):
+    u, y = noisy_second_order()
+    model, linear = cgheight.arx(u, y, 2, 2, 1, 0.05), cgheight.linear_model(baseline)
+    for models, unit, expected in (
+        ((model,), None, "(output per input)"),
+        ((model, linear.reduced), None, "(rad of roll per rad of steer)"),
+        ((model,), "rad per m/s²", "(rad per m/s²)"),
+    ):
+        figure = plot.bode(*models, unit=unit)
+        assert figure.axes[0].get_ylabel().split("\n")[1] == expected
+    # A slow model is drawn below half of its sampling rate.
+    slow = cgheight.arx(u, y, 2, 2, 1, 60.0)
+    hz = plot.bode(slow).axes[0].get_lines()[0].get_xdata()
+    assert (hz[0], hz[-1]) == (pytest.approx(0.01 / 120), pytest.approx(1 / 120))
+    refined = cgheight.output_error(u, y, model)
+    figure = plot.bode(refined)
+    assert figure.axes[0].get_lines()[0].get_label() == "output error [2 2 1], identified"
+    assert len(figure.axes[0].collections) == 1  # its band
+
+
 def test_a_bode_plot_draws_the_responses_and_a_band_of_the_right_width(baseline, tmp_path):
     u, y = noisy_second_order(2000)
     model = cgheight.arx(u, y, 2, 2, 1, 0.05)
@@ -152,6 +201,14 @@ def test_residuals_that_are_white_stay_in_the_band_and_others_do_not(tmp_path):
         titles = [figure.axes[panel].get_title(loc="left") for figure in figures]
         outside = [int(title.split(": ")[1].split()[0]) for title in titles]
         assert outside[0] <= allowed < outside[1]
+    # With white noise on the output, the residuals of the output-error model are white.
+    y = scipy.signal.lfilter([0.0, 1.0], [1.0, -1.2, 0.5], u) + 0.5 * random.standard_normal(3000)
+    arx = cgheight.arx(u, y, 2, 1, 1, 0.1)
+    counts = []
+    for model in (cgheight.output_error(u, y, arx), arx):
+        title = plot.residuals(model, u, y).axes[0].get_title(loc="left")
+        counts.append(int(title.split(": ")[1].split()[0]))
+    assert counts[0] <= 3 < counts[1]
     with pytest.raises(ValueError, match="lags is 0"):
         plot.residuals(right, u, y, lags=0)
 
@@ -165,9 +222,17 @@ def test_an_accuracy_map_has_its_numbers_in_its_cells(tmp_path):
     figure = plot.accuracy_map(table)
     drawn(figure, tmp_path / "map.png")
     assert [text.get_text() for text in figure.axes[0].texts] == ["2.00", "0.50", "2.50", "–"]
-    assert figure.axes[1].get_ylabel() == "root mean square error of the height (%)"
-    for value in ("bias_percent", "coverage_percent"):
-        drawn(plot.accuracy_map(table, value=value), tmp_path / f"{value}.png")
+    bar = figure.axes[1].yaxis.label
+    assert bar.get_text().replace("\n", " ") == "root mean square error of the height (%)"
+    for value in ("rmse_percent", "bias_percent", "coverage_percent"):
+        figure = plot.accuracy_map(table, value=value)
+        drawn(figure, tmp_path / f"{value}.png")
+        # No text is clipped, also that along the bar.
+        for axes in figure.axes:
+            for text in (axes.xaxis.label, axes.yaxis.label):
+                box = text.get_window_extent()
+                assert box.y0 >= 0
+                assert box.y1 <= figure.bbox.height
     with pytest.raises(ValueError, match="no column rmse; it has height_m"):
         plot.accuracy_map(table, value="rmse")
     with pytest.raises(ValueError, match="several rows have the same"):
@@ -197,3 +262,55 @@ def test_the_heights_of_many_logs_with_their_names(kraz, turn, tmp_path):
     assert [text.get_text() for text in axes.texts] == ["no height: rejected"]
     with pytest.raises(ValueError, match="no log to draw"):
         plot.heights(cgheight.estimate_logs([], vehicle=kraz))
+
+
+def test_logs_of_the_same_name_are_told_apart(kraz, turn):
+    answer = cgheight.estimate(**turn, vehicle=kraz)
+
+    def labels(*logs, **options):
+        figure = plot.heights(cgheight.Estimates(logs, (answer,) * len(logs)), **options)
+        (axes,) = figure.axes
+        return [label.get_text() for label in axes.get_yticklabels()], axes
+
+    assert labels("/data/mon/log.csv", "/data/tue/log.csv", "table 2")[0] == [
+        "mon/log.csv", "tue/log.csv", "table 2",
+    ]  # fmt: skip
+    assert labels("mon/log.csv", "mon/other.csv")[0] == ["log.csv", "other.csv"]
+    assert labels("mon/log.csv", "/data/log.csv")[0] == ["mon/log.csv", "/data/log.csv"]
+    _, axes = labels("mon/log.csv", "tue/log.csv", true_heights_m={"tue/log.csv": 1.5})
+    assert [line.get_xdata()[0] for line in axes.get_lines()].count(1.5) == 1
+    with pytest.raises(ValueError, match=r"log\.csv: several logs have this name"):
+        labels("mon/log.csv", "tue/log.csv", true_heights_m={"log.csv": 1.5})
+
+
+def test_what_a_calibration_moved_is_drawn_in_units_of_the_vehicle_file(kraz, tmp_path):
+    path = tmp_path / "truck.toml"
+    logs = FIXTURES / "logs"
+    cgheight.calibrate(
+        kraz, [(logs / "A_p00_v50_L.csv", "empty"), (logs / "A_p20_h190_v50_L.csv", 1.9)], path
+    )
+    figure = plot.calibration(path)
+    drawn(figure, tmp_path / "calibration.png")
+    (axes,) = figure.axes
+    known = {
+        one["name"].replace("_", " "): one for one in tomllib.loads(path.read_text())["parameter"]
+    }
+    labels = [label.get_text() for label in axes.get_yticklabels()]
+    places = axes.get_lines()[0].get_xdata()
+    assert len(labels) == len(places) > 5
+    for label, place, text in zip(labels, places, axes.texts, strict=True):
+        one = known[label]
+        nominal = 1.0 if one["unit"] == "factor" else 0.0
+        assert place == pytest.approx((one["value"] - nominal) / one["prior_sd"], abs=1e-12)
+        assert float(text.get_text().split()[0]) == pytest.approx(one["value"], abs=5e-4)
+    shares = [known[label]["sd"] / known[label]["prior_sd"] for label in labels]
+    assert shares == sorted(shares)
+    assert shares[-1] <= 0.99
+    # All that are not drawn were not determined.
+    others = [one for name, one in known.items() if name not in labels]
+    assert others
+    assert all(one["sd"] >= 0.99 * one["prior_sd"] for one in others)
+    with pytest.raises(ValueError, match="is not a calibration"):
+        plot.calibration(logs / "truth.json")
+    with pytest.raises(ValueError, match="is not a calibration: 'parameter'"):
+        plot.calibration(FIXTURES / "vehicles" / "kraz.toml")

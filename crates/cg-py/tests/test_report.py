@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 import re
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 from selenium.webdriver.common.by import By
 
+import cgheight
 from chromium import PHONE, asked_for, browser, check_contrast, is_within
 from conftest import FIXTURES, LOGS, cg
 
@@ -168,3 +170,77 @@ def test_a_hundred_logs_make_a_page_of_a_few_hundred_kib_and_a_rejected_target_l
     assert refused.returncode == 2
     assert b"is a folder; give --report a file" in refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["many.html"]
+
+
+def contents(page: Path) -> tuple[str, dict]:
+    """Return the page without its data, and its data without the time of writing."""
+    text = page.read_text()
+    found = re.search(r'<script[^>]*type="application/json"[^>]*>(.*?)</script>', text, re.S)
+    data = json.loads(found[1])
+    assert re.fullmatch(r"20\d\d-\d\d-\d\d \d\d:\d\d UTC", data.pop("written"))
+    return text.replace(found[1], ""), data
+
+
+def test_the_page_of_python_is_that_of_the_command(tmp_path, kraz):
+    """Tables, frames, a drive that makes no height, and a log that cannot be read."""
+    frames, straight = tmp_path / "frames.log", tmp_path / "straight.csv"
+    truck = kraz.with_(steering_ratio=20.0)
+    (tmp_path / "truck.toml").write_text(truck.toml)
+    truck = cgheight.Vehicle.load(tmp_path / "truck.toml").on_road("flat")
+    cgheight.write_log(PATHS[1], frames, vehicle=truck)
+    straight.write_text("\n".join(Path(PATHS[1]).read_text().splitlines()[:150]) + "\n")
+    broken = tmp_path / "broken.csv"
+    broken.write_text("time_s,steer_rad,roll_rad\n0,<b>,0\n")
+    logs = [PATHS[1], PATHS[-1], str(frames), str(broken), str(straight)]
+    truth = FIXTURES / "logs" / "truth.json"
+    arguments = ["--vehicle", tmp_path / "truck.toml", "--truth", truth, "--road", "flat",
+                 "--trailer-mass-kg", "18684", "--report", tmp_path / "cg.html"]  # fmt: skip
+    done = subprocess.run([cg(), "estimate", *logs, *arguments], capture_output=True, check=False)
+    assert done.returncode == 2, done.stderr
+    heights_m = {one["log"]: one["height_m"] for one in json.loads(truth.read_text())}
+    options = {"vehicle": truck, "true_heights_m": heights_m, "trailer_mass_kg": 18684}
+    answers = cgheight.report(logs, tmp_path / "py.html", errors="reject", **options)
+    frame, data = contents(tmp_path / "cg.html")
+    own_frame, own = contents(tmp_path / "py.html")
+    assert own_frame == frame
+    for ours, theirs in zip(own["logs"], data["logs"], strict=True):
+        # Messages have the names of options: speed_mps=… here, --speed-mps there.
+        words = [[re.sub(r"[^a-z]+", " ", text.lower()) for text in one.pop("messages", [])]
+                 for one in (ours, theirs)]  # fmt: skip
+        assert words[0] == words[1]
+    assert own == data
+    assert [one["log"] for one in own["logs"]] == [*logs[:3], logs[4], logs[3]]
+    assert "signals" not in own["logs"][4]
+    assert own["logs"][0]["known_height_m"] == heights_m[Path(PATHS[1]).name]
+    assert [one.status for one in answers][2:] == ["ok", "rejected", "rejected"]
+    assert answers[0].height_m == own["logs"][0]["height_m"]
+    # It replaces itself, but no input and no other file; and a log that cannot be read is an error.
+    cgheight.report(logs[0], tmp_path / "py.html", vehicle=truck)
+    with pytest.raises(ValueError, match="broken"):
+        cgheight.report(logs, tmp_path / "py.html", vehicle=truck)
+    before = straight.read_bytes()
+    with pytest.raises(ValueError, match=r"straight\.csv"):
+        cgheight.report(straight, straight, vehicle=truck, force=True)
+    with pytest.raises(FileExistsError, match=r"broken\.csv"):
+        cgheight.report(logs[0], broken, vehicle=truck)
+    assert straight.read_bytes() == before
+
+
+def test_tables_and_calibrations_are_in_the_report(tmp_path, kraz, turn):
+    calibrated = cgheight.calibrate(kraz, [(PATHS[0], "empty")], tmp_path / "truck.toml")
+    page = tmp_path / "page.html"
+    for vehicle, options, named in (
+        (kraz, {}, None),
+        (calibrated, {}, "the calibration of this vehicle"),
+        (kraz, {"calibration": tmp_path / "truck.toml"}, str(tmp_path / "truck.toml")),
+    ):
+        cgheight.report({"north": turn}, page, vehicle=vehicle, **options)
+        _, data = contents(page)
+        assert data["calibration"] == named
+        (log,) = data["logs"]
+        assert log["log"] == "north"
+        assert len(log["signals"]["time_s"]) > 100
+    with pytest.raises(ValueError, match="errors is 'skip'"):
+        cgheight.report([turn], page, vehicle=kraz, errors="skip")
+    with pytest.raises(ValueError, match="jobs is 0"):
+        cgheight.report([turn], page, vehicle=kraz, jobs=0)

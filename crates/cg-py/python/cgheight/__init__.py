@@ -23,6 +23,7 @@ as weighed (sprung mass and axles).
 from importlib import import_module
 from types import ModuleType
 
+from cgheight._arx_model import ArxModel
 from cgheight._batch import Estimates, estimate_logs
 from cgheight._calibrate import calibrate
 from cgheight._columns import SIGNALS
@@ -30,18 +31,20 @@ from cgheight._estimate import Arx, Estimator, estimate, estimate_log
 from cgheight._learn import learn_log
 from cgheight._logs import read_log, write_log
 from cgheight._model_results import (
-    ArxModel,
     CompensatedModel,
     LinearModel,
     RatioLine,
     ReducedModel,
     StaticBalance,
 )
-from cgheight._models import OrderSelection, arx, select_order
+from cgheight._models import OrderSelection, arx, detrend, select_order
 from cgheight._native import Plant, Vehicle, __version__, linear_model
+from cgheight._output_error import OutputErrorModel, output_error
 from cgheight._predict import predict_roll
+from cgheight._report import report
 from cgheight._reproduce import reproduce
 from cgheight._results import ChannelEstimate, Estimate, Maneuver
+from cgheight._sampled import Comparison, FrequencyResponse, StepResponse
 from cgheight._scenario import ChassisSensors, Scenario, Sensors
 from cgheight._simulate import RoadTruth, SimulatedLog, Truth, accuracy_map, simulate
 from cgheight._transfer import TransferFunction
@@ -52,13 +55,16 @@ __all__ = [
     "ArxModel",
     "ChannelEstimate",
     "ChassisSensors",
+    "Comparison",
     "CompensatedModel",
     "Estimate",
     "Estimates",
     "Estimator",
+    "FrequencyResponse",
     "LinearModel",
     "Maneuver",
     "OrderSelection",
+    "OutputErrorModel",
     "Plant",
     "RatioLine",
     "ReducedModel",
@@ -67,6 +73,7 @@ __all__ = [
     "Sensors",
     "SimulatedLog",
     "StaticBalance",
+    "StepResponse",
     "TransferFunction",
     "Truth",
     "Vehicle",
@@ -74,13 +81,16 @@ __all__ = [
     "accuracy_map",
     "arx",
     "calibrate",
+    "detrend",
     "estimate",
     "estimate_log",
     "estimate_logs",
     "learn_log",
     "linear_model",
+    "output_error",
     "predict_roll",
     "read_log",
+    "report",
     "reproduce",
     "select_order",
     "simulate",

@@ -1,4 +1,4 @@
-"""ARX and vehicle models as frozen dataclasses."""
+"""Vehicle models as frozen dataclasses."""
 
 from __future__ import annotations
 
@@ -6,159 +6,14 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cgheight import _show
-from cgheight._arrays import column
 from cgheight._extras import need
 from cgheight._transfer import TransferFunction
 
 _Array = NDArray[np.float64]
 _ComplexArray = NDArray[np.complex128]
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ArxModel:
-    """A fitted ARX model ``A(q) y(t) = B(q) u(t) + e(t)`` in powers of the delay q⁻¹.
-
-    Attributes
-    ----------
-    a : array, shape (na + 1,)
-        ``1, a1 … a_na``: coefficients of y(t), y(t-1) …
-    b : array, shape (nk + nb,)
-        ``nk`` zeros, then ``b1 … b_nb``: coefficients of u(t), u(t-1) … (MATLAB's B).
-    na, nb, nk : int
-        Number of past outputs, number of input terms, delay of the input in samples.
-    ts : float
-        Sampling interval, s.
-    covariance : array, shape (na + nb, na + nb)
-        Covariance of ``a1 … a_na, b1 … b_nb``, in that order.
-    noise_variance : float
-        Sum of squared residuals divided by (rows - coefficients), in units of y squared.
-    dc_gain, dc_gain_sd : float
-        ``B(1)/A(1)`` and its standard deviation (first order), in units of y over u.
-    fit_percent : float
-        ``100 (1 - sqrt(noise_variance / variance of y))`` of the one-step-ahead prediction, %.
-    rows : int
-        Number of rows of the regression.
-    """
-
-    a: _Array
-    b: _Array
-    na: int
-    nb: int
-    nk: int
-    ts: float
-    covariance: _Array
-    noise_variance: float
-    dc_gain: float
-    dc_gain_sd: float
-    fit_percent: float
-    rows: int
-
-    def __repr__(self) -> str:
-        orders = f"[{self.na} {self.nb} {self.nk}]"
-        gain = f"DC gain {self.dc_gain:.4g} ± {self.dc_gain_sd:.2g}"
-        return f"ArxModel({orders}, {self.ts:g} s, {gain}, {self.rows} rows)"
-
-    def _repr_html_(self) -> str:
-        sd = np.sqrt(np.diag(self.covariance))
-        names = [f"a{k}" for k in range(1, self.na + 1)] + [f"b{k}" for k in range(1, self.nb + 1)]
-        values = np.concatenate([self.a[1:], self.b[self.nk :]])
-        rows = [(n, f"{v:.6g}", f"{s:.2g}") for n, v, s in zip(names, values, sd, strict=True)]
-        summary = [
-            ("sampling interval", f"{self.ts:g} s"),
-            ("DC gain", f"{self.dc_gain:.5g} ± {self.dc_gain_sd:.2g}"),
-            ("fit, one step ahead", f"{self.fit_percent:.1f} %"),
-            ("rows", str(self.rows)),
-        ]
-        title = f"ARX [{self.na} {self.nb} {self.nk}]"
-        return _show.pairs(title, summary) + _show.grid(["", "value", "± 1 sd"], rows)
-
-    def residuals(self, u: ArrayLike, y: ArrayLike) -> _Array:
-        """Return the one-step-ahead residuals ``A(q) y - B(q) u`` of data, in units of y.
-
-        Parameters
-        ----------
-        u, y : array, shape (n,)
-            Input and output at the model's sampling interval.
-
-        Returns
-        -------
-        array, shape (n - max(na, nb + nk - 1),)
-            One residual for each row whose regressors are all in the data.
-
-        Raises
-        ------
-        ValueError
-            The arrays differ in length or are shorter than the model's memory.
-        """
-        inputs, outputs = column("u", u), column("y", y)
-        if len(inputs) != len(outputs):
-            raise ValueError(
-                f"y has {len(outputs)} values and u has {len(inputs)}: "
-                "they must have the same length"
-            )
-        memory = max(self.na, self.nb + self.nk - 1)
-        if len(inputs) <= memory:
-            raise ValueError(f"u has {len(inputs)} values: this model needs {memory + 1} or more")
-        past = np.convolve(outputs, self.a)[memory : len(outputs)]
-        drive = np.convolve(inputs, self.b)[memory : len(inputs)]
-        return past - drive
-
-    @property
-    def transfer_function(self) -> TransferFunction:
-        """``B/A`` as a discrete transfer function."""
-        order = max(self.na, self.nb + self.nk - 1)
-        numerator, denominator = np.zeros(order + 1), np.zeros(order + 1)
-        numerator[: len(self.b)], denominator[: len(self.a)] = self.b, self.a
-        return TransferFunction.from_polynomials(numerator, denominator, ts=self.ts)
-
-    def response(self, frequency_radps: ArrayLike) -> tuple[_ComplexArray, _Array]:
-        """Return the frequency response and the covariance of its real and imaginary part.
-
-        The covariance follows from that of the coefficients to first order (delta method).
-
-        Parameters
-        ----------
-        frequency_radps : array, shape (n,)
-            Angular frequencies, rad/s, from zero to the Nyquist frequency ``pi / ts``.
-
-        Returns
-        -------
-        response : complex array, shape (n,)
-            In units of y over u.
-        covariance : array, shape (n, 2, 2)
-            Covariance of real and imaginary part at each frequency.
-
-        Raises
-        ------
-        ValueError
-            A frequency is negative or above the Nyquist frequency.
-        """
-        omega = column("frequency_radps", frequency_radps)
-        if omega.size and (omega.min() < 0 or omega.max() > np.pi / self.ts * (1 + 1e-12)):
-            raise ValueError(
-                f"frequency_radps must lie between 0 and {np.pi / self.ts:g} (Nyquist)"
-            )
-        delay = np.exp(-1j * np.outer(omega * self.ts, np.arange(max(len(self.a), len(self.b)))))
-        past = delay[:, : len(self.a)] @ self.a
-        value = delay[:, : len(self.b)] @ self.b / past
-        # dG/da_k = -G q^-k / A,  dG/db_k = q^-k / A
-        by_a = -value[:, None] * delay[:, 1 : self.na + 1]
-        slope = np.hstack([by_a, delay[:, self.nk : self.nk + self.nb]]) / past[:, None]
-        parts = np.stack([slope.real, slope.imag], axis=1)
-        return value, parts @ self.covariance @ parts.transpose(0, 2, 1)
-
-    def to_control(self) -> Any:
-        """Return the model as a discrete `control.TransferFunction`.
-
-        Raises
-        ------
-        ImportError
-            python-control is not installed.
-        """
-        return self.transfer_function.to_control()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""ARX models: the fit, and the choice of the orders."""
+"""ARX models: preparation of data, the fit, and the choice of the orders."""
 
 from __future__ import annotations
 
@@ -12,11 +12,72 @@ from numpy.typing import ArrayLike, NDArray
 
 from cgheight import _native, _show
 from cgheight._arrays import column, number
+from cgheight._arx_model import ArxModel
 from cgheight._extras import need
-from cgheight._model_results import ArxModel
+from cgheight._sampled import Array
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+def experiments(u: Any, y: Any) -> tuple[list[Array], list[Array]]:
+    """Return inputs and outputs, one array for each experiment; arrays alone are one experiment."""
+    several = [isinstance(side, list | tuple) and len(side) > 0 and np.ndim(side[0]) > 0
+               for side in (u, y)]  # fmt: skip
+    if not any(several):
+        return [column("u", u)], [column("y", y)]
+    if not all(several) or len(u) != len(y):
+        counts = [len(side) if many else 1 for side, many in zip((u, y), several, strict=True)]
+        raise ValueError(
+            f"the number of experiments is {counts[0]} in u and {counts[1]} in y: "
+            "give one array of each for every experiment"
+        )
+    inputs = [column(f"u[{place}]", one) for place, one in enumerate(u)]
+    return inputs, [column(f"y[{place}]", one) for place, one in enumerate(y)]
+
+
+def detrend(values: ArrayLike, *, order: int = 0) -> Array:
+    """Remove the mean or a trend from a signal, as is done before a model is fitted.
+
+    A model of this package goes through the origin: with an input of zero, its output decays to
+    zero. Sensors have offsets and drift, so remove them from input and output before the fit.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        A signal, equally spaced in time. NaN is left out and stays.
+    order : int
+        0 removes the mean, 1 a straight line (drift of a sensor), 2 a parabola; less than the
+        number of values.
+
+    Returns
+    -------
+    array, shape (n,)
+        The signal without the polynomial that fits it best.
+
+    Raises
+    ------
+    ValueError
+        `order` is negative, or there are too few values for it.
+
+    Examples
+    --------
+    >>> import cgheight
+    >>> cgheight.detrend([1.0, 2.0, 3.0, 5.0]).sum()
+    np.float64(0.0)
+    """
+    signal = column("values", values)
+    seen = np.isfinite(signal)
+    if not 0 <= index(order) < np.count_nonzero(seen):
+        raise ValueError(
+            f"order is {order}: it must be 0 or more, and less than the number of values, "
+            f"{np.count_nonzero(seen)}"
+        )
+    # Between -1 and 1 the powers are well conditioned.
+    place = np.linspace(-1.0, 1.0, len(signal))
+    trend = np.polynomial.Polynomial.fit(place[seen], signal[seen], order, domain=[-1.0, 1.0])
+    without: Array = signal - trend(place)
+    return without
 
 
 def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> ArxModel:
@@ -27,8 +88,10 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
 
     Parameters
     ----------
-    u, y : array, shape (n,)
-        Input and output, equally spaced in time. Offsets are not removed.
+    u, y : array, shape (n,), or list of arrays
+        Input and output, equally spaced in time. Several experiments (logs, or parts of a log with
+        gaps between them) become one model if lists have one array for each experiment; no row
+        contains values of two. Offsets are not removed (see `detrend`).
     na : int
         Number of past outputs, 0 or more.
     nb : int
@@ -49,9 +112,7 @@ def arx(u: ArrayLike, y: ArrayLike, na: int, nb: int, nk: int, ts: float) -> Arx
         The arrays differ in length or contain NaN (the message gives the index), the orders are
         out of range, or the data determine no model (the message names the regressor).
     """
-    return _native.fit_arx(
-        column("u", u), column("y", y), index(na), index(nb), index(nk), number("ts", ts)
-    )
+    return _native.fit_arx(*experiments(u, y), index(na), index(nb), index(nk), number("ts", ts))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -133,8 +194,8 @@ def select_order(
 
     Parameters
     ----------
-    u, y : array, shape (n,)
-        Input and output, equally spaced in time.
+    u, y : array, shape (n,), or list of arrays
+        Input and output, equally spaced in time; lists for several experiments, see `arx`.
     ts : float
         Sampling interval, s.
     na, nb, nk : iterable of int
@@ -172,7 +233,7 @@ def select_order(
         raise ValueError(f'criterion is {criterion!r}: it must be "aic", "bic" or "validation"')
     if criterion == "validation" and validation is None:
         raise ValueError("validation is missing: the criterion needs another log's (u, y)")
-    data = column("u", u), column("y", y)
+    inputs, outputs = experiments(u, y)
     orders = [(index(a), index(b), index(k)) for a in na for b in nb for k in nk]
     if not orders:
         raise ValueError("no orders to try: na, nb and nk must each contain at least one value")
@@ -181,7 +242,9 @@ def select_order(
     for place, (a, b, k) in enumerate(orders):
         start = memory - max(a, b + k - 1)
         try:
-            model = arx(data[0][start:], data[1][start:], a, b, k, ts)
+            model = arx(
+                [one[start:] for one in inputs], [one[start:] for one in outputs], a, b, k, ts
+            )
         except ValueError as error:
             if str(error).startswith("unexcited"):
                 continue
@@ -200,4 +263,4 @@ def select_order(
     tried = np.array(orders, dtype=np.int64).T
     names = ("na", "nb", "nk", "loss", "aic", "bic", "validation_loss")
     columns: dict[str, Any] = dict(zip(names, [*tried, *scores], strict=True))
-    return OrderSelection(**columns, criterion=criterion, model=arx(*data, *best, ts=ts))
+    return OrderSelection(**columns, criterion=criterion, model=arx(inputs, outputs, *best, ts=ts))

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
-from cgheight._model_results import ArxModel, LinearModel
+from cgheight._arx_model import ArxModel
+from cgheight._model_results import LinearModel
 from cgheight._results import Estimate
 from cgheight._scenario import Scenario
 
@@ -28,6 +29,7 @@ __all__ = [
     "learn_arrays",
     "linear_model",
     "may_write",
+    "may_write_report",
     "predict_roll",
     "prepare",
     "read_file",
@@ -38,7 +40,9 @@ __all__ = [
     "score_accuracy",
     "signals",
     "simulate_log",
+    "trace_arrays",
     "write_file",
+    "write_report",
 ]
 
 __version__: Final[str]
@@ -248,15 +252,15 @@ def resolve_columns(
     """Find the columns of a log among the column names of a table."""
 
 def fit_arx(
-    u: NDArray[np.float64],
-    y: NDArray[np.float64],
+    u: list[NDArray[np.float64]],
+    y: list[NDArray[np.float64]],
     na: int,
     nb: int,
     nk: int,
     ts: float,
     /,
 ) -> ArxModel:
-    """Fit an ARX model to 1-D contiguous float64 arrays."""
+    """Fit an ARX model to experiments: lists of 1-D contiguous float64 arrays."""
 
 def linear_model(
     vehicle: Vehicle,
@@ -350,3 +354,24 @@ def write_file(
     /,
 ) -> int:
     """Write arrays to a log; return how many values are outside their J1939 range."""
+
+def may_write_report(request: dict[str, Any], /) -> None:
+    """Raise an error if the report may not be written; called before the work begins."""
+
+def trace_arrays(
+    vehicle: Vehicle,
+    signals: dict[str, NDArray[np.float64]],
+    options: dict[str, Any],
+    logs: int,
+    /,
+) -> str:
+    """Return the signals of a log as JSON text, with the points of a report of that many logs."""
+
+def write_report(
+    request: dict[str, Any],
+    vehicle: str,
+    calibration: str | None,
+    logs: list[tuple[str, str | None, float | None, str]],
+    /,
+) -> None:
+    """Write the report: for each log name, result, known height, and signals or a reason."""

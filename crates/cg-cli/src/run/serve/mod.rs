@@ -27,9 +27,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use cg_core::{Design, Maneuver, Sample};
+use cg_logs::web;
 
 use super::events::{Result as Known, Status};
-use crate::web;
 use address::Address;
 use board::Message;
 use queue::{Inlet, queue};

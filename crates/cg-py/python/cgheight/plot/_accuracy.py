@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,7 +87,9 @@ def accuracy_map(
                       color="white" if dark else "black", fontsize=9)  # fmt: skip
         axes.set_xlabel(_LABELS.get(x, x))
         axes.set_ylabel(_LABELS.get(y, y))
-        made.colorbar(image, ax=axes, label=_LABELS.get(value, value), pad=0.02)
+        # The label is along the bar, which is lower than the label is long: two lines.
+        label = fill(_LABELS.get(value, value), 30)
+        made.colorbar(image, ax=axes, label=label, pad=0.02)
     return made
 
 

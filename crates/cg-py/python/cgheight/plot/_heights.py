@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cgheight._batch import Estimates
@@ -24,7 +24,8 @@ def heights(estimates: Estimates, *, true_heights_m: Mapping[str, float] | None 
     estimates : Estimates
         From `cgheight.estimate_logs`.
     true_heights_m : dict of str to float, optional
-        The known height of a log (m) by its name, or by the last component of its path.
+        The known height of a log (m) by its name, or by the last component of its path if no other
+        log has the same.
 
     Returns
     -------
@@ -34,14 +35,18 @@ def heights(estimates: Estimates, *, true_heights_m: Mapping[str, float] | None 
     Raises
     ------
     ValueError
-        There is no log.
+        There is no log, or a true height has a name that several logs have.
     ImportError
         matplotlib is not installed.
     """
     if len(estimates) == 0:
         raise ValueError("no log to draw: give at least one")
     known = true_heights_m or {}
-    names = [os.path.basename(log) or log for log in estimates.logs]
+    names = _names(estimates.logs)
+    ends = [os.path.basename(log) for log in estimates.logs]
+    for name in known:
+        if name not in estimates.logs and ends.count(name) > 1:
+            raise ValueError(f"{name}: several logs have this name; give the whole path")
     made, (axes,) = figure(1, [1.1 + 0.28 * len(names)])
     with style():
         for place, answer in enumerate(estimates):
@@ -52,8 +57,8 @@ def heights(estimates: Estimates, *, true_heights_m: Mapping[str, float] | None 
             axes.plot(answer.height_ci95_m, [place, place], color=BLUE, linewidth=3, alpha=0.35,
                       solid_capstyle="butt")  # fmt: skip
             axes.plot(answer.height_m, place, "o", color=BLUE, markersize=5)
-        for place, (log, name) in enumerate(zip(estimates.logs, names, strict=True)):
-            true_m = known.get(log, known.get(name))
+        for place, (log, end) in enumerate(zip(estimates.logs, ends, strict=True)):
+            true_m = known.get(log, known.get(end))
             if true_m is not None:
                 axes.plot(true_m, place, "|", color=RED, markersize=13, markeredgewidth=2)
         axes.set_yticks(range(len(names)), names, fontsize=8)
@@ -64,3 +69,15 @@ def heights(estimates: Estimates, *, true_heights_m: Mapping[str, float] | None 
         marks = "; red: true height" if known else ""
         axes.set_title(f"Heights of {len(names)} logs; bars: 95 % interval{marks}")
     return made
+
+
+def _names(logs: Sequence[str]) -> list[str]:
+    """Return the file names of logs, or their paths below the common folder if two are the same."""
+    ends = [os.path.basename(log) or log for log in logs]
+    if len(set(ends)) == len(ends):
+        return ends
+    paths = {log for log in logs if os.path.dirname(log)}
+    if len({os.path.isabs(log) for log in paths}) != 1:
+        return list(logs)
+    common = os.path.commonpath([os.path.dirname(log) for log in paths])
+    return [os.path.relpath(log, common or ".") if log in paths else log for log in logs]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -92,7 +93,7 @@ def log(
         middle.legend(loc="lower left", ncols=2)
         bottom.legend(handles=_keys(answer), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2,
                       borderaxespad=0.1)  # fmt: skip
-        top.set_title(_headline(answer))
+        top.set_title(_headline(answer, log))
     return made
 
 
@@ -203,13 +204,15 @@ def _label(axes: Axes, answer: Estimate) -> None:
         )
 
 
-def _headline(answer: Estimate) -> str:
+def _headline(answer: Estimate, log: Any) -> str:
+    """Return the answer in a line, below the name of the log if it is a file."""
+    name = f"{os.path.basename(log)}\n" if isinstance(log, str | os.PathLike) else ""
     if answer.height_m is None or answer.height_ci95_m is None:
-        return answer.messages[0] if answer.messages else "rejected"
+        return name + (answer.messages[0] if answer.messages else "rejected")
     low_m, high_m = answer.height_ci95_m
     text = f"c.g. height {answer.height_m:.2f} m, 95 % interval {low_m:.2f} to {high_m:.2f} m"
     threshold = answer.static_rollover_threshold_g
-    return text if threshold is None else f"{text}, rollover at {threshold:.2f} g"
+    return name + (text if threshold is None else f"{text}, rollover at {threshold:.2f} g")
 
 
 def height(
@@ -224,7 +227,8 @@ def height(
     """Draw the height over time: the estimate after each turn, and that of each single turn.
 
     How to read it: the line is the estimate from all turns so far, and the band is its 95 %
-    interval. The band becomes narrower with each turn until only the uncertainty of model and
+    interval. A turn in which the log ends counts from its beginning on, so that a log of one turn
+    has a line too. The band becomes narrower with each turn until only the uncertainty of model and
     calibration is left, and it should contain the true height. Points are single maneuvers with the
     95 % interval of their noise alone; they should scatter about the line as much as their bars
     show.
@@ -279,10 +283,11 @@ def height(
         if true_height_m is not None:
             axes.axhline(true_height_m, color=RED, linestyle="--",
                          label=f"true height {true_height_m:.2f} m")  # fmt: skip
-        axes.set_xlim(table["time_s"][0], table["time_s"][-1])
+        first_s, last_s = table["time_s"][0], table["time_s"][-1]
+        axes.set_xlim(first_s, last_s + 0.02 * (last_s - first_s))  # room for the last point
         axes.set_xlabel("time (s)")
         axes.set_ylabel("c.g. height (m)")
-        axes.set_title(_headline(answer))
+        axes.set_title(_headline(answer, log))
         axes.legend(loc="best")
     return made
 
@@ -307,4 +312,9 @@ def _history(
         if turning and status == "straight":
             ask(row[names.index("time_s")])
         turning = status == "turning" or (turning and status == "absent")
-    return steps, ask(float(table["time_s"][-1]))
+    answer = ask(float(table["time_s"][-1]))
+    if turning and steps and answer.maneuvers:
+        # The log ends in this turn: its estimate is drawn over the turn.
+        before = steps[-2][0] if len(steps) > 1 else -np.inf
+        steps[-1] = (max(answer.maneuvers[-1].start_s, before), *steps[-1][1:])
+    return steps, answer

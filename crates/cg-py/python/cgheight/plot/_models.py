@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cgheight._arrays import column
-from cgheight._model_results import ArxModel
+from cgheight._arx_model import ArxModel
+from cgheight._model_results import LinearModel, ReducedModel
+from cgheight._output_error import OutputErrorModel
+from cgheight._sampled import FrequencyResponse, SampledModel
 from cgheight._transfer import TransferFunction
 from cgheight.plot._style import BLUE, CYCLE, GREY, RED, figure, style
 
@@ -45,8 +48,9 @@ def _labels(models: Sequence[Any], labels: Sequence[str] | None) -> list[str]:
 
 
 def _name(model: Any) -> str:
-    if isinstance(model, ArxModel):
-        return f"ARX [{model.na} {model.nb} {model.nk}], identified"
+    if isinstance(model, SampledModel):
+        kind = "ARX" if isinstance(model, ArxModel) else "output error"
+        return f"{kind} [{model.na} {model.nb} {model.nk}], identified"
     vehicle = getattr(model, "vehicle", None)
     if vehicle is not None:
         return f"{vehicle}, {model.speed_mps:.1f} m/s, {model.height_m:.2f} m, analytic"
@@ -55,26 +59,35 @@ def _name(model: Any) -> str:
 
 
 def bode(
-    *models: Any, labels: Sequence[str] | None = None, frequency_hz: ArrayLike | None = None
+    *models: Any,
+    labels: Sequence[str] | None = None,
+    frequency_hz: ArrayLike | None = None,
+    unit: str | None = None,
 ) -> Figure:
     """Draw frequency responses of identified models, with confidence bands, and analytic models.
 
     How to read it: where the analytic line is inside the band of an identified model, the data and
     the vehicle file agree. The left end is the DC ratio, from which the height is computed. The
-    figure shows nothing about frequencies that the steering does not excite. The 95 % band follows
-    from the covariance of the ARX coefficients to first order (delta method), for the logarithm of
-    the magnitude and for the phase. It includes the variance due to white equation noise. It does
-    not include the bias that noise on the roll angle causes in a classical ARX model; this bias
-    grows with frequency, and `residuals` shows it.
+    figure shows nothing about frequencies that the input does not excite. The 95 % band follows
+    from the covariance of the coefficients to first order (delta method), for the logarithm of
+    the magnitude and for the phase. It includes the variance due to white noise, of the equation
+    for an ARX model and of the output for an output-error model. It does not include the bias that
+    noise on the output causes in an ARX model; this bias grows with frequency, and `residuals`
+    shows it.
 
     Parameters
     ----------
-    *models : ArxModel, LinearModel, ReducedModel, TransferFunction, or python-control objects
-        Models with one input and one output, from steer angle (or lateral acceleration) to roll.
+    *models : ArxModel, OutputErrorModel, LinearModel, ReducedModel, TransferFunction, …
+        Models with one input and one output, also python-control objects, all from the same input
+        to the same output.
     labels : sequence of str, optional
         A label for each model.
     frequency_hz : array, shape (n,), optional
-        Frequencies, Hz; if absent, from 0.02 Hz to the lowest Nyquist frequency, 5 Hz at most.
+        Frequencies, Hz; if absent, up to the lowest Nyquist frequency, 5 Hz at most, from 0.02 Hz
+        or a hundredth of that.
+    unit : str, optional
+        Unit of the magnitude, such as ``"rad per m/s²"``. If absent, "rad of roll per rad of steer"
+        if a model is one of the vehicle, otherwise "output per input".
 
     Returns
     -------
@@ -90,32 +103,33 @@ def bode(
     """
     names = _labels(models, labels)
     transfers = [_transfer(model) for model in models]
+    nyquist_hz = [0.5 / one.ts for one in transfers if one.ts is not None]
     if frequency_hz is None:
-        nyquist_hz = [0.5 / one.ts for one in transfers if one.ts is not None]
-        hz = np.geomspace(0.02, min([5.0, *nyquist_hz]), 400)
+        highest = min([5.0, *nyquist_hz])
+        hz = np.geomspace(min(0.02, 0.01 * highest), highest, 400)
     else:
         hz = column("frequency_hz", frequency_hz)
+    if unit is None:
+        ours = any(isinstance(model, LinearModel | ReducedModel) for model in models)
+        unit = "rad of roll per rad of steer" if ours else "output per input"
     made, (upper, lower) = figure(2, [3.2, 2.4])
     with style():
         for model, transfer, name, color in zip(models, transfers, names, _colors(), strict=False):
             seen = hz if transfer.ts is None else hz[hz <= 0.5 / transfer.ts]
-            line: dict[str, Any] = {
-                "color": color,
-                "linestyle": "-" if isinstance(model, ArxModel) else "--",
-            }
-            if isinstance(model, ArxModel):
-                value, covariance = model.response(2 * np.pi * seen)
-                _band(upper, lower, seen, value, covariance, color)
-            else:
-                value = transfer.response(2 * np.pi * seen)
+            identified = isinstance(model, SampledModel)
+            line: dict[str, Any] = {"color": color, "linestyle": "-" if identified else "--"}
+            omega = 2 * np.pi * seen
+            value = model.response(omega)[0] if identified else transfer.response(omega)
             upper.plot(seen, np.abs(value), label=name, **line)
             lower.plot(seen, _phase_deg(value), **line)
+            if identified:
+                _band(upper, lower, model.bode(omega), color)
         upper.set_xscale("log")
         upper.set_yscale("log")
-        upper.set_ylabel("magnitude\n(roll over input, rad/rad)")
+        upper.set_ylabel(f"magnitude\n({unit})")
         lower.set_ylabel("phase (°)")
         lower.set_xlabel("frequency (Hz)")
-        upper.set_title("Frequency response; band: 95 %, delta method on the ARX covariance")
+        upper.set_title("Frequency response; band: 95 %, delta method on the covariance")
         upper.legend(loc="lower left")
     return made
 
@@ -131,28 +145,15 @@ def _phase_deg(value: NDArray[np.complex128]) -> _Array:
     return shifted
 
 
-def _band(
-    upper: Axes,
-    lower: Axes,
-    hz: _Array,
-    value: NDArray[np.complex128],
-    covariance: _Array,
-    color: str,
-) -> None:
-    """Shade the 95 % band: G = x + iy, ln|G| along (x, y)/|G|², phase along (-y, x)/|G|²."""
-    square = np.abs(value) ** 2
-    along = np.stack([value.real, value.imag], axis=1) / square[:, None]
-    across = np.stack([-value.imag, value.real], axis=1) / square[:, None]
-    log_sd, phase_sd = (
-        np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", slope, covariance, slope), 0.0))
-        for slope in (along, across)
-    )
+def _band(upper: Axes, lower: Axes, seen: FrequencyResponse, color: str) -> None:
+    """Shade the 95 % band of the logarithm of the magnitude, and of the phase."""
+    hz, size = seen.frequency_radps / (2 * np.pi), seen.magnitude
     # The first order is not valid beyond a factor of ten.
-    factor = np.exp(np.minimum(_QUANTILE_95 * log_sd, np.log(10.0)))
-    size, phase = np.abs(value), _phase_deg(value)
+    factor = np.exp(np.minimum(_QUANTILE_95 * seen.magnitude_sd / size, np.log(10.0)))
     shade: dict[str, Any] = {"color": color, "alpha": 0.18, "linewidth": 0}
     upper.fill_between(hz, size / factor, size * factor, **shade)
-    wide = np.minimum(_QUANTILE_95 * np.degrees(phase_sd), 180.0)
+    phase = np.degrees(seen.phase_rad)
+    wide = np.minimum(_QUANTILE_95 * np.degrees(seen.phase_sd_rad), 180.0)
     lower.fill_between(hz, phase - wide, phase + wide, **shade)
 
 
@@ -246,7 +247,9 @@ def _damping(axes: Axes, reach: float) -> None:
                   color="#CCCCCC", linewidth=0.7, zorder=1)  # fmt: skip
 
 
-def residuals(model: ArxModel, u: ArrayLike, y: ArrayLike, *, lags: int = 25) -> Figure:
+def residuals(
+    model: ArxModel | OutputErrorModel, u: ArrayLike, y: ArrayLike, *, lags: int = 25
+) -> Figure:
     """Draw the correlations of the residuals of a model, which show what it does not explain.
 
     How to read it: the upper panel is the autocorrelation of the residuals. Bars outside the 99 %
@@ -257,7 +260,7 @@ def residuals(model: ArxModel, u: ArrayLike, y: ArrayLike, *, lags: int = 25) ->
 
     Parameters
     ----------
-    model : ArxModel
+    model : ArxModel or OutputErrorModel
         The model.
     u, y : array, shape (n,)
         Input and output, preferably from a log that the model was not fitted to.

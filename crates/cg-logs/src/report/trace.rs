@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Each point is the mean of a block of rows. When the space is full, neighboring blocks are merged
 /// and the blocks become twice as long.
 #[derive(Clone, Debug)]
-pub(crate) struct Trace {
+pub struct Trace {
     points: Vec<Block>,
     room: usize,
     rows_per_block: u32,
@@ -56,7 +56,7 @@ impl Block {
 
 /// The points of a trace by signal; the names contain the units.
 #[derive(Debug, Serialize)]
-pub(super) struct Signals {
+struct Signals {
     time_s: Vec<Option<f64>>,
     roll_rad: Vec<Option<f64>>,
     suspension_roll_rad: Vec<Option<f64>>,
@@ -71,14 +71,15 @@ pub(super) struct Signals {
 
 impl Trace {
     /// A trace with space for this number of points, at least two.
-    pub(crate) fn new(room: usize) -> Self {
+    #[must_use]
+    pub fn new(room: usize) -> Self {
         let room = room.max(2);
         let points = Vec::with_capacity(room);
         Self { points, room, rows_per_block: 1, open: Block::default(), to_gravity: false }
     }
 
     /// Adds the signals of a row.
-    pub(crate) fn push(&mut self, time_s: f64, signals: &cg_core::Signals<f64>) {
+    pub fn push(&mut self, time_s: f64, signals: &cg_core::Signals<f64>) {
         let outputs = OUTPUTS.into_iter().map(|output| signals.output(output));
         let inputs = INPUTS.into_iter().map(|input| signals.input(input));
         self.open.add(std::iter::once(time_s).chain(outputs).chain(inputs));
@@ -90,6 +91,14 @@ impl Trace {
         if self.points.len() == self.room {
             self.halve();
         }
+    }
+
+    /// The points as a JSON object of lists, whose names contain the units.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string(&self.signals())
     }
 
     fn halve(&mut self) {
@@ -106,7 +115,7 @@ impl Trace {
 
     /// The points to show, rounded to the resolution of a plot; signals that the log does not have
     /// are empty.
-    pub(super) fn signals(&self) -> Signals {
+    fn signals(&self) -> Signals {
         let rounded = |signal: usize, per_unit: f64| {
             let blocks = self.points.iter().chain((self.open.rows > 0).then_some(&self.open));
             let round = |value: f64| (value * per_unit).round() / per_unit;
@@ -176,7 +185,7 @@ mod tests {
         };
         let mut trace = Trace::new(2);
         trace.push(0.0, &Signals::of(&sample, f64::NAN, 9.81));
-        let page = serde_json::to_string(&trace.signals()).unwrap();
+        let page = trace.to_json().unwrap();
         assert_eq!(
             page,
             r#"{"time_s":[0.0],"roll_rad":[0.1],"suspension_roll_rad":[0.2],"#.to_owned()

@@ -3,13 +3,14 @@
 //! A page is one file: a template into which its style and its script are inserted. It loads nothing.
 
 /// Colors of light and dark screens, text, tiles and curves.
-pub(crate) const STYLE: &str = include_str!("base.css");
+pub const STYLE: &str = include_str!("base.css");
 /// Creation of elements, scales, axes and curves.
-pub(crate) const SCRIPT: &str = include_str!("chart.js");
+pub const SCRIPT: &str = include_str!("chart.js");
 
 /// Inserts the parts into the template at their marks, which stand in this order. Inserted text is not searched
 /// for marks.
-pub(crate) fn fill(template: &str, parts: &[(&str, &str)]) -> String {
+#[must_use]
+pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     let length: usize = parts.iter().map(|(_, part)| part.len()).sum();
     let mut page = String::with_capacity(template.len() + length);
     let mut rest = template;
