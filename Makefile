@@ -7,18 +7,23 @@ VENV := .venv
 TOOLS := target/tools
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 STATIC := x86_64-unknown-linux-musl
+ARM64 := aarch64-unknown-linux-musl
+ARMHF := armv7-unknown-linux-gnueabihf
+WINDOWS := x86_64-pc-windows-gnu
+APPLE := aarch64-apple-darwin x86_64-apple-darwin
 CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 .PHONY: test tools fmt lint package rust docs firmware firmware-tools firmware-budgets cg guest venv python notebook bench-short \
-  dist dist-clean dist-crates dist-program dist-python dist-c dist-firmware semver deny msrv \
+  dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
+  windows arm armhf macos deb port-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
 # The program, the Python package and the tests are one build, that of the dev profile. The tests of one part run while
 # another part is built. The last two measure times, have the release build and run alone.
-test: tools fmt lint
-	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware
+test: tools port-tools fmt lint
+	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware arm windows deb
 	$(MAKE) guest bench-short
 	@echo "all checks passed"
 
@@ -29,9 +34,12 @@ tools:
 	  || { echo "Python 3.11 or later with venv is missing"; exit 1; }
 	rustup target add thumbv7em-none-eabihf
 	rustup component add clippy rustfmt
-	@missing=; for need in chromium:chromium chromedriver:chromium-driver java:default-jre-headless; do \
-	  command -v $${need%%:*} >/dev/null || missing="$$missing $${need##*:}"; done; \
-	if [ -n "$$missing" ]; then $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq $$missing; fi
+	$(call install,chromium:chromium chromedriver:chromium-driver java:default-jre-headless)
+
+# Installs packages whose command is missing: $(call install,command:package ...,options of apt-get).
+install = @missing=; for need in $(1); do \
+	command -v $${need%%:*} >/dev/null || missing="$$missing $${need\#\#*:}"; done; \
+	[ -z "$$missing" ] || { $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq $(2) $$missing; }
 
 fmt:
 	cargo fmt --all --check
@@ -44,11 +52,9 @@ $(TOOLS):
 	$(PYTHON) -m venv $(TOOLS)
 	$(TOOLS)/bin/python -m pip install --quiet 'typos>=1.38' 'maturin>=1.9,<2' || { rm -rf $(TOOLS); exit 1; }
 
-# Packs the crates for crates.io without compiling them (`make dist` compiles them). Then tests that `cg` without its
-# features compiles and names the feature that is missing.
+# Packs the crates for crates.io without compiling them (`make dist` compiles them).
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
-	cargo test --quiet --package cg-cli --no-default-features --test cli left_out | tee -a /dev/stderr | grep --quiet "ok. [1-9]" # not none
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
 rust: firmware-tools
@@ -76,6 +82,48 @@ firmware-tools:
 cg:
 	cargo build --workspace --bin cg --lib
 
+# Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
+# optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
+# optimization (ports/cheap.toml), which the answers must not depend on. `make dist` compares what is handed out.
+PORT := cargo build --package cg-cli --no-default-features --config ports/cheap.toml
+COMPARE := $(PYTHON) ports/compare.py --left-out
+
+arm: cg port-tools
+	$(PORT) --target $(ARM64)
+	$(COMPARE) --quick target/debug/cg qemu-aarch64 target/$(ARM64)/debug/cg
+
+# The same for ARM with 32 bits; not in `make test`, which has no time for it.
+armhf: cg armhf-tools
+	$(PORT) --target $(ARMHF)
+	$(COMPARE) --quick target/debug/cg qemu-arm target/$(ARMHF)/debug/cg
+
+windows: cg port-tools
+	$(PORT) --target $(WINDOWS)
+	$(call wine-library,target/$(WINDOWS)/debug)
+	$(COMPARE) target/debug/cg $(WINE) target/$(WINDOWS)/debug/cg.exe
+
+WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all wine
+wine-library = x86_64-w64-mingw32-gcc -shared -Wall -Werror -o $(1)/bcryptprimitives.dll ports/bcryptprimitives.c -ladvapi32
+
+# Checks that `cg` compiles for macOS, without the features whose libraries need Apple's compiler for C. It cannot be run here.
+macos:
+	rustup target add $(APPLE)
+	cargo check --package cg-cli --no-default-features --features plots $(addprefix --target ,$(APPLE))
+
+# The package for Debian and Ubuntu, installed, run and purged in a folder of its own. `make dist` packs the static programs.
+deb: cg
+	@mkdir -p target/deb
+	ports/deb/check.sh "$$(COMPRESSION=none ports/deb/build.sh target/debug/cg $$(dpkg --print-architecture) target/deb)"
+
+port-tools:
+	rustup target add $(ARM64) $(WINDOWS)
+	$(call install,qemu-aarch64:qemu-user x86_64-w64-mingw32-gcc:gcc-mingw-w64-x86-64-win32 wine:wine \
+	  systemd-analyze:systemd,--no-install-recommends)
+
+armhf-tools:
+	rustup target add $(ARMHF)
+	$(call install,qemu-arm:qemu-user arm-linux-gnueabihf-gcc:gcc-arm-linux-gnueabihf,--no-install-recommends)
+
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
 guest: venv
 	cargo build --release --package cg-cli
@@ -101,13 +149,13 @@ python: venv cg
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
-# Executes the notebook and stores it with its output.
-notebook: venv
-	$(VENV)/bin/python crates/cg-py/tests/test_notebook.py
+# Executes the notebooks and stores them with their output.
+notebook: venv cg
+	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python crates/cg-py/tests/test_notebook.py
 
 # Builds and tests everything that is published, in dist (RELEASING.md). Needs a clean tree; the crates are compiled from
 # their packages.
-dist: dist-clean dist-crates dist-program dist-python dist-c dist-firmware
+dist: dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware
 	cd dist && sha256sum cg* firmware* > SHA256SUMS && ls -l
 
 dist-clean:
@@ -118,18 +166,40 @@ dist-crates:
 	rm -rf target/verify
 	CARGO_TARGET_DIR=target/verify/$$$$ cargo package --quiet
 
-# The one library in C (zstd) is compiled by gcc, so musl-tools is not needed. Its calls must not be replaced by checked
-# ones, which only glibc has.
+# The programs need no library of the system. Their one library in C (zstd) is compiled by gcc, so musl-tools is not needed
+# (.cargo/config.toml).
 dist-program:
 	@mkdir -p dist
 	rustup target add $(STATIC)
-	CC_$(subst -,_,$(STATIC))=gcc CFLAGS_$(subst -,_,$(STATIC))=-U_FORTIFY_SOURCE \
-	  cargo build --profile dist --package cg-cli --target $(STATIC)
-	! readelf --program-headers target/$(STATIC)/dist/cg | grep INTERP # fails if the program needs shared libraries
-	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
 	cargo build --profile dist --package cg-fmi
-	tar -czf dist/cg-$(VERSION)-$(STATIC).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C $(CURDIR)/target/$(STATIC)/dist cg \
-	  -C $(CURDIR)/target/dist libcg_fmi.so
+	$(call dist-static,$(STATIC),-C $(CURDIR)/target/dist libcg_fmi.so)
+	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
+
+dist-arm: dist-program port-tools armhf-tools
+	$(call install,aarch64-linux-gnu-gcc:gcc-aarch64-linux-gnu,--no-install-recommends)
+	$(call dist-static,$(ARM64))
+	$(call dist-static,$(ARMHF))
+	$(PYTHON) ports/compare.py target/$(STATIC)/dist/cg qemu-aarch64 target/$(ARM64)/dist/cg
+	$(PYTHON) ports/compare.py target/$(STATIC)/dist/cg qemu-arm target/$(ARMHF)/dist/cg
+
+# Fails if the program needs shared libraries: $(call dist-static,target,further files).
+dist-static = cargo build --profile dist --package cg-cli --target $(1) \
+  && ! readelf --program-headers target/$(1)/dist/cg | grep INTERP \
+  && tar -czf dist/cg-$(VERSION)-$(1).tar.gz LICENSE-MIT LICENSE-APACHE systemd -C $(CURDIR)/target/$(1)/dist cg $(2)
+
+# Fails if the program needs a library that Windows does not have: those of the compiler begin with lib.
+dist-windows: dist-program port-tools
+	cargo build --profile dist --package cg-cli --target $(WINDOWS)
+	! x86_64-w64-mingw32-objdump -p target/$(WINDOWS)/dist/cg.exe | grep 'DLL Name: lib'
+	$(call wine-library,target/$(WINDOWS)/dist)
+	$(PYTHON) ports/compare.py target/$(STATIC)/dist/cg $(WINE) target/$(WINDOWS)/dist/cg.exe
+	rm -f dist/cg-$(VERSION)-$(WINDOWS).zip
+	$(PYTHON) -m zipfile -c dist/cg-$(VERSION)-$(WINDOWS).zip target/$(WINDOWS)/dist/cg.exe LICENSE-MIT LICENSE-APACHE
+
+dist-deb: dist-program dist-arm
+	ports/deb/check.sh "$$(ports/deb/build.sh target/$(STATIC)/dist/cg amd64 dist)"
+	ports/deb/check.sh "$$(ports/deb/build.sh target/$(ARM64)/dist/cg arm64 dist)" qemu-aarch64
+	ports/deb/check.sh "$$(ports/deb/build.sh target/$(ARMHF)/dist/cg armhf dist)" qemu-arm
 
 # Wheel and source distribution, each tested in an empty environment. The files of a source distribution are old, so cargo
 # would take what an earlier build left: it gets a folder of its own.

@@ -190,9 +190,10 @@ fn error(class: u32, data: [u8; 8]) -> &'static str {
 }
 
 fn microseconds(time: TimeSpec) -> u64 {
-    let (seconds, nanos) = (time.tv_sec(), time.tv_nsec());
-    let part = |value: i64, factor: u64| u64::try_from(value).unwrap_or(0).saturating_mul(factor);
-    part(seconds, 1_000_000).saturating_add(part(nanos, 1) / 1000)
+    // Both numbers have 32 bits on some systems and 64 on others.
+    let seconds = u64::try_from(time.tv_sec()).unwrap_or(0);
+    let nanos = u64::try_from(time.tv_nsec()).unwrap_or(0);
+    seconds.saturating_mul(1_000_000).saturating_add(nanos / 1000)
 }
 
 #[cfg(test)]

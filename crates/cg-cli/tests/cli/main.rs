@@ -24,7 +24,6 @@
 //! | `serve` | the live page over real connections, slow ones among them |
 //! | `study` | chapter 2 as tables and figures |
 //! | `memory` | long logs need no more memory than short ones |
-//! | `left_out` | a build without optional features names the feature that is needed (`make package`) |
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 mod calibrate;
@@ -35,8 +34,6 @@ mod design;
 mod gateway;
 #[cfg(unix)]
 mod files;
-#[cfg(not(any(feature = "dbc", feature = "parquet", feature = "plots")))]
-mod left_out;
 mod learn;
 mod logs;
 mod memory;
