@@ -9,7 +9,7 @@
 //! | [`fmu`] | an FMU from a vehicle file |
 //! | [`instance`] | one instance: its values, and what may be called when |
 //! | `description` | `modelDescription.xml` |
-//! | [`package`] | the file `.fmu` |
+//! | [`mod@package`] | the file `.fmu` |
 //!
 //! The functions that FMI prescribes are C, in the crate `cg-fmi`. They call [`Instance`] and contain
 //! nothing else.
