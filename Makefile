@@ -99,11 +99,12 @@ armhf: cg armhf-tools
 
 windows: cg port-tools
 	$(PORT) --target $(WINDOWS)
-	$(call wine-library,target/$(WINDOWS)/debug)
+	$(call wine-ready,target/$(WINDOWS)/debug)
 	$(COMPARE) target/debug/cg $(WINE) target/$(WINDOWS)/debug/cg.exe
 
 WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all wine
-wine-library = x86_64-w64-mingw32-gcc -shared -Wall -Werror -o $(1)/bcryptprimitives.dll ports/bcryptprimitives.c -ladvapi32
+# The first start of Wine makes its folder and says so, which is no answer of the program.
+wine-ready = $(WINE) wineboot --init 2>/dev/null && x86_64-w64-mingw32-gcc -shared -Wall -Werror -o $(1)/bcryptprimitives.dll ports/bcryptprimitives.c -ladvapi32
 
 # Checks that `cg` compiles for macOS, without the features whose libraries need Apple's compiler for C. It cannot be run here.
 macos:
@@ -191,7 +192,7 @@ dist-static = cargo build --profile dist --package cg-cli --target $(1) \
 dist-windows: dist-program port-tools
 	cargo build --profile dist --package cg-cli --target $(WINDOWS)
 	! x86_64-w64-mingw32-objdump -p target/$(WINDOWS)/dist/cg.exe | grep 'DLL Name: lib'
-	$(call wine-library,target/$(WINDOWS)/dist)
+	$(call wine-ready,target/$(WINDOWS)/dist)
 	$(PYTHON) ports/compare.py target/$(STATIC)/dist/cg $(WINE) target/$(WINDOWS)/dist/cg.exe
 	rm -f dist/cg-$(VERSION)-$(WINDOWS).zip
 	$(PYTHON) -m zipfile -c dist/cg-$(VERSION)-$(WINDOWS).zip target/$(WINDOWS)/dist/cg.exe LICENSE-MIT LICENSE-APACHE
