@@ -62,11 +62,11 @@ impl PlantInput {
     /// # Errors
     /// [`VehicleError::Model`] that names the number and its limit.
     pub fn check(&self) -> Result<(), VehicleError> {
-        limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
+        limits::positive("speed_mps", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         for (name, angle_rad, greatest_rad) in [
-            ("⟨steer_rad⟩", self.steer_rad, limits::GREATEST_STEER_RAD),
-            ("⟨bank_rad⟩", self.ground.bank_rad, GREATEST_SLOPE_RAD),
-            ("⟨grade_rad⟩", self.ground.grade_rad, GREATEST_SLOPE_RAD),
+            ("steer_rad", self.steer_rad, limits::GREATEST_STEER_RAD),
+            ("bank_rad", self.ground.bank_rad, GREATEST_SLOPE_RAD),
+            ("grade_rad", self.ground.grade_rad, GREATEST_SLOPE_RAD),
         ] {
             if !(angle_rad.abs() <= greatest_rad) {
                 return Err(VehicleError::Model(format!(
