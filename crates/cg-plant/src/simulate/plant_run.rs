@@ -127,7 +127,7 @@ impl PlantRun {
     /// # Errors
     /// [`VehicleError::Model`] if the vehicle cannot have this input, or the interval is not positive.
     pub fn step(&mut self, input: &PlantInput, interval_s: f64) -> Result<Progress, VehicleError> {
-        limits::positive("⟨interval_s⟩", interval_s, limits::GREATEST_DURATION_S)?;
+        limits::positive("interval_s", interval_s, limits::GREATEST_DURATION_S)?;
         input.check()?;
         Ok(self.run.push_on(input.steer_rad, input.speed_mps, &input.ground, interval_s))
     }
@@ -172,7 +172,7 @@ impl PlantRun {
         interval_s: f64,
         mut next: impl FnMut(&Simulation<'_>, f64, f64) -> PlantInput,
     ) -> Result<Progress, VehicleError> {
-        limits::positive("⟨interval_s⟩", interval_s, limits::GREATEST_DURATION_S)?;
+        limits::positive("interval_s", interval_s, limits::GREATEST_DURATION_S)?;
         let steps = self.run.plant().steps(interval_s);
         let start_s = self.run.time_s();
         let step_s = interval_s / f64::from(steps);
