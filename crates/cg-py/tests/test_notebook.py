@@ -9,8 +9,9 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from conftest import cg
 from nbclient import NotebookClient
+
+from conftest import cg
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 # Each with the number of its pictures and what its text says of its output.
