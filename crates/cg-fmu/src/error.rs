@@ -19,17 +19,17 @@ impl FmuError {
     }
 }
 
-/// The names of options become those of the variables of an FMU.
+/// A message that begins with the name of a number of the plant begins with that of the variable.
 impl From<VehicleError> for FmuError {
     fn from(error: VehicleError) -> Self {
-        Self(hint::told(&error.to_string(), |name, _| {
-            match name {
-                "steer_rad" => "steer_demand_rad",
-                "speed_mps" => "speed_demand_mps",
-                "interval_s" => "the communication step size",
-                name => name,
-            }
-            .to_owned()
-        }))
+        let message = hint::told(&error.to_string(), |name, _| name.to_owned());
+        let Some((name, problem)) = message.split_once(' ') else { return Self(message) };
+        let variable = match name {
+            "steer_rad" => "steer_demand_rad",
+            "speed_mps" => "speed_demand_mps",
+            "interval_s" => "the communication step size",
+            _ => return Self(message),
+        };
+        Self(format!("{variable} {problem}"))
     }
 }
