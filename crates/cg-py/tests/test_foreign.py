@@ -116,6 +116,16 @@ FILES = {
             path,
         ),
     ),
+    "parquet duration of polars": (
+        "log.parquet",
+        lambda frame, path: pl.from_pandas(
+            frame.assign(when=frame.when - frame.when[0])
+        ).write_parquet(path),
+    ),
+    "parquet timestamp of Spark": (
+        "log.parquet",
+        lambda frame, path: frame.to_parquet(path, use_deprecated_int96_timestamps=True),
+    ),
     "parquet index": ("log.parquet", lambda frame, path: frame.set_index("when").to_parquet(path)),
     "csv of dates": ("log.csv", lambda frame, path: frame.to_csv(path, index=False)),
     "csv of a DatetimeIndex": ("log.csv", lambda frame, path: frame.set_index("when").to_csv(path)),

@@ -68,6 +68,7 @@ pub mod guide;
 mod measured_springs;
 mod leveled;
 pub mod twisting;
+pub mod eigen;
 pub mod system;
 mod output_error;
 pub mod response;

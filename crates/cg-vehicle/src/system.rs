@@ -1,8 +1,8 @@
 //! Linear systems with one input and one output.
 
-use faer::c64;
 use nalgebra::{Complex, DMatrix, DVector};
 
+use crate::eigen::eigenvalues;
 use crate::error::VehicleError;
 
 /// A transfer function in factored and polynomial form.
@@ -72,16 +72,12 @@ impl Rational {
     }
 }
 
-fn eigen_error<E: std::fmt::Debug>(error: E) -> VehicleError {
-    VehicleError::Model(format!("the eigenvalues of the model do not converge ({error:?})"))
-}
-
 fn pole_at_zero() -> VehicleError {
     VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
 }
 
 /// Sorted by real part, the largest first.
-fn sorted(values: impl Iterator<Item = c64>) -> Vec<(f64, f64)> {
+fn sorted(values: impl Iterator<Item = Complex<f64>>) -> Vec<(f64, f64)> {
     let mut pairs: Vec<(f64, f64)> = values.map(|value| (value.re, value.im)).collect();
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
     pairs
@@ -89,10 +85,10 @@ fn sorted(values: impl Iterator<Item = c64>) -> Vec<(f64, f64)> {
 
 /// The polynomial with these roots and this leading coefficient, in descending powers.
 pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
-    let mut coefficients = vec![c64::new(leading, 0.0)];
+    let mut coefficients = vec![Complex::new(leading, 0.0)];
     for &(re, im) in roots {
-        let root = c64::new(re, im);
-        coefficients.push(c64::new(0.0, 0.0));
+        let root = Complex::new(re, im);
+        coefficients.push(Complex::new(0.0, 0.0));
         for k in (1..coefficients.len()).rev() {
             let lower = coefficients[k - 1];
             coefficients[k] -= root * lower;
@@ -149,12 +145,7 @@ impl System {
     /// # Errors
     /// If the eigenvalues do not converge.
     pub fn poles(&self) -> Result<Vec<(f64, f64)>, VehicleError> {
-        let n = self.order();
-        if n == 0 {
-            return Ok(Vec::new());
-        }
-        let a = faer::Mat::from_fn(n, n, |i, j| self.a[(i, j)]);
-        Ok(sorted(a.eigenvalues().map_err(eigen_error)?.into_iter()))
+        Ok(sorted(eigenvalues(&self.a)?.into_iter()))
     }
 
     /// Whether all poles are in the left half plane.
@@ -228,9 +219,33 @@ impl System {
         Ok(response_of(&state, &self.c, self.d).norm())
     }
 
+    /// The zeros of the transfer function, rad/s.
+    ///
+    /// With `s = σ + 1/μ` and `M = (σ − A)⁻¹`, the transfer function is a system in μ with the matrix −M, the
+    /// input b, the output −cM² and the feedthrough `G(σ)`. Its zeros are the eigenvalues of
+    /// `−M + b c M²/G(σ)`, and zeros at infinity are at μ = 0.
+    fn zeros(&self, poles: &[(f64, f64)]) -> Result<Vec<Complex<f64>>, VehicleError> {
+        let n = self.order();
+        let magnitudes = || poles.iter().map(|(re, im)| re.hypot(*im));
+        let fastest = magnitudes().fold(0.0, f64::max);
+        // Any point without a pole serves; in the middle of the poles, all zeros are found equally well.
+        let middle =
+            magnitudes().filter(|pole| *pole > 0.0).map(f64::ln).sum::<f64>() / n.max(1) as f64;
+        let point = middle.exp();
+        let shifted =
+            DMatrix::from_fn(n, n, |i, j| if i == j { point } else { 0.0 } - self.a[(i, j)]);
+        let inverse = shifted.try_inverse().ok_or_else(pole_at_zero)?;
+        let output = inverse.tr_mul(&self.c);
+        let value = output.dot(&self.b) + self.d;
+        let matrix = &self.b * (inverse.tr_mul(&output) / value).transpose() - &inverse;
+        let zeros = eigenvalues(&matrix)?.into_iter().map(|mu| mu.inv() + point);
+        // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times the size.
+        Ok(zeros.filter(|zero| zero.norm() < 1e3 * fastest).collect())
+    }
+
     /// The transfer function.
     ///
-    /// The poles are eigenvalues and the zeros generalized eigenvalues. The alternative, expanding
+    /// The poles are eigenvalues, and so are the zeros of a related system. The alternative, expanding
     /// the determinant of the thesis's `D(s)`, loses all digits in double precision.
     ///
     /// # Errors
@@ -238,33 +253,7 @@ impl System {
     pub fn transfer_function(&self) -> Result<TransferFunction, VehicleError> {
         let n = self.order();
         let poles = self.poles()?;
-        // det ┌ A − λI  b ┐ = 0
-        //     └   c     d ┘
-        // The row and column of input and output are scaled to the size of A, which does not change
-        // the zeros.
-        let size = self.a.norm();
-        let (input, output) = (size / self.b.norm(), size / self.c.norm());
-        let pencil = faer::Mat::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
-            (true, true) => self.a[(i, j)],
-            (true, false) => self.b[i] * input,
-            (false, true) => self.c[j] * output,
-            (false, false) => self.d * input * output,
-        });
-        let identity =
-            faer::Mat::from_fn(n + 1, n + 1, |i, j| if i == j && i < n { 1.0 } else { 0.0 });
-        let eigen = pencil.generalized_eigen(&identity).map_err(eigen_error)?;
-        let (alpha, beta) = (eigen.S_a(), eigen.S_b());
-        let fastest = poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max);
-        let zeros = sorted(
-            alpha
-                .column_vector()
-                .iter()
-                .zip(beta.column_vector().iter())
-                .map(|(a, b)| *a / *b)
-                // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times
-                // the size.
-                .filter(|z| z.re.hypot(z.im) < 1e3 * fastest),
-        );
+        let zeros = sorted(self.zeros(&poles)?.into_iter());
         // The leading coefficient is the first nonzero Markov parameter d, cb, cAb …
         let mut markov = self.b.clone();
         let gain = match n - zeros.len().min(n) {

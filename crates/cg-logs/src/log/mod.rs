@@ -40,6 +40,10 @@ mod heading;
 mod columns;
 mod clock;
 mod cell;
+#[cfg(feature = "parquet")]
+mod arrow_units;
+#[cfg(feature = "parquet")]
+mod parquet_kind;
 #[cfg_attr(not(feature = "parquet"), path = "no_batches.rs")]
 mod batches;
 mod frames;

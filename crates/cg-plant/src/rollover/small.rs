@@ -2,9 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use faer::c64;
-use nalgebra::{Complex, DMatrix};
-
+use cg_vehicle::eigen::participation;
 use cg_vehicle::equations::w;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
@@ -51,30 +49,22 @@ impl Mode {
 
 /// The modes of a linear model of [`Equations`](cg_vehicle::equations::Equations), slowest decay first.
 ///
-/// The participation of state `k` in mode `i` is `V_ki (V⁻¹)_ik` (Pérez-Arriaga, Verghese and
-/// Schweppe, IEEE Trans. PAS 101, 1982); lateral velocity, yaw rates and articulation are yaw.
+/// By the states' [`participation`], lateral velocity, yaw rates and articulation are yaw.
 ///
 /// # Errors
 /// If the eigenvalues do not converge.
 pub fn modes(model: &StateSpace) -> Result<Vec<Mode>, VehicleError> {
-    let n = model.a.nrows();
-    let failed = || VehicleError::Model("the modes of the linear model do not converge".to_owned());
-    let a = faer::Mat::from_fn(n, n, |i, j| model.a[(i, j)]);
-    let eigen = a.eigen().map_err(|_| failed())?;
-    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-    let complex = |z: c64| Complex::new(z.re, z.im);
-    let right = DMatrix::from_fn(n, n, |i, j| complex(vectors[(i, j)]));
-    let left = right.clone().try_inverse().ok_or_else(failed)?;
-    let articulation = (0..n).find(|&k| model.articulation[k] != 0.0);
-    let mut modes: Vec<Mode> = (0..n)
-        .filter(|&i| values[i].im >= 0.0)
-        .map(|i| {
-            let part = |k: usize| (right[(k, i)] * left[(i, k)]).norm();
+    let articulation = model.articulation.iter().position(|share| *share != 0.0);
+    let mut modes: Vec<Mode> = participation(&model.a)?
+        .iter()
+        .filter(|mode| mode.value.im >= 0.0)
+        .map(|mode| {
+            let part = |k: usize| mode.factors[k].norm();
             let yaw: f64 =
                 [w::LATERAL, w::YAW_1, w::YAW_2].into_iter().chain(articulation).map(part).sum();
             Mode {
-                pole_radps: (values[i].re, values[i].im),
-                yaw_share: yaw / (0..n).map(part).sum::<f64>(),
+                pole_radps: (mode.value.re, mode.value.im),
+                yaw_share: yaw / (0..mode.factors.len()).map(part).sum::<f64>(),
             }
         })
         .collect();
