@@ -79,9 +79,11 @@ firmware-tools:
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
 
-# The program as the tests have it, and the library that `cg fmu` packs.
+# The program as the tests have it, and the library that `cg fmu` packs. Nothing must be left to compile for the Python
+# package, see the end of the dependencies in crates/cg-py/Cargo.toml.
 cg:
 	cargo build --workspace --bin cg --lib
+	@! cargo build --package cg-py --lib 2>&1 | grep Compiling
 
 # Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
 # optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
@@ -294,9 +296,11 @@ soak:
 rollover-table:
 	CG_ROLLOVER_TABLE=1 cargo test --workspace --test rollover the_table -- --nocapture
 
-# Runs every bench once on little data, to show that it works. It gives no valid measurements.
+# Runs every bench once on little data, to show that it works. It gives no valid measurements, so it takes the build of the
+# tests.
 bench-short: venv cg
-	CG_BENCH_ROWS=50000 cargo bench --package cg-bench -- --sample-count 1 --sample-size 1
+	CG_BENCH_ROWS=50000 cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
+	  -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
