@@ -7,11 +7,12 @@ import sys
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
 from pyspark.sql import SparkSession
 
 import cgheight
-from cgheight.spark import estimate_files, estimate_trips, learn_files, learn_trips
+from cgheight.spark import _complete_trips, estimate_files, estimate_trips, learn_files, learn_trips
 from conftest import FIXTURES, LOGS
 
 TRIPS = 240
@@ -77,6 +78,23 @@ def test_hundreds_of_trips_have_the_heights_of_one_machine(spark, trips, baselin
         # The arithmetic and the rows are the same, so the results agree to the last bit.
         pd.testing.assert_series_equal(found[name], one_machine[name], check_dtype=False,
                                        check_exact=True)  # fmt: skip
+
+
+@pytest.mark.parametrize("rows", [1, 3, 7, 100])
+def test_trips_are_whole_however_their_rows_arrive(rows):
+    table = pa.table({
+        "trip": ["a"] * 4 + [None] + ["b"] * 5 + ["c"] * 3,
+        "t": [0.3, 0.1, 0.2, 0.4, 5.0, 1.0, 2.0, 3.0, 4.0, 5.0, 9.0, 8.0, 7.0],
+        "x": list(range(13)),
+        "note": ["text"] * 13,
+    })  # fmt: skip
+    found = _complete_trips(iter(table.to_batches(rows)), "trip", "t")
+    trips = [trip for complete in found for trip in complete]
+    assert [name for name, _ in trips] == ["a", "None", "b", "c"]
+    assert [log["x"].tolist() for _, log in trips] == [
+        [1, 2, 0, 3], [4], [5, 6, 7, 8, 9], [12, 11, 10],
+    ]  # fmt: skip
+    assert all(list(log) == ["t", "x"] for _, log in trips)
 
 
 def test_a_calibrated_vehicle_travels_and_bad_files_are_rejected_not_fatal(spark, kraz, tmp_path):
