@@ -128,9 +128,10 @@ armhf-tools:
 	rustup target add $(ARMHF)
 	$(call install,qemu-arm:qemu-user arm-linux-gnueabihf-gcc:gcc-arm-linux-gnueabihf,--no-install-recommends)
 
-# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute. An emulated
+# processor can keep up with that in the release profile only.
 guest: venv
-	cargo build --release --package cg-cli
+	cargo build --release --package cg-cli --no-default-features
 	guest/run.sh target/release/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
