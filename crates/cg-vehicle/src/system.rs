@@ -1,9 +1,9 @@
 //! Linear systems with one input and one output.
 
-use faer::c64;
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::VehicleError;
+use crate::matrix::{by_real_part, eigenvalues, exponential};
 
 /// A transfer function in factored and polynomial form.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,27 +72,16 @@ impl Rational {
     }
 }
 
-fn eigen_error<E: std::fmt::Debug>(error: E) -> VehicleError {
-    VehicleError::Model(format!("the eigenvalues of the model do not converge ({error:?})"))
-}
-
 fn pole_at_zero() -> VehicleError {
     VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
 }
 
-/// Sorted by real part, the largest first.
-fn sorted(values: impl Iterator<Item = c64>) -> Vec<(f64, f64)> {
-    let mut pairs: Vec<(f64, f64)> = values.map(|value| (value.re, value.im)).collect();
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
-    pairs
-}
-
 /// The polynomial with these roots and this leading coefficient, in descending powers.
 pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
-    let mut coefficients = vec![c64::new(leading, 0.0)];
+    let mut coefficients = vec![Complex::new(leading, 0.0)];
     for &(re, im) in roots {
-        let root = c64::new(re, im);
-        coefficients.push(c64::new(0.0, 0.0));
+        let root = Complex::new(re, im);
+        coefficients.push(Complex::new(0.0, 0.0));
         for k in (1..coefficients.len()).rev() {
             let lower = coefficients[k - 1];
             coefficients[k] -= root * lower;
@@ -149,12 +138,7 @@ impl System {
     /// # Errors
     /// If the eigenvalues do not converge.
     pub fn poles(&self) -> Result<Vec<(f64, f64)>, VehicleError> {
-        let n = self.order();
-        if n == 0 {
-            return Ok(Vec::new());
-        }
-        let a = faer::Mat::from_fn(n, n, |i, j| self.a[(i, j)]);
-        Ok(sorted(a.eigenvalues().map_err(eigen_error)?.into_iter()))
+        eigenvalues(&self.a)
     }
 
     /// Whether all poles are in the left half plane.
@@ -225,7 +209,8 @@ impl System {
             return Ok(self.d.abs());
         }
         let state = state_at(&self.a, &self.b, omega_radps)?;
-        Ok(response_of(&state, &self.c, self.d).norm())
+        let response = response_of(&state, &self.c, self.d);
+        Ok(libm::hypot(response.re, response.im))
     }
 
     /// The transfer function.
@@ -238,33 +223,7 @@ impl System {
     pub fn transfer_function(&self) -> Result<TransferFunction, VehicleError> {
         let n = self.order();
         let poles = self.poles()?;
-        // det ┌ A − λI  b ┐ = 0
-        //     └   c     d ┘
-        // The row and column of input and output are scaled to the size of A, which does not change
-        // the zeros.
-        let size = self.a.norm();
-        let (input, output) = (size / self.b.norm(), size / self.c.norm());
-        let pencil = faer::Mat::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
-            (true, true) => self.a[(i, j)],
-            (true, false) => self.b[i] * input,
-            (false, true) => self.c[j] * output,
-            (false, false) => self.d * input * output,
-        });
-        let identity =
-            faer::Mat::from_fn(n + 1, n + 1, |i, j| if i == j && i < n { 1.0 } else { 0.0 });
-        let eigen = pencil.generalized_eigen(&identity).map_err(eigen_error)?;
-        let (alpha, beta) = (eigen.S_a(), eigen.S_b());
-        let fastest = poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max);
-        let zeros = sorted(
-            alpha
-                .column_vector()
-                .iter()
-                .zip(beta.column_vector().iter())
-                .map(|(a, b)| *a / *b)
-                // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times
-                // the size.
-                .filter(|z| z.re.hypot(z.im) < 1e3 * fastest),
-        );
+        let zeros = self.zeros(&poles)?;
         // The leading coefficient is the first nonzero Markov parameter d, cb, cAb …
         let mut markov = self.b.clone();
         let gain = match n - zeros.len().min(n) {
@@ -284,6 +243,46 @@ impl System {
             gain,
             dc_gain: self.moments(1)?[0],
         })
+    }
+
+    /// The roots of the numerator, rad/s: where `det P(s) = 0`.
+    ///
+    /// ```text
+    ///            ┌ A − sI  b ┐
+    ///     P(s) = └   c     d ┘
+    /// ```
+    ///
+    /// With `E = diag(I, 0)`, `P(s) = P(σ) − (s − σ) E` is singular where `1/(s − σ)` is an eigenvalue of `P(σ)⁻¹ E`. Its
+    /// rounding changes a root by `ε |s − σ|²/σ`, which is little if `σ` is as large as the fastest root.
+    fn zeros(&self, poles: &[(f64, f64)]) -> Result<Vec<(f64, f64)>, VehicleError> {
+        let n = self.order();
+        // The row and column of input and output are scaled to the size of A, which does not change the zeros.
+        let size = self.a.norm();
+        let (input, output) = (size / self.b.norm(), size / self.c.norm());
+        let fastest = poles.iter().map(|(re, im)| libm::hypot(*re, *im)).fold(0.0, f64::max);
+        // A zero of a truck is in this place only by accident.
+        let shift = 1.234 * fastest;
+        let pencil = DMatrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
+            (true, true) => self.a[(i, j)] - if i == j { shift } else { 0.0 },
+            (true, false) => self.b[i] * input,
+            (false, true) => self.c[j] * output,
+            (false, false) => self.d * input * output,
+        });
+        let inverse = pencil.lu().solve(&DMatrix::identity(n + 1, n)).ok_or_else(|| {
+            VehicleError::Model("the response has no transfer function: it is zero".to_owned())
+        })?;
+        // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times the size.
+        let near = |(re, im): &(f64, f64)| libm::hypot(*re, *im) < 1e3 * fastest;
+        let mut zeros: Vec<(f64, f64)> = eigenvalues(&inverse.rows(0, n).into_owned())?
+            .into_iter()
+            .map(|(re, im)| {
+                let square = re * re + im * im;
+                (shift + re / square, -im / square)
+            })
+            .filter(near)
+            .collect();
+        by_real_part(&mut zeros);
+        Ok(zeros)
     }
 
     /// The transfer function as a rational function. It is meant for reduced models: at high orders
@@ -336,7 +335,7 @@ impl Simulation {
         m.view_mut((0, 0), (n, n)).copy_from(&(a * interval_s));
         m.view_mut((0, n), (n, 1)).copy_from(&(b * interval_s));
         m[(n, n + 1)] = 1.0;
-        let exponential = m.exp();
+        let exponential = exponential(&m);
         Self {
             transition: exponential.view((0, 0), (n, n)).into_owned(),
             held: exponential.view((0, n), (n, 1)).column(0).into_owned(),

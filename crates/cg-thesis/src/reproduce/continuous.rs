@@ -7,8 +7,8 @@
 use cg_core::Reduced5;
 use cg_core::truck::reduced::ORDER;
 use cg_core::truck::simulation::Simulation;
-use faer::c64;
-use nalgebra::{SMatrix, SVector};
+use cg_vehicle::matrix::eigenvalues;
+use nalgebra::{Complex, DMatrix, SMatrix, SVector};
 
 /// Unknowns of an ARX model `[5 6 0]`.
 pub(super) const UNKNOWNS: usize = 2 * ORDER + 1;
@@ -20,21 +20,20 @@ pub(super) fn to_continuous(
     interval_s: f64,
 ) -> Option<Reduced5<f64>> {
     let (past, inputs) = coefficients.split_at(ORDER);
-    let companion = faer::Mat::from_fn(ORDER, ORDER, |i, j| match i {
+    let companion = DMatrix::from_fn(ORDER, ORDER, |i, j| match i {
         0 => -past[j],
         _ if j + 1 == i => 1.0,
         _ => 0.0,
     });
-    let mut denominator = vec![c64::new(1.0, 0.0)]; // ascending
-    for z in companion.eigenvalues().ok()? {
-        let negative = z.re <= 0.0 && z.im.abs() <= 1e-9 * z.re.abs();
-        if negative || !(z.re.is_finite() && z.im.is_finite()) {
+    let mut denominator = vec![Complex::new(1.0, 0.0)]; // ascending
+    for (re, im) in eigenvalues(&companion).ok()? {
+        if re <= 0.0 && im.abs() <= 1e-9 * re.abs() {
             return None;
         }
-        let s = c64::new(z.re.hypot(z.im).ln(), z.im.atan2(z.re)) / interval_s;
-        denominator.push(c64::new(0.0, 0.0));
+        let s = Complex::new(libm::log(libm::hypot(re, im)), libm::atan2(im, re)) / interval_s;
+        denominator.push(Complex::new(0.0, 0.0));
         for k in (0..denominator.len()).rev() {
-            let lower = if k > 0 { denominator[k - 1] } else { c64::new(0.0, 0.0) };
+            let lower = if k > 0 { denominator[k - 1] } else { Complex::new(0.0, 0.0) };
             denominator[k] = lower - s * denominator[k];
         }
     }
