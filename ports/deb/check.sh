@@ -34,7 +34,7 @@ for folder in /usr/lib/systemd/system /lib/systemd/system; do
   [ ! -d "$folder" ] || units=$folder
 done
 mkdir "$work/units"
-cp "$units"/*.target "$units"/*.slice "$units"/*.socket "$work/units" 2>/dev/null || true
+find "$units" -maxdepth 1 \( -name '*.target' -o -name '*.slice' -o -name '*.socket' \) -exec cp -t "$work/units" {} +
 sed "s#/usr/bin/cg#$root/usr/bin/cg#" "$root/usr/lib/systemd/system/cg-run@.service" > "$work/units/cg-run@.service"
 ln -s cg-run@.service "$work/units/cg-run@can0.service"
 said=$(SYSTEMD_UNIT_PATH="$work/units" systemd-analyze verify --man=no "$work/units/cg-run@can0.service" 2>&1) \

@@ -25,6 +25,8 @@
 //! Exit status: 0 every log has a height; 1 some log has no height; 2 wrong usage, an input that
 //! cannot be read, or an output that may not be written. After a signal it is that of the signal.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod answer;
 mod args;
 mod calibrate;

@@ -180,7 +180,7 @@ fn digits(value: f64, rounding: Option<f64>, more: i32) -> String {
 
 #[allow(clippy::cast_possible_truncation)] // the exponent of a finite number
 fn power_of_ten(value: f64) -> i32 {
-    value.log10().floor() as i32
+    libm::log10(value).floor() as i32
 }
 
 #[cfg(test)]

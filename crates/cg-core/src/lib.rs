@@ -56,6 +56,7 @@
 //! the thesis.
 #![no_std]
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 #[macro_use]
 pub mod word;

@@ -7,7 +7,7 @@ mod common;
 
 use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
 use common::{EQ_5_12, narrow, rounded_step_response, with_noise};
-use nalgebra::{DMatrix, DVector, SMatrix};
+use nalgebra::{Complex, DMatrix, DVector, SMatrix};
 
 const NO_PRIOR: Prior<f64> = Prior {
     dynamics_sd: f64::INFINITY,
@@ -26,7 +26,7 @@ fn lively(n: usize, interval_s: f64) -> Vec<(f64, f64)> {
     (0..n).map(|k| (steer(k), if k == 0 { 0.0 } else { plant.push(steer(k)) })).collect()
 }
 
-/// Characteristic polynomial of exp(A Ts), highest power first, from nalgebra's matrix exponential.
+/// Characteristic polynomial of exp(A Ts), highest power first: its roots are `exp(λ Ts)`.
 fn discrete_denominator(model: &Reduced5<f64>, interval_s: f64) -> Vec<f64> {
     let mut a = SMatrix::<f64, 5, 5>::zeros();
     for k in 0..4 {
@@ -35,17 +35,17 @@ fn discrete_denominator(model: &Reduced5<f64>, interval_s: f64) -> Vec<f64> {
     for k in 0..5 {
         a[(4, k)] = -model.denominator[k];
     }
-    let phi = (a * interval_s).exp();
-    // Faddeev–LeVerrier algorithm
-    let mut m = SMatrix::<f64, 5, 5>::identity();
-    let mut coefficients = vec![1.0];
-    for k in 1..=5 {
-        let product = phi * m;
-        let c = -product.trace() / f64::from(k);
-        coefficients.push(c);
-        m = product + SMatrix::identity() * c;
+    let mut coefficients = vec![Complex::new(1.0, 0.0)];
+    for pole in a.complex_eigenvalues().iter() {
+        let (sin, cos) = (pole.im * interval_s).sin_cos();
+        let root = Complex::new(cos, sin) * (pole.re * interval_s).exp();
+        coefficients.push(Complex::new(0.0, 0.0));
+        for k in (1..coefficients.len()).rev() {
+            let lower = coefficients[k - 1];
+            coefficients[k] -= root * lower;
+        }
     }
-    coefficients
+    coefficients.iter().map(|c| c.re).collect()
 }
 
 #[test]

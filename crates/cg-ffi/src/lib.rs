@@ -6,6 +6,7 @@
 //! its type.
 #![cfg_attr(target_os = "none", no_std)]
 #![allow(unsafe_code)] // pointers from C
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod types;
 

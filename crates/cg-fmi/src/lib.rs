@@ -14,6 +14,7 @@
 //! texts end with a zero, and no two threads use an instance at the same time.
 #![allow(unsafe_code)] // pointers from C
 #![allow(non_snake_case)] // names of FMI
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod types;
 mod component;

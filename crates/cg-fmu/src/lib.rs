@@ -14,6 +14,8 @@
 //! The functions that FMI prescribes are C, in the crate `cg-fmi`. They call [`Instance`] and contain
 //! nothing else.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod error;
 pub mod variable;
 mod subject;

@@ -218,8 +218,8 @@ pub fn runs_of(
 }
 
 /// The checksum that distinguishes designs: of the numbers that relate a ratio to a height, and of
-/// their uncertainty, each to five digits. Processors and systems round differently, which changes a
-/// design by less than 1e-10; the same truck on another computer must have the same checksum.
+/// their uncertainty, each to five digits. Every computer computes the same bits, but another version
+/// may round differently, which changes a design by less than 1e-10; an update must find its state.
 pub fn design_crc32(design: &Design<f64>) -> u32 {
     let heights_m = [design.least_height_m, design.greatest_height_m];
     let lines = design.channels.iter().flat_map(|channel| channel.lines.iter().flatten());
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_design_of_another_computer_is_the_same_and_that_of_another_truck_is_not() {
+    fn a_design_of_another_version_is_the_same_and_that_of_another_truck_is_not() {
         let kraz = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
         let mut vehicle = Vehicle::load(kraz).unwrap();
         let here = design(&vehicle, Variant::Complete).unwrap();

@@ -4,6 +4,7 @@
 //! | module | contents | reference |
 //! |---|---|---|
 //! | [`plant`] | nonlinear yaw/roll/pitch/bounce simulator and driver | ch. 2, UMTRI |
+//! | [`random`] | noise of sensors | – |
 //! | [`road`] | curvature, bank and speed limit over the distance | – |
 //! | [`maneuver`] | steer and speed histories | section 5.3 |
 //! | [`sensors`] | sensor errors added to the truth | section 5.3 |
@@ -14,6 +15,9 @@
 //!
 //! See [`plant`].
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+pub mod random;
 pub mod maneuver;
 pub mod road;
 pub mod plant;

@@ -84,7 +84,7 @@ fn smoothed(segments: &[Segment], first: f64, lag_s: f64, time_s: f64) -> f64 {
     let (mut previous, mut value) = (first, first);
     for segment in segments.iter().take_while(|segment| segment.start_s < time_s) {
         let x = (time_s - segment.start_s) / lag_s;
-        value += (segment.target - previous) * (1.0 - (1.0 + x) * (-x).exp());
+        value += (segment.target - previous) * (1.0 - (1.0 + x) * libm::exp(-x));
         previous = segment.target;
     }
     value
@@ -205,9 +205,9 @@ impl Histories {
         let unit = match self.maneuver {
             Maneuver::RoundedStep => step(t),
             Maneuver::SteadyTurn => step(t) - step(t - 0.7 * held_s),
-            Maneuver::LaneChange if t < LANE_CHANGE_S => (TAU * t / LANE_CHANGE_S).sin(),
+            Maneuver::LaneChange if t < LANE_CHANGE_S => libm::sin(TAU * t / LANE_CHANGE_S),
             Maneuver::LaneChange => 0.0,
-            Maneuver::Sine => (TAU * SINE_HZ * t).sin(),
+            Maneuver::Sine => libm::sin(TAU * SINE_HZ * t),
             Maneuver::Ramp => t / held_s,
             Maneuver::Drive => {
                 let steer_rad = smoothed(&self.turns, 0.0, DRIVER_LAG_S, time_s);

@@ -24,6 +24,8 @@
 //! Arrays are read in place, and loops run detached from the interpreter so that other Python
 //! threads can run. Each loop regularly checks whether the user has interrupted it. Lists, other
 //! number types and data frames are converted to arrays in Python.
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 // PyO3 takes arguments by value, and doc comments become docstrings in numpydoc's form.
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 

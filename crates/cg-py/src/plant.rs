@@ -307,8 +307,10 @@ impl Plant {
 
 /// The path through points, which must lead somewhere.
 fn path(points_m: &[[f64; 2]]) -> PyResult<Path> {
-    let length_m: f64 =
-        points_m.windows(2).map(|two| (two[1][0] - two[0][0]).hypot(two[1][1] - two[0][1])).sum();
+    let length_m: f64 = points_m
+        .windows(2)
+        .map(|two| libm::hypot(two[1][0] - two[0][0], two[1][1] - two[0][1]))
+        .sum();
     if !(length_m.is_finite() && length_m >= 10.0) {
         return Err(value_error(format!(
             "path_m has {} points and a length of {length_m} m: it must be finite and at least 10 m long",

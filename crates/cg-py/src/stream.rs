@@ -17,6 +17,10 @@ use crate::results;
 use crate::signals::{check_row, signal};
 use crate::vehicle::Vehicle;
 
+/// A roll angle from a rate is known only at the end of a turn.
+const RATE_UNUSED: &str = "roll_rate is not used: the roll angle of a row depends on the rows after it; \
+                           cgheight.estimate_log uses it";
+
 /// Estimator that processes one row at a time; `cgheight.Estimator` sets its options.
 #[pyclass(frozen, subclass, module = "cgheight._native")]
 pub(crate) struct Stream {
@@ -42,6 +46,7 @@ struct State {
 struct Now {
     estimator: LogEstimator,
     previous_s: f64,
+    has_roll_rate: bool,
 }
 
 impl State {
@@ -57,6 +62,7 @@ impl State {
             ));
         }
         let time_s = row.time_s;
+        self.now.has_roll_rate |= row.roll_rate_radps.is_finite();
         let status =
             self.now.estimator.push(row).map_err(|error| format!("time_s = {time_s}: {error}"))?;
         self.now.previous_s = time_s;
@@ -107,7 +113,7 @@ impl Stream {
         let settings = vehicle.inner.align_settings();
         let options = vehicle.options(options);
         let estimator = LogEstimator::from_design(design, settings, options);
-        let now = Now { estimator, previous_s: f64::NEG_INFINITY };
+        let now = Now { estimator, previous_s: f64::NEG_INFINITY, has_roll_rate: false };
         Ok(Self { state: Mutex::new(State { now, learner }), source })
     }
 
@@ -201,9 +207,12 @@ impl Stream {
     fn estimate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let so_far = {
             let state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-            state.now.estimator.clone()
+            state.now.clone()
         };
-        let answer = py.detach(|| so_far.finish());
+        let mut answer = py.detach(|| so_far.estimator.finish());
+        if so_far.has_roll_rate {
+            answer.messages.push(RATE_UNUSED.to_owned());
+        }
         results::estimate(py, &answer)
     }
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -81,3 +83,25 @@ def test_too_few_turns_give_no_height_from_a_rate(truck):
     answer = cgheight.estimate_log(log, vehicle=truck)
     assert answer.height_m is None
     assert any("the first 3 only show" in message for message in answer.messages)
+
+
+def test_a_rate_that_cannot_be_used_is_told(truck, clean):
+    log = {**clean, "tilt_rad": clean["roll_rad"], "roll_rate_radps": rate(clean, 0.0, 0.0, 0.0)}
+    del log["roll_rad"]
+    answer = cgheight.estimate_log(log, vehicle=truck)
+    told = [message for message in answer.messages if "roll_rate is not used" in message]
+    assert len(told) == 1 and "the log has tilt instead" in told[0]
+
+
+def test_an_estimator_of_rows_says_that_it_does_not_use_a_rate(truck, clean):
+    with_rate = cgheight.Estimator(truck)
+    without = cgheight.Estimator(truck)
+    names = ("speed_mps", "lateral_acceleration_mps2")
+    for row in range(0, 2000):
+        signals = {name: clean[name][row] for name in names}
+        arguments = (clean["time_s"][row], clean["steer_rad"][row], clean["roll_rad"][row])
+        without.push(*arguments, **signals)
+        with_rate.push(*arguments, **signals, roll_rate_radps=0.0)
+    with_rate = pickle.loads(pickle.dumps(with_rate))
+    told = set(with_rate.estimate().messages) - set(without.estimate().messages)
+    assert len(told) == 1 and "cgheight.estimate_log uses it" in told.pop()

@@ -4,12 +4,12 @@
 use cg_core::{Channel, Design};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use rand_distr::{Distribution, StandardNormal};
 
 use cg_logs::estimate::{
     EstimateOptions, LogEstimate, LogEstimator, Method, QUANTILE_95, RoadChoice,
 };
 use cg_logs::log::LogRow;
+use cg_plant::random::standard_normal;
 use cg_plant::sensors::Instruments;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
@@ -81,7 +81,7 @@ struct Drawn {
 
 impl Drawn {
     fn new(belief: &Belief, place_sd_m: f64, truck: Truck, source: &mut StdRng) -> Self {
-        let mut normal = || -> f64 { StandardNormal.sample(source) };
+        let mut normal = || standard_normal(source);
         if truck == Truck::OfTheFile {
             let deviations = Deviations::zeros();
             return Self { deviations, residual: [0.0; 2], payload_behind_m: 0.0 };
@@ -104,7 +104,7 @@ impl Drawn {
     /// ratio of roll to measured input.
     fn with_sensor_gains(&self, row: &LogRow) -> LogRow {
         let by = |channel: Channel| {
-            (log_gain(&self.deviations, channel) + self.residual[channel.index()]).exp()
+            libm::exp(log_gain(&self.deviations, channel) + self.residual[channel.index()])
         };
         let (steer, lateral) = (by(Channel::Steer), by(Channel::LateralAcceleration));
         LogRow {
@@ -237,7 +237,7 @@ impl Experiment {
             .collect();
         #[allow(clippy::cast_precision_loss)] // thousands of rows
         let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
-        let length = slopes.iter().map(|s| (s - mean).powi(2)).sum::<f64>().sqrt();
+        let length = slopes.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>().sqrt();
         Ok(nominal.truth.noise_sd_rad / length)
     }
 }

@@ -9,6 +9,8 @@
 //! | [`reproduce`] | the tables of the thesis recomputed | the whole thesis |
 //! | [`catalog`] | every table and figure with one verdict | the whole thesis |
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod verdict;
 pub mod accuracy;
 pub mod study;

@@ -211,12 +211,12 @@ impl Belief {
 
     /// The factor of the DC ratio of a channel: `R_c` times the gain of its sensor.
     pub fn gain(&self, channel: Channel) -> f64 {
-        log_gain(&self.mean, channel).exp()
+        libm::exp(log_gain(&self.mean, channel))
     }
 
     /// `R_c`: the roll angle divided by that of the model at the mean of the parameters.
     pub(crate) fn roll_gain(&self) -> f64 {
-        value(&self.mean, Parameter::Compensation).exp()
+        libm::exp(value(&self.mean, Parameter::Compensation))
     }
 
     /// Covariance of the logarithms of all channels' DC ratios at a speed and load, including the place
@@ -277,7 +277,7 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
                 .filter(|(placed, _)| placed.on_trailer == on_trailer)
                 .map(|(placed, &n)| vehicle.roll_stiffness(placed, n, amplitude_rad, friction))
                 .sum::<f64>();
-            stiffness.ln()
+            libm::log(stiffness)
         };
         let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
         let by_amplitude = (small - large) / 12.0_f64.sqrt();
@@ -371,7 +371,7 @@ fn logarithms(
                 load.cg_height_m, load.trailer_mass_kg
             )));
         }
-        *logarithm = ratio.ln();
+        *logarithm = libm::log(ratio);
     }
     Ok(logarithms)
 }
@@ -425,7 +425,7 @@ pub fn log_gain(deviations: &Deviations, channel: Channel) -> f64 {
 
 /// The vehicle with these deviations of its parameters.
 pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
-    let factor = |parameter| value(deviations, parameter).exp();
+    let factor = |parameter| libm::exp(value(deviations, parameter));
     let mut moved = vehicle.clone();
     moved.tractor.cg_height_m += value(deviations, Parameter::TractorCgHeight);
     moved.hitch.roll_stiffness_nm_per_rad *= factor(Parameter::FifthWheelStiffness);

@@ -210,7 +210,7 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     let greatest_kg = greatest_mass_kg(vehicle);
     // The spacing is smaller where the payload is small compared with the trailer.
     let mut masses: [f64; MASSES] = std::array::from_fn(|j| {
-        least_kg + (greatest_kg - least_kg) * (j as f64 / (MASSES - 1) as f64).powf(1.3)
+        least_kg + (greatest_kg - least_kg) * libm::pow(j as f64 / (MASSES - 1) as f64, 1.3)
     });
     let nearest = (1..MASSES - 1)
         .min_by(|&i, &j| {

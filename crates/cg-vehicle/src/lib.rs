@@ -15,6 +15,7 @@
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`slip`] | the cornering stiffness of a tire with a slip table | – |
 //! | [`twisting`] | a semitrailer whose frame twists | – |
+//! | [`matrix`] | eigenvalues and exponential of a matrix | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
 //! | [`lean`] | the roll angle of a trailer whose load stands beside the middle | – |
@@ -49,6 +50,8 @@
 //! # Ok::<(), cg_vehicle::VehicleError>(())
 //! ```
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod hint;
 pub mod finding;
 pub mod error;
@@ -68,7 +71,7 @@ pub mod guide;
 mod measured_springs;
 mod leveled;
 pub mod twisting;
-pub mod eigen;
+pub mod matrix;
 pub mod system;
 mod output_error;
 pub mod response;

@@ -133,7 +133,7 @@ pub(crate) fn fastest_pole(function: &Rational) -> Result<f64, VehicleError> {
     if poles.iter().any(|pole| !(pole.0 < 0.0)) {
         return Ok(f64::INFINITY);
     }
-    Ok(poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max))
+    Ok(poles.iter().map(|(re, im)| libm::hypot(*re, *im)).fold(0.0, f64::max))
 }
 
 /// Columns: the denominator without its leading coefficient, then the numerator (without its

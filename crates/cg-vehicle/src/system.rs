@@ -2,8 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use crate::eigen::eigenvalues;
 use crate::error::VehicleError;
+use crate::matrix::{by_real_part, eigenvalues, exponential};
 
 /// A transfer function in factored and polynomial form.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,13 +76,6 @@ fn pole_at_zero() -> VehicleError {
     VehicleError::Model("the model has a pole at zero: no steady turn".to_owned())
 }
 
-/// Sorted by real part, the largest first.
-fn sorted(values: impl Iterator<Item = Complex<f64>>) -> Vec<(f64, f64)> {
-    let mut pairs: Vec<(f64, f64)> = values.map(|value| (value.re, value.im)).collect();
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.total_cmp(&b.1)));
-    pairs
-}
-
 /// The polynomial with these roots and this leading coefficient, in descending powers.
 pub(crate) fn polynomial(roots: &[(f64, f64)], leading: f64) -> Vec<f64> {
     let mut coefficients = vec![Complex::new(leading, 0.0)];
@@ -145,7 +138,7 @@ impl System {
     /// # Errors
     /// If the eigenvalues do not converge.
     pub fn poles(&self) -> Result<Vec<(f64, f64)>, VehicleError> {
-        Ok(sorted(eigenvalues(&self.a)?.into_iter()))
+        eigenvalues(&self.a)
     }
 
     /// Whether all poles are in the left half plane.
@@ -216,36 +209,13 @@ impl System {
             return Ok(self.d.abs());
         }
         let state = state_at(&self.a, &self.b, omega_radps)?;
-        Ok(response_of(&state, &self.c, self.d).norm())
-    }
-
-    /// The zeros of the transfer function, rad/s.
-    ///
-    /// With `s = σ + 1/μ` and `M = (σ − A)⁻¹`, the transfer function is a system in μ with the matrix −M, the
-    /// input b, the output −cM² and the feedthrough `G(σ)`. Its zeros are the eigenvalues of
-    /// `−M + b c M²/G(σ)`, and zeros at infinity are at μ = 0.
-    fn zeros(&self, poles: &[(f64, f64)]) -> Result<Vec<Complex<f64>>, VehicleError> {
-        let n = self.order();
-        let magnitudes = || poles.iter().map(|(re, im)| re.hypot(*im));
-        let fastest = magnitudes().fold(0.0, f64::max);
-        // Any point without a pole serves; in the middle of the poles, all zeros are found equally well.
-        let middle =
-            magnitudes().filter(|pole| *pole > 0.0).map(f64::ln).sum::<f64>() / n.max(1) as f64;
-        let point = middle.exp();
-        let shifted =
-            DMatrix::from_fn(n, n, |i, j| if i == j { point } else { 0.0 } - self.a[(i, j)]);
-        let inverse = shifted.try_inverse().ok_or_else(pole_at_zero)?;
-        let output = inverse.tr_mul(&self.c);
-        let value = output.dot(&self.b) + self.d;
-        let matrix = &self.b * (inverse.tr_mul(&output) / value).transpose() - &inverse;
-        let zeros = eigenvalues(&matrix)?.into_iter().map(|mu| mu.inv() + point);
-        // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times the size.
-        Ok(zeros.filter(|zero| zero.norm() < 1e3 * fastest).collect())
+        let response = response_of(&state, &self.c, self.d);
+        Ok(libm::hypot(response.re, response.im))
     }
 
     /// The transfer function.
     ///
-    /// The poles are eigenvalues, and so are the zeros of a related system. The alternative, expanding
+    /// The poles are eigenvalues and the zeros generalized eigenvalues. The alternative, expanding
     /// the determinant of the thesis's `D(s)`, loses all digits in double precision.
     ///
     /// # Errors
@@ -253,7 +223,7 @@ impl System {
     pub fn transfer_function(&self) -> Result<TransferFunction, VehicleError> {
         let n = self.order();
         let poles = self.poles()?;
-        let zeros = sorted(self.zeros(&poles)?.into_iter());
+        let zeros = self.zeros(&poles)?;
         // The leading coefficient is the first nonzero Markov parameter d, cb, cAb …
         let mut markov = self.b.clone();
         let gain = match n - zeros.len().min(n) {
@@ -273,6 +243,46 @@ impl System {
             gain,
             dc_gain: self.moments(1)?[0],
         })
+    }
+
+    /// The roots of the numerator, rad/s: where `det P(s) = 0`.
+    ///
+    /// ```text
+    ///            ┌ A − sI  b ┐
+    ///     P(s) = └   c     d ┘
+    /// ```
+    ///
+    /// With `E = diag(I, 0)`, `P(s) = P(σ) − (s − σ) E` is singular where `1/(s − σ)` is an eigenvalue of `P(σ)⁻¹ E`. Its
+    /// rounding changes a root by `ε |s − σ|²/σ`, which is little if `σ` is as large as the fastest root.
+    fn zeros(&self, poles: &[(f64, f64)]) -> Result<Vec<(f64, f64)>, VehicleError> {
+        let n = self.order();
+        // The row and column of input and output are scaled to the size of A, which does not change the zeros.
+        let size = self.a.norm();
+        let (input, output) = (size / self.b.norm(), size / self.c.norm());
+        let fastest = poles.iter().map(|(re, im)| libm::hypot(*re, *im)).fold(0.0, f64::max);
+        // A zero of a truck is in this place only by accident.
+        let shift = 1.234 * fastest;
+        let pencil = DMatrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
+            (true, true) => self.a[(i, j)] - if i == j { shift } else { 0.0 },
+            (true, false) => self.b[i] * input,
+            (false, true) => self.c[j] * output,
+            (false, false) => self.d * input * output,
+        });
+        let inverse = pencil.lu().solve(&DMatrix::identity(n + 1, n)).ok_or_else(|| {
+            VehicleError::Model("the response has no transfer function: it is zero".to_owned())
+        })?;
+        // Zeros at infinity are found as ∞ or, because of rounding, as ε^(−1/k) ≥ 1e5 times the size.
+        let near = |(re, im): &(f64, f64)| libm::hypot(*re, *im) < 1e3 * fastest;
+        let mut zeros: Vec<(f64, f64)> = eigenvalues(&inverse.rows(0, n).into_owned())?
+            .into_iter()
+            .map(|(re, im)| {
+                let square = re * re + im * im;
+                (shift + re / square, -im / square)
+            })
+            .filter(near)
+            .collect();
+        by_real_part(&mut zeros);
+        Ok(zeros)
     }
 
     /// The transfer function as a rational function. It is meant for reduced models: at high orders
@@ -325,7 +335,7 @@ impl Simulation {
         m.view_mut((0, 0), (n, n)).copy_from(&(a * interval_s));
         m.view_mut((0, n), (n, 1)).copy_from(&(b * interval_s));
         m[(n, n + 1)] = 1.0;
-        let exponential = m.exp();
+        let exponential = exponential(&m);
         Self {
             transition: exponential.view((0, 0), (n, n)).into_owned(),
             held: exponential.view((0, n), (n, 1)).column(0).into_owned(),

@@ -152,7 +152,7 @@ impl Result {
     /// Adds a standard deviation to that of the height, m.
     pub(crate) fn add_sd(&mut self, sd_m: f64) {
         let Some(measured) = &mut self.measured_m else { return };
-        measured.sd = measured.sd.hypot(sd_m);
+        measured.sd = libm::hypot(measured.sd, sd_m);
         let Measured { value, sd } = *measured;
         self.height_sd_m = Some(sd);
         self.height_ci95_m = Some([value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]);

@@ -74,7 +74,7 @@ fn upper_us(class: usize) -> f64 {
     if octave == 0 {
         return class as f64;
     }
-    ((class % CLASSES + CLASSES + 1) as f64) * 2_f64.powi(i32::try_from(octave).unwrap_or(0) - 1)
+    ((class % CLASSES + CLASSES + 1) as f64) * (1_u64 << (octave - 1)) as f64
 }
 
 #[cfg(test)]

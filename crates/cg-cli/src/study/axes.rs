@@ -54,7 +54,7 @@ pub(super) fn range(values: impl Iterator<Item = f64>, space: f64) -> Range<f64>
 pub(super) fn numbers(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
     let ticks = RangedCoordf64::from(range.clone()).key_points(BoldPoints(TICKS));
     let whole = |value: f64| (value - value.round()).abs() < 1e-6;
-    let exact = |d: &u8| ticks.iter().all(|tick| whole(tick * 10f64.powi(i32::from(*d))));
+    let exact = |d: &u8| ticks.iter().all(|tick| whole(tick * libm::pow(10.0, f64::from(*d))));
     let decimals = usize::from((0..6).find(exact).unwrap_or(6));
     // The sum avoids a negative zero.
     move |value| format!("{:.decimals$}", (value * 1e9).round() / 1e9 + 0.0).replace('-', "−")

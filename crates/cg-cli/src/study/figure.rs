@@ -208,7 +208,7 @@ impl Look {
         #[allow(clippy::cast_possible_truncation)] // some dozens
         let corner = |k: u8| {
             let turns = self.turn + f64::from(k) / f64::from(self.corners);
-            let (sin, cos) = (std::f64::consts::TAU * turns).sin_cos();
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * turns);
             ((radius * sin).round() as i32, (-radius * cos).round() as i32)
         };
         let corners: Vec<Point> = (0..=self.corners).map(corner).collect();

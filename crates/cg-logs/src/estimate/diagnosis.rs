@@ -151,7 +151,7 @@ impl Evidence<'_> {
             .collect();
         match heights.as_deref() {
             Some([one, other]) => {
-                (one.value - other.value).abs() <= AGREES * one.sd.hypot(other.sd)
+                (one.value - other.value).abs() <= AGREES * libm::hypot(one.sd, other.sd)
             }
             Some(_) => true,
             None => false,

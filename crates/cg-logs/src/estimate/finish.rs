@@ -123,7 +123,7 @@ impl LogEstimator {
         let height = fused.height_m.value;
         let speed = self.mean_speed_mps(&[channel]);
         let by_mass_m = speed.map_or(0.0, |speed_mps| self.mass_sd_m(height, speed_mps, best));
-        let sd = fused.height_m.sd.hypot(by_mass_m);
+        let sd = libm::hypot(fused.height_m.sd, by_mass_m);
         estimate.height_m = Some(height);
         estimate.height_sd_m = Some(sd);
         estimate.height_random_sd_m = Some(fused.random_sd_m);

@@ -149,7 +149,8 @@ impl LogEstimator {
                 outcome.height_m.is_ok().then_some(outcome.road_sd_m)
             })
             .fold(f64::INFINITY, f64::min);
-        let share = (road_m / fused.height_m.sd).powi(2).min(1.0);
+        let share = (road_m / fused.height_m.sd).min(1.0);
+        let share = share * share;
         (share > MUCH).then(|| {
             format!(
                 "the bank of the road is not known: it makes up {:.0} % of the variance of the \
@@ -231,7 +232,7 @@ impl LogEstimator {
             let believed = matches!(outcome.height_m, Ok(_) | Err(Reject::Height(_)));
             let Some(fit) = outcome.fit.filter(|_| believed) else { continue };
             let Some(usual) = at(maneuver.speed_mps, maneuver.trailer_mass_kg) else { continue };
-            let one = (usual / fit.ratio.sd).powi(2);
+            let one = usual * usual / (fit.ratio.sd * fit.ratio.sd);
             weight += one;
             sum += one * fit.ratio.value / usual;
         }

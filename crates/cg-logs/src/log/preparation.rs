@@ -30,6 +30,8 @@ const INPUTS: [Signal; 6] = [
 pub struct Preparation {
     rasters: Option<FrameRows>,
     angles: Option<RollAngles>,
+    /// Why a roll rate of the table is not used.
+    rate_unused: Option<String>,
     /// The line of the row that was added last.
     line: u64,
     ready: VecDeque<(u64, LogRow)>,
@@ -40,18 +42,33 @@ impl Preparation {
     pub const LOOK: usize = 500;
 
     /// What a table needs that has these signals and begins with these rows; `None` if its rows are
-    /// samples already.
+    /// samples already and nothing has to be said about them.
     pub fn of(signals: &[Signal], beginning: &[LogRow], options: &LogOptions) -> Option<Self> {
         let has = |signal: &Signal| signals.contains(signal);
         let rasters = of_different_rasters(beginning).then(|| FrameRows::new(options));
         // A tilt feels the lateral acceleration and is no angle to blend with.
-        let rate = has(&Signal::RollRate) && rasters.is_none();
-        let other = ROLLS.iter().any(|roll| has(roll) && !is_angle(*roll));
-        let angles = (rate && (!other || has(&Signal::Roll) || has(&Signal::RollToGravity)))
+        let other = ROLLS.into_iter().find(|roll| has(roll) && !is_angle(*roll));
+        let other = other.filter(|_| !ROLLS.into_iter().any(|roll| has(&roll) && is_angle(roll)));
+        let rate_unused = match other {
+            _ if !has(&Signal::RollRate) => None,
+            _ if rasters.is_some() => Some(
+                "roll_rate is not used: it needs a table whose channels have common time stamps"
+                    .to_owned(),
+            ),
+            Some(other) => Some(format!(
+                "roll_rate is not used: it takes the place of the roll angle or refines roll or \
+                 roll_to_gravity, and the log has {} instead; without that column, the roll angle is that of \
+                 roll_rate",
+                other.name()
+            )),
+            None => None,
+        };
+        let angles = (has(&Signal::RollRate) && rate_unused.is_none())
             .then(|| RollAngles::new(has(&Signal::Roll), has(&Signal::RollToGravity)));
-        (rasters.is_some() || angles.is_some()).then(|| Self {
+        (rasters.is_some() || angles.is_some() || rate_unused.is_some()).then(|| Self {
             rasters,
             angles,
+            rate_unused,
             line: 0,
             ready: VecDeque::new(),
         })
@@ -84,6 +101,8 @@ impl Preparation {
                 }
             }
             self.ready.extend(std::iter::from_fn(|| frames.next_row()).map(|row| (line, row)));
+        } else {
+            self.ready.push_back((line, row));
         }
     }
 
@@ -112,6 +131,7 @@ impl Preparation {
                     .to_owned(),
             );
         }
+        remarks.extend(self.rate_unused.clone());
         remarks
     }
 }

@@ -223,7 +223,7 @@ impl RollAngles {
             [over(|k| k.time_s), over(|k| k.rolled_rad), over(|k| k.heading_rad)];
         // Each row counts as its share of the two stretches, whose bank is not known.
         let weight = 1.0 / (UPRIGHT_SD_RAD * (0.5 * count).sqrt());
-        let times: f64 = straight.iter().map(|k| (k.time_s - time).powi(2)).sum();
+        let times: f64 = straight.iter().map(|k| (k.time_s - time) * (k.time_s - time)).sum();
         let slope = |of: fn(&Kept) -> f64| {
             straight.iter().map(|k| (k.time_s - time) * of(k)).sum::<f64>() / times
         };
@@ -382,7 +382,7 @@ fn slow(times_s: &[f64], values: &mut [f64]) {
                 state = values[k];
             } else if !values[k].is_nan() {
                 state +=
-                    (values[k] - state) * (1.0 - (-(times_s[k] - last_s).abs() / BLEND_S).exp());
+                    (values[k] - state) * (1.0 - libm::exp(-(times_s[k] - last_s).abs() / BLEND_S));
             }
             last_s = times_s[k];
             values[k] = state;

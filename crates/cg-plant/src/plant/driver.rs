@@ -11,13 +11,14 @@
 //! where `f(η)` is the path in the tractor's own axes. **Reference.** MacAdam, ASME J. Dyn. Syst. Meas.
 //! Control 102 (1980) and IEEE Trans. SMC 11 (1981).
 
-use nalgebra::{Matrix2, SMatrix, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::integrate::{Progress, Simulation};
 use super::path::Path;
 use super::state::Coordinate;
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::matrix::exponential;
 
 /// Number of preview points.
 const POINTS: usize = 15;
@@ -118,7 +119,7 @@ impl Driver {
         let value = |c| run.state.get(c);
         let position = [value(Coordinate::PositionX), value(Coordinate::PositionY)];
         self.arc_m = self.path.nearest(position, self.arc_m);
-        let (sin, cos) = value(Coordinate::TractorYaw).sin_cos();
+        let (sin, cos) = libm::sincos(value(Coordinate::TractorYaw));
         let (side, yaw) = (value(Coordinate::LateralVelocity), value(Coordinate::TractorYawRate));
         let (mut error, mut square) = (0.0, 0.0);
         for ahead in &self.preview {
@@ -146,7 +147,7 @@ fn preview(
     preview_s: f64,
 ) -> Vec<Preview> {
     // States y, v, ψ, r and the held steer angle.
-    let mut f = SMatrix::<f64, 5, 5>::zeros();
+    let mut f = DMatrix::zeros(5, 5);
     f[(0, 1)] = 1.0;
     f[(0, 2)] = speed_mps;
     f[(2, 3)] = 1.0;
@@ -159,7 +160,7 @@ fn preview(
         .map(|k| {
             #[allow(clippy::cast_precision_loss)] // fifteen points
             let eta_s = preview_s * k as f64 / POINTS as f64;
-            let phi = (f * eta_s).exp();
+            let phi = exponential(&(&f * eta_s));
             Preview {
                 ahead_m: speed_mps * eta_s,
                 by_velocity: phi[(0, 1)],

@@ -272,7 +272,7 @@ impl Parameters {
         rate[FRONT_ROLL_RATE] = probe.front.as_ref().map_or(0.0, |front| front.rates[5]);
         rate[7..12].copy_from_slice(&tractor[1..]);
         rate[12..15].copy_from_slice(&trailer[3..]);
-        let (sin, cos) = x[C::TractorYaw as usize].sin_cos();
+        let (sin, cos) = libm::sincos(x[C::TractorYaw as usize]);
         let (speed, side) = (instant.control.speed_mps, x[C::LateralVelocity as usize]);
         rate[C::PositionX as usize] = speed * cos - side * sin;
         rate[C::PositionY as usize] = speed * sin + side * cos;
@@ -310,7 +310,7 @@ impl Parameters {
                 let axis = moving.motion.attitude.outward(axis);
                 -(0..3).map(|i| axis[i] * gravity[unit][i]).sum::<f64>()
             };
-            up([0.0, 1.0, 0.0]).atan2(up([0.0, 0.0, 1.0]))
+            libm::atan2(up([0.0, 1.0, 0.0]), up([0.0, 0.0, 1.0]))
         };
         self.of_units(probe, |front| front.roll_share, roll_rad)
     }

@@ -47,7 +47,7 @@ fn axle(p: &Parameters, state: &State, i: usize, motion: &Motion, height_m: f64)
     let turning = cross(omega, k);
     let velocity =
         [0, 1, 2].map(|j| at_center[j] - pose.rise_rate * k[j] - pose.rise_m * turning[j]);
-    let spin = pose.roll_rate.powi(2) + (motion.rates[0] * pose.cos).powi(2);
+    let spin = square([pose.roll_rate, motion.rates[0] * pose.cos, 0.0]);
     let center_m = height_m + rho[2] - pose.rise_m * pose.cos;
     let mut energy = 0.5 * axle.mass_kg * square(velocity)
         + 0.5 * axle.inertia_kgm2 * spin
@@ -105,7 +105,7 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
     }
     // The fifth wheel: its angle from the vertical of the trailer in the tractor's heading.
     let k = turned(on_hitch.outward([0.0, 0.0, 1.0]), (-turn.0, turn.1));
-    let angle = (-k[1]).atan2(k[2]) - value(C::TractorRoll);
+    let angle = libm::atan2(-k[1], k[2]) - value(C::TractorRoll);
     energy + 0.5 * p.hitch.stiffness_nm_per_rad * angle * angle
 }
 

@@ -36,7 +36,7 @@ pub(super) fn couple(
     let across = |v: Vector| sin * v[0] + cos * v[1];
     let (n, c) = (-across(k), k[2]);
     let scale = 1.0 / (n * n + c * c);
-    let angle_rad = (n / c).atan() - tractor_roll_rad;
+    let angle_rad = libm::atan(n / c) - tractor_roll_rad;
     // Derivatives of the angle with respect to each rate: k rotates about e_z, e_y, b.
     let turned = [
         [-k[1], k[0], 0.0],

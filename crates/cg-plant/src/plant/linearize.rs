@@ -6,6 +6,7 @@ use super::dynamics::{Control, Probe};
 use super::state::{AxleCoordinate, Coordinate, FRONT_ROLL, FRONT_ROLL_RATE, ROOM, at};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::matrix::eigenvalues;
 use cg_vehicle::response::StateSpace;
 
 /// The states that matter for small motion. The tractor's own yaw angle and position do not matter;
@@ -132,8 +133,8 @@ impl YawRollPlant {
 
     /// Magnitude of the fastest pole, without the friction of measured springs.
     pub(super) fn fastest_radps(&self, speed_mps: f64) -> Result<f64, VehicleError> {
-        let poles = self.linearized(speed_mps)?.a.complex_eigenvalues();
-        Ok(poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max))
+        let poles = eigenvalues(&self.linearized(speed_mps)?.a)?;
+        Ok(poles.iter().map(|(re, im)| libm::hypot(*re, *im)).fold(0.0, f64::max))
     }
 
     /// The states of an axle that matter; the lagged slip only for tires with a lag.

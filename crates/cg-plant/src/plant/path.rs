@@ -20,7 +20,7 @@ impl Path {
         let mut ahead_m = SPACING_M;
         for pair in points_m.windows(2) {
             let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
-            let length_m = dx.hypot(dy);
+            let length_m = libm::hypot(dx, dy);
             while ahead_m <= length_m {
                 let share = ahead_m / length_m;
                 point_m.push([pair[0][0] + share * dx, pair[0][1] + share * dy]);
@@ -35,7 +35,7 @@ impl Path {
     pub fn lane_change(start_m: f64, gate_m: f64, width_m: f64) -> Self {
         let points = (0..=1000).map(|k| {
             let share = f64::from(k) / 1000.0;
-            [start_m + share * gate_m, 0.5 * width_m * (1.0 - (PI * share).cos())]
+            [start_m + share * gate_m, 0.5 * width_m * (1.0 - libm::cos(PI * share))]
         });
         let end = [start_m + gate_m + 10.0, width_m];
         let all: Vec<_> = [[0.0, 0.0]].into_iter().chain(points).chain([end]).collect();
@@ -45,10 +45,10 @@ impl Path {
     /// Straight, a turn to the left of constant radius through an angle, straight.
     pub fn turn(start_m: f64, radius_m: f64, angle_rad: f64) -> Self {
         let points = (0..=2000).map(|k| {
-            let (sin, cos) = (angle_rad * f64::from(k) / 2000.0).sin_cos();
+            let (sin, cos) = libm::sincos(angle_rad * f64::from(k) / 2000.0);
             [start_m + radius_m * sin, radius_m * (1.0 - cos)]
         });
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = libm::sincos(angle_rad);
         let end = [start_m + radius_m * sin + 10.0 * cos, radius_m * (1.0 - cos) + 10.0 * sin];
         let all: Vec<_> = [[0.0, 0.0]].into_iter().chain(points).chain([end]).collect();
         Self::through(&all)
@@ -75,7 +75,7 @@ impl Path {
             let (a, b) = (self.point(arc_m), self.point(arc_m + SPACING_M));
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
             let along = (position_m[0] - a[0]) * dx + (position_m[1] - a[1]) * dy;
-            arc_m += along / dx.hypot(dy).max(f64::MIN_POSITIVE);
+            arc_m += along / libm::hypot(dx, dy).max(f64::MIN_POSITIVE);
         }
         arc_m
     }

@@ -243,10 +243,11 @@ fn trailer(
     let left_m = share * options.payload_left_m;
     // Parallel-axis term of a payload that is not at the tare's c.g.; products of inertia are left out.
     let apart_kg = share * (sprung.mass_kg - sprung.payload_kg);
-    let beside = apart_kg * options.payload_left_m.powi(2);
+    let beside = apart_kg * options.payload_left_m * options.payload_left_m;
     let place = &vehicle.trailer;
     let along_m = place.payload.behind_hitch_m - place.tare.cg_behind_hitch_m;
-    let along = apart_kg * ((along_m + options.payload_behind_m).powi(2) - along_m.powi(2));
+    let apart_m = along_m + options.payload_behind_m;
+    let along = apart_kg * (apart_m * apart_m - along_m * along_m);
     sprung.cg_behind_hitch_m += share * options.payload_behind_m;
     sprung.roll_inertia_kgm2 += beside;
     sprung.pitch_inertia_kgm2 += along;

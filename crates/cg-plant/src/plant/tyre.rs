@@ -87,7 +87,7 @@ impl Tyres {
         let tan = hub.sin * inverse_cos;
         let forward = (hub.velocity[0] - hub.yaw_rate * hub.height_m * tan).max(LEAST_SPEED_MPS);
         let lateral = hub.velocity[1] + hub.roll_rate * hub.height_m;
-        let slip_rad = (lateral / forward).atan() - hub.steer_rad;
+        let slip_rad = libm::atan(lateral / forward) - hub.steer_rad;
         let lags = self.relaxation_length_m > 0.0;
         let acting_rad = if lags { hub.lagged_slip_rad } else { slip_rad };
         let (sin_steer, cos_steer) = sin_cos(hub.steer_rad);

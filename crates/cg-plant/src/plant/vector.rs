@@ -33,7 +33,7 @@ const LONG_RAD: f64 = 0.65;
 pub(super) fn sin_cos(x: f64) -> (f64, f64) {
     let size = x.abs();
     if size > LONG_RAD {
-        return x.sin_cos();
+        return libm::sincos(x);
     }
     let q = x * x;
     // Quotients of consecutive factorials: sin to x⁹ or x¹⁵, cos to x⁸ or x¹⁶.
@@ -59,7 +59,7 @@ pub(super) fn sin_cos(x: f64) -> (f64, f64) {
 #[inline]
 pub(super) fn small_atan(x: f64) -> f64 {
     if x.abs() > 0.004 {
-        return x.atan();
+        return libm::atan(x);
     }
     let q = x * x;
     x * (1.0 - q * (1.0 / 3.0 - q * 0.2))

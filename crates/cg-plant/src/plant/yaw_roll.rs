@@ -92,13 +92,13 @@ impl YawRollPlant {
         let Some(seen) = self.parameters.axles.get(axle) else { return position };
         let attitude = |pitch, roll| Attitude::new(state.get(pitch), state.get(roll));
         let turned = |from: [f64; 2], by: Vector, yaw: Coordinate| {
-            let (sin, cos) = state.get(yaw).sin_cos();
+            let (sin, cos) = libm::sincos(state.get(yaw));
             [from[0] + cos * by[0] - sin * by[1], from[1] + sin * by[0] + cos * by[1]]
         };
         let tractor = attitude(Coordinate::TractorPitch, Coordinate::TractorRoll);
         // From the roll center down the axle's own vertical.
         let down_m = state.axle(axle, AxleCoordinate::Rise);
-        let aside_m = down_m * state.axle(axle, AxleCoordinate::Roll).sin();
+        let aside_m = down_m * libm::sin(state.axle(axle, AxleCoordinate::Roll));
         let center = |attitude: &Attitude| {
             let [x, y, z] = attitude.outward(seen.roll_center);
             [x, y + aside_m, z]

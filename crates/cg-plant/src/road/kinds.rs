@@ -201,7 +201,7 @@ impl Draft {
         self.straight(0.0, START_S * greatest, greatest);
         while self.time_s < duration_s {
             // Small radii are more frequent than large ones.
-            let radius_m = 130.0 * (600.0_f64 / 130.0).powf(self.uniform([0.0, 1.0]));
+            let radius_m = 130.0 * libm::pow(600.0 / 130.0, self.uniform([0.0, 1.0]));
             let lateral_mps2 = self.uniform([1.3, 1.9]);
             let speed_mps = (lateral_mps2 * radius_m).sqrt().min(greatest);
             let into_rad = (0.06 * 120.0 / radius_m).clamp(0.02, 0.06);
@@ -252,7 +252,7 @@ impl Draft {
         let side = if self.rng.random_bool(0.5) { 1.0 } else { -1.0 };
         let size = side * LANE_M * TAU / (length_m * length_m);
         for k in 1..=64 {
-            let curvature_per_m = size * (TAU * f64::from(k) / 64.0).sin();
+            let curvature_per_m = size * libm::sin(TAU * f64::from(k) / 64.0);
             self.knot(length_m / 64.0, RoadPoint { curvature_per_m, ..from });
         }
     }
@@ -288,7 +288,7 @@ impl Draft {
         let per_m = [0, 1].map(|_| TAU / self.uniform(HILLS_M));
         let share = self.uniform([0.3, 0.7]);
         for point in points {
-            let [a, b] = per_m.map(|per_m| (per_m * point.distance_m).sin());
+            let [a, b] = per_m.map(|per_m| libm::sin(per_m * point.distance_m));
             point.grade_rad = greatest_rad * (share * a + (1.0 - share) * b);
         }
     }

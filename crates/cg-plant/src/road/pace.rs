@@ -38,7 +38,8 @@ impl Road {
         #[allow(clippy::cast_precision_loss)]
         let limits: Vec<f64> = (0..count)
             .map(|k| {
-                self.at(start_m + SPACING_M * k as f64).speed_mps.min(GREATEST_SPEED_MPS).powi(2)
+                let mps = self.at(start_m + SPACING_M * k as f64).speed_mps.min(GREATEST_SPEED_MPS);
+                mps * mps
             })
             .collect();
         // The least limit within the distance of the average keeps the average below every limit.

@@ -31,7 +31,7 @@ pub fn after_pulse(
     let mut seen = Vec::new();
     while run.time_s() < WATCHED_S {
         let time_s = run.time_s() + plant.step_s();
-        let unit = if time_s < PULSE_S { (PI * time_s / PULSE_S).sin() } else { 0.0 };
+        let unit = if time_s < PULSE_S { libm::sin(PI * time_s / PULSE_S) } else { 0.0 };
         if run.push(amplitude_rad * unit, speed_mps, plant.step_s()) != Progress::Running {
             run.upright()?;
         }
@@ -66,8 +66,8 @@ pub fn damping_ratio(samples: &[f64]) -> Option<f64> {
         return None;
     }
     #[allow(clippy::cast_precision_loss)] // a few peaks
-    let decrement = (first / last).ln() / swings as f64;
-    Some(decrement / decrement.hypot(PI))
+    let decrement = libm::log(first / last) / swings as f64;
+    Some(decrement / libm::hypot(decrement, PI))
 }
 
 #[cfg(test)]

@@ -79,7 +79,7 @@ pub fn one_sine(
     let sine_s = 1.0 / frequency_hz;
     while run.time_s() < sine_s + 3.0 {
         let time_s = run.time_s() + plant.step_s();
-        let unit = if time_s < sine_s { (TAU * frequency_hz * time_s).sin() } else { 0.0 };
+        let unit = if time_s < sine_s { libm::sin(TAU * frequency_hz * time_s) } else { 0.0 };
         let progress = run.push(amplitude_rad * unit, speed_mps, plant.step_s());
         if let Progress::RolledOver { time_s } = progress {
             peaks.rolled_over_s = Some(time_s);

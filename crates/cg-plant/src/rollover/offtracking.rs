@@ -45,7 +45,7 @@ pub fn high_speed_m(
     let value = |c| run.state.get(c);
     // The center of the turn, from the velocity (U, v) of the tractor's c.g.
     let yaw_radps = value(Coordinate::TractorYawRate);
-    let (sin, cos) = value(Coordinate::TractorYaw).sin_cos();
+    let (sin, cos) = libm::sincos(value(Coordinate::TractorYaw));
     let (along_m, left_m) =
         (-value(Coordinate::LateralVelocity) / yaw_radps, speed_mps / yaw_radps);
     let center = [
@@ -55,7 +55,7 @@ pub fn high_speed_m(
     let last = run.sample().axles().len().saturating_sub(1);
     let radius = |axle: usize| {
         let [x, y] = plant.axle_position_m(&run.state, axle);
-        (x - center[0]).hypot(y - center[1])
+        libm::hypot(x - center[0], y - center[1])
     };
     Ok(radius(last) - radius(0))
 }
@@ -95,7 +95,7 @@ pub fn low_speed_m(vehicle: &Vehicle, radius_m: f64) -> Result<f64, VehicleError
     let (mut traveled_m, mut inwards_m) = (0.0, 0.0_f64);
     while traveled_m < arc_m + trailer_m {
         traveled_m += step_m;
-        let (sin, cos) = (traveled_m.min(arc_m) / radius_m).sin_cos();
+        let (sin, cos) = libm::sincos(traveled_m.min(arc_m) / radius_m);
         let beyond_m = (traveled_m - arc_m).max(0.0);
         let front = [radius_m * sin, radius_m * (1.0 - cos) + beyond_m];
         let ahead = pull(&mut rear, front, wheelbase_m);
@@ -104,7 +104,7 @@ pub fn low_speed_m(vehicle: &Vehicle, radius_m: f64) -> Result<f64, VehicleError
         let off_m = match tail {
             [x, y] if x < 0.0 => y,
             [x, y] if y > radius_m => radius_m - x,
-            [x, y] => radius_m - x.hypot(y - radius_m),
+            [x, y] => radius_m - libm::hypot(x, y - radius_m),
         };
         inwards_m = inwards_m.max(off_m);
     }
@@ -114,7 +114,7 @@ pub fn low_speed_m(vehicle: &Vehicle, radius_m: f64) -> Result<f64, VehicleError
 /// Pulls a point to `length_m` behind another; returns the direction between them.
 fn pull(point: &mut [f64; 2], by: [f64; 2], length_m: f64) -> [f64; 2] {
     let (dx, dy) = (by[0] - point[0], by[1] - point[1]);
-    let distance_m = dx.hypot(dy).max(f64::MIN_POSITIVE);
+    let distance_m = libm::hypot(dx, dy).max(f64::MIN_POSITIVE);
     let ahead = [dx / distance_m, dy / distance_m];
     *point = [by[0] - length_m * ahead[0], by[1] - length_m * ahead[1]];
     ahead

@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use cg_vehicle::eigen::participation;
+use nalgebra::{Complex, DMatrix, DVector};
+
 use cg_vehicle::equations::w;
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::matrix::eigenvalues;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::system::System;
 
@@ -43,31 +45,61 @@ pub struct Mode {
 impl Mode {
     /// `−Re/|pole|`: one if the mode does not oscillate, negative if it grows.
     pub fn damping_ratio(&self) -> f64 {
-        -self.pole_radps.0 / self.pole_radps.0.hypot(self.pole_radps.1)
+        -self.pole_radps.0 / libm::hypot(self.pole_radps.0, self.pole_radps.1)
     }
+}
+
+/// The participation of the states in the mode of an eigenvalue, up to a common factor: `|x_k y_k|` with its right and left
+/// eigenvectors, by inverse iteration.
+fn participation(a: &DMatrix<f64>, pole: (f64, f64)) -> Result<DVector<f64>, VehicleError> {
+    /// Distance from the eigenvalue, as a share of the matrix, at which the equations can still be solved. Each of the
+    /// [`STEPS`] divides the share of other eigenvectors by their distance over this one.
+    const BESIDE: f64 = 1e-9;
+    const STEPS: usize = 3;
+    let n = a.nrows();
+    let beside = Complex::new(pole.0 + BESIDE * a.norm(), pole.1);
+    let shifted = DMatrix::from_fn(n, n, |i, j| {
+        Complex::new(a[(i, j)], 0.0) - if i == j { beside } else { Complex::new(0.0, 0.0) }
+    });
+    let vector = |matrix: DMatrix<Complex<f64>>| {
+        let lu = matrix.lu();
+        let mut vector = DVector::from_element(n, Complex::new(1.0, 0.5));
+        for _ in 0..STEPS {
+            vector = lu.solve(&vector)?;
+            vector.unscale_mut(vector.norm());
+        }
+        Some(vector)
+    };
+    let (right, left) = (vector(shifted.clone()), vector(shifted.transpose()));
+    let (Some(right), Some(left)) = (right, left) else {
+        return Err(VehicleError::Model("a mode of the linear model has no shape".to_owned()));
+    };
+    Ok(DVector::from_fn(n, |k, _| {
+        let product = right[k] * left[k];
+        libm::hypot(product.re, product.im)
+    }))
 }
 
 /// The modes of a linear model of [`Equations`](cg_vehicle::equations::Equations), slowest decay first.
 ///
-/// By the states' [`participation`], lateral velocity, yaw rates and articulation are yaw.
+/// The participation of state `k` in mode `i` is `V_ki (V⁻¹)_ik` (Pérez-Arriaga, Verghese and
+/// Schweppe, IEEE Trans. PAS 101, 1982); lateral velocity, yaw rates and articulation are yaw.
 ///
 /// # Errors
 /// If the eigenvalues do not converge.
 pub fn modes(model: &StateSpace) -> Result<Vec<Mode>, VehicleError> {
-    let articulation = model.articulation.iter().position(|share| *share != 0.0);
-    let mut modes: Vec<Mode> = participation(&model.a)?
-        .iter()
-        .filter(|mode| mode.value.im >= 0.0)
-        .map(|mode| {
-            let part = |k: usize| mode.factors[k].norm();
-            let yaw: f64 =
-                [w::LATERAL, w::YAW_1, w::YAW_2].into_iter().chain(articulation).map(part).sum();
-            Mode {
-                pole_radps: (mode.value.re, mode.value.im),
-                yaw_share: yaw / (0..mode.factors.len()).map(part).sum::<f64>(),
-            }
-        })
-        .collect();
+    let n = model.a.nrows();
+    let articulation = (0..n).find(|&k| model.articulation[k] != 0.0);
+    let mut modes = Vec::with_capacity(n);
+    for pole in eigenvalues(&model.a)?.into_iter().filter(|pole| pole.1 >= 0.0) {
+        let part = participation(&model.a, pole)?;
+        let yaw: f64 = [w::LATERAL, w::YAW_1, w::YAW_2]
+            .into_iter()
+            .chain(articulation)
+            .map(|state| part[state])
+            .sum();
+        modes.push(Mode { pole_radps: pole, yaw_share: yaw / part.sum() });
+    }
     modes.sort_by(|a, b| b.pole_radps.0.total_cmp(&a.pole_radps.0));
     Ok(modes)
 }

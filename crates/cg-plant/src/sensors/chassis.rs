@@ -10,9 +10,9 @@
 
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
+use crate::random::standard_normal;
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
 
@@ -179,7 +179,7 @@ impl ChassisInstruments {
     /// The reading of an accelerometer. Vertically it feels gravity.
     fn force(&mut self, true_mps2: f64) -> f64 {
         let sensors = self.sensors;
-        let (sin, cos) = sensors.mounting_rad.sin_cos();
+        let (sin, cos) = libm::sincos(sensors.mounting_rad);
         let fault = (
             sensors.accelerometer_offset_mps2,
             sensors.accelerometer_noise_mps2,
@@ -191,7 +191,7 @@ impl ChassisInstruments {
     fn measured(&mut self, value: f64, (offset, sd, step): Fault) -> f64 {
         let mut measured = value + offset;
         if sd > 0.0 {
-            measured += Normal::new(0.0, sd).map_or(0.0, |noise| noise.sample(&mut self.chance));
+            measured += sd * standard_normal(&mut self.chance);
         }
         if step > 0.0 { (measured / step).round() * step } else { measured }
     }

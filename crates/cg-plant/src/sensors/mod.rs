@@ -21,11 +21,11 @@ use std::collections::VecDeque;
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, Normal};
 use serde::Serialize;
 
 use chassis::{ChassisInstruments, refuse_outside};
 
+use crate::random::standard_normal;
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
 
@@ -134,7 +134,7 @@ impl Sensors {
 #[derive(Clone, Debug)]
 pub struct Instruments {
     sensors: Sensors,
-    noise: Option<Normal<f64>>,
+    noise_sd_rad: f64,
     gravity_mps2: f64,
     steering_ratio: f64,
     noise_source: StdRng,
@@ -162,8 +162,7 @@ impl Instruments {
     ) -> Self {
         Self {
             sensors: *sensors,
-            // A finite standard deviation that is not negative is always valid.
-            noise: Normal::new(0.0, noise_sd_rad).ok(),
+            noise_sd_rad,
             gravity_mps2,
             steering_ratio,
             noise_source: StdRng::seed_from_u64(seed),
@@ -237,12 +236,11 @@ impl Instruments {
 
     /// White noise, or noise through a first-order lag with the same standard deviation.
     fn roll_noise_rad(&mut self, time_s: f64) -> f64 {
-        let Some(noise) = self.noise else { return 0.0 };
-        let fresh = noise.sample(&mut self.noise_source);
+        let fresh = self.noise_sd_rad * standard_normal(&mut self.noise_source);
         let lag_s = self.sensors.noise_lag_s;
         let value = match self.noise_before {
             Some((before, then_s)) if lag_s > 0.0 => {
-                let kept = (-(time_s - then_s) / lag_s).exp();
+                let kept = libm::exp(-(time_s - then_s) / lag_s);
                 kept * before + (1.0 - kept * kept).sqrt() * fresh
             }
             _ => fresh,
@@ -252,11 +250,7 @@ impl Instruments {
     }
 
     fn chance_noise(&mut self, sd: f64) -> f64 {
-        if sd > 0.0 {
-            Normal::new(0.0, sd).map_or(0.0, |noise| noise.sample(&mut self.chance))
-        } else {
-            0.0
-        }
+        if sd > 0.0 { sd * standard_normal(&mut self.chance) } else { 0.0 }
     }
 
     /// The measured angle moves only after the road wheels have taken up the play.

@@ -131,6 +131,6 @@ impl RoadDriver {
         let value = |coordinate| run.state.get(coordinate);
         let side_mps = value(Coordinate::LateralVelocity)
             - self.drive_axle_m[1] * value(Coordinate::TractorYawRate);
-        value(Coordinate::TractorYaw) + side_mps.atan2(self.pace.speed_mps(self.front_m))
+        value(Coordinate::TractorYaw) + libm::atan2(side_mps, self.pace.speed_mps(self.front_m))
     }
 }

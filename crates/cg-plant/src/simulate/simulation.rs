@@ -156,7 +156,7 @@ impl LogSimulation {
                 rows += 1.0;
                 Ok::<(), VehicleError>(())
             })?;
-            self.truth.noise_sd_rad = (square / rows * 10f64.powf(-snr_db / 10.0)).sqrt();
+            self.truth.noise_sd_rad = (square / rows * libm::pow(10.0, -snr_db / 10.0)).sqrt();
         }
         Ok(self)
     }

@@ -1,4 +1,4 @@
-"""ARX models: prediction and residuals."""
+"""ARX models: prediction."""
 
 from __future__ import annotations
 
@@ -38,35 +38,12 @@ class ArxModel(SampledModel):
         Number of rows of the regression.
     """
 
-    def __repr__(self) -> str:
-        orders = f"[{self.na} {self.nb} {self.nk}]"
-        gain = f"DC gain {self.dc_gain:.4g} ± {self.dc_gain_sd:.2g}"
-        return f"ArxModel({orders}, {self.ts:g} s, {gain}, {self.rows} rows)"
-
     def _repr_html_(self) -> str:
         return self._table("ARX", "fit, one step ahead")
 
-    def residuals(self, u: ArrayLike, y: ArrayLike) -> Array:
-        """Return the one-step-ahead residuals ``A(q) y - B(q) u`` of data, in units of y.
-
-        Parameters
-        ----------
-        u, y : array, shape (n,)
-            Input and output at the model's sampling interval.
-
-        Returns
-        -------
-        array, shape (n - max(na, nb + nk - 1),)
-            One residual for each row whose regressors are all in the data.
-
-        Raises
-        ------
-        ValueError
-            The arrays differ in length, contain NaN or are shorter than the model's memory.
-        """
-        inputs, outputs = self._data(u, y)
-        past = np.convolve(outputs, self.a)[self.memory : len(outputs)]
-        drive = np.convolve(inputs, self.b)[self.memory : len(inputs)]
+    def _residuals(self, u: Array, y: Array) -> Array:
+        past = np.convolve(y, self.a)[self.memory : len(y)]
+        drive = np.convolve(u, self.b)[self.memory : len(u)]
         return past - drive
 
     def predict(

@@ -119,6 +119,14 @@ def _numbers(table: pd.DataFrame) -> pd.DataFrame:
 _UNITS = ("_m", "_s", "_sd", "_mps", "_kg", "_db", "_percent", "_g")
 
 
+def check_work(jobs: int | None, errors: str) -> None:
+    """Refuse numbers of threads and words for errors that there are not."""
+    if errors not in ("raise", "reject"):
+        raise ValueError(f'errors is {errors!r}: it must be "raise" or "reject"')
+    if jobs is not None and jobs < 1:
+        raise ValueError(f"jobs is {jobs}: it must be 1 or more")
+
+
 def named_logs(logs: Any) -> tuple[list[str], list[Any]]:
     """Return the names of logs and the logs, with the files that match a pattern in its place."""
     if isinstance(logs, Mapping) and all(_is_log(log) for log in logs.values()):
@@ -197,10 +205,7 @@ def estimate_logs(
     >>> cgheight.estimate_logs(logs, vehicle=truck)
     Estimates(3 of 3 logs with a height)
     """
-    if errors not in ("raise", "reject"):
-        raise ValueError(f'errors is {errors!r}: it must be "raise" or "reject"')
-    if jobs is not None and jobs < 1:
-        raise ValueError(f"jobs is {jobs}: it must be 1 or more")
+    check_work(jobs, errors)
     names, known = named_logs(logs)
     truck = vehicle if calibration is None else vehicle.calibrated(calibration)
     bar = need("tqdm.auto", "progress").tqdm(total=len(known), unit="log") if progress else None

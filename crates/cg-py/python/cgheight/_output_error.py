@@ -57,36 +57,11 @@ class OutputErrorModel(SampledModel):
         Number of rows that were compared.
     """
 
-    def __repr__(self) -> str:
-        orders = f"[{self.na} {self.nb} {self.nk}]"
-        gain = f"DC gain {self.dc_gain:.4g} ± {self.dc_gain_sd:.2g}"
-        return f"OutputErrorModel({orders}, {self.ts:g} s, {gain}, {self.rows} rows)"
-
     def _repr_html_(self) -> str:
         return self._table("Output error", "fit, free run")
 
-    def residuals(self, u: ArrayLike, y: ArrayLike) -> Array:
-        """Return the measured output minus the free run from the best start, in units of y.
-
-        Parameters
-        ----------
-        u, y : array, shape (n,)
-            Input and output at the model's sampling interval.
-
-        Returns
-        -------
-        array, shape (n - max(na, nb + nk - 1),)
-            One residual for each row after the start.
-
-        Raises
-        ------
-        ValueError
-            The arrays differ in length, contain NaN or are shorter than the model's memory.
-        ImportError
-            scipy is not installed.
-        """
-        inputs, outputs = self._data(u, y)
-        rest: Array = (outputs - self.free_run(inputs, outputs, start="fitted"))[self.memory :]
+    def _residuals(self, u: Array, y: Array) -> Array:
+        rest: Array = (y - self.free_run(u, y, start="fitted"))[self.memory :]
         return rest
 
     def _one_step(self, u: Array, y: Array, start: Literal["measured", "fitted"]) -> Array:

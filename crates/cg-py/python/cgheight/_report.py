@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal
 
 from cgheight import _native
-from cgheight._batch import Estimates, named_logs
+from cgheight._batch import Estimates, check_work, named_logs
 from cgheight._estimate import calibrated, estimate_log, stream_options
 from cgheight._logs import signals
 from cgheight._results import Estimate, rejected
@@ -73,10 +73,7 @@ def report(
     OSError
         The file cannot be written.
     """
-    if errors not in ("raise", "reject"):
-        raise ValueError(f'errors is {errors!r}: it must be "raise" or "reject"')
-    if jobs is not None and jobs < 1:
-        raise ValueError(f"jobs is {jobs}: it must be 1 or more")
+    check_work(jobs, errors)
     names, known = named_logs(logs)
     request: dict[str, Any] = {
         "path": os.fspath(path),

@@ -116,6 +116,11 @@ class SampledModel:
     fit_percent: float
     rows: int
 
+    def __repr__(self) -> str:
+        orders = f"[{self.na} {self.nb} {self.nk}]"
+        gain = f"DC gain {self.dc_gain:.4g} ± {self.dc_gain_sd:.2g}"
+        return f"{type(self).__name__}({orders}, {self.ts:g} s, {gain}, {self.rows} rows)"
+
     @property
     def memory(self) -> int:
         """Number of rows before the first one that can be predicted, ``max(na, nb + nk - 1)``."""
@@ -211,6 +216,34 @@ class SampledModel:
             rest = outputs[self.memory :] - forced
             ran = forced + natural @ np.linalg.lstsq(natural, rest, rcond=None)[0]
         return np.concatenate([np.full(self.memory, np.nan), ran])
+
+    def residuals(self, u: ArrayLike, y: ArrayLike) -> Array:
+        """Return the measured output minus what the model expects, in units of y.
+
+        An ARX model expects it one step ahead; its residuals are ``A(q) y - B(q) u``. An
+        output-error model expects its free run from the best start.
+
+        Parameters
+        ----------
+        u, y : array, shape (n,)
+            Input and output at the model's sampling interval.
+
+        Returns
+        -------
+        array, shape (n - max(na, nb + nk - 1),)
+            One residual for each row after the first `memory` rows.
+
+        Raises
+        ------
+        ValueError
+            The arrays differ in length, contain NaN or are shorter than the model's memory.
+        ImportError
+            scipy is not installed (output-error models only).
+        """
+        return self._residuals(*self._data(u, y))
+
+    def _residuals(self, u: Array, y: Array) -> Array:
+        raise NotImplementedError
 
     def _one_step(self, u: Array, y: Array, start: Literal["measured", "fitted"]) -> Array:
         raise NotImplementedError

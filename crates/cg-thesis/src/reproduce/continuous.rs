@@ -7,7 +7,7 @@
 use cg_core::Reduced5;
 use cg_core::truck::reduced::ORDER;
 use cg_core::truck::simulation::Simulation;
-use cg_vehicle::eigen::eigenvalues;
+use cg_vehicle::matrix::eigenvalues;
 use nalgebra::{Complex, DMatrix, SMatrix, SVector};
 
 /// Unknowns of an ARX model `[5 6 0]`.
@@ -26,12 +26,11 @@ pub(super) fn to_continuous(
         _ => 0.0,
     });
     let mut denominator = vec![Complex::new(1.0, 0.0)]; // ascending
-    for z in eigenvalues(&companion).ok()? {
-        let negative = z.re <= 0.0 && z.im.abs() <= 1e-9 * z.re.abs();
-        if negative || !(z.re.is_finite() && z.im.is_finite()) {
+    for (re, im) in eigenvalues(&companion).ok()? {
+        if re <= 0.0 && im.abs() <= 1e-9 * re.abs() {
             return None;
         }
-        let s = Complex::new(z.re.hypot(z.im).ln(), z.im.atan2(z.re)) / interval_s;
+        let s = Complex::new(libm::log(libm::hypot(re, im)), libm::atan2(im, re)) / interval_s;
         denominator.push(Complex::new(0.0, 0.0));
         for k in (0..denominator.len()).rev() {
             let lower = if k > 0 { denominator[k - 1] } else { Complex::new(0.0, 0.0) };

@@ -95,7 +95,7 @@ fn lateral_velocity(samples: &[PlantSample]) -> Vec<f64> {
         #[allow(clippy::cast_precision_loss)] // one or two
         let time_s = (after - before) as f64 * INTERVAL_S;
         let yaw = |k: usize| samples[k].tractor.yaw_rad;
-        let (sin, cos) = f64::midpoint(yaw(before), yaw(after)).sin_cos();
+        let (sin, cos) = libm::sincos(f64::midpoint(yaw(before), yaw(after)));
         (cos * (b[1] - a[1]) - sin * (b[0] - a[0])) / time_s
     };
     (0..samples.len()).map(at).collect()

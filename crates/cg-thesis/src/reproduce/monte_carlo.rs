@@ -10,9 +10,9 @@ use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::baseline::Options;
+use cg_plant::random::standard_normal;
 use cg_vehicle::reduction::quality::rounded_step;
 
 /// Sampling interval.
@@ -72,10 +72,9 @@ impl Experiment {
     /// The roll angle with one draw of the noise; `None` for none.
     pub(super) fn drawn(&self, snr_db: Option<f64>, seed: u64) -> Vec<f64> {
         let Some(snr_db) = snr_db else { return self.roll.clone() };
-        let sd = (self.mean_square() * 10f64.powf(-snr_db / 10.0)).sqrt();
+        let sd = (self.mean_square() * libm::pow(10.0, -snr_db / 10.0)).sqrt();
         let mut rng = StdRng::seed_from_u64(seed);
-        let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
-        self.roll.iter().map(|y| y + sd * noise()).collect()
+        self.roll.iter().map(|y| y + sd * standard_normal(&mut rng)).collect()
     }
 
     /// Bias and RMSE over many draws; `error_percent` returns the error for a drawn roll angle and its
@@ -103,7 +102,11 @@ impl Experiment {
         ScorePercent {
             bias: (used > 0).then(|| sum / n),
             rmse: (used > 0).then(|| (squares / n).sqrt()),
-            scatter: if used > 0 { (squares / n - (sum / n).powi(2)).max(0.0).sqrt() } else { 0.0 },
+            scatter: if used > 0 {
+                (squares / n - (sum / n) * (sum / n)).max(0.0).sqrt()
+            } else {
+                0.0
+            },
             outliers: 100.0 * f64::from(runs - used) / f64::from(runs),
         }
     }
@@ -171,10 +174,7 @@ pub(super) fn standard_ratio(
 pub(super) fn off_by_a_fifth(model: &Reduced5<f64>, seed: u64) -> Reduced5<f64> {
     let mut rng = StdRng::seed_from_u64(seed ^ DYNAMICS_SEED);
     loop {
-        let mut factor = || -> f64 {
-            let normal: f64 = StandardNormal.sample(&mut rng);
-            1.0 + DYNAMICS_SD * normal
-        };
+        let mut factor = || 1.0 + DYNAMICS_SD * standard_normal(&mut rng);
         let mut other = *model;
         other.denominator.iter_mut().chain(&mut other.numerator).for_each(|c| *c *= factor());
         let gain = model.dc_gain() / other.dc_gain();

@@ -60,7 +60,7 @@ impl Printed {
         let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
         let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
         #[allow(clippy::cast_precision_loss)] // a few digits
-        let last_digit = 10f64.powf(number(exponent)? - decimals as f64);
+        let last_digit = libm::pow(10.0, number(exponent)? - decimals as f64);
         Ok(Self { value: number(text)?, rounding: 0.5 * last_digit, misprint: None })
     }
 

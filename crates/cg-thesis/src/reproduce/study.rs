@@ -97,7 +97,7 @@ impl Setting {
 
     /// Converts a bound on the ratio at 0 dB to one on the height at another noise level, %.
     fn height_bound_percent(&self, ratio_sd_at_0_db: f64, snr_db: u32) -> f64 {
-        let noise = 10f64.powf(-f64::from(snr_db) / 20.0);
+        let noise = libm::pow(10.0, -f64::from(snr_db) / 20.0);
         100.0 * self.height_per_ratio.abs() * ratio_sd_at_0_db * noise
     }
 }

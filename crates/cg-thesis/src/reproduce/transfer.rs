@@ -99,8 +99,8 @@ fn root_rows(
     ours: &[(f64, f64)],
 ) -> Vec<Row> {
     let part = |k: usize| printed.get(k).map_or(0.0, |part| part.value);
-    let size = part(0).hypot(part(1));
-    let far = |root: &&(f64, f64)| (root.0 - part(0)).hypot(root.1 - part(1));
+    let size = libm::hypot(part(0), part(1));
+    let far = |root: &&(f64, f64)| libm::hypot(root.0 - part(0), root.1 - part(1));
     let Some(nearest) = ours.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else {
         return Vec::new();
     };

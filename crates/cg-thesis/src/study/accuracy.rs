@@ -58,7 +58,7 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
         // The noise is that of the whole turn, although the log ends earlier.
         let noise_rad = LogSimulation::new(vehicle, scenario).map(|log| log.truth.noise_sd_rad);
         let louder = noise_rad.map_or(1.0, |noise_rad| noise_rad / whole.noise_sd_rad);
-        scenario.sensors.snr_db = Some(SNR_DB + 20.0 * louder.log10());
+        scenario.sensors.snr_db = Some(SNR_DB + 20.0 * libm::log10(louder));
         scenario
     })?;
     let soon = time.iter().find(|(_, score)| score.rmse < 0.03).map(|(since_s, _)| *since_s);
@@ -118,7 +118,7 @@ fn noise_as_under(vehicle: &Vehicle, scenario: Scenario, reference: Load) -> Sce
             cg_vehicle::linear::ratio_line(vehicle, scenario.variant, scenario.speed_mps, load);
         lines.map_or(1.0, |lines| lines[1].ratio_at(load.cg_height_m))
     };
-    let louder_db = 20.0 * (roll(scenario.load) / roll(reference)).log10();
+    let louder_db = 20.0 * libm::log10(roll(scenario.load) / roll(reference));
     let snr_db = scenario.sensors.snr_db.map(|snr_db| snr_db + louder_db);
     Scenario { sensors: Sensors { snr_db, ..scenario.sensors }, ..scenario }
 }

@@ -11,6 +11,7 @@ use cg_logs::estimate::{EstimateOptions, LogEstimator, RoadChoice};
 use cg_logs::learn::{Learned, Learner};
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;
+use cg_plant::random::standard_normal;
 use cg_plant::sensors::{Instruments, Sensors};
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
@@ -19,7 +20,6 @@ use cg_vehicle::error::VehicleError;
 use cg_vehicle::{Load, Variant, Vehicle};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::data::{Abscissa, Panel, Quantity, Series, Study, Unit};
@@ -108,7 +108,7 @@ impl<'a> Truck<'a> {
         let prior = Belief::prior(vehicle);
         let spread = if truck == accuracy::Truck::OfTheFile { 0.0 } else { 1.0 };
         let mut source = StdRng::seed_from_u64(seed);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut source) };
+        let mut normal = || standard_normal(&mut source);
         let new = prior.drawn(&mut normal) * spread;
         let residual_sd = prior.residual_sd * spread;
         let residual = [(); 2].map(|()| residual_sd * normal());
@@ -131,13 +131,14 @@ impl<'a> Truck<'a> {
     fn drive(&mut self, load: Option<Load>, passed: f64) -> Result<Vec<LogRow>, VehicleError> {
         let mut now = self.new;
         for parameter in [Parameter::TrailerRollStiffness, Parameter::TractorRollStiffness] {
-            now[parameter as usize] += passed * WORN.ln();
+            now[parameter as usize] += passed * libm::log(WORN);
         }
         // All empty trips have the same residual, each load has its own.
-        let mut normal = || -> f64 { StandardNormal.sample(&mut self.source) };
+        let mut normal = || standard_normal(&mut self.source);
         let drawn = [(); 2].map(|()| self.residual_sd * normal());
         let residual = if load.is_some() { drawn } else { self.residual };
-        let gain = |channel: Channel| (log_gain(&now, channel) + residual[channel.index()]).exp();
+        let gain =
+            |channel: Channel| libm::exp(log_gain(&now, channel) + residual[channel.index()]);
         let (steer, lateral) = (gain(Channel::Steer), gain(Channel::LateralAcceleration));
         let mut payload_behind_hitch_m = self.vehicle.trailer.payload.behind_hitch_m;
         if self.place_sd_m > 0.0 {

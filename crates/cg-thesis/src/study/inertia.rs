@@ -28,7 +28,8 @@ fn shaped(vehicle: &Vehicle, payload_kgm2: f64) -> Result<(Vehicle, f64), Vehicl
     let plate = point.trailer_sprung_mass(load)?;
     let (tare, share) = (&vehicle.trailer.tare, plate.payload_kg / plate.mass_kg);
     let above_tare_m = (load.cg_height_m - tare.cg_height_m) / share.max(0.2);
-    let of_tare = tare.roll_inertia_kgm2 + tare.sprung_mass_kg * share * above_tare_m.powi(2);
+    let of_tare =
+        tare.roll_inertia_kgm2 + tare.sprung_mass_kg * share * above_tare_m * above_tare_m;
     let of_width = payload_kgm2 - (plate.roll_inertia_kgm2 - of_tare);
     point.trailer.payload.width_m = (12.0 * of_width.max(0.0) / plate.payload_kg).sqrt();
     let whole = point.trailer_sprung_mass(load)?.roll_inertia_kgm2;

@@ -137,7 +137,7 @@ fn on_course(course: Course, angle_rad: f64, record: &Record, name: &str) -> [Se
 fn radius(center: &Series) -> Statement {
     let [first, last] = [BESIDE, BESIDE + ARC].map(|k| k as usize);
     let [a, b, c] = [first, usize::midpoint(first, last), last].map(|k| center.points[k]);
-    let side = |p: [f64; 2], q: [f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]);
+    let side = |p: [f64; 2], q: [f64; 2]| libm::hypot(p[0] - q[0], p[1] - q[1]);
     let area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
     let radius_m = side(a, b) * side(b, c) * side(c, a) / (4.0 * area);
     Statement {
@@ -153,7 +153,8 @@ fn radius(center: &Series) -> Statement {
 
 /// The angle through which a center line turns.
 fn heading(place: &'static str, degrees: f64, center: &Series) -> Statement {
-    let direction = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]).atan2(pair[1][0] - pair[0][0]);
+    let direction =
+        |pair: &[[f64; 2]]| libm::atan2(pair[1][1] - pair[0][1], pair[1][0] - pair[0][0]);
     let ends = center.points.first_chunk::<2>().zip(center.points.last_chunk::<2>());
     let turned = ends.map_or(f64::NAN, |(a, b)| (direction(b) - direction(a)).to_degrees());
     Statement {

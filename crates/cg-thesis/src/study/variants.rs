@@ -153,7 +153,8 @@ pub(super) fn tyres(setting: &Setting) -> Result<Study, VehicleError> {
     let less: Vec<(f64, f64)> = series.iter().map(|s| apart_deg(s, &series[0])).collect();
     let slopes: Vec<f64> = series.iter().map(slope_deg).collect();
     let whole = series.iter().map(|s| s.slope() / series[0].slope());
-    let farthest = whole.max_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs())).unwrap_or(f64::NAN);
+    let size = |ratio: &f64| libm::log(*ratio).abs();
+    let farthest = whole.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(f64::NAN);
     Ok(Study {
         name: setting.name,
         finding: format!(

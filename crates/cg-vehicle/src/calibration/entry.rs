@@ -35,7 +35,7 @@ impl ParameterEntry {
         let (before, after) = (prior.covariance[(k, k)], belief.covariance[(k, k)]);
         let unit = Unit::of(name);
         let value = match unit {
-            Unit::Factor => belief.mean[k].exp(),
+            Unit::Factor => libm::exp(belief.mean[k]),
             Unit::M => belief.mean[k],
         };
         let determined = if before > 0.0 { 1.0 - after / before } else { 0.0 };
@@ -44,7 +44,7 @@ impl ParameterEntry {
 
     /// The deviation from the vehicle file: the logarithm of a factor, or meters.
     pub fn deviation(&self) -> f64 {
-        if self.name.is_factor() { self.value.ln() } else { self.value }
+        if self.name.is_factor() { libm::log(self.value) } else { self.value }
     }
 }
 
@@ -145,7 +145,7 @@ pub struct ChannelEntry {
 
 impl RunEntry {
     pub(super) fn new(index: usize, run: &Run, fitted: &Fitted) -> Self {
-        let percent = |log: f64| 100.0 * log.exp_m1();
+        let percent = |log: f64| 100.0 * libm::expm1(log);
         let channel = fitted
             .residuals
             .iter()
@@ -157,7 +157,7 @@ impl RunEntry {
                     unit: RatioUnit::of(residual.channel),
                     ratio: ratio.value,
                     ratio_sd: ratio.sd,
-                    model_ratio: ratio.value * (-residual.before).exp(),
+                    model_ratio: ratio.value * libm::exp(-residual.before),
                     before_percent: percent(residual.before),
                     after_percent: percent(residual.after),
                 })

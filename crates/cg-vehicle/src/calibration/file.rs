@@ -314,7 +314,7 @@ impl Calibration {
                         run.log
                     ));
                 }
-                let now = logs[channel.index()].exp();
+                let now = libm::exp(logs[channel.index()]);
                 if !((now / entry.model_ratio - 1.0).abs() <= SAME_RATIO) {
                     return Err(format!(
                         "the equations have changed since this calibration (the {channel} ratio is \

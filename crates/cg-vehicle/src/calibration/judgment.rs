@@ -32,7 +32,10 @@ impl Judgment {
         let n = n.max(1) as f64;
         // Wilson and Hilferty's approximation of the quantiles.
         let ninth = 2.0 / (9.0 * n);
-        let limit = |quantile: f64| n * (1.0 - ninth + quantile * ninth.sqrt()).powi(3);
+        let limit = |quantile: f64| {
+            let root = 1.0 - ninth + quantile * ninth.sqrt();
+            n * root * root * root
+        };
         let birge = (chi_square / n).sqrt();
         if chi_square <= limit(DOUBTFUL) {
             Self::Sound

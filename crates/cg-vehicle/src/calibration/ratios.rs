@@ -201,7 +201,7 @@ fn observations(runs: &[Run]) -> Result<Vec<Observation>, VehicleError> {
             observations.push(Observation {
                 run: i,
                 channel,
-                log_ratio: ratio.value.ln(),
+                log_ratio: libm::log(ratio.value),
                 variance: ratio.relative_variance(),
             });
         }

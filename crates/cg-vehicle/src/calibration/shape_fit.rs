@@ -118,7 +118,8 @@ fn has_roots_within(
     function: &Rational,
     [least, greatest]: [f64; 2],
 ) -> Result<bool, VehicleError> {
-    let inside = |(re, im): &(f64, f64)| *re < 0.0 && (least..=greatest).contains(&re.hypot(*im));
+    let inside =
+        |(re, im): &(f64, f64)| *re < 0.0 && (least..=greatest).contains(&libm::hypot(*re, *im));
     for coefficients in [&function.numerator, &function.denominator] {
         let leading = coefficients.last().copied().unwrap_or(0.0);
         let denominator: Vec<f64> = coefficients.iter().map(|c| c / leading).collect();

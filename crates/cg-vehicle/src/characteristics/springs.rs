@@ -105,12 +105,12 @@ impl Envelope {
             return slope;
         }
         let reach = amplitude_m / deflection_m;
-        let begin = 2.0 / (1.0 + (-2.0 * reach).exp());
+        let begin = 2.0 / (1.0 + libm::exp(-2.0 * reach));
         // x = −A cos θ rises for θ in (0, π); the falling half contributes the same.
         let sum: f64 = (0..CYCLE_NODES)
             .map(|i| {
-                let x = -((f64::from(i) + 0.5) / f64::from(CYCLE_NODES) * PI).cos();
-                x * (1.0 - begin * (-reach * (x + 1.0)).exp())
+                let x = -libm::cos((f64::from(i) + 0.5) / f64::from(CYCLE_NODES) * PI);
+                x * (1.0 - begin * libm::exp(-reach * (x + 1.0)))
             })
             .sum();
         slope + 2.0 * lost_n / amplitude_m * sum / f64::from(CYCLE_NODES)

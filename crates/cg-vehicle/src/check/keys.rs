@@ -89,8 +89,8 @@ impl Range {
         if !(value > 0.0) {
             return f64::INFINITY;
         }
-        let half = 0.5 * (high / low).ln();
-        (((value / low).ln() - half) / half).abs()
+        let half = 0.5 * libm::log(high / low);
+        ((libm::log(value / low) - half) / half).abs()
     }
 
     /// The usual values as text: `0.5 to 1.5 m`.

@@ -47,7 +47,7 @@ fn one_order(
         let n = lower.denominator.len() - 1;
         // An additional pole of medium speed.
         #[allow(clippy::cast_precision_loss)] // an order
-        let pole_radps = 2.0 * lower.denominator[0].abs().powf(1.0 / n as f64);
+        let pole_radps = 2.0 * libm::pow(lower.denominator[0].abs(), 1.0 / n as f64);
         starts.push(raised(lower, pole_radps));
     }
     let mut best: Option<(Rational, f64)> = None;

@@ -44,7 +44,7 @@ fn frequencies() -> impl Iterator<Item = f64> {
     let ratio = BAND_RADPS.1 / BAND_RADPS.0;
     (0..FREQUENCIES).map(move |k| {
         let place = f64::from(k) / f64::from(FREQUENCIES - 1);
-        BAND_RADPS.0 * ratio.powf(place)
+        BAND_RADPS.0 * libm::pow(ratio, place)
     })
 }
 
@@ -83,7 +83,7 @@ impl<'a> Band<'a> {
 /// the root of their spacing.
 fn usual_steer(omega_radps: f64) -> f64 {
     let square = omega_radps * omega_radps;
-    ((1.0 / square + 1.0) / (1.0 + (square / 16.0).powi(2)) * omega_radps).sqrt()
+    ((1.0 / square + 1.0) / (1.0 + square * square / 256.0) * omega_radps).sqrt()
 }
 
 /// A polynomial in ascending powers of `iω`.

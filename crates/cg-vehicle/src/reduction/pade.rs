@@ -40,9 +40,9 @@ pub fn pade(series: &[f64], order: usize) -> Option<Rational> {
     let leading = denominator[order];
     for (k, value) in denominator.iter_mut().enumerate() {
         // s^k in scaled time is (s/scale)^k in seconds.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)]
-        let exponent = order as i32 - k as i32;
-        *value = *value / leading * scale.powi(exponent);
+        #[allow(clippy::cast_precision_loss)] // at most a dozen
+        let exponent = order as f64 - k as f64;
+        *value = *value / leading * libm::pow(scale, exponent);
     }
     let numerator = matched_numerator(&denominator, series);
     numerator
@@ -55,7 +55,7 @@ pub fn pade(series: &[f64], order: usize) -> Option<Rational> {
 fn time_scale(series: &[f64], order: usize) -> f64 {
     #[allow(clippy::cast_precision_loss)]
     let exponent = 1.0 / (2 * order).max(1) as f64;
-    let scale = (series[0] / series[2 * order]).abs().powf(exponent);
+    let scale = libm::pow((series[0] / series[2 * order]).abs(), exponent);
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }
 }
 

@@ -10,7 +10,7 @@ const PER_DECADE: u32 = 60;
 
 /// The rounded step of unit height (eq. 5.3) at time `t_s` after its start; zero before.
 pub fn rounded_step(t_s: f64, rate_per_s: f64) -> f64 {
-    if t_s <= 0.0 { 0.0 } else { 2.0 * ((-(-rate_per_s * t_s).exp()).exp2() - 0.5) }
+    if t_s <= 0.0 { 0.0 } else { 2.0 * (libm::exp2(-libm::exp(-rate_per_s * t_s)) - 0.5) }
 }
 
 /// The input of the thesis's comparisons: a rounded step (eq. 5.3).
@@ -44,7 +44,12 @@ impl StepInput {
 pub fn mean_square_degree2(one: &[f64], other: &[f64]) -> f64 {
     #[allow(clippy::cast_precision_loss)]
     let n = one.len().min(other.len()) as f64;
-    let sum: f64 = one.iter().zip(other).map(|(a, b)| (a - b).to_degrees().powi(2)).sum();
+    let sum: f64 = one
+        .iter()
+        .zip(other)
+        .map(|(a, b)| (a - b).to_degrees())
+        .map(|difference| difference * difference)
+        .sum();
     sum / n
 }
 
@@ -67,16 +72,16 @@ pub fn h_infinity(system: &System) -> Result<f64, VehicleError> {
     if !system.is_stable()? {
         return Err(VehicleError::Model("an unstable model has no H-infinity norm".to_owned()));
     }
-    let sizes: Vec<f64> = system.poles()?.iter().map(|(re, im)| re.hypot(*im)).collect();
+    let sizes: Vec<f64> = system.poles()?.iter().map(|(re, im)| libm::hypot(*re, *im)).collect();
     let slowest = sizes.iter().copied().fold(f64::INFINITY, f64::min) / 100.0;
     let fastest = sizes.iter().copied().fold(0.0, f64::max) * 100.0;
-    let at = |log: f64| system.magnitude(log.exp());
+    let at = |log: f64| system.magnitude(libm::exp(log));
     if sizes.is_empty() {
         return Ok(system.d.abs());
     }
-    let (low, high) = (slowest.ln(), fastest.ln());
+    let (low, high) = (libm::log(slowest), libm::log(fastest));
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred
-    let steps = ((high - low) / 10f64.ln() * f64::from(PER_DECADE)).ceil() as u32;
+    let steps = ((high - low) / std::f64::consts::LN_10 * f64::from(PER_DECADE)).ceil() as u32;
     let spacing = (high - low) / f64::from(steps);
     let mut best = (low, system.magnitude(0.0)?.max(system.d.abs()));
     for k in 0..=steps {

@@ -51,13 +51,13 @@ fn fixed(rational: &Rational) -> Reduced5<f64> {
 /// sixth pole, it is replaced by one real pole of the same magnitude.
 fn slowest_poles(poles: &[(f64, f64)]) -> Vec<f64> {
     let mut upper: Vec<(f64, f64)> = poles.iter().copied().filter(|pole| pole.1 >= 0.0).collect();
-    upper.sort_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1)));
+    upper.sort_by(|a, b| libm::hypot(a.0, a.1).total_cmp(&libm::hypot(b.0, b.1)));
     let mut denominator = vec![1.0];
     for (re, im) in upper {
         let degree = denominator.len() - 1;
         match ORDER - degree {
             0 => break,
-            1 => denominator = multiplied(&denominator, &[re.hypot(im), 1.0]),
+            1 => denominator = multiplied(&denominator, &[libm::hypot(re, im), 1.0]),
             _ if im == 0.0 => denominator = multiplied(&denominator, &[-re, 1.0]),
             _ => denominator = multiplied(&denominator, &[re * re + im * im, -2.0 * re, 1.0]),
         }

@@ -33,7 +33,7 @@ impl Springs {
         let envelope = Envelope::new(spring);
         let mut middle_m = envelope.deflection_at(0.5 * sprung_n);
         let difference = |apart_m: f64| {
-            let friction = 1.0 - (-apart_m / spring.friction_deflection_m).exp();
+            let friction = 1.0 - libm::exp(-apart_m / spring.friction_deflection_m);
             let forces = |middle_m: f64| {
                 [friction, -friction].map(|share| {
                     let x = middle_m + apart_m.copysign(share);

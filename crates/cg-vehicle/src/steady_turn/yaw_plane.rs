@@ -150,7 +150,7 @@ impl Turn {
         standing: &[Standing<'_>],
         drift: &mut Drift,
     ) -> Option<Sides> {
-        let (sin, cos) = drift.articulation_rad.sin_cos();
+        let (sin, cos) = libm::sincos(drift.articulation_rad);
         let acceleration = alpha * self.gravity_mps2;
         // `U2 = U cos γ − (v1 − r x5) sin γ`, with the articulation and the velocities of the last
         // solution.
@@ -168,7 +168,7 @@ impl Turn {
         if !(sine.abs() < 1.0) {
             return None;
         }
-        drift.articulation_rad = sine.asin();
+        drift.articulation_rad = libm::asin(sine);
         let tractor = radps * self.speed_mps / acceleration;
         let own_n = |axle: &Rolling| {
             axle.own_kg * self.gravity_mps2 * if axle.on_trailer { 1.0 } else { tractor }
@@ -178,7 +178,7 @@ impl Turn {
             axle_n: axle_n.into_iter().map(|n| n / alpha).collect(),
             hitch_n: hitch_n.map(|n| n / alpha),
             tractor,
-            cos: drift.articulation_rad.cos(),
+            cos: libm::cos(drift.articulation_rad),
         })
     }
 
@@ -203,7 +203,7 @@ impl Turn {
             + axles().map(|i| self.axles[i].own_kg * self.axles[i].position_m).sum::<f64>();
         let held = |i: usize, v: f64| {
             let x = self.axles[i].position_m;
-            self.held(i, ((pace.radps * x - v) / pace.trailer_mps).atan(), standing)
+            self.held(i, libm::atan((pace.radps * x - v) / pace.trailer_mps), standing)
         };
         drift.trailer_mps = newton(drift.trailer_mps, |v| {
             let moment = |i: usize| {
@@ -245,7 +245,7 @@ impl Turn {
             acceleration * inertia_kgm + hitch_n * (self.front_m + self.hitch_behind_cg_m);
         let held = |i: usize, v: f64| {
             let across_mps = v + pace.radps * self.axles[i].position_m;
-            self.held(i, (-across_mps / self.speed_mps).atan(), standing)
+            self.held(i, libm::atan(-across_mps / self.speed_mps), standing)
         };
         drift.tractor_mps = newton(drift.tractor_mps, |v| {
             let moment = |i: usize| {
