@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use cg_core::Channel;
-use cg_core::identify::arx::SampledArx;
 use cg_logs::calibrate::KnownLog;
 use cg_logs::estimate::{ChannelChoice, Method};
 use cg_plant::maneuver::{Histories, Maneuver};
@@ -14,7 +13,7 @@ use cg_vehicle::calibration::{Part, Procedure};
 use cg_vehicle::emit::Language;
 use clap::{Args, Parser, Subcommand};
 
-use crate::args::{ColumnArgs, Format, LoadArgs, ModelFormat};
+use crate::args::{ColumnArgs, Format, LoadArgs, MethodArgs, ModelFormat};
 use crate::can::CanArgs;
 use crate::fmu::FmuArgs;
 use crate::numbers::{
@@ -85,15 +84,11 @@ pub(crate) struct EstimateArgs {
     /// Output format; JSON has one object per line
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
-    /// Method by which the DC ratio is identified
-    #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
-    pub(crate) method: Method,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
     /// Pair of signals from which the height is estimated
     #[arg(long, value_parser = word::<ChannelChoice>(), default_value_t = ChannelChoice::Auto)]
     pub(crate) channel: ChannelChoice,
-    /// Order of the classical ARX (for --method arx)
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
-    pub(crate) order: usize,
     /// Forward speed in m/s; replaces the speed in the log
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
@@ -369,13 +364,5 @@ fn runs(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(runs) if (1..=GREATEST_RUNS).contains(&runs) => Ok(runs),
         _ => Err(format!("expected a whole number from 1 to {GREATEST_RUNS}")),
-    }
-}
-
-fn order(text: &str) -> Result<usize, String> {
-    let greatest = SampledArx::<f64>::GREATEST_ORDER;
-    match text.parse() {
-        Ok(order) if (1..=greatest).contains(&order) => Ok(order),
-        _ => Err(format!("expected a whole number from 1 to {greatest}")),
     }
 }

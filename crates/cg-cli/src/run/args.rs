@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
 
-use crate::args::ColumnArgs;
+use crate::args::{ColumnArgs, MethodArgs};
 use crate::can::CanArgs;
 use crate::numbers::{not_negative, payload_kg, trailer_mass_kg};
 use crate::truck::{RoadArgs, TruckArgs};
@@ -32,6 +32,8 @@ pub(crate) struct RunArgs {
     pub(crate) truck: TruckArgs,
     #[command(flatten)]
     pub(crate) road: RoadArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
     /// Mass of the whole semitrailer, kg; replaces the mass from the bus
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,

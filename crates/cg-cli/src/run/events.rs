@@ -6,7 +6,7 @@
 use std::io;
 
 use cg_core::{Channel, Combined, Design, Maneuver, Measured, Reject};
-use cg_logs::estimate::{ManeuverEstimate, Verdict};
+use cg_logs::estimate::{ManeuverEstimate, Method, Verdict};
 use cg_vehicle::scales::Scale;
 use serde::Serialize;
 
@@ -30,6 +30,8 @@ pub(crate) enum Event<'a> {
         vehicle: &'a str,
         source: &'a str,
         restored: bool,
+        /// How the DC ratios are identified.
+        method: Method,
         /// Address of the live page.
         #[serde(skip_serializing_if = "Option::is_none")]
         page: Option<&'a str>,

@@ -2,17 +2,14 @@
 
 use std::io::{self, Write};
 
-use cg_core::{
-    Design, Estimator, Maneuver, Prior, Quantity, Sample, SampleError, Settings, Status as Driving,
-    Warner,
-};
+use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Verdict, felt_mps2};
+use cg_logs::estimate::{Engine, EstimateOptions, Verdict, felt_mps2};
 use cg_logs::log::Signal;
 
 use crate::flags;
 
-use super::channels::{self, Live, contradiction, mass_sd_m};
+use super::channels::{self, contradiction, mass_sd_m};
 use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
@@ -32,8 +29,8 @@ const WEIGHED_US: u64 = 5_000_000;
 
 /// The processing of samples of one run.
 pub(crate) struct Session<W: Write> {
-    estimator: Live,
-    settings: Settings<f64>,
+    estimator: Engine,
+    options: EstimateOptions,
     trailer_mass_kg: Option<f64>,
     pub(crate) weighing: Weighing,
     mass_source: MassSource,
@@ -77,7 +74,7 @@ struct NextTimes {
 
 impl<W: Write> Session<W> {
     pub(crate) fn new(
-        (design, settings): (&Design<f64>, Settings<f64>),
+        (design, options): (&Design<f64>, EstimateOptions),
         warner: Warner<f64>,
         trailer_mass_kg: Option<f64>,
         status_s: f64,
@@ -91,8 +88,8 @@ impl<W: Write> Session<W> {
         Self {
             known: Known::new(None, None, (mass_kg, mass_source)),
             speed_mps: f64::NAN,
-            estimator: Estimator::new(*design, settings, Prior::standard()),
-            settings,
+            estimator: Engine::new(design, &options),
+            options,
             trailer_mass_kg,
             weighing: Weighing::EXACT,
             mass_source,
@@ -121,10 +118,8 @@ impl<W: Write> Session<W> {
     pub(crate) fn restore(&mut self) -> io::Result<bool> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
-                let design = *self.estimator.design();
-                let (settings, prior) = (self.settings, Prior::standard());
                 let memory = state.memory();
-                let restored = Estimator::restored(design, settings, prior, &memory);
+                let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);

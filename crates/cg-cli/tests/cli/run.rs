@@ -89,6 +89,30 @@ fn a_drive_gives_one_height_however_it_comes() {
     assert!((last_height(&lines(&fed.done())) - last_height(&candump)).abs() < 1e-15);
 }
 
+/// The same samples reach the same identifier, so every method gives its height to the last bit.
+#[test]
+fn every_method_gives_the_height_of_its_log() {
+    let drive = drive();
+    let mut heights = Vec::new();
+    for method in [
+        &["--method", "filtered"][..],
+        &["--method", "gain"],
+        &["--method", "arx"],
+        &["--method", "arx", "--order", "2"],
+    ] {
+        let fixed = ["estimate", "--vehicle", &drive.truck, "--format", "json", &drive.csv];
+        let estimate: Value =
+            serde_json::from_str(&cg(&[&fixed, method].concat()).done().out).unwrap();
+        let fixed = ["run", "--vehicle", &drive.truck, "--csv", &drive.csv];
+        let live = lines(&cg(&[&fixed, method].concat()).done());
+        let height_m = last_height(&live);
+        assert!((height_m - estimate["height_m"].as_f64().unwrap()).abs() < 1e-12);
+        assert_eq!(live[0]["method"], method[1]);
+        assert!(!heights.contains(&height_m), "{method:?} is another method");
+        heights.push(height_m);
+    }
+}
+
 /// Two halves of a drive with a restart between them give the same result as the whole drive,
 /// except for the maneuver that was interrupted.
 #[test]
@@ -259,7 +283,8 @@ fn mistakes_are_refused_before_anything_runs() {
     let drive = drive();
     let log = drive.candump.as_str();
     let truck = drive.truck.as_str();
-    let cases: [(&[&str], &[&str]); 6] = [
+    let kept = drive.path("state.json");
+    let cases: [(&[&str], &[&str]); 8] = [
         (&["run", "--vehicle", truck], &["--can <IFACE>", "--candump <FILE>"]),
         (&["run", "--vehicle", "none.toml", "--candump", log], &["none.toml"]),
         (&["run", "--vehicle", truck, "--candump", "none.log"], &["none.log: cannot be read"]),
@@ -271,6 +296,14 @@ fn mistakes_are_refused_before_anything_runs() {
         (
             &["run", "--vehicle", truck, "--candump", log, "--source-of", "rol=1"],
             &["no quantity `rol`"],
+        ),
+        (
+            &["run", "--vehicle", truck, "--candump", log, "--method", "arx", "--state", &kept],
+            &["--method arx: --state is for", "remove one of the two options"],
+        ),
+        (
+            &["run", "--vehicle", truck, "--can", "none0", "--method", "gain", "--transmit"],
+            &["--method gain: --transmit is for"],
         ),
     ];
     for (arguments, parts) in cases {
