@@ -160,6 +160,7 @@ fn linear_springs_tip_where_their_steady_turn_says() {
 #[test]
 fn measured_springs_tip_where_their_steady_turn_says() {
     steady_turn_is_the_ramp("baseline-tables", 1.0);
+    steady_turn_is_the_ramp("baseline-printed", 1.0);
     steady_turn_is_the_ramp("worn-tyres-third", 0.9);
     steady_turn_is_the_ramp("worn-tyres-half", 1.0);
 }
