@@ -18,7 +18,8 @@ use crate::can::CanArgs;
 use crate::fmu::FmuArgs;
 use crate::numbers::{
     duration_s, gate_m, lateral_g, not_negative, number, payload_behind_hitch_m, payload_kg,
-    radius_m, rate_hz, speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
+    radius_m, rate_hz, share_of_threshold, speed_change, speed_mps, steer_rad, step_rate,
+    trailer_mass_kg, turn_deg,
 };
 use crate::run::args::RunArgs;
 use crate::sensors::{ChassisArgs, SensorArgs};
@@ -299,6 +300,15 @@ pub(crate) struct RolloverArgs {
     /// Gate length of the lane change, m (the thesis uses 20 and 30)
     #[arg(long, value_name = "L", default_value_t = 20.0, allow_negative_numbers = true, value_parser = gate_m)]
     pub(crate) gate_m: f64,
+    /// Radius of a level curve, m: also gives the speed at which it keeps the margin of --share
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius_m)]
+    pub(crate) radius_m: Option<f64>,
+    /// Share of the lower bound of the threshold that the curve may use
+    #[arg(long, value_name = "SHARE", default_value_t = 0.6, allow_negative_numbers = true, value_parser = share_of_threshold, requires = "radius_m")]
+    pub(crate) share: f64,
+    /// Standard deviation of the height, m, for that bound
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative, requires = "radius_m")]
+    pub(crate) height_sd_m: f64,
     /// Output format
     #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
     pub(crate) format: ModelFormat,

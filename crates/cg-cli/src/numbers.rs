@@ -137,3 +137,10 @@ pub(crate) fn order(text: &str) -> Result<usize, String> {
         _ => Err(format!("expected a whole number from 1 to {greatest}")),
     }
 }
+
+pub(crate) fn share_of_threshold(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("expected a share of the threshold above 0 and up to 1".to_owned()),
+    }
+}

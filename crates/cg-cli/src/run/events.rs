@@ -49,6 +49,8 @@ pub(crate) enum Event<'a> {
     Status(Box<Status>),
     /// The warning level has changed.
     Warning { level: usize, margin_g: Option<f64> },
+    /// A request for a lower speed has begun or, without a speed, ended.
+    SpeedRequest { requested_speed_mps: Option<f64> },
     /// A message about the source, the state file or an output.
     Notice { subject: &'a str, message: String },
     /// The program ends.
@@ -188,6 +190,11 @@ pub(crate) struct Status {
     pub(crate) lateral_acceleration_g: Option<f64>,
     pub(crate) margin_g: Option<f64>,
     pub(crate) warning_level: usize,
+    /// Whether speeds are requested at all.
+    #[serde(skip)]
+    pub(crate) requests_speed: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) requested_speed_mps: Option<f64>,
     pub(crate) samples: u64,
     #[serde(flatten)]
     pub(crate) counters: Counters,

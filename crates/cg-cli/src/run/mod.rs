@@ -11,6 +11,7 @@
 //! | `session` | processing of samples to events |
 //! | `channels` | the heights of the channels |
 //! | `learning` | learning of the truck from empty driving |
+//! | `request` | the speed that is requested in turns |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
 //! | `serve` | the live page |
@@ -31,6 +32,7 @@ mod outputs;
 mod pace;
 mod presence;
 mod replay;
+mod request;
 mod serve;
 mod session;
 mod signals;
@@ -63,6 +65,7 @@ use frames::Frames;
 use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
+use request::SpeedRequest;
 use serve::Page;
 use session::Session;
 use signals::Stop;
@@ -107,6 +110,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         arguments.status_s,
         outputs,
     );
+    session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
     session.weighing.scales = Scales::of(&vehicle);
     if arguments.can.is_some() {

@@ -14,6 +14,7 @@ use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, 
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
+use super::request::SpeedRequest;
 use super::state::Found;
 use super::weighing::Weighing;
 
@@ -43,6 +44,7 @@ pub(crate) struct Session<W: Write> {
     learning: Option<Learning>,
     pace: Pace,
     warner: Warner<f64>,
+    pub(crate) request: Option<SpeedRequest>,
     known: Known,
     /// Last speed, m/s; NaN before the first one.
     speed_mps: f64,
@@ -99,6 +101,7 @@ impl<W: Write> Session<W> {
             nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
+            request: None,
             load_since_s: None,
             driving: "waiting",
             missing: Vec::new(),
@@ -258,9 +261,17 @@ impl<W: Write> Session<W> {
         }
         let threshold_g = self.known.threshold_g;
         let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
-        let Some(level) = level else { return Ok(()) };
-        let margin_g = self.known.margin_g(self.lateral_g());
-        self.write_event(&Event::Warning { level, margin_g })
+        if let Some(level) = level {
+            let margin_g = self.known.margin_g(self.lateral_g());
+            self.write_event(&Event::Warning { level, margin_g })?;
+        }
+        let motion = [self.speed_mps, self.warner.lateral_mps2().unwrap_or(f64::NAN)];
+        let Some(request) = &mut self.request else { return Ok(()) };
+        if request.update(self.estimator.design(), &self.known, motion) {
+            let requested_speed_mps = request.speed_mps;
+            return self.write_event(&Event::SpeedRequest { requested_speed_mps });
+        }
+        Ok(())
     }
 
     fn lateral_g(&self) -> Option<f64> {
@@ -381,6 +392,8 @@ impl<W: Write> Session<W> {
             lateral_acceleration_g: lateral_g,
             margin_g: self.known.margin_g(lateral_g),
             warning_level: self.warner.level(),
+            requests_speed: self.request.is_some(),
+            requested_speed_mps: self.request.and_then(|request| request.speed_mps),
             samples: self.samples,
             counters: self.counters,
         }

@@ -359,6 +359,11 @@ fn frames_follow_their_cycle() {
         session.run_periodic(false).unwrap();
         assert_eq!(sent.get(), total, "{now_us}");
     }
+    // The requested speed has a frame of its own, if it is asked for.
+    session.request = Some(SpeedRequest::new(0.5));
+    session.tick(0.0, 3 * SECOND_US);
+    session.run_periodic(false).unwrap();
+    assert_eq!(sent.get(), 4);
 }
 
 /// Whether the file of an output is written at each of these times.
