@@ -1,10 +1,12 @@
 //! Arguments that several commands share.
 
+use cg_logs::estimate::Method;
 use cg_logs::log::{ColumnMap, LogOptions, Signal};
 use cg_vehicle::{Load, Vehicle};
 use clap::{Args, ValueEnum};
 
-use crate::numbers::{height_m, payload_kg, trailer_mass_kg};
+use crate::numbers::{height_m, order, payload_kg, trailer_mass_kg};
+use crate::words::word;
 
 /// How to read the columns of logs.
 #[derive(Debug, Args)]
@@ -22,6 +24,17 @@ impl ColumnArgs {
         let (columns, flip) = (self.column.clone(), self.flip.clone());
         LogOptions { columns, flip, ..LogOptions::default() }
     }
+}
+
+/// How the DC ratio is identified.
+#[derive(Debug, Args)]
+pub(crate) struct MethodArgs {
+    /// Method by which the DC ratio is identified
+    #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
+    pub(crate) method: Method,
+    /// Order of the classical ARX (for --method arx)
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
+    pub(crate) order: usize,
 }
 
 #[derive(Debug, Args)]

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use cg_core::Channel;
-use cg_core::identify::arx::SampledArx;
 use cg_logs::calibrate::KnownLog;
 use cg_logs::estimate::{ChannelChoice, Method};
 use cg_plant::maneuver::{Histories, Maneuver};
@@ -14,12 +13,13 @@ use cg_vehicle::calibration::{Part, Procedure};
 use cg_vehicle::emit::Language;
 use clap::{Args, Parser, Subcommand};
 
-use crate::args::{ColumnArgs, Format, LoadArgs, ModelFormat};
+use crate::args::{ColumnArgs, Format, LoadArgs, MethodArgs, ModelFormat};
 use crate::can::CanArgs;
 use crate::fmu::FmuArgs;
 use crate::numbers::{
     duration_s, gate_m, lateral_g, not_negative, number, payload_behind_hitch_m, payload_kg,
-    radius_m, rate_hz, speed_change, speed_mps, steer_rad, step_rate, trailer_mass_kg, turn_deg,
+    radius_m, rate_hz, share_of_threshold, speed_change, speed_mps, steer_rad, step_rate,
+    trailer_mass_kg, turn_deg,
 };
 use crate::run::args::RunArgs;
 use crate::sensors::{ChassisArgs, SensorArgs};
@@ -85,15 +85,11 @@ pub(crate) struct EstimateArgs {
     /// Output format; JSON has one object per line
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(crate) format: Format,
-    /// Method by which the DC ratio is identified
-    #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
-    pub(crate) method: Method,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
     /// Pair of signals from which the height is estimated
     #[arg(long, value_parser = word::<ChannelChoice>(), default_value_t = ChannelChoice::Auto)]
     pub(crate) channel: ChannelChoice,
-    /// Order of the classical ARX (for --method arx)
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
-    pub(crate) order: usize,
     /// Forward speed in m/s; replaces the speed in the log
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(crate) speed_mps: Option<f64>,
@@ -304,6 +300,15 @@ pub(crate) struct RolloverArgs {
     /// Gate length of the lane change, m (the thesis uses 20 and 30)
     #[arg(long, value_name = "L", default_value_t = 20.0, allow_negative_numbers = true, value_parser = gate_m)]
     pub(crate) gate_m: f64,
+    /// Radius of a level curve, m: also gives the speed at which it keeps the margin of --share
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = radius_m)]
+    pub(crate) radius_m: Option<f64>,
+    /// Share of the lower bound of the threshold that the curve may use
+    #[arg(long, value_name = "SHARE", default_value_t = 0.6, allow_negative_numbers = true, value_parser = share_of_threshold, requires = "radius_m")]
+    pub(crate) share: f64,
+    /// Standard deviation of the height, m, for that bound
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = not_negative, requires = "radius_m")]
+    pub(crate) height_sd_m: f64,
     /// Output format
     #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
     pub(crate) format: ModelFormat,
@@ -369,13 +374,5 @@ fn runs(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(runs) if (1..=GREATEST_RUNS).contains(&runs) => Ok(runs),
         _ => Err(format!("expected a whole number from 1 to {GREATEST_RUNS}")),
-    }
-}
-
-fn order(text: &str) -> Result<usize, String> {
-    let greatest = SampledArx::<f64>::GREATEST_ORDER;
-    match text.parse() {
-        Ok(order) if (1..=greatest).contains(&order) => Ok(order),
-        _ => Err(format!("expected a whole number from 1 to {greatest}")),
     }
 }

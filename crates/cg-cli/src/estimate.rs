@@ -33,8 +33,8 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     let (design, judgment) = arguments.truck.judged_design(&vehicle)?;
     let options = EstimateOptions {
         variant: arguments.truck.model,
-        method: arguments.method,
-        order: arguments.order,
+        method: arguments.method.method,
+        order: arguments.method.order,
         channel: arguments.channel.into(),
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,

@@ -1,5 +1,6 @@
 //! Arguments that are numbers, and their limits.
 
+use cg_core::identify::arx::SampledArx;
 use cg_plant::sensors;
 use cg_vehicle::limits;
 
@@ -126,4 +127,20 @@ pub(crate) fn jitter_s(text: &str) -> Result<f64, String> {
 
 pub(crate) fn share(text: &str) -> Result<f64, String> {
     within(text, 0.0, sensors::GREATEST_DROP_OUT)
+}
+
+/// The order of a classical ARX.
+pub(crate) fn order(text: &str) -> Result<usize, String> {
+    let greatest = SampledArx::<f64>::GREATEST_ORDER;
+    match text.parse() {
+        Ok(order) if (1..=greatest).contains(&order) => Ok(order),
+        _ => Err(format!("expected a whole number from 1 to {greatest}")),
+    }
+}
+
+pub(crate) fn share_of_threshold(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
+        _ => Err("expected a share of the threshold above 0 and up to 1".to_owned()),
+    }
 }

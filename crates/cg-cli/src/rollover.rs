@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use anyhow::Context;
-use cg_plant::rollover::{RolloverMeasures, RolloverOptions, measures};
+use cg_plant::rollover::{Curve, RolloverMeasures, RolloverOptions, measures};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use serde_json::{Map, Value, json};
@@ -21,6 +21,11 @@ pub(crate) fn run(arguments: &RolloverArgs) -> anyhow::Result<Outcome> {
         lateral_acceleration_g: arguments.lateral_acceleration_g,
         gate_m: arguments.gate_m,
         payload_left_m: arguments.payload_left_m,
+        curve: arguments.radius_m.map(|radius_m| Curve {
+            radius_m,
+            share: arguments.share,
+            height_sd_m: arguments.height_sd_m,
+        }),
     };
     let all = measures(&vehicle, load, &options)?;
     let mut out = std::io::stdout().lock();
@@ -65,8 +70,8 @@ fn print(out: &mut impl Write, head: &str, all: &RolloverMeasures) -> std::io::R
         let value = measure.value.map_or_else(|| "none".to_owned(), |value| format!("{value:.3}"));
         let unit = if measure.unit == "-" { "" } else { measure.unit };
         // The unit has its own column here.
-        let end = format!("_{unit}");
-        let name = measure.name.strip_suffix(end.as_str()).unwrap_or(measure.name);
+        let bare = measure.name.rsplit_once('_').filter(|_| !unit.is_empty());
+        let name = bare.map_or(measure.name, |(name, _)| name);
         table.add_row([name.replace('_', " "), value, unit.to_owned(), measure.meaning.clone()]);
     }
     if let Some(column) = table.column_mut(1) {

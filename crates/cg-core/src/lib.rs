@@ -70,6 +70,7 @@ pub mod estimator;
 pub use decide::combined::Combined;
 pub use decide::condition::{Conditioner, SampleError, Signals};
 pub use decide::consistency::Inconsistency;
+pub use decide::curve::curve_speed_mps;
 pub use decide::height::Height;
 pub use decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 pub use decide::memory::Memory;

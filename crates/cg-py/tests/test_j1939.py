@@ -124,3 +124,7 @@ def test_cantools_reads_the_frame_that_is_sent() -> None:
     assert told["RolloverMargin"] == pytest.approx(-1.25)
     assert (told["WarningLevel"], told["Maneuvers"]) == (0, 250)
     assert str(told["Status"]) == "Height known"
+    request = ours.get_message_by_name("CG_SPEED_REQUEST")
+    assert request.frame_id >> 8 & 0x3FFFF == 65297
+    asked = request.decode(bytes([0x00, 54, *[0xFF] * 6]))
+    assert asked["RequestedSpeed"] == pytest.approx(54.0)  # km/h

@@ -61,6 +61,8 @@ def events(tmp_path_factory) -> list[dict]:
     both = joined(folder / "both.csv", [LADEN, EMPTY, EMPTY])
     found += lines(*run, "--csv", both, "--warn", "0.1", *kept)
     found += lines(*run, "--csv", LADEN, "--trailer-mass-kg", "28684")
+    twice = joined(folder / "twice.csv", [LADEN, LADEN])
+    found += lines(*run, "--csv", twice, "--speed-request", "0.2", "--status-s", "0.2")
     found += lines(*run, "--csv", LADEN, "--flip", "roll", codes=(1,))
     chassis = folder / "chassis.log"
     simulate = ["simulate", "--vehicle", EURO, "--maneuver", "drive", "--duration-s", "60"]

@@ -23,7 +23,13 @@ fn check(row: &Row) {
             assert!(same || explained, "{name}: differs without a reason: {note}");
         }
         Verdict::NotPrinted => assert!(row.thesis.is_none() && !note.is_empty(), "{name}"),
-        Verdict::NotComputed => panic!("{name}: every row is computed"),
+        Verdict::NotComputed => {
+            let undetermined = row.table == "5.8" && row.criterion.is_none();
+            assert!(
+                undetermined && note.contains("because"),
+                "{name}: every other row is computed"
+            );
+        }
     }
 }
 
@@ -87,6 +93,25 @@ fn every_number_is_finite_and_what_is_missing_has_a_note() {
 fn ours(rows: &[Row], item: &str) -> f64 {
     let row = rows.iter().find(|row| row.item == item);
     row.unwrap_or_else(|| panic!("no row {item}")).ours.unwrap()
+}
+
+/// Table 5.8: each coefficient by the thesis's ARX and by this project's identifier. The latter starts
+/// from dynamics with a standard deviation of 20 %, and the median of 400 draws of these alone has one of
+/// 1.25 · 20 %/√400 = 1.3 %; the claim of docs/thesis.md adds the bias of the noise.
+#[test]
+fn every_coefficient_is_identified_by_both() {
+    let rows = table("5.8", &OPTIONS).unwrap();
+    let plant = table("5.12", &OPTIONS).unwrap();
+    for snr_db in [30, 25, 20, 15, 10, 5] {
+        for coefficient in ["A0", "A1", "A2", "A3", "A4", "A5", "B0", "B1", "B2", "B3", "B4"] {
+            let by = |method: &str| ours(&rows, &format!("{snr_db} dB: {coefficient}, {method}"));
+            let (arx, filtered) = (by("the thesis's ARX"), by("filtered"));
+            let true_one = ours(&plant, coefficient);
+            assert!((filtered / true_one - 1.0).abs() < 0.12, "{snr_db} {coefficient} {filtered}");
+            // ARX has poles near the sampling rate instead.
+            assert!((arx / true_one).abs() > 7.0, "{snr_db} dB, {coefficient}: {arx} {true_one}");
+        }
+    }
 }
 
 /// The corrections of misprints follow from the thesis's own numbers.

@@ -9,6 +9,7 @@ use cg_vehicle::balance::static_balance;
 use cg_vehicle::belief::{Belief, Covariance};
 use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
+use cg_vehicle::steady_turn::steady_turn_threshold_g;
 use cg_vehicle::tables::Spring;
 use cg_vehicle::vehicle::Axle;
 use cg_vehicle::{Load, Variant, Vehicle};
@@ -177,4 +178,45 @@ fn leveled_springs_are_in_proportion_to_their_load() {
     }
     // Once is enough.
     assert_eq!(moved.with_springs_at(light).unwrap().trailer, moved.trailer);
+}
+
+/// At the threshold springs have moved by half a centimeter and more, and their friction has built up
+/// except for e^(-x/β): with β = 0.5 mm for e^-10 of it, which is 5e-5 of a moment.
+#[test]
+fn friction_that_builds_up_at_once_does_not_move_the_threshold() {
+    for name in ["baseline-printed", "baseline-tables", "air"] {
+        let mut vehicle = common::vehicle(&format!("{name}.toml"));
+        for (share, cg_height_m) in [(0.75, 1.2), (1.0, 1.5), (1.1, 2.0), (1.0, 2.6)] {
+            let trailer_mass_kg = share * vehicle.reference_load().trailer_mass_kg;
+            let load = Load { trailer_mass_kg, cg_height_m };
+            for speed_mps in [40.0 / 3.6, 90.0 / 3.6] {
+                let thresholds_g = [5e-4, 2.6e-4, 1e-4].map(|deflection_m| {
+                    for spring in &mut vehicle.spring {
+                        spring.friction_deflection_m = deflection_m;
+                    }
+                    steady_turn_threshold_g(&vehicle, load, speed_mps).unwrap()
+                });
+                println!("{name} {share} {cg_height_m} m {speed_mps:.1} m/s: {thresholds_g:.4?}");
+                for threshold_g in thresholds_g {
+                    assert!((threshold_g / thresholds_g[0] - 1.0).abs() < 5e-5, "{thresholds_g:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Every vehicle file of the repository is usable.
+#[test]
+fn every_vehicle_has_a_design() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let vehicle = Vehicle::load(&path).unwrap();
+            design_with(&vehicle, Variant::Complete, &Belief::prior(&vehicle)).unwrap();
+            count += 1;
+        }
+    }
+    assert!(count >= 9, "{count}");
 }

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
 
-use crate::args::ColumnArgs;
+use crate::args::{ColumnArgs, MethodArgs};
 use crate::can::CanArgs;
-use crate::numbers::{not_negative, payload_kg, trailer_mass_kg};
+use crate::numbers::{not_negative, payload_kg, share_of_threshold, trailer_mass_kg};
 use crate::truck::{RoadArgs, TruckArgs};
 
 use super::serve::address::Address;
@@ -32,6 +32,8 @@ pub(crate) struct RunArgs {
     pub(crate) truck: TruckArgs,
     #[command(flatten)]
     pub(crate) road: RoadArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
     /// Mass of the whole semitrailer, kg; replaces the mass from the bus
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = trailer_mass_kg)]
     pub(crate) trailer_mass_kg: Option<f64>,
@@ -63,12 +65,16 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "ADDRESS", default_value = "0xD0", value_parser = address)]
     pub(crate) transmit_address: u8,
     /// Warning levels, increasing, as shares of the lower bound of the rollover threshold
-    #[arg(long, value_name = "SHARES", value_delimiter = ',', default_value = "0.6,0.75,0.9", value_parser = share)]
+    #[arg(long, value_name = "SHARES", value_delimiter = ',', default_value = "0.6,0.75,0.9", value_parser = share_of_threshold)]
     pub(crate) warn: Vec<f64>,
     /// Hysteresis of the warning, as a share of the threshold: how far below its level a warning
     /// ends
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share_of_threshold)]
     pub(crate) warn_hysteresis: f64,
+    /// Request a speed in turns that use more than this share of the lower bound of the rollover threshold:
+    /// on standard output, and with --transmit as a frame that asks and controls nothing. Off without it
+    #[arg(long, value_name = "SHARE", value_parser = share_of_threshold)]
+    pub(crate) speed_request: Option<f64>,
     /// Show a live page at this port of this computer, or at an address and a port that others can
     /// open, such as 0.0.0.0:8080; after a replay it stays until Ctrl-C
     #[arg(long, value_name = "ADDR")]
@@ -103,13 +109,6 @@ fn interface(name: &str) -> Result<String, String> {
         Err("this system has no SocketCAN, only Linux has; record the frames and replay them with \
              --candump or --csv"
             .to_owned())
-    }
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(share) if share > 0.0 && share <= 1.0 => Ok(share),
-        _ => Err("expected a share of the threshold above 0 and up to 1".to_owned()),
     }
 }
 

@@ -1,30 +1,32 @@
 //! The heights of the channels.
 
-use cg_core::{Channel, Design, Estimator, FilteredArx};
-
-/// The estimator of a run.
-pub(crate) type Live = Estimator<f64, FilteredArx<f64>>;
+use cg_core::Channel;
+use cg_logs::estimate::Engine;
 
 /// The channels with a height.
-fn with_height(estimator: &Live) -> impl Iterator<Item = Channel> {
+fn with_height(estimator: &Engine) -> impl Iterator<Item = Channel> {
     Channel::ALL.into_iter().filter(|channel| estimator.height(*channel).is_some())
 }
 
 /// The channel with a height, if there is one alone.
-pub(crate) fn alone(estimator: &Live) -> Option<Channel> {
+pub(crate) fn alone(estimator: &Engine) -> Option<Channel> {
     let mut channels = with_height(estimator);
     channels.next().filter(|_| channels.next().is_none())
 }
 
 /// Standard deviation of a height due to that of the trailer mass, m. The pair is the mass and its standard
 /// deviation, kg.
-pub(crate) fn mass_sd_m(estimator: &Live, speed_mps: f64, mass_kg: [f64; 2], height_m: f64) -> f64 {
-    let design: &Design<f64> = estimator.design();
-    design.mass_sd_m(with_height(estimator), speed_mps, mass_kg, height_m)
+pub(crate) fn mass_sd_m(
+    estimator: &Engine,
+    speed_mps: f64,
+    mass_kg: [f64; 2],
+    height_m: f64,
+) -> f64 {
+    estimator.design().mass_sd_m(with_height(estimator), speed_mps, mass_kg, height_m)
 }
 
 /// The message about channels that contradict each other.
-pub(crate) fn contradiction(estimator: &Live) -> String {
+pub(crate) fn contradiction(estimator: &Engine) -> String {
     let of = |channel: Channel| match estimator.height(channel) {
         Some(height) => {
             let height_m = height.height_m;

@@ -6,7 +6,7 @@
 use std::io;
 
 use cg_core::{Channel, Combined, Design, Maneuver, Measured, Reject};
-use cg_logs::estimate::{ManeuverEstimate, Verdict};
+use cg_logs::estimate::{ManeuverEstimate, Method, Verdict};
 use cg_vehicle::scales::Scale;
 use serde::Serialize;
 
@@ -30,6 +30,8 @@ pub(crate) enum Event<'a> {
         vehicle: &'a str,
         source: &'a str,
         restored: bool,
+        /// How the DC ratios are identified.
+        method: Method,
         /// Address of the live page.
         #[serde(skip_serializing_if = "Option::is_none")]
         page: Option<&'a str>,
@@ -47,6 +49,8 @@ pub(crate) enum Event<'a> {
     Status(Box<Status>),
     /// The warning level has changed.
     Warning { level: usize, margin_g: Option<f64> },
+    /// A request for a lower speed has begun or, without a speed, ended.
+    SpeedRequest { requested_speed_mps: Option<f64> },
     /// A message about the source, the state file or an output.
     Notice { subject: &'a str, message: String },
     /// The program ends.
@@ -186,6 +190,11 @@ pub(crate) struct Status {
     pub(crate) lateral_acceleration_g: Option<f64>,
     pub(crate) margin_g: Option<f64>,
     pub(crate) warning_level: usize,
+    /// Whether speeds are requested at all.
+    #[serde(skip)]
+    pub(crate) requests_speed: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) requested_speed_mps: Option<f64>,
     pub(crate) samples: u64,
     #[serde(flatten)]
     pub(crate) counters: Counters,

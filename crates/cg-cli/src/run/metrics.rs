@@ -93,6 +93,8 @@ mod tests {
             lateral_acceleration_g: None,
             margin_g: None,
             warning_level: 0,
+            requests_speed: false,
+            requested_speed_mps: None,
             samples: 11,
             counters,
         };

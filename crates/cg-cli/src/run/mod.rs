@@ -11,6 +11,7 @@
 //! | `session` | processing of samples to events |
 //! | `channels` | the heights of the channels |
 //! | `learning` | learning of the truck from empty driving |
+//! | `request` | the speed that is requested in turns |
 //! | `events` | the lines on standard output |
 //! | `outputs`: `state`, `metrics`, `transmit`, `latency` | the other outputs |
 //! | `serve` | the live page |
@@ -31,6 +32,7 @@ mod outputs;
 mod pace;
 mod presence;
 mod replay;
+mod request;
 mod serve;
 mod session;
 mod signals;
@@ -46,7 +48,8 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use anyhow::bail;
-use cg_core::{Design, Settings, Warner};
+use cg_core::{Design, Warner};
+use cg_logs::estimate::{EstimateOptions, Method};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_logs::state::design_crc32;
@@ -62,6 +65,7 @@ use frames::Frames;
 use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
+use request::SpeedRequest;
 use serve::Page;
 use session::Session;
 use signals::Stop;
@@ -78,6 +82,7 @@ const STAYS: &str = "the log has ended; the page stays until the program is stop
 pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> {
     let [state, metrics] = targets(arguments, files)?;
     refuse_learning(arguments)?;
+    refuse_outputs(arguments)?;
     let vehicle = arguments.truck.load()?;
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
@@ -98,9 +103,14 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
     let mass_kg = arguments.trailer_mass_kg;
-    let road = arguments.road.of(&vehicle).map(|road| road.bank_sd_rad);
-    let rules = road.map_or(Settings::truck(), |sd| Settings::truck().on_road(sd));
-    let mut session = Session::new((&design, rules), warner, mass_kg, arguments.status_s, outputs);
+    let mut session = Session::new(
+        (&design, identification(arguments, &vehicle)),
+        warner,
+        mass_kg,
+        arguments.status_s,
+        outputs,
+    );
+    session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
     session.weighing.scales = Scales::of(&vehicle);
     if arguments.can.is_some() {
@@ -152,6 +162,7 @@ fn begin<W: Write>(
         vehicle: &vehicle.name,
         source: &source,
         restored,
+        method: arguments.method.method,
         page: page.as_ref().map(|(url, _)| url.as_str()),
     })?;
     if page.is_some_and(|(_, is_open)| is_open) { session.notice("page", OPEN) } else { Ok(()) }
@@ -180,6 +191,30 @@ fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
         bail!("--learn on: what is learned is kept in a state file; give --state FILE too");
     }
     Ok(())
+}
+
+/// How the height is identified.
+fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> EstimateOptions {
+    EstimateOptions {
+        variant: arguments.truck.model,
+        method: arguments.method.method,
+        order: arguments.method.order,
+        road: arguments.road.of(vehicle),
+        ..EstimateOptions::default()
+    }
+}
+
+/// What is kept or sent does not say by which method a height was identified.
+fn refuse_outputs(arguments: &RunArgs) -> anyhow::Result<()> {
+    let method = arguments.method.method;
+    let used = [("--state", arguments.state.is_some()), ("--transmit", arguments.transmit)];
+    match used.into_iter().find(|(_, used)| *used) {
+        Some((option, _)) if method != Method::Filtered => bail!(
+            "--method {method}: {option} is for the heights of the method \"filtered\" alone, because \
+             noise or wrong dynamics bias those of others; remove one of the two options"
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// A state with a calibration also belongs to the vehicle without it.

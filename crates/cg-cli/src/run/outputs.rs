@@ -95,6 +95,10 @@ impl<W: Write> Outputs<W> {
         if let Some((send, address)) = &mut self.sender {
             let (identifier, data) = transmit::frame(status, *address);
             send(identifier, data);
+            if status.requests_speed {
+                let (identifier, data) = transmit::request(status, *address);
+                send(identifier, data);
+            }
         }
     }
 }

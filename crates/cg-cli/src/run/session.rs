@@ -2,21 +2,19 @@
 
 use std::io::{self, Write};
 
-use cg_core::{
-    Design, Estimator, Maneuver, Prior, Quantity, Sample, SampleError, Settings, Status as Driving,
-    Warner,
-};
+use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Verdict, felt_mps2};
+use cg_logs::estimate::{Engine, EstimateOptions, Verdict, felt_mps2};
 use cg_logs::log::Signal;
 
 use crate::flags;
 
-use super::channels::{self, Live, contradiction, mass_sd_m};
+use super::channels::{self, contradiction, mass_sd_m};
 use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
+use super::request::SpeedRequest;
 use super::state::Found;
 use super::weighing::Weighing;
 
@@ -32,8 +30,8 @@ const WEIGHED_US: u64 = 5_000_000;
 
 /// The processing of samples of one run.
 pub(crate) struct Session<W: Write> {
-    estimator: Live,
-    settings: Settings<f64>,
+    estimator: Engine,
+    options: EstimateOptions,
     trailer_mass_kg: Option<f64>,
     pub(crate) weighing: Weighing,
     mass_source: MassSource,
@@ -46,6 +44,7 @@ pub(crate) struct Session<W: Write> {
     learning: Option<Learning>,
     pace: Pace,
     warner: Warner<f64>,
+    pub(crate) request: Option<SpeedRequest>,
     known: Known,
     /// Last speed, m/s; NaN before the first one.
     speed_mps: f64,
@@ -77,7 +76,7 @@ struct NextTimes {
 
 impl<W: Write> Session<W> {
     pub(crate) fn new(
-        (design, settings): (&Design<f64>, Settings<f64>),
+        (design, options): (&Design<f64>, EstimateOptions),
         warner: Warner<f64>,
         trailer_mass_kg: Option<f64>,
         status_s: f64,
@@ -91,8 +90,8 @@ impl<W: Write> Session<W> {
         Self {
             known: Known::new(None, None, (mass_kg, mass_source)),
             speed_mps: f64::NAN,
-            estimator: Estimator::new(*design, settings, Prior::standard()),
-            settings,
+            estimator: Engine::new(design, &options),
+            options,
             trailer_mass_kg,
             weighing: Weighing::EXACT,
             mass_source,
@@ -102,6 +101,7 @@ impl<W: Write> Session<W> {
             nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
+            request: None,
             load_since_s: None,
             driving: "waiting",
             missing: Vec::new(),
@@ -121,10 +121,8 @@ impl<W: Write> Session<W> {
     pub(crate) fn restore(&mut self) -> io::Result<bool> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
-                let design = *self.estimator.design();
-                let (settings, prior) = (self.settings, Prior::standard());
                 let memory = state.memory();
-                let restored = Estimator::restored(design, settings, prior, &memory);
+                let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
@@ -263,9 +261,17 @@ impl<W: Write> Session<W> {
         }
         let threshold_g = self.known.threshold_g;
         let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
-        let Some(level) = level else { return Ok(()) };
-        let margin_g = self.known.margin_g(self.lateral_g());
-        self.write_event(&Event::Warning { level, margin_g })
+        if let Some(level) = level {
+            let margin_g = self.known.margin_g(self.lateral_g());
+            self.write_event(&Event::Warning { level, margin_g })?;
+        }
+        let motion = [self.speed_mps, self.warner.lateral_mps2().unwrap_or(f64::NAN)];
+        let Some(request) = &mut self.request else { return Ok(()) };
+        if request.update(self.estimator.design(), &self.known, motion) {
+            let requested_speed_mps = request.speed_mps;
+            return self.write_event(&Event::SpeedRequest { requested_speed_mps });
+        }
+        Ok(())
     }
 
     fn lateral_g(&self) -> Option<f64> {
@@ -386,6 +392,8 @@ impl<W: Write> Session<W> {
             lateral_acceleration_g: lateral_g,
             margin_g: self.known.margin_g(lateral_g),
             warning_level: self.warner.level(),
+            requests_speed: self.request.is_some(),
+            requested_speed_mps: self.request.and_then(|request| request.speed_mps),
             samples: self.samples,
             counters: self.counters,
         }

@@ -1,8 +1,8 @@
-//! Results on the CAN bus as one Proprietary B frame (`fixtures/can/cg_height.dbc`).
+//! Results on the CAN bus as Proprietary B frames (`fixtures/can/cg_height.dbc`).
 
 use cg_core::signal::j1939::{
-    CG_HEIGHT, CG_HEIGHT_SD, CG_MANEUVERS, CG_MARGIN, CG_STATUS, CG_THRESHOLD, CG_WARNING_LEVEL,
-    NOT_AVAILABLE,
+    CG_HEIGHT, CG_HEIGHT_SD, CG_MANEUVERS, CG_MARGIN, CG_REQUESTED_SPEED, CG_STATUS, CG_THRESHOLD,
+    CG_WARNING_LEVEL, NOT_AVAILABLE,
 };
 
 use super::events::Status;
@@ -41,6 +41,13 @@ pub(crate) fn frame(status: &Status, source: u8) -> (u32, [u8; 8]) {
     (CG_HEIGHT.identifier(source), data)
 }
 
+/// Identifier and data of the frame with the requested speed, which is not available without a request.
+pub(crate) fn request(status: &Status, source: u8) -> (u32, [u8; 8]) {
+    let mut data = NOT_AVAILABLE;
+    CG_REQUESTED_SPEED.encode(status.requested_speed_mps.unwrap_or(f64::NAN), &mut data);
+    (CG_REQUESTED_SPEED.identifier(source), data)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,6 +63,8 @@ mod tests {
             lateral_acceleration_g: None,
             margin_g,
             warning_level: 0,
+            requests_speed: false,
+            requested_speed_mps: None,
             samples: 0,
             counters: Counters::default(),
         }
@@ -66,6 +75,21 @@ mod tests {
         let (identifier, data) = frame(&status(Result::default(), None), 0xD0);
         assert_eq!(identifier, 0x18FF_10D0);
         assert_eq!(data, [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0]);
+    }
+
+    /// 15 m/s are 54 km/h, 256 bits each.
+    #[test]
+    fn a_request_is_a_speed_or_not_available() {
+        let asked = |requested_speed_mps| {
+            request(&Status { requested_speed_mps, ..status(Result::default(), None) }, 0xD0)
+        };
+        let (identifier, data) = asked(None);
+        assert_eq!((identifier, data), (0x18FF_11D0, [0xFF; 8]));
+        let (_, data) = asked(Some(15.0));
+        assert_eq!(
+            (u16::from_le_bytes([data[0], data[1]]), data[2..].to_vec()),
+            (54 * 256, vec![0xFF; 6])
+        );
     }
 
     #[test]

@@ -56,6 +56,32 @@ fn the_compensation_alone_needs_one_run() {
     }
 }
 
+/// A factor that a method has found holds for this method: with it, the log of the calibration has its
+/// height again. Ratios of different methods differ by more than the 1e-3 of that.
+#[test]
+fn every_method_calibrates_for_itself() {
+    let scratch = Scratch::new();
+    let (vehicle, log) = (kraz(), fixture(LADEN));
+    let run = format!("{log}=1.90");
+    let height = |file: &str, method: &str| {
+        let arguments = ["--calibration", file, "--channel", "steer", "--method", method];
+        height_m(&estimate(&log, &vehicle, &arguments).done().answer())
+    };
+    for method in ["filtered", "arx", "gain"] {
+        let file = scratch.path(&format!("{method}.toml"));
+        let fixed = ["calibrate", "--vehicle", &vehicle, "--run", &run, "--output", &file];
+        cg(&[&fixed[..], &["--procedure", "compensation", "--method", method]].concat()).done();
+        let own_m = height(&file, method);
+        println!("{method}: {own_m}");
+        assert!((own_m / 1.90 - 1.0).abs() < 1e-3, "{method} {own_m}");
+        for other in ["filtered", "arx", "gain"].into_iter().filter(|other| *other != method) {
+            let height_m = height(&file, other);
+            println!("{method}, {other}: {height_m}");
+            assert!((height_m / 1.90 - 1.0).abs() > 1e-3, "{method}, {other}: {height_m}");
+        }
+    }
+}
+
 /// Height and mass of the empty trailer are in the vehicle file.
 #[test]
 fn the_empty_run_needs_no_numbers() {

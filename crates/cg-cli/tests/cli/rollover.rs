@@ -9,7 +9,7 @@ fn every_measure_has_a_value_and_a_meaning() {
     let vehicle = fixture("vehicles/baseline-tables.toml");
     let answer = cg(&["rollover", "--vehicle", &vehicle, "--format", "json"]).done().answer();
     let meanings = answer["meaning"].as_object().unwrap();
-    assert!(meanings.len() >= 18, "{answer}");
+    assert!(meanings.len() >= 24, "{answer}");
     for (name, meaning) in meanings {
         assert!(answer[name].is_f64(), "{name}: {}", answer[name]);
         assert!(meaning.as_str().unwrap().ends_with('.'), "{meaning}");
@@ -38,6 +38,32 @@ fn every_measure_has_a_value_and_a_meaning() {
     let name = "static_rollover_threshold_on_board_g";
     assert!((of(&left, name) - of(&right, name)).abs() < 1e-12);
     assert_eq!(right["payload_left_m"], -0.2);
+}
+
+/// Lateral acceleration in the curve: `U²/R` is the share of the threshold on board, which at 100 m is
+/// that of a turn at the speed itself.
+#[test]
+fn a_curve_has_its_speed() {
+    let truck = fixture("vehicles/kraz.toml");
+    let base = ["rollover", "--vehicle", &truck, "--format", "json"];
+    let curve =
+        |more: &[&str]| cg(&[&base[..], &["--radius-m", "100"], more].concat()).done().answer();
+    let of = |answer: &Value, name: &str| answer[name].as_f64().unwrap();
+    let speed_mps = of(&curve(&[]), "curve_speed_mps");
+    let own = ["--speed-mps", &format!("{speed_mps}")];
+    let threshold_g = of(&curve(&own), "static_rollover_threshold_on_board_g");
+    // The vehicle file's gravity is 9.81. The grid of the design misses the roll plane by up to 2 %.
+    let used = speed_mps * speed_mps / 100.0 / (9.81 * threshold_g);
+    assert!((used / 0.6 - 1.0).abs() < 0.02, "{used}");
+    // With half the share the speed is smaller by √2, except for what the threshold of a slower turn is
+    // smaller; an uncertain height makes it slower.
+    let slower = of(&curve(&["--share", "0.3"]), "curve_speed_mps");
+    assert!((speed_mps / slower / 2.0_f64.sqrt() - 1.0).abs() < 0.03, "{slower}");
+    let unsure = of(&curve(&["--height-sd-m", "0.1"]), "curve_speed_mps");
+    assert!(unsure < 0.98 * speed_mps && unsure > 0.9 * speed_mps, "{unsure} {speed_mps}");
+    let answer = cg(&base).done().answer();
+    assert!(answer.get("curve_speed_mps").is_none());
+    cg(&[&base[..], &["--share", "0.5"]].concat()).refused(&["--radius-m"]);
 }
 
 #[test]

@@ -89,6 +89,68 @@ fn a_drive_gives_one_height_however_it_comes() {
     assert!((last_height(&lines(&fed.done())) - last_height(&candump)).abs() < 1e-15);
 }
 
+/// The same samples reach the same identifier, so every method gives its height to the last bit.
+#[test]
+fn every_method_gives_the_height_of_its_log() {
+    let drive = drive();
+    let mut heights = Vec::new();
+    for method in [
+        &["--method", "filtered"][..],
+        &["--method", "gain"],
+        &["--method", "arx"],
+        &["--method", "arx", "--order", "2"],
+    ] {
+        let fixed = ["estimate", "--vehicle", &drive.truck, "--format", "json", &drive.csv];
+        let estimate: Value =
+            serde_json::from_str(&cg(&[&fixed, method].concat()).done().out).unwrap();
+        let fixed = ["run", "--vehicle", &drive.truck, "--csv", &drive.csv];
+        let live = lines(&cg(&[&fixed, method].concat()).done());
+        let height_m = last_height(&live);
+        assert!((height_m - estimate["height_m"].as_f64().unwrap()).abs() < 1e-12);
+        assert_eq!(live[0]["method"], method[1]);
+        assert!(!heights.contains(&height_m), "{method:?} is another method");
+        heights.push(height_m);
+    }
+}
+
+/// Off unless asked for. In the turn of a request the present curve, `U²/a`, would use the share at the
+/// requested speed; the threshold of a height changes by less than 3 % between the two speeds.
+#[test]
+fn a_speed_is_requested_only_if_it_is_asked_for() {
+    let drive = drive();
+    let silent = lines(&drive.replay(&drive.candump, &["--status-s", "0.1"]).done());
+    assert!(events(&silent, "speed_request").is_empty());
+    assert!(silent.iter().all(|line| line.get("requested_speed_mps").is_none()));
+    let asked = ["--status-s", "0.1", "--speed-request", "0.2"];
+    let found = lines(&drive.replay(&drive.candump, &asked).done());
+    let requests = events(&found, "speed_request");
+    let begins: Vec<bool> =
+        requests.iter().map(|one| one["requested_speed_mps"].is_f64()).collect();
+    assert!(begins.len() >= 2, "{requests:?}");
+    assert!(begins.iter().enumerate().all(|(k, begins)| *begins == (k % 2 == 0)), "{begins:?}");
+    // Nothing is requested before the first height.
+    let first_m = events(&found, "maneuver")[0]["time_s"].as_f64().unwrap();
+    assert!(requests[0]["time_s"].as_f64().unwrap() > first_m);
+    let mut seen = 0;
+    for status in events(&found, "status") {
+        let of = |name: &str| status[name].as_f64();
+        let (Some(asked_mps), Some(lateral_g)) =
+            (of("requested_speed_mps"), of("lateral_acceleration_g"))
+        else {
+            continue;
+        };
+        let threshold_g = of("static_rollover_threshold_g").unwrap();
+        // The bound lies between half the threshold and the threshold.
+        let used = lateral_g.abs() / threshold_g;
+        assert!((0.9 * 0.1..1.0).contains(&used), "{status}");
+        assert!(asked_mps > 0.0 && asked_mps < 40.0, "{status}");
+        seen += 1;
+    }
+    assert!(seen > 10, "{seen}");
+    // All else is as without it.
+    assert!((last_height(&found) - last_height(&silent)).abs() < 1e-15);
+}
+
 /// Two halves of a drive with a restart between them give the same result as the whole drive,
 /// except for the maneuver that was interrupted.
 #[test]
@@ -259,7 +321,8 @@ fn mistakes_are_refused_before_anything_runs() {
     let drive = drive();
     let log = drive.candump.as_str();
     let truck = drive.truck.as_str();
-    let cases: [(&[&str], &[&str]); 6] = [
+    let kept = drive.path("state.json");
+    let cases: [(&[&str], &[&str]); 9] = [
         (&["run", "--vehicle", truck], &["--can <IFACE>", "--candump <FILE>"]),
         (&["run", "--vehicle", "none.toml", "--candump", log], &["none.toml"]),
         (&["run", "--vehicle", truck, "--candump", "none.log"], &["none.log: cannot be read"]),
@@ -271,6 +334,18 @@ fn mistakes_are_refused_before_anything_runs() {
         (
             &["run", "--vehicle", truck, "--candump", log, "--source-of", "rol=1"],
             &["no quantity `rol`"],
+        ),
+        (
+            &["run", "--vehicle", truck, "--candump", log, "--method", "arx", "--state", &kept],
+            &["--method arx: --state is for", "remove one of the two options"],
+        ),
+        (
+            &["run", "--vehicle", truck, "--candump", log, "--speed-request", "0"],
+            &["share of the threshold"],
+        ),
+        (
+            &["run", "--vehicle", truck, "--can", "none0", "--method", "gain", "--transmit"],
+            &["--method gain: --transmit is for"],
         ),
     ];
     for (arguments, parts) in cases {

@@ -14,3 +14,4 @@ pub(crate) mod window;
 pub(crate) mod judge;
 pub(crate) mod lane;
 pub mod warning;
+pub mod curve;

@@ -92,6 +92,9 @@ pub const CG_STATUS: Signal = signal(65296, 6, (6, 1), 1.0, 0.0);
 /// The same group: number of maneuvers used for the height, at most 250.
 pub const CG_MANEUVERS: Signal = signal(65296, 6, (7, 1), 1.0, 0.0);
 
+/// Another Proprietary B group: the speed that is requested in a turn, m/s.
+pub const CG_REQUESTED_SPEED: Signal = signal(65297, 6, (0, 2), 1.0 / 256.0 / 3.6, 0.0);
+
 /// The signals that are decoded, their quantities and their ranks. If several signals measure the
 /// same quantity, the one with the smallest rank is preferred. The angle of a slope sensor (SSI,
 /// SSI2) is a roll angle relative to gravity or a tilt, depending on [`Slope`].

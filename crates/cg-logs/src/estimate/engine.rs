@@ -3,7 +3,7 @@
 use cg_core::Maneuver;
 use cg_core::identify::arx::{ArxOptions, SampledArx};
 use cg_core::{
-    Channel, Combined, Design, Estimator, FilteredArx, Height, Prior, Sample, SampleError,
+    Channel, Combined, Design, Estimator, FilteredArx, Height, Memory, Prior, Sample, SampleError,
     Settings, Step,
 };
 use serde::{Deserialize, Serialize};
@@ -16,74 +16,134 @@ const ARX_INTERVAL_S: f64 = 0.05;
 
 /// The estimator with the chosen method of identification.
 #[derive(Clone, Serialize, Deserialize)]
-pub(crate) enum Engine {
+pub enum Engine {
+    /// ARX on filtered signals with prior dynamics.
     Filtered(Box<Estimator<f64, FilteredArx<f64>>>),
+    /// Classical ARX in shift form.
     Arx(Box<Estimator<f64, SampledArx<f64>>>),
 }
 
-impl Engine {
-    pub(crate) fn new(design: &Design<f64>, options: &EstimateOptions) -> Self {
-        let mut settings = Settings::truck();
-        if options.variant == Variant::AsPrinted {
-            // The matrices printed in the thesis overshoot by a third; the plant and the truck do
-            // not.
-            settings.standstill = f64::INFINITY;
-        }
-        if let Some(road) = options.road {
-            settings = settings.on_road(road.bank_sd_rad);
-        }
+/// The options of an identifier.
+enum Identifier {
+    Filtered(Prior<f64>),
+    Arx(ArxOptions<f64>),
+}
+
+impl Identifier {
+    fn of(options: &EstimateOptions) -> Self {
         let standard = Prior::standard();
         match options.method {
-            Method::Filtered => {
-                Self::Filtered(Box::new(Estimator::new(*design, settings, standard)))
-            }
-            Method::Gain => {
-                let fixed = Prior { dynamics_sd: 0.0, ..standard };
-                Self::Filtered(Box::new(Estimator::new(*design, settings, fixed)))
-            }
+            Method::Filtered => Self::Filtered(standard),
+            Method::Gain => Self::Filtered(Prior { dynamics_sd: 0.0, ..standard }),
             Method::Arx => {
-                let arx = ArxOptions { order: options.order, interval_s: ARX_INTERVAL_S };
-                Self::Arx(Box::new(Estimator::new(*design, settings, arx)))
+                Self::Arx(ArxOptions { order: options.order, interval_s: ARX_INTERVAL_S })
             }
         }
     }
+}
 
-    pub(crate) fn push(&mut self, sample: &Sample<f64>) -> Result<Step<f64>, SampleError> {
+fn settings(options: &EstimateOptions) -> Settings<f64> {
+    let mut settings = Settings::truck();
+    if options.variant == Variant::AsPrinted {
+        // The matrices printed in the thesis overshoot by a third; the plant and the truck do not.
+        settings.standstill = f64::INFINITY;
+    }
+    options.road.map_or(settings, |road| settings.on_road(road.bank_sd_rad))
+}
+
+impl Engine {
+    /// An estimator before its first sample, with the method, the equations and the road of the
+    /// options; the others are not used.
+    pub fn new(design: &Design<f64>, options: &EstimateOptions) -> Self {
+        let settings = settings(options);
+        match Identifier::of(options) {
+            Identifier::Filtered(prior) => {
+                Self::Filtered(Box::new(Estimator::new(*design, settings, prior)))
+            }
+            Identifier::Arx(arx) => Self::Arx(Box::new(Estimator::new(*design, settings, arx))),
+        }
+    }
+
+    /// The same with the learned state of another one with the same design and method; `None` if the
+    /// memory is not [sound](Memory::is_sound).
+    pub fn restored(
+        design: &Design<f64>,
+        options: &EstimateOptions,
+        memory: &Memory<f64>,
+    ) -> Option<Self> {
+        let settings = settings(options);
+        Some(match Identifier::of(options) {
+            Identifier::Filtered(prior) => {
+                let restored = Estimator::restored(*design, settings, prior, memory)?;
+                Self::Filtered(Box::new(restored))
+            }
+            Identifier::Arx(arx) => {
+                Self::Arx(Box::new(Estimator::restored(*design, settings, arx, memory)?))
+            }
+        })
+    }
+
+    /// The design of the truck.
+    pub fn design(&self) -> &Design<f64> {
+        match self {
+            Self::Filtered(estimator) => estimator.design(),
+            Self::Arx(estimator) => estimator.design(),
+        }
+    }
+
+    /// The learned state.
+    pub fn memory(&self) -> Memory<f64> {
+        match self {
+            Self::Filtered(estimator) => estimator.memory(),
+            Self::Arx(estimator) => estimator.memory(),
+        }
+    }
+
+    /// Processes one sample.
+    ///
+    /// # Errors
+    /// As [`Estimator::push`].
+    pub fn push(&mut self, sample: &Sample<f64>) -> Result<Step<f64>, SampleError> {
         match self {
             Self::Filtered(estimator) => estimator.push(sample),
             Self::Arx(estimator) => estimator.push(sample),
         }
     }
 
-    pub(crate) fn finish(&mut self) -> Option<Maneuver<f64>> {
+    /// Ends the drive, as [`Estimator::finish`].
+    pub fn finish(&mut self) -> Option<Maneuver<f64>> {
         match self {
             Self::Filtered(estimator) => estimator.finish(),
             Self::Arx(estimator) => estimator.finish(),
         }
     }
 
-    pub(crate) fn height(&self, channel: Channel) -> Option<Height<f64>> {
+    /// The fused height of one channel, as [`Estimator::height`].
+    pub fn height(&self, channel: Channel) -> Option<Height<f64>> {
         match self {
             Self::Filtered(estimator) => estimator.height(channel),
             Self::Arx(estimator) => estimator.height(channel),
         }
     }
 
-    pub(crate) fn combined(&self) -> Option<Combined<f64>> {
+    /// The combined height of all channels, as [`Estimator::combined`].
+    pub fn combined(&self) -> Option<Combined<f64>> {
         match self {
             Self::Filtered(estimator) => estimator.combined(),
             Self::Arx(estimator) => estimator.combined(),
         }
     }
 
-    pub(crate) fn load_since_us(&self) -> Option<u64> {
+    /// The end of the maneuver that revealed another load, as [`Estimator::load_since_us`].
+    pub fn load_since_us(&self) -> Option<u64> {
         match self {
             Self::Filtered(estimator) => estimator.load_since_us(),
             Self::Arx(estimator) => estimator.load_since_us(),
         }
     }
 
-    pub(crate) fn best_channel(&self) -> Option<Channel> {
+    /// The channel with the smallest standard deviation, as [`Estimator::best_channel`].
+    pub fn best_channel(&self) -> Option<Channel> {
         match self {
             Self::Filtered(estimator) => estimator.best_channel(),
             Self::Arx(estimator) => estimator.best_channel(),

@@ -31,6 +31,7 @@ mod prediction;
 mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
+pub use engine::Engine;
 pub use felt::felt_mps2;
 pub use intake::{Identified, LogEstimator};
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};

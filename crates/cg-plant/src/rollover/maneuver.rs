@@ -19,6 +19,8 @@ pub struct Peaks {
     pub tractor_mps2: f64,
     /// The same of the trailer.
     pub trailer_mps2: f64,
+    /// Roll rate of the trailer.
+    pub trailer_roll_rate_radps: f64,
     /// Load transfer, signed.
     pub transfer: Transfer,
     /// Time of the rollover, if there was one; the other values then end there.
@@ -30,6 +32,8 @@ impl Peaks {
         let greater = |a: f64, b: f64| a.max(b.abs());
         self.tractor_mps2 = greater(self.tractor_mps2, sample.tractor.lateral_acceleration_mps2);
         self.trailer_mps2 = greater(self.trailer_mps2, sample.trailer.lateral_acceleration_mps2);
+        let rate = sample.trailer.roll_rate_radps;
+        self.trailer_roll_rate_radps = greater(self.trailer_roll_rate_radps, rate);
         self.transfer = self.transfer.worse(Transfer::of(sample));
     }
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::curve::Curve;
 use super::decay::{PULSE_WHEEL_RAD, after_pulse, damping_ratio};
 use super::maneuver::{Peaks, lane_change, one_sine};
 use super::offtracking::{
@@ -11,11 +12,14 @@ use super::ramp::{Ramp, RampEnd};
 use super::small::{rearward_amplification, to_tractor_lateral_acceleration, yaw_damping_ratio};
 use super::time::TimeToRollover;
 use super::transfer::GRAVITY_MPS2;
+use super::tripped::RigidTrailer;
 use crate::plant::{PlantOptions, YawRollPlant};
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::response::StateSpace;
-use cg_vehicle::steady_turn::{on_board, steady_turn_threshold_g};
+use cg_vehicle::steady_turn::{
+    on_board, side_pull_ratio, steady_turn_threshold_g, tilt_table_ratio,
+};
 use cg_vehicle::{Load, Variant, Vehicle};
 
 /// Rate of the slow ramp: a lag of the roll angle of one second costs 0.01 g.
@@ -41,6 +45,8 @@ pub struct RolloverOptions {
     pub gate_m: f64,
     /// Distance of the payload's c.g. to the left of the middle, for the measures of the nonlinear plant.
     pub payload_left_m: f64,
+    /// The curve for which a speed is advised, if there is one.
+    pub curve: Option<Curve>,
 }
 
 impl RolloverOptions {
@@ -51,6 +57,7 @@ impl RolloverOptions {
             lateral_acceleration_g: 0.15,
             gate_m: 20.0,
             payload_left_m: 0.0,
+            curve: None,
         }
     }
 }
@@ -134,6 +141,9 @@ pub fn measures(
     amplification(&subject, &mut all)?;
     damping(&subject, &mut all)?;
     offtracking(&subject, &mut all)?;
+    if let Some(curve) = options.curve {
+        all.add("curve_speed_mps", "m/s", curve.speed_mps(vehicle, load)?, curve.meaning());
+    }
     Ok(all)
 }
 
@@ -187,8 +197,44 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
             3.6 * speed_mps
         ),
     );
+    at_rest(subject, (on_board.static_stability_factor_g, steady), all)?;
     transfers(&ramp, options.lateral_acceleration_g, all);
     times(subject, greatest_g * GRAVITY_MPS2, all)
+}
+
+/// The tests of a vehicle at rest, and the threshold relative to that of a rigid trailer.
+fn at_rest(
+    subject: &Subject<'_>,
+    (rigid, steady): (f64, f64),
+    all: &mut RolloverMeasures,
+) -> Result<(), VehicleError> {
+    all.add(
+        "compliance_factor",
+        "-",
+        Some(steady / rigid),
+        "What springs, tires and fifth wheel leave of the threshold of a rigid vehicle: threshold in the \
+         steady turn divided by the static stability factor."
+            .into(),
+    );
+    all.add(
+        "side_pull_ratio",
+        "-",
+        Some(side_pull_ratio(subject.vehicle, subject.load)?),
+        "Greatest force that pulls the vehicle at rest sideways, in proportion to its masses, divided by \
+         its weight."
+            .into(),
+    );
+    let ratio = tilt_table_ratio(subject.vehicle, subject.load)?;
+    all.add(
+        "tilt_table_ratio",
+        "-",
+        Some(ratio),
+        format!(
+            "Tangent of the angle at which the vehicle tips on a tilting table: {:.1} degrees.",
+            ratio.atan().to_degrees()
+        ),
+    );
+    Ok(())
 }
 
 /// Load transfer at a lateral acceleration of the slow ramp.
@@ -274,6 +320,40 @@ fn lane(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehicle
         format!(
             "Greatest lateral acceleration of the trailer divided by that of the tractor, {maneuver}."
         ),
+    );
+    tripped(subject, (&peaks, &maneuver), all)
+}
+
+/// Measures of the trailer as a rigid body that turns about its outer wheels.
+fn tripped(
+    subject: &Subject<'_>,
+    (peaks, maneuver): (&Peaks, &str),
+    all: &mut RolloverMeasures,
+) -> Result<(), VehicleError> {
+    let trailer = RigidTrailer::of(subject.vehicle, subject.load)?;
+    let whole = peaks.rolled_over_s.is_none();
+    all.add(
+        "rollover_prevention_energy_reserve_kj",
+        "kJ",
+        whole.then(|| 1e-3 * trailer.energy_reserve_j(peaks.trailer_roll_rate_radps)),
+        format!(
+            "Least energy that is missing to tip the trailer over its outer wheels, after that of its roll \
+             rate, {maneuver}; {:.1} kJ at rest.",
+            1e-3 * trailer.energy_reserve_j(0.0)
+        ),
+    );
+    all.add(
+        "critical_sliding_velocity_mps",
+        "m/s",
+        Some(trailer.critical_sliding_velocity_mps()),
+        "Least lateral velocity at which a curb tips the trailer, as a rigid body without the tractor."
+            .into(),
+    );
+    all.add(
+        "rollover_prevention_metric",
+        "-",
+        Some(trailer.prevention_metric()),
+        "Share of the energy of sliding that such an impact does not turn into rotation.".into(),
     );
     Ok(())
 }

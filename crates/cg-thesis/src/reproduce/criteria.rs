@@ -110,7 +110,7 @@ const RULES: &[Rule] = &[
         "",
         Own,
         "",
-        "the thesis prints one draw of an unknown noise, and ours is the median of many",
+        "the thesis prints one draw of a noise that it does not describe, sampled at an unknown rate",
     ),
     rule(
         "5.7",

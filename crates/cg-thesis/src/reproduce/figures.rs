@@ -14,7 +14,7 @@ use super::monte_carlo::{INTERVAL_S, RATE_PER_S, steps};
 use super::nonlinear::Known;
 use super::row::Row;
 use super::transfer::{as_printed, printed_roots};
-use crate::study::{Abscissa, Panel, Quantity, Series, Study, Unit};
+use crate::study::{Abscissa, Panel, Quantity, Series, Study, Unit, legend_of_printed};
 
 const TIME: Quantity = Quantity { name: "time", label: "Time", unit: Unit::Second };
 const ROLL: Quantity =
@@ -44,7 +44,7 @@ pub fn figures(options: &Options) -> Result<Vec<Study>, VehicleError> {
     let base = Baseline::new()?;
     let draw = |(name, draw): (&'static str, Draw)| {
         let (finding, panels) = draw(&base, options)?;
-        let scenario = vec!["open markers: the thesis's printed values".to_owned()];
+        let scenario = vec![legend_of_printed(&panels).to_owned()];
         Ok(Study { name, finding, scenario, panels, statements: Vec::new() })
     };
     FIGURES.into_iter().map(draw).collect()

@@ -9,7 +9,9 @@ use serde::Deserialize;
 use super::baseline::{Baseline, Options};
 use super::compensated::printed_5_12;
 use super::continuous::{UNKNOWNS, to_continuous};
-use super::monte_carlo::{Experiment, INTERVAL_S, RATE_PER_S, arx, arx_ratio, filtered};
+use super::monte_carlo::{
+    Experiment, INTERVAL_S, RATE_PER_S, arx, arx_ratio, filtered, off_by_a_fifth,
+};
 use super::printed::{Printed, fixed, thesis, values};
 use super::row::Row;
 use super::solved::Heights;
@@ -153,9 +155,8 @@ pub(super) fn ratios(
     Ok(rows)
 }
 
-/// Each printed function is one draw of an unknown noise. The recomputed ones are medians of many draws:
-/// of the project's identifier, which stays near eq. 5.12, and of the thesis's ARX for the sum of the
-/// poles, which the noise makes very large.
+/// Each printed function is one draw of an unknown noise. Beside it stands the thesis's ARX on many draws
+/// of white noise, and below it this project's identifier on the same draws.
 pub(super) fn by_noise(
     table: &'static str,
     _: &Baseline,
@@ -164,8 +165,6 @@ pub(super) fn by_noise(
     let printed: Functions = thesis!("table_5_8.toml")?;
     let ratios: Heights = thesis!("table_5_7.toml")?;
     let experiment = Experiment::on_reduced(&plant()?, RATE_PER_S, STEER_RAD);
-    let unknown = "one draw of an unknown noise, cannot be reproduced";
-    let runs = options.runs;
     let mut rows = Vec::new();
     for (function, ratio) in printed.function.iter().zip(&ratios.row) {
         let name = format!("{} dB: ", function.condition);
@@ -173,58 +172,104 @@ pub(super) fn by_noise(
         let row = Row::beside(table, format!("{name}A0/B0"), &ratio.ratio, from_print);
         rows.push(row.noted("from the printed coefficients"));
         let draws = Draws::new(&experiment, f64::from(function.condition), options)?;
-        let note = format!("{unknown}; ours is the median of {runs} draws, filtered identifier");
-        let sides = (&function.numerator[..], &function.denominator[..]);
-        let ours = draws.median_model();
-        let ours = (&ours.numerator[..], &ours.denominator[..]);
-        rows.extend(polynomial_rows(table, &name, sides, ours, &note));
-        if let (Some(sum), Some(printed)) = (draws.median_pole_sum(), function.denominator.last()) {
-            let note = format!("{unknown}; ours is the median of {runs} draws, the thesis's ARX");
-            rows.push(Row::against(table, format!("{name}B4 by ARX"), printed, sum, note));
-        }
+        rows.extend(draws.rows(table, &name, function));
     }
     Ok(rows)
 }
 
+/// The criterion of a coefficient from one draw of noise.
+const DRAW: &str = "95 % of single draws of the same ARX: its 2.5 and 97.5 % quantiles";
+
+/// A range that is so many times as wide as a number says nothing about it.
+const EMPTY: f64 = 10.0;
+const UNDETERMINED: &str = "cannot be compared because a smooth step in noise does not determine it: single \
+                            draws reach over more than ten times the printed number";
+
 /// Many identifications at one noise level.
 struct Draws {
-    models: Vec<Reduced5<f64>>,
-    pole_sums: Vec<f64>,
+    runs: u32,
+    /// The thesis's ARX. A draw whose poles have no real transfer function is left out.
+    arx: Vec<Reduced5<f64>>,
+    /// The project's identifier, without an offset, from dynamics that are wrong by 20 %.
+    filtered: Vec<Reduced5<f64>>,
 }
 
 impl Draws {
     fn new(experiment: &Experiment, snr_db: f64, options: &Options) -> Result<Self, VehicleError> {
         let plant = plant()?;
-        let mut draws = Self { models: Vec::new(), pole_sums: Vec::new() };
+        let mut draws = Self { runs: options.runs, arx: Vec::new(), filtered: Vec::new() };
         for run in 0..options.runs {
-            let roll = experiment.drawn(Some(snr_db), options.seed.wrapping_add(u64::from(run)));
-            draws.models.extend(filtered(&plant, &experiment.steer, &roll).model());
-            // A draw whose poles have no real transfer function is left out.
+            let seed = options.seed.wrapping_add(u64::from(run));
+            let roll = experiment.drawn(Some(snr_db), seed);
+            let nominal = off_by_a_fifth(&plant, seed);
+            draws.filtered.extend(filtered(&nominal, &experiment.steer, &roll).model());
             let sampled = arx::<UNKNOWNS>(&experiment.steer, &roll);
-            let continuous = sampled.and_then(|sampled| to_continuous(&sampled, INTERVAL_S));
-            draws.pole_sums.extend(continuous.map(|model| model.denominator[ORDER - 1]));
+            draws.arx.extend(sampled.and_then(|one| to_continuous(&one, INTERVAL_S)));
         }
-        if draws.models.is_empty() { Err(not_identified()) } else { Ok(draws) }
+        if draws.arx.is_empty() || draws.filtered.is_empty() {
+            return Err(not_identified());
+        }
+        Ok(draws)
     }
 
-    fn median_pole_sum(&self) -> Option<f64> {
-        median(self.pole_sums.clone())
-    }
-
-    /// The median of each coefficient.
-    fn median_model(&self) -> Reduced5<f64> {
-        let middle = |at: &dyn Fn(&Reduced5<f64>) -> f64| {
-            median(self.models.iter().map(at).collect()).unwrap_or(f64::NAN)
-        };
-        Reduced5 {
-            numerator: std::array::from_fn(|k| middle(&|model| model.numerator[k])),
-            denominator: std::array::from_fn(|k| middle(&|model| model.denominator[k])),
-            speed_slope: [0.0; 5],
+    /// The printed coefficients beside the medians of both.
+    fn rows(&self, table: &'static str, name: &str, printed: &Function) -> Vec<Row> {
+        let runs = self.runs;
+        let left_out = runs as usize - self.arx.len();
+        let arx_note = format!(
+            "the thesis has one draw, ours is the median of {runs} draws of the thesis's ARX; without \
+             the {left_out} whose poles have no real transfer function"
+        );
+        let own_note = format!(
+            "not in the thesis: the median of {runs} draws of this project's filtered identifier, which \
+             starts from dynamics that are wrong by 20 %"
+        );
+        let mut rows = Vec::new();
+        let mut own = Vec::new();
+        for (letter, printed, of) in [
+            ("A", &printed.numerator, (|model, k| model.numerator[k]) as Coefficient),
+            ("B", &printed.denominator, |model, k| model.denominator[k]),
+        ] {
+            for (k, printed) in printed.iter().enumerate() {
+                let drawn = Drawn::of(&self.arx, |model| of(model, k));
+                let item = format!("{name}{letter}{k}, the thesis's ARX");
+                let row = Row::against(table, item, printed, drawn.median, &arx_note);
+                let (row, reach) = (row.not_comparable(), drawn.reach(printed.value));
+                rows.push(if reach > EMPTY * printed.value.abs() {
+                    row.undetermined(UNDETERMINED)
+                } else {
+                    row.within(reach, DRAW)
+                });
+                let median = Drawn::of(&self.filtered, |model| of(model, k)).median;
+                let item = format!("{name}{letter}{k}, filtered");
+                own.push(Row::ours(table, item, median, &own_note));
+            }
         }
+        rows.append(&mut own);
+        rows
     }
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
+/// A coefficient of a model by its power of s.
+type Coefficient = fn(&Reduced5<f64>, usize) -> f64;
+
+/// The distribution of one coefficient over draws.
+struct Drawn {
+    median: f64,
+    /// The 2.5 and 97.5 % quantiles.
+    ends: [f64; 2],
+}
+
+impl Drawn {
+    fn of(models: &[Reduced5<f64>], value: impl Fn(&Reduced5<f64>) -> f64) -> Self {
+        let mut values: Vec<f64> = models.iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        let quantile = |thousandths: usize| values[(values.len() - 1) * thousandths / 1000];
+        Self { median: quantile(500), ends: [quantile(25), quantile(975)] }
+    }
+
+    /// Distance from the median to the quantile on the side of a value.
+    fn reach(&self, value: f64) -> f64 {
+        (self.ends[usize::from(value > self.median)] - self.median).abs()
+    }
 }

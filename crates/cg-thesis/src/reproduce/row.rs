@@ -121,6 +121,13 @@ impl Row {
         Self { relative_error: None, ..self }
     }
 
+    /// The row without a criterion, because no number of ours can be compared with the printed one.
+    #[must_use]
+    pub(super) fn undetermined(self, why: &str) -> Self {
+        let row = self.not_comparable().noted(why);
+        Self { criterion: None, criterion_reason: None, verdict: Verdict::NotComputed, ..row }
+    }
+
     /// The row with another criterion: `half_width` to either side of the printed number.
     #[must_use]
     pub(super) fn within(mut self, half_width: f64, reason: &'static str) -> Self {

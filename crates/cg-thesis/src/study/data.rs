@@ -108,6 +108,13 @@ impl Series {
         Self { printed: true, ..self.apart() }
     }
 
+    /// A slope that the thesis prints, from the first of these points to below the last.
+    pub(crate) fn printed_slope(&self, name: &str, slope: f64) -> Option<Self> {
+        let (first, last) = (self.points.first()?, self.points.last()?);
+        let end = [last[0], first[1] + slope * (last[0] - first[0])];
+        Some(Self::new(name, self.kind, vec![*first, end]).printed())
+    }
+
     /// Points without a line.
     pub(crate) fn apart(self) -> Self {
         Self { apart: true, ..self }
@@ -154,6 +161,15 @@ pub struct Panel {
     pub y: Quantity,
     /// The series.
     pub series: Vec<Series>,
+}
+
+/// What the figures say about the thesis's own values in them.
+pub(crate) fn legend_of_printed(panels: &[Panel]) -> &'static str {
+    if panels.iter().flat_map(|panel| &panel.series).any(|series| series.printed) {
+        "open markers without a line: what the thesis prints"
+    } else {
+        "the thesis prints no values of these curves"
+    }
 }
 
 /// A statement of the thesis and the result found here.

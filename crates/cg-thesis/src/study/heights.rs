@@ -14,9 +14,10 @@ pub(super) const HEIGHT: Quantity = Quantity {
     unit: Unit::Meter,
 };
 
+const SLOPE_DEG: f64 = 4.1;
 /// The slope of Fig. 2.26, degrees per meter.
 pub(super) const SLOPE: Criterion =
-    Criterion::around(4.1, 0.5, "a tenth of a degree at either end of 0.4 m");
+    Criterion::around(SLOPE_DEG, 0.5, "a tenth of a degree at either end of 0.4 m");
 
 /// The thesis's range.
 const HEIGHTS_M: [f64; 9] = [1.85, 1.90, 1.95, 2.00, 2.05, 2.10, 2.15, 2.20, 2.25];
@@ -41,6 +42,8 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
     let series = Series::new(setting.vehicle.name.clone(), 0, points);
     let slope = per_meter_deg(series.slope());
     let (low, high) = ends(&series);
+    let thesis = "thesis: 4.1°/m, from our first point";
+    let slope_of_thesis = series.printed_slope(thesis, SLOPE_DEG.to_radians());
     let below = (series.at(2.15) - series.at(1.85)).to_degrees() / 0.3;
     Ok(Study {
         name: setting.name,
@@ -78,7 +81,7 @@ pub(super) fn height(setting: &Setting) -> Result<Study, VehicleError> {
             title: "Peak roll over c.g. height",
             x: Abscissa::Over(HEIGHT),
             y: PEAK_ROLL,
-            series: vec![series],
+            series: [Some(series), slope_of_thesis].into_iter().flatten().collect(),
         }],
     })
 }
@@ -122,6 +125,9 @@ pub(super) fn payload_height(setting: &Setting) -> Result<Study, VehicleError> {
     }
     let slopes: Vec<f64> = series.iter().map(|s| per_meter_deg(s.slope())).collect();
     let (least, most) = (slopes[0], slopes[slopes.len() - 1]);
+    let statements = payload_statements(&series, &slopes);
+    let thesis = "thesis, 5 t: 0.83°/m, from our first point";
+    series.extend(series[0].printed_slope(thesis, 0.83_f64.to_radians()));
     Ok(Study {
         name: setting.name,
         finding: format!(
@@ -129,7 +135,7 @@ pub(super) fn payload_height(setting: &Setting) -> Result<Study, VehicleError> {
              {most:.1}° with 25 t"
         ),
         scenario: lines,
-        statements: payload_statements(&series, &slopes),
+        statements,
         panels: vec![Panel {
             figure: "2.27",
             title: "Peak roll over c.g. height with five payloads",

@@ -3,7 +3,7 @@
 use cg_vehicle::Vehicle;
 use cg_vehicle::error::VehicleError;
 
-use super::data::Study;
+use super::data::{Study, legend_of_printed};
 use super::setting::Setting;
 use super::{
     accuracy, heights, in_service, inertia, maneuvers, readings, roads, sensitivity, shift, speed,
@@ -190,5 +190,9 @@ pub fn study(name: &str, vehicle: Option<&Vehicle>) -> Result<Study, VehicleErro
             "fixtures/vehicles/baseline-tables.toml",
         )?,
     };
-    run(&Setting { name: listed.name, vehicle })
+    let mut study = run(&Setting { name: listed.name, vehicle })?;
+    if !listed.figures.is_empty() {
+        study.scenario.push(legend_of_printed(&study.panels).to_owned());
+    }
+    Ok(study)
 }

@@ -1,5 +1,7 @@
 //! Figs. 2.7–2.15 and 2.17–2.22: turns through different angles, gates of different length.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::data::{Abscissa, Panel, Quantity, Series, Statement, Study, Unit};
 use super::drive::{
     BEFORE_TURN_M, Course, Drive, LANE_SPEED_MPS, RADIUS_M as TURN_RADIUS_M, RUN_IN_M, Record,
@@ -81,12 +83,9 @@ pub(super) fn cornering_angle(setting: &Setting) -> Result<Study, VehicleError> 
         let driven = on_course(course, angle_rad, &record, &name);
         if path_figure == "2.9" {
             statements.push(radius(&driven[0]));
-            paths.push(panel(
-                "2.7",
-                "The turn of the studies",
-                (ALONG, ASIDE),
-                driven[..1].to_vec(),
-            ));
+            let whole =
+                panel("2.7", "The turn of the studies", (ALONG, ASIDE), driven[..1].to_vec());
+            paths.insert(0, whole);
         }
         statements.push(heading(place, degrees, &driven[0]));
         paths.push(panel(
@@ -108,6 +107,8 @@ pub(super) fn cornering_angle(setting: &Setting) -> Result<Study, VehicleError> 
         first(&lateral) / setting.vehicle.gravity_mps2,
         first(&roll).to_degrees()
     );
+    let mut lateral = lateral;
+    lateral.push(target(setting, FRAC_PI_2));
     let mut panels = paths;
     panels.extend(histories);
     panels.push(panel("2.14", "Peak lateral acceleration", (ANGLE, PEAK_LATERAL), lateral));
@@ -198,6 +199,12 @@ fn alike(setting: &Setting, lateral: &[Series], roll: &[Series]) -> [Statement; 
     ]
 }
 
+/// The lateral acceleration of both maneuvers that the thesis prints.
+fn target(setting: &Setting, at: f64) -> Series {
+    let point = vec![[at, 0.2 * setting.vehicle.gravity_mps2]];
+    Series::new("thesis: about 0.2 g", 0, point).printed()
+}
+
 fn panel(
     figure: &'static str,
     title: &'static str,
@@ -239,9 +246,10 @@ pub(super) fn gate_length(setting: &Setting) -> Result<Study, VehicleError> {
         histories.push(panel(roll_figure, "Roll angles over time", (TIME, ROLL), rolled));
         runs.push((gate_m, record));
     }
-    let (lateral, roll) = (peaks(&runs, LATERAL), peaks(&runs, ROLLS));
+    let (mut lateral, roll) = (peaks(&runs, LATERAL), peaks(&runs, ROLLS));
     statements.extend(gate_statements(setting, &lateral, &roll));
     let finding = gate_finding(setting, &lateral, &roll);
+    lateral.push(target(setting, 20.0));
     let mut panels = paths;
     panels.extend(histories);
     panels.push(panel("2.21", "Peak lateral acceleration", (GATE, PEAK_LATERAL), lateral));

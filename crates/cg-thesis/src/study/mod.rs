@@ -45,6 +45,7 @@ mod speed;
 mod variants;
 mod list;
 
+pub(crate) use data::legend_of_printed;
 pub use data::{Abscissa, Panel, Quantity, Response, Series, Statement, Study, Unit};
 pub use in_service::{Answer, InService, LadenTrip, in_service};
 pub use list::{Listed, studies, study};

@@ -8,6 +8,8 @@ use cg_vehicle::error::VehicleError;
 
 const SPEED: Quantity = Quantity { name: "speed", label: "Speed", unit: Unit::MeterPerSecond };
 const KMH: f64 = 1.0 / 3.6;
+/// By how much the lane change rolls more, as the thesis prints it.
+const MORE_DEG: f64 = 0.28;
 
 /// Why the peaks of a lane change are others.
 const DRIVER: &str = "the thesis describes neither its driver nor the straight road before the gate, and \
@@ -60,13 +62,15 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
     let (lateral, roll) = (series(|s| &s.lateral), series(|s| &s.roll));
     let statements = statements(setting, &lateral, &roll);
     let g = setting.vehicle.gravity_mps2;
+    let finding = format!(
+        "0.2 g is reached at {} in the turn, at {} in the lane change",
+        crossing(&lateral[1], 0.2 * g),
+        crossing(&lateral[0], 0.2 * g)
+    );
+    let (lateral, roll) = beside(lateral, roll, g);
     Ok(Study {
         name: setting.name,
-        finding: format!(
-            "0.2 g is reached at {} in the turn, at {} in the lane change",
-            crossing(&lateral[1], 0.2 * g),
-            crossing(&lateral[0], 0.2 * g)
-        ),
+        finding,
         scenario: lines,
         statements,
         panels: vec![
@@ -86,6 +90,25 @@ pub(super) fn study(setting: &Setting) -> Result<Study, VehicleError> {
             },
         ],
     })
+}
+
+/// Both figures with what the thesis prints about them.
+fn beside(
+    mut lateral: Vec<Series>,
+    mut roll: Vec<Series>,
+    gravity_mps2: f64,
+) -> (Vec<Series>, Vec<Series>) {
+    for (kind, name, kmh) in [
+        (0, "thesis, lane change: 0.2 g at 90 km/h", 90.0),
+        (1, "thesis, turn: 0.2 g at 50 km/h", 50.0),
+    ] {
+        let point = vec![[kmh * KMH, 0.2 * gravity_mps2]];
+        lateral.push(Series::new(name, kind, point).printed());
+    }
+    let above = |p: &[f64; 2]| [p[0], p[1] + MORE_DEG.to_radians()];
+    let more = roll[1].points.iter().map(above).collect();
+    roll.push(Series::new("thesis, lane change: 0.28° above the turn", 0, more).printed());
+    (lateral, roll)
 }
 
 /// Speed at which a rising series crosses a level, in km/h.
@@ -155,7 +178,11 @@ fn statements(setting: &Setting, lateral: &[Series], roll: &[Series]) -> Vec<Sta
             ),
             measured: difference.map_or(f64::NAN, |(mean, _)| mean),
             unit: "°",
-            criterion: Criterion::around(0.28, 0.05, "the resolution of the thesis's tilt sensor"),
+            criterion: Criterion::around(
+                MORE_DEG,
+                0.05,
+                "the resolution of the thesis's tilt sensor",
+            ),
             because: DRIVER,
         },
     ]

@@ -7,6 +7,7 @@
 //! | `support` | springs and tires in the roll plane | vehicle file |
 //! | `frame` | the front half of a trailer whose frame twists | [`twisting`](crate::twisting) |
 //! | `half_track` | half track and unsprung mass for the static stability factor | vehicle file |
+//! | `at_rest` | side-pull and tilt-table ratio | the same balance without a curve |
 //! | `on_board` | threshold at a speed; static stability factor and threshold as on board | `cg_core::truck::rollover` |
 //!
 //! # Example
@@ -28,8 +29,10 @@ mod support;
 mod yaw_plane;
 mod frame;
 mod roll_plane;
+mod at_rest;
 mod on_board;
 
+pub use at_rest::{side_pull_ratio, tilt_table_ratio};
 pub(crate) use half_track::rollover;
 pub(crate) use on_board::threshold_line;
 pub use on_board::{on_board, steady_turn_threshold_g};

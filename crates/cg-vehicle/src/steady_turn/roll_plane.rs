@@ -35,6 +35,8 @@ use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Step of the trailer's roll angle.
 const STEP_RAD: f64 = 1e-3;
+/// Number of times that a step may be halved.
+const HALVINGS: u32 = 6;
 /// Roll angle at which the search ends, because any trailer has tipped by then.
 const END_RAD: f64 = 0.6;
 /// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
@@ -83,6 +85,7 @@ pub(crate) struct RollPlane<'a> {
 
 /// A state: the lateral acceleration, the roll angles of the tractor and of the axles, the loads,
 /// and the solution of the yaw plane.
+#[derive(Clone)]
 struct Point {
     alpha: f64,
     tractor_rad: f64,
@@ -145,8 +148,8 @@ impl<'a> RollPlane<'a> {
         let Some(mut point) = self.start() else { return 0.0 };
         let (mut roll_rad, mut greatest) = (0.0, 0.0_f64);
         while roll_rad < END_RAD && point.alpha >= FALLEN * greatest {
+            self.follow(cg_height_m, [roll_rad, roll_rad + STEP_RAD], HALVINGS, &mut point);
             roll_rad += STEP_RAD;
-            self.solve(cg_height_m, roll_rad, &mut point);
             greatest = greatest.max(point.alpha);
             let lifted = |i: usize| {
                 let (axle, angle_rad) = (&self.axles[i], point.axles_rad[i] / self.compliance);
@@ -259,10 +262,37 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// Newton's method, started from the previous state. Axles and springs are eliminated, which
-    /// leaves two equations. The curves are linear almost everywhere, so a few steps reach the
-    /// rounding error.
-    fn solve(&self, cg_height_m: f64, roll_rad: f64, point: &mut Point) {
+    /// Solves for the state at the second of these roll angles from that at the first. Where Newton's
+    /// method does not settle between the bends of the curves (springs whose friction builds up within
+    /// less than a step), the step is halved. If that does not help, its last state remains.
+    fn follow(
+        &self,
+        cg_height_m: f64,
+        [from, to]: [f64; 2],
+        halvings: u32,
+        point: &mut Point,
+    ) -> bool {
+        let before = point.clone();
+        if self.solve(cg_height_m, to, point) {
+            return true;
+        }
+        if halvings == 0 {
+            return false;
+        }
+        let unsettled = std::mem::replace(point, before);
+        let middle = f64::midpoint(from, to);
+        let settled = self.follow(cg_height_m, [from, middle], halvings - 1, point)
+            && self.follow(cg_height_m, [middle, to], halvings - 1, point);
+        if !settled {
+            *point = unsettled;
+        }
+        settled
+    }
+
+    /// Newton's method, started from the previous state; whether it reached the rounding error. Axles and
+    /// springs are eliminated, which leaves two equations. The curves are linear almost everywhere, so a
+    /// few steps are enough.
+    fn solve(&self, cg_height_m: f64, roll_rad: f64, point: &mut Point) -> bool {
         let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
         let cos = point.sides.cos;
         for _ in 0..12 {
@@ -314,9 +344,10 @@ impl<'a> RollPlane<'a> {
             point.tractor_rad += tractor_rad;
             point.front_rad += front_rad;
             if alpha.abs() + tractor_rad.abs() + front_rad.abs() < ROUNDING {
-                break;
+                return true;
             }
         }
+        false
     }
 
     /// The Newton steps of a group's axles: per step of `α`, per step of the body's roll angle, and

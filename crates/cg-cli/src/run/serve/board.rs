@@ -17,6 +17,7 @@ pub(crate) enum Kind {
     State,
     Status,
     Warning,
+    SpeedRequest,
     Learned,
     Maneuver,
     LoadChanged,
@@ -31,6 +32,7 @@ impl From<&Event<'_>> for Kind {
             Event::State { .. } => Self::State,
             Event::Status(_) => Self::Status,
             Event::Warning { .. } => Self::Warning,
+            Event::SpeedRequest { .. } => Self::SpeedRequest,
             Event::Learned { .. } => Self::Learned,
             Event::Maneuver(_) => Self::Maneuver,
             Event::LoadChanged { .. } => Self::LoadChanged,
@@ -45,7 +47,7 @@ impl Kind {
     const fn room(self) -> usize {
         match self {
             Self::Start | Self::State | Self::Status | Self::Learned | Self::Stop => 1,
-            Self::Warning | Self::LoadChanged | Self::Notice => 32,
+            Self::Warning | Self::SpeedRequest | Self::LoadChanged | Self::Notice => 32,
             // A hundred kilobytes.
             Self::Maneuver => 128,
         }

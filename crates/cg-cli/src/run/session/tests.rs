@@ -38,7 +38,7 @@ fn nominal_kg() -> f64 {
 /// Warnings begin at 0.2 and 0.32 g.
 fn session_with(mass_kg: Option<f64>, status_s: f64, outputs: Outputs<Vec<u8>>) -> Trial {
     let warner = Warner::new(&[0.5, 0.8], 0.05).unwrap();
-    Session::new((&design(), Settings::truck()), warner, mass_kg, status_s, outputs)
+    Session::new((&design(), EstimateOptions::default()), warner, mass_kg, status_s, outputs)
 }
 
 fn session(mass_kg: Option<f64>, status_s: f64) -> Trial {
@@ -101,8 +101,7 @@ fn memory(heights_m: [Option<f64>; 2], trailer_mass_kg: f64) -> Memory<f64> {
 
 fn learn(session: &mut Trial, heights_m: [Option<f64>; 2]) {
     let memory = memory(heights_m, nominal_kg());
-    let (settings, prior) = (Settings::truck(), Prior::standard());
-    session.estimator = Estimator::restored(design(), settings, prior, &memory).unwrap();
+    session.estimator = Engine::restored(&design(), &session.options, &memory).unwrap();
     session.update(nominal_kg());
 }
 
@@ -360,6 +359,11 @@ fn frames_follow_their_cycle() {
         session.run_periodic(false).unwrap();
         assert_eq!(sent.get(), total, "{now_us}");
     }
+    // The requested speed has a frame of its own, if it is asked for.
+    session.request = Some(SpeedRequest::new(0.5));
+    session.tick(0.0, 3 * SECOND_US);
+    session.run_periodic(false).unwrap();
+    assert_eq!(sent.get(), 4);
 }
 
 /// Whether the file of an output is written at each of these times.
