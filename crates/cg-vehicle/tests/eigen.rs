@@ -57,8 +57,9 @@ fn eigenvalues_are_those_of_a_matrix_that_differs_by_rounding() {
     }
 }
 
-/// The truck's motion is below 100 rad/s. Faster zeros are found from their inverses, so that their
-/// relative errors grow with the zero.
+/// The zeros are `σ + 1/μ` for a point σ as far out as the fastest pole, so that rounding moves them by
+/// `κ ε |s − σ|²/σ`. The condition κ of these eigenvalues was found to be up to 1.2e5, where two zeros are
+/// almost equal. Ten times that is allowed: one part in 1e8 of the slowest zeros.
 #[test]
 fn the_transfer_function_vanishes_at_its_zeros() {
     let (mut judged, mut cancelled) = (0, 0);
@@ -68,6 +69,7 @@ fn the_transfer_function_vanishes_at_its_zeros() {
             let function = system.transfer_function().unwrap();
             let b = system.b.map(|value| Complex::new(value, 0.0));
             let c = system.c.map(|value| Complex::new(value, 0.0));
+            let fastest = function.poles.iter().map(|(re, im)| re.hypot(*im)).fold(0.0, f64::max);
             for &(re, im) in &function.zeros {
                 let zero = Complex::new(re, im);
                 // A pole in the same place: the mode is not in this response, and the model is singular there.
@@ -82,9 +84,10 @@ fn the_transfer_function_vanishes_at_its_zeros() {
                 let state = lu.solve(&b).unwrap();
                 let slope = -c.dot(&lu.solve(&state).unwrap());
                 // What one step of Newton's method would still move.
-                let off = ((c.dot(&state) + system.d) / slope).norm() / zero.norm();
-                let most = if zero.norm() < 100.0 { 1e-9 } else { 1e-4 };
-                assert!(off < most, "{name} {output:?}: {zero} {off}");
+                let off = ((c.dot(&state) + system.d) / slope).norm();
+                let from_point = (zero - fastest).norm();
+                let most = 1e6 * f64::EPSILON * from_point * from_point / fastest;
+                assert!(off < most, "{name} {output:?}: {zero} is off by {off}, at most {most}");
                 judged += 1;
             }
         }

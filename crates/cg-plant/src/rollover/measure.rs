@@ -231,7 +231,7 @@ fn at_rest(
         Some(ratio),
         format!(
             "Tangent of the angle at which the vehicle tips on a tilting table: {:.1} degrees.",
-            ratio.atan().to_degrees()
+            libm::atan(ratio).to_degrees()
         ),
     );
     Ok(())
