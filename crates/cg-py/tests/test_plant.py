@@ -61,14 +61,16 @@ def test_traces_are_steps_one_after_the_other(kraz):
     assert alone.signals["roll_to_gravity_rad"] > alone.signals["roll_rad"]
 
 
-def test_an_estimator_on_the_plant_finds_the_height(kraz):
-    plant, estimator = Plant(kraz, **LOAD), Estimator(kraz)
+@pytest.mark.parametrize(("height_m", "other_m"), [(1.4, 2.2), (2.2, 1.4)])
+def test_an_estimator_on_the_plant_finds_the_height(kraz, height_m, other_m):
+    plant, estimator = Plant(kraz, height_m=height_m, payload_kg=12e3), Estimator(kraz)
     for k in range(1500):
         steer = float(np.interp(k / 100, [3, 4, 9, 10], [0.0, 0.03, 0.03, 0.0]))
         estimator.push(**plant.step(steer, 0.01))
     answer = estimator.estimate()
     low, high = answer.height_ci95_m
-    assert low < LOAD["height_m"] < high
+    assert low < height_m < high
+    assert not low < other_m < high
 
 
 def test_a_driver_follows_a_path(baseline):

@@ -89,8 +89,8 @@ def test_a_rate_that_cannot_be_used_is_told(truck, clean):
     log = {**clean, "tilt_rad": clean["roll_rad"], "roll_rate_radps": rate(clean, 0.0, 0.0, 0.0)}
     del log["roll_rad"]
     answer = cgheight.estimate_log(log, vehicle=truck)
-    told = [message for message in answer.messages if "roll_rate is not used" in message]
-    assert len(told) == 1 and "the log has tilt instead" in told[0]
+    (told,) = [message for message in answer.messages if "roll_rate is not used" in message]
+    assert "the log has tilt instead" in told
 
 
 def test_an_estimator_of_rows_says_that_it_does_not_use_a_rate(truck, clean):
@@ -103,5 +103,5 @@ def test_an_estimator_of_rows_says_that_it_does_not_use_a_rate(truck, clean):
         without.push(*arguments, **signals)
         with_rate.push(*arguments, **signals, roll_rate_radps=0.0)
     with_rate = pickle.loads(pickle.dumps(with_rate))
-    told = set(with_rate.estimate().messages) - set(without.estimate().messages)
-    assert len(told) == 1 and "cgheight.estimate_log uses it" in told.pop()
+    (told,) = set(with_rate.estimate().messages) - set(without.estimate().messages)
+    assert "cgheight.estimate_log uses it" in told
