@@ -272,7 +272,7 @@ fn a_tilted_truck_tips_where_the_plant_says() {
         println!("{name} {height_m} m: pulled {pulled:.4}, tilted {tilted:.4}, plant {plant:.4}");
         assert!((tilted / plant - 1.0).abs() < 0.03, "{name} {height_m}: {tilted} {plant}");
         // Less weight presses the springs less, so that the body leans less. It is a few percent.
-        assert!((1.0..1.08).contains(&(tilted / pulled)), "{tilted} {pulled}");
+        assert!((1.002..1.08).contains(&(tilted / pulled)), "{tilted} {pulled}");
     }
 }
 

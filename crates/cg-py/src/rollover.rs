@@ -40,7 +40,7 @@ use crate::vehicle::Vehicle;
 /// Raises
 /// ------
 /// ValueError
-///     The load is impossible, the vehicle cannot drive straight, or a number is not positive.
+///     The load is impossible, the vehicle cannot drive straight, or a number is impossible.
 #[pyfunction]
 #[pyo3(signature = (
     vehicle, *, speed_mps = None, height_m = None, trailer_mass_kg = None, radius_m = None, share = 0.6,
@@ -64,7 +64,6 @@ pub(crate) fn rollover_measures<'py>(
             .unwrap_or(reference.trailer_mass_kg),
         cg_height_m: positive("height_m", height_m)?.unwrap_or(reference.cg_height_m),
     };
-    positive("share", Some(share))?;
     let curve =
         positive("radius_m", radius_m)?.map(|radius_m| Curve { radius_m, share, height_sd_m });
     let defaults = RolloverOptions::of(vehicle);

@@ -28,6 +28,14 @@ def test_the_measures_are_those_of_the_command_line() -> None:
 def test_a_curve_is_an_option_and_impossible_numbers_are_refused() -> None:
     vehicle = cgheight.Vehicle.load(TRUCK)
     assert "curve_speed_mps" not in cgheight.rollover_measures(vehicle)
-    for wrong in ({"radius_m": -1.0}, {"share": 0.0}, {"height_m": 0.0}, {"trailer_mass_kg": 100.0}):
-        with pytest.raises(ValueError, match=next(iter(wrong)).split("_")[-1] + "|empty"):
-            cgheight.rollover_measures(vehicle, **wrong)
+    for wrong, said in [
+        ({"radius_m": -1.0}, "radius_m is -1"),
+        ({"share": 0.0}, "at most 1"),
+        ({"share": 1.1}, "at most 1"),
+        ({"height_sd_m": -0.1}, "not negative"),
+        ({"height_sd_m": float("nan")}, "not negative"),
+        ({"height_m": 0.0}, "height_m is 0"),
+        ({"trailer_mass_kg": 100.0}, "empty trailer"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            cgheight.rollover_measures(vehicle, **{"radius_m": 100.0, **wrong})
