@@ -51,7 +51,7 @@ impl RigidTrailer {
         let parts: Vec<(f64, f64, f64)> = std::iter::once(body).chain(axles).collect();
         let mass_kg: f64 = parts.iter().map(|(m, ..)| m).sum();
         let height_m = parts.iter().map(|(m, h, _)| m * h).sum::<f64>() / mass_kg;
-        let about = |&(m, h, i): &(f64, f64, f64)| i + m * (h - height_m).powi(2);
+        let about = |&(m, h, i): &(f64, f64, f64)| i + m * (h - height_m) * (h - height_m);
         // The speed plays no part in it.
         let factor_g =
             on_board(vehicle, load, vehicle.nominal_speed_mps)?.static_stability_factor_g;
@@ -66,12 +66,12 @@ impl RigidTrailer {
 
     /// `R`.
     fn radius_m(&self) -> f64 {
-        self.half_track_m.hypot(self.height_m)
+        (self.half_track_m * self.half_track_m + self.height_m * self.height_m).sqrt()
     }
 
     /// `I_o`.
     fn inertia_kgm2(&self) -> f64 {
-        self.roll_inertia_kgm2 + self.mass_kg * self.radius_m().powi(2)
+        self.roll_inertia_kgm2 + self.mass_kg * self.radius_m() * self.radius_m()
     }
 
     /// Energy that lifts the c.g. above the outer wheels, J.
@@ -106,13 +106,13 @@ impl RigidTrailer {
 
     /// Rollover prevention energy reserve at a roll rate, J; negative if the trailer tips.
     pub fn energy_reserve_j(&self, roll_rate_radps: f64) -> f64 {
-        self.tip_over_j() - 0.5 * self.inertia_kgm2() * roll_rate_radps.powi(2)
+        self.tip_over_j() - 0.5 * self.inertia_kgm2() * roll_rate_radps * roll_rate_radps
     }
 
     /// Rollover prevention metric: the share of the energy of sliding that an impact does not turn into
     /// rotation.
     pub fn prevention_metric(&self) -> f64 {
-        1.0 - self.mass_kg * self.height_m.powi(2) / self.inertia_kgm2()
+        1.0 - self.mass_kg * self.height_m * self.height_m / self.inertia_kgm2()
     }
 }
 
