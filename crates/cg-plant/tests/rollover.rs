@@ -190,6 +190,42 @@ fn the_independent_truck_has_all_measures() {
         (of("static_rollover_threshold_steady_turn_g"), of("static_rollover_threshold_g"));
     // The tolerance is that of the published cases.
     assert!((steady / ramp - 1.0).abs() < 0.03, "{steady} {ramp}");
+    // The threshold is in standard gravity, the factor in the file's 9.81 m/s².
+    let compliance = steady / of("static_stability_factor_g");
+    assert!((of("compliance_factor") / compliance - 1.0).abs() < 5e-4 && compliance < 1.0);
+    rigid_trailer(&all);
+}
+
+/// The trailer as one rigid body, added up by hand from the file, and what the measures make of it.
+fn rigid_trailer(all: &RolloverMeasures) {
+    let vehicle = vehicle("kraz");
+    let load = vehicle.reference_load();
+    let sprung = vehicle.trailer_sprung_mass(load).unwrap();
+    let (mut mass, mut moment) = (sprung.mass_kg, sprung.mass_kg * sprung.cg_height_m);
+    for placed in &vehicle.trailer.axle {
+        mass += placed.axle.unsprung_mass_kg;
+        moment += placed.axle.unsprung_mass_kg * placed.axle.center_height_m;
+    }
+    let height_m = moment / mass;
+    assert!((mass / load.trailer_mass_kg - 1.0).abs() < 1e-12);
+    // Parallel axes, from the ground instead of the c.g.
+    let mut inertia = sprung.roll_inertia_kgm2 + sprung.mass_kg * sprung.cg_height_m.powi(2);
+    for placed in &vehicle.trailer.axle {
+        let axle = &placed.axle;
+        inertia += axle.roll_inertia_kgm2 + axle.unsprung_mass_kg * axle.center_height_m.powi(2);
+    }
+    let half_track_m = all.get("static_stability_factor_g").unwrap() * height_m;
+    let outer = inertia + mass * half_track_m.powi(2);
+    let lift_m = half_track_m.hypot(height_m) - height_m;
+    let velocity = (2.0 * 9.81 * outer * lift_m / mass).sqrt() / height_m;
+    let of = |name: &str| all.get(name).unwrap();
+    assert!((of("critical_sliding_velocity_mps") / velocity - 1.0).abs() < 1e-9, "{velocity}");
+    let metric = 1.0 - mass * height_m.powi(2) / outer;
+    assert!((of("rollover_prevention_metric") / metric - 1.0).abs() < 1e-9, "{metric}");
+    // The roll rate of the lane change takes something of that energy, and less than a tenth.
+    let (full_kj, left_kj) =
+        (1e-3 * mass * 9.81 * lift_m, of("rollover_prevention_energy_reserve_kj"));
+    assert!((0.9..0.9999).contains(&(left_kj / full_kj)), "{left_kj} {full_kj}");
 }
 
 /// The limit of stiff springs and tires: the roll plane tends to `T/2 Σ m / Σ m h` of the whole
@@ -272,7 +308,7 @@ fn a_tilted_truck_tips_where_the_plant_says() {
         println!("{name} {height_m} m: pulled {pulled:.4}, tilted {tilted:.4}, plant {plant:.4}");
         assert!((tilted / plant - 1.0).abs() < 0.03, "{name} {height_m}: {tilted} {plant}");
         // Less weight presses the springs less, so that the body leans less. It is a few percent.
-        assert!((1.0..1.08).contains(&(tilted / pulled)), "{tilted} {pulled}");
+        assert!((1.002..1.08).contains(&(tilted / pulled)), "{tilted} {pulled}");
     }
 }
 

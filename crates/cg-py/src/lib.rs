@@ -19,6 +19,7 @@
 //! | `reproduce` | `reproduce_tables`: the tables of the thesis, recomputed |
 //! | `results` | results as the dataclasses of `cgheight._results` |
 //! | `arx`, `linear` | `fit_arx`, `linear_model` |
+//! | `rollover` | `rollover_measures` |
 //! | `error` | exceptions |
 //!
 //! Arrays are read in place, and loops run detached from the interpreter so that other Python
@@ -49,6 +50,7 @@ mod write;
 mod can;
 mod report;
 mod reproduce;
+mod rollover;
 
 /// The compiled module of cgheight.
 #[pyo3::pymodule(gil_used = false)]
@@ -71,6 +73,8 @@ mod _native {
     use crate::report::{may_write_report, trace_arrays, write_report};
     #[pymodule_export]
     use crate::reproduce::reproduce_tables;
+    #[pymodule_export]
+    use crate::rollover::rollover_measures;
     #[pymodule_export]
     use crate::signals::{after_lags, estimate_arrays, learn_arrays, predict_roll};
     #[pymodule_export]

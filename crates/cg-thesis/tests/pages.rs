@@ -92,8 +92,7 @@ fn springs_and_heights_are_as_the_pages_say() {
     let (readme, docs) = (page("README.md"), page("docs/thesis.md"));
     let one = |value: f64| number(value, 1);
     let rows = table("5.11", &Options::default()).unwrap();
-    let procedure =
-        column(&rows, ["own plant", "F(s) and ARX"], ours).into_iter().collect::<Vec<_>>();
+    let procedure = column(&rows, ["own plant", "F(s) and ARX"], ours);
     let filtered = column(&rows, ["own plant", "complete and filtered"], ours);
     assert_eq!([procedure.len(), filtered.len()], [8, 8]);
     let [[from, to], [least, most]] = [ends(&procedure), ends(&filtered)].map(|e| e.map(one));

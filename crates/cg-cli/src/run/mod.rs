@@ -100,19 +100,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);
     outputs.page = arguments.serve.as_ref().map(Page::open).transpose()?;
-    let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
-        .context("--warn, --warn-hysteresis")?;
-    let mass_kg = arguments.trailer_mass_kg;
-    let mut session = Session::new(
-        (&design, identification(arguments, &vehicle)),
-        warner,
-        mass_kg,
-        arguments.status_s,
-        outputs,
-    );
-    session.request = arguments.speed_request.map(SpeedRequest::new);
-    session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
-    session.weighing.scales = Scales::of(&vehicle);
+    let mut session = session(arguments, &vehicle, &design, outputs)?;
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(wall::now_us() as f64 * 1e-6, 0);
@@ -146,6 +134,23 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     }
     // A live run without a height ends normally.
     Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
+}
+
+/// The processing of samples with the options of this run.
+fn session<W: Write>(
+    arguments: &RunArgs,
+    vehicle: &Vehicle,
+    design: &Design<f64>,
+    outputs: Outputs<W>,
+) -> anyhow::Result<Session<W>> {
+    let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
+        .context("--warn, --warn-hysteresis")?;
+    let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle));
+    let mut session = Session::new((design, options), warner, mass_kg, arguments.status_s, outputs);
+    session.request = arguments.speed_request.map(SpeedRequest::new);
+    session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
+    session.weighing.scales = Scales::of(vehicle);
+    Ok(session)
 }
 
 /// Reports the start.

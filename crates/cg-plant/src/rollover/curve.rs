@@ -21,11 +21,22 @@ impl Curve {
     /// `None` if the mass is outside its design.
     ///
     /// # Errors
-    /// [`VehicleError`] if the vehicle has no design.
+    /// [`VehicleError`] if a number is impossible, or if the vehicle has no design.
     pub fn speed_mps(&self, vehicle: &Vehicle, load: Load) -> Result<Option<f64>, VehicleError> {
+        let Self { radius_m, share, height_sd_m } = *self;
+        let is_possible = radius_m > 0.0
+            && share > 0.0
+            && share <= 1.0
+            && (0.0..f64::INFINITY).contains(&height_sd_m);
+        if !is_possible {
+            return Err(VehicleError::Model(format!(
+                "a curve of {radius_m} m, share {share}, height known to {height_sd_m} m: the radius must \
+                 be positive, the share above 0 and at most 1, and the standard deviation not negative"
+            )));
+        }
         let design = design(vehicle, Variant::Complete)?;
-        let height = Measured { value: load.cg_height_m, sd: self.height_sd_m };
-        Ok(curve_speed_mps(design, height, load.trailer_mass_kg, self.radius_m, self.share))
+        let height = Measured { value: load.cg_height_m, sd: height_sd_m };
+        Ok(curve_speed_mps(design, height, load.trailer_mass_kg, radius_m, share))
     }
 
     pub(super) fn meaning(&self) -> String {

@@ -224,15 +224,11 @@ fn at_rest(
          its weight."
             .into(),
     );
-    let ratio = tilt_table_ratio(subject.vehicle, subject.load)?;
     all.add(
         "tilt_table_ratio",
         "-",
-        Some(ratio),
-        format!(
-            "Tangent of the angle at which the vehicle tips on a tilting table: {:.1} degrees.",
-            libm::atan(ratio).to_degrees()
-        ),
+        Some(tilt_table_ratio(subject.vehicle, subject.load)?),
+        "Tangent of the angle at which the vehicle tips on a tilting table.".into(),
     );
     Ok(())
 }

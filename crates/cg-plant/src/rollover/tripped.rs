@@ -66,7 +66,7 @@ impl RigidTrailer {
 
     /// `R`.
     fn radius_m(&self) -> f64 {
-        libm::hypot(self.half_track_m, self.height_m)
+        (self.half_track_m * self.half_track_m + self.height_m * self.height_m).sqrt()
     }
 
     /// `I_o`.
@@ -132,7 +132,7 @@ mod tests {
         }
     }
 
-    /// Of a box, `I_o = (4/3) m R²`. R = 2.38537 m, so v_c = √(8/3 g R² (R − h))/h = 3.7869 m/s, and
+    /// Of a box, `I_o = (4/3) m R²`. R = 2.38537 m, so the velocity is √(8/3 g R² (R − h))/h = 3.7869 m/s, and
     /// the metric is 1 − (3/4) h²/R² = 0.47276.
     #[test]
     fn a_box_tips_at_the_velocity_by_hand() {

@@ -38,7 +38,7 @@ from cgheight._model_results import (
     StaticBalance,
 )
 from cgheight._models import OrderSelection, arx, detrend, select_order
-from cgheight._native import Plant, Vehicle, __version__, linear_model
+from cgheight._native import Plant, Vehicle, __version__, linear_model, rollover_measures
 from cgheight._output_error import OutputErrorModel, output_error
 from cgheight._predict import predict_roll
 from cgheight._report import report
@@ -92,6 +92,7 @@ __all__ = [
     "read_log",
     "report",
     "reproduce",
+    "rollover_measures",
     "select_order",
     "simulate",
     "write_log",

@@ -37,6 +37,7 @@ __all__ = [
     "reproduce_tables",
     "resolve_columns",
     "restore_vehicle",
+    "rollover_measures",
     "score_accuracy",
     "signals",
     "simulate_log",
@@ -271,6 +272,18 @@ def linear_model(
     trailer_mass_kg: float | None = None,
 ) -> LinearModel:
     """Return the linear model of a vehicle at one speed and load."""
+
+def rollover_measures(
+    vehicle: Vehicle,
+    *,
+    speed_mps: float | None = None,
+    height_m: float | None = None,
+    trailer_mass_kg: float | None = None,
+    radius_m: float | None = None,
+    share: float = 0.6,
+    height_sd_m: float = 0.0,
+) -> dict[str, float | None]:
+    """Return all rollover measures of a loaded vehicle."""
 
 def calibrate_files(
     vehicle: Vehicle,

@@ -51,7 +51,7 @@ pub fn tilt_table_ratio(vehicle: &Vehicle, load: Load) -> Result<f64, VehicleErr
     let mut tilted = level.clone().into_owned();
     let mut ratio = side_pull_ratio(vehicle, load)?;
     for _ in 0..ROUNDS {
-        let share = 1.0 / libm::hypot(ratio, 1.0);
+        let share = 1.0 / (1.0 + ratio * ratio).sqrt();
         tilted.gravity_mps2 = share * level.gravity_mps2;
         let plane = RollPlane::new(&tilted, load, STRAIGHT_MPS, 1.0)?;
         let next = plane.threshold_g(load.cg_height_m + (1.0 - share) * rise_m);
