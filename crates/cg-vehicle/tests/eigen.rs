@@ -1,5 +1,5 @@
 //! Eigenvalues and zeros of the models of every vehicle, judged by what they are solutions of.
-#![allow(clippy::unwrap_used)] // helpers of tests
+#![allow(clippy::unwrap_used, clippy::cast_precision_loss)] // helpers of tests; small numbers of states
 
 use cg_core::Output;
 use cg_vehicle::equations::Equations;
