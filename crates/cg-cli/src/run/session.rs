@@ -1,10 +1,12 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod warning;
+
 use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, Verdict, felt_mps2};
+use cg_logs::estimate::{Engine, EstimateOptions, Verdict};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -248,36 +250,6 @@ impl<W: Write> Session<W> {
         self.notice("mass", &message)
     }
 
-    fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
-        let design = self.estimator.design();
-        let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
-        let load = [mass_kg, self.known.height_m.unwrap_or(design.reference_height_m)];
-        let lateral_mps2 = felt_mps2(design, sample, self.speed_mps, load);
-        let gravity_mps2 = self.estimator.design().gravity_mps2;
-        // Without a speed, the last one is used.
-        if sample.speed_mps.is_finite() {
-            self.speed_mps = sample.speed_mps;
-            self.known.at_speed(self.estimator.design(), self.speed_mps);
-        }
-        let threshold_g = self.known.threshold_g;
-        let level = self.warner.push(sample.time_us, lateral_mps2, threshold_g, gravity_mps2);
-        if let Some(level) = level {
-            let margin_g = self.known.margin_g(self.lateral_g());
-            self.write_event(&Event::Warning { level, margin_g })?;
-        }
-        let motion = [self.speed_mps, self.warner.lateral_mps2().unwrap_or(f64::NAN)];
-        let Some(request) = &mut self.request else { return Ok(()) };
-        if request.update(self.estimator.design(), &self.known, motion) {
-            let requested_speed_mps = request.speed_mps;
-            return self.write_event(&Event::SpeedRequest { requested_speed_mps });
-        }
-        Ok(())
-    }
-
-    fn lateral_g(&self) -> Option<f64> {
-        Some(self.warner.lateral_mps2()? / self.estimator.design().gravity_mps2)
-    }
-
     fn drive(&mut self, state: &'static str) -> io::Result<()> {
         if state == self.driving {
             return Ok(());
@@ -405,7 +377,11 @@ impl<W: Write> Session<W> {
         if self.unweighed_us.is_some_and(|since| now_us.saturating_sub(since) >= WEIGHED_US) {
             self.report_nominal_mass()?;
         }
-        if self.driving != "waiting" && now_us.saturating_sub(self.sampled_us) > SILENT_US {
+        let is_silent = now_us.saturating_sub(self.sampled_us) > SILENT_US;
+        if is_silent {
+            self.follow(now_us, f64::NAN)?;
+        }
+        if self.driving != "waiting" && is_silent {
             // The gap would end the maneuver anyway. Ending it now gives a parking truck its height
             // at once.
             if let Some(maneuver) = self.estimator.finish() {
@@ -417,13 +393,11 @@ impl<W: Write> Session<W> {
             && now_us >= self.next.status_us
         {
             self.next.status_us = now_us + cycle_us;
-            let status = self.status();
-            self.write_event(&Event::Status(Box::new(status)))?;
+            self.write_event(&Event::Status(Box::new(self.status())))?;
         }
         if self.outputs.transmits() && now_us >= self.next.transmit_us {
             self.next.transmit_us = now_us + super::transmit::CYCLE_US;
-            let status = self.status();
-            self.outputs.transmit(&status);
+            self.outputs.transmit(&self.status());
         }
         if self.outputs.page.as_mut().is_some_and(|page| page.is_due(now_us)) {
             self.show();
@@ -478,8 +452,7 @@ impl<W: Write> Session<W> {
         self.measure()?;
         self.show();
         if self.status_us.is_some() {
-            let status = self.status();
-            self.write_event(&Event::Status(Box::new(status)))?;
+            self.write_event(&Event::Status(Box::new(self.status())))?;
         }
         let Counters { frames, frames_lost, .. } = self.counters;
         let latency_ms = self.outputs.latency.summary();

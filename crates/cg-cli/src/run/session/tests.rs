@@ -1,3 +1,5 @@
+mod warning;
+
 use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
@@ -187,36 +189,6 @@ fn a_mass_that_arrives_in_time_is_not_told() {
     assert!((status.result.trailer_mass_kg - 21e3).abs() < 1e-9);
     assert_eq!(status.result.trailer_mass_source, MassSource::Signal);
     assert_eq!(status.samples, 2);
-}
-
-/// 0.25 g is above 0.5 times the threshold of 0.4 g.
-#[test]
-fn a_warning_follows_the_lateral_acceleration_or_the_yaw_rate() {
-    let lateral_mps2 = 0.25 * design().gravity_mps2;
-    for [lateral_mps2, yaw_rate_radps] in
-        [[lateral_mps2, f64::NAN], [-lateral_mps2, 0.0], [f64::NAN, lateral_mps2 / 15.0]]
-    {
-        let mut session = session(None, 0.0);
-        learn(&mut session, [Some(2.0), None]);
-        let turn = Sample { lateral_acceleration_mps2: lateral_mps2, yaw_rate_radps, ..sample(0) };
-        session.warn(&turn).unwrap();
-        let [event] = &events(&mut session)[..] else { panic!("one event") };
-        assert_eq!((&event["event"], &event["level"]), (&"warning".into(), &1.into()));
-        let margin_g = event["margin_g"].as_f64().unwrap();
-        assert!((margin_g - 0.15).abs() < 1e-6, "{margin_g}");
-        let status = session.status();
-        assert_eq!(status.warning_level, 1);
-        assert!((status.margin_g.unwrap() - 0.15).abs() < 1e-6);
-        assert!((status.lateral_acceleration_g.unwrap().abs() - 0.25).abs() < 1e-6);
-    }
-}
-
-#[test]
-fn the_last_speed_is_kept() {
-    let mut session = session(None, 0.0);
-    session.warn(&sample(0)).unwrap();
-    session.warn(&Sample { speed_mps: f64::NAN, ..sample(10_000) }).unwrap();
-    assert!((session.speed_mps - 15.0).abs() < 1e-9);
 }
 
 #[test]
