@@ -49,6 +49,11 @@ fn bent(law: impl Fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
     step().into_iter().zip(time_s).map(|((u, y), t)| (u, law(t, y))).collect()
 }
 
+/// The sum of the squares of the roll angle in sums of four rows, which the identifier makes at 100 Hz.
+fn squares(rows: &[(f64, f64)]) -> f64 {
+    rows.chunks(4).map(|sum| sum.iter().map(|(_, y)| y).sum::<f64>().powi(2) / 4.0).sum()
+}
+
 /// Standard deviation √(Σ (y − ȳ)²/n).
 fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let n = values.clone().map(|_| 1.0).sum::<f64>();
@@ -63,8 +68,7 @@ fn a_gain_alone_scales_the_whole_response() {
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.2).abs() < 1e-9);
     assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (1000, 0.0, 0.0));
     // The standard deviation follows from the noise floor and the response's sum of squares.
-    let squares: f64 = step().iter().map(|(_, y)| y * y).sum();
-    let sd = 1e-7 * EQ_5_12.dc_gain() / squares.sqrt();
+    let sd = 1e-7 * EQ_5_12.dc_gain() / squares(&step()).sqrt();
     assert!((fit.ratio.sd / sd - 1.0).abs() < 1e-6, "{} {sd}", fit.ratio.sd);
     assert!((fit.noise_sd_rad - 1e-7).abs() < 1e-20);
     let model = identifier.model().unwrap();
@@ -176,7 +180,6 @@ fn forgetting_halves_the_weight_of_what_was() {
     for &(u, y) in more {
         identifier.push(u, 1.1 * y, INTERVAL_S, true);
     }
-    let squares = |rows: &[(f64, f64)]| rows.iter().map(|(_, y)| y * y).sum::<f64>();
     let (before, after) = (0.5 * squares(first), squares(more));
     let gain = (before + 1.1 * after) / (before + after);
     let fit = ready(identifier.fit());

@@ -1,16 +1,13 @@
 //! ARX least squares on filtered signals, the identifier used in production.
 
+use crate::identify::equations::{Equations, Gathered, Solution};
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
-use crate::identify::long_run::LongRun;
-use crate::identify::pending::{BLOCK, Pending};
+use crate::identify::neighbors::rows_at;
 use crate::identify::prior::{HELD, Prior};
 use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
-use crate::identify::unknowns::{
-    BEND, DRIFT, DRIFT_S, Equations, GAIN, HalfSquare, OFFSET, REGRESSORS, Solution,
-};
-use crate::math::linalg::Triangle;
+use crate::identify::unknowns::{BEND, DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS};
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
@@ -60,9 +57,8 @@ pub struct FilteredArx<T: Real> {
     input: StateVariableFilter<T>,
     roll: StateVariableFilter<T>,
     started: bool,
-    triangle: Equations<T>,
-    pending: Pending<T, REGRESSORS>,
-    long_run: LongRun<T, REGRESSORS, HalfSquare<T>>,
+    newest_share: [T; ORDER],
+    rows: Gathered<T>,
     moments: Moments<T>,
     reference_rad: T,
     /// Time since the origin of the drift, in units of [`DRIFT_S`].
@@ -97,6 +93,7 @@ impl<T: Real> FilteredArx<T> {
     fn discretise(&mut self, interval_s: T) {
         self.interval_s = interval_s;
         self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
+        self.newest_share = self.step.newest_share(rows_at(interval_s));
     }
 
     fn take_row(&mut self, input: T, roll: T, interval_s: T) {
@@ -120,14 +117,10 @@ impl<T: Real> FilteredArx<T> {
         let bent = nominal / T::of(BEND_RAD);
         row[BEND] = nominal * bent * bent;
         self.greatest_rad = self.greatest_rad.max(nominal.abs());
-        self.roll_noise.add_row(&self.step, interval_s);
-        self.pending.push(row, roll - nominal);
-        self.long_run.push(&row, roll - nominal, interval_s);
-        if self.pending.rows == BLOCK {
-            self.pending.fold_into(&mut self.triangle);
-        }
+        self.roll_noise.add_row(&self.newest_share, interval_s);
         self.moments.push(input, roll);
         self.input_noise.push(input, interval_s);
+        self.rows.push(row, roll - nominal, interval_s);
     }
 
     /// Standard deviation of the expected roll angle over the rows, radians.
@@ -162,7 +155,7 @@ impl<T: Real> FilteredArx<T> {
     /// The solution including the rows in the buffer, without changing `self`.
     fn settled(&self) -> Option<Solution<T>> {
         let (mut settled, mut solution) = (*self, Solution::NONE);
-        settled.pending.fold_into(&mut settled.triangle);
+        settled.rows.settle();
         settled.solve(&mut solution).ok()?;
         Some(solution)
     }
@@ -187,8 +180,8 @@ impl<T: Real> FilteredArx<T> {
         let mut hidden = T::of(UNKNOWNS_F64);
         // The weight of the prior depends on the noise, and the noise on the solution. Three
         // iterations are sufficient, because the residual hardly depends on the prior.
-        let data = &self.triangle;
-        let mut residual_sd = floor;
+        let data = &self.rows.triangle;
+        let [mut residual, mut white] = [T::zero(); 2];
         answer.slow_sd = self.prior.noise_floor_rad;
         for _ in 0..3 {
             answer.triangle = *data;
@@ -197,17 +190,17 @@ impl<T: Real> FilteredArx<T> {
                 .triangle
                 .solve(UNKNOWNS)
                 .map_err(|unknown| Unexcited::Direction { unknown })?;
-            let freedom = (weight - hidden).max(weight * T::of(0.25));
-            residual_sd = (data.sum_of_squares_at(&answer.theta) / freedom).root();
-            answer.noise_sd = residual_sd.max(floor);
+            [residual, white] = self.rows.variances(&answer.theta, weight, hidden);
+            answer.noise_sd = residual.root().max(floor);
             let effective = self.effective(&answer.triangle, answer.slow_sd);
             hidden = T::of(UNKNOWNS_F64).max(effective * slower);
             let variance = answer.noise_sd * answer.noise_sd;
             let usual = self.roll_noise.usual(slower, variance, from_input);
-            let inflation = self.long_run.inflation(&answer.theta, effective, variance, usual);
+            let inflation = self.rows.long_run.inflation(&answer.theta, effective, variance, usual);
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
-        let (roll, input) = self.pulls(residual_sd * residual_sd, from_input, &products);
+        let of_roll = white.min((residual - from_input[1]).max(T::zero()));
+        let (roll, input) = self.pulls(of_roll, from_input, &products);
         let input = answer.triangle.shift_for(&input, UNKNOWNS);
         answer.input_shift = [input[0], input[GAIN]];
         let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
@@ -226,7 +219,7 @@ impl<T: Real> FilteredArx<T> {
     /// gives the bias −v² times the mean of `u_k · G u` per row.
     fn pulls(
         &self,
-        residual_variance: T,
+        roll_variance: T,
         [input_variance, passed]: [T; 2],
         products: &[T; ORDER + 1],
     ) -> ([T; REGRESSORS], [T; REGRESSORS]) {
@@ -234,7 +227,6 @@ impl<T: Real> FilteredArx<T> {
         let rows = self.moments.weight * input_variance;
         input[GAIN] = self.moments.weight * passed;
         if self.prior.dynamics_sd > T::zero() {
-            let roll_variance = (residual_variance - passed).max(T::zero());
             for k in 0..ORDER {
                 roll[k] = self.roll_noise.sum[k] * roll_variance;
                 input[GAIN + 1 + k] = rows * products[k + 1];
@@ -328,7 +320,7 @@ impl<T: Real> FilteredArx<T> {
     /// the standard deviation of the roll angle. Overwrites the triangle of `solution`.
     #[inline(never)]
     fn misfit(&self, solution: &mut Solution<T>) -> T {
-        let data = &self.triangle;
+        let data = &self.rows.triangle;
         solution.triangle = *data;
         self.add_prior(&mut solution.triangle, solution.slow_sd, true);
         let Ok(nominal) = solution.triangle.solve(UNKNOWNS) else { return T::zero() };
@@ -375,9 +367,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         input: StateVariableFilter::EMPTY,
         roll: StateVariableFilter::EMPTY,
         started: false,
-        triangle: Triangle::new(),
-        pending: Pending::new(),
-        long_run: LongRun::new(),
+        newest_share: [T::ZERO; ORDER],
+        rows: Gathered::NONE,
         moments: Moments::new(),
         reference_rad: T::ZERO,
         clock: T::ZERO,
@@ -436,9 +427,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// Deletes the rows but not the states of the filters.
     fn clear(&mut self) {
-        self.triangle = Triangle::new();
-        self.pending = Pending::new();
-        self.long_run = LongRun::new();
+        self.rows = Gathered::NONE;
         self.moments = Moments::new();
         self.roll_noise.clear();
         self.input_noise = InputNoise::new();
@@ -453,14 +442,10 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// Exponential forgetting: multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T) {
-        self.pending.fold_into(&mut self.triangle);
         // The time of the drift starts again from zero, because a large number would cost digits in
         // f32.
-        self.triangle.shift(DRIFT, OFFSET, self.clock);
-        self.long_run.shift(DRIFT, OFFSET, self.clock);
+        self.rows.forget(factor, self.clock);
         self.clock = T::zero();
-        self.triangle.scale(factor.root());
-        self.long_run.forget(factor);
         self.input_noise.forget(factor);
         self.moments.scale(factor);
         self.roll_noise.scale(factor);
@@ -468,7 +453,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     #[inline(never)]
     fn fit(&mut self) -> Answer<T> {
-        self.pending.fold_into(&mut self.triangle);
+        self.rows.settle();
         let mut solution = Solution::NONE;
         match self.solve(&mut solution) {
             Ok(()) => Answer::Ready(self.describe(&mut solution)),

@@ -16,6 +16,7 @@
 //! **Reference.** Newey and West, *Econometrica* 55 (1987) 703; batch means: Law, *Simulation
 //! Modeling and Analysis*, §9.5.
 
+use crate::identify::neighbors::Sum;
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
@@ -38,52 +39,32 @@ const BELIEVED_BLOCKS: f64 = 4.0;
     ))
 )]
 pub(crate) struct LongRun<T, const N: usize, R = [[T; N]; N]> {
-    regressors: [T; N],
-    observation: T,
-    rows: T,
-    elapsed_s: T,
+    sum: Sum<T, N>,
     blocks: T,
     triangle: Triangle<T, N, R>,
 }
 
 impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
     pub(crate) const fn new() -> Self {
-        let zero = T::ZERO;
-        Self {
-            regressors: [zero; N],
-            observation: zero,
-            rows: zero,
-            elapsed_s: zero,
-            blocks: zero,
-            triangle: Triangle::new(),
-        }
+        Self { sum: Sum::EMPTY, blocks: T::ZERO, triangle: Triangle::new() }
     }
 
-    /// Adds a row that represents the time `interval_s`.
-    pub(crate) fn push(&mut self, regressors: &[T; N], observation: T, interval_s: T) {
-        for (sum, value) in self.regressors.iter_mut().zip(regressors) {
-            *sum += *value;
+    /// Adds some rows.
+    pub(crate) fn push(&mut self, rows: &Sum<T, N>) {
+        self.sum.add(rows);
+        if self.sum.elapsed_s >= T::of(BLOCK_S) {
+            let (regressors, observation) = self.sum.row();
+            self.triangle.push(regressors, observation);
+            self.blocks += T::one();
+            self.sum = Sum::EMPTY;
         }
-        self.observation += observation;
-        self.rows += T::one();
-        self.elapsed_s += interval_s;
-        if self.elapsed_s >= T::of(BLOCK_S) {
-            self.close();
-        }
-    }
-
-    fn close(&mut self) {
-        let scale = T::one() / self.rows.root();
-        self.triangle.push(self.regressors.map(|sum| sum * scale), self.observation * scale);
-        let (blocks, triangle) = (self.blocks + T::one(), self.triangle);
-        *self = Self { blocks, triangle, ..Self::new() };
     }
 
     /// Subtracts `times` the regressor `from` from the regressor `column`, in all rows so far.
     pub(crate) fn shift(&mut self, column: usize, from: usize, times: T) {
         self.triangle.shift(column, from, times);
-        if let Some(&other) = self.regressors.get(from)
-            && let Some(sum) = self.regressors.get_mut(column)
+        if let Some(&other) = self.sum.regressors.get(from)
+            && let Some(sum) = self.sum.regressors.get_mut(column)
         {
             *sum -= times * other;
         }
@@ -117,12 +98,17 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
 mod tests {
     use super::*;
 
+    /// A single row that represents a hundredth of a second.
+    fn row<const N: usize>(regressors: [f64; N], observation: f64) -> Sum<f64, N> {
+        Sum { regressors, observation, rows: 1.0, elapsed_s: 0.01 }
+    }
+
     /// Inflation for a residual around a constant, 100 rows per second for one minute.
     fn inflation(error: impl Fn(u32) -> f64) -> f64 {
         let mut run = LongRun::<f64, 1>::new();
         let mut squares = 0.0;
         for k in 0..6000 {
-            run.push(&[1.0], 2.0 + error(k), 0.01);
+            run.push(&row([1.0], 2.0 + error(k)));
             squares += error(k) * error(k);
         }
         run.inflation(&[2.0], 1.0, squares / 6000.0, 1.0)
@@ -145,7 +131,7 @@ mod tests {
         let mut run = LongRun::<f64, 1>::new();
         let block = |run: &mut LongRun<f64, 1>, error: f64| {
             for _ in 0..150 {
-                run.push(&[1.0], 2.0 + error, 0.01);
+                run.push(&row([1.0], 2.0 + error));
             }
         };
         let law = |sum: f64, freedom: f64, variance: f64| {
@@ -178,14 +164,14 @@ mod tests {
         let (mut late, mut soon) = (LongRun::<f64, 2>::new(), LongRun::<f64, 2>::new());
         for k in 0..400 {
             let t = f64::from(k) * 0.01;
-            late.push(&[1.0, t], (3.0 * t).sin(), 0.01);
-            soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
+            late.push(&row([1.0, t], (3.0 * t).sin()));
+            soon.push(&row([1.0, t - 2.5], (3.0 * t).sin()));
         }
         late.shift(1, 0, 2.5);
         for k in 400..600 {
             let t = f64::from(k) * 0.01;
-            late.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
-            soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), 0.01);
+            late.push(&row([1.0, t - 2.5], (3.0 * t).sin()));
+            soon.push(&row([1.0, t - 2.5], (3.0 * t).sin()));
         }
         let [late, soon] = [late, soon].map(|run| run.inflation(&[0.3, -0.7], 2.0, 0.1, 1.0));
         assert!((late / soon - 1.0).abs() < 1e-12 && late > 1.1, "{late} {soon}");

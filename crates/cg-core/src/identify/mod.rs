@@ -1,11 +1,13 @@
 //! Identification of the transfer function from an input to the roll angle by ARX least squares.
 
 pub mod identifier;
+mod neighbors;
 mod long_run;
 mod input_noise;
 mod unknowns;
 pub mod prior;
 mod pending;
 mod roll_noise;
+mod equations;
 pub mod arx;
 pub mod filtered;

@@ -5,7 +5,7 @@
 
 use crate::math::real::Real;
 use crate::truck::channel::ROLL_LAG_S;
-use crate::truck::reduced::{ORDER, StepMatrices};
+use crate::truck::reduced::ORDER;
 
 /// The noise of the roll angle in the rows.
 #[derive(Clone, Copy, Debug)]
@@ -33,11 +33,12 @@ impl<T: Real> RollNoise<T> {
         *self = Self::of(self.lags);
     }
 
-    pub(crate) fn add_row(&mut self, step: &StepMatrices<T>, interval_s: T) {
+    /// Adds a row. `share` is the [weight of the newest samples](crate::truck::reduced::StepMatrices::newest_share).
+    pub(crate) fn add_row(&mut self, share: &[T; ORDER], interval_s: T) {
         self.seconds += interval_s;
         if !self.lags {
-            for (sum, share) in self.sum.iter_mut().zip(step.newest_share()) {
-                *sum += share;
+            for (sum, share) in self.sum.iter_mut().zip(share) {
+                *sum += *share;
             }
         }
     }

@@ -189,9 +189,16 @@ impl<T: Real> StepMatrices<T> {
 }
 
 impl<T: Real> StepMatrices<T> {
-    /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4.
-    pub fn newest_share(&self) -> [T; ORDER] {
-        self.ramp.into()
+    /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4. Of sums over several
+    /// samples, it is the mean product of both sums, the samples' and the filtered signal's, for
+    /// independent samples of unit variance.
+    pub fn newest_share(&self, samples: u8) -> [T; ORDER] {
+        let (mut filter, mut sum) = (StateVariableFilter::EMPTY, SVector::<T, ORDER>::zeros());
+        for _ in 0..samples {
+            filter.push(self, T::one());
+            sum += filter.state;
+        }
+        (sum / T::of(f64::from(samples) * f64::from(samples))).into()
     }
 
     /// The expected products `E[u_k · G u]` of the filtered signals `u_k = sᵏ/B(s) u`, k = 0…5,
@@ -402,7 +409,7 @@ mod tests {
             filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
             let derivatives = filter.derivatives(&model);
             if k == 0 {
-                assert_eq!(step.newest_share()[..], derivatives[..ORDER]);
+                assert_eq!(step.newest_share(1)[..], derivatives[..ORDER]);
             }
             let response = model.response(&derivatives);
             for (sum, derivative) in sums.iter_mut().zip(derivatives) {
