@@ -11,7 +11,7 @@ use crate::belief::Belief;
 use crate::equations::{Equations, Variant};
 use crate::error::VehicleError;
 use crate::friction::roll_friction;
-use crate::linear::ratio_line;
+use crate::linear::{Laden, ratio_line, ratio_line_at};
 use crate::load::Load;
 use crate::reduction::{ReducedModels, Shapes, reduce};
 use crate::steady_turn::{rollover, threshold_line};
@@ -54,18 +54,18 @@ fn computed(
     let flat = RatioLine { a0: 0.0, a1: 0.0, b0: 0.0, b1: 0.0 };
     let mut lines = [[[flat; MASSES]; SPEEDS]; CHANNELS];
     let mut spread = [[Spread { covariance: [[0.0; CHANNELS]; CHANNELS] }; MASSES]; SPEEDS];
-    for (i, &speed_mps) in speed_mps.iter().enumerate() {
-        for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
-            let trailer_mass_kg = match variant {
-                Variant::Complete => mass_kg,
-                Variant::AsPrinted => load.trailer_mass_kg, // the only known mass
-            };
-            let load = Load { trailer_mass_kg, ..load };
-            let all = ratio_line(vehicle, variant, speed_mps, load)?;
-            for (channel, line) in all.into_iter().enumerate() {
+    for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
+        let trailer_mass_kg = match variant {
+            Variant::Complete => mass_kg,
+            Variant::AsPrinted => load.trailer_mass_kg, // the only known mass
+        };
+        let load = Load { trailer_mass_kg, ..load };
+        let laden = Laden::new(vehicle, variant, load)?;
+        let covariances = belief.ratio_covariances(file, variant, speed_mps, load)?;
+        for (i, (&speed_mps, covariance)) in speed_mps.iter().zip(covariances).enumerate() {
+            for (channel, line) in ratio_line_at(&laden, speed_mps)?.into_iter().enumerate() {
                 lines[channel][i][j] = line;
             }
-            let covariance = belief.ratio_covariance(file, variant, speed_mps, load)?;
             spread[i][j] = Spread { covariance };
         }
     }

@@ -5,11 +5,12 @@
 
 use cg_core::{CHANNELS, Channel};
 
-use crate::belief::{Belief, PARAMETERS, Parameter, log_ratios};
+use crate::belief::{Belief, PARAMETERS, Parameter};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::linear::ratio_line;
 use crate::load::Load;
+use crate::ratio_spread::log_ratios;
 use crate::vehicle::Vehicle;
 
 /// What a parameter contributes to the uncertainty of the height.

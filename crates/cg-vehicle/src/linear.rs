@@ -19,18 +19,90 @@
 //! In the steady-state equations the height of the trailer's c.g. occurs in one row only (trailer
 //! roll), and linearly. [`ratio_line`] is therefore exact.
 
+use std::borrow::Cow;
+
 use nalgebra::DVector;
 
 use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 
 use crate::as_printed;
+use crate::assembly::{Parts, Point, at_hitch, complete};
 use crate::balance::{StaticBalance, static_balance};
 use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
-use crate::load::{Load, SprungMass};
+use crate::load::Load;
 use crate::response::StateSpace;
-use crate::twisting::{DAMPING_S, Part, Twisting};
-use crate::vehicle::{Hitch, PlacedAxle, Tractor, Vehicle};
+use crate::twisting::Twisting;
+use crate::vehicle::Vehicle;
+
+/// A vehicle under a load, with what neither the speed nor the height of the load changes.
+#[derive(Clone, Debug)]
+pub struct Laden<'a> {
+    vehicle: &'a Vehicle,
+    pub(crate) load: Load,
+    /// For the equations with all terms; the printed ones need none of it.
+    supports: Option<Supports<'a>>,
+}
+
+#[derive(Clone, Debug)]
+struct Supports<'a> {
+    /// The vehicle with its springs as they are under the load.
+    vehicle: Cow<'a, Vehicle>,
+    balance: StaticBalance,
+    usual_rad: [f64; 2],
+}
+
+impl<'a> Laden<'a> {
+    /// The vehicle under this load. Its height is not used.
+    ///
+    /// # Errors
+    /// [`VehicleError`] if the load is impossible.
+    pub fn new(vehicle: &'a Vehicle, variant: Variant, load: Load) -> Result<Self, VehicleError> {
+        let supports = match variant {
+            Variant::Complete => {
+                let springs = vehicle.with_springs_at(load)?;
+                Some(Supports {
+                    balance: static_balance(&springs, load)?,
+                    usual_rad: usual_roll_rad(&springs, load.trailer_mass_kg)?,
+                    vehicle: springs,
+                })
+            }
+            Variant::AsPrinted => None,
+        };
+        Ok(Self { vehicle, load, supports })
+    }
+
+    /// The equations of motion at a speed and a height of the load.
+    ///
+    /// # Errors
+    /// As [`Equations::new`].
+    fn equations(&self, speed_mps: f64, cg_height_m: f64) -> Result<Equations, VehicleError> {
+        if !(speed_mps.is_finite() && speed_mps > 0.0) {
+            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
+        }
+        let load = Load { cg_height_m, ..self.load };
+        let mut equations = match &self.supports {
+            Some(Supports { vehicle, balance, usual_rad }) => {
+                let sprung = vehicle.trailer_sprung_mass(load)?;
+                complete(&Parts { vehicle, sprung, balance, usual_rad: *usual_rad }, speed_mps)
+            }
+            None => printed(self.vehicle, speed_mps, load)?,
+        };
+        equations.place_sensors(self.vehicle);
+        Ok(equations)
+    }
+}
+
+fn printed(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {
+    let given = vehicle.trailer.frame_torsional_stiffness_nm_per_rad.is_some();
+    if given && Twisting::of(vehicle).is_some() {
+        return Err(VehicleError::Model(
+            "the printed model has a rigid frame: remove trailer.frame_torsional_stiffness_nm_per_rad"
+                .to_owned(),
+        ));
+    }
+    as_printed::equations(vehicle, speed_mps, load)
+}
 
 impl Equations {
     /// The equations of motion of a vehicle.
@@ -44,22 +116,7 @@ impl Equations {
         speed_mps: f64,
         load: Load,
     ) -> Result<Self, VehicleError> {
-        if !(speed_mps.is_finite() && speed_mps > 0.0) {
-            return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
-        }
-        let given = vehicle.trailer.frame_torsional_stiffness_nm_per_rad.is_some();
-        if variant == Variant::AsPrinted && given && Twisting::of(vehicle).is_some() {
-            return Err(VehicleError::Model(
-                "the printed model has a rigid frame: remove trailer.frame_torsional_stiffness_nm_per_rad"
-                    .to_owned(),
-            ));
-        }
-        let mut equations = match variant {
-            Variant::Complete => complete(vehicle, speed_mps, load),
-            Variant::AsPrinted => as_printed::equations(vehicle, speed_mps, load),
-        }?;
-        equations.place_sensors(vehicle);
-        Ok(equations)
+        Laden::new(vehicle, variant, load)?.equations(speed_mps, load.cg_height_m)
     }
 
     /// Sets what the accelerometers and the sensors of suspension roll measure.
@@ -129,9 +186,17 @@ impl SteadyLines {
         speed_mps: f64,
         load: Load,
     ) -> Result<Self, VehicleError> {
+        Self::at_speed(&Laden::new(vehicle, variant, load)?, speed_mps)
+    }
+
+    /// The steady turns at one speed.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn at_speed(laden: &Laden<'_>, speed_mps: f64) -> Result<Self, VehicleError> {
+        let load = laden.load;
         let at = |cg_height_m: f64| {
-            let equations =
-                Equations::new(vehicle, variant, speed_mps, Load { cg_height_m, ..load })?;
+            let equations = laden.equations(speed_mps, cg_height_m)?;
             let (steady, steer) = equations.steady();
             let lu = steady.lu();
             let determinant = lu.determinant();
@@ -215,136 +280,19 @@ pub fn ratio_line(
     speed_mps: f64,
     load: Load,
 ) -> Result<[RatioLine<f64>; CHANNELS], VehicleError> {
-    let steady = SteadyLines::new(vehicle, variant, speed_mps, load)?;
+    ratio_line_at(&Laden::new(vehicle, variant, load)?, speed_mps)
+}
+
+/// The same for a vehicle under a load, at one of several speeds.
+///
+/// # Errors
+/// As [`SteadyLines::new`].
+pub fn ratio_line_at(
+    laden: &Laden<'_>,
+    speed_mps: f64,
+) -> Result<[RatioLine<f64>; CHANNELS], VehicleError> {
+    let steady = SteadyLines::at_speed(laden, speed_mps)?;
     Ok(Channel::ALL.map(|channel| steady.channel(channel)))
-}
-
-/// Lateral velocity of a point as a row on `w`, and whether it is on the trailer.
-#[derive(Clone)]
-struct Point {
-    velocity: DVector<f64>,
-    on_trailer: bool,
-}
-
-impl Point {
-    fn moved(&self, index: usize, arm_m: f64) -> Self {
-        let mut point = self.clone();
-        point.velocity[index] += arm_m;
-        point
-    }
-}
-
-/// The fifth wheel, about which the trailer moves.
-fn at_hitch(tractor_cg: &Point, tractor: &Tractor, hitch: &Hitch) -> Point {
-    let mut point = tractor_cg
-        .moved(w::YAW_1, -tractor.hitch_behind_cg_m)
-        .moved(w::ROLL_1, tractor.cg_height_m - hitch.height_m);
-    point.on_trailer = true;
-    point
-}
-
-/// Adds the trailer's sprung mass in its parts: the whole, or two halves and the frame between them.
-/// Returns the lateral velocity of its c.g.
-fn add_trailer(
-    e: &mut Equations,
-    at_hitch: &Point,
-    sprung: &SprungMass,
-    vehicle: &Vehicle,
-) -> Point {
-    let below_m = vehicle.hitch.height_m - sprung.cg_height_m;
-    let (front, front_angle) = e.on_hitch();
-    let twisting = e.twisting.clone();
-    let parts = match twisting {
-        Some(_) => Part::halves(sprung, vehicle.trailer.payload.length_m).to_vec(),
-        None => vec![Part::whole(sprung)],
-    };
-    let bodies = [front, w::ROLL_2];
-    let mut cg = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
-    for (part, body) in parts.iter().zip(bodies) {
-        let own = at_hitch.moved(w::YAW_2, -part.cg_behind_hitch_m).moved(body, below_m);
-        add_mass(e, part.mass_kg, &own);
-        e.mass[(w::YAW_2, w::YAW_2)] += part.yaw_inertia_kgm2;
-        e.mass[(body, body)] += part.roll_inertia_kgm2;
-        cg = cg.moved(body, part.mass_kg / sprung.mass_kg * below_m);
-    }
-    let Some(twisting) = twisting else { return cg };
-    // The loads of fifth wheel and axles carry both halves; the front half's weight is on its own.
-    let lifted_nm = 0.5 * sprung.mass_kg * vehicle.gravity_mps2 * below_m;
-    e.stiffness[(front, front_angle)] += lifted_nm;
-    e.stiffness[(w::ROLL_2, q::ROLL_2)] -= lifted_nm;
-    for (angles, matrix, spring) in [
-        ([front_angle, q::ROLL_2], &mut e.stiffness, twisting.stiffness_nm_per_rad),
-        (bodies, &mut e.damping, DAMPING_S * twisting.stiffness_nm_per_rad),
-    ] {
-        for i in 0..2 {
-            matrix[(bodies[i], angles[i])] += spring;
-            matrix[(bodies[i], angles[1 - i])] -= spring;
-        }
-    }
-    cg
-}
-
-fn complete(vehicle: &Vehicle, speed_mps: f64, load: Load) -> Result<Equations, VehicleError> {
-    let vehicle = &*vehicle.with_springs_at(load)?;
-    let sprung = vehicle.trailer_sprung_mass(load)?;
-    let balance = static_balance(vehicle, load)?;
-    let axles = vehicle.axles();
-    let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
-    let mut e = Equations::zeros(axles.len(), Twisting::of(vehicle), speed_mps);
-    let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
-    // A point z above a c.g. moves to the left by −z φ̇; a point x ahead of it by +x r.
-    let tractor_above_m = tractor.cg_height_m - hitch.height_m;
-    let trailer_above_m = sprung.cg_height_m - hitch.height_m;
-    let mut velocity = DVector::zeros(e.mass.nrows());
-    velocity[w::LATERAL] = 1.0;
-    let tractor_cg = Point { velocity, on_trailer: false };
-    let at_hitch = at_hitch(&tractor_cg, tractor, hitch);
-
-    add_mass(&mut e, tractor.sprung_mass_kg, &tractor_cg);
-    let trailer_cg = add_trailer(&mut e, &at_hitch, &sprung, vehicle);
-    // The axles' body: the trailer, or its rear half.
-    let on_axles = at_hitch
-        .moved(w::YAW_2, -sprung.cg_behind_hitch_m)
-        .moved(w::ROLL_2, hitch.height_m - sprung.cg_height_m);
-    for (index, inertia) in
-        [(w::YAW_1, tractor.yaw_inertia_kgm2), (w::ROLL_1, tractor.roll_inertia_kgm2)]
-    {
-        e.mass[(index, index)] += inertia;
-    }
-    // The fifth wheel: roll spring, and its vertical force above or below each sprung c.g.
-    let k5 = hitch.roll_stiffness_nm_per_rad;
-    e.hitch_roll_stiffness = k5;
-    e.stiffness[(w::ROLL_1, q::ROLL_1)] += balance.hitch_load_n * tractor_above_m;
-    e.stiffness[(w::ROLL_2, q::ROLL_2)] -= balance.hitch_load_n * trailer_above_m;
-    for (i, placed) in axles.iter().enumerate() {
-        let cg = if placed.on_trailer { &on_axles } else { &tractor_cg };
-        let (ahead_m, cg_height_m) = if placed.on_trailer {
-            (sprung.cg_behind_hitch_m - placed.position_m, sprung.cg_height_m)
-        } else {
-            (placed.position_m, tractor.cg_height_m)
-        };
-        let (total_n, amplitude_rad) =
-            (balance.axle_load_n[i], usual_rad[usize::from(placed.on_trailer)]);
-        let load = AxleLoad {
-            total_n,
-            sprung_n: total_n - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
-            roll_stiffness: vehicle.roll_stiffness(placed, total_n, amplitude_rad, 1.0),
-        };
-        add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
-    }
-    e.lateral_rate.copy_from(&trailer_cg.velocity);
-    // d/dt of the lateral velocity in the rotating frame: U r1 for both units, because the
-    // trailer's lateral velocity already contains the articulation rate.
-    e.lateral_bias[w::YAW_1] = speed_mps;
-    Ok(e)
-}
-
-/// Adds the inertia of a mass at a point: `m j (jᵀẇ + U r)`.
-fn add_mass(e: &mut Equations, mass_kg: f64, point: &Point) {
-    let j = &point.velocity;
-    e.mass += mass_kg * j * j.transpose();
-    let mut column = e.damping.column_mut(w::YAW_1);
-    column += mass_kg * e.speed_mps * j;
 }
 
 /// Lateral acceleration of usual turns, g.
@@ -370,65 +318,6 @@ pub(crate) fn usual_roll_rad(
         let ratio = lines.line(output, Input::LateralAcceleration).ratio_at(load.cg_height_m);
         (ratio.abs() * USUAL_TURN_G * vehicle.gravity_mps2).max(LEAST_ROLL_RAD)
     }))
-}
-
-struct AxleLoad {
-    total_n: f64,
-    sprung_n: f64,
-    /// Between body and axle.
-    roll_stiffness: f64,
-}
-
-fn add_axle(
-    e: &mut Equations,
-    i: usize,
-    placed: &PlacedAxle<'_>,
-    cg: &Point,
-    (ahead_m, cg_height_m): (f64, f64),
-    load: &AxleLoad,
-) {
-    let axle = placed.axle;
-    let unit = usize::from(cg.on_trailer);
-    let (yaw, body, own) = (w::YAW_1 + unit, w::ROLL_1 + unit, w::AXLE + i);
-    let (body_angle, own_angle) = (q::ROLL_1 + unit, q::AXLE + i);
-    let below_cg_m = cg_height_m - axle.roll_center_height_m;
-    let above_axle_m = axle.roll_center_height_m - axle.center_height_m;
-    let roll_center = cg.moved(yaw, ahead_m).moved(body, below_cg_m);
-    let contact = roll_center.moved(own, axle.roll_center_height_m).velocity;
-
-    add_mass(e, axle.unsprung_mass_kg, &roll_center.moved(own, above_axle_m));
-    e.mass[(own, own)] += axle.roll_inertia_kgm2;
-    e.mass[(yaw, yaw)] += axle.roll_inertia_kgm2;
-
-    // Tires: the slip angle is α = (velocity at the road)/U − δ (plus the articulation for the
-    // trailer). The force at the road is −C α, the aligning moment +M α.
-    let (cornering, aligning) = placed.tyre.stiffness_at(load.total_n / placed.tyres());
-    let mut force = -placed.tyres() * cornering * &contact;
-    force[yaw] += placed.tyres() * aligning;
-    e.damping -= &force * contact.transpose() / e.speed_mps;
-    if cg.on_trailer {
-        let mut column = e.stiffness.column_mut(q::ARTICULATION);
-        column -= &force;
-    }
-    if placed.steered {
-        e.steer -= &force;
-    }
-
-    // Springs and dampers. The static loads act on lever arms that grow with the roll angle
-    // (second-order geometry of the roll center that slides along the axle; see the potential in
-    // docs/model.md).
-    let spring = load.roll_stiffness;
-    let tyres = placed.tyre_roll_stiffness_nm_per_rad();
-    e.stiffness[(body, body_angle)] += spring - load.sprung_n * below_cg_m;
-    e.stiffness[(body, own_angle)] -= spring;
-    e.stiffness[(own, body_angle)] -= spring;
-    e.stiffness[(own, own_angle)] +=
-        spring + tyres - load.total_n * axle.center_height_m - load.sprung_n * above_axle_m;
-    let damper = axle.roll_damping_nms_per_rad;
-    e.damping[(body, body)] += damper;
-    e.damping[(body, own)] -= damper;
-    e.damping[(own, body)] -= damper;
-    e.damping[(own, own)] += damper;
 }
 
 /// The linear model at one speed and load, with its DC ratios and static loads.

@@ -5,10 +5,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ratios::Run;
 use crate::balance::greatest_mass_kg;
-use crate::belief::{Belief, Covariance, PARAMETERS, log_ratios, place_change};
+use crate::belief::{Belief, Covariance, PARAMETERS};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::load::Load;
+use crate::ratio_spread::{log_ratios, place_change};
 use crate::vehicle::Vehicle;
 
 /// Relative standard deviation by noise of a usual ratio.

@@ -7,7 +7,7 @@ use std::path::Path;
 use cg_core::Channel;
 use serde::{Deserialize, Serialize};
 
-use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter, log_ratios};
+use crate::belief::{Belief, Covariance, Deviations, PARAMETERS, Parameter};
 use crate::calibration::entry::{Compensations, ParameterEntry, RatioUnit, RunEntry, ShapeEntry};
 use crate::calibration::fit::{Fitted, Procedure};
 use crate::calibration::judgment::Judgment;
@@ -20,6 +20,7 @@ use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files::{self, Unsealed};
 use crate::load::Load;
+use crate::ratio_spread::log_ratios;
 use crate::reduction::Shapes;
 use crate::vehicle::Vehicle;
 

@@ -3,14 +3,14 @@
 use cg_core::{CHANNELS, Channel, Measured};
 use nalgebra::{DMatrix, DVector};
 
-use crate::belief::{
-    Deviations, PARAMETERS, STIFFNESSES, adjusted, log_ratios, mass_change, place_change,
-    stiffness_variances,
-};
+use crate::belief::{Deviations, PARAMETERS, adjusted};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::linear::ratio_line;
 use crate::load::Load;
+use crate::ratio_spread::{
+    STIFFNESSES, log_ratios, mass_change, place_change, stiffness_variances,
+};
 use crate::vehicle::Vehicle;
 
 /// The ratios that were identified from a run.

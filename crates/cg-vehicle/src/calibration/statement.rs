@@ -9,9 +9,10 @@ use super::fit::{Fitted, Procedure};
 use super::judgment::Judgment;
 use super::ratios::Run;
 use super::shape::LEAST_RUNS;
-use crate::belief::{Belief, mass_change};
+use crate::belief::Belief;
 use crate::equations::Variant;
 use crate::error::VehicleError;
+use crate::ratio_spread::mass_change;
 use crate::vehicle::Vehicle;
 
 /// Share of the prior variance that the runs must remove so that a parameter counts as determined.

@@ -27,7 +27,7 @@
 use super::frame::{Frame, Front};
 use super::support::{Springs, Tyres};
 use super::yaw_plane::{Drift, Sides, Standing, Turn};
-use crate::balance::{StaticBalance, balance_on, static_balance};
+use crate::balance::{Give, StaticBalance, balance_on, static_balance};
 use crate::characteristics::FifthWheel;
 use crate::error::VehicleError;
 use crate::load::Load;
@@ -98,6 +98,9 @@ struct Point {
     drift: Drift,
 }
 
+/// Deflections of the tires, and the loads that follow from them.
+type Stood = (Vec<Give>, StaticBalance);
+
 /// Moments of a body about the points that support it: per `α` and per roll angle.
 struct Held {
     side_nm: f64,
@@ -147,6 +150,7 @@ impl<'a> RollPlane<'a> {
     pub(crate) fn threshold_g(&self, cg_height_m: f64) -> f64 {
         let Some(mut point) = self.start() else { return 0.0 };
         let (mut roll_rad, mut greatest) = (0.0, 0.0_f64);
+        let mut standing = None;
         while roll_rad < END_RAD && point.alpha >= FALLEN * greatest {
             self.follow(cg_height_m, [roll_rad, roll_rad + STEP_RAD], HALVINGS, &mut point);
             roll_rad += STEP_RAD;
@@ -158,7 +162,7 @@ impl<'a> RollPlane<'a> {
             if (0..self.axles.len()).all(lifted) {
                 break;
             }
-            self.shift(&mut point);
+            self.shift(&mut point, &mut standing);
             self.turn_on(roll_rad, &mut point);
         }
         greatest
@@ -207,7 +211,7 @@ impl<'a> RollPlane<'a> {
     /// load from axles that do not share their load with it. Only half of the shift is made in each
     /// step, because an axle with more load also rolls less, by nearly as much, and the full shift
     /// would overshoot.
-    fn shift(&self, point: &mut Point) {
+    fn shift(&self, point: &mut Point, last: &mut Option<Stood>) {
         if self.groups.len() <= 3 {
             return; // the loads follow from forces and moments alone
         }
@@ -217,9 +221,13 @@ impl<'a> RollPlane<'a> {
                 self.axles[i].tyres.give(point.axle_load_n[i], angle_rad)
             })
             .collect();
-        if let Ok(balance) = balance_on(self.vehicle, self.load, &gives) {
+        // As long as no wheel lifts, the loads remain those of the last step.
+        if last.as_ref().is_none_or(|(known, _)| *known != gives) {
+            *last = balance_on(self.vehicle, self.load, &gives).ok().map(|found| (gives, found));
+        }
+        if let Some((_, balance)) = last {
             point.hitch_load_n = 0.5 * (point.hitch_load_n + balance.hitch_load_n);
-            for (load_n, found_n) in point.axle_load_n.iter_mut().zip(balance.axle_load_n) {
+            for (load_n, found_n) in point.axle_load_n.iter_mut().zip(&balance.axle_load_n) {
                 *load_n = 0.5 * (*load_n + found_n);
             }
         }

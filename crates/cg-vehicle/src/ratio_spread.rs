@@ -1,0 +1,267 @@
+//! How far the DC ratios of a vehicle may be from those of its model: their derivatives with respect to the
+//! uncertain parameters, and what differs from load to load.
+
+use cg_core::{CHANNELS, Channel};
+
+use crate::balance::static_balance;
+use crate::belief::{Belief, Deviations, PARAMETERS, Parameter, adjusted, log_gain};
+use crate::equations::Variant;
+use crate::error::VehicleError;
+use crate::linear::{Laden, ratio_line_at, usual_roll_rad};
+use crate::load::Load;
+use crate::vehicle::Vehicle;
+
+impl Belief {
+    /// Covariance of the logarithms of all channels' DC ratios at a speed and load, including the place
+    /// of the payload and the residual. The order is that of [`Channel::ALL`].
+    ///
+    /// # Errors
+    /// As [`ratio_line`](crate::linear::ratio_line)(crate::linear::ratio_line).
+    pub fn ratio_covariance(
+        &self,
+        vehicle: &Vehicle,
+        variant: Variant,
+        speed_mps: f64,
+        load: Load,
+    ) -> Result<[[f64; CHANNELS]; CHANNELS], VehicleError> {
+        let [covariance] = self.ratio_covariances(vehicle, variant, [speed_mps], load)?;
+        Ok(covariance)
+    }
+
+    /// The [covariances](Self::ratio_covariance) at several speeds.
+    ///
+    /// # Errors
+    /// As [`ratio_line`](crate::linear::ratio_line)(crate::linear::ratio_line).
+    pub fn ratio_covariances<const N: usize>(
+        &self,
+        vehicle: &Vehicle,
+        variant: Variant,
+        speeds_mps: [f64; N],
+        load: Load,
+    ) -> Result<[[[f64; CHANNELS]; CHANNELS]; N], VehicleError> {
+        let all = log_ratios_at(vehicle, variant, speeds_mps, load, &self.mean)?;
+        let mut parameters = self.covariance;
+        for (parameter, variance) in
+            STIFFNESSES.into_iter().zip(stiffness_variances(vehicle, load)?)
+        {
+            parameters[(parameter as usize, parameter as usize)] += variance;
+        }
+        let by_place = place_changes(vehicle, variant, speeds_mps, load, &self.mean)?;
+        Ok(std::array::from_fn(|at| {
+            let ((_, slopes), by_place) = (&all[at], &by_place[at]);
+            let mut covariance = [[0.0; CHANNELS]; CHANNELS];
+            for i in 0..CHANNELS {
+                let moved = parameters * slopes[i];
+                for j in 0..=i {
+                    covariance[i][j] = slopes[j].dot(&moved) + by_place[i] * by_place[j];
+                    covariance[j][i] = covariance[i][j];
+                }
+                covariance[i][i] += self.residual_sd * self.residual_sd;
+            }
+            covariance
+        }))
+    }
+}
+
+/// Amplitudes of usual drives, as factors of the one in the usual turn.
+const AMPLITUDES: [f64; 2] = [0.5, 2.0];
+/// Relative standard deviation of the friction of a measured spring: wear, rust and grease change it.
+const FRICTION_SD: f64 = 0.3;
+
+/// Relative variances of the roll stiffness of the suspensions of tractor and trailer due to measured
+/// springs, which differ in every situation: the slope midway between their curves depends on the
+/// amplitude of the motion, and the friction, which is [calculated](crate::friction), is not known
+/// exactly. Within the usual amplitudes the slope is taken as distributed evenly.
+pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64; 2], VehicleError> {
+    if !vehicle.has_measured_springs() {
+        return Ok([0.0; 2]);
+    }
+    let vehicle = &*vehicle.with_springs_at(load)?;
+    let balance = static_balance(vehicle, load)?;
+    let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
+    let axles = vehicle.axles();
+    Ok([false, true].map(|on_trailer| {
+        let logarithm = |amplitude: f64, friction: f64| {
+            let amplitude_rad = amplitude * usual_rad[usize::from(on_trailer)];
+            let of_unit = axles.iter().zip(&balance.axle_load_n);
+            let stiffness = of_unit
+                .filter(|(placed, _)| placed.on_trailer == on_trailer)
+                .map(|(placed, &n)| vehicle.roll_stiffness(placed, n, amplitude_rad, friction))
+                .sum::<f64>();
+            libm::log(stiffness)
+        };
+        let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
+        let by_amplitude = (small - large) / 12.0_f64.sqrt();
+        // More friction changes more than less, and small motion more than usual motion: their mean square.
+        let by_friction: f64 = [AMPLITUDES[0], 1.0]
+            .map(|amplitude| logarithm(amplitude, 1.0 + FRICTION_SD) - logarithm(amplitude, 1.0))
+            .map(|change| 0.5 * change * change)
+            .iter()
+            .sum();
+        by_amplitude * by_amplitude + by_friction
+    }))
+}
+
+/// The parameters whose variance in every situation [`stiffness_variances`] gives.
+pub(crate) const STIFFNESSES: [Parameter; 2] =
+    [Parameter::TractorRollStiffness, Parameter::TrailerRollStiffness];
+
+/// Change of the logarithms of all channels' DC ratios if the payload is one standard deviation farther
+/// to the rear, as the mean of both directions. The place is that of a load and not of the truck:
+/// every load has its own, in a calibration as well as later, and in all channels at once.
+///
+/// # Errors
+/// As [`ratio_line`](crate::linear::ratio_line); also if a ratio is not positive.
+pub(crate) fn place_change(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    load: Load,
+    mean: &Deviations,
+) -> Result<[f64; CHANNELS], VehicleError> {
+    let [change] = place_changes(vehicle, variant, [speed_mps], load, mean)?;
+    Ok(change)
+}
+
+fn place_changes<const N: usize>(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speeds_mps: [f64; N],
+    load: Load,
+    mean: &Deviations,
+) -> Result<[[f64; CHANNELS]; N], VehicleError> {
+    let sd_m = vehicle.uncertainty.payload_place_sd_m;
+    if sd_m <= 0.0 {
+        return Ok([[0.0; CHANNELS]; N]);
+    }
+    let truck = adjusted(vehicle, mean);
+    let usual_m = truck.trailer.payload.behind_hitch_m;
+    let moved = |share: f64| {
+        let at = |by_m: f64| truck.with_payload_at(load, usual_m + by_m);
+        Ok::<_, VehicleError>([at(share * sd_m)?, at(-share * sd_m)?])
+    };
+    let change = |[rear, front]: &[Laden<'_>; 2], share: f64, speed_mps: f64| {
+        let (rear, front) = (logarithms(rear, speed_mps)?, logarithms(front, speed_mps)?);
+        Ok::<_, VehicleError>(std::array::from_fn(|i| (rear[i] - front[i]) / (2.0 * share)))
+    };
+    // The whole way, because measured springs have kinks; where the truck would tip, a small part of it.
+    const SMALL: f64 = 1e-3;
+    let far = moved(1.0).ok();
+    let far = far.as_ref().and_then(|both| laden_both(both, variant, load).ok());
+    let mut changes = [[0.0; CHANNELS]; N];
+    for (found, speed_mps) in changes.iter_mut().zip(speeds_mps) {
+        *found = match far.as_ref().and_then(|both| change(both, 1.0, speed_mps).ok()) {
+            Some(found) => found,
+            None => change(&laden_both(&moved(SMALL)?, variant, load)?, SMALL, speed_mps)?,
+        };
+    }
+    Ok(changes)
+}
+
+fn laden_both(
+    [rear, front]: &[Vehicle; 2],
+    variant: Variant,
+    load: Load,
+) -> Result<[Laden<'_>; 2], VehicleError> {
+    Ok([Laden::new(rear, variant, load)?, Laden::new(front, variant, load)?])
+}
+
+/// Change of the logarithms of all channels' DC ratios if the trailer is one standard deviation heavier, as
+/// the mean of both directions. The mass belongs to a load, as its place does.
+///
+/// # Errors
+/// As [`ratio_line`](crate::linear::ratio_line); also if a ratio is not positive.
+pub(crate) fn mass_change(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    (load, sd_kg): (Load, f64),
+) -> Result<[f64; CHANNELS], VehicleError> {
+    if sd_kg <= 0.0 {
+        return Ok([0.0; CHANNELS]);
+    }
+    let change = |[from, to]: [f64; 2]| {
+        let at = |sds: f64| {
+            let trailer_mass_kg = load.trailer_mass_kg + sds * sd_kg;
+            let load = Load { trailer_mass_kg, ..load };
+            logarithms(&Laden::new(vehicle, variant, load)?, speed_mps)
+        };
+        let (lighter, heavier) = (at(from)?, at(to)?);
+        Ok(std::array::from_fn(|i| (heavier[i] - lighter[i]) / (to - from)))
+    };
+    // An empty trailer cannot be lighter, and a full one cannot be heavier.
+    change([-1.0, 1.0])
+        .or_else(|_: VehicleError| change([0.0, 1.0]))
+        .or_else(|_: VehicleError| change([-1.0, 0.0]))
+}
+
+/// Logarithms of all channels' DC ratios at the height of a load.
+fn logarithms(laden: &Laden<'_>, speed_mps: f64) -> Result<[f64; CHANNELS], VehicleError> {
+    let (load, lines) = (laden.load, ratio_line_at(laden, speed_mps)?);
+    let mut logarithms = [0.0; CHANNELS];
+    for (logarithm, line) in logarithms.iter_mut().zip(lines) {
+        let ratio = line.ratio_at(load.cg_height_m);
+        if !(ratio > 0.0) {
+            return Err(VehicleError::Model(format!(
+                "at {:.2} m and {:.0} kg the model has no positive steady-state roll angle",
+                load.cg_height_m, load.trailer_mass_kg
+            )));
+        }
+        *logarithm = libm::log(ratio);
+    }
+    Ok(logarithms)
+}
+
+/// Logarithms of all channels' DC ratios at a height, and their derivatives with respect to the
+/// parameters.
+///
+/// # Errors
+/// As [`ratio_line`](crate::linear::ratio_line); also if a ratio is not positive.
+pub(crate) fn log_ratios(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    load: Load,
+    mean: &Deviations,
+) -> Result<([f64; CHANNELS], [Deviations; CHANNELS]), VehicleError> {
+    let [both] = log_ratios_at(vehicle, variant, [speed_mps], load, mean)?;
+    Ok(both)
+}
+
+/// The [logarithms and their derivatives](log_ratios) at several speeds.
+fn log_ratios_at<const N: usize>(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speeds_mps: [f64; N],
+    load: Load,
+    mean: &Deviations,
+) -> Result<[([f64; CHANNELS], [Deviations; CHANNELS]); N], VehicleError> {
+    let at = |deviations: &Deviations| -> Result<[[f64; CHANNELS]; N], VehicleError> {
+        let truck = adjusted(vehicle, deviations);
+        let laden = Laden::new(&truck, variant, load)?;
+        let mut logs = [[0.0; CHANNELS]; N];
+        for (logs, speed_mps) in logs.iter_mut().zip(speeds_mps) {
+            *logs = logarithms(&laden, speed_mps)?;
+            for channel in Channel::ALL {
+                logs[channel.index()] += log_gain(deviations, channel);
+            }
+        }
+        Ok(logs)
+    };
+    let mut all = at(mean)?.map(|here| (here, [Deviations::zeros(); CHANNELS]));
+    // Central differences with a step of 1e-4: the error is 1e-8 of the third derivative, the
+    // rounding error 1e-12/1e-4.
+    let step = 1e-4;
+    for k in 0..PARAMETERS {
+        let (mut above, mut below) = (*mean, *mean);
+        above[k] += step;
+        below[k] -= step;
+        let differences = at(&above)?.into_iter().zip(at(&below)?);
+        for ((_, slopes), (above, below)) in all.iter_mut().zip(differences) {
+            for (i, slope) in slopes.iter_mut().enumerate() {
+                slope[k] = (above[i] - below[i]) / (2.0 * step);
+            }
+        }
+    }
+    Ok(all)
+}
