@@ -1,7 +1,9 @@
 //! Processes the rows of a log.
 
 use cg_core::Maneuver;
-use cg_core::{AlignSettings, CHANNELS, Design, Measured, Sample, SampleError, Signals, Status};
+use cg_core::{
+    AlignSettings, CHANNELS, Design, Measured, Quantity, Sample, SampleError, Signals, Status,
+};
 use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
@@ -230,6 +232,10 @@ impl LogEstimator {
         if sample.trailer_mass_kg.is_finite() {
             self.seen.mass_kg = Some(sample.trailer_mass_kg);
             self.seen.scale = self.bus_scale.or_else(|| {
+                // Most logs have the mass itself, which is then that of the sample.
+                if sample.trailer_mass_kg.to_bits() == row.trailer_mass_kg.to_bits() {
+                    return Scale::in_log(Quantity::TrailerMass);
+                }
                 let (quantity, _) = row.weighed(&self.settings)?;
                 Scale::in_log(quantity)
             });

@@ -3,7 +3,7 @@
 //! Lateral acceleration and yaw rate times speed measure the same quantity. If a log has both, a
 //! wrong sign, unit or gain of one of them is visible without any model of the truck.
 
-use cg_core::Sample;
+use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
@@ -51,11 +51,16 @@ impl SignalCheck {
             self.longest_gap_s = self.longest_gap_s.max(interval_s);
             self.smooth = None;
         }
-        let sample = sample.checked();
-        let turn_mps2 = sample.yaw_rate_radps * sample.speed_mps;
-        let found = [turn_mps2, sample.lateral_acceleration_mps2, sample.roll_rad];
-        // This form of the condition also excludes NaN. A log without a roll sensor uses its tilt.
-        if !(sample.speed_mps > LEAST_MPS) || found[..2].iter().any(|x| x.is_nan()) {
+        // A log without a roll sensor uses its tilt.
+        let of = |quantity: Quantity, x: f64| if quantity.plausible(x) { x } else { f64::NAN };
+        let speed_mps = of(Quantity::Speed, sample.speed_mps);
+        let found = [
+            of(Quantity::YawRate, sample.yaw_rate_radps) * speed_mps,
+            of(Quantity::LateralAcceleration, sample.lateral_acceleration_mps2),
+            of(Quantity::Roll, sample.roll_rad),
+        ];
+        // This form of the condition also excludes NaN.
+        if !(speed_mps > LEAST_MPS) || found[..2].iter().any(|x| x.is_nan()) {
             return;
         }
         let share = interval_s / (FILTER_S + interval_s);

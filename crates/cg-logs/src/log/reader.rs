@@ -44,6 +44,8 @@ use super::source::{Counted, Magic, Sniffed, head, sniff, text};
 pub struct LogReader {
     body: Body,
     signals: Box<[Signal]>,
+    /// Quantities that may have a value.
+    quantities: Box<[Quantity]>,
     time_index: usize,
     values: [f64; Signal::COUNT],
     settings: Option<AlignSettings<f64>>,
@@ -149,6 +151,7 @@ impl LogReader {
     ) -> Self {
         Self {
             signals: body.signals(),
+            quantities: body.quantities(),
             time_index: body.time_index(),
             body,
             values: [f64::NAN; Signal::COUNT],
@@ -234,6 +237,7 @@ impl LogReader {
         if !std::mem::replace(&mut self.begun, true) && self.preparation.is_none() {
             // A row of units may have said more than the header.
             self.signals = self.body.signals();
+            self.quantities = self.body.quantities();
             self.time_index = self.body.time_index();
         }
         let time_s = self.values[Signal::Time as usize];
@@ -253,7 +257,8 @@ impl LogReader {
     #[inline]
     fn drop_implausible(&mut self) {
         let Some(settings) = self.settings else { return };
-        for quantity in Quantity::ALL {
+        for place in 0..self.quantities.len() {
+            let quantity = self.quantities[place];
             let value = self.values[Signal::from(quantity) as usize];
             if !value.is_nan() && !settings.believes(quantity, value) {
                 self.implausible(quantity, value);
@@ -365,6 +370,14 @@ impl Body {
         };
         signals.sort_unstable();
         signals.into()
+    }
+
+    /// The quantities that may have a value: in frames any.
+    fn quantities(&self) -> Box<[Quantity]> {
+        match self {
+            Self::Can(_) => Quantity::ALL.into(),
+            _ => self.columns().iter().filter_map(|column| column.signal.quantity()).collect(),
+        }
     }
 
     /// Index of the column of the time.
