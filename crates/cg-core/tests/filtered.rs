@@ -4,6 +4,8 @@
 
 mod common;
 
+use cg_core::math::linalg::Triangle;
+use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, FilteredArx, Fit, Identify, Prior, Unexcited};
 use common::{EQ_5_12, rounded_step_response};
@@ -236,4 +238,67 @@ fn the_standard_prior_leaves_the_offset_free() {
     let offset = ready(pushed(prior, &bent(|_, y| y + 0.3)).fit()).ratio;
     // Only rounding of numbers near 0.3.
     assert!((plain.value - offset.value).abs() < 1e-9 && plain.sd > 0.0);
+}
+
+/// Standard deviation of the ratio's logarithm for noise of 1e-3 rad, from the rows of the identifier,
+/// added up `together` at a time, and its prior of 20 % on the dynamics.
+fn log_ratio_sd(input: &[f64], interval_s: f64, together: usize) -> f64 {
+    const NOISE_RAD: f64 = 1e-3;
+    let scale = EQ_5_12.time_scale_radps();
+    let model = EQ_5_12.in_scaled_time(scale);
+    let step = StepMatrices::new(&model, interval_s * scale);
+    let mut plant = Simulation::new(&EQ_5_12, interval_s, 0.0);
+    let [mut u, mut y] = [0.0; 2].map(|rest| StateVariableFilter::at_rest(&model, rest));
+    let mut rows = Vec::new();
+    for (k, &input) in input.iter().enumerate() {
+        u.push(&step, input);
+        y.push(&step, plant.push(input));
+        let (u, y) = (u.derivatives(&model), y.derivatives(&model));
+        let mut row = [0.0; 13];
+        for k in 0..5 {
+            (row[k], row[6 + k]) = (-y[k], u[k + 1]);
+        }
+        (row[5], row[11], row[12]) = (model.response(&u), 1.0, k as f64 * interval_s / 10.0);
+        rows.push(row);
+    }
+    let mut triangle = Triangle::<f64, 13>::new();
+    for rows in rows.chunks(together) {
+        let root = (rows.len() as f64).sqrt();
+        triangle
+            .push(std::array::from_fn(|k| rows.iter().map(|row| row[k]).sum::<f64>() / root), 0.0);
+    }
+    for k in (0..11).filter(|&k| k != 5) {
+        let size =
+            if k < 5 { model.denominator[k] } else { model.numerator[k - 5].abs().max(0.17) };
+        let mut row = [0.0; 13];
+        row[k] = NOISE_RAD / (0.2 * size);
+        triangle.push(row, 0.0);
+    }
+    // The ratio is A0 (1 + γ)/(B0 + δb0), with B0 = 1 in scaled time.
+    let mut gradient = [0.0; 13];
+    (gradient[0], gradient[5]) = (-1.0, 1.0);
+    NOISE_RAD * triangle.variance_of(&gradient, 13).sqrt()
+}
+
+/// What neighboring rows that are added up lose: less than a hundredth of the standard deviation, in slow
+/// turns and in the fastest maneuver of the thesis, a lane change of three seconds.
+#[test]
+fn sums_of_neighbors_lose_nearly_no_information() {
+    let slow = |t: f64| 0.025 * (1.0 - (core::f64::consts::PI * (t / 4.0).min(1.0)).cos());
+    let step = |t: f64| 0.05 / (1.0 + (-5.0 * (t - 1.0)).exp());
+    let lane = |t: f64| if t < 3.0 { 0.05 * (core::f64::consts::TAU * t / 3.0).sin() } else { 0.0 };
+    for (name, steer) in
+        [("turn", &slow as &dyn Fn(f64) -> f64), ("step", &step), ("lane change", &lane)]
+    {
+        for (rate_hz, together) in [(50, 2), (100, 4), (200, 8)] {
+            let interval_s = 1.0 / f64::from(rate_hz);
+            let input: Vec<f64> =
+                (0..10 * rate_hz).map(|k| steer(f64::from(k) * interval_s)).collect();
+            let loss = log_ratio_sd(&input, interval_s, together)
+                / log_ratio_sd(&input, interval_s, 1)
+                - 1.0;
+            println!("{name} at {rate_hz} Hz: {:.3} % of the standard deviation", 100.0 * loss);
+            assert!((0.0..0.01).contains(&loss), "{name} {rate_hz}: {loss}");
+        }
+    }
 }
