@@ -39,7 +39,7 @@ const BEND_RAD: f64 = 0.05;
 /// where `γ` scales the whole response, `δa_k` and `δb_k` change its shape, and `c` and `d` are the
 /// offset of the roll sensor and its drift. The deviations are small numbers, so `f32` is accurate
 /// enough. The prior of each deviation is a row `δ = 0 ± sd`. The DC ratio is
-/// `A0 (1 + γ) / (B0 + δb_0)`. Internally the unit of time is `B0^(−1/5)`. With `dynamics_sd = 0`
+/// `A0 (1 + γ) / (B0 + δb_0)`. Rows within 40 ms are added up before they are reduced. Internally the unit of time is `B0^(−1/5)`. With `dynamics_sd = 0`
 /// only `γ`, `c` and `d` are free.
 ///
 /// One additional column, `(G u)³`, is stored but not fitted. Its coefficient shows whether the
