@@ -9,8 +9,9 @@ use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
 use crate::identify::unknowns::{BEND, DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS};
 use crate::math::real::Real;
+use crate::truck::filters::{StateVariableFilter, StepMatrices};
 use crate::truck::ratio::Measured;
-use crate::truck::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
+use crate::truck::reduced::{ORDER, Reduced5};
 
 /// [`UNKNOWNS`] as a number.
 const UNKNOWNS_F64: f64 = 13.0;
@@ -391,8 +392,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
                 self.discretise(interval_s);
             }
             self.clock += interval_s / T::of(DRIFT_S);
-            self.input.push(&self.step, input);
-            self.roll.push(&self.step, roll_rad - self.reference_rad);
+            let signals = [input, roll_rad - self.reference_rad];
+            self.step.advance([&mut self.input, &mut self.roll], signals);
         } else {
             self.started = true;
             // The first roll angle is subtracted, because a large constant would cost digits in

@@ -6,6 +6,7 @@ pub mod lags;
 pub mod friction;
 pub(crate) mod axis;
 pub mod reduced;
+pub mod filters;
 pub mod simulation;
 pub mod ratio;
 pub mod rollover;
