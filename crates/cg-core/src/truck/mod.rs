@@ -12,4 +12,5 @@ pub mod ratio;
 pub mod rollover;
 pub mod spread;
 pub mod design;
+pub(crate) mod gains;
 mod mass;
