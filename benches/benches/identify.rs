@@ -103,5 +103,5 @@ fn estimator_push<T: Real>(bencher: Bencher) {
 #[divan::bench(types = [f32, f64])]
 fn discretise<T: Real>(bencher: Bencher) {
     let model: Reduced5<T> = model();
-    bencher.bench(|| cg_core::truck::reduced::StepMatrices::new(black_box(&model), T::of(0.02)));
+    bencher.bench(|| cg_core::truck::filters::StepMatrices::new(black_box(&model), T::of(0.02)));
 }

@@ -24,6 +24,7 @@ use crate::math::real::Real;
 use crate::signal::sample::Sample;
 use crate::truck::channel::{CHANNELS, Channel, Input, Output};
 use crate::truck::design::Design;
+use crate::truck::gains::Gains;
 
 /// Lateral acceleration above which the truck is in a turn.
 const TURNING_MPS2: f64 = 0.5;
@@ -123,6 +124,9 @@ pub struct Conditioner<T, const C: usize = CHANNELS> {
     /// Expected roll angle per unit of each input, at the reference height and the present speed
     /// and mass.
     gains: Option<[T; C]>,
+    /// The same as functions of the speed, as long as they hold.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    curves: Option<Gains<T, C>>,
 }
 
 impl<T: Real, const C: usize> Conditioner<T, C> {
@@ -136,8 +140,9 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             turning: false,
             smooth: None,
             gains: None,
+            curves: None,
         };
-        conditioner.gains = design.gains(conditioner.speed_mps, conditioner.trailer_mass_kg);
+        conditioner.expect(design);
         conditioner
     }
 
@@ -149,7 +154,18 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
     /// Sets the trailer mass if it is known before the first sample.
     pub(crate) fn weigh(&mut self, design: &Design<T, C>, trailer_mass_kg: T) {
         self.trailer_mass_kg = trailer_mass_kg;
-        self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
+        self.expect(design);
+    }
+
+    /// Computes the gains at the present speed and mass.
+    fn expect(&mut self, design: &Design<T, C>) {
+        let (speed_mps, mass_kg) = (self.speed_mps, self.trailer_mass_kg);
+        let at = |curves: &Gains<T, C>| curves.at(design, speed_mps, mass_kg);
+        self.gains = self.curves.as_ref().and_then(at);
+        if self.gains.is_none() {
+            self.curves = Gains::around(design, speed_mps, mass_kg);
+            self.gains = self.curves.as_ref().and_then(at);
+        }
     }
 
     /// Conditions one sample; `None` if no channel has both a roll angle and an input.
@@ -275,7 +291,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             self.trailer_mass_kg = mass;
         }
         if new_speed || new_mass {
-            self.gains = design.gains(self.speed_mps, self.trailer_mass_kg);
+            self.expect(design);
         }
     }
 }

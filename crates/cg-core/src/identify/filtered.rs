@@ -9,8 +9,9 @@ use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
 use crate::identify::unknowns::{BEND, DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS};
 use crate::math::real::Real;
+use crate::truck::filters::{StateVariableFilter, StepMatrices};
 use crate::truck::ratio::Measured;
-use crate::truck::reduced::{ORDER, Reduced5, StateVariableFilter, StepMatrices};
+use crate::truck::reduced::{ORDER, Reduced5};
 
 /// [`UNKNOWNS`] as a number.
 const UNKNOWNS_F64: f64 = 13.0;
@@ -156,17 +157,25 @@ impl<T: Real> FilteredArx<T> {
     fn settled(&self) -> Option<Solution<T>> {
         let (mut settled, mut solution) = (*self, Solution::NONE);
         settled.rows.settle();
-        settled.solve(&mut solution).ok()?;
+        settled.solve(&self.step.noise_products(&self.model), &mut solution).ok()?;
         Some(solution)
     }
 
-    /// Solves the rows in the triangle together with the prior.
     #[inline(never)]
-    fn solve(&self, answer: &mut Solution<T>) -> Result<(), Unexcited> {
+    fn answer(&self, products: &[T; ORDER + 1]) -> Answer<T> {
+        let mut solution = Solution::NONE;
+        match self.solve(products, &mut solution) {
+            Ok(()) => Answer::Ready(self.describe(&mut solution)),
+            Err(reason) => Answer::Unexcited(reason),
+        }
+    }
+
+    /// Solves the rows in the triangle together with the prior. `products` are the bias of the rows'
+    /// products per unit variance of the input noise.
+    #[inline(never)]
+    fn solve(&self, products: &[T; ORDER + 1], answer: &mut Solution<T>) -> Result<(), Unexcited> {
         let slower = self.roll_noise.inflation(self.moments.weight);
-        // The bias of the rows' products per unit variance of the input noise.
-        let products = self.step.noise_products(&self.model);
-        let from_input = self.input_noise.passed(&self.model, &products);
+        let from_input = self.input_noise.passed(&self.model, products);
         let floor = self.prior.noise_floor_rad / slower.root();
         let Moments { rows, weight, .. } = self.moments;
         if (rows as usize) < UNKNOWNS {
@@ -200,7 +209,7 @@ impl<T: Real> FilteredArx<T> {
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
         let of_roll = white.min((residual - from_input[1]).max(T::zero()));
-        let (roll, input) = self.pulls(of_roll, from_input, &products);
+        let (roll, input) = self.pulls(of_roll, from_input, products);
         let input = answer.triangle.shift_for(&input, UNKNOWNS);
         answer.input_shift = [input[0], input[GAIN]];
         let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
@@ -391,8 +400,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
                 self.discretise(interval_s);
             }
             self.clock += interval_s / T::of(DRIFT_S);
-            self.input.push(&self.step, input);
-            self.roll.push(&self.step, roll_rad - self.reference_rad);
+            let signals = [input, roll_rad - self.reference_rad];
+            self.step.advance([&mut self.input, &mut self.roll], signals);
         } else {
             self.started = true;
             // The first roll angle is subtracted, because a large constant would cost digits in
@@ -451,13 +460,9 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.roll_noise.scale(factor);
     }
 
-    #[inline(never)]
     fn fit(&mut self) -> Answer<T> {
         self.rows.settle();
-        let mut solution = Solution::NONE;
-        match self.solve(&mut solution) {
-            Ok(()) => Answer::Ready(self.describe(&mut solution)),
-            Err(reason) => Answer::Unexcited(reason),
-        }
+        // Before the solution, because both need much of the stack.
+        self.answer(&self.step.noise_products(&self.model))
     }
 }

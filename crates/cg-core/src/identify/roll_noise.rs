@@ -33,7 +33,7 @@ impl<T: Real> RollNoise<T> {
         *self = Self::of(self.lags);
     }
 
-    /// Adds a row. `share` is the [weight of the newest samples](crate::truck::reduced::StepMatrices::newest_share).
+    /// Adds a row. `share` is the [weight of the newest samples](crate::truck::filters::StepMatrices::newest_share).
     pub(crate) fn add_row(&mut self, share: &[T; ORDER], interval_s: T) {
         self.seconds += interval_s;
         if !self.lags {

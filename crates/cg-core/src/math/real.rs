@@ -12,7 +12,7 @@ mod sealed {
 
 /// A floating-point type: `f32` runs on the vehicle, and `f64` is used to check it.
 ///
-/// Square root, power and logarithm come from `libm` on every target. A host and a Cortex-M4F
+/// Square root and logarithm come from `libm` on every target. A host and a Cortex-M4F
 /// therefore give the same bits.
 pub trait Real:
     sealed::Sealed
@@ -40,9 +40,6 @@ pub trait Real:
     /// Square root (NaN for negative arguments).
     #[must_use]
     fn root(self) -> Self;
-    /// `self` to the power `exponent`.
-    #[must_use]
-    fn power(self, exponent: Self) -> Self;
     /// Decimal logarithm.
     #[must_use]
     fn decimal_log(self) -> Self;
@@ -65,9 +62,6 @@ impl Real for f64 {
     }
     fn root(self) -> Self {
         libm::sqrt(self)
-    }
-    fn power(self, exponent: Self) -> Self {
-        libm::pow(self, exponent)
     }
     fn decimal_log(self) -> Self {
         libm::log10(self)
@@ -96,9 +90,6 @@ impl Real for f32 {
     fn root(self) -> Self {
         libm::sqrtf(self)
     }
-    fn power(self, exponent: Self) -> Self {
-        libm::powf(self, exponent)
-    }
     fn decimal_log(self) -> Self {
         libm::log10f(self)
     }
@@ -122,7 +113,6 @@ mod tests {
         let close = |a: T, b: f64| (a.as_f64() - b).abs() < 4.0 * T::machine_epsilon().as_f64();
         assert!(T::ZERO == T::zero() && close(T::of(0.75), 0.75));
         assert!(close(T::of(2.0).root(), core::f64::consts::SQRT_2));
-        assert!(close(T::of(0.25).power(T::of(1.5)), 0.125));
         assert!(close(T::of(0.01).decimal_log(), -2.0));
         assert!(!T::absent().present() && !(T::one() / T::zero()).present() && T::one().present());
         let epsilon = T::machine_epsilon();

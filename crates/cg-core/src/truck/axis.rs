@@ -23,16 +23,31 @@ pub(crate) fn locate<T: Real>(axis: &[T], value: T) -> Option<(usize, T)> {
     None
 }
 
-/// The four nodes around `value` (near an end of the axis: the first or last four) and their Lagrange
-/// weights. With `curvature`, the axis is 1/U² instead of a speed U, which is the curvature at a
-/// lateral acceleration.
+/// An interval of an axis, and the four nodes around it (near an end of the axis: the first or last four).
+pub(crate) struct Cell<T> {
+    /// The index of the first node.
+    pub(crate) first: usize,
+    pub(crate) nodes: [T; 4],
+    pub(crate) span: [T; 2],
+}
+
+impl<T: Real> Cell<T> {
+    /// The interval that contains `value`.
+    pub(crate) fn around(axis: &[T], value: T) -> Option<Self> {
+        let (interval, _) = locate(axis, value)?;
+        let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
+        let nodes = *axis.get(first..)?.first_chunk::<4>()?;
+        Some(Self { first, nodes, span: *axis.get(interval..)?.first_chunk::<2>()? })
+    }
+}
+
+/// The [four nodes](Cell) around `value` and their Lagrange weights. With `curvature`, the axis is
+/// 1/U² instead of a speed U, which is the curvature at a lateral acceleration.
 #[inline(never)]
 pub(crate) fn cubic<T: Real>(axis: &[T], value: T, curvature: bool) -> Option<Weights<T>> {
-    let (interval, _) = locate(axis, value)?;
-    let first = interval.saturating_sub(1).min(axis.len().saturating_sub(4));
+    let Cell { first, nodes, .. } = Cell::around(axis, value)?;
     let scale = |u: T| if curvature { T::one() / (u * u) } else { u };
-    let nodes = axis.get(first..)?.first_chunk::<4>()?.map(scale);
-    let value = scale(value);
+    let (nodes, value) = (nodes.map(scale), scale(value));
     let mut place = 0;
     let weights = nodes.map(|node| {
         let (mut above, mut below) = (T::one(), T::one());
@@ -46,6 +61,24 @@ pub(crate) fn cubic<T: Real>(axis: &[T], value: T, curvature: bool) -> Option<We
         above / below
     });
     Some(Weights { first, weights })
+}
+
+/// The coefficients, ascending, of the cubic with these values at these nodes.
+#[inline(never)]
+pub(crate) fn polynomial<T: Real>(nodes: &[T; 4], values: [T; 4]) -> [T; 4] {
+    let mut c = values;
+    // Newton's divided differences, then from Newton's form to powers.
+    for k in 1..4 {
+        for i in (k..4).rev() {
+            c[i] = (c[i] - c[i - 1]) / (nodes[i] - nodes[i - k]);
+        }
+    }
+    for k in (0..3).rev() {
+        for i in k..3 {
+            c[i] -= nodes[k] * c[i + 1];
+        }
+    }
+    c
 }
 
 #[cfg(test)]

@@ -323,27 +323,6 @@ impl<T: Real, const C: usize> Design<T, C> {
         Some(design.line(&speed, &mass))
     }
 
-    /// The compensated ratio of every channel at the reference height, in radians of roll per unit
-    /// of input; `None` outside the axes.
-    pub(crate) fn gains(&self, speed_mps: T, trailer_mass_kg: T) -> Option<[T; C]> {
-        let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
-        let mut gains = [T::zero(); C];
-        // The weights of the speed are the same for all accelerations.
-        let mut curvature = None;
-        for (gain, design) in gains.iter_mut().zip(&self.channels) {
-            let line = if design.is_steer() {
-                design.line(&cubic(&self.speed_mps, speed_mps, false)?, &mass)
-            } else {
-                if curvature.is_none() {
-                    curvature = cubic(&self.speed_mps, speed_mps, true);
-                }
-                design.line(curvature.as_ref()?, &mass)
-            };
-            *gain = line.ratio_at(self.reference_height_m) * design.compensation;
-        }
-        Some(gains)
-    }
-
     /// `R_c` of a channel; one if the design does not have it.
     pub fn compensation(&self, channel: Channel) -> T {
         let design = self.place(channel).and_then(|place| self.channels.get(place));
@@ -423,14 +402,27 @@ impl<T: Real> ChannelDesign<T> {
         self.index as usize == Channel::Steer.index()
     }
 
+    /// A speed on the axis on which the lines are interpolated.
+    pub(super) fn speed_axis(&self, speed_mps: T) -> T {
+        if self.is_steer() { speed_mps } else { T::one() / (speed_mps * speed_mps) }
+    }
+
     /// The line at these weights of the speeds and masses.
-    #[inline(never)]
     fn line(&self, speed: &Weights<T>, mass: &Weights<T>) -> RatioLine<T> {
-        let mut sum = RatioLine { a0: T::zero(), a1: T::zero(), b0: T::zero(), b1: T::zero() };
-        for (row, u) in self.lines.iter().skip(speed.first).zip(speed.weights) {
-            for (line, m) in row.iter().skip(mass.first).zip(mass.weights) {
-                sum.add(line, u * m);
-            }
+        let mut sum = RatioLine::NONE;
+        for (place, u) in (speed.first..).zip(speed.weights) {
+            sum.add(&self.line_of_speed(place, mass), u);
+        }
+        sum
+    }
+
+    /// The line of one speed of the axis at these weights of the masses.
+    #[inline(never)]
+    pub(super) fn line_of_speed(&self, place: usize, mass: &Weights<T>) -> RatioLine<T> {
+        let mut sum = RatioLine::NONE;
+        let row = self.lines.get(place).into_iter().flatten();
+        for (line, m) in row.skip(mass.first).zip(mass.weights) {
+            sum.add(line, m);
         }
         sum
     }

@@ -55,6 +55,9 @@ pub struct RatioLine<T> {
 }
 
 impl<T: Real> RatioLine<T> {
+    /// A sum of no lines.
+    pub(crate) const NONE: Self = Self { a0: T::ZERO, a1: T::ZERO, b0: T::ZERO, b1: T::ZERO };
+
     /// The DC ratio at height `height_m` (eq. 5.18).
     pub fn ratio_at(&self, height_m: T) -> T {
         (self.a1 * height_m + self.a0) / (self.b1 * height_m + self.b0)

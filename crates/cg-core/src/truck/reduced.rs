@@ -1,21 +1,10 @@
-//! The reduced 5th-order compensated model, and the filters with its denominator.
+//! The reduced 5th-order compensated model.
 //!
 //! ```text
 //!              A5 s⁵ + A4 s⁴ + A3 s³ + A2 s² + A1 s + A0
 //!     G(s) =  ───────────────────────────────────────────       eq. 5.12
 //!                s⁵ + B4 s⁴ + B3 s³ + B2 s² + B1 s + B0
 //! ```
-//!
-//! One set of filters `sᵏ/B(s)`, k = 0…5, serves two purposes. Weighted with the numerator, the
-//! filtered input is the expected roll angle. Applied to input and roll angle, the filters give the
-//! regressors of [`FilteredArx`](crate::FilteredArx). Signals are interpolated linearly between
-//! samples (first-order hold), and for such signals the discretization is exact.
-//!
-//! **Reference.** Franklin, Powell and Workman, *Digital Control of Dynamic Systems*,
-//! 3rd ed., §6.3.2 (first-order hold); Garnier and Wang, *Identification of
-//! Continuous-time Models from Sampled Data*, §1.3 (state-variable filters).
-
-use nalgebra::{ArrayStorage, SMatrix, SVector};
 
 use crate::math::real::Real;
 
@@ -74,7 +63,17 @@ impl<T: Real> Reduced5<T> {
 
     /// `B0^(1/5)`, rad/s: with time scaled by it, the coefficients are near one.
     pub fn time_scale_radps(&self) -> T {
-        self.denominator[0].power(T::of(0.2))
+        let target = self.denominator[0];
+        // Newton's method falls to the root from above, until rounding ends it.
+        let mut root = target.max(T::one()).root();
+        loop {
+            let square = root * root;
+            let next = root - (root - target / (square * square)) * T::of(0.2);
+            if !(next < root) {
+                return root;
+            }
+            root = next;
+        }
     }
 
     /// The same model with a DC gain of one, for an input that is scaled to the expected roll angle.
@@ -140,251 +139,17 @@ impl<T: Real> Reduced5<T> {
     }
 }
 
-/// A constant matrix of zeros.
-const fn zeros<T: Real, const R: usize, const C: usize>() -> SMatrix<T, R, C> {
-    SMatrix::from_array_storage(ArrayStorage([[T::ZERO; R]; C]))
-}
-
-/// Number of doublings in the sum of the noise in the filters: 2¹² samples are 4 s at 1 kHz.
-const DOUBLINGS: u32 = 12;
-
-/// One step of the filters `sᵏ/B(s)` over a fixed sampling interval, exact for signals that are
-/// linear between samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct StepMatrices<T: Real> {
-    /// `exp(A h) − I`, stored without the identity to avoid rounding errors of short steps in
-    /// `f32`.
-    increment: SMatrix<T, ORDER, ORDER>,
-    held: SVector<T, ORDER>,
-    ramp: SVector<T, ORDER>,
-}
-
-impl<T: Real> StepMatrices<T> {
-    /// The step over an interval of zero.
-    pub(crate) const STANDING: Self = Self { increment: zeros(), held: zeros(), ramp: zeros() };
-
-    /// The step over an interval `step`, in the time unit of `model`.
-    #[inline(never)]
-    pub fn new(model: &Reduced5<T>, step: T) -> Self {
-        // d/dt (x, u, u̇) with u̇ in units of one step:  M = step · ┌ A B 0 ┐ + ┌ 0 0 0 ┐
-        //                                                         │ 0 0 0 │   │ 0 0 1 │
-        //                                                         └ 0 0 0 ┘   └ 0 0 0 ┘
-        let mut m = SMatrix::<T, 7, 7>::zeros();
-        for k in 0..ORDER - 1 {
-            m[(k, k + 1)] = step;
-        }
-        for k in 0..ORDER {
-            m[(ORDER - 1, k)] = -model.denominator[k] * step;
-        }
-        m[(ORDER - 1, ORDER)] = step;
-        m[(ORDER, ORDER + 1)] = T::one();
-        let f = exponential_minus_identity(&m);
-        Self {
-            increment: SMatrix::from_fn(|i, j| f[(i, j)]),
-            held: SVector::from_fn(|i, _| f[(i, ORDER)]),
-            ramp: SVector::from_fn(|i, _| f[(i, ORDER + 1)]),
-        }
-    }
-}
-
-impl<T: Real> StepMatrices<T> {
-    /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4. Of sums over several
-    /// samples, it is the mean product of both sums, the samples' and the filtered signal's, for
-    /// independent samples of unit variance.
-    pub fn newest_share(&self, samples: u8) -> [T; ORDER] {
-        let (mut filter, mut sum) = (StateVariableFilter::EMPTY, SVector::<T, ORDER>::zeros());
-        for _ in 0..samples {
-            filter.push(self, T::one());
-            sum += filter.state;
-        }
-        (sum / T::of(f64::from(samples) * f64::from(samples))).into()
-    }
-
-    /// The expected products `E[u_k · G u]` of the filtered signals `u_k = sᵏ/B(s) u`, k = 0…5,
-    /// with the response `G u = A/B u`, for white noise `u` of unit variance.
-    ///
-    /// With `x⁺ = Φ x + Γ0 v + Γ1 v⁺`, the covariance of the states is `W + Γ1 Γ1ᵀ`, where
-    /// `W = Σ Φⁱ b bᵀ Φⁱᵀ` and `b = Φ Γ1 + Γ0`. The sum is computed by doubling.
-    #[inline(never)]
-    pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
-        let ramp = self.ramp;
-        let mut transition = self.increment + SMatrix::identity();
-        let drive = transition * ramp + self.held - ramp;
-        let mut covariance = drive * drive.transpose();
-        for _ in 0..DOUBLINGS {
-            covariance += product(&product(&transition, &covariance), &transition.transpose());
-            transition = product(&transition, &transition);
-        }
-        covariance += ramp * ramp.transpose();
-        // G u = c·x + a5 v
-        let through = model.numerator[ORDER];
-        let denominator = SVector::from(model.denominator);
-        let c = SVector::<T, ORDER>::from_fn(|k, _| model.numerator[k]) - denominator * through;
-        let states = covariance * c + ramp * through;
-        let mut products = [T::zero(); ORDER + 1];
-        for (product, state) in products.iter_mut().zip(states.iter()) {
-            *product = *state;
-        }
-        products[ORDER] = c.dot(&ramp) + through - denominator.dot(&states);
-        products
-    }
-}
-
-/// `a b`, not inlined: one copy in the firmware image.
-#[inline(never)]
-fn product<T: Real, const N: usize>(
-    a: &SMatrix<T, N, N>,
-    b: &SMatrix<T, N, N>,
-) -> SMatrix<T, N, N> {
-    a * b
-}
-
-// Loops over all entries: one copy of each in the firmware image, not unrolled.
-
-#[inline(never)]
-fn scale<T: Real>(entries: &mut [T], factor: T) {
-    for entry in entries {
-        *entry *= factor;
-    }
-}
-
-#[inline(never)]
-fn divide<T: Real>(entries: &mut [T], divisor: T) {
-    for entry in entries {
-        *entry /= divisor;
-    }
-}
-
-#[inline(never)]
-fn add<T: Real>(entries: &mut [T], others: &[T]) {
-    for (entry, other) in entries.iter_mut().zip(others) {
-        *entry += *other;
-    }
-}
-
-/// `exp(M) − I` by scaling, a 12-term Taylor series and `(I + F)² − I = 2F + F²`.
-fn exponential_minus_identity<T: Real>(m: &SMatrix<T, 7, 7>) -> SMatrix<T, 7, 7> {
-    let mut largest = T::zero();
-    for i in 0..7 {
-        let mut sum = T::zero();
-        for j in 0..7 {
-            sum += m[(i, j)].abs();
-        }
-        largest = largest.max(sum);
-    }
-    let mut scaled = *m;
-    let mut squarings = 0;
-    // ‖M‖ ≤ 1/4 leaves a remainder of 4⁻¹³/13! = 2e-18.
-    while largest > T::of(0.25) && squarings < 40 {
-        largest *= T::of(0.5);
-        scale(scaled.as_mut_slice(), T::of(0.5));
-        squarings += 1;
-    }
-    let mut term = scaled;
-    let mut f = scaled;
-    for k in 2..=12 {
-        term = product(&term, &scaled);
-        divide(term.as_mut_slice(), T::of(f64::from(k)));
-        add(f.as_mut_slice(), term.as_slice());
-    }
-    for _ in 0..squarings {
-        let square = product(&f, &f);
-        scale(f.as_mut_slice(), T::of(2.0));
-        add(f.as_mut_slice(), square.as_slice());
-    }
-    f
-}
-
-/// The states of the filters `sᵏ/B(s)`, k = 0…5, for one signal.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct StateVariableFilter<T: Real> {
-    state: SVector<T, ORDER>,
-    input: T,
-}
-
-impl<T: Real> StateVariableFilter<T> {
-    /// Filters with all states zero.
-    pub(crate) const EMPTY: Self = Self { state: zeros(), input: T::ZERO };
-
-    /// Filters in steady state at the constant signal `input`.
-    pub fn at_rest(model: &Reduced5<T>, input: T) -> Self {
-        let mut state = SVector::zeros();
-        state[0] = input / model.denominator[0];
-        Self { state, input }
-    }
-
-    /// Advances to the next sample of the signal.
-    #[inline]
-    pub fn push(&mut self, step: &StepMatrices<T>, input: T) {
-        let change =
-            step.increment * self.state + step.held * self.input + step.ramp * (input - self.input);
-        self.state += change;
-        self.input = input;
-    }
-
-    /// The signal filtered by `sᵏ/B(s)`, k = 0…5.
-    #[inline]
-    pub fn derivatives(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
-        let mut out = [T::zero(); ORDER + 1];
-        let mut highest = self.input;
-        for k in 0..ORDER {
-            out[k] = self.state[k];
-            highest -= model.denominator[k] * self.state[k];
-        }
-        out[ORDER] = highest;
-        out
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::truck::simulation::Simulation;
 
     /// 120 / ((s + 1)(s + 2)(s + 3)(s + 4)(s + 5)): unit DC gain and known responses.
-    fn five_lags() -> Reduced5<f64> {
+    pub(in crate::truck) fn five_lags() -> Reduced5<f64> {
         Reduced5 {
             numerator: [120.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             denominator: [120.0, 274.0, 225.0, 85.0, 15.0],
             speed_slope: [0.0; ORDER],
         }
-    }
-
-    #[test]
-    fn the_ramp_response_is_exact_whatever_the_interval() {
-        // Partial fractions of 120/(s² Π(s+k)): t − Σ 1/k + Σ c_k e^(−kt),
-        // c_k = 120/(k² Π_{j≠k}(j − k)).
-        let c = [5.0, -5.0, 10.0 / 3.0, -1.25, 0.2];
-        let exact = |t: f64| {
-            let lag: f64 = (1..=5).map(|k| 1.0 / f64::from(k)).sum();
-            let decay: f64 = c
-                .iter()
-                .zip([1.0, 2.0, 3.0, 4.0, 5.0])
-                .map(|(c, k): (_, f64)| c * (-k * t).exp())
-                .sum();
-            t - lag + decay
-        };
-        for interval in [0.001, 0.05, 0.5] {
-            let mut simulation = Simulation::new(&five_lags(), interval, 0.0);
-            let mut t = 0.0;
-            while t < 2.0 {
-                t += interval;
-                let roll = simulation.push(t);
-                // Rounding only: 2000 steps of ε on values of order one.
-                assert!((roll - exact(t)).abs() < 2e-12, "{interval} {t}: {roll} {}", exact(t));
-            }
-        }
-    }
-
-    #[test]
-    fn at_rest_stays_at_rest() {
-        let mut simulation = Simulation::new(&five_lags(), 0.01, 3.0);
-        for _ in 0..1000 {
-            simulation.push(3.0);
-        }
-        assert!((simulation.roll_rad() - 3.0).abs() < 1e-12);
     }
 
     #[test]
@@ -395,32 +160,6 @@ mod tests {
         assert!(!unstable.is_stable());
         unstable.denominator[0] = -1.0;
         assert!(!unstable.is_stable());
-    }
-
-    /// White noise is a sequence of independent samples, so the expected product is the sum over
-    /// time of the products that one single sample leaves.
-    #[test]
-    fn the_products_of_noise_are_those_of_its_single_samples() {
-        let model = Reduced5 { numerator: [120.0, 20.0, 30.0, 4.0, 5.0, 0.3], ..five_lags() };
-        let step = StepMatrices::new(&model, 0.05);
-        let mut filter = StateVariableFilter::at_rest(&model, 0.0);
-        let mut sums = [0.0; ORDER + 1];
-        for k in 0..1000 {
-            filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
-            let derivatives = filter.derivatives(&model);
-            if k == 0 {
-                assert_eq!(step.newest_share(1)[..], derivatives[..ORDER]);
-            }
-            let response = model.response(&derivatives);
-            for (sum, derivative) in sums.iter_mut().zip(derivatives) {
-                *sum += derivative * response;
-            }
-        }
-        for (product, sum) in step.noise_products(&model).into_iter().zip(sums) {
-            // After 50 s the slowest lag of 1 s has decayed; what remains is rounding of sums of
-            // order one.
-            assert!((product - sum).abs() < 1e-12 * sums[ORDER].abs(), "{product} {sum}");
-        }
     }
 
     #[test]

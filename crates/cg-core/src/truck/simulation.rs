@@ -1,7 +1,8 @@
 //! Simulation of a reduced model.
 
 use crate::math::real::Real;
-use crate::truck::reduced::{Reduced5, StateVariableFilter, StepMatrices};
+use crate::truck::filters::{StateVariableFilter, StepMatrices};
+use crate::truck::reduced::Reduced5;
 
 /// Simulates the reduced model sample by sample, at the speed for which it was made.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Prediction of the roll angle row by row, for plots next to the measured one.
 
-use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
+use cg_core::truck::filters::{StateVariableFilter, StepMatrices};
 use cg_core::{AlignSettings, Channel, Conditioner, Design, Output, Reduced5, SampleError};
 
 use super::intake::LogEstimator;
