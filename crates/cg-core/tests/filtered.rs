@@ -5,7 +5,7 @@
 mod common;
 
 use cg_core::math::linalg::Triangle;
-use cg_core::truck::reduced::{StateVariableFilter, StepMatrices};
+use cg_core::truck::filters::{StateVariableFilter, StepMatrices};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, FilteredArx, Fit, Identify, Prior, Unexcited};
 use common::{EQ_5_12, rounded_step_response};

@@ -157,7 +157,7 @@ impl<T: Real> FilteredArx<T> {
     fn settled(&self) -> Option<Solution<T>> {
         let (mut settled, mut solution) = (*self, Solution::NONE);
         settled.rows.settle();
-        settled.solve(&self.step.noise_products(&self.model), &mut solution).ok()?;
+        settled.solve(&self.noise_products(), &mut solution).ok()?;
         Some(solution)
     }
 
@@ -168,6 +168,10 @@ impl<T: Real> FilteredArx<T> {
             Ok(()) => Answer::Ready(self.describe(&mut solution)),
             Err(reason) => Answer::Unexcited(reason),
         }
+    }
+
+    fn noise_products(&self) -> [T; ORDER + 1] {
+        self.step.noise_products(&self.model, rows_at(self.interval_s))
     }
 
     /// Solves the rows in the triangle together with the prior. `products` are the bias of the rows'
@@ -463,6 +467,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     fn fit(&mut self) -> Answer<T> {
         self.rows.settle();
         // Before the solution, because both need much of the stack.
-        self.answer(&self.step.noise_products(&self.model))
+        self.answer(&self.noise_products())
     }
 }

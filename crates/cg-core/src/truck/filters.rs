@@ -162,19 +162,26 @@ impl<T: Real> StepMatrices<T> {
     }
 
     /// The expected products `E[u_k · G u]` of the filtered signals `u_k = sᵏ/B(s) u`, k = 0…5,
-    /// with the response `G u = A/B u`, for white noise `u` of unit variance.
+    /// with the response `G u = A/B u`, for white noise `u` of unit variance. Of sums over several
+    /// samples, they are those of both sums, divided by the square of their number.
     ///
-    /// With `x⁺ = Φ x + Γ0 v + Γ1 v⁺`, the covariance of the states is `W + Γ1 Γ1ᵀ`, where
-    /// `W = Σ Φⁱ b bᵀ Φⁱᵀ` and `b = Φ Γ1 + Γ0`. The sum is computed by doubling.
+    /// A sum over `m` samples contains of each sample what a pulse of `m` samples leaves, so the products are
+    /// sums over time of those after such a pulse. From its end on, `x⁺ = Φ x`, and `Σ x xᵀ` is computed by
+    /// doubling.
     #[inline(never)]
-    pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
+    pub fn noise_products(&self, model: &Reduced5<T>, samples: u8) -> [T; ORDER + 1] {
+        let (mut filter, mut products) = (StateVariableFilter::EMPTY, [T::zero(); ORDER + 1]);
+        for _ in 0..samples {
+            filter.push(self, T::one());
+            let derivatives = filter.derivatives(model);
+            add(&mut products, &derivatives, model.response(&derivatives));
+        }
+        filter.push(self, T::zero());
         let mut transition = self.increment;
-        let mut drive = times(&transition, &self.ramp); // Γ0 is `held` minus `ramp`
-        add(&mut drive, &self.held, T::one());
         for k in 0..ORDER {
             transition[k][k] += T::one();
         }
-        let mut covariance = drive.map(|scale| drive.map(|entry| entry * scale));
+        let mut covariance = filter.state.map(|scale| filter.state.map(|entry| entry * scale));
         for _ in 0..DOUBLINGS {
             // W is symmetric: W Φᵀ = (Φ W)ᵀ.
             let half = product(&transition, &covariance);
@@ -183,14 +190,14 @@ impl<T: Real> StepMatrices<T> {
             add(covariance.as_flattened_mut(), more.as_flattened(), T::one());
             transition = product(&transition, &transition);
         }
-        // G u = c·x + a5 v, and v is in x by Γ1.
+        // Without an input, G u = c·x.
         let through = model.numerator[ORDER];
         let c = from_fn(|k| model.numerator[k] - model.denominator[k] * through);
-        let mut states = times(&covariance, &c);
-        let common = dot(&c, &self.ramp) + through;
-        add(&mut states, &self.ramp, common);
-        let [x0, x1, x2, x3, x4] = states;
-        [x0, x1, x2, x3, x4, common - dot(&model.denominator, &states)]
+        let states = times(&covariance, &c);
+        add(&mut products, &states, T::one());
+        products[ORDER] -= dot(&model.denominator, &states);
+        let count = T::of(f64::from(samples));
+        products.map(|product| product / (count * count))
     }
 }
 
@@ -297,28 +304,40 @@ mod tests {
     }
 
     /// White noise is a sequence of independent samples, so the expected product is the sum over
-    /// time of the products that one single sample leaves.
+    /// time of the products that one single sample leaves: in single rows those after it, in sums of four
+    /// those of all sums of four rows that contain some of it.
     #[test]
     fn the_products_of_noise_are_those_of_its_single_samples() {
         let model = Reduced5 { numerator: [120.0, 20.0, 30.0, 4.0, 5.0, 0.3], ..five_lags() };
         let step = StepMatrices::new(&model, 0.05);
-        let mut filter = StateVariableFilter::at_rest(&model, 0.0);
-        let mut sums = [0.0; ORDER + 1];
-        for k in 0..1000 {
-            filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
-            let derivatives = filter.derivatives(&model);
-            if k == 0 {
-                assert_eq!(step.newest_share(1)[..], derivatives[..ORDER]);
+        for samples in [1_u8, 4] {
+            let mut filter = StateVariableFilter::at_rest(&model, 0.0);
+            let (mut rows, mut products, mut shares) = ([[0.0; 7]; 4], [0.0; 6], [0.0; 5]);
+            for k in 0..1000 {
+                filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
+                let derivatives = filter.derivatives(&model);
+                let [a, b, c, d, e, f] = derivatives;
+                rows.rotate_left(1);
+                rows[3] = [a, b, c, d, e, f, model.response(&derivatives)];
+                let sum: [f64; 7] =
+                    from_fn(|i| rows[4 - usize::from(samples)..].iter().map(|row| row[i]).sum());
+                for (i, product) in products.iter_mut().enumerate() {
+                    *product += sum[i] * sum[6];
+                }
+                for (share, sum) in shares.iter_mut().zip(sum) {
+                    *share += if k < samples.into() { sum } else { 0.0 };
+                }
             }
-            let response = model.response(&derivatives);
-            for (sum, derivative) in sums.iter_mut().zip(derivatives) {
-                *sum += derivative * response;
+            let square = f64::from(samples).powi(2);
+            for (share, sum) in step.newest_share(samples).into_iter().zip(shares) {
+                assert!((share - sum / square).abs() < 1e-15, "{share} {sum}");
             }
-        }
-        for (product, sum) in step.noise_products(&model).into_iter().zip(sums) {
-            // After 50 s the slowest lag of 1 s has decayed; what remains is rounding of sums of
-            // order one.
-            assert!((product - sum).abs() < 1e-12 * sums[ORDER].abs(), "{product} {sum}");
+            for (product, sum) in step.noise_products(&model, samples).into_iter().zip(products) {
+                // After 50 s the slowest lag of 1 s has decayed; what remains is rounding of sums of
+                // order one.
+                let error = product - sum / square;
+                assert!(error.abs() < 1e-12 * products[ORDER].abs(), "{product} {sum}");
+            }
         }
     }
 }
