@@ -98,11 +98,11 @@ typedef struct cg_design {
 } cg_design;
 
 /* Size of an estimator in bytes. */
-#define CG_ESTIMATOR_SIZE 4256
+#define CG_ESTIMATOR_SIZE 4544
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {
-    uint64_t opaque[CG_ESTIMATOR_SIZE / 8];
+    uint64_t opaque[CG_ESTIMATOR_SIZE 4544/ 8];
 } cg_estimator;
 
 /* Return values. */
