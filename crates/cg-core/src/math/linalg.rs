@@ -161,14 +161,17 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             };
             let Some((diagonal, upper)) = self.r.row_mut(j).split_first_mut() else { break };
             let tail = dot(v, v);
+            if tail == T::zero() {
+                continue; // the column is zero, or so small that its square underflows
+            }
             // (I − β u uᵀ) (r, v)ᵀ = (α, 0)ᵀ with u = (r − α, v). The sign of α is chosen to avoid
             // cancellation in r − α.
             let length = (*diagonal * *diagonal + tail).root();
             let alpha = if *diagonal > T::zero() { -length } else { length };
             let head = *diagonal - alpha;
             let beta = T::one() / (length * head.abs());
-            if tail == T::zero() || !beta.present() {
-                continue; // the column is zero, or so small that its square underflows
+            if !beta.present() {
+                continue; // likewise
             }
             *diagonal = alpha;
             for (upper, column) in upper.iter_mut().zip(right) {
@@ -336,8 +339,12 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
 /// every target.
 #[inline]
 fn dot<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
+    let ((a, more), (b, others)) = (a.split_at(B.min(4)), b.split_at(B.min(4)));
     let mut lanes = [T::zero(); 4];
-    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
+    for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
+        *lane = *a * *b;
+    }
+    for (a, b) in more.chunks(4).zip(others.chunks(4)) {
         for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
             *lane += *a * *b;
         }
