@@ -25,7 +25,7 @@ CYCLES_PER_INSTRUCTION = 2.0  # a conservative assumption: loads and flash wait 
 
 WORDS = {
     "identify_mean": "identify, one row of one channel (13 unknowns), mean",
-    "identify_worst": "identify, worst-case row (reduces a block of five rows)",
+    "identify_worst": "identify, worst-case row (reduces a block of five sums of rows)",
     "push_mean": "`push`, steer and lateral channel, mean",
     "pair_push_mean": "`push`, the suspensions of trailer and tractor, mean",
     "push_running_worst": "worst-case `push` while driving (filters rediscretized)",

@@ -41,7 +41,7 @@ impl Cost {
 pub struct Report {
     /// All samples.
     pub all: Cost,
-    /// Samples that end no maneuver. Every fifth row reduces a block. A new interval, or a new start
+    /// Samples that end no maneuver. Every twentieth row reduces a block. A new interval, or a new start
     /// after a stop, rediscretizes the filters.
     pub running: Cost,
     /// Samples that end a maneuver: solve, check, fuse.
@@ -103,7 +103,7 @@ pub fn replay(
 /// Costs of the identifier alone, for one row of one channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IdentifyCosts {
-    /// At a constant interval; every fifth row reduces a block.
+    /// At a constant interval; every twentieth row reduces a block.
     pub even: Cost,
     /// At an interval that changes with every row, as with time stamps of arrival: the filters are
     /// discretized again each time.

@@ -235,6 +235,28 @@ fn inputs_are_scaled_by_what_speed_and_mass_make_of_them() {
     assert_eq!((row.speed_mps, row.trailer_mass_kg), (10.0, 35e3));
 }
 
+/// The gains are kept as functions of the speed within an interval of the axis and at one mass. Both
+/// change here, in turn and together, also to a speed or mass between two nodes and back.
+#[test]
+fn gains_are_those_of_the_ratio_lines_wherever_speed_and_mass_go() {
+    let design = scheduled();
+    let mut road = Road::of(&design);
+    for k in 0..300_u32 {
+        let speed_mps = 2.0 + f64::from(k * 5 % 57) * 0.5; // 2 to 30 m/s, nodes among them
+        let mass_kg = 8e3 + f64::from(k / 3 * 13 % 33) * 1e3; // 8 to 40 t
+        let row = road.row(|sample| {
+            (sample.steer_rad, sample.lateral_acceleration_mps2) = (1.0, 1.0);
+            (sample.speed_mps, sample.trailer_mass_kg) = (speed_mps, mass_kg);
+        });
+        for (channel, found) in PAIR.into_iter().zip(row.unwrap().expected_rad) {
+            let line = design.line(channel, speed_mps, mass_kg).unwrap();
+            let known = line.ratio_at(design.reference_height_m) * design.compensation(channel);
+            // A dozen roundings of terms up to the greatest node, which is 225 times the least.
+            assert!((found / known - 1.0).abs() < 1e-12, "{speed_mps} {mass_kg} {channel}");
+        }
+    }
+}
+
 #[test]
 fn beyond_the_axes_nothing_is_expected_and_nothing_usable() {
     let mut road = Road::new();

@@ -2,7 +2,7 @@
 
 use crate::identify::long_run::LongRun;
 use crate::identify::neighbors::Neighbors;
-use crate::identify::pending::{BLOCK, Pending};
+use crate::identify::pending::Pending;
 use crate::identify::unknowns::{DRIFT, HalfSquare, OFFSET, REGRESSORS};
 use crate::math::linalg::Triangle;
 use crate::math::real::Real;
@@ -41,10 +41,7 @@ impl<T: Real> Gathered<T> {
         let Some(sum) = self.neighbors.take() else { return };
         self.long_run.push(&sum);
         let (row, observation) = sum.row();
-        self.pending.push(row, observation);
-        if self.pending.rows == BLOCK {
-            self.pending.fold_into(&mut self.triangle);
-        }
+        self.pending.push_into(&mut self.triangle, row, observation);
     }
 
     /// Brings all rows into the triangle.

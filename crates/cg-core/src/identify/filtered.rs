@@ -4,7 +4,7 @@ use crate::identify::equations::{Equations, Gathered, Solution};
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
 use crate::identify::neighbors::rows_at;
-use crate::identify::prior::{HELD, Prior};
+use crate::identify::prior::Prior;
 use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
 use crate::identify::unknowns::{BEND, DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS};
@@ -62,6 +62,8 @@ pub struct FilteredArx<T: Real> {
     rows: Gathered<T>,
     moments: Moments<T>,
     reference_rad: T,
+    /// The response of the model to the input.
+    expected_rad: T,
     /// Time since the origin of the drift, in units of [`DRIFT_S`].
     clock: T,
     greatest_rad: T, // expected
@@ -97,10 +99,10 @@ impl<T: Real> FilteredArx<T> {
         self.newest_share = self.step.newest_share(rows_at(interval_s));
     }
 
-    fn take_row(&mut self, input: T, roll: T, interval_s: T) {
-        let u = self.input.derivatives(&self.model);
+    /// Adds a row. `u` is the filtered input.
+    fn take_row(&mut self, u: &[T; ORDER + 1], [input, roll]: [T; 2], interval_s: T) {
         let y = self.roll.derivatives(&self.model);
-        let nominal = self.model.response(&u);
+        let nominal = self.expected_rad;
         let mut row = [T::zero(); REGRESSORS];
         row[GAIN] = nominal;
         if self.prior.dynamics_sd > T::zero() {
@@ -129,19 +131,6 @@ impl<T: Real> FilteredArx<T> {
         self.moments.input_variance().root() * self.model.dc_gain().abs()
     }
 
-    /// Adds the prior rows for a residual of standard deviation `noise_sd`. If `held` is true, the
-    /// dynamics are fixed to those of the model.
-    #[inline(never)]
-    fn add_prior(&self, triangle: &mut Equations<T>, noise_sd: T, held: bool) {
-        for k in 0..UNKNOWNS {
-            if let Some(weight) = self.prior.weight(&self.model, k, noise_sd) {
-                let mut row = [T::zero(); REGRESSORS];
-                row[k] = if held && k < OFFSET { T::of(HELD) } else { weight };
-                triangle.push(row, T::zero());
-            }
-        }
-    }
-
     /// Covariance of the deviations in scaled time, in the order of the type's documentation;
     /// `None` if the data do not determine them.
     pub fn covariance(&self) -> Option<[[T; REGRESSORS]; REGRESSORS]> {
@@ -165,7 +154,10 @@ impl<T: Real> FilteredArx<T> {
     fn answer(&self, products: &[T; ORDER + 1]) -> Answer<T> {
         let mut solution = Solution::NONE;
         match self.solve(products, &mut solution) {
-            Ok(()) => Answer::Ready(self.describe(&mut solution)),
+            Ok(()) => {
+                let fit = self.describe(&solution);
+                Answer::Ready(Fit { misfit: self.misfit(&mut solution), ..fit })
+            }
             Err(reason) => Answer::Unexcited(reason),
         }
     }
@@ -198,7 +190,7 @@ impl<T: Real> FilteredArx<T> {
         answer.slow_sd = self.prior.noise_floor_rad;
         for _ in 0..3 {
             answer.triangle = *data;
-            self.add_prior(&mut answer.triangle, answer.slow_sd, false);
+            self.prior.add_to(&mut answer.triangle, &self.model, answer.slow_sd, false);
             answer.theta = answer
                 .triangle
                 .solve(UNKNOWNS)
@@ -213,14 +205,26 @@ impl<T: Real> FilteredArx<T> {
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
         let of_roll = white.min((residual - from_input[1]).max(T::zero()));
-        let (roll, input) = self.pulls(of_roll, from_input, products);
+        self.correct(answer, of_roll, from_input, products);
+        Ok(())
+    }
+
+    /// Corrects the bias that noise of the roll angle and of the input cause.
+    #[inline(never)]
+    fn correct(
+        &self,
+        answer: &mut Solution<T>,
+        roll_variance: T,
+        from_input: [T; 2],
+        products: &[T; ORDER + 1],
+    ) {
+        let (roll, input) = self.pulls(roll_variance, from_input, products);
         let input = answer.triangle.shift_for(&input, UNKNOWNS);
         answer.input_shift = [input[0], input[GAIN]];
         let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
         for (theta, (roll, input)) in answer.theta.iter_mut().zip(roll.iter().zip(input)) {
             *theta += *roll + input;
         }
-        Ok(())
     }
 
     /// The bias of `Σ φ e` due to noise in the regressors, with reversed sign and to first order:
@@ -260,8 +264,9 @@ impl<T: Real> FilteredArx<T> {
         effective
     }
 
+    /// The fit without its misfit.
     #[inline(never)]
-    fn describe(&self, solution: &mut Solution<T>) -> Fit<T> {
+    fn describe(&self, solution: &Solution<T>) -> Fit<T> {
         let Solution { theta, noise_sd, slow_sd, input_shift, triangle } = solution;
         // R = A0 (1 + γ) / (B0 + δb_0)
         let denominator = self.model.denominator[0] + theta[0];
@@ -308,7 +313,7 @@ impl<T: Real> FilteredArx<T> {
             noise_sd_rad: solution.noise_sd * slower.root(),
             snr_db,
             fit_percent,
-            misfit: self.misfit(solution),
+            misfit: T::zero(),
             rows: self.moments.rows,
         }
     }
@@ -335,7 +340,7 @@ impl<T: Real> FilteredArx<T> {
     fn misfit(&self, solution: &mut Solution<T>) -> T {
         let data = &self.rows.triangle;
         solution.triangle = *data;
-        self.add_prior(&mut solution.triangle, solution.slow_sd, true);
+        self.prior.add_to(&mut solution.triangle, &self.model, solution.slow_sd, true);
         let Ok(nominal) = solution.triangle.solve(UNKNOWNS) else { return T::zero() };
         let more = data.sum_of_squares_at(&nominal) - data.sum_of_squares_at(&solution.theta);
         // Each unknown explains some noise by chance: five standard deviations of it at most.
@@ -384,6 +389,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         rows: Gathered::NONE,
         moments: Moments::new(),
         reference_rad: T::ZERO,
+        expected_rad: T::ZERO,
         clock: T::ZERO,
         greatest_rad: T::ZERO,
         roll_noise: RollNoise::NONE,
@@ -404,8 +410,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
                 self.discretise(interval_s);
             }
             self.clock += interval_s / T::of(DRIFT_S);
-            let signals = [input, roll_rad - self.reference_rad];
-            self.step.advance([&mut self.input, &mut self.roll], signals);
+            self.input.push(&self.step, input);
+            self.roll.push(&self.step, roll_rad - self.reference_rad);
         } else {
             self.started = true;
             // The first roll angle is subtracted, because a large constant would cost digits in
@@ -416,8 +422,10 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
             self.input = StateVariableFilter::at_rest(&self.model, input);
             self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
         }
+        let u = self.input.derivatives(&self.model);
+        self.expected_rad = self.model.response(&u);
         if use_row {
-            self.take_row(input, roll_rad - self.reference_rad, interval_s);
+            self.take_row(&u, [input, roll_rad - self.reference_rad], interval_s);
         }
     }
 
@@ -435,7 +443,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     }
 
     fn expected_roll_rad(&self) -> T {
-        self.model.response(&self.input.derivatives(&self.model))
+        self.expected_rad
     }
 
     /// Deletes the rows but not the states of the filters.

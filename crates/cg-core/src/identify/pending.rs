@@ -4,7 +4,7 @@ use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
 /// Number of rows that are added to the triangle at once.
-pub(crate) const BLOCK: usize = 5;
+const BLOCK: usize = 5;
 
 /// Rows that wait until their block is full. The rest of the block is zero and has no effect.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(crate) const BLOCK: usize = 5;
     ))
 )]
 pub(crate) struct Pending<T, const N: usize> {
-    pub(crate) rows: usize,
+    rows: usize,
     columns: [[T; BLOCK]; N],
     observations: [T; BLOCK],
 }
@@ -28,7 +28,7 @@ impl<T: Real, const N: usize> Pending<T, N> {
         Self { rows: 0, columns: [[zero; BLOCK]; N], observations: [zero; BLOCK] }
     }
 
-    pub(crate) fn push(&mut self, row: [T; N], observation: T) {
+    fn push(&mut self, row: [T; N], observation: T) {
         if let Some(place) = self.observations.get_mut(self.rows) {
             *place = observation;
             for (column, value) in self.columns.iter_mut().zip(row) {
@@ -37,6 +37,19 @@ impl<T: Real, const N: usize> Pending<T, N> {
                 }
             }
             self.rows += 1;
+        }
+    }
+
+    /// Adds a row, and the block to a triangle once it is full.
+    pub(crate) fn push_into<R: Rows<T>>(
+        &mut self,
+        triangle: &mut Triangle<T, N, R>,
+        row: [T; N],
+        observation: T,
+    ) {
+        self.push(row, observation);
+        if self.rows == BLOCK {
+            self.fold_into(triangle);
         }
     }
 

@@ -1,12 +1,14 @@
 //! The prior of the identification.
 
-use crate::identify::unknowns::{DRIFT, DRIFT_S, GAIN, OFFSET};
+use crate::identify::equations::Equations;
+use crate::identify::pending::Pending;
+use crate::identify::unknowns::{DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS, UNKNOWNS};
 use crate::math::real::Real;
 use crate::truck::reduced::{ORDER, Reduced5};
 
 /// Weight of prior rows that fix the dynamics to those of the model. The weight of the data is the
 /// roll angle times the root of the number of rows, which is about 3.
-pub(crate) const HELD: f64 = 1e3;
+const HELD: f64 = 1e3;
 
 /// Prior knowledge of [`FilteredArx`](crate::FilteredArx).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +38,27 @@ impl<T: Real> Prior<T> {
             offset_sd_rad: T::one() / T::zero(),
             drift_sd_radps: T::of(3e-4),
         }
+    }
+
+    /// Adds the prior rows for a residual of standard deviation `noise_sd`. If `held` is true, the
+    /// dynamics are fixed to those of the model.
+    #[inline(never)]
+    pub(crate) fn add_to(
+        &self,
+        triangle: &mut Equations<T>,
+        model: &Reduced5<T>,
+        noise_sd: T,
+        held: bool,
+    ) {
+        let mut pending = Pending::new();
+        for k in 0..UNKNOWNS {
+            if let Some(weight) = self.weight(model, k, noise_sd) {
+                let mut row = [T::zero(); REGRESSORS];
+                row[k] = if held && k < OFFSET { T::of(HELD) } else { weight };
+                pending.push_into(triangle, row, T::zero());
+            }
+        }
+        pending.fold_into(triangle);
     }
 
     /// Weight of the prior row of unknown `k`; the gain has no prior.

@@ -123,10 +123,10 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             let Some((x, right)) = regressors.get_mut(i..).and_then(<[T]>::split_first_mut) else {
                 break;
             };
-            let Some((diagonal, upper)) = self.r.row_mut(i).split_first_mut() else { break };
             if *x == T::zero() {
                 continue;
             }
+            let Some((diagonal, upper)) = self.r.row_mut(i).split_first_mut() else { break };
             // ┌ c  s ┐ ┌ r ┐   ┌ √(r² + x²) ┐
             // └-s  c ┘ └ x ┘ = └     0      ┘
             let length = (*diagonal * *diagonal + *x * *x).root();
@@ -159,16 +159,19 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             let Some((v, right)) = columns.get_mut(j..).and_then(<[_]>::split_first_mut) else {
                 break;
             };
-            let Some((diagonal, upper)) = self.r.row_mut(j).split_first_mut() else { break };
             let tail = dot(v, v);
+            if tail == T::zero() {
+                continue; // the column is zero, or so small that its square underflows
+            }
+            let Some((diagonal, upper)) = self.r.row_mut(j).split_first_mut() else { break };
             // (I − β u uᵀ) (r, v)ᵀ = (α, 0)ᵀ with u = (r − α, v). The sign of α is chosen to avoid
             // cancellation in r − α.
             let length = (*diagonal * *diagonal + tail).root();
             let alpha = if *diagonal > T::zero() { -length } else { length };
             let head = *diagonal - alpha;
             let beta = T::one() / (length * head.abs());
-            if tail == T::zero() || !beta.present() {
-                continue; // the column is zero, or so small that its square underflows
+            if !beta.present() {
+                continue; // likewise
             }
             *diagonal = alpha;
             for (upper, column) in upper.iter_mut().zip(right) {
@@ -263,7 +266,6 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
     fn forward(&self, gradient: &[T; N], n: usize) -> [T; N] {
         let mut w = *gradient;
         for i in 0..N {
-            let row = self.r.row(i);
             let Some((value, rest)) = w.get_mut(i..).and_then(<[T]>::split_first_mut) else {
                 break;
             };
@@ -273,6 +275,7 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
             if *value == T::zero() {
                 continue;
             }
+            let row = self.r.row(i);
             *value /= row.first().copied().unwrap_or(T::one());
             for (x, r) in rest.iter_mut().zip(row.iter().skip(1)) {
                 *x -= *r * *value;
@@ -336,8 +339,12 @@ impl<T: Real, const N: usize, R: Rows<T>> Triangle<T, N, R> {
 /// every target.
 #[inline]
 fn dot<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
+    let ((a, more), (b, others)) = (a.split_at(B.min(4)), b.split_at(B.min(4)));
     let mut lanes = [T::zero(); 4];
-    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
+    for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
+        *lane = *a * *b;
+    }
+    for (a, b) in more.chunks(4).zip(others.chunks(4)) {
         for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
             *lane += *a * *b;
         }

@@ -110,4 +110,14 @@ mod tests {
         }
         assert!(cubic(&axis, 2.9, false).is_none() && cubic(&axis, 17.1, true).is_none());
     }
+    #[test]
+    fn a_polynomial_has_the_coefficients_of_the_law() {
+        let law = |x: f64| 2.0 - x + 0.3 * x * x - 0.01 * x * x * x;
+        let nodes = [-1.5, 0.0, 2.5, 6.5];
+        for (found, known) in polynomial(&nodes, nodes.map(law)).iter().zip([2.0, -1.0, 0.3, -0.01])
+        {
+            // A dozen roundings of numbers up to ten.
+            assert!((found - known).abs() < 1e-13, "{found} {known}");
+        }
+    }
 }

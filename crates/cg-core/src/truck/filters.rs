@@ -122,32 +122,6 @@ impl<T: Real> StepMatrices<T> {
         Self { increment: [a, b, c, d, e], held, ramp }
     }
 
-    /// Advances the filters of several signals to their next samples. They share what is read of this
-    /// step.
-    #[inline]
-    pub(crate) fn advance<const N: usize>(
-        &self,
-        filters: [&mut StateVariableFilter<T>; N],
-        inputs: [T; N],
-    ) {
-        // Added to the state at once, because small numbers lose digits beside it.
-        let mut changes = [[T::zero(); ORDER]; N];
-        for (j, column) in self.increment.iter().enumerate() {
-            for (i, entry) in column.iter().enumerate() {
-                for (change, filter) in changes.iter_mut().zip(&filters) {
-                    change[i] += *entry * filter.state[j];
-                }
-            }
-        }
-        for ((filter, input), change) in filters.into_iter().zip(inputs).zip(changes) {
-            let jump = input - filter.input;
-            for i in 0..ORDER {
-                filter.state[i] += change[i] + self.held[i] * filter.input + self.ramp[i] * jump;
-            }
-            filter.input = input;
-        }
-    }
-
     /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4. Of sums over several
     /// samples, it is the mean product of both sums, the samples' and the filtered signal's, for
     /// independent samples of unit variance.
@@ -245,7 +219,18 @@ impl<T: Real> StateVariableFilter<T> {
     /// Advances to the next sample of the signal.
     #[inline]
     pub fn push(&mut self, step: &StepMatrices<T>, input: T) {
-        step.advance([self], [input]);
+        // Added to the state at once, because small numbers lose digits beside it.
+        let jump = input - self.input;
+        let mut change = [T::zero(); ORDER];
+        for (column, x) in step.increment.iter().zip(self.state) {
+            for (change, entry) in change.iter_mut().zip(column) {
+                *change += *entry * x;
+            }
+        }
+        for i in 0..ORDER {
+            self.state[i] += change[i] + step.held[i] * self.input + step.ramp[i] * jump;
+        }
+        self.input = input;
     }
 
     /// The signal filtered by `sᵏ/B(s)`, k = 0…5.
