@@ -102,7 +102,7 @@ typedef struct cg_design {
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {
-    uint64_t opaque[CG_ESTIMATOR_SIZE 4544/ 8];
+    uint64_t opaque[CG_ESTIMATOR_SIZE / 8];
 } cg_estimator;
 
 /* Return values. */
