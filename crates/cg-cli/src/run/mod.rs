@@ -145,7 +145,7 @@ fn session<W: Write>(
 ) -> anyhow::Result<Session<W>> {
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
-    let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle));
+    let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle)?);
     let mut session = Session::new((design, options), warner, mass_kg, arguments.status_s, outputs);
     session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
@@ -199,14 +199,14 @@ fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
 }
 
 /// How the height is identified.
-fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> EstimateOptions {
-    EstimateOptions {
+fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<EstimateOptions> {
+    Ok(EstimateOptions {
         variant: arguments.truck.model,
         method: arguments.method.method,
-        order: arguments.method.order,
+        order: arguments.method.order()?,
         road: arguments.road.of(vehicle),
         ..EstimateOptions::default()
-    }
+    })
 }
 
 /// What is kept or sent does not say by which method a height was identified.
