@@ -65,6 +65,7 @@ use frames::Frames;
 use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
+use replay::Recording;
 use request::SpeedRequest;
 use serve::Page;
 use session::Session;
@@ -86,6 +87,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let vehicle = arguments.truck.load()?;
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
+    let recording = Recording::open(arguments, &options)?;
     let live = arguments.can.is_some() || arguments.realtime;
     let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
@@ -109,18 +111,18 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
     start.map_or(Ok(()), |start| session.begin(start))?;
-    let reason = match (&arguments.can, &arguments.candump, &arguments.csv) {
-        (Some(interface), ..) => {
+    let reason = match (&arguments.can, recording) {
+        (Some(interface), _) => {
             let address = arguments.transmit.then_some(arguments.transmit_address);
             live::run(interface, address, &mut frames, &mut session, &stop)?
         }
-        (_, Some(path), _) => {
-            let bus = options.can.bus.clone();
-            replay::candump(path, bus, arguments.realtime, &mut frames, &mut session, &stop)?
+        (_, Some(Recording::Frames(path, file))) => {
+            let (bus, log) = (options.can.bus.clone(), (path, file));
+            replay::candump(log, bus, arguments.realtime, &mut frames, &mut session, &stop)?
         }
-        (.., Some(path)) => {
-            let mut presence = Presence::new(&settings, mass_is_given, &[]);
-            replay::csv(path, arguments.realtime, &options, &mut presence, &mut session, &stop)?
+        (_, Some(Recording::Rows(path, rows))) => {
+            let (mut presence, log) = (Presence::new(&settings, mass_is_given, &[]), (path, rows));
+            replay::csv(log, arguments.realtime, &options, &mut presence, &mut session, &stop)?
         }
         _ => "no source",
     };
