@@ -208,7 +208,8 @@ fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<Esti
         order: arguments.method.order()?,
         road: arguments.road.of(vehicle),
         ..EstimateOptions::default()
-    })
+    }
+    .with_file(vehicle))
 }
 
 /// What is kept or sent does not say by which method a height was identified.
