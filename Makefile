@@ -22,9 +22,9 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 # The program, the Python package and the tests are one build, that of the dev profile. The tests of one part run while
 # another part is built. The last two measure times, have the release build and run alone.
-test: tools port-tools fmt lint
+test: tools port-tools armhf-tools fmt lint
 	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware
-	$(MAKE) --jobs=3 --output-sync=target arm windows deb
+	$(MAKE) --jobs=3 --output-sync=target arm armhf windows deb
 	$(MAKE) guest bench-short
 	@echo "all checks passed"
 
@@ -37,9 +37,9 @@ tools:
 	rustup component add clippy rustfmt
 	$(call install,chromium:chromium chromedriver:chromium-driver java:default-jre-headless)
 
-# Installs packages whose command is missing: $(call install,command:package ...,options of apt-get).
+# Installs packages whose command or file is missing: $(call install,command:package ...,options of apt-get).
 install = @missing=; for need in $(1); do \
-	command -v $${need%%:*} >/dev/null || missing="$$missing $${need\#\#*:}"; done; \
+	command -v $${need%%:*} >/dev/null || [ -e $${need%%:*} ] || missing="$$missing $${need\#\#*:}"; done; \
 	[ -z "$$missing" ] || { $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq $(2) $$missing; }
 
 fmt:
@@ -96,7 +96,7 @@ arm: cg port-tools
 	$(PORT) --target $(ARM64)
 	$(COMPARE) --quick target/debug/cg qemu-aarch64 target/$(ARM64)/debug/cg
 
-# The same for ARM with 32 bits; not in `make test`, which has no time for it.
+# The same for ARM with 32 bits.
 armhf: cg armhf-tools
 	$(PORT) --target $(ARMHF)
 	$(COMPARE) --quick target/debug/cg qemu-arm target/$(ARMHF)/debug/cg
@@ -127,7 +127,8 @@ port-tools:
 
 armhf-tools:
 	rustup target add $(ARMHF)
-	$(call install,qemu-arm:qemu-user arm-linux-gnueabihf-gcc:gcc-arm-linux-gnueabihf,--no-install-recommends)
+	$(call install,qemu-arm:qemu-user arm-linux-gnueabihf-gcc:gcc-arm-linux-gnueabihf \
+	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute. An emulated
 # processor can keep up with that in the release profile only.
@@ -182,7 +183,8 @@ dist-program:
 	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
 
 dist-arm: dist-program port-tools armhf-tools
-	$(call install,aarch64-linux-gnu-gcc:gcc-aarch64-linux-gnu,--no-install-recommends)
+	$(call install,aarch64-linux-gnu-gcc:gcc-aarch64-linux-gnu \
+	  /usr/aarch64-linux-gnu/include/stdlib.h:libc6-dev-arm64-cross,--no-install-recommends)
 	$(call dist-static,$(ARM64))
 	$(call dist-static,$(ARMHF))
 	$(PYTHON) ports/compare.py target/$(STATIC)/dist/cg qemu-aarch64 target/$(ARM64)/dist/cg

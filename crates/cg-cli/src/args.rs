@@ -1,6 +1,7 @@
 //! Arguments that several commands share.
 
-use cg_logs::estimate::Method;
+use anyhow::bail;
+use cg_logs::estimate::{EstimateOptions, Method};
 use cg_logs::log::{ColumnMap, LogOptions, Signal};
 use cg_vehicle::{Load, Vehicle};
 use clap::{Args, ValueEnum};
@@ -32,9 +33,23 @@ pub(crate) struct MethodArgs {
     /// Method by which the DC ratio is identified
     #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
     pub(crate) method: Method,
-    /// Order of the classical ARX (for --method arx)
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = order)]
-    pub(crate) order: usize,
+    /// Order of the classical ARX (for --method arx) [default: 5]
+    #[arg(long, value_name = "N", value_parser = order)]
+    order: Option<usize>,
+}
+
+impl MethodArgs {
+    /// The order, which only the classical ARX has.
+    pub(crate) fn order(&self) -> anyhow::Result<usize> {
+        match self.order {
+            Some(order) if self.method != Method::Arx => bail!(
+                "--order {order}: the method \"{}\" has no order to choose; give --method arx too, or remove \
+                 --order",
+                self.method
+            ),
+            order => Ok(order.unwrap_or_else(|| EstimateOptions::default().order)),
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     let options = EstimateOptions {
         variant: arguments.truck.model,
         method: arguments.method.method,
-        order: arguments.method.order,
+        order: arguments.method.order()?,
         channel: arguments.channel.into(),
         speed_mps: arguments.speed_mps,
         trailer_mass_kg: arguments.trailer_mass_kg,

@@ -12,7 +12,7 @@
 //! | `calibrate` | `calibrate_files`: calibration from logs and from trips with the empty trailer |
 //! | `stream` | `Stream`: the estimator, row by row |
 //! | `scenario`, `simulate` | `simulate_log`, `score_accuracy`: logs with known truth |
-//! | `plant` | `Plant`: the nonlinear plant, step by step |
+//! | `plant` | `Plant`: the nonlinear plant, step by step; `restore_plant` |
 //! | `write` | `write_file`, `copy_file`, `may_write`: writing of log files |
 //! | `report` | `trace_arrays`, `write_report`, `may_write_report`: the report of many logs |
 //! | `can` | `FrameTable`, `FrameStream`: rows and estimates from CAN frames |
@@ -66,7 +66,7 @@ mod _native {
     #[pymodule_export]
     use crate::log::{estimate_file, read_file, read_frames, resolve_columns, signals};
     #[pymodule_export]
-    use crate::plant::Plant;
+    use crate::plant::{Plant, restore_plant};
     #[pymodule_export]
     use crate::prepare::prepare;
     #[pymodule_export]

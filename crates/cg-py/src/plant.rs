@@ -3,12 +3,13 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use cg_logs::log::Signal;
-use cg_plant::plant::{Driver, DriverSettings, Ground, Path, Progress};
+use cg_plant::plant::{Driver, DriverMoment, DriverSettings, Ground, Moment, Path, Progress};
 use cg_plant::simulate::{PlantInput, PlantRun, PlantStart};
+use cg_vehicle::Load;
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::error::{in_python, value_error, vehicle_error};
 use crate::scenario::load;
@@ -23,7 +24,8 @@ const TRACES: [&str; 4] = ["steer_rad", "speed_mps", "bank_rad", "grade_rad"];
 /// The nonlinear plant of a loaded vehicle that drives, step by step.
 ///
 /// It starts straight ahead in equilibrium at time zero, at the origin, along x. Its speed and its
-/// steer angle are prescribed; a driver may steer instead.
+/// steer angle are prescribed; a driver may steer instead. A copy (`copy.copy`, `copy.deepcopy`) or a pickle
+/// goes on to the last bit as the original would; a pickle can be read by the version that wrote it.
 ///
 /// Parameters
 /// ----------
@@ -52,7 +54,36 @@ const TRACES: [&str; 4] = ["steer_rad", "speed_mps", "bank_rad", "grade_rad"];
 #[pyclass(frozen, module = "cgheight")]
 pub(crate) struct Plant {
     state: Mutex<State>,
+    source: Source,
 }
+
+/// What it was made of.
+struct Source {
+    vehicle: Py<Vehicle>,
+    start: PlantStart,
+    path_m: Option<Vec<[f64; 2]>>,
+}
+
+impl Source {
+    fn state(&self, py: Python<'_>) -> PyResult<State> {
+        let vehicle = &self.vehicle.get().inner;
+        let run = py.detach(|| PlantRun::new(vehicle, &self.start)).map_err(vehicle_error)?;
+        let driver = self.path_m.as_ref().map(|points_m| -> PyResult<Driver> {
+            let path = path(points_m)?;
+            run.driver(path, DriverSettings::default()).map_err(vehicle_error)
+        });
+        let driver = driver.transpose()?;
+        Ok(State { run, driver })
+    }
+
+    fn clone_ref(&self, py: Python<'_>) -> Self {
+        let Self { ref vehicle, start, ref path_m } = *self;
+        Self { vehicle: vehicle.clone_ref(py), start, path_m: path_m.clone() }
+    }
+}
+
+/// What changes with every step, and is pickled.
+type Now = (Moment, Option<DriverMoment>);
 
 #[derive(Clone)]
 struct State {
@@ -61,6 +92,19 @@ struct State {
 }
 
 impl State {
+    fn now(&self) -> Now {
+        (self.run.simulation().moment(), self.driver.as_ref().map(Driver::moment))
+    }
+
+    fn go_on_from(&mut self, (moment, driving): &Now) -> PyResult<()> {
+        self.run.go_on_from(moment).map_err(vehicle_error)?;
+        match (&mut self.driver, driving) {
+            (Some(driver), Some(driving)) => driver.go_on_from(driving).map_err(vehicle_error),
+            (None, None) => Ok(()),
+            _ => Err(damaged("it has a driver and no path, or a path and no driver")),
+        }
+    }
+
     /// Drives on to these values of the traces; NaN remains as it is, and as steer angle is that of the
     /// driver.
     fn step(&mut self, wish: [f64; 4], interval_s: f64) -> Result<(), String> {
@@ -154,7 +198,7 @@ impl Plant {
         grade_rad: f64,
         path_m: Option<Vec<[f64; 2]>>,
     ) -> PyResult<Self> {
-        let vehicle = &vehicle.get().inner;
+        let (handle, vehicle) = (vehicle.clone().unbind(), &vehicle.get().inner);
         let usual = PlantStart::of(vehicle);
         let start = PlantStart {
             load: load(vehicle, height_m, trailer_mass_kg, payload_kg)?,
@@ -164,13 +208,8 @@ impl Plant {
             bank_rad,
             grade_rad,
         };
-        let run = py.detach(|| PlantRun::new(vehicle, &start)).map_err(vehicle_error)?;
-        let driver = path_m.map(|points_m| -> PyResult<Driver> {
-            let path = path(&points_m)?;
-            run.driver(path, DriverSettings::default()).map_err(vehicle_error)
-        });
-        let driver = driver.transpose()?;
-        Ok(Self { state: Mutex::new(State { run, driver }) })
+        let source = Source { vehicle: handle, start, path_m };
+        Ok(Self { state: Mutex::new(source.state(py)?), source })
     }
 
     /// Drive on for a time.
@@ -290,11 +329,37 @@ impl Plant {
     }
 
     fn __copy__(&self, py: Python<'_>) -> Self {
-        Self { state: Mutex::new(self.lock(py).clone()) }
+        Self { state: Mutex::new(self.lock(py).clone()), source: self.source.clone_ref(py) }
     }
 
     fn __deepcopy__(&self, py: Python<'_>, _memo: Bound<'_, PyAny>) -> Self {
         self.__copy__(py)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Restored<'py>)> {
+        let restore = py.import("cgheight._native")?.getattr("restore_plant")?;
+        let now = self.lock(py).now();
+        let bytes = postcard::to_stdvec(&now).map_err(|error| value_error(error.to_string()))?;
+        let Source { vehicle, start, path_m } = self.source.clone_ref(py);
+        let PlantStart {
+            load,
+            payload_behind_hitch_m,
+            payload_left_m,
+            speed_mps,
+            bank_rad,
+            grade_rad,
+        } = start;
+        let start = [
+            load.trailer_mass_kg,
+            load.cg_height_m,
+            payload_behind_hitch_m,
+            payload_left_m,
+            speed_mps,
+            bank_rad,
+            grade_rad,
+        ];
+        let version = env!("CARGO_PKG_VERSION").to_owned();
+        Ok((restore, (version, vehicle, start, path_m, PyBytes::new(py, &bytes))))
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
@@ -303,6 +368,44 @@ impl Plant {
         let upright = if run.progress() == Progress::Running { "" } else { ", rolled over" };
         format!("Plant({:.3} s, {:.2} m/s{upright})", run.time_s(), run.control().speed_mps)
     }
+}
+
+/// The arguments of [`restore_plant`].
+type Restored<'py> = (String, Py<Vehicle>, [f64; 7], Option<Vec<[f64; 2]>>, Bound<'py, PyBytes>);
+
+/// Return a plant in the state in which it was pickled: the version that wrote it, the vehicle, load and start, the path
+/// and the state.
+#[pyfunction]
+#[pyo3(signature = (version, vehicle, start, path_m, state, /))]
+pub(crate) fn restore_plant(
+    py: Python<'_>,
+    version: &str,
+    vehicle: Py<Vehicle>,
+    start: [f64; 7],
+    path_m: Option<Vec<[f64; 2]>>,
+    state: &[u8],
+) -> PyResult<Plant> {
+    if version != env!("CARGO_PKG_VERSION") {
+        return Err(value_error(format!(
+            "this Plant was pickled by cgheight {version}, and this is {}, whose state is another one: drive \
+             a new Plant",
+            env!("CARGO_PKG_VERSION")
+        )));
+    }
+    let [trailer_mass_kg, cg_height_m, start @ ..] = start;
+    let [payload_behind_hitch_m, payload_left_m, speed_mps, bank_rad, grade_rad] = start;
+    let load = Load { trailer_mass_kg, cg_height_m };
+    let start =
+        PlantStart { load, payload_behind_hitch_m, payload_left_m, speed_mps, bank_rad, grade_rad };
+    let now: Now = postcard::from_bytes(state).map_err(|error| damaged(&error.to_string()))?;
+    let source = Source { vehicle, start, path_m };
+    let mut state = source.state(py)?;
+    state.go_on_from(&now)?;
+    Ok(Plant { state: Mutex::new(state), source })
+}
+
+fn damaged(reason: &str) -> PyErr {
+    value_error(format!("the state of a plant is damaged: {reason}"))
 }
 
 /// The path through points, which must lead somewhere.

@@ -201,6 +201,34 @@ def test_the_plant_drives_as_cg_simulate(fmus, tmp_path):
         assert np.max(np.abs(values - log[name])) <= 1e-9, name
 
 
+def test_every_input_and_parameter_is_that_of_its_name(fmus, kraz):
+    """Each has a value of its own, so that two that are crossed give another drive."""
+    load = {
+        "payload_kg": 12e3,
+        "height_m": 1.9,
+        "payload_behind_hitch_m": 5.5,
+        "payload_left_m": 0.1,
+    }
+    start = {"bank_rad": 0.01, "grade_rad": -0.03}
+    later = {"bank_rad": -0.02, "grade_rad": 0.04}
+    assert [*load] == fmus["plant"].names("parameter")
+    assert ["steer_demand_rad", "speed_demand_mps", *start] == fmus["plant"].names("input")
+    one = fmus["plant"].instance().start(**load, **start, speed_demand_mps=12.0)
+    plant = Plant(kraz, **load, **start, speed_mps=12.0)
+    columns = [name for name in plant.states if name in fmus["plant"].by_name]
+    assert len(columns) > 30
+    for k in range(1, 200):
+        steer_rad, speed_mps = 2e-4 * k, 12.0 + 0.01 * k
+        one.set(steer_demand_rad=steer_rad, speed_demand_mps=speed_mps, **later)
+        one.slave.doStep((k - 1) / 100, 0.01)
+        plant.step(steer_rad, 0.01, speed_mps=speed_mps, **later)
+        # Rounding: the times of the FMU are multiples of the step, those of the plant a sum.
+        expected = [plant.states[name] for name in columns]
+        assert one.get(*columns) == pytest.approx(expected, rel=1e-9, abs=1e-9), k
+    assert plant.states["tractor_roll_rad"] != pytest.approx(0.0, abs=1e-3)
+    one.free()
+
+
 def turn(now_s: float) -> float:
     """Return the steer angle of a turn to the left that begins at 3 s and ends at 12 s."""
     return float(np.interp(now_s, [3.0, 4.0, 12.0, 13.0], [0.0, 0.03, 0.03, 0.0]))

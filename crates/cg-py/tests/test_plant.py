@@ -1,4 +1,4 @@
-"""The plant steps, and estimators copy and pickle."""
+"""The plant steps; plants and estimators copy and pickle."""
 
 from __future__ import annotations
 
@@ -100,16 +100,53 @@ def test_a_vehicle_that_rolls_over_stays(baseline):
     assert plant.states == there
 
 
-@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy])
-def test_a_copy_of_the_plant_goes_its_own_way(baseline, duplicate):
-    plant = Plant(baseline, path_m=[(0, 0), (50, 0), (100, 20)])
-    plant.drive(np.full(20, np.nan), 0.1)
+DUPLICATES = {
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda one: pickle.loads(pickle.dumps(one)),
+}
+
+
+@pytest.mark.parametrize("duplicate", DUPLICATES.values(), ids=DUPLICATES)
+@pytest.mark.parametrize("count", [0, 20])
+def test_a_copy_of_the_plant_goes_its_own_way(kraz, duplicate, count):
+    load = {**LOAD, "payload_behind_hitch_m": 5.5, "payload_left_m": 0.1}
+    path_m = [(0, 0), (50, 0), (100, 20)]
+    plant = Plant(kraz, **load, speed_mps=12.0, bank_rad=0.01, grade_rad=0.02, path_m=path_m)
+    plant.drive(np.full(count, np.nan), 0.1, bank_rad=np.linspace(0.01, 0.03, count))
     other = duplicate(plant)
     here = plant.states
+    assert (other.states, other.signals) == (here, plant.signals)
     other.drive(np.full(30, np.nan), 0.1)
     assert plant.states == here
+    assert repr(other) != repr(plant)
     plant.drive(np.full(30, np.nan), 0.1)
     assert plant.states == other.states
+    # A copy of a copy, which the driver leaves.
+    third = duplicate(other)
+    third.drive([0.02] * 10, 0.05)
+    other.drive([0.02] * 10, 0.05)
+    assert third.states == other.states
+
+
+def test_a_pickled_plant_that_rolled_over_stays(baseline):
+    plant = Plant(baseline, height_m=2.4, speed_mps=25.0)
+    plant.drive(np.full(200, 0.1), 0.05)
+    other = pickle.loads(pickle.dumps(plant))
+    assert other.rolled_over
+    other.step(0.0, 1.0)
+    assert (other.states, other.time_s) == (plant.states, plant.time_s)
+
+
+def test_the_plant_of_another_version_or_a_damaged_one_is_refused(baseline):
+    restore, (version, *parts, state) = Plant(baseline).__reduce__()
+    with pytest.raises(ValueError, match=r"this Plant was pickled by cgheight 0\.0\.1, and"):
+        restore("0.0.1", *parts, state)
+    with pytest.raises(ValueError, match="the state of a plant is damaged"):
+        restore(version, *parts, state[:100])
+    with_driver = Plant(baseline, path_m=[(0, 0), (50, 0)]).__reduce__()[1][-1]
+    with pytest.raises(ValueError, match="a driver and no path"):
+        restore(version, *parts, with_driver)
 
 
 @pytest.mark.parametrize(
@@ -146,11 +183,7 @@ def test_a_drive_that_fails_leaves_the_plant_where_it_was(baseline):
 
 
 @pytest.mark.parametrize("method", ["filtered", "arx", "gain", cgheight.Arx(3)])
-@pytest.mark.parametrize(
-    "duplicate",
-    [copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))],
-    ids=["copy", "deepcopy", "pickle"],
-)
+@pytest.mark.parametrize("duplicate", DUPLICATES.values(), ids=DUPLICATES)
 def test_a_copy_of_an_estimator_goes_on_to_the_last_bit(kraz, turn, method, duplicate):
     rows = [dict(zip(turn, row, strict=True)) for row in zip(*turn.values(), strict=True)]
     alone = Estimator(kraz, method=method)

@@ -88,13 +88,52 @@ def test_trips_are_whole_however_their_rows_arrive(rows):
         "x": list(range(13)),
         "note": ["text"] * 13,
     })  # fmt: skip
-    found = _complete_trips(iter(table.to_batches(rows)), "trip", "t")
+    found = list(_complete_trips(iter(table.to_batches(rows)), "trip", "t"))
+    assert all(found)
     trips = [trip for complete in found for trip in complete]
     assert [name for name, _ in trips] == ["a", "None", "b", "c"]
     assert [log["x"].tolist() for _, log in trips] == [
         [1, 2, 0, 3], [4], [5, 6, 7, 8, 9], [12, 11, 10],
     ]  # fmt: skip
     assert all(list(log) == ["t", "x"] for _, log in trips)
+
+
+def test_a_partition_without_rows_has_no_trips():
+    empty = pa.table({"trip": pa.array([], pa.string()), "t": pa.array([], pa.float64())})
+    for batches in ([], empty.to_batches(), [pa.RecordBatch.from_pylist([], empty.schema)] * 2):
+        assert list(_complete_trips(iter(batches), "trip", "t")) == []
+
+
+def test_no_more_rows_are_read_than_the_trip_needs():
+    table = pa.table({"trip": list("aaabbbccc"), "t": np.arange(9.0)})
+    read = []
+    batches = table.to_batches(2)  # aa ab bb cc c
+    found = _complete_trips((read.append(batch) or batch for batch in batches), "trip", "t")
+    seen = [([name for name, _ in complete], len(read)) for complete in found]
+    assert seen == [(["a"], 2), (["b"], 4), (["c"], 5)]
+
+
+def test_columns_that_may_be_signals_are_kept_in_the_order_of_time():
+    count = 40  # numpy's quicksort keeps the order of 16 equal rows and fewer
+    times = pa.array([f"{1 - k % 2}" for k in range(count)])
+    numbers = pa.array(range(count))
+    table = pa.table({
+        "trip": pa.array([7] * count),
+        "t": times,
+        "float": numbers.cast(pa.float32()),
+        "integer": numbers,
+        "decimal": numbers.cast(pa.decimal128(20, 1)),
+        "stamp": numbers.cast(pa.timestamp("us")),
+        "duration": numbers.cast(pa.duration("us")),
+        "text": times,
+        "flag": [True] * count,
+    })  # fmt: skip
+    [[(name, log)]] = _complete_trips(iter(table.to_batches()), "trip", "t")
+    assert name == "7"
+    assert list(log) == ["t", "float", "integer", "decimal", "stamp", "duration"]
+    assert log["t"].tolist() == ["0"] * 20 + ["1"] * 20
+    for kept in ("float", "integer", "decimal"):
+        assert [int(x) for x in log[kept]] == [*range(1, count, 2), *range(0, count, 2)]
 
 
 def test_a_calibrated_vehicle_travels_and_bad_files_are_rejected_not_fatal(spark, kraz, tmp_path):

@@ -15,6 +15,7 @@
 //! | [`tables`], [`characteristics`] | measured springs and tires in the file, and their evaluation | Tables 2.3–2.9 |
 //! | [`slip`] | the cornering stiffness of a tire with a slip table | – |
 //! | [`twisting`] | a semitrailer whose frame twists | – |
+//! | [`assumptions`] | what a vehicle file says that no measurement contradicts | – |
 //! | [`matrix`] | eigenvalues and exponential of a matrix | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
@@ -71,6 +72,7 @@ pub mod guide;
 mod measured_springs;
 mod leveled;
 pub mod twisting;
+pub mod assumptions;
 pub mod matrix;
 pub mod system;
 mod output_error;

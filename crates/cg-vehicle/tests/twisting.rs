@@ -4,6 +4,7 @@
 mod common;
 
 use cg_core::Channel;
+use cg_vehicle::assumptions::Assumption;
 use cg_vehicle::belief::{Belief, Parameter};
 use cg_vehicle::equations::Equations;
 use cg_vehicle::linear::{LinearModel, SteadyLines};
@@ -180,4 +181,35 @@ fn the_printed_model_refuses_a_twisting_frame() {
     vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(1e6);
     let error = Equations::new(&vehicle, Variant::AsPrinted, SPEED_MPS, load).unwrap_err();
     assert!(error.to_string().contains("frame_torsional_stiffness_nm_per_rad"), "{error}");
+}
+
+/// A note stands on what would change the height if it were otherwise, and on nothing else.
+#[test]
+fn what_nothing_contradicts_is_noted() {
+    const AT_FRONT: Option<f64> = Some(0.5);
+    let keys = |vehicle: &Vehicle| -> Vec<_> {
+        Assumption::of(vehicle).into_iter().map(|one| one.key).collect()
+    };
+    let of = |stiffness: Option<f64>, place_m: Option<f64>| {
+        let mut vehicle = euro(stiffness);
+        vehicle.sensors.roll.behind_hitch_m = place_m;
+        let ratio = exact(&vehicle, load(16e3, 1.7))[Channel::LateralAcceleration.index()];
+        (keys(&vehicle), ratio)
+    };
+    let (rigid, over_axles) = of(Some(RIGID_NM_PER_RAD), None);
+    assert_eq!(rigid, ["trailer.frame_torsional_stiffness_nm_per_rad"]);
+    let (with_place, at_front) = of(Some(RIGID_NM_PER_RAD), AT_FRONT);
+    assert_eq!(with_place, rigid);
+    // A rigid frame rolls alike everywhere; 1e-9 is rounding.
+    assert!((at_front / over_axles - 1.0).abs() < 1e-9, "{at_front} {over_axles}");
+    for stiffness in [None, Some(3e6), Some(6e5)] {
+        let (absent, twisting_over_axles) = of(stiffness, None);
+        let (given, twisting_at_front) = of(stiffness, AT_FRONT);
+        assert_eq!(absent, ["sensors.roll.behind_hitch_m"], "{stiffness:?}");
+        assert!(given.is_empty(), "{stiffness:?} {given:?}");
+        // The height follows the ratio; 1 % of it matters beside the errors in README.md.
+        let by = [twisting_over_axles / over_axles, twisting_at_front / twisting_over_axles];
+        println!("{stiffness:?}: twisted {:.3}, at the front {:.3}", by[0], by[1]);
+        assert!(by.iter().all(|by| (by - 1.0).abs() > 0.01), "{stiffness:?} {by:?}");
+    }
 }

@@ -65,6 +65,7 @@ use frames::Frames;
 use learning::Start;
 use outputs::Outputs;
 use presence::Presence;
+use replay::Recording;
 use request::SpeedRequest;
 use serve::Page;
 use session::Session;
@@ -86,6 +87,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let vehicle = arguments.truck.load()?;
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
+    let recording = Recording::open(arguments, &options)?;
     let live = arguments.can.is_some() || arguments.realtime;
     let settings = vehicle.align_settings();
     let mass_is_given = arguments.trailer_mass_kg.is_some();
@@ -109,18 +111,18 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
     start.map_or(Ok(()), |start| session.begin(start))?;
-    let reason = match (&arguments.can, &arguments.candump, &arguments.csv) {
-        (Some(interface), ..) => {
+    let reason = match (&arguments.can, recording) {
+        (Some(interface), _) => {
             let address = arguments.transmit.then_some(arguments.transmit_address);
             live::run(interface, address, &mut frames, &mut session, &stop)?
         }
-        (_, Some(path), _) => {
-            let bus = options.can.bus.clone();
-            replay::candump(path, bus, arguments.realtime, &mut frames, &mut session, &stop)?
+        (_, Some(Recording::Frames(path, file))) => {
+            let (bus, log) = (options.can.bus.clone(), (path, file));
+            replay::candump(log, bus, arguments.realtime, &mut frames, &mut session, &stop)?
         }
-        (.., Some(path)) => {
-            let mut presence = Presence::new(&settings, mass_is_given, &[]);
-            replay::csv(path, arguments.realtime, &options, &mut presence, &mut session, &stop)?
+        (_, Some(Recording::Rows(path, rows))) => {
+            let (mut presence, log) = (Presence::new(&settings, mass_is_given, &[]), (path, rows));
+            replay::csv(log, arguments.realtime, &options, &mut presence, &mut session, &stop)?
         }
         _ => "no source",
     };
@@ -145,7 +147,7 @@ fn session<W: Write>(
 ) -> anyhow::Result<Session<W>> {
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
-    let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle));
+    let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle)?);
     let mut session = Session::new((design, options), warner, mass_kg, arguments.status_s, outputs);
     session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;
@@ -199,14 +201,15 @@ fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
 }
 
 /// How the height is identified.
-fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> EstimateOptions {
-    EstimateOptions {
+fn identification(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<EstimateOptions> {
+    Ok(EstimateOptions {
         variant: arguments.truck.model,
         method: arguments.method.method,
-        order: arguments.method.order,
+        order: arguments.method.order()?,
         road: arguments.road.of(vehicle),
         ..EstimateOptions::default()
     }
+    .with_file(vehicle))
 }
 
 /// What is kept or sent does not say by which method a height was identified.

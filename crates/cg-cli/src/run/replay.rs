@@ -11,6 +11,7 @@ use cg_logs::can::{CandumpReader, Clock};
 use cg_logs::log::{LogOptions, LogReader, LogRow, Signal};
 use cg_vehicle::scales::Scale;
 
+use super::args::RunArgs;
 use super::frames::Frames;
 use super::pace::too_slow;
 use super::presence::Presence;
@@ -36,25 +37,81 @@ impl Pace {
     }
 }
 
-fn open(path: &Path) -> anyhow::Result<(String, Box<dyn Read + Send>)> {
-    if path.as_os_str() == "-" {
-        return Ok(("standard input".to_owned(), Box::new(io::stdin())));
+/// A recorded drive. A file is opened before anything is written, so that one that cannot be read leaves nothing. What
+/// comes in through a pipe may take long to begin, and is opened when it is replayed.
+pub(crate) enum Recording<'a> {
+    /// Lines of candump.
+    Frames(&'a Path, Option<File>),
+    /// A CSV log.
+    Rows(&'a Path, Option<LogReader>),
+}
+
+impl<'a> Recording<'a> {
+    /// The recording that the arguments name, if they name one.
+    pub(crate) fn open(
+        arguments: &'a RunArgs,
+        options: &LogOptions,
+    ) -> anyhow::Result<Option<Self>> {
+        Ok(match (&arguments.candump, &arguments.csv) {
+            (Some(path), _) if is_pipe(path) => Some(Self::Frames(path, None)),
+            (Some(path), _) => Some(Self::Frames(path, Some(open(path)?))),
+            (_, Some(path)) if is_pipe(path) => Some(Self::Rows(path, None)),
+            (_, Some(path)) => Some(Self::Rows(path, Some(rows(path, options)?))),
+            (None, None) => None,
+        })
     }
-    let name = path.display().to_string();
-    let file = File::open(path).with_context(|| format!("{name}: cannot be read"))?;
-    Ok((name, Box::new(file)))
+}
+
+fn is_pipe(path: &Path) -> bool {
+    is_standard_input(path)
+        || path.metadata().is_ok_and(|about| !about.is_file() && !about.is_dir())
+}
+
+fn is_standard_input(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn name(path: &Path) -> String {
+    if is_standard_input(path) { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+fn open(path: &Path) -> anyhow::Result<File> {
+    let file = File::open(path).with_context(|| format!("{}: cannot be read", name(path)))?;
+    if file.metadata().is_ok_and(|about| about.is_dir()) {
+        bail!("{}: is a folder; give the file of one drive", name(path));
+    }
+    Ok(file)
+}
+
+/// The reader of a CSV log, which has read the header.
+fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<LogReader> {
+    let name = name(path);
+    let reader = if is_standard_input(path) {
+        LogReader::from_reader(&name, Box::new(io::stdin()), options)?
+    } else {
+        LogReader::open(path, options)?
+    };
+    if reader.is_of_frames() {
+        bail!("{name}: the log contains CAN frames; give it with --candump instead of --csv");
+    }
+    Ok(reader)
 }
 
 /// Replays a candump log. Invalid lines are skipped, counted and reported once.
 pub(crate) fn candump<W: Write>(
-    path: &Path,
+    (path, opened): (&Path, Option<File>),
     bus: Option<String>,
     realtime: bool,
     frames: &mut Frames,
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
-    let (name, input) = open(path)?;
+    let name = name(path);
+    let input: Box<dyn Read> = match opened {
+        Some(file) => Box::new(file),
+        None if is_standard_input(path) => Box::new(io::stdin()),
+        None => Box::new(open(path)?),
+    };
     let mut reader = CandumpReader::new(BufReader::new(input), bus);
     let mut pace = Pace { began: None, realtime };
     loop {
@@ -77,23 +134,15 @@ pub(crate) fn candump<W: Write>(
 
 /// Replays a CSV log. Invalid rows are skipped, counted and reported once.
 pub(crate) fn csv<W: Write>(
-    path: &Path,
+    (path, opened): (&Path, Option<LogReader>),
     realtime: bool,
     options: &LogOptions,
     presence: &mut Presence,
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
-    let (name, input) = open(path)?;
-    let reader = if path.as_os_str() == "-" {
-        LogReader::from_reader(&name, input, options)?
-    } else {
-        LogReader::open(path, options)?
-    };
+    let reader = opened.map_or_else(|| rows(path, options), Ok)?;
     let mut reader = reader.over_bad_rows();
-    if reader.is_of_frames() {
-        bail!("{name}: the log contains CAN frames; give it with --candump instead of --csv");
-    }
     let settings = options.settings.unwrap_or_default();
     let mut clock = Clock::default();
     let mut pace = Pace { began: None, realtime };

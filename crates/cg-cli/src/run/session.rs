@@ -6,7 +6,7 @@ use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, Verdict};
+use cg_logs::estimate::{Engine, EstimateOptions, Leaning, Verdict};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -51,6 +51,8 @@ pub(crate) struct Session<W: Write> {
     /// Last speed, m/s; NaN before the first one.
     speed_mps: f64,
     load_since_s: Option<f64>,
+    /// The roll angle in straight driving; `None` after a lean of this load is reported.
+    leaning: Option<Leaning>,
     driving: &'static str,
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
@@ -105,6 +107,7 @@ impl<W: Write> Session<W> {
             warner,
             request: None,
             load_since_s: None,
+            leaning: Some(Leaning::default()),
             driving: "waiting",
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
@@ -203,6 +206,9 @@ impl<W: Write> Session<W> {
             // Clock and aligner prevent decreasing times. If there is one, the sample is not used.
             Err(SampleError::TimeOrder { .. } | _) => return Ok(()),
         };
+        if let Some(leaning) = &mut self.leaning {
+            leaning.push(sample, step.status);
+        }
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
         }
@@ -274,6 +280,7 @@ impl<W: Write> Session<W> {
         let since_s = since_us.map(|us| self.time_s(us));
         if since_us == Some(maneuver.end_us) {
             self.load_since_s = since_s;
+            self.leaning = Some(Leaning::default());
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
         }
@@ -288,7 +295,17 @@ impl<W: Write> Session<W> {
         let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
         self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
+        self.report_lean()?;
         self.save()
+    }
+
+    /// Reports once for each load that the trailer leans in straight driving.
+    fn report_lean(&mut self) -> io::Result<()> {
+        let mass_kg = self.known.trailer_mass_kg;
+        let found = self.leaning.and_then(|leaning| leaning.message(self.options.lean, mass_kg));
+        let Some(message) = found else { return Ok(()) };
+        self.leaning = None;
+        self.notice("lean", &message)
     }
 
     /// Begins to learn from empty driving.

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use anyhow::Context;
 use cg_core::Channel;
+use cg_vehicle::assumptions::Assumption;
 use cg_vehicle::balance::{StaticBalance, static_balance};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::design::design;
@@ -145,6 +146,8 @@ fn describe(report: &Report) -> Value {
         });
         object["second_roll_sensor"] = json!({ "file": file, "best": best });
     }
+    let notes = Assumption::of(vehicle);
+    object["notes"] = notes.iter().map(|one| json!({ "key": one.key, "note": one.note })).collect();
     object["tyres"] = report
         .tyres
         .iter()
@@ -183,6 +186,9 @@ fn print(out: &mut impl Write, report: &Report) -> std::io::Result<()> {
         n => format!("{n} warnings, see above"),
     };
     writeln!(out, "{}: {findings}", report.vehicle.name)?;
+    for one in Assumption::of(&report.vehicle) {
+        writeln!(out, "Note on {}: {}", one.key, one.note)?;
+    }
     let [empty, laden] = &report.loads;
     writeln!(
         out,

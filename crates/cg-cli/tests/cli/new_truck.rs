@@ -103,6 +103,29 @@ fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
     }
 }
 
+/// The frame of kraz is rigid in its file; a template says nothing of frame and sensor.
+#[test]
+fn the_check_notes_what_nothing_else_tells() {
+    let scratch = Scratch::new();
+    let template = new(&scratch, KINDS[0]);
+    let known = std::fs::read_to_string(&template).unwrap();
+    let known = known.replacen("#[sensors.roll]\n#behind", "[sensors.roll]\nbehind", 1);
+    let known = scratch.file("known.toml", known);
+    for (file, key, part) in [
+        (&kraz(), "trailer.frame_torsional_stiffness_nm_per_rad", "1e10 is a rigid frame"),
+        (&template, "sensors.roll.behind_hitch_m", "counts as over the axles"),
+    ] {
+        let answer = check(file, &[]);
+        let [note] = &answer["notes"].as_array().unwrap()[..] else { panic!("{answer}") };
+        assert_eq!(note["key"], key);
+        assert!(note["note"].as_str().unwrap().contains(part), "{note}");
+        let run = cg(&["vehicle", "check", file]).done();
+        assert!(run.out.contains(&format!("Note on {key}: ")), "{}", run.out);
+    }
+    assert_eq!(check(&known, &[])["notes"], Value::Array(Vec::new()));
+    assert!(!cg(&["vehicle", "check", &known]).done().out.contains("Note on"));
+}
+
 #[test]
 fn the_check_shows_warnings_and_refuses_errors() {
     let scratch = Scratch::new();

@@ -38,6 +38,21 @@ fn an_order_outside_one_to_ten_is_refused_with_the_range() {
     }
 }
 
+/// The other methods have none, so the user expects something that does not happen.
+#[test]
+fn an_order_without_the_method_that_has_one_is_refused() {
+    let (log, vehicle) = (log(), kraz());
+    for (more, method) in
+        [(&["--order", "5"][..], "filtered"), (&["--order", "2", "--method", "gain"], "gain")]
+    {
+        let told = format!("--order {}: the method \"{method}\" has no order", more[1]);
+        let parts = [&*told, "give --method arx too"];
+        refused(more, &parts);
+        let run = ["run", "--vehicle", &vehicle, "--csv", &log];
+        cg(&[&run, more].concat()).refused(&parts);
+    }
+}
+
 #[test]
 fn a_speed_or_a_mass_that_is_no_positive_number_is_refused() {
     for option in ["--speed-mps", "--trailer-mass-kg"] {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::felt::felt_mps2;
+use super::leaning::Leaning;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
@@ -61,6 +62,7 @@ pub struct LogEstimator {
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
+    pub(super) leaning: Leaning,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
@@ -114,6 +116,7 @@ impl LogEstimator {
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             check: SignalCheck::default(),
             rolls: RollCheck::default(),
+            leaning: Leaning::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
             recorder: None,
@@ -139,7 +142,8 @@ impl LogEstimator {
         let sample = self.sample(row);
         let step = self.engine.push(&sample)?;
         self.check.push(&sample);
-        self.rolls.push(row, &sample, step.status);
+        self.rolls.push(row);
+        self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
         }

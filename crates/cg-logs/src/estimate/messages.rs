@@ -64,7 +64,7 @@ impl LogEstimator {
         messages.extend(self.weighed());
         messages.extend(self.unscaled());
         messages.extend(self.rolls.places(self.settings.second_roll_share));
-        messages.extend(self.rolls.lean(self.options.lean, self.trailer_mass_kg));
+        messages.extend(self.leaning.message(self.options.lean, self.trailer_mass_kg));
         if let Some(since_us) = self.engine.load_since_us() {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;

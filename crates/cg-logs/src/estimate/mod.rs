@@ -7,7 +7,8 @@
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
 //! | `pair` | two signals compared |
-//! | `rolls` | whether two roll sensors agree, and whether the trailer leans |
+//! | `rolls` | whether two roll sensors agree |
+//! | `leaning` | whether the trailer leans in straight driving |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels |
 //! | `intake` | processing of the rows |
@@ -20,6 +21,7 @@ mod engine;
 mod pair;
 mod signals;
 mod rolls;
+mod leaning;
 mod recorder;
 mod felt;
 mod intake;
@@ -34,5 +36,6 @@ pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::felt_mps2;
 pub use intake::{Identified, LogEstimator};
+pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;

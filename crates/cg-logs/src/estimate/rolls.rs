@@ -1,7 +1,5 @@
-//! Checks of the roll angles of a log: whether two roll sensors agree, and whether the trailer leans.
+//! Whether two roll sensors of a log agree.
 
-use cg_core::{Sample, Status};
-use cg_vehicle::lean::Lean;
 use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
@@ -14,9 +12,6 @@ const EXCITED_RAD: f64 = 0.006;
 /// Slopes of one roll sensor with respect to another on the same frame. The soft frame of an empty flatbed
 /// leans 1.5 times as far at its front as over the axles.
 const POSSIBLE: [f64; 2] = [0.4, 2.5];
-/// Distance of the reference payload from the middle from which on its lean is reported. At 0.1 m the
-/// height is at most 3 % too great, which is within the interval of every vehicle file (docs/limits.md).
-const BESIDE_M: f64 = 0.12;
 
 /// Checks the roll angles of one log.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -25,12 +20,10 @@ pub(super) struct RollCheck {
     both_rows: f64,
     /// Rows with the first or the second sensor alone.
     alone: [u64; 2],
-    straight_rows: f64,
-    straight_rad: f64,
 }
 
 impl RollCheck {
-    pub(super) fn push(&mut self, row: &LogRow, sample: &Sample<f64>, status: Status) {
+    pub(super) fn push(&mut self, row: &LogRow) {
         let [first, second] = [row.roll_rad, row.second_roll_rad];
         match [first.is_finite(), second.is_finite()] {
             [true, true] => {
@@ -39,10 +32,6 @@ impl RollCheck {
             }
             [false, false] => {}
             [is_first, _] => self.alone[usize::from(!is_first)] += 1,
-        }
-        if status == Status::Straight && sample.roll_rad.is_finite() {
-            self.straight_rows += 1.0;
-            self.straight_rad += (sample.roll_rad - self.straight_rad) / self.straight_rows;
         }
     }
 
@@ -88,28 +77,6 @@ impl RollCheck {
             Some(_) => None,
         }
     }
-
-    /// A lean in straight driving that can make the height wrong.
-    pub(super) fn lean(&self, lean: Option<Lean>, trailer_mass_kg: f64) -> Option<String> {
-        let lean = lean?;
-        let least_rad = BESIDE_M * lean.rad_per_kgm * lean.reference_payload_kg;
-        let beside_m = lean.beside_m(self.straight_rad, trailer_mass_kg);
-        let told = self.straight_rows >= LEAST_ROWS
-            && self.straight_rad.abs() > least_rad
-            && trailer_mass_kg > 1.1 * lean.empty_kg;
-        told.then(|| {
-            let [heavy, away] =
-                if self.straight_rad > 0.0 { ["right", "left"] } else { ["left", "right"] };
-            format!(
-                "in straight driving the roll angle is {:.1} degrees: the roll sensor has that offset, or \
-                 the load stands about {:.1} m to the {heavy}. In the second case springs and fifth wheel \
-                 with play make the height too great in turns to the {away}, also beyond the interval, and \
-                 the truck tips over there at a smaller lateral acceleration than is stated",
-                self.straight_rad.to_degrees(),
-                beside_m.abs(),
-            )
-        })
-    }
 }
 
 #[cfg(test)]
@@ -120,8 +87,7 @@ mod tests {
         let mut check = RollCheck::default();
         for [roll_rad, second_roll_rad] in rows {
             let row = LogRow { roll_rad, second_roll_rad, ..LogRow::ABSENT };
-            let sample = Sample { roll_rad, ..Sample::absent(0) };
-            check.push(&row, &sample, Status::Straight);
+            check.push(&row);
         }
         check
     }
@@ -149,18 +115,5 @@ mod tests {
         assert!(both.places(None).unwrap().contains("second_share"));
         assert!(both.places(Some(0.5)).is_none() && first.places(None).is_none());
         assert!(first.places(Some(0.5)).unwrap().starts_with("1 rows"));
-    }
-
-    /// 0.12 m of 20 t are 24 mrad at 1e-5 rad/(kg m).
-    #[test]
-    fn a_lean_is_told_with_its_side() {
-        let truck = || Lean::from_parts([1e-5, 20e3, 7e3]);
-        let leaning = |rad: f64| check((0..100).map(|_| [rad, f64::NAN]));
-        let found = |rad: f64, mass_kg: f64| leaning(rad).lean(Some(truck()), mass_kg);
-        let message = found(0.026, 27e3).unwrap();
-        assert!(message.contains("0.1 m to the right") && message.contains("turns to the left"));
-        assert!(found(-0.03, 27e3).unwrap().contains("to the left"));
-        assert!(found(0.022, 27e3).is_none() && found(0.03, 7.1e3).is_none());
-        assert!(leaning(0.03).lean(None, 27e3).is_none());
     }
 }

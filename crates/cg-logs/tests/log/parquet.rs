@@ -6,8 +6,12 @@ use std::sync::Arc;
 
 use ::parquet::column::writer::ColumnWriter;
 use ::parquet::data_type::{ByteArray, FixedLenByteArray, Int96};
+use ::parquet::file::metadata::KeyValue;
+use ::parquet::file::properties::WriterProperties;
 use ::parquet::file::writer::SerializedFileWriter;
 use ::parquet::schema::parser::parse_message_type;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 
 use super::*;
 
@@ -24,6 +28,10 @@ enum Stored {
 
 /// Two row groups, because rows of one group are unpacked together.
 fn save(path: &Path, columns: &[(&str, &str, Stored)]) {
+    save_beside(path, columns, WriterProperties::default());
+}
+
+fn save_beside(path: &Path, columns: &[(&str, &str, Stored)], properties: WriterProperties) {
     let fields: Vec<String> = (columns.iter())
         .map(|(name, kind, _)| match kind.split_once(' ') {
             Some((kind, meaning)) => format!("optional {kind} {name} {meaning};"),
@@ -32,7 +40,7 @@ fn save(path: &Path, columns: &[(&str, &str, Stored)]) {
         .collect();
     let schema = parse_message_type(&format!("message log {{ {} }}", fields.join(" "))).unwrap();
     let file = File::create(path).unwrap();
-    let mut out = SerializedFileWriter::new(file, Arc::new(schema), Arc::default()).unwrap();
+    let mut out = SerializedFileWriter::new(file, Arc::new(schema), properties.into()).unwrap();
     for half in 0..2 {
         let mut group = out.next_row_group().unwrap();
         for (_, _, stored) in columns {
@@ -160,9 +168,15 @@ fn parquet_numbers_of_every_kind_are_rounded_once() {
         ("int32", Stored::Int(vec![Some(-128), Some(127)]), [-128.0, 127.0]),
         ("int32 (UINT_32)", Stored::Int(vec![Some(-1), Some(1)]), [4_294_967_295.0, 1.0]),
         ("int32 (INTEGER(8,false))", Stored::Int(vec![Some(200), Some(1)]), [200.0, 1.0]),
+        ("int32 (INTEGER(32,false))", Stored::Int(vec![Some(-1), Some(1)]), [4_294_967_295.0, 1.0]),
         ("int64", Stored::Long(vec![Some(i64::MAX), Some(1)]), [9_223_372_036_854_775_807.0, 1.0]),
         (
             "int64 (UINT_64)",
+            Stored::Long(vec![Some(-1), Some(1)]),
+            [18_446_744_073_709_551_615.0, 1.0],
+        ),
+        (
+            "int64 (INTEGER(64,false))",
             Stored::Long(vec![Some(-1), Some(1)]),
             [18_446_744_073_709_551_615.0, 1.0],
         ),
@@ -234,5 +248,47 @@ fn parquet_times_are_seconds_whatever_their_unit() {
         let log = LogReader::open(&path, &LogOptions::default()).unwrap();
         let read: Vec<f64> = log.map(|row| row.unwrap().time_s).collect();
         assert_eq!(read, [first, first + 2.0], "{kind}");
+    }
+}
+
+/// What pyarrow 26 writes beside the columns `d_s`, `d_ms`, `d_us` and `d_ns` of `pyarrow.duration(unit)`, `t_s` of
+/// `timestamp("s")`, `t_ns` of `timestamp("ns", "UTC")` and `n` of `int64()`, in
+/// `pyarrow.parquet.read_metadata(file).metadata[b"ARROW:schema"]`.
+const ARROW_SCHEMA: &str = "/////6gBAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAcAAABIAQAACAEAANgAAACoAAAA\
+    gAAAADwAAAAEAAAA5P7//wAAAQIQAAAAHAAAAAQAAAAAAAAAAQAAAG4AAAAIAAwACAAHAAgAAAAAAAABQAAAABj///8AAAEK\
+    EAAAACAAAAAEAAAAAAAAAAQAAAB0X25zAAAAAAgADAAGAAgACAAAAAAAAwAEAAAAAwAAAFVUQwBY////AAABChAAAAAUAAAA\
+    BAAAAAAAAAADAAAAdF9zAID///98////AAABEhAAAAAYAAAABAAAAAAAAAAEAAAAZF9ucwAAAABu////AAADAKj///8AAAES\
+    EAAAABgAAAAEAAAAAAAAAAQAAABkX3VzAAAAAJr///8AAAIA1P///wAAARIQAAAAHAAAAAQAAAAAAAAABAAAAGRfbXMAAAAA\
+    BAAEAAQAAAAQABQACAAGAAcADAAAABAAEAAAAAAAARIQAAAAHAAAAAQAAAAAAAAAAwAAAGRfcwAAAAYACAAGAAYAAAAAAAAA";
+
+/// Parquet has neither durations nor whole seconds; Arrow's programs store plain integers and say the unit in a schema
+/// of their own, which older ones wrote without the mark and the length at its beginning.
+#[test]
+fn parquet_times_of_arrow_have_the_unit_of_its_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.parquet");
+    let read = |name: &str, unit: i64, schema: &str| -> Vec<f64> {
+        let when = Stored::Long(vec![Some(3 * unit / 2), Some(7 * unit)]);
+        let zeros = || floats(vec![Some(0.0); 2]);
+        let (roll, steer) = (("roll_rad", "double", zeros()), ("steer_rad", "double", zeros()));
+        let pair = KeyValue::new("ARROW:schema".to_owned(), schema.to_owned());
+        let beside = WriterProperties::builder().set_key_value_metadata(Some(vec![pair]));
+        save_beside(&path, &[(name, "int64", when), roll, steer], beside.build());
+        let options = options(&[&format!("time={name}[s]")], &[]);
+        let log = LogReader::open(&path, &options).unwrap();
+        log.map(|row| row.unwrap().time_s).collect()
+    };
+    let older = BASE64_STANDARD.encode(&BASE64_STANDARD.decode(ARROW_SCHEMA).unwrap()[8..]);
+    for schema in [ARROW_SCHEMA, &older] {
+        for (name, unit) in [("d_ms", 1_000), ("d_us", 1_000_000), ("d_ns", 1_000_000_000)] {
+            assert_eq!(read(name, unit, schema), [1.5, 7.0], "{name}");
+        }
+        assert_eq!(read("d_s", 1, schema), [1.0, 7.0]);
+        assert_eq!(read("t_s", 1, schema), [1.0, 7.0]);
+        assert_eq!(read("t_ns", 1_000_000_000, schema), [1.5, 7.0]);
+        assert_eq!(read("n", 1_000, schema), [1_500.0, 7_000.0], "a number has no unit");
+    }
+    for none in ["", "no schema", "////"] {
+        assert_eq!(read("d_ms", 1_000, none), [1_500.0, 7_000.0], "{none:?}");
     }
 }

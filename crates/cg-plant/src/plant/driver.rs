@@ -19,6 +19,7 @@ use super::state::Coordinate;
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::matrix::exponential;
+use serde::{Deserialize, Serialize};
 
 /// Number of preview points.
 const POINTS: usize = 15;
@@ -62,6 +63,15 @@ pub struct Driver {
     delayed: Vec<f64>,
     next: usize,
     interval_s: f64,
+}
+
+/// What changes while a driver drives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DriverMoment {
+    arc_m: f64,
+    steer_rad: f64,
+    delayed: Vec<f64>,
+    next: usize,
 }
 
 impl Driver {
@@ -130,6 +140,28 @@ impl Driver {
             square += ahead.by_steer * ahead.by_steer;
         }
         error / square
+    }
+
+    /// What has changed since the start.
+    pub fn moment(&self) -> DriverMoment {
+        let Self { arc_m, steer_rad, ref delayed, next, .. } = *self;
+        DriverMoment { arc_m, steer_rad, delayed: delayed.clone(), next }
+    }
+
+    /// Goes on from a moment of a driver with the same path and settings.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] if that driver had another delay. This one remains as it is.
+    pub fn go_on_from(&mut self, moment: &DriverMoment) -> Result<(), VehicleError> {
+        let DriverMoment { arc_m, steer_rad, ref delayed, next } = *moment;
+        if delayed.len() != self.delayed.len() || next > delayed.len() {
+            return Err(VehicleError::Model(
+                "the moment is one of another driver: the delay is another one".to_owned(),
+            ));
+        }
+        self.delayed.copy_from_slice(delayed);
+        (self.arc_m, self.steer_rad, self.next) = (arc_m, steer_rad, next);
+        Ok(())
     }
 
     /// Drives one step.

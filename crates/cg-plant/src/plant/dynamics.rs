@@ -23,9 +23,10 @@ use super::tyre::Contact;
 use super::vector::{Vector, add, inverse_symmetric, scaled, sin_cos, solve_spd, turned};
 use cg_vehicle::characteristics::FifthWheel;
 use cg_vehicle::characteristics::Grip;
+use serde::{Deserialize, Serialize};
 
 /// The driver's inputs.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Mean road-wheel steer angle, left positive.
     pub steer_rad: f64,

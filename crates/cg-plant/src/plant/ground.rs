@@ -2,10 +2,11 @@
 
 use super::state::MAX_AXLES;
 use super::vector::{Vector, sin_cos};
+use serde::{Deserialize, Serialize};
 
 /// Bank and grade of the road under the vehicle. The plane of the road carries the coordinates, so
 /// gravity is tilted in them; an axle may stand on a bank of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
     /// Bank, left side higher positive.
     pub bank_rad: f64,

@@ -11,6 +11,7 @@ use super::sample::PlantSample;
 use super::state::{Coordinate, FRONT_ROLL, ROOM, State};
 use super::yaw_roll::YawRollPlant;
 use cg_vehicle::error::VehicleError;
+use serde::{Deserialize, Serialize};
 
 /// Roll angle at which the run stops, because no vehicle recovers from it.
 const ROLLED_OVER_RAD: f64 = 0.6;
@@ -38,6 +39,18 @@ pub struct Simulation<'a> {
     progress: Progress,
     probe: Box<Probe>,
     past: Past,
+}
+
+/// What changes while a run drives: a run of the same plant goes on from it, to the last bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Moment {
+    time_s: f64,
+    rolled_over_s: Option<f64>,
+    control: Control,
+    state: Vec<f64>,
+    /// Distance of the rates in time, and those that are valid.
+    step_s: f64,
+    rates: Vec<Vec<f64>>,
 }
 
 /// Rates at the present step and the three steps before it, equally spaced.
@@ -190,6 +203,52 @@ impl<'a> Simulation<'a> {
     /// The present values of the vehicle.
     pub fn sample(&self) -> PlantSample {
         self.plant.sample(&self.state, &self.control)
+    }
+
+    /// What has changed since the start.
+    pub fn moment(&self) -> Moment {
+        let count = self.state.len();
+        let rates = self.past.rates.iter().take(self.past.known);
+        Moment {
+            time_s: self.time_s,
+            rolled_over_s: match self.progress {
+                Progress::Running => None,
+                Progress::RolledOver { time_s } => Some(time_s),
+            },
+            control: self.control,
+            state: self.state.x[..count].to_vec(),
+            step_s: self.past.step_s,
+            rates: rates.map(|rates| rates[..count].to_vec()).collect(),
+        }
+    }
+
+    /// Goes on from a moment of a run of the same plant.
+    ///
+    /// # Errors
+    /// [`VehicleError::Model`] if the moment is of a plant with other axles. The run remains as it is.
+    pub fn go_on_from(&mut self, moment: &Moment) -> Result<(), VehicleError> {
+        let count = self.state.len();
+        let mut past = Past { step_s: moment.step_s, known: moment.rates.len(), ..Past::new() };
+        let fits = |values: &Vec<f64>| values.len() == count;
+        if !(fits(&moment.state) && moment.rates.iter().all(fits) && past.known <= past.rates.len())
+        {
+            return Err(VehicleError::Model(
+                "the moment is one of another vehicle: its number of axles is another one"
+                    .to_owned(),
+            ));
+        }
+        for (rates, kept) in past.rates.iter_mut().zip(&moment.rates) {
+            rates[..count].copy_from_slice(kept);
+        }
+        self.state.x[..count].copy_from_slice(&moment.state);
+        self.past = past;
+        self.control = moment.control;
+        self.time_s = moment.time_s;
+        self.progress = match moment.rolled_over_s {
+            None => Progress::Running,
+            Some(time_s) => Progress::RolledOver { time_s },
+        };
+        Ok(())
     }
 
     /// Returns an error after the vehicle has rolled over.

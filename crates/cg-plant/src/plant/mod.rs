@@ -70,10 +70,10 @@ mod integrate;
 mod driver;
 mod linearize;
 
-pub use driver::{Driver, DriverSettings};
+pub use driver::{Driver, DriverMoment, DriverSettings};
 pub use dynamics::Control;
 pub use ground::Ground;
-pub use integrate::{Progress, Simulation};
+pub use integrate::{Moment, Progress, Simulation};
 pub use options::{Characteristics, PlantOptions};
 pub use path::Path;
 pub use sample::{AxleSample, PlantSample, UnitSample};

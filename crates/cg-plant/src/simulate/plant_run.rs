@@ -3,7 +3,7 @@
 use super::scenario::with_payload_at;
 use super::signals::Signals;
 use crate::plant::{
-    Driver, DriverSettings, Ground, Path, PlantOptions, PlantSample, Progress, Simulation,
+    Driver, DriverSettings, Ground, Moment, Path, PlantOptions, PlantSample, Progress, Simulation,
     YawRollPlant,
 };
 use cg_logs::log::LogRow;
@@ -185,6 +185,14 @@ impl PlantRun {
             }
         }
         Ok(self.run.progress())
+    }
+
+    /// Goes on from a moment ([`Simulation::moment`]) of the same vehicle with the same start.
+    ///
+    /// # Errors
+    /// As [`Simulation::go_on_from`].
+    pub fn go_on_from(&mut self, moment: &Moment) -> Result<(), VehicleError> {
+        self.run.go_on_from(moment)
     }
 
     /// The run itself: state, time and progress.

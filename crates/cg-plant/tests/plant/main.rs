@@ -7,6 +7,7 @@ mod common;
 mod banked;
 mod convergence;
 mod linear;
+mod moment;
 mod published;
 mod source;
 mod statics;

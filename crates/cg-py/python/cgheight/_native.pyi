@@ -36,6 +36,7 @@ __all__ = [
     "read_frames",
     "reproduce_tables",
     "resolve_columns",
+    "restore_plant",
     "restore_vehicle",
     "rollover_measures",
     "score_accuracy",
@@ -223,6 +224,7 @@ class Plant:
         """Whether a unit has rolled beyond 0.6 rad. The vehicle then does not move any more."""
     def __copy__(self) -> Plant: ...
     def __deepcopy__(self, _memo: Any, /) -> Plant: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
 
 def estimate_arrays(
     vehicle: Vehicle,
@@ -348,6 +350,16 @@ def score_accuracy(
 
 def reproduce_tables(name: str | None, runs: int, seed: int, /) -> dict[str, list[Any]]:
     """Recompute one table of the thesis, or all: a dict of columns."""
+
+def restore_plant(
+    version: str,
+    vehicle: Vehicle,
+    start: Sequence[float],
+    path_m: Sequence[Sequence[float]] | None,
+    state: bytes,
+    /,
+) -> Plant:
+    """Return a plant in the state in which it was pickled."""
 
 def restore_vehicle(
     text: str, file: str, calibration: str | None, bank_sd_rad: float | None, /

@@ -1,0 +1,48 @@
+//! What a vehicle file says, or leaves out, that no measurement contradicts: if it is wrong, so is the height, and no
+//! message of an estimate tells it.
+
+use crate::finding::plain;
+use crate::vehicle::Vehicle;
+
+/// The key of the stiffness of the trailer's frame.
+const FRAME: &str = "trailer.frame_torsional_stiffness_nm_per_rad";
+/// The key of the place of the roll sensor.
+const PLACE: &str = "sensors.roll.behind_hitch_m";
+
+/// Something that is taken as true because the file says it, or does not say otherwise.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Assumption {
+    /// The key.
+    pub key: &'static str,
+    /// What is assumed, and what to do.
+    pub note: String,
+}
+
+impl Assumption {
+    /// All of a vehicle file.
+    pub fn of(vehicle: &Vehicle) -> Vec<Self> {
+        let given = vehicle.trailer.frame_torsional_stiffness_nm_per_rad;
+        let is_rigid = vehicle.trailer.frame_nm_per_rad().is_none();
+        let sensor = vehicle.sensors.roll.behind_hitch_m;
+        let frame = given.filter(|_| is_rigid).map(|stiffness| Self {
+            key: FRAME,
+            note: format!(
+                "{} is a rigid frame. If the frame twists, a height from a roll sensor and the rollover threshold \
+                 are wrong, and no message tells it. Unless you know the frame, leave the key out: the interval \
+                 then allows for any",
+                plain(stiffness)
+            ),
+        });
+        let place = (!is_rigid && sensor.is_none()).then(|| Self {
+            key: PLACE,
+            note: format!(
+                "it is absent, so a roll sensor counts as over the axles. On a frame that twists, one that is less \
+                 than {} m behind the fifth wheel gives a wrong height, which the interval may miss, and no message \
+                 tells it. Give the place of the sensor",
+                plain(vehicle.trailer.payload.behind_hitch_m)
+            ),
+        });
+        frame.into_iter().chain(place).collect()
+    }
+}
