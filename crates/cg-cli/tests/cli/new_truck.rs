@@ -109,8 +109,7 @@ fn the_check_notes_what_nothing_else_tells() {
     let scratch = Scratch::new();
     let template = new(&scratch, KINDS[0]);
     let known = std::fs::read_to_string(&template).unwrap();
-    let known = known.replacen("#[sensors.roll]\n#behind", "[sensors.roll]\nbehind", 1);
-    let known = scratch.file("known.toml", known);
+    let known = scratch.file("known.toml", known + "\n[sensors.roll]\nbehind_hitch_m = 7.7\n");
     for (file, key, part) in [
         (&kraz(), "trailer.frame_torsional_stiffness_nm_per_rad", "1e10 is a rigid frame"),
         (&template, "sensors.roll.behind_hitch_m", "counts as over the axles"),
