@@ -250,7 +250,8 @@ fn log_ratio_sd(input: &[f64], interval_s: f64, together: usize) -> f64 {
     let mut plant = Simulation::new(&EQ_5_12, interval_s, 0.0);
     let [mut u, mut y] = [0.0; 2].map(|rest| StateVariableFilter::at_rest(&model, rest));
     let mut rows = Vec::new();
-    for (k, &input) in input.iter().enumerate() {
+    let mut time = 0.0;
+    for &input in input {
         u.push(&step, input);
         y.push(&step, plant.push(input));
         let (u, y) = (u.derivatives(&model), y.derivatives(&model));
@@ -258,12 +259,13 @@ fn log_ratio_sd(input: &[f64], interval_s: f64, together: usize) -> f64 {
         for k in 0..5 {
             (row[k], row[6 + k]) = (-y[k], u[k + 1]);
         }
-        (row[5], row[11], row[12]) = (model.response(&u), 1.0, k as f64 * interval_s / 10.0);
+        (row[5], row[11], row[12]) = (model.response(&u), 1.0, time);
+        time += interval_s / 10.0;
         rows.push(row);
     }
     let mut triangle = Triangle::<f64, 13>::new();
     for rows in rows.chunks(together) {
-        let root = (rows.len() as f64).sqrt();
+        let root = rows.iter().map(|_| 1.0).sum::<f64>().sqrt();
         triangle
             .push(std::array::from_fn(|k| rows.iter().map(|row| row[k]).sum::<f64>() / root), 0.0);
     }

@@ -16,7 +16,7 @@ impl Belief {
     /// of the payload and the residual. The order is that of [`Channel::ALL`].
     ///
     /// # Errors
-    /// As [`ratio_line`](crate::linear::ratio_line)(crate::linear::ratio_line).
+    /// As [`ratio_line`](crate::linear::ratio_line).
     pub fn ratio_covariance(
         &self,
         vehicle: &Vehicle,
@@ -31,7 +31,7 @@ impl Belief {
     /// The [covariances](Self::ratio_covariance) at several speeds.
     ///
     /// # Errors
-    /// As [`ratio_line`](crate::linear::ratio_line)(crate::linear::ratio_line).
+    /// As [`ratio_line`](crate::linear::ratio_line).
     pub fn ratio_covariances<const N: usize>(
         &self,
         vehicle: &Vehicle,
@@ -130,6 +130,7 @@ fn place_changes<const N: usize>(
     load: Load,
     mean: &Deviations,
 ) -> Result<[[f64; CHANNELS]; N], VehicleError> {
+    const SMALL: f64 = 1e-3;
     let sd_m = vehicle.uncertainty.payload_place_sd_m;
     if sd_m <= 0.0 {
         return Ok([[0.0; CHANNELS]; N]);
@@ -145,7 +146,6 @@ fn place_changes<const N: usize>(
         Ok::<_, VehicleError>(std::array::from_fn(|i| (rear[i] - front[i]) / (2.0 * share)))
     };
     // The whole way, because measured springs have kinks; where the truck would tip, a small part of it.
-    const SMALL: f64 = 1e-3;
     let far = moved(1.0).ok();
     let far = far.as_ref().and_then(|both| laden_both(both, variant, load).ok());
     let mut changes = [[0.0; CHANNELS]; N];
@@ -212,8 +212,10 @@ fn logarithms(laden: &Laden<'_>, speed_mps: f64) -> Result<[f64; CHANNELS], Vehi
     Ok(logarithms)
 }
 
-/// Logarithms of all channels' DC ratios at a height, and their derivatives with respect to the
-/// parameters.
+/// Logarithms of all channels' DC ratios, and their derivatives with respect to the parameters.
+type LogRatios = ([f64; CHANNELS], [Deviations; CHANNELS]);
+
+/// The [logarithms and their derivatives](LogRatios) at a height.
 ///
 /// # Errors
 /// As [`ratio_line`](crate::linear::ratio_line); also if a ratio is not positive.
@@ -223,7 +225,7 @@ pub(crate) fn log_ratios(
     speed_mps: f64,
     load: Load,
     mean: &Deviations,
-) -> Result<([f64; CHANNELS], [Deviations; CHANNELS]), VehicleError> {
+) -> Result<LogRatios, VehicleError> {
     let [both] = log_ratios_at(vehicle, variant, [speed_mps], load, mean)?;
     Ok(both)
 }
@@ -235,7 +237,7 @@ fn log_ratios_at<const N: usize>(
     speeds_mps: [f64; N],
     load: Load,
     mean: &Deviations,
-) -> Result<[([f64; CHANNELS], [Deviations; CHANNELS]); N], VehicleError> {
+) -> Result<[LogRatios; N], VehicleError> {
     let at = |deviations: &Deviations| -> Result<[[f64; CHANNELS]; N], VehicleError> {
         let truck = adjusted(vehicle, deviations);
         let laden = Laden::new(&truck, variant, load)?;

@@ -43,7 +43,7 @@ pub(crate) enum Recording<'a> {
     /// Lines of candump.
     Frames(&'a Path, Option<File>),
     /// A CSV log.
-    Rows(&'a Path, Option<LogReader>),
+    Rows(&'a Path, Option<Box<LogReader>>),
 }
 
 impl<'a> Recording<'a> {
@@ -84,7 +84,7 @@ fn open(path: &Path) -> anyhow::Result<File> {
 }
 
 /// The reader of a CSV log, which has read the header.
-fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<LogReader> {
+fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<Box<LogReader>> {
     let name = name(path);
     let reader = if is_standard_input(path) {
         LogReader::from_reader(&name, Box::new(io::stdin()), options)?
@@ -94,7 +94,7 @@ fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<LogReader> {
     if reader.is_of_frames() {
         bail!("{name}: the log contains CAN frames; give it with --candump instead of --csv");
     }
-    Ok(reader)
+    Ok(Box::new(reader))
 }
 
 /// Replays a candump log. Invalid lines are skipped, counted and reported once.
@@ -134,7 +134,7 @@ pub(crate) fn candump<W: Write>(
 
 /// Replays a CSV log. Invalid rows are skipped, counted and reported once.
 pub(crate) fn csv<W: Write>(
-    (path, opened): (&Path, Option<LogReader>),
+    (path, opened): (&Path, Option<Box<LogReader>>),
     realtime: bool,
     options: &LogOptions,
     presence: &mut Presence,
