@@ -1,5 +1,5 @@
-//! What a vehicle file says, or leaves out, that no measurement contradicts: if it is wrong, so is the height, and no
-//! message of an estimate tells it.
+//! What a vehicle file says, or leaves out, that no measurement contradicts: if it is wrong, so is the height, and
+//! no log shows it.
 
 use crate::finding::plain;
 use crate::vehicle::Vehicle;
@@ -8,6 +8,11 @@ use crate::vehicle::Vehicle;
 const FRAME: &str = "trailer.frame_torsional_stiffness_nm_per_rad";
 /// The key of the place of the roll sensor.
 const PLACE: &str = "sensors.roll.behind_hitch_m";
+
+/// Whether the place of the roll sensor matters, because the frame twists, and is not in the file.
+pub fn has_unplaced_roll_sensor(vehicle: &Vehicle) -> bool {
+    vehicle.trailer.frame_nm_per_rad().is_some() && vehicle.sensors.roll.behind_hitch_m.is_none()
+}
 
 /// Something that is taken as true because the file says it, or does not say otherwise.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +29,6 @@ impl Assumption {
     pub fn of(vehicle: &Vehicle) -> Vec<Self> {
         let given = vehicle.trailer.frame_torsional_stiffness_nm_per_rad;
         let is_rigid = vehicle.trailer.frame_nm_per_rad().is_none();
-        let sensor = vehicle.sensors.roll.behind_hitch_m;
         let frame = given.filter(|_| is_rigid).map(|stiffness| Self {
             key: FRAME,
             note: format!(
@@ -34,12 +38,12 @@ impl Assumption {
                 plain(stiffness)
             ),
         });
-        let place = (!is_rigid && sensor.is_none()).then(|| Self {
+        let place = has_unplaced_roll_sensor(vehicle).then(|| Self {
             key: PLACE,
             note: format!(
                 "it is absent, so a roll sensor counts as over the axles. On a frame that twists, one that is less \
-                 than {} m behind the fifth wheel gives a wrong height, which the interval may miss, and no message \
-                 tells it. Give the place of the sensor",
+                 than {} m behind the fifth wheel gives a wrong height, which the interval may miss. Give the place \
+                 of the sensor",
                 plain(vehicle.trailer.payload.behind_hitch_m)
             ),
         });

@@ -296,6 +296,10 @@ impl<W: Write> Session<W> {
         self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
         self.report_lean()?;
+        if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
+            self.options.roll_sensor_is_unplaced = false; // is told
+            self.notice("roll_sensor", message)?;
+        }
         self.save()
     }
 

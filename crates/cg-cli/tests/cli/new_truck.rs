@@ -125,6 +125,28 @@ fn the_check_notes_what_nothing_else_tells() {
     assert!(!cg(&["vehicle", "check", &known]).done().out.contains("Note on"));
 }
 
+/// A template says nothing of frame and sensor. With the place of the sensor nothing is left to say.
+#[test]
+fn a_roll_sensor_without_a_place_is_told_once() {
+    const SUBJECT: &str = "the vehicle file does not say where the roll sensor is";
+    let scratch = Scratch::new();
+    let template = new(&scratch, KINDS[0]);
+    let log =
+        scratch.simulate("log.csv", &template, &["--maneuver", "drive", "--duration-s", "120"]);
+    let text = std::fs::read_to_string(&template).unwrap();
+    let known = scratch.file("known.toml", text + "\n[sensors.roll]\nbehind_hitch_m = 7.7\n");
+    for (file, times) in [(&template, 1), (&known, 0)] {
+        let answer = estimate(&log, file, &[]).done().answer();
+        let messages = answer["messages"].as_array().unwrap().iter();
+        let told = messages.filter(|one| one.as_str().unwrap().starts_with(SUBJECT));
+        assert_eq!(told.count(), times, "{answer}");
+        let run = cg(&["run", "--vehicle", file, "--csv", &log]).told(0, &[]).out;
+        assert!(run.matches("\"event\":\"maneuver\"").count() > 2, "{run}");
+        assert_eq!(run.matches(SUBJECT).count(), times, "{run}");
+        assert_eq!(run.matches("\"subject\":\"roll_sensor\"").count(), times, "{run}");
+    }
+}
+
 #[test]
 fn the_check_shows_warnings_and_refuses_errors() {
     let scratch = Scratch::new();

@@ -64,6 +64,8 @@ impl LogEstimator {
         messages.extend(self.weighed());
         messages.extend(self.unscaled());
         messages.extend(self.rolls.places(self.settings.second_roll_share));
+        let mut unplaced = self.maneuvers.iter().map(|one| self.options.unplaced(&one.outcomes));
+        messages.extend(unplaced.find_map(|found| found).map(str::to_owned));
         messages.extend(self.leaning.message(self.options.lean, self.trailer_mass_kg));
         if let Some(since_us) = self.engine.load_since_us() {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years

@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
-use cg_core::Channel;
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
+use cg_core::{CHANNELS, Channel, Outcome};
+use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::calibration::Judgment;
 use cg_vehicle::lean::Lean;
 use cg_vehicle::scales::Scales;
@@ -140,17 +141,31 @@ pub struct EstimateOptions {
     pub judgment: Judgment,
     /// The lean of a trailer whose load stands beside the middle, if that can make the height wrong.
     pub lean: Option<Lean>,
+    /// Whether the place of the roll sensor matters and is not in the vehicle file.
+    pub roll_sensor_is_unplaced: bool,
 }
 
 impl EstimateOptions {
-    /// The same options with the scales and the lean of the vehicle, and with the roads of its file if no
-    /// others are given.
+    /// The same options with what follows from the vehicle: its scales, its lean, whether its roll sensor
+    /// has a place, and the roads of its file if no others are given.
     #[must_use]
     pub fn with_file(self, vehicle: &Vehicle) -> Self {
         let road = self.road.or_else(|| RoadChoice::of_vehicle(vehicle));
         // A vehicle without equations has no design either, and its error is that of the design.
         let lean = Lean::of(vehicle).ok().flatten();
-        Self { road, lean, scales: Scales::of(vehicle), ..self }
+        let roll_sensor_is_unplaced = has_unplaced_roll_sensor(vehicle);
+        Self { road, lean, roll_sensor_is_unplaced, scales: Scales::of(vehicle), ..self }
+    }
+
+    /// What is said of a maneuver with these outcomes if the place of the roll sensor is missing.
+    pub fn unplaced(&self, outcomes: &[Outcome<f64>; CHANNELS]) -> Option<&'static str> {
+        let is_used =
+            |channel: &Channel| channel.feels_bank() && outcomes[channel.index()].height_m.is_ok();
+        (self.roll_sensor_is_unplaced && Channel::ALL.iter().any(is_used)).then_some(
+            "the vehicle file does not say where the roll sensor is, so it counts as over the axles; on a \
+             frame that twists, one further forward gives a wrong height, which the interval may miss: give \
+             sensors.roll.behind_hitch_m",
+        )
     }
 }
 
@@ -168,6 +183,7 @@ impl Default for EstimateOptions {
             road: None,
             judgment: Judgment::Sound,
             lean: None,
+            roll_sensor_is_unplaced: false,
         }
     }
 }
