@@ -22,8 +22,8 @@ const LOADS: [Load; 4] = [
     Load { trailer_mass_kg: 32e3, cg_height_m: 2.1 },
 ];
 
-/// A truck whose file is known to 0.2 %, except for its scale. Then almost only the mass makes the
-/// interval.
+/// A truck whose file is known to 0.2 %, except for its scale, and whose load stands where the file says.
+/// Then almost only the mass makes the interval.
 fn truck() -> Vehicle {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
     let text = std::fs::read_to_string(path).unwrap();
@@ -31,6 +31,7 @@ fn truck() -> Vehicle {
     let lines = text.lines().map(|line| {
         table = if line.starts_with('[') { line } else { table };
         match line.split_once(" = ") {
+            Some(("payload_place_sd_m", _)) => line.to_owned(),
             Some((key, _)) if table.starts_with("[uncertainty]") => format!("{key} = 0.002"),
             _ => line.to_owned(),
         }

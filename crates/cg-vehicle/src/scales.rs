@@ -3,6 +3,7 @@
 use cg_core::Quantity;
 use serde::{Deserialize, Serialize};
 
+use crate::error::VehicleError;
 use crate::sensor_places::MassUncertainty;
 use crate::vehicle::Vehicle;
 
@@ -56,9 +57,46 @@ impl Scale {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     sd: MassUncertainty,
-    /// Trailer mass at which the trailer's axles and the drive axles would carry nothing, kg; a scale's
-    /// error is in proportion to what the axles carry.
-    unloaded_kg: [f64; 2],
+    axles: AxleMass,
+    drive_axles: AxleMass,
+}
+
+/// How the trailer mass follows from a load of axles on the road.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct AxleMass {
+    /// Trailer mass at which the axles would carry nothing, kg; a scale's error is in proportion to what
+    /// they carry.
+    unloaded_kg: f64,
+    /// Error of the mass if the payload stands by its standard deviation behind the place in the file: that
+    /// without a mass, kg, and what each kg of trailer mass adds.
+    elsewhere: [f64; 2],
+}
+
+impl AxleMass {
+    const EXACT: Self = Self { unloaded_kg: 0.0, elsewhere: [0.0; 2] };
+
+    /// Of this [line](Vehicle::mass_of_axle_load) of the mass over the load of the axles.
+    fn of(vehicle: &Vehicle, line: impl Fn(&Vehicle) -> Result<[f64; 2], VehicleError>) -> Self {
+        // Without a balance there is no mass from these loads.
+        let Ok([unloaded_kg, slope]) = line(vehicle) else { return Self::EXACT };
+        let error = |by_m: f64| {
+            let mut moved = vehicle.clone();
+            moved.trailer.payload.behind_hitch_m += by_m;
+            let [at_zero_kg, true_slope] = line(&moved).unwrap_or([unloaded_kg, slope]);
+            let factor = slope / true_slope;
+            [unloaded_kg - factor * at_zero_kg, factor - 1.0]
+        };
+        let sd_m = vehicle.uncertainty.payload_place_sd_m;
+        let (behind, before) = (error(sd_m), error(-sd_m));
+        let elsewhere = std::array::from_fn(|k| 0.5 * (behind[k] - before[k]));
+        Self { unloaded_kg, elsewhere }
+    }
+
+    /// Standard deviation of a mass, if the scale's own is this share of its load, kg.
+    fn sd_kg(&self, scale_sd: f64, mass_kg: f64) -> f64 {
+        let [at_zero_kg, per_kg] = self.elsewhere;
+        libm::hypot(scale_sd * (mass_kg - self.unloaded_kg), at_zero_kg + per_kg * mass_kg)
+    }
 }
 
 impl Scales {
@@ -70,26 +108,28 @@ impl Scales {
             axle_load_sd: 0.0,
             pressure_sd: 0.0,
         },
-        unloaded_kg: [0.0; 2],
+        axles: AxleMass::EXACT,
+        drive_axles: AxleMass::EXACT,
     };
 
     /// The scales of a vehicle.
     pub fn of(vehicle: &Vehicle) -> Self {
-        // Without a balance there is no mass from these loads.
-        let unloaded_kg = [vehicle.mass_of_axle_load(), vehicle.mass_of_drive_load()]
-            .map(|line| line.map_or(0.0, |[at_zero_kg, _]| at_zero_kg));
-        Self { sd: vehicle.sensors.mass.unwrap_or_default(), unloaded_kg }
+        Self {
+            sd: vehicle.sensors.mass.unwrap_or_default(),
+            axles: AxleMass::of(vehicle, Vehicle::mass_of_axle_load),
+            drive_axles: AxleMass::of(vehicle, Vehicle::mass_of_drive_load),
+        }
     }
 
-    /// Standard deviation of a mass from this scale, kg.
+    /// Standard deviation of a mass from this scale, kg. That of a load of axles includes the place of the
+    /// payload (`uncertainty.payload_place_sd_m`), from which the share of these axles follows.
     pub fn sd_kg(&self, scale: Scale, mass_kg: f64) -> f64 {
-        let [axles_kg, drive_kg] = self.unloaded_kg.map(|unloaded_kg| mass_kg - unloaded_kg);
         match scale {
             Scale::Weighed => self.sd.weighed_sd_kg,
             Scale::VehicleWeight => self.sd.vehicle_weight_sd * mass_kg,
-            Scale::AxleLoad => self.sd.axle_load_sd * axles_kg,
-            Scale::SuspensionPressure => self.sd.pressure_sd * axles_kg,
-            Scale::DrivePressure => self.sd.pressure_sd * drive_kg,
+            Scale::AxleLoad => self.axles.sd_kg(self.sd.axle_load_sd, mass_kg),
+            Scale::SuspensionPressure => self.axles.sd_kg(self.sd.pressure_sd, mass_kg),
+            Scale::DrivePressure => self.drive_axles.sd_kg(self.sd.pressure_sd, mass_kg),
         }
     }
 }

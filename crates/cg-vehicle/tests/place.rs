@@ -7,9 +7,12 @@ use cg_core::CHANNELS;
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::belief::{Belief, Covariance};
 use cg_vehicle::linear::ratio_line;
+use cg_vehicle::scales::{Scale, Scales};
 use cg_vehicle::{Load, Variant, Vehicle};
 
 const SPEED_MPS: f64 = 13.9;
+/// Scales of `sensors.mass` whose own errors are zero.
+const EXACT_SCALES: &str = r#"{ "vehicle_weight_sd": 0, "axle_load_sd": 0, "pressure_sd": 0 }"#;
 
 fn laden(vehicle: &Vehicle, payload_kg: f64) -> Load {
     let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
@@ -46,10 +49,13 @@ fn a_payload_farther_to_the_front_loads_the_fifth_wheel() {
 }
 
 /// A mass from axle loads assumes the place in the file: with 20 t of payload 0.3 m farther to the rear
-/// the trailer's axles show 0.3/5.2 of the payload too much, and the drive axle 0.3/2.5 too little.
+/// the trailer's axles show 0.3/5.2 of the payload too much, and the drive axle 0.3/2.5 too little. With
+/// 0.3 m as the standard deviation of the place, these are those of the mass, to the second order of 0.3 m:
+/// (0.3/5.2)² and (0.3/2.5)² of them.
 #[test]
 fn a_mass_from_axle_loads_is_wrong_with_the_place() {
-    let vehicle = common::vehicle("euro.toml");
+    let mut vehicle = common::vehicle("euro.toml");
+    vehicle.uncertainty.payload_place_sd_m = 0.3;
     let load = laden(&vehicle, 20e3);
     let moved = vehicle.with_payload_at(load, 5.5).unwrap();
     let shown_kg = |[at_zero_kg, slope]: [f64; 2], axles: std::ops::Range<usize>| {
@@ -63,6 +69,23 @@ fn a_mass_from_axle_loads_is_wrong_with_the_place() {
     );
     assert!((of_trailer - 20e3 * 0.3 / 5.2).abs() < 1e-3, "{of_trailer}");
     assert!((of_drive + 20e3 * 0.3 / 2.5).abs() < 1e-3, "{of_drive}");
+
+    vehicle.sensors.mass = Some(serde_json::from_str(EXACT_SCALES).unwrap());
+    let scales = Scales::of(&vehicle);
+    let of = |scale, mass_kg: f64| scales.sd_kg(scale, mass_kg);
+    for (scale, known_kg, lever_m) in [
+        (Scale::AxleLoad, of_trailer, 5.2),
+        (Scale::SuspensionPressure, of_trailer, 5.2),
+        (Scale::DrivePressure, of_drive, 2.5),
+    ] {
+        let found_kg = of(scale, load.trailer_mass_kg);
+        let second_order = (0.3_f64 / lever_m).powi(2);
+        let ratio = found_kg / known_kg.abs();
+        assert!((ratio - 1.0).abs() < 1.1 * second_order, "{scale}: {ratio}");
+        // An empty trailer has no payload that could stand elsewhere.
+        assert!(of(scale, vehicle.empty_trailer_mass_kg()) < 1e-6, "{scale}");
+    }
+    assert!(of(Scale::VehicleWeight, load.trailer_mass_kg) < 1e-12);
 }
 
 /// Air springs follow the load that they carry. Their stiffness in the file is that under the reference
