@@ -41,6 +41,9 @@ pub struct State {
     /// The scale of the load's mass. Older files do not have it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<Scale>,
+    /// Whether the mass is that of the load before. Older files do not have it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mass_is_of_another_load: bool,
     memory: Stored,
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
@@ -106,6 +109,7 @@ impl State {
             saved_s,
             load_since_s,
             scale: None,
+            mass_is_of_another_load: false,
             learned,
             memory: Stored {
                 fused: memory.fused,

@@ -16,6 +16,7 @@
 //! | [`slip`] | the cornering stiffness of a tire with a slip table | – |
 //! | [`twisting`] | a semitrailer whose frame twists | – |
 //! | [`assumptions`] | what a vehicle file says that no measurement contradicts | – |
+//! | [`floor`] | a load's c.g. is above the floor on which it stands | – |
 //! | [`matrix`] | eigenvalues and exponential of a matrix | – |
 //! | [`system`], [`response`] | linear systems, transfer functions, poles, zeros, time histories | eqs. 4.61, 4.62 |
 //! | [`equations`], [`linear`] | equations of motion (also of a frame that twists), analytic DC ratio | ch. 3, 4, eq. 5.17 |
@@ -73,6 +74,7 @@ mod measured_springs;
 mod leveled;
 pub mod twisting;
 pub mod assumptions;
+pub mod floor;
 pub mod matrix;
 pub mod system;
 mod output_error;

@@ -74,7 +74,7 @@ impl<W: Write> Outputs<W> {
         &mut self,
         memory: &Memory<f64>,
         saved_s: f64,
-        load: (Option<f64>, Option<Scale>),
+        load: (Option<f64>, Option<Scale>, bool),
         learned: Learned,
     ) -> Option<String> {
         let result = self.state.as_ref()?.save(memory, saved_s, load, learned);

@@ -131,6 +131,7 @@ impl<W: Write> Session<W> {
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
+                self.weighing.of_another_load = state.mass_is_of_another_load;
                 // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
                 let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
@@ -228,6 +229,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         } else {
             self.weighed_us.get_or_insert(sample.time_us);
+            self.weighing.weigh(sample.time_us);
         }
         if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
@@ -283,6 +285,9 @@ impl<W: Write> Session<W> {
             self.leaning = Some(Leaning::default());
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
+            if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
+                self.notice("mass", message)?;
+            }
         }
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
@@ -455,7 +460,7 @@ impl<W: Write> Session<W> {
         let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let load = (since_s, self.weighing.scale);
+        let load = (since_s, self.weighing.scale, self.weighing.of_another_load);
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

@@ -43,17 +43,17 @@ impl StateFile {
         Self { target, design_crc32: design_crc32(design), vehicle_crc32: None }
     }
 
-    /// Writes a state with the time of the last change of the load, s, and the scale of its mass; it
-    /// replaces the previous one.
+    /// Writes a state with the time of the last change of the load, s, the scale of its mass, and whether
+    /// that mass is of the load before; it replaces the previous one.
     pub(crate) fn save(
         &self,
         memory: &Memory<f64>,
         saved_s: f64,
-        (load_since_s, scale): (Option<f64>, Option<Scale>),
+        (load_since_s, scale, of_another): (Option<f64>, Option<Scale>, bool),
         learned: Learned,
     ) -> io::Result<()> {
         let mut state = State::new(self.design_crc32, memory, saved_s, load_since_s, learned);
-        state.scale = scale;
+        (state.scale, state.mass_is_of_another_load) = (scale, of_another);
         state.vehicle_crc32 = self.vehicle_crc32;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
@@ -147,11 +147,12 @@ mod tests {
         let (file, mut memory) = subject(folder.path());
         assert_eq!(file.load().unwrap(), Found::Nothing);
         memory.correlation[0][1] = 0.1 + 0.2;
-        file.save(&memory, 1.5, (Some(0.3), None), Learned::default()).unwrap();
-        file.save(&memory, 2.5, (None, Some(Scale::AxleLoad)), Learned::default()).unwrap();
+        file.save(&memory, 1.5, (Some(0.3), None, false), Learned::default()).unwrap();
+        file.save(&memory, 2.5, (None, Some(Scale::AxleLoad), true), Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
         assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(state.scale, Some(Scale::AxleLoad));
+        assert!(state.mass_is_of_another_load);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

@@ -14,11 +14,38 @@ pub(crate) struct Weighing {
     pub(crate) scales: Scales,
     /// The scale of the last mass by a signal, also before a restart.
     pub(crate) scale: Option<Scale>,
+    /// Whether the mass is that of the load before.
+    pub(crate) of_another_load: bool,
+    /// Time of the last mass by a signal, µs.
+    pub(crate) last_us: Option<u64>,
 }
 
 impl Weighing {
     /// Exact scales, nothing given.
-    pub(crate) const EXACT: Self = Self { sd_kg: None, scales: Scales::EXACT, scale: None };
+    pub(crate) const EXACT: Self = Self {
+        sd_kg: None,
+        scales: Scales::EXACT,
+        scale: None,
+        of_another_load: false,
+        last_us: None,
+    };
+
+    /// Takes a mass by a signal.
+    pub(crate) fn weigh(&mut self, time_us: u64) {
+        (self.of_another_load, self.last_us) = (false, Some(time_us));
+    }
+
+    /// Takes a change of the load that a maneuver from `start_us` on has revealed. Returns a message if the
+    /// mass from this source was weighed before it.
+    pub(crate) fn unload(&mut self, start_us: u64, source: MassSource) -> Option<&'static str> {
+        let weighed = matches!(source, MassSource::Kept | MassSource::Signal);
+        let outdated = weighed && self.last_us.is_none_or(|last_us| last_us < start_us);
+        self.of_another_load |= outdated;
+        outdated.then_some(
+            "the load changed, and no signal has given a trailer mass since: that of the load before is used, \
+             and the interval contains any load; give --trailer-mass-kg or a signal of the mass",
+        )
+    }
 
     /// A result with the scale of its mass and its standard deviation.
     pub(crate) fn of(&self, design: &Design<f64>, result: Known) -> Known {
@@ -43,6 +70,9 @@ impl Weighing {
     fn sd_kg(&self, source: MassSource, mass_kg: f64, design: &Design<f64>) -> f64 {
         let of_scale = || match source {
             MassSource::Nominal => design.any_load_sd_kg(),
+            MassSource::Kept | MassSource::Signal if self.of_another_load => {
+                design.any_load_sd_kg()
+            }
             _ => self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg)),
         };
         self.sd_kg.unwrap_or_else(of_scale)

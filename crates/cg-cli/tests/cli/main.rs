@@ -6,6 +6,7 @@
 //! | `calibrate` | calibrations that are written, used and refused |
 //! | `can` | CAN logs: candump formats, several buses, masses, slow or missing signals |
 //! | `consistent` | channels that contradict each other |
+//! | `faults` | faults of trucks in service, each with a message |
 //! | `logs` | files that are not logs, and logs without a result |
 //! | `streams` | endless lines, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
@@ -31,6 +32,7 @@ mod can;
 mod common;
 mod consistent;
 mod design;
+mod faults;
 mod gateway;
 #[cfg(unix)]
 mod files;

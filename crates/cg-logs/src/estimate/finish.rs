@@ -68,7 +68,8 @@ impl LogEstimator {
             remark: Some(format!("inconsistent: {remark}")),
         };
         let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
-        let signals = rolls.or_else(|| self.check.contradiction(self.design.gravity_mps2));
+        let signals = rolls.or_else(|| self.levels.contradiction());
+        let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };
         }
@@ -142,6 +143,7 @@ impl LogEstimator {
             .rollover(fused.height_m, best.trailer_mass_kg, speed_mps)
             .map(|rollover| rollover.static_rollover_threshold_g.value);
         estimate.messages.extend(Self::unusual(height));
+        estimate.messages.extend(self.sunk(height, best.trailer_mass_kg));
     }
 
     /// Standard deviation of the height due to that of the trailer mass, m.

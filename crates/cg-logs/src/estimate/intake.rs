@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::engine::Engine;
 use super::felt::felt_mps2;
 use super::leaning::Leaning;
+use super::levels::LevelCheck;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
@@ -62,6 +63,7 @@ pub struct LogEstimator {
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
+    pub(super) levels: LevelCheck,
     pub(super) leaning: Leaning,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
@@ -82,6 +84,8 @@ pub(super) struct SignalsSeen {
     pub(super) scale: Option<Scale>,
     /// Time of the first one, µs.
     pub(super) weighed_us: Option<u64>,
+    /// Time of the last one, µs.
+    last_weighed_us: u64,
     pub(super) unscaled_steering_wheel: bool,
     pub(super) unscaled_pressure: bool,
     pub(super) unscaled_level: bool,
@@ -116,6 +120,7 @@ impl LogEstimator {
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             check: SignalCheck::default(),
             rolls: RollCheck::default(),
+            levels: LevelCheck::default(),
             leaning: Leaning::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
@@ -143,6 +148,7 @@ impl LogEstimator {
         let step = self.engine.push(&sample)?;
         self.check.push(&sample);
         self.rolls.push(row);
+        self.levels.push(row);
         self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
@@ -169,9 +175,18 @@ impl LogEstimator {
     /// Standard deviation of a trailer mass, kg.
     pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
         self.options.trailer_mass_sd_kg.unwrap_or_else(|| match self.scale() {
-            Some(scale) => self.options.scales.sd_kg(scale, mass_kg),
-            None => self.design.any_load_sd_kg(),
+            Some(scale) if !self.is_of_another_load() => self.options.scales.sd_kg(scale, mass_kg),
+            _ => self.design.any_load_sd_kg(),
         })
+    }
+
+    /// Whether the mass in the log ends before the last load begins.
+    pub(super) fn is_of_another_load(&self) -> bool {
+        let revealed = self.engine.load_since_us();
+        let first = self.maneuvers.iter().find(|maneuver| Some(maneuver.end_us) == revealed);
+        self.options.trailer_mass_kg.is_none()
+            && self.seen.mass_kg.is_some()
+            && first.is_some_and(|maneuver| self.seen.last_weighed_us < maneuver.start_us)
     }
 
     /// The design of the truck.
@@ -211,6 +226,9 @@ impl LogEstimator {
     }
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
+        if closed.is_some() {
+            self.levels.close();
+        }
         if self.maneuvers.len() < MOST_MANEUVERS {
             self.maneuvers.extend(closed);
         } else {
@@ -244,6 +262,7 @@ impl LogEstimator {
                 Scale::in_log(quantity)
             });
             self.seen.weighed_us.get_or_insert(time_us);
+            self.seen.last_weighed_us = time_us;
         }
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;

@@ -1,6 +1,6 @@
 //! Messages that explain a height or its absence.
 
-use cg_core::{Channel, Height, Measured, Reject, Word};
+use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject, Word};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -62,6 +62,7 @@ impl LogEstimator {
             ));
         }
         messages.extend(self.weighed());
+        messages.extend(self.seized());
         messages.extend(self.unscaled());
         messages.extend(self.rolls.places(self.settings.second_roll_share));
         let mut unplaced = self.maneuvers.iter().map(|one| self.options.unplaced(&one.outcomes));
@@ -86,12 +87,38 @@ impl LogEstimator {
     /// Where the trailer mass comes from, if it is not exact.
     fn weighed(&self) -> Option<String> {
         let (scale, mass_kg) = (self.scale()?, self.trailer_mass_kg);
+        if self.is_of_another_load() && self.options.trailer_mass_sd_kg.is_none() {
+            return Some(format!(
+                "the load changed, and no trailer mass in the log is of the last load: {mass_kg:.0} kg of \
+                 the one before is used, and the interval contains any load; give ⟨trailer_mass_kg⟩"
+            ));
+        }
         let sd_kg = self.mass_sd_kg(mass_kg);
         (sd_kg > 0.0).then(|| {
             format!(
                 "the trailer mass of {mass_kg:.0} kg is from {}; its standard deviation of {sd_kg:.0} kg \
                  is part of the interval",
                 scale.meaning()
+            )
+        })
+    }
+
+    /// That the roll angle stood still or was bent in some maneuvers, although others gave a height.
+    fn seized(&self) -> Option<String> {
+        let reason = |maneuver: &Maneuver<f64>| {
+            maneuver.outcomes.iter().find_map(|outcome| match outcome.height_m {
+                Err(Reject::Inconsistent(Inconsistency::Misfit { .. })) | Ok(_) => None,
+                Err(reject @ Reject::Inconsistent(_)) => Some(reject),
+                Err(_) => None,
+            })
+        };
+        let reasons: Vec<_> = self.maneuvers.iter().filter_map(reason).collect();
+        let is_used = Channel::ALL.into_iter().any(|one| self.engine.height(one).is_some());
+        reasons.last().filter(|_| is_used).map(|last| {
+            format!(
+                "{} of {} maneuvers were left out, and the others may suffer from the same fault: {last}",
+                reasons.len(),
+                self.maneuvers.len()
             )
         })
     }
@@ -126,6 +153,19 @@ impl LogEstimator {
             format!(
                 "a height of {height_m:.2} m is unusual for a load (usually below \
                  {USUAL_HEIGHT_M} m); check the gain of the roll sensor and the trailer mass"
+            )
+        })
+    }
+
+    /// A message for a load whose c.g. would be below the floor on which it stands.
+    pub(super) fn sunk(&self, height_m: f64, trailer_mass_kg: f64) -> Option<String> {
+        let floor = self.options.floor?;
+        let payload_m = floor.payload_height_m(trailer_mass_kg, height_m)?;
+        (payload_m < floor.height_m).then(|| {
+            format!(
+                "the load's own c.g. would be {payload_m:.2} m high, below the floor at {:.2} m on which it \
+                 stands: the trailer mass is too great, or a sensor shows too little roll",
+                floor.height_m
             )
         })
     }

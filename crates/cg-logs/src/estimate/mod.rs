@@ -8,6 +8,7 @@
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree |
+//! | `levels` | whether level sensors stand still |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels |
@@ -21,6 +22,7 @@ mod engine;
 mod pair;
 mod signals;
 mod rolls;
+mod levels;
 mod leaning;
 mod recorder;
 mod felt;

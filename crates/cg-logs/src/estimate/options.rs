@@ -6,6 +6,7 @@ use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
 use cg_core::{CHANNELS, Channel, Outcome};
 use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::calibration::Judgment;
+use cg_vehicle::floor::Floor;
 use cg_vehicle::lean::Lean;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::{Variant, Vehicle};
@@ -143,18 +144,21 @@ pub struct EstimateOptions {
     pub lean: Option<Lean>,
     /// Whether the place of the roll sensor matters and is not in the vehicle file.
     pub roll_sensor_is_unplaced: bool,
+    /// The floor on which a load stands, if it is known.
+    pub floor: Option<Floor>,
 }
 
 impl EstimateOptions {
     /// The same options with what follows from the vehicle: its scales, its lean, whether its roll sensor
-    /// has a place, and the roads of its file if no others are given.
+    /// has a place, the floor, and the roads of its file if no others are given.
     #[must_use]
     pub fn with_file(self, vehicle: &Vehicle) -> Self {
         let road = self.road.or_else(|| RoadChoice::of_vehicle(vehicle));
         // A vehicle without equations has no design either, and its error is that of the design.
         let lean = Lean::of(vehicle).ok().flatten();
         let roll_sensor_is_unplaced = has_unplaced_roll_sensor(vehicle);
-        Self { road, lean, roll_sensor_is_unplaced, scales: Scales::of(vehicle), ..self }
+        let (scales, floor) = (Scales::of(vehicle), Some(Floor::of(vehicle)));
+        Self { road, lean, roll_sensor_is_unplaced, scales, floor, ..self }
     }
 
     /// What is said of a maneuver with these outcomes if the place of the roll sensor is missing.
@@ -184,6 +188,7 @@ impl Default for EstimateOptions {
             judgment: Judgment::Sound,
             lean: None,
             roll_sensor_is_unplaced: false,
+            floor: None,
         }
     }
 }

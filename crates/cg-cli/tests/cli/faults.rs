@@ -1,0 +1,163 @@
+//! Faults of trucks in service that were once silent: a height that misses the truth has a message that
+//! names what is wrong.
+
+use serde_json::Value;
+
+use crate::common::{Scratch, cg, estimate, fixture, height_m, kraz};
+use crate::run::{events, lines};
+
+const DRIVE: [&str; 8] =
+    ["--maneuver", "drive", "--plant", "nonlinear", "--rate-hz", "50", "--duration-s", "120"];
+
+/// A log with the cells of one column replaced, `None` leaves the column empty; of the other columns only
+/// these.
+fn changed(log: &str, keep: &[&str], column: &str, value: Option<&str>) -> String {
+    let text = std::fs::read_to_string(log).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let kept: Vec<usize> =
+        keep.iter().map(|name| header.iter().position(|one| one == name).unwrap()).collect();
+    let mut text = keep.join(",") + "\n";
+    for row in rows {
+        let cells: Vec<&str> = row.split(',').collect();
+        let cell = |&k: &usize| if header[k] == column { value.unwrap_or("") } else { cells[k] };
+        text += &(kept.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
+    }
+    text
+}
+
+fn messages(answer: &Value) -> String {
+    answer["messages"].to_string()
+}
+
+#[test]
+fn a_dead_level_is_named() {
+    let scratch = Scratch::new();
+    let truck = fixture("vehicles/euro.toml");
+    let load = ["--payload-kg", "16000", "--height-m", "1.85"];
+    let log = scratch.simulate("log.csv", &truck, &[&["--road", "rural"][..], &load].concat());
+    let keep = [
+        "time_s",
+        "speed_mps",
+        "yaw_rate_radps",
+        "trailer_mass_kg",
+        "level_left_m",
+        "level_right_m",
+        "lateral_specific_force_mps2",
+    ];
+    let sound = scratch.file("sound.csv", changed(&log, &keep, "", None));
+    let answer = estimate(&sound, &truck, &[]).told(0, &[]).answer();
+    assert!((height_m(&answer) / 1.85 - 1.0).abs() < 0.02, "{answer}");
+    assert!(!messages(&answer).contains("stood still"), "{answer}");
+    for (column, side) in [("level_left_m", "left"), ("level_right_m", "right")] {
+        let dead = scratch.file("dead.csv", changed(&log, &keep, column, Some("0.01")));
+        let answer = estimate(&dead, &truck, &[]).told(1, &[]).answer();
+        assert_eq!(answer["status"], "inconsistent");
+        let said = format!("the {side} level of the trailer stood still");
+        assert!(messages(&answer).contains(&said), "{answer}");
+    }
+}
+
+/// Two loads in one drive, of which only the first has a mass: the interval allows for any, until a mass
+/// comes. `cg run` says so after a restart, too.
+#[test]
+fn the_mass_of_another_load_is_not_that_of_this_one() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let drive = |name: &str, payload_kg: &str, height_m: &str| {
+        let load = ["--payload-kg", payload_kg, "--height-m", height_m];
+        scratch.simulate(name, &truck, &[&DRIVE[..], &load].concat())
+    };
+    let calibration = scratch.path("calibration.toml");
+    let step = |name: &str, payload_kg: &str, height_m: &str| {
+        let step = ["--maneuver", "rounded-step", "--plant", "nonlinear", "--rate-hz", "50"];
+        let load = ["--payload-kg", payload_kg, "--height-m", height_m];
+        let log = scratch.simulate(name, &truck, &[&step[..], &load].concat());
+        format!("{log}={height_m}")
+    };
+    let known = [step("empty.csv", "0", "1.33"), step("laden.csv", "16000", "1.85")];
+    let runs = ["--run", &known[0], "--run", &known[1], "-o", &calibration];
+    cg(&[&["calibrate", "--vehicle", &truck][..], &runs].concat()).done();
+    let (first, second) = (drive("a.csv", "14000", "1.55"), drive("b.csv", "7000", "1.5"));
+    let keep = [
+        "time_s",
+        "steer_rad",
+        "roll_rad",
+        "speed_mps",
+        "lateral_acceleration_mps2",
+        "yaw_rate_radps",
+        "trailer_mass_kg",
+    ];
+    let weighed = changed(&second, &keep, "", None);
+    let unweighed = changed(&second, &keep, "trailer_mass_kg", None);
+    let calibrated = ["--calibration", &calibration];
+    for (name, second, is_told) in [("with.csv", weighed, false), ("without.csv", unweighed, true)]
+    {
+        let mut both = changed(&first, &keep, "", None);
+        for row in second.lines().skip(1) {
+            let (time_s, rest) = row.split_once(',').unwrap();
+            both += &format!("{},{rest}\n", time_s.parse::<f64>().unwrap() + 2000.0);
+        }
+        let log = scratch.file(name, both);
+        let answer = estimate(&log, &truck, &calibrated).told(0, &[]).answer();
+        let said = messages(&answer).contains("no trailer mass in the log is of the last load");
+        assert_eq!(said, is_told, "{answer}");
+        let [low, high] = [0, 1].map(|k| answer["height_ci95_m"][k].as_f64().unwrap());
+        assert!((low..high).contains(&1.5), "{answer}");
+        let run = cg(&[&["run", "--vehicle", &truck, "--csv", &log][..], &calibrated].concat());
+        let found = lines(&run.told(0, &[]));
+        let mut notices = events(&found, "notice").into_iter();
+        assert_eq!(notices.any(|line| line["subject"] == "mass"), is_told, "{found:?}");
+    }
+    let state = scratch.path("state.json");
+    let resumed = |log: &str| {
+        let more = ["--csv", log, "--state", &state];
+        let run = cg(&[&["run", "--vehicle", &truck][..], &calibrated, &more].concat());
+        lines(&run.told(0, &[]))
+    };
+    let unweighed = scratch.file("b2.csv", changed(&second, &keep, "trailer_mass_kg", None));
+    resumed(&first);
+    for _ in 0..2 {
+        let found = resumed(&unweighed);
+        let last = events(&found, "status").pop().unwrap().clone();
+        assert_eq!(last["trailer_mass_source"], "kept");
+        assert!(last["trailer_mass_sd_kg"].as_f64().unwrap() > 5e3, "{last}");
+        let [low, high] = [0, 1].map(|k| last["height_ci95_m"][k].as_f64().unwrap());
+        assert!((low..high).contains(&1.5), "{last}");
+    }
+}
+
+/// A truck that was weighed together with its trailer.
+#[test]
+fn a_load_below_its_floor_is_told() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let load = ["--payload-kg", "14000", "--height-m", "1.75"];
+    let log = scratch.simulate("log.csv", &truck, &[&DRIVE[..], &load].concat());
+    for (mass_kg, is_told) in [("22684", false), ("36000", true)] {
+        let given = ["--trailer-mass-kg", mass_kg];
+        let answer = estimate(&log, &truck, &given).told(0, &[]).answer();
+        assert_eq!(messages(&answer).contains("below the floor at 1.27 m"), is_told, "{answer}");
+    }
+}
+
+/// The end of the range of a roll sensor, which the smaller turns do not reach plainly.
+#[test]
+fn turns_in_which_the_roll_angle_stood_still_are_told() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let drive = |name: &str, more: &[&str]| {
+        let load = ["--payload-kg", "14000", "--height-m", "1.75", "--snr-db", "30", "--seed", "2"];
+        scratch.simulate(name, &truck, &[&DRIVE[..], &load, more].concat())
+    };
+    let said = |log: &str| {
+        let answer = estimate(log, &truck, &[]).answer();
+        (messages(&answer).contains("stood still"), answer)
+    };
+    let (told, answer) = said(&drive("sound.csv", &[]));
+    assert!(!told, "{answer}");
+    for limit_rad in ["0.0144", "0.012", "0.01"] {
+        let (told, answer) = said(&drive("clipped.csv", &["--roll-limit-rad", limit_rad]));
+        assert!(told, "{limit_rad}: {answer}");
+    }
+}

@@ -1,0 +1,146 @@
+//! Whether both level sensors of a pair follow the roll of the body.
+
+use serde::{Deserialize, Serialize};
+
+use crate::log::LogRow;
+
+/// A sensor that moves less than this share of what the other one moves does not work. Roll moves both
+/// by the same distance in opposite directions, and a vertical motion both in the same; only a vertical
+/// motion that equals the roll all the time would hold one of them still. What is left for a sensor that
+/// stands still is its noise.
+const STILL: f64 = 0.2;
+/// Least standard deviation of the sensor that moves, m: beside it, steps of a millimeter are no motion.
+const MOVES_M: f64 = 1e-3;
+/// Minimum number of rows for a statement on a maneuver.
+const LEAST_ROWS: f64 = 50.0;
+
+/// Means and sums of squares of the left and the right level since the last maneuver.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Sides {
+    rows: f64,
+    mean_m: [f64; 2],
+    squares_m2: [f64; 2],
+}
+
+impl Sides {
+    fn push(&mut self, levels_m: [f64; 2]) {
+        if !levels_m.iter().all(|level_m| level_m.is_finite()) {
+            return;
+        }
+        self.rows += 1.0;
+        for ((mean, squares), level_m) in
+            self.mean_m.iter_mut().zip(&mut self.squares_m2).zip(levels_m)
+        {
+            let before = level_m - *mean;
+            *mean += before / self.rows;
+            *squares += before * (level_m - *mean);
+        }
+    }
+
+    /// The side that stands still while the other one moves.
+    fn still(&self) -> Option<usize> {
+        let [left, right] = self.squares_m2.map(|squares| (squares / self.rows).sqrt());
+        let (side, [least, most]) =
+            if left < right { (0, [left, right]) } else { (1, [right, left]) };
+        (self.rows >= LEAST_ROWS && most > MOVES_M && least < STILL * most).then_some(side)
+    }
+}
+
+/// One pair of level sensors.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Levels {
+    sides: Sides,
+    maneuvers: u32,
+    /// Maneuvers in which the left and the right one stood still.
+    still: [u32; 2],
+}
+
+impl Levels {
+    fn close(&mut self) {
+        if self.sides.rows >= LEAST_ROWS {
+            self.maneuvers += 1;
+            if let Some(side) = self.sides.still() {
+                self.still[side] += 1;
+            }
+        }
+        self.sides = Sides::default();
+    }
+
+    /// What is wrong with the sensors of this unit. A single one of several maneuvers may be chance.
+    fn contradiction(&self, unit: &str) -> Option<String> {
+        let (side, turns) = if self.still[0] > self.still[1] {
+            ("left", self.still[0])
+        } else {
+            ("right", self.still[1])
+        };
+        (turns >= self.maneuvers.clamp(1, 2)).then(|| {
+            format!(
+                "in {turns} of {} maneuvers the {side} level of the {unit} stood still while the other one \
+                 moved: that sensor, its linkage or its signal is dead",
+                self.maneuvers
+            )
+        })
+    }
+}
+
+/// Checks the level sensors of one log.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct LevelCheck {
+    trailer: Levels,
+    tractor: Levels,
+}
+
+impl LevelCheck {
+    pub(super) fn push(&mut self, row: &LogRow) {
+        self.trailer.sides.push([row.level_left_m, row.level_right_m]);
+        self.tractor.sides.push([row.tractor_level_left_m, row.tractor_level_right_m]);
+    }
+
+    /// Ends a maneuver.
+    pub(super) fn close(&mut self) {
+        self.trailer.close();
+        self.tractor.close();
+    }
+
+    /// The sensor that does not work, if there is one.
+    pub(super) fn contradiction(&self) -> Option<String> {
+        self.trailer.contradiction("trailer").or_else(|| self.tractor.contradiction("tractor"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Levels of three maneuvers; the left one works up to this maneuver.
+    fn told(works_until: u32, noise_m: f64) -> Option<String> {
+        let mut check = LevelCheck::default();
+        for maneuver in 0..3 {
+            for k in 0..200_u32 {
+                let roll_m = 0.005 * (f64::from(k) / 20.0).sin();
+                let noise = if k % 2 == 0 { noise_m } else { -noise_m };
+                let heave_m = 0.5 * roll_m.abs();
+                let left_m = if maneuver < works_until { heave_m + roll_m } else { 0.0 };
+                check.push(&LogRow {
+                    level_left_m: left_m + noise,
+                    level_right_m: heave_m - roll_m,
+                    ..LogRow::ABSENT
+                });
+            }
+            check.close();
+        }
+        check.contradiction()
+    }
+
+    #[test]
+    fn a_level_that_stands_still_is_named() {
+        assert_eq!(told(3, 0.0), None);
+        let message = told(0, 0.0).unwrap();
+        assert!(
+            message.starts_with("in 3 of 3 maneuvers the left level of the trailer"),
+            "{message}"
+        );
+        assert!(told(1, 5e-4).unwrap().starts_with("in 2 of 3"));
+        assert_eq!(told(2, 0.0), None, "a single one of several");
+    }
+}
