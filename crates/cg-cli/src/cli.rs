@@ -41,7 +41,8 @@ pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
     /// Replace existing files that cg did not write, or that are write-protected; inputs of the
-    /// same call are never replaced
+    /// same call are never replaced. `calibrate` then also writes a calibration whose runs contradict
+    /// each other
     #[arg(long, global = true)]
     pub(crate) force: bool,
 }

@@ -161,7 +161,7 @@ mod tests {
     fn a_damaged_state_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, (None, None), Learned::default()).unwrap();
+        file.save(&memory, 1.5, (None, None, false), Learned::default()).unwrap();
         let good = fs::read(file.target.path()).unwrap();
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
@@ -188,7 +188,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, mut memory) = subject(folder.path());
         memory.trailer_mass_kg = -1.0;
-        file.save(&memory, 1.5, (None, None), Learned::default()).unwrap();
+        file.save(&memory, 1.5, (None, None, false), Learned::default()).unwrap();
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::Unsound);
     }
@@ -197,7 +197,7 @@ mod tests {
     fn the_state_of_another_truck_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (mut file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, (None, None), Learned::default()).unwrap();
+        file.save(&memory, 1.5, (None, None, false), Learned::default()).unwrap();
         file.design_crc32 ^= 1;
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::OtherDesign);

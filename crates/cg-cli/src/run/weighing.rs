@@ -111,4 +111,17 @@ mod tests {
         }
         assert!(scales.sd_kg(Scale::AxleLoad, 20e3) > 100.0 && any_kg > 5e3);
     }
+    #[test]
+    fn a_mass_counts_until_the_load_changes_without_a_new_one() {
+        let mut weighing = Weighing::EXACT;
+        weighing.weigh(1_000_000);
+        assert!(weighing.unload(1_000_000, MassSource::Signal).is_none());
+        assert!(weighing.unload(1_000_001, MassSource::Given).is_none());
+        assert!(weighing.unload(1_000_001, MassSource::Signal).is_some());
+        assert!(weighing.of_another_load);
+        weighing.weigh(2_000_000);
+        assert!(!weighing.of_another_load);
+        // After a restart.
+        assert!(Weighing::EXACT.unload(0, MassSource::Kept).is_some());
+    }
 }

@@ -432,7 +432,7 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
         let folder = tempfile::tempdir().unwrap();
         let mut session = kept_in(folder.path(), given_kg);
         let memory = memory([Some(2.0), None], mass_kg);
-        let load = (Some(0.3), Some(Scale::AxleLoad));
+        let load = (Some(0.3), Some(Scale::AxleLoad), false);
         session.outputs.save(&memory, 5.0, load, Learned::default());
         assert!(session.restore().unwrap());
         assert!(session.has_height());
