@@ -12,6 +12,10 @@ use crate::truck::lags::RollLags;
 /// to find a sensor that stands still: more than the time by which the roll angle comes before the force.
 const VIEW_LAG_S: f64 = 0.8;
 
+/// A turn that is noticed within this time after the rest has begun in it: steering needs half a second
+/// to more than a second until a truck counts as turning.
+const SOON_US: u64 = 1_200_000;
+
 /// The state of one channel: its identifier, the time of its last sample, and its fused heights.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -104,6 +108,12 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
                 self.state = FrictionState::at_rest(measured_rad);
                 self.view_rad = [expected_rad, measured_rad];
             }
+        }
+        // What looked like rest was the begin of this turn.
+        let soon_us = self.rest.until_us.saturating_add(SOON_US);
+        if row.turning && self.settled_us <= self.rest.until_us && row.time_us < soon_us {
+            self.settled_us = row.time_us.saturating_add(settings.settle_us);
+            self.identifier.clear();
         }
         self.last_us = Some(row.time_us);
         self.measured_rad = measured_rad;
@@ -215,7 +225,20 @@ mod tests {
         // A turn ends the averaging of the steady state.
         let mut lane = Lane::EMPTY;
         push(&mut lane, 0, false, 1.0);
-        assert_eq!(push(&mut lane, 250_000, true, 5.0), (5.0, 0.25, true));
+        assert_eq!(push(&mut lane, 250_000, true, 5.0), (5.0, 0.25, false));
+    }
+
+    /// Steering begins before a truck counts as turning, so that what looks like rest may be part of a turn.
+    #[test]
+    fn a_turn_within_the_first_second_and_a_half_has_begun_before_the_first_row() {
+        for (turns_us, first_us) in [(1_400_000, 4_400_000), (1_500_000, 1_500_000)] {
+            let mut lane = Lane::EMPTY;
+            let counts = (0..50_u64)
+                .map(|k| k * 100_000)
+                .find(|&us| push(&mut lane, us, us >= turns_us, 1.0).2 && us >= turns_us);
+
+            assert_eq!(counts, Some(first_us));
+        }
     }
 
     #[test]
