@@ -158,7 +158,7 @@ impl EstimateOptions {
         let lean = Lean::of(vehicle).ok().flatten();
         let roll_sensor_is_unplaced = has_unplaced_roll_sensor(vehicle);
         let (scales, floor) = (Scales::of(vehicle), Some(Floor::of(vehicle)));
-        Self { road, lean, roll_sensor_is_unplaced, scales, floor, ..self }
+        Self { scales, road, lean, roll_sensor_is_unplaced, floor, ..self }
     }
 
     /// What is said of a maneuver with these outcomes if the place of the roll sensor is missing.
