@@ -122,6 +122,7 @@ mod tests {
         weighing.weigh(2_000_000);
         assert!(!weighing.of_another_load);
         // After a restart.
-        assert!(Weighing::EXACT.unload(0, MassSource::Kept).is_some());
+        let mut resumed = Weighing::EXACT;
+        assert!(resumed.unload(0, MassSource::Kept).is_some());
     }
 }
