@@ -309,8 +309,9 @@ bench-short: venv cg
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
 
-# All benches with ten million rows and a thousand logs; writes benches/RESULTS.md. Run `make python` first.
+# All benches with ten million rows and a thousand logs; writes benches/RESULTS.md.
 bench: firmware-tools
+	$(MAKE) venv PROFILE=dist
 	benches/run.sh
 
 demo:

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs every bench and writes benches/RESULTS.md with date, commit, machine, summary and raw output.
-# Everything is built with the profile of the published program (`dist`).
+# Everything is built with the profile of the published program (`dist`), the Python package in .venv by `make bench`.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 raw=$(mktemp)
@@ -8,7 +8,6 @@ trap 'rm -f "$raw" "$raw.python" "$raw.guest"' EXIT
 cargo bench --profile dist --package cg-bench | tee "$raw"
 cargo build --profile dist --package cg-cli
 guest/run.sh target/dist/cg .venv | grep '^guest: ' > "$raw.guest"
-VIRTUAL_ENV=$PWD/.venv .venv/bin/maturin develop --quiet --profile dist -m crates/cg-py/Cargo.toml
 OPENBLAS_NUM_THREADS=1 .venv/bin/python benches/python/logs.py > "$raw.python"
 CG=$PWD/target/dist/cg .venv/bin/python benches/python/spark_trips.py >> "$raw.python"
 CG=$PWD/target/dist/cg .venv/bin/python benches/python/live_clients.py >> "$raw.python"
