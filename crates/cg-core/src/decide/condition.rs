@@ -86,6 +86,8 @@ pub struct Row<T, const C: usize = CHANNELS> {
     /// Whether the trailer's roll angle is relative to gravity and thus contains the bank of the
     /// road.
     pub to_gravity: bool,
+    /// Whether the lateral acceleration is that of the yaw rate.
+    pub by_yaw_rate: bool,
     /// Last known speed, m/s.
     pub speed_mps: T,
     /// Last known trailer mass, kg.
@@ -142,7 +144,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             gains: None,
             curves: None,
         };
-        conditioner.expect(design);
+        conditioner.update_gains(design);
         conditioner
     }
 
@@ -154,11 +156,11 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
     /// Sets the trailer mass if it is known before the first sample.
     pub(crate) fn weigh(&mut self, design: &Design<T, C>, trailer_mass_kg: T) {
         self.trailer_mass_kg = trailer_mass_kg;
-        self.expect(design);
+        self.update_gains(design);
     }
 
     /// Computes the gains at the present speed and mass.
-    fn expect(&mut self, design: &Design<T, C>) {
+    fn update_gains(&mut self, design: &Design<T, C>) {
         let (speed_mps, mass_kg) = (self.speed_mps, self.trailer_mass_kg);
         let at = |curves: &Gains<T, C>| curves.at(design, speed_mps, mass_kg);
         self.gains = self.curves.as_ref().and_then(at);
@@ -223,6 +225,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             measured_rad,
             expected_rad,
             to_gravity: signals.to_gravity,
+            by_yaw_rate: signals.by_yaw_rate,
             speed_mps: self.speed_mps,
             trailer_mass_kg: self.trailer_mass_kg,
             lateral_acceleration_mps2: felt,
@@ -291,7 +294,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             self.trailer_mass_kg = mass;
         }
         if new_speed || new_mass {
-            self.expect(design);
+            self.update_gains(design);
         }
     }
 }
@@ -305,6 +308,7 @@ pub struct Signals<T> {
     tractor_force_mps2: T,
     roll_rad: T,
     to_gravity: bool,
+    by_yaw_rate: bool,
     suspension_rad: T,
     tractor_suspension_rad: T,
 }
@@ -328,6 +332,7 @@ impl<T: Real> Signals<T> {
             ),
             roll_rad: or(sample.roll_rad, to_gravity_rad),
             to_gravity: !sample.roll_rad.present() && to_gravity_rad.present(),
+            by_yaw_rate: measured.present() && !sample.lateral_acceleration_mps2.present(),
             suspension_rad: sample.suspension_roll_rad,
             tractor_suspension_rad: sample.tractor_suspension_roll_rad,
         }

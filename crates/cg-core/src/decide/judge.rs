@@ -49,6 +49,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
                 line.ratio_at(design.reference_height_m) * gravity_mps2
             }),
             to_gravity: window.to_gravity,
+            by_yaw_rate: window.by_yaw_rate,
             articulation_rad: design.trailer_wheelbase_m * window.lateral_mps2()
                 / (speed_mps * speed_mps),
         };

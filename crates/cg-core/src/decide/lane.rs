@@ -203,6 +203,7 @@ mod tests {
             measured_rad: [0.1; 2],
             expected_rad: [expected; 2],
             to_gravity: false,
+            by_yaw_rate: false,
             speed_mps: 10.0,
             trailer_mass_kg: 2e4,
             lateral_acceleration_mps2: 0.0,

@@ -29,6 +29,8 @@ pub(crate) struct Window<T, const C: usize> {
     lateral_rows: T,
     /// Whether a roll angle in it was relative to gravity.
     pub(crate) to_gravity: bool,
+    /// Whether a lateral acceleration in its turns was that of the yaw rate.
+    pub(crate) by_yaw_rate: bool,
     /// Mean trailer mass of all rows, because the load signal oscillates, and their weight.
     pub(crate) trailer_mass_kg: T,
     pub(crate) weight: T,
@@ -51,6 +53,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             lateral_square: T::zero(),
             lateral_rows: T::zero(),
             to_gravity: false,
+            by_yaw_rate: false,
             trailer_mass_kg: T::zero(),
             weight: T::zero(),
             sensor_checks: [None; C],
@@ -75,6 +78,7 @@ impl<T: Real, const C: usize> Window<T, C> {
                     (lateral * lateral - self.lateral_square) / self.lateral_rows;
             }
             self.to_gravity |= row.to_gravity;
+            self.by_yaw_rate |= row.by_yaw_rate;
             return false;
         }
         let fades =
@@ -125,6 +129,7 @@ mod tests {
                 measured_rad: [0.0],
                 expected_rad: [0.0],
                 to_gravity: false,
+                by_yaw_rate: false,
                 speed_mps: 10.0,
                 trailer_mass_kg: 2e4,
                 lateral_acceleration_mps2: *lateral,
