@@ -26,6 +26,17 @@ pub struct StaticBalance {
     pub residual_nm: f64,
 }
 
+/// Least share of the sprung mass that is payload. The c.g. of a smaller payload does not follow from that
+/// of the trailer, whose error it multiplies by more than five.
+pub(crate) const LEAST_SHARE: f64 = 0.2;
+
+/// Height of the payload's own c.g. above that of the tare, m, if this is the height of the c.g. of both
+/// above it and the payload this share of their mass; a smaller share counts as the
+/// [least](LEAST_SHARE).
+pub(crate) fn payload_above_tare_m(both_above_tare_m: f64, share: f64) -> f64 {
+    both_above_tare_m / share.max(LEAST_SHARE)
+}
+
 impl Vehicle {
     /// Tare and payload as one body. The payload is the box that gives the mass and the height of
     /// the load; the height of the box follows from its c.g. (limited to 0.6–2.4 m).
@@ -47,9 +58,7 @@ impl Vehicle {
         let share = payload_kg / (tare.sprung_mass_kg + payload_kg);
         let cg_behind_hitch_m =
             tare.cg_behind_hitch_m + share * (bed.behind_hitch_m - tare.cg_behind_hitch_m);
-        // The payload's c.g. that gives the height. The c.g. of a small payload cannot be
-        // arbitrarily high.
-        let above_tare_m = (load.cg_height_m - tare.cg_height_m) / share.max(0.2);
+        let above_tare_m = payload_above_tare_m(load.cg_height_m - tare.cg_height_m, share);
         let above_floor_m = tare.cg_height_m + above_tare_m - bed.floor_height_m;
         let box_height_m = (2.0 * above_floor_m).clamp(0.6, 2.4);
         let square = |x: f64| x * x;

@@ -2,11 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::balance::{LEAST_SHARE, payload_above_tare_m};
 use crate::vehicle::Vehicle;
-
-/// Least share of the sprung mass that is payload. The c.g. of a smaller payload does not follow from that
-/// of the trailer, whose error it multiplies by more than five.
-const LEAST_SHARE: f64 = 0.2;
 
 /// The floor, and what the c.g. of a payload follows from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,8 +33,8 @@ impl Floor {
     pub fn payload_height_m(&self, trailer_mass_kg: f64, cg_height_m: f64) -> Option<f64> {
         let sprung_kg = trailer_mass_kg - self.unsprung_kg;
         let share = 1.0 - self.tare_kg / sprung_kg;
-        (share >= LEAST_SHARE)
-            .then(|| self.tare_height_m + (cg_height_m - self.tare_height_m) / share)
+        let above_tare_m = payload_above_tare_m(cg_height_m - self.tare_height_m, share);
+        (share >= LEAST_SHARE).then_some(self.tare_height_m + above_tare_m)
     }
 }
 
