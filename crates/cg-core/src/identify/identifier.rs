@@ -45,7 +45,10 @@ impl fmt::Display for Unexcited {
             Self::TooFewRows { rows } => {
                 write!(f, "only {rows} rows, fewer than the unknowns of the model")
             }
-            Self::Input => write!(f, "the input hardly changes: there is no turn to identify from"),
+            Self::Input => f.write_str(
+                "the input hardly changes: there is no turn to identify from (the first three seconds of a \
+                 turn that begins with the log do not count)",
+            ),
             Self::Direction { unknown } => {
                 write!(f, "the input does not excite unknown {unknown} of the model")
             }

@@ -89,12 +89,7 @@ impl<T: Real, const N: usize> Neighbors<T, N> {
         let deviation = observation - self.first;
         self.deviations[0] += deviation;
         self.deviations[1] += deviation * deviation;
-        for (sum, value) in self.sum.regressors.iter_mut().zip(regressors) {
-            *sum += value;
-        }
-        self.sum.observation += observation;
-        self.sum.rows += T::one();
-        self.sum.elapsed_s += elapsed_s;
+        self.sum.add(&Sum { regressors, observation, rows: T::one(), elapsed_s });
         self.sum.elapsed_s >= T::of(SUM_S) || self.sum.rows >= T::of(f64::from(MOST_ROWS))
     }
 
