@@ -7,13 +7,12 @@ use std::io::{self, Write};
 use cg_core::Memory;
 use cg_logs::learn::Learned;
 use cg_logs::output::Target;
-use cg_vehicle::scales::Scale;
 
 use super::events::{self, Event, Status};
 use super::latency::Histogram;
 use super::metrics;
 use super::serve::{Kind, Page};
-use super::state::{Found, StateFile};
+use super::state::{Found, SavedLoad, StateFile};
 use super::transmit;
 
 /// Sends a frame with this identifier and these data.
@@ -74,7 +73,7 @@ impl<W: Write> Outputs<W> {
         &mut self,
         memory: &Memory<f64>,
         saved_s: f64,
-        load: (Option<f64>, Option<Scale>, bool),
+        load: SavedLoad,
         learned: Learned,
     ) -> Option<String> {
         let result = self.state.as_ref()?.save(memory, saved_s, load, learned);

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, Leaning, Verdict};
+use cg_logs::estimate::{Engine, EstimateOptions, Leaning, Verdict, Weighed};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -131,7 +131,7 @@ impl<W: Write> Session<W> {
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
-                self.weighing.of_another_load = state.mass_is_of_another_load;
+                self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
                 // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
                 let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
@@ -229,7 +229,7 @@ impl<W: Write> Session<W> {
             return Ok(());
         } else {
             self.weighed_us.get_or_insert(sample.time_us);
-            self.weighing.weigh(sample.time_us);
+            self.weighing.weighed.weigh(sample.time_us);
         }
         if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
@@ -457,10 +457,10 @@ impl<W: Write> Session<W> {
     fn save(&mut self) -> io::Result<()> {
         self.next.save_us = self.now_us + SAVE_US;
         let memory = self.estimator.memory();
-        let (saved_s, since_s) = (self.time_s(self.now_us), self.load_since_s);
+        let saved_s = self.time_s(self.now_us);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let load = (since_s, self.weighing.scale, self.weighing.of_another_load);
+        let load = self.weighing.saved(self.load_since_s);
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

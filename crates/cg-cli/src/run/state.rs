@@ -27,6 +27,17 @@ pub(crate) struct StateFile {
     pub(crate) vehicle_crc32: Option<u32>,
 }
 
+/// What is kept of the present load beside the estimator's memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SavedLoad {
+    /// Time of the last change of the load, s.
+    pub(crate) since_s: Option<f64>,
+    /// The scale of its mass.
+    pub(crate) scale: Option<Scale>,
+    /// Whether that mass is of the load before.
+    pub(crate) mass_is_of_another_load: bool,
+}
+
 /// The content of a state file.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Found {
@@ -43,17 +54,17 @@ impl StateFile {
         Self { target, design_crc32: design_crc32(design), vehicle_crc32: None }
     }
 
-    /// Writes a state with the time of the last change of the load, s, the scale of its mass, and whether
-    /// that mass is of the load before; it replaces the previous one.
+    /// Writes a state; it replaces the previous one.
     pub(crate) fn save(
         &self,
         memory: &Memory<f64>,
         saved_s: f64,
-        (load_since_s, scale, of_another): (Option<f64>, Option<Scale>, bool),
+        load: SavedLoad,
         learned: Learned,
     ) -> io::Result<()> {
-        let mut state = State::new(self.design_crc32, memory, saved_s, load_since_s, learned);
-        (state.scale, state.mass_is_of_another_load) = (scale, of_another);
+        let mut state = State::new(self.design_crc32, memory, saved_s, load.since_s, learned);
+        state.scale = load.scale;
+        state.mass_is_of_another_load = load.mass_is_of_another_load;
         state.vehicle_crc32 = self.vehicle_crc32;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
@@ -147,8 +158,11 @@ mod tests {
         let (file, mut memory) = subject(folder.path());
         assert_eq!(file.load().unwrap(), Found::Nothing);
         memory.correlation[0][1] = 0.1 + 0.2;
-        file.save(&memory, 1.5, (Some(0.3), None, false), Learned::default()).unwrap();
-        file.save(&memory, 2.5, (None, Some(Scale::AxleLoad), true), Learned::default()).unwrap();
+        let load = SavedLoad { since_s: Some(0.3), ..SavedLoad::default() };
+        file.save(&memory, 1.5, load, Learned::default()).unwrap();
+        let scale = Some(Scale::AxleLoad);
+        let load = SavedLoad { since_s: None, scale, mass_is_of_another_load: true };
+        file.save(&memory, 2.5, load, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
         assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(state.scale, Some(Scale::AxleLoad));
@@ -161,7 +175,7 @@ mod tests {
     fn a_damaged_state_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, (None, None, false), Learned::default()).unwrap();
+        file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
         let good = fs::read(file.target.path()).unwrap();
         for bit in 0..good.len() * 8 {
             let mut bad = good.clone();
@@ -188,7 +202,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (file, mut memory) = subject(folder.path());
         memory.trailer_mass_kg = -1.0;
-        file.save(&memory, 1.5, (None, None, false), Learned::default()).unwrap();
+        file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::Unsound);
     }
@@ -197,7 +211,7 @@ mod tests {
     fn the_state_of_another_truck_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
         let (mut file, memory) = subject(folder.path());
-        file.save(&memory, 1.5, (None, None, false), Learned::default()).unwrap();
+        file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
         file.design_crc32 ^= 1;
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::OtherDesign);

@@ -1,9 +1,11 @@
 //! How exact the trailer mass is.
 
 use cg_core::Design;
+use cg_logs::estimate::Weighed;
 use cg_vehicle::scales::{Scale, Scales};
 
 use super::events::{MassSource, Result as Known};
+use super::state::SavedLoad;
 
 /// What is known of the exactness of the trailer mass.
 #[derive(Clone, Copy)]
@@ -14,37 +16,29 @@ pub(crate) struct Weighing {
     pub(crate) scales: Scales,
     /// The scale of the last mass by a signal, also before a restart.
     pub(crate) scale: Option<Scale>,
-    /// Whether the mass is that of the load before.
-    pub(crate) of_another_load: bool,
-    /// Time of the last mass by a signal, µs.
-    pub(crate) last_us: Option<u64>,
+    /// Whether that mass is of the present load.
+    pub(crate) weighed: Weighed,
 }
 
 impl Weighing {
     /// Exact scales, nothing given.
-    pub(crate) const EXACT: Self = Self {
-        sd_kg: None,
-        scales: Scales::EXACT,
-        scale: None,
-        of_another_load: false,
-        last_us: None,
-    };
-
-    /// Takes a mass by a signal.
-    pub(crate) fn weigh(&mut self, time_us: u64) {
-        (self.of_another_load, self.last_us) = (false, Some(time_us));
-    }
+    pub(crate) const EXACT: Self =
+        Self { sd_kg: None, scales: Scales::EXACT, scale: None, weighed: Weighed::NEVER };
 
     /// Takes a change of the load that a maneuver from `start_us` on has revealed. Returns a message if the
     /// mass from this source was weighed before it.
     pub(crate) fn unload(&mut self, start_us: u64, source: MassSource) -> Option<&'static str> {
-        let weighed = matches!(source, MassSource::Kept | MassSource::Signal);
-        let outdated = weighed && self.last_us.is_none_or(|last_us| last_us < start_us);
-        self.of_another_load |= outdated;
-        outdated.then_some(
+        let is_weighed = matches!(source, MassSource::Kept | MassSource::Signal);
+        (is_weighed && self.weighed.change_load(start_us)).then_some(
             "the load changed, and no signal has given a trailer mass since: that of the load before is used, \
              and the interval contains any load; give --trailer-mass-kg or a signal of the mass",
         )
+    }
+
+    /// What a restart needs of a load since this time, s.
+    pub(crate) fn saved(&self, since_s: Option<f64>) -> SavedLoad {
+        let mass_is_of_another_load = self.weighed.is_of_another_load();
+        SavedLoad { since_s, scale: self.scale, mass_is_of_another_load }
     }
 
     /// A result with the scale of its mass and its standard deviation.
@@ -68,14 +62,14 @@ impl Weighing {
 
     /// Standard deviation of a mass from this source, kg. A mass that was never weighed may be any.
     fn sd_kg(&self, source: MassSource, mass_kg: f64, design: &Design<f64>) -> f64 {
-        let of_scale = || match source {
+        let is_given = source == MassSource::Given;
+        if !is_given && self.weighed.is_of_another_load() {
+            return design.any_load_sd_kg();
+        }
+        self.sd_kg.unwrap_or_else(|| match source {
             MassSource::Nominal => design.any_load_sd_kg(),
-            MassSource::Kept | MassSource::Signal if self.of_another_load => {
-                design.any_load_sd_kg()
-            }
             _ => self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg)),
-        };
-        self.sd_kg.unwrap_or_else(of_scale)
+        })
     }
 }
 
@@ -111,18 +105,25 @@ mod tests {
         }
         assert!(scales.sd_kg(Scale::AxleLoad, 20e3) > 100.0 && any_kg > 5e3);
     }
+
     #[test]
-    fn a_mass_counts_until_the_load_changes_without_a_new_one() {
-        let mut weighing = Weighing::EXACT;
-        weighing.weigh(1_000_000);
-        assert!(weighing.unload(1_000_000, MassSource::Signal).is_none());
-        assert!(weighing.unload(1_000_001, MassSource::Given).is_none());
-        assert!(weighing.unload(1_000_001, MassSource::Signal).is_some());
-        assert!(weighing.of_another_load);
-        weighing.weigh(2_000_000);
-        assert!(!weighing.of_another_load);
-        // After a restart.
-        let mut resumed = Weighing::EXACT;
-        assert!(resumed.unload(0, MassSource::Kept).is_some());
+    fn a_mass_of_another_load_may_be_any() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+        let vehicle = Vehicle::load(path).unwrap();
+        let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        for (source, is_outdated) in [
+            (MassSource::Nominal, false),
+            (MassSource::Given, false),
+            (MassSource::Kept, true),
+            (MassSource::Signal, true),
+        ] {
+            let mut weighing = Weighing { sd_kg: Some(70.0), ..Weighing::EXACT };
+            weighing.weighed.weigh(1_000_000);
+            assert!(weighing.unload(1_000_000, source).is_none());
+            assert_eq!(weighing.unload(1_000_001, source).is_some(), is_outdated);
+            let sd_kg = weighing.sd_kg(source, 20e3, &design);
+            let expected_kg = if is_outdated { design.any_load_sd_kg() } else { 70.0 };
+            assert!((sd_kg - expected_kg).abs() < 1e-9, "{source:?}: {sd_kg}");
+        }
     }
 }

@@ -14,6 +14,7 @@ use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::signals::SignalCheck;
+use super::weighed::Weighed;
 use crate::log::LogRow;
 use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
@@ -84,8 +85,7 @@ pub(super) struct SignalsSeen {
     pub(super) scale: Option<Scale>,
     /// Time of the first one, µs.
     pub(super) weighed_us: Option<u64>,
-    /// Time of the last one, µs.
-    last_weighed_us: u64,
+    pub(super) weighed: Weighed,
     pub(super) unscaled_steering_wheel: bool,
     pub(super) unscaled_pressure: bool,
     pub(super) unscaled_level: bool,
@@ -174,19 +174,17 @@ impl LogEstimator {
 
     /// Standard deviation of a trailer mass, kg.
     pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
-        self.options.trailer_mass_sd_kg.unwrap_or_else(|| match self.scale() {
-            Some(scale) if !self.is_of_another_load() => self.options.scales.sd_kg(scale, mass_kg),
-            _ => self.design.any_load_sd_kg(),
-        })
+        match (self.scale(), self.options.trailer_mass_sd_kg) {
+            _ if self.is_of_another_load() => self.design.any_load_sd_kg(),
+            (_, Some(sd_kg)) => sd_kg,
+            (Some(scale), None) => self.options.scales.sd_kg(scale, mass_kg),
+            (None, None) => self.design.any_load_sd_kg(),
+        }
     }
 
     /// Whether the mass in the log ends before the last load begins.
     pub(super) fn is_of_another_load(&self) -> bool {
-        let revealed = self.engine.load_since_us();
-        let first = self.maneuvers.iter().find(|maneuver| Some(maneuver.end_us) == revealed);
-        self.options.trailer_mass_kg.is_none()
-            && self.seen.mass_kg.is_some()
-            && first.is_some_and(|maneuver| self.seen.last_weighed_us < maneuver.start_us)
+        self.options.trailer_mass_kg.is_none() && self.seen.weighed.is_of_another_load()
     }
 
     /// The design of the truck.
@@ -226,8 +224,12 @@ impl LogEstimator {
     }
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
-        if closed.is_some() {
+        if let Some(maneuver) = closed {
             self.levels.close();
+            let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
+            if is_first_of_load && self.seen.mass_kg.is_some() {
+                self.seen.weighed.change_load(maneuver.start_us);
+            }
         }
         if self.maneuvers.len() < MOST_MANEUVERS {
             self.maneuvers.extend(closed);
@@ -262,7 +264,7 @@ impl LogEstimator {
                 Scale::in_log(quantity)
             });
             self.seen.weighed_us.get_or_insert(time_us);
-            self.seen.last_weighed_us = time_us;
+            self.seen.weighed.weigh(time_us);
         }
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;

@@ -2,47 +2,46 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::pair::Pair;
 use crate::log::LogRow;
 
-/// A sensor that moves less than this share of what the other one moves does not work. Roll moves both
-/// by the same distance in opposite directions, and a vertical motion both in the same; only a vertical
-/// motion that equals the roll all the time would hold one of them still. What is left for a sensor that
-/// stands still is its noise.
-const STILL: f64 = 0.2;
-/// Least standard deviation of the sensor that moves, m: beside it, steps of a millimeter are no motion.
+/// Least share that a working sensor has in the change of the difference of both. Roll moves both by the
+/// same distance in opposite directions, so each has half of it; a sensor that stands still has none, and
+/// the other one all. A vertical motion only adds to a share what it has in common with the roll.
+const LEAST_SHARE: f64 = 0.1;
+/// Least standard deviation of the difference, m: beside it, steps of a millimeter are no motion.
 const MOVES_M: f64 = 1e-3;
 /// Minimum number of rows for a statement on a maneuver.
 const LEAST_ROWS: f64 = 50.0;
 
-/// Means and sums of squares of the left and the right level since the last maneuver.
+/// The left level against the difference of both since the last maneuver.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Sides {
     rows: f64,
-    mean_m: [f64; 2],
-    squares_m2: [f64; 2],
+    /// The difference of left and right level, and the left one, m.
+    levels_m: Pair,
 }
 
 impl Sides {
-    fn push(&mut self, levels_m: [f64; 2]) {
-        if !levels_m.iter().all(|level_m| level_m.is_finite()) {
-            return;
-        }
-        self.rows += 1.0;
-        for ((mean, squares), level_m) in
-            self.mean_m.iter_mut().zip(&mut self.squares_m2).zip(levels_m)
-        {
-            let before = level_m - *mean;
-            *mean += before / self.rows;
-            *squares += before * (level_m - *mean);
+    fn push(&mut self, [left_m, right_m]: [f64; 2]) {
+        let difference_m = left_m - right_m;
+        if difference_m.is_finite() {
+            self.rows += 1.0;
+            self.levels_m.push(self.rows, [difference_m, left_m]);
         }
     }
 
     /// The side that stands still while the other one moves.
     fn still(&self) -> Option<usize> {
-        let [left, right] = self.squares_m2.map(|squares| (squares / self.rows).sqrt());
-        let (side, [least, most]) =
-            if left < right { (0, [left, right]) } else { (1, [right, left]) };
-        (self.rows >= LEAST_ROWS && most > MOVES_M && least < STILL * most).then_some(side)
+        let moves = self.levels_m.square() > MOVES_M * MOVES_M * self.rows;
+        if self.rows < LEAST_ROWS || !moves {
+            return None;
+        }
+        match self.levels_m.slope() {
+            share if share < LEAST_SHARE => Some(0),
+            share if share > 1.0 - LEAST_SHARE => Some(1),
+            _ => None,
+        }
     }
 }
 

@@ -87,7 +87,7 @@ impl LogEstimator {
     /// Where the trailer mass comes from, if it is not exact.
     fn weighed(&self) -> Option<String> {
         let (scale, mass_kg) = (self.scale()?, self.trailer_mass_kg);
-        if self.is_of_another_load() && self.options.trailer_mass_sd_kg.is_none() {
+        if self.is_of_another_load() {
             return Some(format!(
                 "the load changed, and no trailer mass in the log is of the last load: {mass_kg:.0} kg of \
                  the one before is used, and the interval contains any load; give ⟨trailer_mass_kg⟩"
@@ -105,12 +105,13 @@ impl LogEstimator {
 
     /// That the roll angle stood still or was bent in some maneuvers, although others gave a height.
     fn seized(&self) -> Option<String> {
+        let is_of_sensor = |reject: &Reject<f64>| match reject {
+            Reject::Inconsistent(found) => !matches!(found, Inconsistency::Misfit { .. }),
+            _ => false,
+        };
         let reason = |maneuver: &Maneuver<f64>| {
-            maneuver.outcomes.iter().find_map(|outcome| match outcome.height_m {
-                Err(Reject::Inconsistent(Inconsistency::Misfit { .. })) | Ok(_) => None,
-                Err(reject @ Reject::Inconsistent(_)) => Some(reject),
-                Err(_) => None,
-            })
+            let mut rejects = maneuver.outcomes.iter().filter_map(|one| one.height_m.err());
+            rejects.find(is_of_sensor)
         };
         let reasons: Vec<_> = self.maneuvers.iter().filter_map(reason).collect();
         let is_used = Channel::ALL.into_iter().any(|one| self.engine.height(one).is_some());

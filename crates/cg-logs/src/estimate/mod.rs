@@ -10,6 +10,7 @@
 //! | `rolls` | whether two roll sensors agree |
 //! | `levels` | whether level sensors stand still |
 //! | `leaning` | whether the trailer leans in straight driving |
+//! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels |
 //! | `intake` | processing of the rows |
@@ -24,6 +25,7 @@ mod signals;
 mod rolls;
 mod levels;
 mod leaning;
+mod weighed;
 mod recorder;
 mod felt;
 mod intake;
@@ -41,3 +43,4 @@ pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
+pub use weighed::Weighed;

@@ -14,7 +14,7 @@ use cg_vehicle::{Variant, Vehicle};
 use serde_json::Value;
 
 use super::*;
-use crate::run::state::StateFile;
+use crate::run::state::{SavedLoad, StateFile};
 use crate::run::transmit::CYCLE_US;
 
 type Trial = Session<Vec<u8>>;
@@ -432,7 +432,8 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
         let folder = tempfile::tempdir().unwrap();
         let mut session = kept_in(folder.path(), given_kg);
         let memory = memory([Some(2.0), None], mass_kg);
-        let load = (Some(0.3), Some(Scale::AxleLoad), false);
+        let load =
+            SavedLoad { since_s: Some(0.3), scale: Some(Scale::AxleLoad), ..SavedLoad::default() };
         session.outputs.save(&memory, 5.0, load, Learned::default());
         assert!(session.restore().unwrap());
         assert!(session.has_height());
