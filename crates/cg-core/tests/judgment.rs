@@ -238,7 +238,7 @@ fn another_load_is_told_from_the_maneuver_that_shows_it() {
 #[test]
 fn what_a_memory_holds_comes_back() {
     let mut road = Road::new(Says::WELL);
-    road.trailer_mass_kg = 20e3;
+    (road.trailer_mass_kg, road.speed_mps) = (20e3, 14.0);
     road.maneuver([1.8; 2]);
     let memory = road.estimator.memory();
     assert_eq!((memory.trailer_mass_kg, memory.correlation), (20e3, [[1.0, 0.5], [0.5, 1.0]]));
