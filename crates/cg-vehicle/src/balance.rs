@@ -38,6 +38,21 @@ pub(crate) fn payload_above_tare_m(both_above_tare_m: f64, share: f64) -> f64 {
 }
 
 impl Vehicle {
+    /// The load of a trailer of this mass whose payload has the c.g. of the reference payload.
+    pub fn usual_load(&self, trailer_mass_kg: f64) -> Load {
+        let (tare, reference) = (&self.trailer.tare, self.reference_load());
+        let share = |mass_kg: f64| {
+            let payload_kg = (mass_kg - self.empty_trailer_mass_kg()).max(0.0);
+            payload_kg / (tare.sprung_mass_kg + payload_kg)
+        };
+        let above_tare_m = payload_above_tare_m(
+            reference.cg_height_m - tare.cg_height_m,
+            share(reference.trailer_mass_kg),
+        );
+        let cg_height_m = tare.cg_height_m + share(trailer_mass_kg) * above_tare_m;
+        Load { trailer_mass_kg, cg_height_m }
+    }
+
     /// Tare and payload as one body. The payload is the box that gives the mass and the height of
     /// the load; the height of the box follows from its c.g. (limited to 0.6–2.4 m).
     ///

@@ -177,7 +177,7 @@ fn models(
     let mut models = [reference; MASSES];
     if variant == Variant::Complete {
         for (model, &trailer_mass_kg) in models.iter_mut().zip(masses_kg) {
-            *model = at(Load { trailer_mass_kg, ..load }).unwrap_or(reference);
+            *model = at(vehicle.usual_load(trailer_mass_kg)).unwrap_or(reference);
         }
     }
     Ok(models)

@@ -12,7 +12,7 @@ use cg_vehicle::reduction::quality::rounded_step;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::system::{Rational, multiplied};
-use cg_vehicle::{Load, Variant, Vehicle};
+use cg_vehicle::{Variant, Vehicle};
 
 const CHANNELS: [Channel; 3] =
     [Channel::LateralAcceleration, Channel::Suspension, Channel::Tractor];
@@ -20,8 +20,7 @@ const INTERVAL_S: f64 = 0.05;
 const LANE_CHANGE_HZ: f64 = 0.3;
 
 fn model(vehicle: &Vehicle, payload_kg: f64, speed_mps: f64) -> StateSpace {
-    let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + payload_kg;
-    let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+    let load = vehicle.usual_load(vehicle.empty_trailer_mass_kg() + payload_kg);
     Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap().state_space().unwrap()
 }
 
@@ -109,7 +108,32 @@ fn the_models_explain_turns_and_lane_changes() {
                 );
                 let has_leaf_springs = file == "baseline.toml";
                 assert!(step < 0.01 || has_leaf_springs, "{file} {payload_kg} {channel}: {step}");
-                assert!(change < change_then, "{file} {payload_kg} {channel}: {change}");
+                // The trailer's own suspension and acceleration move together; the empty one gives up some of
+                // a lane change to keep the noise of the sensor out.
+                let gives_up = channel == Channel::Suspension && payload_kg == 0.0;
+                let most = if gives_up { 1.25 * change_then } else { change_then };
+                assert!(change < most, "{file} {payload_kg} {channel}: {change}");
+            }
+        }
+    }
+}
+
+/// White noise of an input at 50 Hz, in the expected roll angle after the lags: less than in the input.
+/// (A numerator that is only best in the band passes 3 to 5 times its power in the trailer's pair at 12 t.)
+#[test]
+fn noise_of_the_input_does_not_grow() {
+    for file in ["kraz.toml", "euro.toml", "baseline.toml", "air.toml"] {
+        let vehicle = common::vehicle(file);
+        for payload_kg in [12e3, 25e3] {
+            let truck = model(&vehicle, payload_kg, vehicle.nominal_speed_mps);
+            let models = reduce(&truck, &[]).unwrap();
+            for channel in CHANNELS {
+                let own = unit(&models.of_channels[channel.index()], 0.0);
+                let system = own.system();
+                let square = |k: i32| system.magnitude(0.5 * f64::from(k)).unwrap().powi(2);
+                let power = (1..=314).map(square).sum::<f64>() / 314.0;
+                println!("{file} {payload_kg} {channel}: {power:.2}");
+                assert!(power < 1.0, "{file} {payload_kg} {channel}: {power}");
             }
         }
     }

@@ -6,12 +6,16 @@
 //! constant of the lags through which the estimator passes the measured roll angle. `N(0) = B(0)` is
 //! exact.
 //!
+//! The input has noise, which the roll angle does not follow, so what a model makes of it is left as
+//! well. Without this part of the square, a model follows the acceleration of an empty trailer best by
+//! powers of `s` that let the noise pass beyond the band.
+//!
 //! At another speed `U` the numerator is `N + (U0/U − 1) M`, and `M` is fitted in the same way to
 //! what `N` leaves at the other speeds. The distance between the axles passes in a time of `1/U`, so
 //! the error of this form is small.
 
-use cg_core::Channel;
 use cg_core::truck::channel::ROLL_LAG_S;
+use cg_core::{Channel, Input};
 use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::error::VehicleError;
@@ -24,6 +28,15 @@ const BAND_RADPS: (f64, f64) = (0.1, 12.0);
 /// Number of frequencies. They are 10 % apart, so a resonance with a damping ratio of 0.1, the least
 /// of leaf springs, has some.
 const FREQUENCIES: u32 = 50;
+/// Standard deviation of the white noise at 50 Hz of an accelerometer on a chassis, and of a lateral acceleration,
+/// which is often the yaw rate times the speed, m/s².
+const FORCE_NOISE_MPS2: f64 = 0.03;
+const LATERAL_NOISE_MPS2: f64 = 0.015;
+/// The spectrum of unit noise over a turn of 15 s, `√(Δt T)`, divided by a change of the acceleration of
+/// 1.5 m/s², whose spectrum is `1/ω`.
+const NOISE_PER_TURN: f64 = 0.55 / 1.5;
+/// Half the sampling rate of 50 Hz.
+const GREATEST_NOISE_RADPS: f64 = 157.0;
 /// Unit of the frequency in the equations, which makes the coefficients similar.
 const UNIT_RADPS: f64 = 3.0;
 
@@ -39,12 +52,29 @@ pub(super) struct Band<'a> {
 /// be explained.
 type Point = (f64, Complex<f64>, Complex<f64>);
 
-/// The frequencies of the band.
-fn frequencies() -> impl Iterator<Item = f64> {
+/// Frequencies from the least of the band on, as far apart as those of the band.
+fn spaced() -> impl Iterator<Item = f64> {
     let ratio = BAND_RADPS.1 / BAND_RADPS.0;
-    (0..FREQUENCIES).map(move |k| {
+    (0..).map(move |k| {
         let place = f64::from(k) / f64::from(FREQUENCIES - 1);
         BAND_RADPS.0 * libm::pow(ratio, place)
+    })
+}
+
+/// The frequencies of the band.
+fn frequencies() -> impl Iterator<Item = f64> {
+    spaced().take(FREQUENCIES as usize)
+}
+
+/// The noise of an input relative to a turn, which no roll angle follows.
+fn noise(input: Input) -> impl Iterator<Item = Point> {
+    let sd_mps2 =
+        if input == Input::LateralAcceleration { LATERAL_NOISE_MPS2 } else { FORCE_NOISE_MPS2 };
+    let zero = Complex::new(0.0, 0.0);
+    let passing = spaced().take_while(|&omega_radps| omega_radps < GREATEST_NOISE_RADPS);
+    passing.map(move |omega_radps| {
+        let size = NOISE_PER_TURN * sd_mps2 * omega_radps.sqrt();
+        (omega_radps, Complex::new(size, 0.0), zero)
     })
 }
 
@@ -74,7 +104,7 @@ impl<'a> Band<'a> {
             let weight = usual_steer(*omega_radps);
             (*omega_radps, input * weight, output * weight)
         });
-        Ok(Some((steady_output / steady_input, points.collect())))
+        Ok(Some((steady_output / steady_input, points.chain(noise(channel.input())).collect())))
     }
 }
 
