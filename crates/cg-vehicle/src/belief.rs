@@ -16,6 +16,7 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::reduction::Shapes;
+use crate::tables::Spring;
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// Number of parameters.
@@ -65,11 +66,15 @@ pub enum Parameter {
     TractorSuspensionRollGain,
     /// Torsional stiffness of the trailer's frame, factor.
     FrameTorsionalStiffness,
+    /// Friction of the trailer's measured springs, factor.
+    TrailerSpringFriction,
+    /// Friction of the tractor's measured springs, factor.
+    TractorSpringFriction,
 }
 
 impl Parameter {
     /// All parameters, in the order of [`Deviations`].
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::TrailerRollStiffness,
         Self::TractorRollStiffness,
         Self::RollCenterHeight,
@@ -87,6 +92,8 @@ impl Parameter {
         Self::SuspensionRollGain,
         Self::TractorSuspensionRollGain,
         Self::FrameTorsionalStiffness,
+        Self::TrailerSpringFriction,
+        Self::TractorSpringFriction,
     ];
 
     /// The name of the parameter in words.
@@ -109,6 +116,8 @@ impl Parameter {
             Self::SuspensionRollGain => "suspension-roll gain, trailer",
             Self::TractorSuspensionRollGain => "suspension-roll gain, tractor",
             Self::FrameTorsionalStiffness => "trailer frame torsional stiffness",
+            Self::TrailerSpringFriction => "friction of the trailer's springs",
+            Self::TractorSpringFriction => "friction of the tractor's springs",
         }
     }
 
@@ -165,6 +174,13 @@ impl Belief {
             Parameter::FrameTorsionalStiffness => {
                 vehicle.trailer.frame_sd(u.frame_torsional_stiffness_sd)
             }
+            Parameter::TrailerSpringFriction if vehicle.has_measured_springs_on(true) => {
+                u.spring_friction_sd
+            }
+            Parameter::TractorSpringFriction if vehicle.has_measured_springs_on(false) => {
+                u.spring_friction_sd
+            }
+            Parameter::TrailerSpringFriction | Parameter::TractorSpringFriction => 0.0,
             Parameter::TyreVerticalStiffness => u.tyre_vertical_stiffness_sd,
             Parameter::SteeredCorneringStiffness
             | Parameter::DriveCorneringStiffness
@@ -240,7 +256,7 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     let find = |axle: &Axle| vehicle.tyre.iter().find(|tyre| tyre.name == axle.tyre);
     let vertical = factor(Parameter::TyreVerticalStiffness);
     let shift_m = value(deviations, Parameter::RollCenterHeight);
-    let mut adjust = |axle: &mut Axle, stiffness: Parameter, cornering: Parameter| {
+    let mut adjust = |axle: &mut Axle, [stiffness, cornering, friction]: [Parameter; 3]| {
         // The change is added as roll stiffness that is separate from the springs, so that the
         // static loads do not change.
         let half_spread_m = 0.5 * axle.spring_spread_m;
@@ -248,6 +264,16 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
         let total = springs + axle.auxiliary_roll_stiffness_nm_per_rad;
         axle.auxiliary_roll_stiffness_nm_per_rad = factor(stiffness) * total - springs;
         axle.roll_center_height_m += shift_m;
+        // The springs of each unit get names of their own, because units may share a type.
+        let changed = value(deviations, friction) != 0.0;
+        if let Some(spring) = vehicle.spring_of(axle).filter(|_| changed) {
+            let name = format!("{}, {}", spring.name, friction.words());
+            if moved.spring.iter().all(|known| known.name != name) {
+                let scaled = spring.clone().with_friction(factor(friction));
+                moved.spring.push(Spring { name: name.clone(), ..scaled });
+            }
+            axle.spring = Some(name);
+        }
         // Each axle gets its own tire type, because axles may share a type.
         if let Some(tyre) = find(axle) {
             axle.tyre = format!("{} {}", moved.tyre.len() + 1, tyre.name);
@@ -261,11 +287,13 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
         } else {
             Parameter::DriveCorneringStiffness
         };
-        adjust(&mut axle.axle, Parameter::TractorRollStiffness, cornering);
+        let friction = Parameter::TractorSpringFriction;
+        adjust(&mut axle.axle, [Parameter::TractorRollStiffness, cornering, friction]);
     }
     for axle in &mut moved.trailer.axle {
         let cornering = Parameter::TrailerCorneringStiffness;
-        adjust(&mut axle.axle, Parameter::TrailerRollStiffness, cornering);
+        let friction = Parameter::TrailerSpringFriction;
+        adjust(&mut axle.axle, [Parameter::TrailerRollStiffness, cornering, friction]);
     }
     moved
 }

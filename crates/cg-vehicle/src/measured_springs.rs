@@ -15,9 +15,15 @@ impl Vehicle {
         self.spring.iter().find(|spring| spring.name == *name)
     }
 
+    /// Whether an axle of the trailer, or of the tractor, has measured springs.
+    pub(crate) fn has_measured_springs_on(&self, trailer: bool) -> bool {
+        let mut of_unit = self.axles().into_iter().filter(|placed| placed.on_trailer == trailer);
+        of_unit.any(|placed| self.spring_of(placed.axle).is_some())
+    }
+
     /// Whether an axle has measured springs.
     pub(crate) fn has_measured_springs(&self) -> bool {
-        self.axles().iter().any(|placed| self.spring_of(placed.axle).is_some())
+        [false, true].into_iter().any(|trailer| self.has_measured_springs_on(trailer))
     }
 
     /// Roll stiffness between body and axle (springs and anti-roll bar, N m/rad) of an axle that carries

@@ -65,13 +65,15 @@ impl Belief {
 
 /// Amplitudes of usual drives, as factors of the one in the usual turn.
 const AMPLITUDES: [f64; 2] = [0.5, 2.0];
-/// Relative standard deviation of the friction of a measured spring: wear, rust and grease change it.
-const FRICTION_SD: f64 = 0.3;
+/// Relative standard deviation by which the friction of a spring differs from drive to drive, because it is
+/// wet or dry, warm or cold. What is the same in all drives is a parameter of the truck.
+const FRICTION_CHANGE_SD: f64 = 0.1;
 
 /// Relative variances of the roll stiffness of the suspensions of tractor and trailer due to measured
 /// springs, which differ in every situation: the slope midway between their curves depends on the
-/// amplitude of the motion, and the friction, which is [calculated](crate::friction), is not known
-/// exactly. Within the usual amplitudes the slope is taken as distributed evenly.
+/// amplitude of the motion; the friction, which is [calculated](crate::friction), changes; and what is not
+/// known of it counts more in small motion than in the usual one. Within the usual amplitudes the slope is
+/// taken as distributed evenly.
 pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64; 2], VehicleError> {
     if !vehicle.has_measured_springs() {
         return Ok([0.0; 2]);
@@ -92,13 +94,13 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
         };
         let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
         let by_amplitude = (small - large) / 12.0_f64.sqrt();
-        // More friction changes more than less, and small motion more than usual motion: their mean square.
-        let by_friction: f64 = [AMPLITUDES[0], 1.0]
-            .map(|amplitude| logarithm(amplitude, 1.0 + FRICTION_SD) - logarithm(amplitude, 1.0))
-            .map(|change| 0.5 * change * change)
-            .iter()
-            .sum();
-        by_amplitude * by_amplitude + by_friction
+        // More friction changes more than less.
+        let by_friction =
+            |amplitude: f64, sd: f64| logarithm(amplitude, 1.0 + sd) - logarithm(amplitude, 1.0);
+        let changed = by_friction(1.0, FRICTION_CHANGE_SD);
+        let unknown_sd = vehicle.uncertainty.spring_friction_sd;
+        let apart = by_friction(AMPLITUDES[0], unknown_sd) - by_friction(1.0, unknown_sd);
+        by_amplitude * by_amplitude + changed * changed + 0.5 * apart * apart
     }))
 }
 

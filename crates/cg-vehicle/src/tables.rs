@@ -25,6 +25,18 @@ pub struct Spring {
     pub friction_deflection_m: f64,
 }
 
+impl Spring {
+    /// The spring with its friction multiplied by a factor: the curve midway between both is the same.
+    #[must_use]
+    pub fn with_friction(mut self, factor: f64) -> Self {
+        for (up, down) in self.compression_n.iter_mut().zip(&mut self.extension_n) {
+            let (middle, half) = (f64::midpoint(*up, *down), 0.5 * (*up - *down));
+            (*up, *down) = (middle + factor * half, middle - factor * half);
+        }
+        self
+    }
+}
+
 /// Lateral force divided by the load, as a function of slip angle and load.
 ///
 /// It is interpolated linearly between the nodes and to zero at zero slip. Beyond the last slip

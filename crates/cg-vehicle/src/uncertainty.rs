@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 pub struct Uncertainty {
     /// Roll stiffness of the suspensions, for trailer and tractor separately.
     pub roll_stiffness_sd: f64,
+    /// Friction of measured springs, for trailer and tractor separately.
+    #[serde(default = "usual_spring_friction_sd")]
+    pub spring_friction_sd: f64,
     /// Height of the roll centers of the suspensions.
     pub roll_center_height_sd_m: f64,
     /// Height of the tractor's sprung c.g.
@@ -41,6 +44,11 @@ pub struct Uncertainty {
     pub payload_place_sd_m: f64,
     /// The rest of the model error, which differs at each speed, load and road.
     pub residual_sd: f64,
+}
+
+/// Wear, rust and grease change the friction of a leaf spring.
+fn usual_spring_friction_sd() -> f64 {
+    0.3
 }
 
 fn usual_frame_sd() -> f64 {

@@ -43,6 +43,7 @@ impl Part {
                     | Parameter::SteeringGain
                     | Parameter::TractorSpecificForceGain
                     | Parameter::TractorSuspensionRollGain
+                    | Parameter::TractorSpringFriction
             ),
         }
     }

@@ -42,12 +42,7 @@ impl Envelope {
 
     /// The curves of a measured spring with its friction multiplied by a factor.
     pub fn with_friction(spring: &Spring, factor: f64) -> Self {
-        let mut changed = spring.clone();
-        for (up, down) in changed.compression_n.iter_mut().zip(&mut changed.extension_n) {
-            let (middle, half) = (f64::midpoint(*up, *down), 0.5 * (*up - *down));
-            (*up, *down) = (middle + factor * half, middle - factor * half);
-        }
-        Self::new(&changed)
+        Self::new(&spring.clone().with_friction(factor))
     }
 
     #[inline]

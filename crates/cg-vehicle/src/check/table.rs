@@ -133,6 +133,7 @@ const HEIGHT: &[Key] = &[
 #[rustfmt::skip]
 const UNCERTAINTY: &[Key] = &[
     number("roll_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "roll stiffness of the suspensions, for trailer and tractor separately, relative"),
+    number("spring_friction_sd", "", [0.05, 0.5], [0.0, 1.0], "friction of measured springs, for trailer and tractor separately, relative; only if the file has such springs").optional(),
     number("roll_center_height_sd_m", "m", [0.005, 0.2], [0.0, 1.0], "height of the roll centers of the suspensions"),
     number("tractor_cg_height_sd_m", "m", [0.01, 0.4], [0.0, 1.0], "height of the tractor's sprung c.g."),
     number("fifth_wheel_stiffness_sd", "", [0.02, 1.0], [0.0, 1.0], "roll stiffness of the fifth wheel, relative"),
