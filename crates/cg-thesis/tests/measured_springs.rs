@@ -84,7 +84,8 @@ fn drives(vehicle: &Vehicle, high_m: f64, kind: RoadKind) -> Vec<(Load, Vec<LogR
     let count = std::env::var("CG_DRIVES").map_or(DRIVES, |count| count.parse().unwrap());
     let drive = |seed: u64| {
         let payload_kg = [7.5e3, 12.5e3, 17.5e3, 25e3][usize::try_from(seed % 4).unwrap()];
-        let load = laden(vehicle, payload_kg, if seed / 4 % 2 == 0 { 1.6 } else { high_m });
+        let load =
+            laden(vehicle, payload_kg, if (seed / 4).is_multiple_of(2) { 1.6 } else { high_m });
         (load, rows(vehicle, load, &Road::kind(kind, seed).unwrap(), seed))
     };
     (0..count).into_par_iter().map(drive).collect()

@@ -178,7 +178,7 @@ impl Instruments {
     /// The same with sensors of the chassis. `roll_per_difference` is the suspension roll per
     /// difference of the levels: trailer, tractor.
     #[must_use]
-    pub(crate) fn with_chassis(
+    pub fn with_chassis(
         mut self,
         sensors: &ChassisSensors,
         roll_per_difference: [f64; 2],
