@@ -4,9 +4,11 @@ mod warning;
 
 use std::io::{self, Write};
 
-use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
+use cg_core::{
+    Combined, Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner,
+};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, Leaning, Verdict, Weighed};
+use cg_logs::estimate::{Engine, EstimateOptions, ForceCheck, Leaning, Verdict, Weighed};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -53,6 +55,7 @@ pub(crate) struct Session<W: Write> {
     load_since_s: Option<f64>,
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
+    forces: ForceCheck,
     driving: &'static str,
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
@@ -108,6 +111,7 @@ impl<W: Write> Session<W> {
             request: None,
             load_since_s: None,
             leaning: Some(Leaning::default()),
+            forces: ForceCheck::default(),
             driving: "waiting",
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
@@ -342,7 +346,8 @@ impl<W: Write> Session<W> {
         // One channel alone is named.
         let channel = channels::alone(&self.estimator);
         let mass = (trailer_mass_kg, self.mass_source);
-        let combined = self.estimator.combined();
+        let wrong = self.wrong_force().map(|_| Combined::Impossible);
+        let combined = wrong.or_else(|| self.estimator.combined());
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
         self.known.add_sd(self.mass_sd_m());
         self.known.at_speed(self.estimator.design(), self.speed_mps);
@@ -361,7 +366,8 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        self.notice("channels", &contradiction(&self.estimator))
+        let message = self.wrong_force().unwrap_or_else(|| contradiction(&self.estimator));
+        self.notice("channels", &message)
     }
 
     /// Names of the signals that have arrived and are not missing.

@@ -58,6 +58,51 @@ fn a_dead_level_is_named() {
     }
 }
 
+/// The columns of a CSV log with this name, as numbers.
+fn column(log: &str, name: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(log).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let place = rows.next().unwrap().split(',').position(|one| one == name).unwrap();
+    rows.map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
+}
+
+/// A compensated accelerometer of the tractor shows yaw rate times speed. Both commands say so, and have no
+/// height; with the sensor itself they have one.
+#[test]
+fn a_specific_force_without_gravity_is_named() {
+    let scratch = Scratch::new();
+    let truck = fixture("vehicles/euro.toml");
+    let load = ["--road", "rural", "--payload-kg", "16000", "--height-m", "1.85"];
+    let log = scratch.simulate("log.csv", &truck, &load);
+    let force = "tractor_lateral_specific_force_mps2";
+    let names = ["time_s", "speed_mps", "yaw_rate_radps", "tractor_suspension_roll_rad", force];
+    let sound = names.map(|name| column(&log, name));
+    let mut compensated = sound.clone();
+    compensated[4] = sound[1].iter().zip(&sound[2]).map(|(speed, rate)| speed * rate).collect();
+    let mass = ["--trailer-mass-kg", "22318"];
+    for (columns, is_sound) in [(sound, true), (compensated, false)] {
+        let row = |k: usize| columns.each_ref().map(|column| column[k].to_string()).join(",");
+        let rows: Vec<String> = (0..columns[0].len()).map(row).collect();
+        let log = scratch.file("log.csv", names.join(",") + "\n" + &rows.join("\n") + "\n");
+        let code = if is_sound { 0 } else { 1 };
+        let answer = estimate(&log, &truck, &mass).told(code, &[]).answer();
+        let run = cg(&[&["run", "--csv", &log, "--vehicle", &truck][..], &mass].concat());
+        let run = lines(&run.told(code, &[]));
+        let last = run.iter().rfind(|line| line["event"] == "status").unwrap();
+        for (said, of) in [(messages(&answer), &answer), (run_notices(&run), last)] {
+            assert_eq!(of["status"], if is_sound { "ok" } else { "inconsistent" }, "{said}");
+            assert_eq!(of["height_m"].is_null(), !is_sound);
+            assert_eq!(said.contains("specific force of the tractor"), !is_sound, "{said}");
+            assert_eq!(said.contains("--vdc2 acceleration"), !is_sound, "{said}");
+        }
+    }
+}
+
+/// The messages of all notices.
+fn run_notices(lines: &[Value]) -> String {
+    events(lines, "notice").iter().map(|notice| notice["message"].to_string()).collect()
+}
+
 const SIGNALS: [&str; 7] = [
     "time_s",
     "steer_rad",

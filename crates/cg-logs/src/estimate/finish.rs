@@ -67,6 +67,12 @@ impl LogEstimator {
             verdict: Verdict::Inconsistent,
             remark: Some(format!("inconsistent: {remark}")),
         };
+        let is_used = |one: Channel| {
+            self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
+        };
+        if let Some(remark) = self.forces.contradiction(self.design.gravity_mps2, is_used) {
+            return inconsistent(remark);
+        }
         let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
         let signals = rolls.or_else(|| self.levels.contradiction());
         let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::felt::felt_mps2;
+use super::forces::ForceCheck;
 use super::leaning::Leaning;
 use super::levels::LevelCheck;
 use super::options::EstimateOptions;
@@ -65,6 +66,7 @@ pub struct LogEstimator {
     pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
     pub(super) levels: LevelCheck,
+    pub(super) forces: ForceCheck,
     pub(super) leaning: Leaning,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
@@ -121,6 +123,7 @@ impl LogEstimator {
             check: SignalCheck::default(),
             rolls: RollCheck::default(),
             levels: LevelCheck::default(),
+            forces: ForceCheck::default(),
             leaning: Leaning::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
@@ -149,6 +152,7 @@ impl LogEstimator {
         self.check.push(&sample);
         self.rolls.push(row);
         self.levels.push(row);
+        self.forces.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;

@@ -9,6 +9,7 @@
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree |
 //! | `levels` | whether level sensors stand still |
+//! | `forces` | whether a specific force contains gravity |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -24,6 +25,7 @@ mod pair;
 mod signals;
 mod rolls;
 mod levels;
+mod forces;
 mod leaning;
 mod weighed;
 mod recorder;
@@ -39,6 +41,7 @@ mod trial;
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::felt_mps2;
+pub use forces::ForceCheck;
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
