@@ -1,12 +1,11 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod remarks;
 mod warning;
 
 use std::io::{self, Write};
 
-use cg_core::{
-    Combined, Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner,
-};
+use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{Engine, EstimateOptions, ForceCheck, Leaning, Verdict, Weighed};
 use cg_logs::log::Signal;
@@ -304,21 +303,8 @@ impl<W: Write> Session<W> {
         let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
         self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
-        self.report_lean()?;
-        if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
-            self.options.roll_sensor_is_unplaced = false; // is told
-            self.notice("roll_sensor", message)?;
-        }
+        self.remark(maneuver)?;
         self.save()
-    }
-
-    /// Reports once for each load that the trailer leans in straight driving.
-    fn report_lean(&mut self) -> io::Result<()> {
-        let mass_kg = self.known.trailer_mass_kg;
-        let found = self.leaning.and_then(|leaning| leaning.message(self.options.lean, mass_kg));
-        let Some(message) = found else { return Ok(()) };
-        self.leaning = None;
-        self.notice("lean", &message)
     }
 
     /// Begins to learn from empty driving.
@@ -346,8 +332,7 @@ impl<W: Write> Session<W> {
         // One channel alone is named.
         let channel = channels::alone(&self.estimator);
         let mass = (trailer_mass_kg, self.mass_source);
-        let wrong = self.wrong_force().map(|_| Combined::Impossible);
-        let combined = wrong.or_else(|| self.estimator.combined());
+        let combined = self.combined();
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
         self.known.add_sd(self.mass_sd_m());
         self.known.at_speed(self.estimator.design(), self.speed_mps);

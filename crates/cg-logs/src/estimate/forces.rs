@@ -43,7 +43,7 @@ const FORCE: usize = 3;
 struct Sums {
     rows: f64,
     mean: [f64; COUNT],
-    sums: [[f64; COUNT]; COUNT],
+    products: [[f64; COUNT]; COUNT],
 }
 
 impl Sums {
@@ -53,7 +53,7 @@ impl Sums {
         for (mean, before) in self.mean.iter_mut().zip(before) {
             *mean += before / self.rows;
         }
-        for (k, sums) in self.sums.iter_mut().enumerate() {
+        for (k, sums) in self.products.iter_mut().enumerate() {
             for (sum, before) in sums.iter_mut().zip(before) {
                 *sum += (row[k] - self.mean[k]) * before;
             }
@@ -64,7 +64,8 @@ impl Sums {
     /// wanted, to the suspension roll.
     fn left(&self, of: usize, without_roll: bool) -> f64 {
         let without_rate = |a: usize, b: usize| {
-            self.sums[a][b] - self.sums[a][RATE] * self.sums[RATE][b] / self.sums[RATE][RATE]
+            self.products[a][b]
+                - self.products[a][RATE] * self.products[RATE][b] / self.products[RATE][RATE]
         };
         let common = without_rate(of, ROLL);
         let by_roll = if without_roll { common * common / without_rate(ROLL, ROLL) } else { 0.0 };
@@ -73,12 +74,13 @@ impl Sums {
 
     /// Whether the force has no gravity.
     fn is_without_gravity(&self, gravity_mps2: f64) -> bool {
-        let turn = self.sums[FORCE][FORCE] - 2.0 * self.sums[FORCE][REST] + self.sums[REST][REST];
+        let turn = self.products[FORCE][FORCE] - 2.0 * self.products[FORCE][REST]
+            + self.products[REST][REST];
         if self.rows < LEAST_ROWS || turn < EXCITED_MPS2 * EXCITED_MPS2 * self.rows {
             return false;
         }
         let rest = self.left(REST, false);
-        let least = gravity_mps2 * gravity_mps2 * self.sums[ROLL][ROLL];
+        let least = gravity_mps2 * gravity_mps2 * self.products[ROLL][ROLL];
         rest < WITHOUT * WITHOUT * least || rest < BETTER * BETTER * self.left(FORCE, true)
     }
 }

@@ -83,6 +83,8 @@ pub(super) struct SignalsSeen {
     pub(super) speed: bool,
     /// The last mass in the log, also if an option replaces it.
     pub(super) mass_kg: Option<f64>,
+    /// The last standard deviation in the log, kg.
+    pub(super) mass_sd_kg: Option<f64>,
     /// Its scale, likewise.
     pub(super) scale: Option<Scale>,
     /// Time of the first one, µs.
@@ -178,7 +180,9 @@ impl LogEstimator {
 
     /// Standard deviation of a trailer mass, kg.
     pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
-        match (self.scale(), self.options.trailer_mass_sd_kg) {
+        let is_of_log = self.options.trailer_mass_kg.is_none();
+        let logged_kg = self.seen.mass_sd_kg.filter(|_| is_of_log && self.seen.mass_kg.is_some());
+        match (self.scale(), self.options.trailer_mass_sd_kg.or(logged_kg)) {
             _ if self.is_of_another_load() => self.design.any_load_sd_kg(),
             (_, Some(sd_kg)) => sd_kg,
             (Some(scale), None) => self.options.scales.sd_kg(scale, mass_kg),
@@ -256,6 +260,9 @@ impl LogEstimator {
         self.seen.unscaled_level |= (sample.suspension_roll_rad.is_nan()
             && !row.level_left_m.is_nan())
             || (sample.tractor_suspension_roll_rad.is_nan() && !row.tractor_level_left_m.is_nan());
+        if row.trailer_mass_sd_kg >= 0.0 {
+            self.seen.mass_sd_kg = Some(row.trailer_mass_sd_kg);
+        }
         self.seen.speed |= sample.speed_mps.is_finite();
         if sample.trailer_mass_kg.is_finite() {
             self.seen.mass_kg = Some(sample.trailer_mass_kg);
@@ -372,6 +379,29 @@ mod tests {
                 log.sample(row);
             }
             assert_eq!(log.seen.unscaled_pressure, unscaled, "{rows:?}");
+        }
+    }
+
+    /// The column is that of the mass in the log, and an option counts more.
+    #[test]
+    fn the_log_says_how_exact_its_mass_is() {
+        let row = LogRow { trailer_mass_kg: 21e3, trailer_mass_sd_kg: 1500.0, ..LogRow::ABSENT };
+        let mass_sd_kg = |row: LogRow, options: EstimateOptions| {
+            let mut log = log(AlignSettings::NONE, options);
+            log.sample(&LogRow { time_s: 0.0, ..row });
+            log.mass_sd_kg(21e3)
+        };
+        let usual = EstimateOptions::default();
+        let given = EstimateOptions { trailer_mass_sd_kg: Some(300.0), ..usual };
+        let other = EstimateOptions { trailer_mass_kg: Some(20e3), ..usual };
+        for (row, options, sd_kg) in [
+            (row, usual, 1500.0),
+            (row, given, 300.0),
+            (row, other, 0.0),
+            (LogRow { trailer_mass_sd_kg: -1.0, ..row }, usual, 0.0),
+            (LogRow { trailer_mass_kg: f64::NAN, ..row }, usual, design().any_load_sd_kg()),
+        ] {
+            assert!((mass_sd_kg(row, options) - sd_kg).abs() < 1e-9, "{row:?}");
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use cg_core::{Channel, Sample};
+use cg_core::Sample;
 use cg_logs::estimate::felt_mps2;
 use cg_logs::log::Signal;
 
@@ -22,14 +22,6 @@ impl<W: Write> Session<W> {
             self.known.at_speed(self.estimator.design(), self.speed_mps);
         }
         self.follow(sample.time_us, lateral_mps2)
-    }
-
-    /// What is wrong with a specific force from which there is a height.
-    pub(super) fn wrong_force(&self) -> Option<String> {
-        let is_used = |channel: Channel| self.estimator.height(channel).is_some();
-        let gravity_mps2 = self.estimator.design().gravity_mps2;
-        let found = self.forces.contradiction(gravity_mps2, is_used)?;
-        Some(format!("inconsistent, so there is no height: {found}"))
     }
 
     /// Follows the warning and the requested speed by a lateral acceleration, NaN without a signal.
