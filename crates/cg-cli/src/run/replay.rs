@@ -176,6 +176,9 @@ pub(crate) fn csv<W: Write>(
         session.push(row.sample(instant.stream_us, &settings))?;
         session.seen = presence.seen;
         session.missing(presence.missing(instant.stream_us, |_| false))?;
+        for (signal, message) in presence.unscaled(instant.stream_us) {
+            session.notice(signal, message)?;
+        }
         session.run_periodic(realtime)?;
         pace.wait(instant.stream_us);
     }

@@ -446,7 +446,8 @@ fn flags_of_frames_are_refused_where_there_are_none() {
 #[test]
 fn vdc2_is_what_one_says() {
     let scratch = Scratch::new();
-    let truck = fixture("vehicles/euro.toml");
+    let text = std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap();
+    let truck = scratch.file("truck.toml", "steering_ratio = 20.0\n".to_owned() + &text);
     let log = scratch.simulate("drive.log", &truck, &["--road", "rural"]);
     for (word, quantity) in [
         ("specific-force", "tractor_lateral_specific_force"),

@@ -84,7 +84,7 @@ fn a_specific_force_without_gravity_is_named() {
         let row = |k: usize| columns.each_ref().map(|column| column[k].to_string()).join(",");
         let rows: Vec<String> = (0..columns[0].len()).map(row).collect();
         let log = scratch.file("log.csv", names.join(",") + "\n" + &rows.join("\n") + "\n");
-        let code = if is_sound { 0 } else { 1 };
+        let code = i32::from(!is_sound);
         let answer = estimate(&log, &truck, &mass).told(code, &[]).answer();
         let run = cg(&[&["run", "--csv", &log, "--vehicle", &truck][..], &mass].concat());
         let run = lines(&run.told(code, &[]));
@@ -94,6 +94,37 @@ fn a_specific_force_without_gravity_is_named() {
             assert_eq!(of["height_m"].is_null(), !is_sound);
             assert_eq!(said.contains("specific force of the tractor"), !is_sound, "{said}");
             assert_eq!(said.contains("--vdc2 acceleration"), !is_sound, "{said}");
+        }
+    }
+}
+
+/// A bus sends levels and pressures for which the vehicle file has no numbers: both commands say which
+/// tables are missing, and nothing of what the file has.
+#[test]
+fn signals_without_their_numbers_are_named() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap();
+    let text = "steering_ratio = 20.0\n".to_owned() + &text;
+    let truck = scratch.file("truck.toml", &text);
+    let numbers = "
+[sensors.tractor_level]
+spread_m = 0.9
+[sensors.drive_pressure]
+gauge_pa = [1e5, 5e5]
+axle_load_kg = [5000.0, 20000.0]
+";
+    let full = scratch.file("full.toml", text + numbers);
+    let log = scratch.simulate("log.log", &full, &["--road", "rural"]);
+    let frames = std::fs::read_to_string(&log).unwrap();
+    let without_mass = frames.lines().filter(|line| !line.contains("18FEEAC8#"));
+    let log = scratch.file("log.log", without_mass.collect::<Vec<_>>().join("\n") + "\n");
+    for (vehicle, is_told) in [(&truck, true), (&full, false)] {
+        let answer = estimate(&log, vehicle, &[]).told(i32::from(is_told), &[]).answer();
+        let run = cg(&["run", "--candump", &log, "--vehicle", vehicle]);
+        for said in [messages(&answer), run_notices(&lines(&run))] {
+            for table in ["no sensors.tractor_level", "no sensors.drive_pressure"] {
+                assert_eq!(said.contains(table), is_told, "{said}");
+            }
         }
     }
 }

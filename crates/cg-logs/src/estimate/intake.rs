@@ -16,7 +16,7 @@ use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::signals::SignalCheck;
 use super::weighed::Weighed;
-use crate::log::LogRow;
+use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
@@ -78,7 +78,6 @@ pub struct LogEstimator {
 
 /// Which optional signals the log contains.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
-#[allow(clippy::struct_excessive_bools, reason = "one flag per signal")]
 pub(super) struct SignalsSeen {
     pub(super) speed: bool,
     /// The last mass in the log, also if an option replaces it.
@@ -90,9 +89,8 @@ pub(super) struct SignalsSeen {
     /// Time of the first one, µs.
     pub(super) weighed_us: Option<u64>,
     pub(super) weighed: Weighed,
-    pub(super) unscaled_steering_wheel: bool,
-    pub(super) unscaled_pressure: bool,
-    pub(super) unscaled_level: bool,
+    /// The quantities that have arrived and are not used, in the order of [`Quantity::ALL`].
+    pub(super) unscaled: [bool; Quantity::COUNT],
 }
 
 impl LogEstimator {
@@ -253,13 +251,16 @@ impl LogEstimator {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let time_us = ((row.time_s - origin_s) * 1e6).round() as u64;
         let mut sample = row.sample(time_us, &self.settings);
-        self.seen.unscaled_steering_wheel |=
-            sample.steer_rad.is_nan() && !row.steering_wheel_rad.is_nan();
-        self.seen.unscaled_pressure |=
-            sample.trailer_mass_kg.is_nan() && !row.trailer_suspension_pressure_pa.is_nan();
-        self.seen.unscaled_level |= (sample.suspension_roll_rad.is_nan()
-            && !row.level_left_m.is_nan())
-            || (sample.tractor_suspension_roll_rad.is_nan() && !row.tractor_level_left_m.is_nan());
+        for (quantity, is_used) in [
+            (Quantity::SteeringWheel, sample.steer_rad.is_finite()),
+            (Quantity::LevelLeft, sample.suspension_roll_rad.is_finite()),
+            (Quantity::TractorLevelLeft, sample.tractor_suspension_roll_rad.is_finite()),
+            (Quantity::TrailerSuspensionPressure, sample.trailer_mass_kg.is_finite()),
+            (Quantity::DrivePressureLeft, sample.trailer_mass_kg.is_finite()),
+        ] {
+            self.seen.unscaled[quantity.index()] |=
+                !is_used && !row.get(Signal::from(quantity)).is_nan();
+        }
         if row.trailer_mass_sd_kg >= 0.0 {
             self.seen.mass_sd_kg = Some(row.trailer_mass_sd_kg);
         }
@@ -350,12 +351,12 @@ mod tests {
             for row in &rows {
                 log.sample(row);
             }
-            assert_eq!(log.seen.unscaled_steering_wheel, unscaled, "{rows:?}");
+            assert_eq!(log.seen.unscaled[Quantity::SteeringWheel.index()], unscaled, "{rows:?}");
         }
         let settings = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
         let mut scaled = log(settings, EstimateOptions::default());
         assert!((scaled.sample(&wheel).steer_rad - 0.1).abs() < 1e-12);
-        assert!(!scaled.seen.unscaled_steering_wheel);
+        assert!(!scaled.seen.unscaled[Quantity::SteeringWheel.index()]);
     }
 
     #[test]
@@ -378,7 +379,11 @@ mod tests {
             for row in &rows {
                 log.sample(row);
             }
-            assert_eq!(log.seen.unscaled_pressure, unscaled, "{rows:?}");
+            assert_eq!(
+                log.seen.unscaled[Quantity::TrailerSuspensionPressure.index()],
+                unscaled,
+                "{rows:?}"
+            );
         }
     }
 

@@ -4,6 +4,7 @@ use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject, Word};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
+use crate::unscaled::unscaled;
 
 /// Greatest usual height. The middle of a box that is filled to a roof at 4 m above a floor at 1.2
 /// m is at 2.6 m, and the trailer's own mass is below.
@@ -126,26 +127,9 @@ impl LogEstimator {
 
     /// Signals that are not used because the vehicle file does not say what they mean.
     fn unscaled(&self) -> impl Iterator<Item = String> {
-        [
-            (
-                self.seen.unscaled_steering_wheel,
-                "the log has the steering-wheel angle, but the vehicle file has no steering_ratio: \
-                 the steer channel is not used",
-            ),
-            (
-                self.seen.unscaled_pressure && self.seen.mass_kg.is_none(),
-                "the log has the suspension pressure, but the vehicle file has no \
-                 trailer.suspension_pressure: the mass is not computed from it",
-            ),
-            (
-                self.seen.unscaled_level,
-                "the log has levels, but the vehicle file has no sensors.level or \
-                 sensors.tractor_level for them: they are not used",
-            ),
-        ]
-        .into_iter()
-        .filter(|(seen, _)| *seen)
-        .map(|(_, text)| text.to_owned())
+        let mass_is_known = self.seen.mass_kg.is_some() || self.options.trailer_mass_kg.is_some();
+        let found = unscaled(&self.settings, mass_is_known, |one| self.seen.unscaled[one.index()]);
+        found.map(|(_, text)| text.to_owned())
     }
 
     /// A message for a height that is unusual for a load.
