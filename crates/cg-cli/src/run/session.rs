@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, ForceCheck, Leaning, Verdict, Weighed};
+use cg_logs::estimate::{Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, Verdict, Weighed};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -55,6 +55,9 @@ pub(crate) struct Session<W: Write> {
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
     forces: ForceCheck,
+    roads: RoadPart,
+    /// Whether the bank of the road is reported for this load.
+    road_reported: bool,
     driving: &'static str,
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
@@ -111,6 +114,8 @@ impl<W: Write> Session<W> {
             load_since_s: None,
             leaning: Some(Leaning::default()),
             forces: ForceCheck::default(),
+            roads: RoadPart::default(),
+            road_reported: false,
             driving: "waiting",
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
@@ -286,12 +291,14 @@ impl<W: Write> Session<W> {
         if since_us == Some(maneuver.end_us) {
             self.load_since_s = since_s;
             self.leaning = Some(Leaning::default());
+            (self.roads, self.road_reported) = (RoadPart::default(), false);
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
             if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
                 self.notice("mass", message)?;
             }
         }
+        self.roads.push(maneuver);
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
         let line = ManeuverLine::new(maneuver, self.known.clone(), self.offset_s);
@@ -334,6 +341,7 @@ impl<W: Write> Session<W> {
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.combined();
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
+        self.known.road_share = self.road_share();
         self.known.add_sd(self.mass_sd_m());
         self.known.at_speed(self.estimator.design(), self.speed_mps);
     }

@@ -129,6 +129,32 @@ axle_load_kg = [5000.0, 20000.0]
     }
 }
 
+/// A bank of 0.01 rad makes more than a quarter of the variance: both commands say how much, and which sensors
+/// would help. On a flat road it makes nothing.
+#[test]
+fn the_share_of_the_road_is_told_live_too() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let log = scratch.simulate("log.csv", &truck, &DRIVE);
+    for (road, is_told) in [("0.01", true), ("flat", false)] {
+        let answer = estimate(&log, &truck, &["--road", road]).done().answer();
+        let run = cg(&["run", "--csv", &log, "--vehicle", &truck, "--road", road]);
+        let run = lines(&run.done());
+        let status = run.iter().rfind(|line| line["event"] == "status").unwrap();
+        for (said, of) in [(messages(&answer), &answer), (run_notices(&run), status)] {
+            let share = of["road_share"].as_f64().unwrap();
+            assert_eq!(share > 0.25, is_told, "{share}");
+            let text = format!("it makes up {:.0} % of the variance", 100.0 * share);
+            assert_eq!(said.contains("makes up"), is_told, "{said}");
+            assert!(!is_told || said.contains("level sensors and an accelerometer"), "{said}");
+            assert!(!is_told || of == status || said.contains(&text), "{said}");
+        }
+        let [of_log, live] =
+            [&answer, status].map(|of| (of["road_share"].as_f64(), of["height_m"].as_f64()));
+        assert_eq!(of_log, live);
+    }
+}
+
 /// The messages of all notices.
 fn run_notices(lines: &[Value]) -> String {
     events(lines, "notice").iter().map(|notice| notice["message"].to_string()).collect()

@@ -14,6 +14,7 @@
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels |
+//! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
@@ -30,6 +31,7 @@ mod leaning;
 mod weighed;
 mod recorder;
 mod felt;
+mod road;
 mod intake;
 mod diagnosis;
 mod messages;
@@ -46,4 +48,5 @@ pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
+pub use road::RoadPart;
 pub use weighed::Weighed;
