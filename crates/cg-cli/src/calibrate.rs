@@ -48,8 +48,8 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
-    let &CalibrateArgs { model: variant, method, procedure, part, .. } = arguments;
-    let how = CalibrateOptions { variant, method, procedure, part, force };
+    let &CalibrateArgs { model: variant, method, procedure, part, channel, .. } = arguments;
+    let how = CalibrateOptions { variant, method, channel: channel.into(), procedure, part, force };
     let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
     let mut calibration =
         calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use cg_core::signal::j1939::Compensation;
-use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap};
+use cg_logs::can::{DeviceFilter, MappedSignal, SignalMap, Vdc2};
 use cg_logs::log::{CanOptions, LogOptions};
 use cg_vehicle::Vehicle;
 use clap::Args;
@@ -30,6 +30,9 @@ pub(crate) struct CanArgs {
     /// accelerations; a compensated angle is a roll angle, an uncompensated one a tilt
     #[arg(long, value_name = "WORD", value_parser = word::<Compensation>(), default_value_t = Compensation::Bits)]
     roll_compensated: Compensation,
+    /// What the lateral acceleration of VDC2 is; one without gravity tells no height on banked roads
+    #[arg(long, value_name = "WORD", value_parser = word::<Vdc2>(), default_value_t = Vdc2::SpecificForce)]
+    vdc2: Vdc2,
     /// Use only this bus of a log with several buses [default: each signal from the bus on which it
     /// appears first]
     #[arg(long, value_name = "NAME")]
@@ -46,6 +49,7 @@ impl CanArgs {
             mapped,
             filters: self.source_of.clone(),
             compensation: self.roll_compensated,
+            vdc2: self.vdc2,
             bus: self.bus.clone(),
         })
     }
@@ -66,6 +70,7 @@ impl CanArgs {
             ("--dbc", self.dbc.is_some()),
             ("--source-of", !self.source_of.is_empty()),
             ("--roll-compensated", self.roll_compensated != Compensation::Bits),
+            ("--vdc2", self.vdc2 != Vdc2::SpecificForce),
             ("--bus", self.bus.is_some()),
         ];
         match given.into_iter().find(|(_, given)| *given) {

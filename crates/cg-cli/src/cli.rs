@@ -143,6 +143,9 @@ pub(crate) struct CalibrateArgs {
     /// Method by which the DC ratios of the runs are identified
     #[arg(long, value_parser = word::<Method>(), default_value_t = Method::Filtered)]
     pub(crate) method: Method,
+    /// Signals whose ratios are used, if the logs have others too
+    #[arg(long, value_parser = word::<ChannelChoice>(), default_value_t = ChannelChoice::Auto)]
+    pub(crate) channel: ChannelChoice,
     /// What the runs determine
     #[arg(long, value_parser = word::<Procedure>(), default_value_t = Procedure::default())]
     pub(crate) procedure: Procedure,
@@ -201,7 +204,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, required_unless_present = "road", value_parser = word::<Maneuver>())]
     pub(crate) maneuver: Option<Maneuver>,
     /// Road to drive along instead of a maneuver, with the nonlinear plant and the sensors of the
-    /// chassis: rural, motorway or roundabouts (--seed determines the curves), or a CSV file with the
+    /// chassis: rural, motorway, roundabouts or flat (--seed determines the curves), or a CSV file with the
     /// columns `distance_m`, `curvature_per_m`, `bank_rad` and, if it has limits or grades,
     /// `speed_mps` and `grade_rad`
     #[arg(long, value_name = "KIND|FILE", conflicts_with_all = ["maneuver", "plant", "steer_rad",

@@ -9,6 +9,9 @@ pub trait Word: Copy + PartialEq + 'static {
     /// Each value with its word and its meaning.
     const WORDS: &'static [(Self, &'static str, &'static str)];
 
+    /// Other words that are read, but never printed.
+    const OTHERS: &'static [(Self, &'static str)];
+
     /// The word of this value.
     fn word(self) -> &'static str {
         Self::WORDS.iter().find(|(value, ..)| *value == self).map_or("", |(_, word, _)| word)
@@ -24,8 +27,9 @@ pub trait Word: Copy + PartialEq + 'static {
     /// # Errors
     /// [`UnknownWord`] if no value has this word. Its message lists the possible words.
     fn of_word(text: &str) -> Result<Self, UnknownWord<Self>> {
-        let found = Self::WORDS.iter().find(|(_, word, _)| *word == text);
-        found.map(|(value, ..)| *value).ok_or(UnknownWord(PhantomData))
+        let words = Self::WORDS.iter().map(|(value, word, _)| (*value, *word));
+        let mut all = words.chain(Self::OTHERS.iter().copied());
+        all.find(|(_, word)| *word == text).map(|(value, _)| value).ok_or(UnknownWord(PhantomData))
     }
 }
 
@@ -55,13 +59,15 @@ impl<T: Word> fmt::Debug for UnknownWord<T> {
 
 impl<T: Word> core::error::Error for UnknownWord<T> {}
 
-/// Implements [`Word`], `FromStr` and `Display` for a type from a table of its values.
+/// Implements [`Word`], `FromStr` and `Display` for a type from a table of its values. A value may have a
+/// further word after its meaning.
 #[macro_export]
 macro_rules! words {
-    ($type:ty { $($value:ident => $word:expr, $meaning:expr;)+ }) => {
+    ($type:ty { $($value:ident => $word:expr, $meaning:expr $(, $other:expr)?;)+ }) => {
         impl $crate::word::Word for $type {
             const WORDS: &'static [(Self, &'static str, &'static str)] =
                 &[$((<$type>::$value, $word, $meaning)),+];
+            const OTHERS: &'static [(Self, &'static str)] = &[$($((<$type>::$value, $other),)?)+];
         }
 
         impl ::core::str::FromStr for $type {
@@ -95,6 +101,7 @@ mod tests {
             assert_eq!((word.parse().ok(), quantity.to_string().as_str()), (Some(quantity), word));
             assert!(!meaning.is_empty());
         }
+        assert_eq!("tractor-suspension".parse::<Channel>().unwrap(), Channel::Tractor);
         let error = "both".parse::<Channel>().unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -5,6 +5,7 @@
 
 use std::str::FromStr;
 
+use cg_core::Channel;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::shape::shapes;
 use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
@@ -113,6 +114,8 @@ pub struct CalibrateOptions {
     pub variant: Variant,
     /// Method by which the DC ratios are identified.
     pub method: Method,
+    /// The channel whose ratios are used; `None` uses all.
+    pub channel: Option<Channel>,
     /// What the runs determine.
     pub procedure: Procedure,
     /// What the calibration is for.
@@ -149,7 +152,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
     check(vehicle, logs)?;
-    let CalibrateOptions { variant, method, procedure, part, force } = options;
+    let CalibrateOptions { variant, method, channel, procedure, part, force } = options;
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
     let mut shape_runs = Vec::new();
@@ -163,6 +166,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             let options = EstimateOptions {
                 variant,
                 method,
+                channel,
                 trailer_mass_kg: known.load.of(vehicle).1,
                 ..EstimateOptions::default()
             }

@@ -5,6 +5,7 @@
 //! | [`output`] | checks which files may be written, and writes them completely or not at all |
 //! | [`place`] | positions in logs for messages |
 //! | [`malformed`] | the error for options that do not have their form |
+//! | [`unscaled`](mod@unscaled) | signals that mean nothing without a number of the vehicle file |
 //! | [`can`] | candump logs, J1939 and DBC signals, samples with a continuous time |
 //! | [`log`] | reading and writing of CSV, gzip, Parquet and candump logs |
 //! | [`estimate`] | the height of a log, with messages and likely causes of contradictions |
@@ -38,6 +39,7 @@
 pub mod output;
 pub mod malformed;
 pub mod place;
+pub mod unscaled;
 pub mod can;
 pub mod log;
 pub mod estimate;

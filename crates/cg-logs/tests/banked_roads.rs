@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use cg_core::{Channel, Design};
 use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate};
-use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
+use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};
 use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
@@ -144,5 +144,40 @@ fn a_roll_angle_to_gravity_is_refused_or_its_interval_holds() {
         let told = found.messages.join("; ");
         assert!(told.contains("bank of the road") && told.contains("⟨road flat⟩"), "{log}: {told}");
         assert!(!told.contains("likely cause"), "{log}: {told}");
+    }
+}
+
+/// Yaw rate times speed is what a compensated accelerometer shows. Such a force gives a narrow interval
+/// that misses the truth, unless it is found.
+#[test]
+fn a_specific_force_without_gravity_gives_no_height() {
+    let design = calibrated(&[known("A_step_p00", EMPTY), known("A_step_p16_h170", LADEN)]);
+    for log in ROADS {
+        let compensated: Vec<LogRow> = rows(log)
+            .into_iter()
+            .map(|row| LogRow {
+                time_s: row.time_s,
+                speed_mps: row.speed_mps,
+                yaw_rate_radps: row.yaw_rate_radps,
+                tractor_suspension_roll_rad: row.tractor_suspension_roll_rad,
+                tractor_lateral_specific_force_mps2: row.yaw_rate_radps * row.speed_mps,
+                ..LogRow::ABSENT
+            })
+            .collect();
+        for channel in [None, Some(Channel::Tractor)] {
+            let found = estimate(&design, &compensated, channel, LADEN.1);
+            let told = found.messages.join("; ");
+            assert_eq!(
+                (found.status, found.height_m),
+                (Verdict::Inconsistent, None),
+                "{log}: {told}"
+            );
+            assert!(told.contains("the specific force of the tractor"), "{log}: {told}");
+            assert!(told.contains("⟨vdc2 acceleration⟩"), "{log}: {told}");
+        }
+        let without_yaw_rate: Vec<LogRow> =
+            compensated.into_iter().map(|row| LogRow { yaw_rate_radps: f64::NAN, ..row }).collect();
+        let found = estimate(&design, &without_yaw_rate, None, LADEN.1);
+        assert!(!found.messages.join("; ").contains("vdc2"), "{:?}", found.messages);
     }
 }

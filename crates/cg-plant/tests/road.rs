@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use cg_logs::log::{LogRow, Signal};
 use cg_plant::maneuver::Maneuver;
-use cg_plant::road::{Road, RoadKind};
+use cg_plant::road::{Road, RoadKind, RoadPoint};
 use cg_plant::sensors::{ChassisSensors, Sensors};
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::sensor_places::{LevelSensors, SuspensionPressure};
@@ -208,6 +208,18 @@ fn drives_complete_and_follow_the_road() {
         assert!(columns.contains(&Signal::TractorLevelLeft));
         assert!(!columns.contains(&Signal::DrivePressureLeft));
         assert_eq!(simulation.truth.road.as_ref().unwrap().name, kind.to_string());
+    }
+}
+
+/// The flat road has the curves of the rural one of its seed, and nothing else.
+#[test]
+fn a_flat_road_is_a_rural_one_without_bank_and_grade() {
+    let [flat, rural] = [RoadKind::Flat, RoadKind::Rural].map(|kind| Road::kind(kind, 5).unwrap());
+    assert_eq!(flat.points().len(), rural.points().len());
+    assert!(rural.points().iter().any(|point| point.bank_rad != 0.0 && point.grade_rad != 0.0));
+    for (flat, rural) in flat.points().iter().zip(rural.points()) {
+        let expected = RoadPoint { bank_rad: 0.0, grade_rad: 0.0, ..*rural };
+        assert_eq!(*flat, expected);
     }
 }
 

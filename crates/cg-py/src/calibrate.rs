@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate_with_trips};
-use cg_logs::estimate::LogEstimator;
+use cg_logs::estimate::{ChannelChoice, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader};
 use cg_logs::output::{Draft, Files, Kind};
 use cg_logs::state::runs_of;
@@ -33,6 +33,7 @@ impl From<VehicleError> for Failure {
 pub(crate) struct Request {
     model: String,
     method: String,
+    channel: String,
     procedure: String,
     part: String,
     columns: Vec<String>,
@@ -89,6 +90,7 @@ pub(crate) fn calibrate_files(
     let how = CalibrateOptions {
         variant: word("model", &request.model)?,
         method: word("method", &request.method)?,
+        channel: word::<ChannelChoice>("channel", &request.channel)?.into(),
         procedure: word("procedure", &request.procedure)?,
         part: word("part", &request.part)?,
         force: request.force,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use cg_core::signal::j1939::Compensation;
-use cg_logs::can::{MappedSignal, SignalMap};
+use cg_logs::can::{MappedSignal, SignalMap, Vdc2};
 use cg_logs::log::{CanOptions, LogOptions, UnknownSignal};
 use pyo3::prelude::*;
 
@@ -29,11 +29,13 @@ pub(crate) struct Reading {
     signals: Vec<String>,
     flip: Vec<String>,
     roll_compensated: String,
+    vdc2: String,
 }
 
 impl Reading {
     pub(crate) fn options(&self) -> PyResult<LogOptions> {
         let compensation: Compensation = word("roll_compensated", &self.roll_compensated)?;
+        let vdc2: Vdc2 = word("vdc2", &self.vdc2)?;
         let maps: Vec<SignalMap> = self
             .signals
             .iter()
@@ -43,7 +45,7 @@ impl Reading {
             Some(path) => MappedSignal::load(path, &maps).map_err(dbc_error)?,
             None => Vec::new(),
         };
-        let can = CanOptions { mapped, compensation, ..CanOptions::default() };
+        let can = CanOptions { mapped, compensation, vdc2, ..CanOptions::default() };
         Ok(LogOptions { can, ..log_options(&[], &self.flip)? })
     }
 }

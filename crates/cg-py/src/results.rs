@@ -66,6 +66,7 @@ pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<B
     fields.set_item("snr_db", answer.snr_db)?;
     fields.set_item("fit_percent", answer.fit_percent)?;
     fields.set_item("static_rollover_threshold_g", answer.static_rollover_threshold_g)?;
+    fields.set_item("road_share", answer.road_share)?;
     let channels: Vec<_> =
         answer.channels.iter().map(|one| alone(py, one)).collect::<PyResult<_>>()?;
     fields.set_item("channels", PyTuple::new(py, channels)?)?;

@@ -120,6 +120,8 @@ pub(crate) struct Result {
     pub(crate) trailer_mass_scale: Option<Scale>,
     pub(crate) trailer_mass_sd_kg: f64,
     pub(crate) static_rollover_threshold_g: Option<f64>,
+    /// Share of the variance of the height that the unknown bank of the road makes.
+    pub(crate) road_share: Option<f64>,
     #[serde(skip)]
     pub(crate) measured_m: Option<Measured<f64>>,
     #[serde(skip)]

@@ -78,6 +78,9 @@ impl Frames {
             let sampler = &self.sampler;
             session.seen = self.presence.seen;
             session.missing(self.presence.missing(now_us, |q| sampler.is_stale(q)))?;
+            for (signal, message) in self.presence.unscaled(now_us) {
+                session.notice(signal, message)?;
+            }
         }
         session.run_periodic(self.live)
     }

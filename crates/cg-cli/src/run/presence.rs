@@ -2,6 +2,7 @@
 
 use cg_core::{AlignSettings, Quantity};
 use cg_logs::log::Signal;
+use cg_logs::unscaled::unscaled;
 
 use super::pace::{Cadence, MOTION};
 
@@ -49,6 +50,10 @@ pub(crate) struct Presence {
     pub(crate) seen: [bool; Quantity::COUNT],
     cadence: [Cadence; Quantity::COUNT],
     since_us: Option<u64>,
+    settings: AlignSettings<f64>,
+    mass_is_given: bool,
+    /// The signals of which is told that they are not used.
+    told: Vec<Quantity>,
 }
 
 impl Presence {
@@ -68,7 +73,7 @@ impl Presence {
             });
             own.or(usual)
         });
-        Self { expected, ..Self::default() }
+        Self { expected, settings: *settings, mass_is_given, ..Self::default() }
     }
 
     /// Registers a value. Returns the interval in seconds if the signal is too slow and this has
@@ -82,6 +87,21 @@ impl Presence {
         let slow = cadence.push(now_us);
         // Roll angles become samples, and the rate of samples is checked separately.
         slow.filter(|_| !ROLLS.contains(&quantity))
+    }
+
+    /// What is to be told, once and after the beginning, of signals that are not used because the vehicle file
+    /// does not say what they mean.
+    pub(crate) fn unscaled(&mut self, now_us: u64) -> Vec<(&'static str, &'static str)> {
+        let since_us = *self.since_us.get_or_insert(now_us);
+        if now_us.saturating_sub(since_us) < BEGUN_US {
+            return Vec::new();
+        }
+        let arrived = |quantity: Quantity| self.seen[quantity.index()];
+        let found: Vec<_> = unscaled(&self.settings, self.mass_is_given, arrived)
+            .filter(|(quantity, _)| !self.told.contains(quantity))
+            .collect();
+        self.told.extend(found.iter().map(|(quantity, _)| *quantity));
+        found.into_iter().map(|(quantity, text)| (Signal::from(quantity).name(), text)).collect()
     }
 
     /// Names of the signals that are missing: lost, too slow, or never received.

@@ -170,9 +170,15 @@ pub(crate) fn csv<W: Write>(
         if let Some((quantity, _)) = row.weighed(&settings) {
             session.weighing.scale = Scale::in_log(quantity);
         }
+        if row.trailer_mass_sd_kg >= 0.0 {
+            session.weighing.logged_sd_kg = Some(row.trailer_mass_sd_kg);
+        }
         session.push(row.sample(instant.stream_us, &settings))?;
         session.seen = presence.seen;
         session.missing(presence.missing(instant.stream_us, |_| false))?;
+        for (signal, message) in presence.unscaled(instant.stream_us) {
+            session.notice(signal, message)?;
+        }
         session.run_periodic(realtime)?;
         pace.wait(instant.stream_us);
     }

@@ -1,12 +1,13 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod remarks;
 mod warning;
 
 use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, Leaning, Verdict, Weighed};
+use cg_logs::estimate::{Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, Verdict, Weighed};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -53,6 +54,10 @@ pub(crate) struct Session<W: Write> {
     load_since_s: Option<f64>,
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
+    forces: ForceCheck,
+    roads: RoadPart,
+    /// Whether the bank of the road is reported for this load.
+    road_reported: bool,
     driving: &'static str,
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
@@ -108,6 +113,9 @@ impl<W: Write> Session<W> {
             request: None,
             load_since_s: None,
             leaning: Some(Leaning::default()),
+            forces: ForceCheck::default(),
+            roads: RoadPart::default(),
+            road_reported: false,
             driving: "waiting",
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
@@ -283,12 +291,14 @@ impl<W: Write> Session<W> {
         if since_us == Some(maneuver.end_us) {
             self.load_since_s = since_s;
             self.leaning = Some(Leaning::default());
+            (self.roads, self.road_reported) = (RoadPart::default(), false);
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
             if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
                 self.notice("mass", message)?;
             }
         }
+        self.roads.push(maneuver);
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
         let line = ManeuverLine::new(maneuver, self.known.clone(), self.offset_s);
@@ -300,21 +310,8 @@ impl<W: Write> Session<W> {
         let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
         self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
-        self.report_lean()?;
-        if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
-            self.options.roll_sensor_is_unplaced = false; // is told
-            self.notice("roll_sensor", message)?;
-        }
+        self.remark(maneuver)?;
         self.save()
-    }
-
-    /// Reports once for each load that the trailer leans in straight driving.
-    fn report_lean(&mut self) -> io::Result<()> {
-        let mass_kg = self.known.trailer_mass_kg;
-        let found = self.leaning.and_then(|leaning| leaning.message(self.options.lean, mass_kg));
-        let Some(message) = found else { return Ok(()) };
-        self.leaning = None;
-        self.notice("lean", &message)
     }
 
     /// Begins to learn from empty driving.
@@ -342,8 +339,9 @@ impl<W: Write> Session<W> {
         // One channel alone is named.
         let channel = channels::alone(&self.estimator);
         let mass = (trailer_mass_kg, self.mass_source);
-        let combined = self.estimator.combined();
+        let combined = self.combined();
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
+        self.known.road_share = self.road_share();
         self.known.add_sd(self.mass_sd_m());
         self.known.at_speed(self.estimator.design(), self.speed_mps);
     }
@@ -361,7 +359,8 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        self.notice("channels", &contradiction(&self.estimator))
+        let message = self.wrong_force().unwrap_or_else(|| contradiction(&self.estimator));
+        self.notice("channels", &message)
     }
 
     /// Names of the signals that have arrived and are not missing.

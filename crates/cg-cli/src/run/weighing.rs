@@ -12,6 +12,8 @@ use super::state::SavedLoad;
 pub(crate) struct Weighing {
     /// The given standard deviation.
     pub(crate) sd_kg: Option<f64>,
+    /// The last standard deviation beside a mass in a log of rows, kg.
+    pub(crate) logged_sd_kg: Option<f64>,
     /// The scales of the vehicle.
     pub(crate) scales: Scales,
     /// The scale of the last mass by a signal, also before a restart.
@@ -22,8 +24,13 @@ pub(crate) struct Weighing {
 
 impl Weighing {
     /// Exact scales, nothing given.
-    pub(crate) const EXACT: Self =
-        Self { sd_kg: None, scales: Scales::EXACT, scale: None, weighed: Weighed::NEVER };
+    pub(crate) const EXACT: Self = Self {
+        sd_kg: None,
+        logged_sd_kg: None,
+        scales: Scales::EXACT,
+        scale: None,
+        weighed: Weighed::NEVER,
+    };
 
     /// Takes a change of the load that a maneuver from `start_us` on has revealed. Returns a message if the
     /// mass from this source was weighed before it.
@@ -66,7 +73,8 @@ impl Weighing {
         if !is_given && self.weighed.is_of_another_load() {
             return design.any_load_sd_kg();
         }
-        self.sd_kg.unwrap_or_else(|| match source {
+        let logged_kg = self.logged_sd_kg.filter(|_| source == MassSource::Signal);
+        self.sd_kg.or(logged_kg).unwrap_or_else(|| match source {
             MassSource::Nominal => design.any_load_sd_kg(),
             _ => self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg)),
         })

@@ -298,3 +298,25 @@ fn runs_are_from_the_given_road() {
     on(&[], &kraz()).refused(&[LADEN, unknown, "--road flat"]);
     on(&["--road", "public"], &flat).refused(&[LADEN, unknown]);
 }
+
+/// A log with both pairs and a roll angle calibrates by one of them alone.
+#[test]
+fn one_channel_of_a_log_with_several_is_enough() {
+    let scratch = Scratch::new();
+    let truck = fixture("vehicles/euro.toml");
+    let road = ["--road", "flat", "--duration-s", "60", "--payload-kg", "0", "--height-m", "1.275"];
+    let log = scratch.simulate("empty.csv", &truck, &road);
+    let of_channels = |more: &[&str]| {
+        let file = scratch.path("c.toml");
+        let given = ["calibrate", "--vehicle", &truck, "--run", &(log.clone() + "=empty")];
+        cg(&[&given[..], &["--force", "--road", "flat", "-o", &file], more].concat()).done();
+        let text = std::fs::read_to_string(file).unwrap();
+        let channels = text.split("[[run.channel]]").skip(1);
+        let name = |channel: &str| channel.split('"').nth(1).unwrap().to_owned();
+        channels.map(name).collect::<Vec<_>>()
+    };
+    assert_eq!(of_channels(&[]).len(), 4);
+    assert_eq!(of_channels(&["--channel", "suspension"]), ["suspension"]);
+    let other_words = ["--channel", "tractor-suspension", "--procedure", "posterior"];
+    assert_eq!(of_channels(&other_words), ["tractor"]);
+}

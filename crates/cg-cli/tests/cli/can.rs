@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::common::{Run, cg, cg_fed, estimate, fixture};
+use crate::common::{Run, Scratch, cg, cg_fed, estimate, fixture};
 use crate::run::{Drive, drive, events, last_height, lines};
 
 /// The log with some lines changed or removed.
@@ -440,4 +440,24 @@ fn flags_of_frames_are_refused_where_there_are_none() {
     cg(&can).told(2, &["--bus selects a bus of a log", "--can"]);
     let swapped = ["run", "--vehicle", &drive.truck, "--csv", &drive.candump];
     cg(&swapped).told(2, &["CAN frames", "--candump instead of --csv"]);
+}
+
+/// The lateral acceleration of VDC2 is another quantity if its device compensates gravity.
+#[test]
+fn vdc2_is_what_one_says() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap();
+    let truck = scratch.file("truck.toml", "steering_ratio = 20.0\n".to_owned() + &text);
+    let log = scratch.simulate("drive.log", &truck, &["--road", "rural"]);
+    for (word, quantity) in [
+        ("specific-force", "tractor_lateral_specific_force"),
+        ("acceleration", "lateral_acceleration"),
+    ] {
+        let run = cg(&["run", "--candump", &log, "--vehicle", &truck, "--vdc2", word]);
+        let status = last_status(&lines(&run));
+        let present: Vec<&str> =
+            status["present"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        let of_vdc2 = |one: &&&str| one.contains("lateral_");
+        assert_eq!(present.iter().filter(of_vdc2).collect::<Vec<_>>(), [&quantity], "{word}");
+    }
 }

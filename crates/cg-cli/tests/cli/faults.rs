@@ -58,6 +58,108 @@ fn a_dead_level_is_named() {
     }
 }
 
+/// The columns of a CSV log with this name, as numbers.
+fn column(log: &str, name: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(log).unwrap();
+    let mut rows = text.lines().filter(|line| !line.starts_with('#'));
+    let place = rows.next().unwrap().split(',').position(|one| one == name).unwrap();
+    rows.map(|row| row.split(',').nth(place).unwrap().parse().unwrap()).collect()
+}
+
+/// A compensated accelerometer of the tractor shows yaw rate times speed. Both commands say so, and have no
+/// height; with the sensor itself they have one.
+#[test]
+fn a_specific_force_without_gravity_is_named() {
+    let scratch = Scratch::new();
+    let truck = fixture("vehicles/euro.toml");
+    let load = ["--road", "rural", "--payload-kg", "16000", "--height-m", "1.85"];
+    let log = scratch.simulate("log.csv", &truck, &load);
+    let force = "tractor_lateral_specific_force_mps2";
+    let names = ["time_s", "speed_mps", "yaw_rate_radps", "tractor_suspension_roll_rad", force];
+    let sound = names.map(|name| column(&log, name));
+    let mut compensated = sound.clone();
+    compensated[4] = sound[1].iter().zip(&sound[2]).map(|(speed, rate)| speed * rate).collect();
+    let mass = ["--trailer-mass-kg", "22318"];
+    for (columns, is_sound) in [(sound, true), (compensated, false)] {
+        let row = |k: usize| columns.each_ref().map(|column| column[k].to_string()).join(",");
+        let rows: Vec<String> = (0..columns[0].len()).map(row).collect();
+        let log = scratch.file("log.csv", names.join(",") + "\n" + &rows.join("\n") + "\n");
+        let code = i32::from(!is_sound);
+        let answer = estimate(&log, &truck, &mass).told(code, &[]).answer();
+        let run = cg(&[&["run", "--csv", &log, "--vehicle", &truck][..], &mass].concat());
+        let run = lines(&run.told(code, &[]));
+        let last = run.iter().rfind(|line| line["event"] == "status").unwrap();
+        for (said, of) in [(messages(&answer), &answer), (run_notices(&run), last)] {
+            assert_eq!(of["status"], if is_sound { "ok" } else { "inconsistent" }, "{said}");
+            assert_eq!(of["height_m"].is_null(), !is_sound);
+            assert_eq!(said.contains("specific force of the tractor"), !is_sound, "{said}");
+            assert_eq!(said.contains("--vdc2 acceleration"), !is_sound, "{said}");
+        }
+    }
+}
+
+/// A bus sends levels and pressures for which the vehicle file has no numbers: both commands say which
+/// tables are missing, and nothing of what the file has.
+#[test]
+fn signals_without_their_numbers_are_named() {
+    let scratch = Scratch::new();
+    let text = std::fs::read_to_string(fixture("vehicles/euro.toml")).unwrap();
+    let text = "steering_ratio = 20.0\n".to_owned() + &text;
+    let truck = scratch.file("truck.toml", &text);
+    let numbers = "
+[sensors.tractor_level]
+spread_m = 0.9
+[sensors.drive_pressure]
+gauge_pa = [1e5, 5e5]
+axle_load_kg = [5000.0, 20000.0]
+";
+    let full = scratch.file("full.toml", text + numbers);
+    let log = scratch.simulate("log.log", &full, &["--road", "rural"]);
+    let frames = std::fs::read_to_string(&log).unwrap();
+    let without_mass = frames.lines().filter(|line| !line.contains("18FEEAC8#"));
+    let log = scratch.file("log.log", without_mass.collect::<Vec<_>>().join("\n") + "\n");
+    for (vehicle, is_told) in [(&truck, true), (&full, false)] {
+        let answer = estimate(&log, vehicle, &[]).told(i32::from(is_told), &[]).answer();
+        let run = cg(&["run", "--candump", &log, "--vehicle", vehicle]);
+        for said in [messages(&answer), run_notices(&lines(&run))] {
+            for table in ["no sensors.tractor_level", "no sensors.drive_pressure"] {
+                assert_eq!(said.contains(table), is_told, "{said}");
+            }
+        }
+    }
+}
+
+/// A bank of 0.01 rad makes more than a quarter of the variance: both commands say how much, and which sensors
+/// would help. On a flat road it makes nothing.
+#[test]
+fn the_share_of_the_road_is_told_live_too() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let log = scratch.simulate("log.csv", &truck, &DRIVE);
+    for (road, is_told) in [("0.01", true), ("flat", false)] {
+        let answer = estimate(&log, &truck, &["--road", road]).done().answer();
+        let run = cg(&["run", "--csv", &log, "--vehicle", &truck, "--road", road]);
+        let run = lines(&run.done());
+        let status = run.iter().rfind(|line| line["event"] == "status").unwrap();
+        for (said, of) in [(messages(&answer), &answer), (run_notices(&run), status)] {
+            let share = of["road_share"].as_f64().unwrap();
+            assert_eq!(share > 0.25, is_told, "{share}");
+            let text = format!("it makes up {:.0} % of the variance", 100.0 * share);
+            assert_eq!(said.contains("makes up"), is_told, "{said}");
+            assert!(!is_told || said.contains("level sensors and an accelerometer"), "{said}");
+            assert!(!is_told || of == status || said.contains(&text), "{said}");
+        }
+        let [of_log, live] =
+            [&answer, status].map(|of| (of["road_share"].as_f64(), of["height_m"].as_f64()));
+        assert_eq!(of_log, live);
+    }
+}
+
+/// The messages of all notices.
+fn run_notices(lines: &[Value]) -> String {
+    events(lines, "notice").iter().map(|notice| notice["message"].to_string()).collect()
+}
+
 const SIGNALS: [&str; 7] = [
     "time_s",
     "steer_rad",

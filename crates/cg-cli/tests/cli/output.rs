@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::common::{Scratch, baseline, cg, estimate, fixture, height_m, kraz};
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "channel",
     "channels",
     "fit_percent",
@@ -17,6 +17,7 @@ const KEYS: [&str; 17] = [
     "method",
     "ratio",
     "ratio_sd",
+    "road_share",
     "snr_db",
     "speed_mps",
     "static_rollover_threshold_g",

@@ -114,5 +114,5 @@ words!(Channel {
     LateralAcceleration => "lateral-acceleration",
         "Roll angle by the lateral acceleration, or by yaw rate times speed";
     Suspension => "suspension", "Suspension roll of the trailer by its specific force";
-    Tractor => "tractor", "Suspension roll of the tractor by its specific force";
+    Tractor => "tractor", "Suspension roll of the tractor by its specific force", "tractor-suspension";
 });

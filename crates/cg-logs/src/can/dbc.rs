@@ -185,6 +185,11 @@ impl MappedSignal {
                     && group(self.identifier) == group(frame.identifier)))
     }
 
+    /// Whether its field begins at this bit, its lowest one.
+    pub(super) fn begins_at(&self, bit: u16) -> bool {
+        !self.big_endian && self.start_bit == bit
+    }
+
     /// Identifier, whether it has 29 bits, and mask for a kernel filter that passes its frames.
     pub(super) fn filter(&self) -> (u32, bool, bool) {
         (self.identifier, self.extended, self.extended && self.identifier >> 16 & 0xFF >= 240)

@@ -42,6 +42,21 @@ impl FromStr for DeviceFilter {
     }
 }
 
+/// What the lateral acceleration of VDC2 (SPN 1809) is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Vdc2 {
+    /// The specific force of the tractor: the sensor is fixed to its body and also feels gravity.
+    #[default]
+    SpecificForce,
+    /// The acceleration of the path: its maker subtracts gravity.
+    Acceleration,
+}
+
+cg_core::words!(Vdc2 {
+    SpecificForce => "specific-force", "The reading of a sensor fixed to the tractor's body, gravity included";
+    Acceleration => "acceleration", "The acceleration of the path: the device compensates gravity";
+});
+
 /// Decodes CAN frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Decoder {
@@ -49,6 +64,7 @@ pub struct Decoder {
     filters: Vec<DeviceFilter>,
     flipped: Vec<Quantity>,
     compensation: Compensation,
+    vdc2: Vdc2,
 }
 
 impl Decoder {
@@ -60,13 +76,25 @@ impl Decoder {
         filters: Vec<DeviceFilter>,
         flipped: Vec<Quantity>,
     ) -> Self {
-        Self { mapped, filters, flipped, compensation: Compensation::default() }
+        Self {
+            mapped,
+            filters,
+            flipped,
+            compensation: Compensation::default(),
+            vdc2: Vdc2::default(),
+        }
     }
 
     /// Uses another rule for slope sensors.
     #[must_use]
     pub fn with_compensation(self, compensation: Compensation) -> Self {
         Self { compensation, ..self }
+    }
+
+    /// Uses the lateral acceleration of VDC2 as this.
+    #[must_use]
+    pub fn with_vdc2(self, vdc2: Vdc2) -> Self {
+        Self { vdc2, ..self }
     }
 
     /// Decodes a frame: calls `found` with quantity, device and SI value. It returns the state that
@@ -95,7 +123,9 @@ impl Decoder {
             frame.data(),
             self.compensation,
             |quantity, rank, value| {
-                if listens(quantity) {
+                let is_mapped = self.reads(quantity, frame);
+                let quantity = self.meant(quantity);
+                if listens(quantity) && !is_mapped {
                     let flipped = siblings(quantity).iter().any(|one| self.flipped.contains(one));
                     let value: f64 = value;
                     found(quantity, (number, rank), sign(flipped) * value);
@@ -103,6 +133,29 @@ impl Decoder {
             },
         );
         Slope::of(frame.identifier, frame.data()).filter(|_| listens(Quantity::Roll))
+    }
+
+    /// The quantity that a signal of J1939 measures.
+    fn meant(&self, quantity: Quantity) -> Quantity {
+        match (quantity, self.vdc2) {
+            (Quantity::TractorLateralSpecificForce, Vdc2::Acceleration) => {
+                Quantity::LateralAcceleration
+            }
+            _ => quantity,
+        }
+    }
+
+    /// Whether a mapped signal is the field of the J1939 signal of this quantity in a frame, which then
+    /// measures what the mapping says and nothing else.
+    fn reads(&self, quantity: Quantity, frame: &Frame) -> bool {
+        let is_of = |signal: &j1939::Signal| {
+            signal.pgn == j1939::pgn_of(frame.identifier)
+                && self.mapped.iter().any(|mapped| {
+                    mapped.is_of(frame) && mapped.begins_at(u16::from(signal.first_byte) * 8)
+                })
+        };
+        !self.mapped.is_empty()
+            && j1939::TABLE.iter().any(|(signal, of, _)| *of == quantity && is_of(signal))
     }
 
     /// The quantities of the mapped signals, in the order of the options.
@@ -297,6 +350,29 @@ BO_ 291 PLAIN: 8 TILT
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].0, Quantity::Tilt);
         assert!((found[0].1 - 0.1).abs() < 1e-6);
+    }
+
+    /// A device that compensates gravity sends the acceleration of the path: by the option, or because
+    /// the signal itself is mapped as that.
+    #[test]
+    fn the_lateral_acceleration_of_vdc2_is_what_one_says() {
+        let dbc = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/can/j1939.dbc");
+        let (identifier, data) = sent(j1939::LATERAL_ACCELERATION, 1.5);
+        let force = Decoder::default();
+        let acceleration = Decoder::default().with_vdc2(Vdc2::Acceleration);
+        let map = ["lateral_acceleration=VDC2.LateralAcceleration".parse().unwrap()];
+        let mapped = MappedSignal::load(dbc.as_ref(), &map).unwrap();
+        let mapped = Decoder::new(mapped, Vec::new(), Vec::new());
+        for (decoder, quantity) in [
+            (force, Quantity::TractorLateralSpecificForce),
+            (acceleration, Quantity::LateralAcceleration),
+            (mapped, Quantity::LateralAcceleration),
+        ] {
+            let found = values(&decoder, identifier, &data);
+            let quantities: Vec<_> = found.iter().map(|found| found.0).collect();
+            assert_eq!(quantities, [quantity]);
+            assert!((found[0].1 - 1.5).abs() < 1e-3);
+        }
     }
 
     /// Sign and source address given for the roll angle also apply to the tilt that the sensor may

@@ -31,7 +31,7 @@ pub(crate) use asc::is_asc;
 pub use candump::{CandumpError, Content, Line, parse};
 pub use clock::{Clock, Instant};
 pub use dbc::{DbcError, MappedSignal, SignalMap};
-pub use decoder::{Decoder, Device, DeviceFilter};
+pub use decoder::{Decoder, Device, DeviceFilter, Vdc2};
 pub use frame::Frame;
 pub use reader::{CandumpFault, CandumpReader};
 pub use sampler::Sampler;

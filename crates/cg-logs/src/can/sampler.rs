@@ -72,6 +72,11 @@ impl Sampler {
         instant
     }
 
+    /// The sensor settings of the truck.
+    pub(crate) fn settings(&self) -> &AlignSettings<f64> {
+        &self.settings
+    }
+
     /// Whether its samples have a roll angle of two sensors.
     pub(crate) fn shares_roll(&self) -> bool {
         self.settings.second_roll_share.is_some()

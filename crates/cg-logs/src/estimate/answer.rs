@@ -54,6 +54,8 @@ pub struct LogEstimate {
     pub fit_percent: Option<f64>,
     /// Lateral acceleration above which the vehicle rolls over in a steady turn, g.
     pub static_rollover_threshold_g: Option<f64>,
+    /// Share of the variance of the height that the unknown bank of the road makes, from 0 to 1.
+    pub road_share: Option<f64>,
     /// The result of each channel alone.
     pub channels: Vec<ChannelEstimate>,
     /// All maneuvers of the channel used; of a log with more than ten thousand, only the first

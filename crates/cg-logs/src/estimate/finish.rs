@@ -6,6 +6,7 @@ use cg_core::{Maneuver, Reject};
 use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use super::intake::{Identified, LogEstimator};
 use super::options::QUANTILE_95;
+use super::road::RoadPart;
 
 /// Value of [`LogEstimate::channel`] if several channels were used.
 const COMBINED: &str = "combined";
@@ -67,6 +68,12 @@ impl LogEstimator {
             verdict: Verdict::Inconsistent,
             remark: Some(format!("inconsistent: {remark}")),
         };
+        let is_used = |one: Channel| {
+            self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
+        };
+        if let Some(remark) = self.forces.contradiction(self.design.gravity_mps2, is_used) {
+            return inconsistent(remark);
+        }
         let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
         let signals = rolls.or_else(|| self.levels.contradiction());
         let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));
@@ -128,6 +135,7 @@ impl LogEstimator {
         estimate.height_m = Some(height);
         estimate.height_sd_m = Some(sd);
         estimate.height_random_sd_m = Some(fused.random_sd_m);
+        estimate.road_share = Some(RoadPart::of(&self.maneuvers).share(channel, fused));
         estimate.height_ci95_m = Some([height - QUANTILE_95 * sd, height + QUANTILE_95 * sd]);
         let fit = best.outcomes[channel.index()].fit;
         estimate.snr_db = fit.map(|fit| fit.snr_db);
@@ -238,6 +246,7 @@ impl LogEstimator {
             snr_db: None,
             fit_percent: None,
             static_rollover_threshold_g: None,
+            road_share: None,
             channels: self
                 .reported_channels()
                 .into_iter()

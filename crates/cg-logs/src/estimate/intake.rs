@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::felt::felt_mps2;
+use super::forces::ForceCheck;
 use super::leaning::Leaning;
 use super::levels::LevelCheck;
 use super::options::EstimateOptions;
@@ -15,7 +16,7 @@ use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::signals::SignalCheck;
 use super::weighed::Weighed;
-use crate::log::LogRow;
+use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
 use cg_vehicle::error::VehicleError;
@@ -65,6 +66,7 @@ pub struct LogEstimator {
     pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
     pub(super) levels: LevelCheck,
+    pub(super) forces: ForceCheck,
     pub(super) leaning: Leaning,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
@@ -76,19 +78,19 @@ pub struct LogEstimator {
 
 /// Which optional signals the log contains.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
-#[allow(clippy::struct_excessive_bools, reason = "one flag per signal")]
 pub(super) struct SignalsSeen {
     pub(super) speed: bool,
     /// The last mass in the log, also if an option replaces it.
     pub(super) mass_kg: Option<f64>,
+    /// The last standard deviation in the log, kg.
+    pub(super) mass_sd_kg: Option<f64>,
     /// Its scale, likewise.
     pub(super) scale: Option<Scale>,
     /// Time of the first one, µs.
     pub(super) weighed_us: Option<u64>,
     pub(super) weighed: Weighed,
-    pub(super) unscaled_steering_wheel: bool,
-    pub(super) unscaled_pressure: bool,
-    pub(super) unscaled_level: bool,
+    /// The quantities that have arrived and are not used, in the order of [`Quantity::ALL`].
+    pub(super) unscaled: [bool; Quantity::COUNT],
 }
 
 impl LogEstimator {
@@ -121,6 +123,7 @@ impl LogEstimator {
             check: SignalCheck::default(),
             rolls: RollCheck::default(),
             levels: LevelCheck::default(),
+            forces: ForceCheck::default(),
             leaning: Leaning::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
@@ -149,6 +152,7 @@ impl LogEstimator {
         self.check.push(&sample);
         self.rolls.push(row);
         self.levels.push(row);
+        self.forces.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
@@ -174,7 +178,9 @@ impl LogEstimator {
 
     /// Standard deviation of a trailer mass, kg.
     pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
-        match (self.scale(), self.options.trailer_mass_sd_kg) {
+        let is_of_log = self.options.trailer_mass_kg.is_none();
+        let logged_kg = self.seen.mass_sd_kg.filter(|_| is_of_log && self.seen.mass_kg.is_some());
+        match (self.scale(), self.options.trailer_mass_sd_kg.or(logged_kg)) {
             _ if self.is_of_another_load() => self.design.any_load_sd_kg(),
             (_, Some(sd_kg)) => sd_kg,
             (Some(scale), None) => self.options.scales.sd_kg(scale, mass_kg),
@@ -245,13 +251,19 @@ impl LogEstimator {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let time_us = ((row.time_s - origin_s) * 1e6).round() as u64;
         let mut sample = row.sample(time_us, &self.settings);
-        self.seen.unscaled_steering_wheel |=
-            sample.steer_rad.is_nan() && !row.steering_wheel_rad.is_nan();
-        self.seen.unscaled_pressure |=
-            sample.trailer_mass_kg.is_nan() && !row.trailer_suspension_pressure_pa.is_nan();
-        self.seen.unscaled_level |= (sample.suspension_roll_rad.is_nan()
-            && !row.level_left_m.is_nan())
-            || (sample.tractor_suspension_roll_rad.is_nan() && !row.tractor_level_left_m.is_nan());
+        for (quantity, is_used) in [
+            (Quantity::SteeringWheel, sample.steer_rad.is_finite()),
+            (Quantity::LevelLeft, sample.suspension_roll_rad.is_finite()),
+            (Quantity::TractorLevelLeft, sample.tractor_suspension_roll_rad.is_finite()),
+            (Quantity::TrailerSuspensionPressure, sample.trailer_mass_kg.is_finite()),
+            (Quantity::DrivePressureLeft, sample.trailer_mass_kg.is_finite()),
+        ] {
+            self.seen.unscaled[quantity.index()] |=
+                !is_used && !row.get(Signal::from(quantity)).is_nan();
+        }
+        if row.trailer_mass_sd_kg >= 0.0 {
+            self.seen.mass_sd_kg = Some(row.trailer_mass_sd_kg);
+        }
         self.seen.speed |= sample.speed_mps.is_finite();
         if sample.trailer_mass_kg.is_finite() {
             self.seen.mass_kg = Some(sample.trailer_mass_kg);
@@ -339,12 +351,12 @@ mod tests {
             for row in &rows {
                 log.sample(row);
             }
-            assert_eq!(log.seen.unscaled_steering_wheel, unscaled, "{rows:?}");
+            assert_eq!(log.seen.unscaled[Quantity::SteeringWheel.index()], unscaled, "{rows:?}");
         }
         let settings = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
         let mut scaled = log(settings, EstimateOptions::default());
         assert!((scaled.sample(&wheel).steer_rad - 0.1).abs() < 1e-12);
-        assert!(!scaled.seen.unscaled_steering_wheel);
+        assert!(!scaled.seen.unscaled[Quantity::SteeringWheel.index()]);
     }
 
     #[test]
@@ -367,7 +379,34 @@ mod tests {
             for row in &rows {
                 log.sample(row);
             }
-            assert_eq!(log.seen.unscaled_pressure, unscaled, "{rows:?}");
+            assert_eq!(
+                log.seen.unscaled[Quantity::TrailerSuspensionPressure.index()],
+                unscaled,
+                "{rows:?}"
+            );
+        }
+    }
+
+    /// The column is that of the mass in the log, and an option counts more.
+    #[test]
+    fn the_log_says_how_exact_its_mass_is() {
+        let row = LogRow { trailer_mass_kg: 21e3, trailer_mass_sd_kg: 1500.0, ..LogRow::ABSENT };
+        let mass_sd_kg = |row: LogRow, options: EstimateOptions| {
+            let mut log = log(AlignSettings::NONE, options);
+            log.sample(&LogRow { time_s: 0.0, ..row });
+            log.mass_sd_kg(21e3)
+        };
+        let usual = EstimateOptions::default();
+        let given = EstimateOptions { trailer_mass_sd_kg: Some(300.0), ..usual };
+        let other = EstimateOptions { trailer_mass_kg: Some(20e3), ..usual };
+        for (row, options, sd_kg) in [
+            (row, usual, 1500.0),
+            (row, given, 300.0),
+            (row, other, 0.0),
+            (LogRow { trailer_mass_sd_kg: -1.0, ..row }, usual, 0.0),
+            (LogRow { trailer_mass_kg: f64::NAN, ..row }, usual, design().any_load_sd_kg()),
+        ] {
+            assert!((mass_sd_kg(row, options) - sd_kg).abs() < 1e-9, "{row:?}");
         }
     }
 

@@ -4,12 +4,12 @@ use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject, Word};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
+use super::road::RoadPart;
+use crate::unscaled::unscaled;
 
 /// Greatest usual height. The middle of a box that is filled to a roof at 4 m above a floor at 1.2
 /// m is at 2.6 m, and the trailer's own mass is below.
 const USUAL_HEIGHT_M: f64 = 2.5;
-/// Share of the variance above which the bank of the road is reported.
-const MUCH: f64 = 0.25;
 /// Drift of the roll sensor above which it is reported: a third of a degree per minute.
 const DRIFT_RADPS: f64 = 1e-4;
 
@@ -126,26 +126,9 @@ impl LogEstimator {
 
     /// Signals that are not used because the vehicle file does not say what they mean.
     fn unscaled(&self) -> impl Iterator<Item = String> {
-        [
-            (
-                self.seen.unscaled_steering_wheel,
-                "the log has the steering-wheel angle, but the vehicle file has no steering_ratio: \
-                 the steer channel is not used",
-            ),
-            (
-                self.seen.unscaled_pressure && self.seen.mass_kg.is_none(),
-                "the log has the suspension pressure, but the vehicle file has no \
-                 trailer.suspension_pressure: the mass is not computed from it",
-            ),
-            (
-                self.seen.unscaled_level,
-                "the log has levels, but the vehicle file has no sensors.level or \
-                 sensors.tractor_level for them: they are not used",
-            ),
-        ]
-        .into_iter()
-        .filter(|(seen, _)| *seen)
-        .map(|(_, text)| text.to_owned())
+        let mass_is_known = self.seen.mass_kg.is_some() || self.options.trailer_mass_kg.is_some();
+        let found = unscaled(&self.settings, mass_is_known, |one| self.seen.unscaled[one.index()]);
+        found.map(|(_, text)| text.to_owned())
     }
 
     /// A message for a height that is unusual for a load.
@@ -176,38 +159,12 @@ impl LogEstimator {
         if !self.is_on_road() || !shown.feels_bank() {
             return None;
         }
-        let remedy = "a suspension roll with a specific force (level sensors and an accelerometer, \
-                      or inclinometers on frame and axle) does not feel it; if the road was flat: \
-                      ⟨road flat⟩";
-        let Some(fused) = fused else {
-            return Some(format!(
-                "the bank of the road is not known and changes the roll angle; {remedy}"
-            ));
-        };
-        let road_m = self
-            .maneuvers
-            .iter()
-            .filter_map(|maneuver| {
-                let outcome = maneuver.outcomes[shown.index()];
-                outcome.height_m.is_ok().then_some(outcome.road_sd_m)
-            })
-            .fold(f64::INFINITY, f64::min);
-        let share = (road_m / fused.height_m.sd).min(1.0);
-        let share = share * share;
-        (share > MUCH).then(|| {
-            format!(
-                "the bank of the road is not known: it makes up {:.0} % of the variance of the \
-                 height; {remedy}",
-                100.0 * share
-            )
-        })
+        RoadPart::message(fused.map(|fused| RoadPart::of(&self.maneuvers).share(shown, fused)))
     }
 
     /// Whether the bank of the road is unknown and changes a roll angle of the log.
     pub(super) fn is_on_road(&self) -> bool {
-        let known = self.options.road.is_some_and(|road| road.bank_sd_rad <= 0.0);
-        let shown = self.options.road.is_some() || self.maneuvers.iter().any(|one| one.to_gravity);
-        !known && shown
+        RoadPart::of(&self.maneuvers).is_unknown(self.options.road)
     }
 
     /// The heights of all channels in words.

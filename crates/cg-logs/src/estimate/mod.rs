@@ -9,10 +9,12 @@
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree |
 //! | `levels` | whether level sensors stand still |
+//! | `forces` | whether a specific force contains gravity |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels |
+//! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
@@ -24,10 +26,12 @@ mod pair;
 mod signals;
 mod rolls;
 mod levels;
+mod forces;
 mod leaning;
 mod weighed;
 mod recorder;
 mod felt;
+mod road;
 mod intake;
 mod diagnosis;
 mod messages;
@@ -39,8 +43,10 @@ mod trial;
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::felt_mps2;
+pub use forces::ForceCheck;
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
+pub use road::RoadPart;
 pub use weighed::Weighed;

@@ -56,7 +56,7 @@ cg_core::words!(ChannelChoice {
     LateralAcceleration => "lateral-acceleration",
         "Roll angle by the lateral acceleration, or by yaw rate times speed";
     Suspension => "suspension", "Suspension roll of the trailer by its specific force";
-    Tractor => "tractor", "Suspension roll of the tractor by its specific force";
+    Tractor => "tractor", "Suspension roll of the tractor by its specific force", "tractor-suspension";
 });
 
 /// The roads of a log, by the standard deviation of their bank in curves.

@@ -8,6 +8,7 @@ use cg_vehicle::scales::Scale;
 use crate::can::{
     AscReader, CandumpError, CandumpFault, CandumpReader, Frame, Instant, Sampler, parse,
 };
+use crate::unscaled::is_unscaled;
 
 use super::error::{LogError, Place, Position};
 use super::options::LogOptions;
@@ -98,14 +99,16 @@ impl FrameRows {
             // The sample has the roll angle of both sensors together, so that of each in the row may be it.
             row.second_roll_rad = row.roll_rad;
         }
-        if !self.without_truck {
-            return row;
-        }
+        let settings = self.sampler.settings();
+        // What is not used stands in the row too, so that it can be told.
+        let is_raw = |quantity| self.without_truck || is_unscaled(settings, quantity);
         LogRow::from_values(Signal::ALL.map(|signal| match signal.quantity() {
             // As in a sample: without a speed, the steering-wheel angle does not determine the
             // lateral acceleration.
-            Some(Quantity::SteeringWheel) if sample.speed_mps.is_nan() => f64::NAN,
-            Some(quantity) if !SAMPLED.contains(&signal) => {
+            Some(Quantity::SteeringWheel) if self.without_truck && sample.speed_mps.is_nan() => {
+                f64::NAN
+            }
+            Some(quantity) if !SAMPLED.contains(&signal) && is_raw(quantity) => {
                 self.sampler.value(quantity, sample.time_us)
             }
             _ => row.get(signal),

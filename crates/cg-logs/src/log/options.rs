@@ -5,7 +5,7 @@ use std::str::FromStr;
 use cg_core::signal::j1939::Compensation;
 use cg_core::{AlignSettings, Unit};
 
-use crate::can::{Decoder, DeviceFilter, MappedSignal};
+use crate::can::{Decoder, DeviceFilter, MappedSignal, Vdc2};
 
 use super::signal::{Signal, UnknownSignal};
 
@@ -32,6 +32,7 @@ impl LogOptions {
         let flipped = self.flip.iter().filter_map(|signal| signal.quantity()).collect();
         Decoder::new(self.can.mapped.clone(), self.can.filters.clone(), flipped)
             .with_compensation(self.can.compensation)
+            .with_vdc2(self.can.vdc2)
     }
 }
 
@@ -44,6 +45,8 @@ pub struct CanOptions {
     pub filters: Vec<DeviceFilter>,
     /// Whether the angle of slope sensors counts as roll or as tilt.
     pub compensation: Compensation,
+    /// What the lateral acceleration of VDC2 is.
+    pub vdc2: Vdc2,
     /// The bus whose frames are used; `None` uses all buses.
     pub bus: Option<String>,
 }

@@ -1,7 +1,7 @@
-//! Signals of a log (the time, all quantities of [`cg_core::quantities!`] and the roll rate) and one
-//! row of them.
+//! Signals of a log (the time, all quantities of [`cg_core::quantities!`], the roll rate and the standard
+//! deviation of the trailer mass) and one row of them.
 //!
-//! The roll rate is no quantity of the estimator: `roll_rate` makes a roll angle of it.
+//! The last two are no quantities of the estimator: `roll_rate` makes a roll angle of the rate.
 
 use std::fmt;
 use std::str::FromStr;
@@ -25,6 +25,8 @@ macro_rules! rows {
             /// Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the right
             /// side moves down.
             pub roll_rate_radps: f64,
+            /// Standard deviation of the trailer mass, kg.
+            pub trailer_mass_sd_kg: f64,
         }
 
         impl LogRow {
@@ -33,14 +35,15 @@ macro_rules! rows {
                 match signal {
                     Signal::Time => self.time_s,
                     Signal::RollRate => self.roll_rate_radps,
+                    Signal::TrailerMassSd => self.trailer_mass_sd_kg,
                     $(Signal::$variant => self.$field),+
                 }
             }
 
             /// A row with these values in the order of [`Signal::ALL`].
             pub const fn from_values(values: [f64; Signal::COUNT]) -> Self {
-                let [time_s, $($field,)+ roll_rate_radps] = values;
-                Self { time_s, $($field,)+ roll_rate_radps }
+                let [time_s, $($field,)+ roll_rate_radps, trailer_mass_sd_kg] = values;
+                Self { time_s, $($field,)+ roll_rate_radps, trailer_mass_sd_kg }
             }
         }
 
@@ -52,16 +55,19 @@ macro_rules! rows {
             $($(#[doc = $meaning])+ $variant,)+
             /// Roll rate of the trailer's sprung mass.
             RollRate,
+            /// Standard deviation of the trailer mass.
+            TrailerMassSd,
         }
 
         impl Signal {
             /// Every signal, in the order of the fields of [`LogRow`].
-            pub const ALL: [Self; Self::COUNT] = [Self::Time, $(Self::$variant,)+ Self::RollRate];
+            pub const ALL: [Self; Self::COUNT] =
+                [Self::Time, $(Self::$variant,)+ Self::RollRate, Self::TrailerMassSd];
 
-            /// The quantity of the estimator; `None` for the time and the roll rate.
+            /// The quantity of the estimator; `None` for what only logs have.
             pub const fn quantity(self) -> Option<Quantity> {
                 match self {
-                    Self::Time | Self::RollRate => None,
+                    Self::Time | Self::RollRate | Self::TrailerMassSd => None,
                     $(Self::$variant => Some(Quantity::$variant)),+
                 }
             }
@@ -155,14 +161,17 @@ impl Signal {
     }
 
     /// Number of signals.
-    pub const COUNT: usize = 2 + Quantity::COUNT;
+    pub const COUNT: usize = 3 + Quantity::COUNT;
 
     /// The name without the unit, such as `roll`.
     pub const fn name(self) -> &'static str {
         match self.quantity() {
             Some(quantity) => quantity.name(),
-            None if matches!(self, Self::RollRate) => "roll_rate",
-            None => "time",
+            None => match self {
+                Self::RollRate => "roll_rate",
+                Self::TrailerMassSd => "trailer_mass_sd",
+                _ => "time",
+            },
         }
     }
 
@@ -170,8 +179,11 @@ impl Signal {
     pub const fn column(self) -> &'static str {
         match self.quantity() {
             Some(quantity) => quantity.column(),
-            None if matches!(self, Self::RollRate) => "roll_rate_radps",
-            None => "time_s",
+            None => match self {
+                Self::RollRate => "roll_rate_radps",
+                Self::TrailerMassSd => "trailer_mass_sd_kg",
+                _ => "time_s",
+            },
         }
     }
 
@@ -184,19 +196,25 @@ impl Signal {
     pub const fn meaning(self) -> &'static str {
         match self.quantity() {
             Some(quantity) => quantity.meaning(),
-            None if matches!(self, Self::RollRate) => {
-                "Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the \
-                 right side moves down."
-            }
-            None => "Time stamp from any origin, strictly increasing.",
+            None => match self {
+                Self::RollRate => {
+                    "Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the \
+                     right side moves down."
+                }
+                Self::TrailerMassSd => "Standard deviation of the trailer mass.",
+                _ => "Time stamp from any origin, strictly increasing.",
+            },
         }
     }
 
     const fn dimension(self) -> Dimension {
         match self.quantity() {
             Some(quantity) => quantity.dimension(),
-            None if matches!(self, Self::RollRate) => Dimension::AngularRate,
-            None => Dimension::Time,
+            None => match self {
+                Self::RollRate => Dimension::AngularRate,
+                Self::TrailerMassSd => Dimension::Mass,
+                _ => Dimension::Time,
+            },
         }
     }
 

@@ -3,6 +3,7 @@
 //!
 //! | kind | curves | bank in a curve |
 //! |---|---|---|
+//! | flat | those of rural roads | none, neither crown nor grade |
 //! | rural | radius 130 to 600 m at up to 80 km/h | superelevation min(6 %, max(2 %, 6 % × 120 m/R)) |
 //! | motorway | radius 450 to 1500 m at up to 85 km/h, one ramp of 257 m, two lane changes | superelevation min(5 %, max(2 %, 5 % × 400 m/R)) |
 //! | roundabouts | ring of 17 to 32 m to the left, entry and exit to the right, 20 to 35 km/h | 2 % outward |
@@ -31,12 +32,15 @@ pub enum RoadKind {
     Motorway,
     /// One roundabout after the other.
     Roundabouts,
+    /// A test track: the curves of a country road without bank, crown and grade.
+    Flat,
 }
 
 cg_core::words!(RoadKind {
     Rural => "rural", "Curves of 130 to 600 m, superelevation up to 6 %";
     Motorway => "motorway", "Wide curves, one ramp, two lane changes; superelevation up to 5 %";
     Roundabouts => "roundabouts", "Roundabouts with 2 % of adverse bank, 20 to 35 km/h";
+    Flat => "flat", "The curves of a rural road without bank and grade, as on a test track";
 });
 
 /// Crown of a straight road.
@@ -88,14 +92,14 @@ impl Road {
         }
     }
 
-    /// A road of a usual kind; `seed` determines its curves. A drive on it takes 120 s (rural: 150 s).
+    /// A road of a usual kind; `seed` determines its curves. A drive on it takes 120 s (rural, flat: 150 s).
     ///
     /// # Errors
     /// None that a caller can cause.
     pub fn kind(kind: RoadKind, seed: u64) -> Result<Self, VehicleError> {
         let mut draft = Draft::new(StdRng::seed_from_u64(seed));
         let duration_s = match kind {
-            RoadKind::Rural => draft.rural(150.0),
+            RoadKind::Rural | RoadKind::Flat => draft.rural(150.0),
             RoadKind::Motorway => draft.motorway(120.0),
             RoadKind::Roundabouts => draft.roundabouts(120.0),
         };
@@ -103,11 +107,11 @@ impl Road {
         match kind {
             RoadKind::Rural => draft.climb(&mut points, RURAL_GRADE_RAD),
             RoadKind::Motorway => draft.climb(&mut points, MOTORWAY_GRADE_RAD),
-            RoadKind::Roundabouts => {}
+            RoadKind::Roundabouts | RoadKind::Flat => {}
         }
         let mut road = Self::new(&kind.to_string(), points)?;
         road.usual_duration_s = Some(duration_s);
-        Ok(road)
+        Ok(if kind == RoadKind::Flat { road.flat() } else { road })
     }
 }
 

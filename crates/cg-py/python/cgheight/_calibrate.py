@@ -32,12 +32,13 @@ class Reading(TypedDict, total=False):
 
     columns: Mapping[str, str] | None
     flip: Iterable[str]
+    channel: str
 
 
 def _read_by(
-    columns: Mapping[str, str] | None = None, flip: Iterable[str] = ()
-) -> tuple[Mapping[str, str] | None, Iterable[str]]:
-    return columns, flip
+    columns: Mapping[str, str] | None = None, flip: Iterable[str] = (), channel: str = "auto"
+) -> tuple[Mapping[str, str] | None, Iterable[str], str]:
+    return columns, flip, channel
 
 
 def calibrate(
@@ -89,7 +90,7 @@ def calibrate(
         that contradict the vehicle file; then every estimate has a message that says so. The runs
         and the vehicle file are never replaced.
     **reading
-        How the logs are read: `columns` and `flip`, as for `estimate_log`.
+        How the logs are read: `columns`, `flip` and `channel`, as for `estimate_log`.
 
     Returns
     -------
@@ -118,10 +119,11 @@ def calibrate(
     >>> truck.is_calibrated
     True
     """
-    columns, flip = _read_by(**reading)
+    columns, flip, channel = _read_by(**reading)
     request: dict[str, object] = {
         "model": model,
         "method": method,
+        "channel": channel,
         "procedure": procedure,
         "part": part,
         "columns": maps(columns),

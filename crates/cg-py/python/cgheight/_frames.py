@@ -45,6 +45,7 @@ def reading(
     signals: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
     roll_compensated: str = "bit",
+    vdc2: str = "specific-force",
 ) -> dict[str, Any]:
     """Return the rules for decoding frames in the form of the compiled module."""
     if dbc is None and signals:
@@ -59,6 +60,7 @@ def reading(
         "signals": maps(signals),
         "flip": flips(flip),
         "roll_compensated": roll_compensated,
+        "vdc2": vdc2,
     }
 
 

@@ -102,6 +102,8 @@ class Estimate:
         Signal-to-noise ratio (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
         Lateral acceleration at which the vehicle rolls over in a steady turn at `speed_mps`, in g.
+    road_share : float or None
+        Share of the variance of the height that the unknown bank of the road makes, from 0 to 1.
     channels : tuple of ChannelEstimate
         The estimate of each channel on its own.
     maneuvers : tuple of Maneuver
@@ -123,6 +125,7 @@ class Estimate:
     snr_db: float | None
     fit_percent: float | None
     static_rollover_threshold_g: float | None
+    road_share: float | None
     channels: tuple[ChannelEstimate, ...]
     maneuvers: tuple[Maneuver, ...]
     messages: tuple[str, ...]

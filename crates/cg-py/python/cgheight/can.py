@@ -41,6 +41,7 @@ def read_log(
     signals: Mapping[str, str] | None = None,
     flip: Iterable[str] = (),
     roll_compensated: str = "bit",
+    vdc2: str = "specific-force",
 ) -> pd.DataFrame:
     """Read a CAN log into a table that `estimate_log` takes.
 
@@ -68,6 +69,9 @@ def read_log(
         according to the compensation bits, 0 on, 1 off; without valid bits the angle is not
         compensated. "inverted-bit": the bits with inverted meaning, 0 off, 1 on. "yes", "no": the
         bits are ignored.
+    vdc2 : {"specific-force", "acceleration"}
+        What the lateral acceleration of the J1939 group VDC2 is: the specific force of the tractor,
+        gravity included, or the acceleration of the path, if the device compensates gravity.
 
     Returns
     -------
@@ -94,7 +98,7 @@ def read_log(
         raise FileNotFoundError(f"{name}: cannot be read (there is no such file)")
     if suffix(name) == ".mf4" and dbc is None and signals:
         return pandas.DataFrame(read_channels(name, signals, flip))
-    table, remarks = read_frames(name, reading(dbc, signals, flip, roll_compensated))
+    table, remarks = read_frames(name, reading(dbc, signals, flip, roll_compensated, vdc2))
     frame = pandas.DataFrame(table)
     frame.attrs = {"remarks": remarks}
     return frame
@@ -109,7 +113,7 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
         The vehicle.
     on_estimate : callable, optional
         Called with an `Estimate` at the end of each turn, in the thread of the notifier.
-    dbc, signals, flip, roll_compensated
+    dbc, signals, flip, roll_compensated, vdc2
         As for `read_log`.
     **options
         Keywords of `Estimator`: ``calibration``, ``speed_mps``, ``trailer_mass_kg``, ….
@@ -147,13 +151,14 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
         signals: Mapping[str, str] | None = None,
         flip: Iterable[str] = (),
         roll_compensated: str = "bit",
+        vdc2: str = "specific-force",
         **options: Unpack[EstimatorOptions],
     ) -> None:
         """Start a drive."""
         super().__init__()
         self._stream = _native.FrameStream(
             calibrated(vehicle, options.get("calibration")),
-            reading(dbc, signals, flip, roll_compensated),
+            reading(dbc, signals, flip, roll_compensated, vdc2),
             stream_options(options),
         )
         self._frame = framed()

@@ -54,7 +54,7 @@ pub enum Procedure {
 }
 
 cg_core::words!(Procedure {
-    MaximumAPosteriori => "maximum-a-posteriori", "all parameters of the truck";
+    MaximumAPosteriori => "maximum-a-posteriori", "all parameters of the truck", "posterior";
     Compensation => "compensation", "the compensation R_c of each channel alone, from one run (the thesis)";
 });
 

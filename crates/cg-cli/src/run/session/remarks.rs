@@ -1,0 +1,66 @@
+//! What is said of a height after a maneuver.
+
+use std::io::{self, Write};
+
+use cg_core::{Channel, Combined, Maneuver, Outcome, Reject};
+use cg_logs::estimate::RoadPart;
+
+use super::Session;
+
+impl<W: Write> Session<W> {
+    /// Reports what the user should know, each once.
+    pub(super) fn remark(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        self.report_lean()?;
+        self.report_road(maneuver)?;
+        if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
+            self.options.roll_sensor_is_unplaced = false; // is told
+            self.notice("roll_sensor", message)?;
+        }
+        Ok(())
+    }
+
+    /// Reports once for each load that the trailer leans in straight driving.
+    fn report_lean(&mut self) -> io::Result<()> {
+        let mass_kg = self.known.trailer_mass_kg;
+        let found = self.leaning.and_then(|leaning| leaning.message(self.options.lean, mass_kg));
+        let Some(message) = found else { return Ok(()) };
+        self.leaning = None;
+        self.notice("lean", &message)
+    }
+
+    /// Reports once for each load that the unknown bank of the road makes much of the uncertainty, or hides
+    /// the height.
+    fn report_road(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        let is_hidden =
+            |outcome: &Outcome<f64>| matches!(outcome.height_m, Err(Reject::Road { .. }));
+        let share = self.known.road_share;
+        let is_known = !self.roads.is_unknown(self.options.road);
+        let hides = self.known.height_m.is_none() && maneuver.outcomes.iter().any(is_hidden);
+        if self.road_reported || is_known || (share.is_none() && !hides) {
+            return Ok(());
+        }
+        let Some(message) = RoadPart::message(share) else { return Ok(()) };
+        self.road_reported = true;
+        self.notice("road", &message)
+    }
+
+    /// The share of the unknown bank of the road in the variance of the height.
+    pub(super) fn road_share(&self) -> Option<f64> {
+        let height = self.combined()?.height()?;
+        Some(self.roads.share(self.estimator.best_channel()?, &height))
+    }
+
+    /// The height of all channels; none can be right if a specific force is not one.
+    pub(super) fn combined(&self) -> Option<Combined<f64>> {
+        let wrong = self.wrong_force().map(|_| Combined::Impossible);
+        wrong.or_else(|| self.estimator.combined())
+    }
+
+    /// What is wrong with a specific force from which there is a height.
+    pub(super) fn wrong_force(&self) -> Option<String> {
+        let is_used = |channel: Channel| self.estimator.height(channel).is_some();
+        let gravity_mps2 = self.estimator.design().gravity_mps2;
+        let found = self.forces.contradiction(gravity_mps2, is_used)?;
+        Some(format!("inconsistent, so there is no height: {found}"))
+    }
+}
