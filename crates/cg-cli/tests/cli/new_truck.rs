@@ -88,7 +88,7 @@ fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
     assert!((number(&laden["height_m"]) - 1.9).abs() < 1e-12);
     assert!(number(&laden["rollover_threshold_g"]) < number(&empty["rollover_threshold_g"]));
     let parameters = answer["parameters"].as_array().unwrap();
-    assert_eq!(parameters.len(), 17);
+    assert_eq!(parameters.len(), cg_vehicle::belief::PARAMETERS);
     assert_eq!(parameters[0]["parameter"], "trailer_roll_stiffness");
     for channel in ["steer", "lateral-acceleration", "suspension", "tractor"] {
         let squares: f64 =
