@@ -181,3 +181,49 @@ fn a_specific_force_without_gravity_gives_no_height() {
         assert!(!found.messages.join("; ").contains("vdc2"), "{:?}", found.messages);
     }
 }
+
+/// Two inertial sensors, on the frame and on an axle, or one and the suspension roll: with a yaw rate or a
+/// lateral acceleration they are the trailer's pair. That acceleration is not at the place of the accelerometer
+/// of the calibration but at the c.g., so as little is wanted as of the tractor's pair.
+#[test]
+fn roll_angles_to_gravity_of_frame_and_axle_are_a_pair() {
+    let design = calibrated(&[known("A_step_p00", EMPTY), known("A_step_p16_h170", LADEN)]);
+    for log in ROADS {
+        let rows = rows(log);
+        let kept = |change: fn(&LogRow) -> LogRow| {
+            let changed: Vec<LogRow> = rows
+                .iter()
+                .map(|row| LogRow {
+                    time_s: row.time_s,
+                    speed_mps: row.speed_mps,
+                    roll_to_gravity_rad: row.roll_to_gravity_rad,
+                    ..change(row)
+                })
+                .collect();
+            estimate(&design, &changed, None, LADEN.1)
+        };
+        let sets: [fn(&LogRow) -> LogRow; 3] = [
+            |row| LogRow {
+                axle_roll_to_gravity_rad: row.roll_to_gravity_rad - row.suspension_roll_rad,
+                yaw_rate_radps: row.yaw_rate_radps,
+                ..LogRow::ABSENT
+            },
+            |row| LogRow {
+                axle_roll_to_gravity_rad: row.roll_to_gravity_rad - row.suspension_roll_rad,
+                lateral_acceleration_mps2: row.lateral_acceleration_mps2,
+                ..LogRow::ABSENT
+            },
+            |row| LogRow {
+                suspension_roll_rad: row.suspension_roll_rad,
+                yaw_rate_radps: row.yaw_rate_radps,
+                ..LogRow::ABSENT
+            },
+        ];
+        for (k, set) in sets.into_iter().enumerate() {
+            let found = kept(set);
+            assert_eq!(found.channel.as_deref(), Some("suspension"), "{:?}", found.messages);
+            let [_, limit] = limits(log);
+            assert!(error(&found, LADEN.0, &format!("{log}, set {k}")).abs() <= limit, "{log} {k}");
+        }
+    }
+}

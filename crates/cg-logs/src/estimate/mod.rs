@@ -13,7 +13,7 @@
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
-//! | `felt` | the lateral acceleration that the truck feels |
+//! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
 //! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
@@ -42,7 +42,7 @@ mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
-pub use felt::felt_mps2;
+pub use felt::{add_force, felt_mps2};
 pub use forces::ForceCheck;
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
