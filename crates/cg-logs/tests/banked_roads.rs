@@ -227,3 +227,39 @@ fn roll_angles_to_gravity_of_frame_and_axle_are_a_pair() {
         }
     }
 }
+
+/// A roll angle relative to gravity that is named as one relative to the road, and one relative to a banked
+/// road that counts as flat: the curves contradict each other, and nobody is told to reverse a sensor. Levels
+/// that are swapped are named.
+#[test]
+fn a_bank_is_no_fault_of_a_sensor() {
+    let design = calibrated(&[known("A_step_p00", EMPTY), known("A_step_p16_h170", LADEN)]);
+    let told = |log: &str, change: fn(&LogRow) -> LogRow| {
+        let changed = |row: LogRow| LogRow {
+            time_s: row.time_s,
+            speed_mps: row.speed_mps,
+            yaw_rate_radps: row.yaw_rate_radps,
+            ..change(&row)
+        };
+        let rows: Vec<LogRow> = rows(log).into_iter().map(changed).collect();
+        estimate(&design, &rows, None, LADEN.1).messages.join("; ")
+    };
+    for log in ROADS {
+        let named_wrong =
+            told(log, |row| LogRow { roll_rad: row.roll_to_gravity_rad, ..LogRow::ABSENT });
+        assert!(named_wrong.contains("likely cause: the road is banked"), "{log}: {named_wrong}");
+        assert!(named_wrong.contains("from curve to curve"), "{log}: {named_wrong}");
+        assert!(!named_wrong.contains("flip") && !named_wrong.contains("absent"), "{named_wrong}");
+        let swapped = told(log, |row| LogRow {
+            suspension_roll_rad: -row.suspension_roll_rad,
+            lateral_specific_force_mps2: row.lateral_specific_force_mps2,
+            ..LogRow::ABSENT
+        });
+        assert!(swapped.contains("left and right level are swapped"), "{log}: {swapped}");
+    }
+    // The adverse bank of roundabouts is always the same.
+    for log in &ROADS[..2] {
+        let to_road = told(log, |row| LogRow { roll_rad: row.roll_rad, ..LogRow::ABSENT });
+        assert!(to_road.contains("likely cause: the road is banked"), "{log}: {to_road}");
+    }
+}

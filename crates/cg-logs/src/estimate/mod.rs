@@ -16,6 +16,7 @@
 //! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
 //! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
+//! | `scatter` | whether curves contradict each other, as on a banked road |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
@@ -34,6 +35,7 @@ mod felt;
 mod road;
 mod intake;
 mod diagnosis;
+mod scatter;
 mod messages;
 mod finish;
 mod prediction;
