@@ -257,7 +257,7 @@ impl Signal {
     }
 
     /// Whether the sign depends on how the sensor is mounted.
-    pub(super) fn is_directed(self) -> bool {
+    pub fn is_directed(self) -> bool {
         matches!(self, Self::RollRate | Self::AxleRollToGravity)
             || self.quantity().is_some_and(Quantity::is_directed)
     }
