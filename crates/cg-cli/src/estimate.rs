@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
                 .context("--trailer-mass-kg")?;
         }
     }
-    let truth = arguments.truth.as_deref().map(Truth::load).transpose()?;
+    let truth = arguments.truth.as_deref().map(|path| Truth::load(path, &logs)).transpose()?;
     if logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read only once"));
     }
@@ -238,8 +238,17 @@ fn progress_bar(logs: &[PathBuf]) -> ProgressBar {
     ProgressBar::new(bytes).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// Known heights by the file name of the log.
-struct Truth(HashMap<String, f64>);
+/// Known heights by the file name of the log, or that of the only log.
+enum Truth {
+    Of(HashMap<String, f64>),
+    OfAll(f64),
+}
+
+/// What `cg simulate --truth` writes beside one log.
+#[derive(Deserialize)]
+struct Simulated {
+    height_m: f64,
+}
 
 #[derive(Deserialize)]
 struct KnownLog {
@@ -248,18 +257,38 @@ struct KnownLog {
 }
 
 impl Truth {
-    fn load(path: &Path) -> anyhow::Result<Self> {
+    /// Reads the truth of these logs.
+    fn load(path: &Path, logs: &[PathBuf]) -> anyhow::Result<Self> {
         let file = path.display();
         let text = files::read_text(path, files::TABLE_BYTES)
             .with_context(|| format!("{file}: cannot be read; check the path given to --truth"))?;
-        let known: Vec<KnownLog> = serde_json::from_str(&text).with_context(|| {
-            format!("{file}: expected a JSON list of objects with \"log\" and \"height_m\"")
-        })?;
-        Ok(Self(known.into_iter().map(|k| (file_name(Path::new(&k.log)), k.height_m)).collect()))
+        let expected = || {
+            format!(
+                "{file}: expected a JSON list of objects with \"log\" and \"height_m\", or the file that \
+                 cg simulate --truth writes"
+            )
+        };
+        if !text.trim_start().starts_with('{') {
+            let known: Vec<KnownLog> = serde_json::from_str(&text).with_context(expected)?;
+            let height = |one: KnownLog| (file_name(Path::new(&one.log)), one.height_m);
+            return Ok(Self::Of(known.into_iter().map(height).collect()));
+        }
+        let Simulated { height_m } = serde_json::from_str(&text).with_context(expected)?;
+        if logs.len() != 1 {
+            return Err(anyhow!(
+                "{file}: is the truth of one simulated log, but {} logs are given; give a list of objects \
+                 with \"log\" and \"height_m\"",
+                logs.len()
+            ));
+        }
+        Ok(Self::OfAll(height_m))
     }
 
     fn height_m(&self, log: &Path) -> Option<f64> {
-        self.0.get(&file_name(log)).copied()
+        match self {
+            Self::Of(known) => known.get(&file_name(log)).copied(),
+            Self::OfAll(height_m) => Some(*height_m),
+        }
     }
 }
 

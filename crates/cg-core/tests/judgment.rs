@@ -260,6 +260,9 @@ fn a_reason_says_what_to_look_at() {
     };
     says(Reject::<f64>::Absent.to_string(), &["absent"]);
     says(Reject::<f64>::Unexcited(Unexcited::Input).to_string(), &["no turn"]);
+    let vast: Reject<f64> = Reject::Imprecise { ratio_sd_relative: 1.8e13 };
+    assert_eq!(vast.to_string(), "the ratio is uncertain by more than 1000 %");
+    assert!(Unexcited::TooFewRows { rows: 0 }.to_string().starts_with("no row can be used"));
     let few = Unexcited::TooFewRows { rows: 7 };
     says(few.to_string(), &["only 7 rows"]);
     says(Unexcited::Direction { unknown: 4 }.to_string(), &["unknown 4"]);

@@ -181,3 +181,85 @@ fn a_specific_force_without_gravity_gives_no_height() {
         assert!(!found.messages.join("; ").contains("vdc2"), "{:?}", found.messages);
     }
 }
+
+/// Two inertial sensors, on the frame and on an axle, or one and the suspension roll: with a yaw rate or a
+/// lateral acceleration they are the trailer's pair. That acceleration is not at the place of the accelerometer
+/// of the calibration but at the c.g., so as little is wanted as of the tractor's pair.
+#[test]
+fn roll_angles_to_gravity_of_frame_and_axle_are_a_pair() {
+    let design = calibrated(&[known("A_step_p00", EMPTY), known("A_step_p16_h170", LADEN)]);
+    for log in ROADS {
+        let rows = rows(log);
+        let kept = |change: fn(&LogRow) -> LogRow| {
+            let changed: Vec<LogRow> = rows
+                .iter()
+                .map(|row| LogRow {
+                    time_s: row.time_s,
+                    speed_mps: row.speed_mps,
+                    roll_to_gravity_rad: row.roll_to_gravity_rad,
+                    ..change(row)
+                })
+                .collect();
+            estimate(&design, &changed, None, LADEN.1)
+        };
+        let sets: [fn(&LogRow) -> LogRow; 3] = [
+            |row| LogRow {
+                axle_roll_to_gravity_rad: row.roll_to_gravity_rad - row.suspension_roll_rad,
+                yaw_rate_radps: row.yaw_rate_radps,
+                ..LogRow::ABSENT
+            },
+            |row| LogRow {
+                axle_roll_to_gravity_rad: row.roll_to_gravity_rad - row.suspension_roll_rad,
+                lateral_acceleration_mps2: row.lateral_acceleration_mps2,
+                ..LogRow::ABSENT
+            },
+            |row| LogRow {
+                suspension_roll_rad: row.suspension_roll_rad,
+                yaw_rate_radps: row.yaw_rate_radps,
+                ..LogRow::ABSENT
+            },
+        ];
+        for (k, set) in sets.into_iter().enumerate() {
+            let found = kept(set);
+            assert_eq!(found.channel.as_deref(), Some("suspension"), "{:?}", found.messages);
+            let [_, limit] = limits(log);
+            assert!(error(&found, LADEN.0, &format!("{log}, set {k}")).abs() <= limit, "{log} {k}");
+        }
+    }
+}
+
+/// A roll angle relative to gravity that is named as one relative to the road, and one relative to a banked
+/// road that counts as flat: the curves contradict each other, and nobody is told to reverse a sensor. Levels
+/// that are swapped are named.
+#[test]
+fn a_bank_is_no_fault_of_a_sensor() {
+    let design = calibrated(&[known("A_step_p00", EMPTY), known("A_step_p16_h170", LADEN)]);
+    let told = |log: &str, change: fn(&LogRow) -> LogRow| {
+        let changed = |row: LogRow| LogRow {
+            time_s: row.time_s,
+            speed_mps: row.speed_mps,
+            yaw_rate_radps: row.yaw_rate_radps,
+            ..change(&row)
+        };
+        let rows: Vec<LogRow> = rows(log).into_iter().map(changed).collect();
+        estimate(&design, &rows, None, LADEN.1).messages.join("; ")
+    };
+    for log in ROADS {
+        let named_wrong =
+            told(log, |row| LogRow { roll_rad: row.roll_to_gravity_rad, ..LogRow::ABSENT });
+        assert!(named_wrong.contains("likely cause: the road is banked"), "{log}: {named_wrong}");
+        assert!(named_wrong.contains("from curve to curve"), "{log}: {named_wrong}");
+        assert!(!named_wrong.contains("flip") && !named_wrong.contains("absent"), "{named_wrong}");
+        let swapped = told(log, |row| LogRow {
+            suspension_roll_rad: -row.suspension_roll_rad,
+            lateral_specific_force_mps2: row.lateral_specific_force_mps2,
+            ..LogRow::ABSENT
+        });
+        assert!(swapped.contains("left and right level are swapped"), "{log}: {swapped}");
+    }
+    // The adverse bank of roundabouts is always the same.
+    for log in &ROADS[..2] {
+        let to_road = told(log, |row| LogRow { roll_rad: row.roll_rad, ..LogRow::ABSENT });
+        assert!(to_road.contains("likely cause: the road is banked"), "{log}: {to_road}");
+    }
+}

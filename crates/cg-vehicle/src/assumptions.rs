@@ -8,6 +8,8 @@ use crate::vehicle::Vehicle;
 const FRAME: &str = "trailer.frame_torsional_stiffness_nm_per_rad";
 /// The key of the place of the roll sensor.
 const PLACE: &str = "sensors.roll.behind_hitch_m";
+/// The key of the place of the accelerometer.
+const FORCE_PLACE: &str = "sensors.accelerometer.behind_hitch_m";
 
 /// Whether the place of the roll sensor matters, because the frame twists, and is not in the file.
 pub fn has_unplaced_roll_sensor(vehicle: &Vehicle) -> bool {
@@ -47,6 +49,14 @@ impl Assumption {
                 plain(vehicle.trailer.payload.behind_hitch_m)
             ),
         });
-        frame.into_iter().chain(place).collect()
+        let is_unplaced = vehicle.sensors.accelerometer.behind_hitch_m.is_none();
+        let force = (!is_rigid && is_unplaced).then(|| Self {
+            key: FORCE_PLACE,
+            note: "it is absent, so an accelerometer or inclinometer on the frame counts as over the trailer's axles. \
+                   On a frame that twists, one further forward rolls by another angle, and the height of its pair is \
+                   wrong. Give the place of the sensor"
+                .to_owned(),
+        });
+        frame.into_iter().chain(place).chain(force).collect()
     }
 }

@@ -203,6 +203,19 @@ fn what_nothing_contradicts_is_noted() {
     // A rigid frame rolls alike everywhere; 1e-9 is rounding.
     assert!((at_front / over_axles - 1.0).abs() < 1e-9, "{at_front} {over_axles}");
     for stiffness in [None, Some(3e6), Some(6e5)] {
+        // The accelerometer of the pair of the trailer, too.
+        let pair = |place_m: Option<f64>| {
+            let mut vehicle = euro(stiffness);
+            vehicle.sensors.roll.behind_hitch_m = Some(7.7);
+            vehicle.sensors.accelerometer.behind_hitch_m = place_m;
+            let ratio = exact(&vehicle, load(16e3, 1.7))[Channel::Suspension.index()];
+            (keys(&vehicle), ratio)
+        };
+        let ((unplaced, usual), (placed, at_front)) = (pair(None), pair(AT_FRONT));
+        assert_eq!(unplaced, ["sensors.accelerometer.behind_hitch_m"]);
+        assert!(placed.is_empty(), "{placed:?}");
+        println!("{stiffness:?}: force at the front {:.3}", at_front / usual);
+        assert!((at_front / usual - 1.0).abs() > 0.01, "{stiffness:?} {at_front} {usual}");
         let (absent, twisting_over_axles) = of(stiffness, None);
         let (given, twisting_at_front) = of(stiffness, AT_FRONT);
         assert_eq!(absent, ["sensors.roll.behind_hitch_m"], "{stiffness:?}");

@@ -7,7 +7,9 @@ use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
-use cg_logs::estimate::{Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, Verdict, Weighed};
+use cg_logs::estimate::{
+    Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, Verdict, Weighed, add_force,
+};
 use cg_logs::log::Signal;
 
 use crate::flags;
@@ -197,6 +199,7 @@ impl<W: Write> Session<W> {
     pub(crate) fn push(&mut self, mut sample: Sample<f64>) -> io::Result<()> {
         self.samples += 1;
         self.sampled_us = sample.time_us;
+        add_force(&mut sample, self.estimator.design().gravity_mps2);
         self.weigh(&mut sample)?;
         self.warn(&sample)?;
         let (samples, slow_s) = self.pace.push(sample);

@@ -106,18 +106,26 @@ fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
 /// The frame of kraz is rigid in its file; a template says nothing of frame and sensor.
 #[test]
 fn the_check_notes_what_nothing_else_tells() {
+    const PLACES: &str = "
+[sensors.roll]
+behind_hitch_m = 7.7
+[sensors.accelerometer]
+behind_hitch_m = 7.7
+";
     let scratch = Scratch::new();
     let template = new(&scratch, KINDS[0]);
     let known = std::fs::read_to_string(&template).unwrap();
-    let known = scratch.file("known.toml", known + "\n[sensors.roll]\nbehind_hitch_m = 7.7\n");
-    for (file, key, part) in [
-        (&kraz(), "trailer.frame_torsional_stiffness_nm_per_rad", "1e10 is a rigid frame"),
-        (&template, "sensors.roll.behind_hitch_m", "counts as over the axles"),
+    let known = scratch.file("known.toml", known + PLACES);
+    for (file, place, count, key, part) in [
+        (&kraz(), 0, 1, "trailer.frame_torsional_stiffness_nm_per_rad", "1e10 is a rigid frame"),
+        (&template, 0, 2, "sensors.roll.behind_hitch_m", "counts as over the axles"),
+        (&template, 1, 2, "sensors.accelerometer.behind_hitch_m", "as over the trailer's axles"),
     ] {
         let answer = check(file, &[]);
-        let [note] = &answer["notes"].as_array().unwrap()[..] else { panic!("{answer}") };
-        assert_eq!(note["key"], key);
-        assert!(note["note"].as_str().unwrap().contains(part), "{note}");
+        let notes = answer["notes"].as_array().unwrap();
+        assert_eq!((notes.len(), &notes[place]["key"]), (count, &key.into()), "{answer}");
+        let note = &notes[place]["note"];
+        assert!(note.as_str().unwrap().contains(part), "{note}");
         let run = cg(&["vehicle", "check", file]).done();
         assert!(run.out.contains(&format!("Note on {key}: ")), "{}", run.out);
     }

@@ -185,6 +185,19 @@ fn known_heights_stand_beside_and_change_nothing() {
     assert_eq!(with, without);
 }
 
+/// The truth beside a simulated log is that of this log alone.
+#[test]
+fn the_truth_of_a_simulation_is_read() {
+    let scratch = Scratch::new();
+    let truth = scratch.path("truth.json");
+    let more = ["--maneuver", "rounded-step", "--height-m", "1.83", "--truth", &truth];
+    let log = scratch.simulate("log.csv", &kraz(), &more);
+    let answer = estimate(&log, &kraz(), &["--truth", &truth]).done().answer();
+    assert_eq!(answer["known_height_m"], 1.83);
+    let two = cg(&["estimate", &log, &log, "--vehicle", &kraz(), "--truth", &truth]);
+    two.refused(&[&truth, "the truth of one simulated log, but 2 logs"]);
+}
+
 /// The simulated log in the format of another manufacturer's instrument.
 fn foreign(text: &str) -> String {
     let mut out = "Zeit [ms];Lenk;Wank;v_kmh;aq;Gier;Masse\n".to_owned();

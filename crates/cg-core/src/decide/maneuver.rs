@@ -56,9 +56,11 @@ impl<T: Real> fmt::Display for Reject<T> {
         match self {
             Self::Absent => write!(f, "the signal is absent"),
             Self::Unexcited(reason) => reason.fmt(f),
-            Self::Imprecise { ratio_sd_relative } => {
-                write!(f, "the ratio is uncertain by {:.0} %", ratio_sd_relative.as_f64() * 100.0)
-            }
+            // A constant roll angle or input determines nothing, and its number means nothing.
+            Self::Imprecise { ratio_sd_relative } => match ratio_sd_relative.as_f64() {
+                sd if sd <= 10.0 => write!(f, "the ratio is uncertain by {:.0} %", sd * 100.0),
+                _ => f.write_str("the ratio is uncertain by more than 1000 %"),
+            },
             Self::Road { ratio_sd_relative } => write!(
                 f,
                 "the bank of the road is not known and makes the ratio uncertain by {:.0} %",

@@ -42,6 +42,10 @@ pub enum Unexcited {
 impl fmt::Display for Unexcited {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::TooFewRows { rows: 0 } => f.write_str(
+                "no row can be used: the lateral acceleration was too great or, for the steer angle, the speed was \
+                 not steady",
+            ),
             Self::TooFewRows { rows } => {
                 write!(f, "only {rows} rows, fewer than the unknowns of the model")
             }

@@ -1,4 +1,4 @@
-//! The lateral acceleration that the truck feels.
+//! The lateral acceleration that the truck feels, and the specific force that follows from other sensors.
 
 use cg_core::{Channel, Design, Input, Sample, Signals};
 
@@ -28,6 +28,21 @@ pub fn felt_mps2(
     // The tractor leads the trailer and rolls less, so the greater of both is taken.
     let tractor = banked(signals.input(Input::TractorSpecificForce));
     if path_mps2.is_finite() && !(tractor.abs() > path_mps2.abs()) { path_mps2 } else { tractor }
+}
+
+/// Adds an absent specific force of the trailer that a suspension roll needs, `f = a_y + g φ_g`, if the sample
+/// has a roll angle relative to gravity and the acceleration of the path. (The core has no room for this on a
+/// chip.)
+pub fn add_force(sample: &mut Sample<f64>, gravity_mps2: f64) {
+    let is_needed = sample.suspension_roll_rad.is_finite()
+        && sample.lateral_specific_force_mps2.is_nan()
+        && sample.tilt_rad.is_nan();
+    if is_needed {
+        let measured_mps2 = sample.lateral_acceleration_mps2;
+        let turn_mps2 = sample.yaw_rate_radps * sample.speed_mps;
+        let path_mps2 = if measured_mps2.is_nan() { turn_mps2 } else { measured_mps2 };
+        sample.lateral_specific_force_mps2 = path_mps2 + gravity_mps2 * sample.roll_to_gravity_rad;
+    }
 }
 
 #[cfg(test)]

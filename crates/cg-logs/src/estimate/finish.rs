@@ -44,6 +44,9 @@ impl LogEstimator {
             Verdict::Inconsistent => {}
         }
         first.extend(self.road(shown, together.height.as_ref()));
+        if shown.feels_bank() {
+            first.extend(self.scattered());
+        }
         let causes = if first.is_empty() { Vec::new() } else { self.likely_causes() };
         if !causes.is_empty() {
             first.push(format!("likely cause: {}", causes.join("; or ")));

@@ -7,7 +7,7 @@ use cg_core::{
 use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
-use super::felt::felt_mps2;
+use super::felt::{add_force, felt_mps2};
 use super::forces::ForceCheck;
 use super::leaning::Leaning;
 use super::levels::LevelCheck;
@@ -281,6 +281,7 @@ impl LogEstimator {
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;
         }
+        add_force(&mut sample, self.design.gravity_mps2);
         if let Some(mass_kg) = self.options.trailer_mass_kg {
             sample.trailer_mass_kg = mass_kg;
         } else if sample.trailer_mass_kg.is_finite() {

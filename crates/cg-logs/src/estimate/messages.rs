@@ -136,7 +136,9 @@ impl LogEstimator {
         (height_m > USUAL_HEIGHT_M).then(|| {
             format!(
                 "a height of {height_m:.2} m is unusual for a load (usually below \
-                 {USUAL_HEIGHT_M} m); check the gain of the roll sensor and the trailer mass"
+                 {USUAL_HEIGHT_M} m); check the gain of the roll sensor, the trailer mass, and whether roll_rad is \
+                 relative to the road (a bank makes a roll angle relative to gravity too great: \
+                 roll_to_gravity_rad)"
             )
         })
     }
@@ -178,8 +180,10 @@ impl LogEstimator {
 
     /// The reason why the height of one channel is not used.
     pub(super) fn impossible(&self) -> String {
-        let without = Channel::ALL.into_iter().find(|&one| self.engine.height(one).is_none());
-        let reject = without.and_then(|channel| Some((channel, self.last_reject(channel)?)));
+        let of =
+            |one: Channel| Some((one, self.last_reject(one).filter(|why| *why != Reject::Absent)?));
+        let mut without = Channel::ALL.into_iter().filter(|&one| self.engine.height(one).is_none());
+        let reject = without.find_map(of);
         let why = reject
             .map_or_else(String::new, |(channel, reject)| format!("{channel} channel: {reject}; "));
         format!("{why}{}, which is wrong too if the roll angle is wrong", self.heights())
@@ -197,8 +201,21 @@ impl LogEstimator {
 
     /// Likely causes of a contradiction, in words.
     pub(super) fn likely_causes(&self) -> Vec<String> {
+        let mut reversed = [Channel::Suspension, Channel::Tractor]
+            .into_iter()
+            .filter_map(|one| self.reversed(one));
+        if let Some(cause) = reversed.next() {
+            return vec![cause];
+        }
         if self.is_on_road() {
             return Vec::new(); // a bank explains as much as any fault
+        }
+        if self.scatter().is_some_and(|found| found.is_wide) {
+            return vec![
+                "the road is banked: name a roll angle relative to gravity roll_to_gravity_rad, and leave out \
+                 ⟨road flat⟩"
+                    .to_owned(),
+            ];
         }
         let speed_mps = self.mean_speed_mps_of_fits();
         let evidence = Evidence {

@@ -13,9 +13,10 @@
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
-//! | `felt` | the lateral acceleration that the truck feels |
+//! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
 //! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
+//! | `scatter` | whether curves contradict each other, as on a banked road |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
@@ -34,6 +35,7 @@ mod felt;
 mod road;
 mod intake;
 mod diagnosis;
+mod scatter;
 mod messages;
 mod finish;
 mod prediction;
@@ -42,7 +44,7 @@ mod trial;
 
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
-pub use felt::felt_mps2;
+pub use felt::{add_force, felt_mps2};
 pub use forces::ForceCheck;
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;

@@ -1,7 +1,8 @@
-//! Signals of a log (the time, all quantities of [`cg_core::quantities!`], the roll rate and the standard
-//! deviation of the trailer mass) and one row of them.
+//! Signals of a log (the time, all quantities of [`cg_core::quantities!`], the roll rate, the roll of an
+//! axle to gravity and the standard deviation of the trailer mass) and one row of them.
 //!
-//! The last two are no quantities of the estimator: `roll_rate` makes a roll angle of the rate.
+//! The last three are no quantities of the estimator, which has no room for more on a chip: `roll_rate`
+//! makes a roll angle of the rate, and a row makes the roll of the suspension of that of an axle.
 
 use std::fmt;
 use std::str::FromStr;
@@ -25,6 +26,8 @@ macro_rules! rows {
             /// Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the right
             /// side moves down.
             pub roll_rate_radps: f64,
+            /// Roll angle of an axle of the trailer to gravity, positive right side down.
+            pub axle_roll_to_gravity_rad: f64,
             /// Standard deviation of the trailer mass, kg.
             pub trailer_mass_sd_kg: f64,
         }
@@ -35,6 +38,7 @@ macro_rules! rows {
                 match signal {
                     Signal::Time => self.time_s,
                     Signal::RollRate => self.roll_rate_radps,
+                    Signal::AxleRollToGravity => self.axle_roll_to_gravity_rad,
                     Signal::TrailerMassSd => self.trailer_mass_sd_kg,
                     $(Signal::$variant => self.$field),+
                 }
@@ -42,8 +46,15 @@ macro_rules! rows {
 
             /// A row with these values in the order of [`Signal::ALL`].
             pub const fn from_values(values: [f64; Signal::COUNT]) -> Self {
-                let [time_s, $($field,)+ roll_rate_radps, trailer_mass_sd_kg] = values;
-                Self { time_s, $($field,)+ roll_rate_radps, trailer_mass_sd_kg }
+                let [time_s, $($field,)+ roll_rate_radps, axle_roll_to_gravity_rad, trailer_mass_sd_kg] =
+                    values;
+                Self {
+                    time_s,
+                    $($field,)+
+                    roll_rate_radps,
+                    axle_roll_to_gravity_rad,
+                    trailer_mass_sd_kg,
+                }
             }
         }
 
@@ -55,6 +66,8 @@ macro_rules! rows {
             $($(#[doc = $meaning])+ $variant,)+
             /// Roll rate of the trailer's sprung mass.
             RollRate,
+            /// Roll angle of an axle of the trailer to gravity.
+            AxleRollToGravity,
             /// Standard deviation of the trailer mass.
             TrailerMassSd,
         }
@@ -62,12 +75,15 @@ macro_rules! rows {
         impl Signal {
             /// Every signal, in the order of the fields of [`LogRow`].
             pub const ALL: [Self; Self::COUNT] =
-                [Self::Time, $(Self::$variant,)+ Self::RollRate, Self::TrailerMassSd];
+                [Self::Time, $(Self::$variant,)+ Self::RollRate, Self::AxleRollToGravity, Self::TrailerMassSd];
 
             /// The quantity of the estimator; `None` for what only logs have.
             pub const fn quantity(self) -> Option<Quantity> {
                 match self {
-                    Self::Time | Self::RollRate | Self::TrailerMassSd => None,
+                    Self::Time
+                    | Self::RollRate
+                    | Self::AxleRollToGravity
+                    | Self::TrailerMassSd => None,
                     $(Self::$variant => Some(Quantity::$variant)),+
                 }
             }
@@ -113,7 +129,11 @@ impl LogRow {
     /// The sample for the estimator. Steer angle, suspension roll and mass come from whichever signal
     /// measures them.
     pub fn sample(&self, time_us: u64, settings: &AlignSettings<f64>) -> Sample<f64> {
-        settings.sample(time_us, |quantity| self.get(Signal::from(quantity)))
+        let mut sample = settings.sample(time_us, |quantity| self.get(Signal::from(quantity)));
+        if sample.suspension_roll_rad.is_nan() {
+            sample.suspension_roll_rad = self.roll_to_gravity_rad - self.axle_roll_to_gravity_rad;
+        }
+        sample
     }
 
     /// The trailer mass, kg, with the quantity from which it follows, if there is one.
@@ -132,6 +152,13 @@ const SIDES: [[Signal; 2]; 2] = [
 const INPUTS: &[Signal] =
     &[Signal::Steer, Signal::SteeringWheel, Signal::LateralAcceleration, Signal::YawRate];
 
+/// Accelerations of the path, which give the specific force with a roll angle relative to gravity.
+const PATHS: &[Signal] = &[Signal::LateralAcceleration, Signal::YawRate];
+
+/// Inputs of a suspension roll beside a roll angle relative to gravity, of which one is needed.
+const FORCES: &[Signal] =
+    &[Signal::LateralSpecificForce, Signal::LateralAcceleration, Signal::YawRate];
+
 impl Signal {
     /// What a log with these signals lacks for an estimate: signals of which one is needed; empty if
     /// it has a roll angle and an input that belong together.
@@ -144,13 +171,18 @@ impl Signal {
                 return &sides[k..=k];
             }
         }
-        let trailer = has(&[Self::SuspensionRoll, Self::LevelLeft, Self::AxleTilt])
-            && has(&[Self::LateralSpecificForce, Self::Tilt]);
+        let by_gravity = has(&[Self::RollToGravity]);
+        let suspension = has(&[Self::SuspensionRoll, Self::LevelLeft, Self::AxleTilt])
+            || (by_gravity && has(&[Self::AxleRollToGravity]));
+        let force = has(&[Self::LateralSpecificForce, Self::Tilt]);
+        let trailer = suspension && (force || (by_gravity && has(PATHS)));
         let tractor =
             has(&[Self::TractorSuspensionRoll, Self::TractorLevelLeft, Self::TractorAxleTilt])
                 && has(&[Self::TractorLateralSpecificForce, Self::TractorTilt]);
         if trailer || tractor {
             &[]
+        } else if suspension && by_gravity {
+            FORCES
         } else if !has(INPUTS) && !has(&[Self::LateralSpecificForce]) {
             INPUTS
         } else if !has(&[Self::Roll, Self::RollToGravity, Self::Tilt, Self::RollRate]) {
@@ -161,7 +193,7 @@ impl Signal {
     }
 
     /// Number of signals.
-    pub const COUNT: usize = 3 + Quantity::COUNT;
+    pub const COUNT: usize = 4 + Quantity::COUNT;
 
     /// The name without the unit, such as `roll`.
     pub const fn name(self) -> &'static str {
@@ -169,6 +201,7 @@ impl Signal {
             Some(quantity) => quantity.name(),
             None => match self {
                 Self::RollRate => "roll_rate",
+                Self::AxleRollToGravity => "axle_roll_to_gravity",
                 Self::TrailerMassSd => "trailer_mass_sd",
                 _ => "time",
             },
@@ -181,6 +214,7 @@ impl Signal {
             Some(quantity) => quantity.column(),
             None => match self {
                 Self::RollRate => "roll_rate_radps",
+                Self::AxleRollToGravity => "axle_roll_to_gravity_rad",
                 Self::TrailerMassSd => "trailer_mass_sd_kg",
                 _ => "time_s",
             },
@@ -201,6 +235,9 @@ impl Signal {
                     "Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the \
                      right side moves down."
                 }
+                Self::AxleRollToGravity => {
+                    "Roll angle of an axle of the trailer to gravity, positive right side down."
+                }
                 Self::TrailerMassSd => "Standard deviation of the trailer mass.",
                 _ => "Time stamp from any origin, strictly increasing.",
             },
@@ -212,6 +249,7 @@ impl Signal {
             Some(quantity) => quantity.dimension(),
             None => match self {
                 Self::RollRate => Dimension::AngularRate,
+                Self::AxleRollToGravity => Dimension::Angle,
                 Self::TrailerMassSd => Dimension::Mass,
                 _ => Dimension::Time,
             },
@@ -219,8 +257,9 @@ impl Signal {
     }
 
     /// Whether the sign depends on how the sensor is mounted.
-    pub(super) fn is_directed(self) -> bool {
-        self == Self::RollRate || self.quantity().is_some_and(Quantity::is_directed)
+    pub fn is_directed(self) -> bool {
+        matches!(self, Self::RollRate | Self::AxleRollToGravity)
+            || self.quantity().is_some_and(Quantity::is_directed)
     }
 
     /// The SI unit of this signal.
