@@ -7,13 +7,18 @@ use cg_firmware::truck::DESIGN;
 use cg_firmware::{Maneuver, can, pair};
 
 fn tell(maneuver: &Maneuver, height: Option<Height<f32>>) {
-    // The chip's format: a dash if there is no number.
-    let number = |x: Option<f32>| x.map_or("-".to_owned(), |x| format!("{x:.4}"));
+    // The chip's format and rounding: a dash if there is no number.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in range
+    let scaled = |x: f32| (x * 1e4 + 0.5) as u32;
+    let number = |x: Option<f32>| {
+        let scaled = x.map(scaled);
+        scaled.map_or("-".to_owned(), |x| format!("{}.{:04}", x / 10_000, x % 10_000))
+    };
     let value = number(height.map(|h| h.height_m.value));
     let sd = number(height.map(|h| h.height_m.sd));
     #[allow(clippy::cast_precision_loss)]
-    let end_s = maneuver.end_us as f32 * 1e-6;
-    println!("maneuver to {end_s:.4} s: height {value} m, one sigma {sd} m");
+    let end_s = number(Some(maneuver.end_us as f32 * 1e-6));
+    println!("maneuver to {end_s} s: height {value} m, one sigma {sd} m");
 }
 
 fn main() {

@@ -79,11 +79,12 @@ fn filtered_arx_recovers_every_coefficient_of_equation_5_12_through_other_filter
         denominator: [32.0, 80.0, 80.0, 40.0, 10.0], // (s + 2)^5
         speed_slope: [0.0; 5],
     };
-    let mut identifier = FilteredArx::new(&other, NO_PRIOR);
+    // In eight times the time, so that each sample is its own mean.
+    let mut identifier = FilteredArx::new(&other.in_scaled_time(8.0), NO_PRIOR);
     for (u, y) in lively(8000, 0.005) {
-        identifier.push(u, y, 0.005, true);
+        identifier.push(u, y, 8.0 * 0.005, true);
     }
-    let found = identifier.model().unwrap();
+    let found = identifier.model().unwrap().in_scaled_time(1.0 / 8.0);
     let pairs = found
         .numerator
         .iter()

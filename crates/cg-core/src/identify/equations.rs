@@ -1,7 +1,7 @@
 //! The equations of the filtered regression, from its rows to a triangle, and their solution.
 
 use crate::identify::long_run::LongRun;
-use crate::identify::neighbors::Neighbors;
+use crate::identify::neighbors::{Mean, Scatter};
 use crate::identify::pending::Pending;
 use crate::identify::unknowns::{DRIFT, HalfSquare, OFFSET, REGRESSORS};
 use crate::math::linalg::Triangle;
@@ -10,43 +10,45 @@ use crate::math::real::Real;
 /// The triangle of the rows, stored in half the memory of a square array.
 pub(crate) type Equations<T> = Triangle<T, REGRESSORS, HalfSquare<T>>;
 
-/// Rows on their way into the triangle, and what is kept of them beside it: neighboring rows are added
-/// up, and the sums are reduced several at a time.
+/// Rows on their way into the triangle, several at a time, and what is kept of them beside it.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Gathered<T: Real> {
     pub(crate) triangle: Equations<T>,
-    pub(crate) neighbors: Neighbors<T, REGRESSORS>,
+    scatter: Scatter<T>,
     pub(crate) long_run: LongRun<T, REGRESSORS, HalfSquare<T>>,
     pending: Pending<T, REGRESSORS>,
+    /// The weight of the last row and its root, which costs as much as a tenth of a row.
+    weight: [T; 2],
 }
 
 impl<T: Real> Gathered<T> {
     /// No rows.
     pub(crate) const NONE: Self = Self {
         triangle: Triangle::new(),
-        neighbors: Neighbors::new(),
+        scatter: Scatter::NONE,
         long_run: LongRun::new(),
         pending: Pending::new(),
+        weight: [T::ZERO; 2],
     };
 
-    /// Adds a row that represents the time `interval_s`.
-    pub(crate) fn push(&mut self, row: [T; REGRESSORS], observation: T, interval_s: T) {
-        if self.neighbors.push(row, observation, interval_s) {
-            self.add_up();
+    /// Adds the row that was made of a mean, with the weight of its samples. `rise` is how much the expected
+    /// roll angle has grown since the mean before.
+    pub(crate) fn push(&mut self, row: [T; REGRESSORS], observation: T, mean: &Mean<T>, rise: T) {
+        // A single sample is not compared with its neighbors: the first one has no interval.
+        if mean.samples > 1 {
+            self.scatter.push(mean.squares_about(rise / mean.interval_s), mean.weight);
         }
-    }
-
-    fn add_up(&mut self) {
-        let Some(sum) = self.neighbors.take() else { return };
-        self.long_run.push(&sum);
-        let (row, observation) = sum.row();
-        self.pending.push_into(&mut self.triangle, row, observation);
+        self.long_run.push(&row, observation, [mean.weight, mean.elapsed_s]);
+        if mean.weight != self.weight[0] {
+            self.weight = [mean.weight, mean.weight.root()];
+        }
+        let [_, root] = self.weight;
+        self.pending.push_into(&mut self.triangle, row.map(|x| x * root), observation * root);
     }
 
     /// Brings all rows into the triangle.
     pub(crate) fn settle(&mut self) {
-        self.add_up();
         self.pending.fold_into(&mut self.triangle);
     }
 
@@ -54,7 +56,7 @@ impl<T: Real> Gathered<T> {
     /// `clock` later.
     pub(crate) fn forget(&mut self, factor: T, clock: T) {
         self.settle();
-        self.neighbors.forget(factor);
+        self.scatter.forget(factor);
         self.triangle.shift(DRIFT, OFFSET, clock);
         self.long_run.shift(DRIFT, OFFSET, clock);
         self.triangle.scale(factor.root());
@@ -66,8 +68,8 @@ impl<T: Real> Gathered<T> {
     pub(crate) fn variances(&self, theta: &[T; REGRESSORS], weight: T, unknowns: T) -> [T; 2] {
         let freedom = |rows: T| (rows - unknowns).max(rows * T::of(0.25));
         let squares = self.triangle.sum_of_squares_at(theta);
-        let hidden = self.neighbors.hidden;
-        let white = self.neighbors.white_variance(squares / freedom(weight - hidden));
+        let hidden = self.scatter.freedom;
+        let white = self.scatter.white_variance(squares / freedom(weight - hidden));
         [(squares + white * hidden) / freedom(weight), white]
     }
 }

@@ -3,7 +3,7 @@
 use crate::identify::equations::{Equations, Gathered, Solution};
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
-use crate::identify::neighbors::rows_at;
+use crate::identify::neighbors::{Mean, Neighbors};
 use crate::identify::prior::Prior;
 use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
@@ -13,7 +13,6 @@ use crate::truck::filters::{StateVariableFilter, StepMatrices};
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::{ORDER, Reduced5};
 
-/// [`UNKNOWNS`] as a number.
 const UNKNOWNS_F64: f64 = 13.0;
 
 /// Uncertainty of the correction for input noise, as a share of it. The noise is known within 15 %
@@ -31,7 +30,8 @@ const BEND_RAD: f64 = 0.05;
 /// ARX on filtered signals, with a prior on the dynamics.
 ///
 /// Let `y_k` and `u_k` be the roll angle and the input filtered by `sᵏ/B(s)`, and `G = A/B` the
-/// reduced model. Each sample gives one row in the *deviations* from that model,
+/// reduced model. Neighboring samples are averaged, over 40 ms at most, and each mean gives one row in the
+/// *deviations* from that model,
 ///
 /// ```text
 ///     y − G u = −Σ δb_k y_k  +  γ (G u)  +  Σ_{k≥1} δa_k u_k  +  c + d t  +  e
@@ -40,7 +40,7 @@ const BEND_RAD: f64 = 0.05;
 /// where `γ` scales the whole response, `δa_k` and `δb_k` change its shape, and `c` and `d` are the
 /// offset of the roll sensor and its drift. The deviations are small numbers, so `f32` is accurate
 /// enough. The prior of each deviation is a row `δ = 0 ± sd`. The DC ratio is
-/// `A0 (1 + γ) / (B0 + δb_0)`. Rows within 40 ms are added up before they are reduced. Internally the unit of time is `B0^(−1/5)`. With `dynamics_sd = 0`
+/// `A0 (1 + γ) / (B0 + δb_0)`. Internally the unit of time is `B0^(−1/5)`. With `dynamics_sd = 0`
 /// only `γ`, `c` and `d` are free.
 ///
 /// One additional column, `(G u)³`, is stored but not fitted. Its coefficient shows whether the
@@ -58,7 +58,9 @@ pub struct FilteredArx<T: Real> {
     input: StateVariableFilter<T>,
     roll: StateVariableFilter<T>,
     started: bool,
-    newest_share: [T; ORDER],
+    neighbors: Neighbors<T>,
+    /// The number of samples in the last mean.
+    together: T,
     rows: Gathered<T>,
     moments: Moments<T>,
     reference_rad: T,
@@ -96,11 +98,36 @@ impl<T: Real> FilteredArx<T> {
     fn discretise(&mut self, interval_s: T) {
         self.interval_s = interval_s;
         self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
-        self.newest_share = self.step.newest_share(rows_at(interval_s));
     }
 
-    /// Adds a row. `u` is the filtered input.
-    fn take_row(&mut self, u: &[T; ORDER + 1], [input, roll]: [T; 2], interval_s: T) {
+    /// Takes the mean of the last samples: advances the filters to it, and adds its row if it is to be used.
+    #[inline(never)]
+    fn take_mean(&mut self) {
+        let mean = self.neighbors.take();
+        let before_rad = self.expected_rad;
+        if self.started {
+            if (mean.interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
+                self.discretise(mean.interval_s);
+            }
+            self.clock += mean.interval_s / T::of(DRIFT_S);
+            self.input.push(&self.step, mean.input);
+            self.roll.push(&self.step, mean.roll);
+        } else {
+            self.started = true;
+            self.neighbors = Neighbors::NONE;
+            self.input = StateVariableFilter::at_rest(&self.model, mean.input);
+            self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
+        }
+        self.together = mean.weight;
+        let u = self.input.derivatives(&self.model);
+        self.expected_rad = self.model.response(&u);
+        if mean.is_used {
+            self.add_row(&u, &mean, before_rad);
+        }
+    }
+
+    /// Adds the row of a mean. `u` is the filtered input, `before_rad` the roll angle expected at the mean before.
+    fn add_row(&mut self, u: &[T; ORDER + 1], mean: &Mean<T>, before_rad: T) {
         let y = self.roll.derivatives(&self.model);
         let nominal = self.expected_rad;
         let mut row = [T::zero(); REGRESSORS];
@@ -119,11 +146,12 @@ impl<T: Real> FilteredArx<T> {
         }
         let bent = nominal / T::of(BEND_RAD);
         row[BEND] = nominal * bent * bent;
-        self.greatest_rad = self.greatest_rad.max(nominal.abs());
-        self.roll_noise.add_row(&self.newest_share, interval_s);
-        self.moments.push(input, roll);
-        self.input_noise.push(input, interval_s);
-        self.rows.push(row, roll - nominal, interval_s);
+        if nominal.abs() > self.greatest_rad {
+            self.greatest_rad = nominal.abs();
+        }
+        self.roll_noise.add_row(self.step.newest_share(), mean.elapsed_s);
+        self.moments.push_mean(mean);
+        self.rows.push(row, mean.roll - nominal, mean, nominal - before_rad);
     }
 
     /// Standard deviation of the expected roll angle over the rows, radians.
@@ -162,8 +190,9 @@ impl<T: Real> FilteredArx<T> {
         }
     }
 
+    /// A mean has the noise of a sample divided by the number of samples.
     fn noise_products(&self) -> [T; ORDER + 1] {
-        self.step.noise_products(&self.model, rows_at(self.interval_s))
+        self.step.noise_products(&self.model).map(|product| product / self.together)
     }
 
     /// Solves the rows in the triangle together with the prior. `products` are the bias of the rows'
@@ -385,7 +414,8 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         input: StateVariableFilter::EMPTY,
         roll: StateVariableFilter::EMPTY,
         started: false,
-        newest_share: [T::ZERO; ORDER],
+        neighbors: Neighbors::NONE,
+        together: T::ZERO,
         rows: Gathered::NONE,
         moments: Moments::new(),
         reference_rad: T::ZERO,
@@ -402,35 +432,23 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.begin(&model.at_unit_gain(), lags, prior);
     }
 
-    /// Advances the filters to the next sample, `interval_s` after the previous one, and adds its
-    /// row if `use_row` is true.
     fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
-        if self.started {
-            if (interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
-                self.discretise(interval_s);
-            }
-            self.clock += interval_s / T::of(DRIFT_S);
-            self.input.push(&self.step, input);
-            self.roll.push(&self.step, roll_rad - self.reference_rad);
-        } else {
-            self.started = true;
-            // The first roll angle is subtracted, because a large constant would cost digits in
-            // f32. This is not possible without an offset regressor.
-            if self.prior.offset_sd_rad > T::zero() {
-                self.reference_rad = roll_rad;
-            }
-            self.input = StateVariableFilter::at_rest(&self.model, input);
-            self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
+        // A large constant would cost digits in f32, so the first roll angle is subtracted if an offset is fitted.
+        if !self.started && self.prior.offset_sd_rad > T::zero() {
+            self.reference_rad = roll_rad;
         }
-        let u = self.input.derivatives(&self.model);
-        self.expected_rad = self.model.response(&u);
         if use_row {
-            self.take_row(&u, [input, roll_rad - self.reference_rad], interval_s);
+            self.input_noise.push(input, interval_s);
+        }
+        let roll_rad = roll_rad - self.reference_rad;
+        // The first sample is a mean of its own: the filters begin with it.
+        if self.neighbors.push(input, roll_rad, interval_s, use_row) || !self.started {
+            self.take_mean();
         }
     }
 
     fn input_noise_rad2_s(&self) -> T {
-        self.input_noise.variance() * self.interval_s
+        self.input_noise.variance() * self.interval_s / self.together
     }
 
     fn at_pace(&mut self, pace: T) {
@@ -448,6 +466,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// Deletes the rows but not the states of the filters.
     fn clear(&mut self) {
+        self.neighbors.pass_over();
         self.rows = Gathered::NONE;
         self.moments = Moments::new();
         self.roll_noise.clear();
@@ -458,6 +477,7 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     /// Also resets the filters: the next sample is assumed to be in steady state.
     fn restart(&mut self) {
         self.started = false;
+        self.neighbors = Neighbors::NONE;
         self.clear();
     }
 

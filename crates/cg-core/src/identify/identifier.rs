@@ -15,6 +15,7 @@
 
 use core::fmt;
 
+use crate::identify::neighbors::Mean;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::Reduced5;
@@ -123,6 +124,7 @@ impl<T: Real> Moments<T> {
         }
     }
 
+    /// Adds one sample.
     pub(crate) fn push(&mut self, input: T, roll: T) {
         self.weight += T::one();
         self.rows = self.rows.saturating_add(1);
@@ -130,6 +132,17 @@ impl<T: Real> Moments<T> {
         self.input_square += input * input;
         self.roll += roll;
         self.roll_square += roll * roll;
+    }
+
+    /// Adds the mean of some samples. What the input scatters about it counts as no motion.
+    pub(crate) fn push_mean(&mut self, mean: &Mean<T>) {
+        self.weight += mean.weight;
+        self.rows = self.rows.saturating_add(mean.samples);
+        let input = mean.input * mean.weight;
+        self.input += input;
+        self.input_square += input * mean.input;
+        self.roll += mean.roll * mean.weight;
+        self.roll_square += mean.roll_squares;
     }
 
     pub(crate) fn scale(&mut self, factor: T) {

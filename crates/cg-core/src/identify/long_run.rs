@@ -16,7 +16,6 @@
 //! **Reference.** Newey and West, *Econometrica* 55 (1987) 703; batch means: Law, *Simulation
 //! Modeling and Analysis*, §9.5.
 
-use crate::identify::neighbors::Sum;
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
@@ -39,32 +38,49 @@ const BELIEVED_BLOCKS: f64 = 4.0;
     ))
 )]
 pub(crate) struct LongRun<T, const N: usize, R = [[T; N]; N]> {
-    sum: Sum<T, N>,
+    /// The block so far: sums of regressors and observations, the number of rows and their time, s.
+    regressors: [T; N],
+    observation: T,
+    rows: T,
+    elapsed_s: T,
     blocks: T,
     triangle: Triangle<T, N, R>,
 }
 
 impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
     pub(crate) const fn new() -> Self {
-        Self { sum: Sum::EMPTY, blocks: T::ZERO, triangle: Triangle::new() }
+        Self {
+            regressors: [T::ZERO; N],
+            observation: T::ZERO,
+            rows: T::ZERO,
+            elapsed_s: T::ZERO,
+            blocks: T::ZERO,
+            triangle: Triangle::new(),
+        }
     }
 
-    /// Adds some rows.
-    pub(crate) fn push(&mut self, rows: &Sum<T, N>) {
-        self.sum.add(rows);
-        if self.sum.elapsed_s >= T::of(BLOCK_S) {
-            let (regressors, observation) = self.sum.row();
-            self.triangle.push(regressors, observation);
+    /// Adds the mean of some rows: their number, and the time that they represent, s.
+    pub(crate) fn push(&mut self, regressors: &[T; N], observation: T, [rows, elapsed_s]: [T; 2]) {
+        for (sum, mean) in self.regressors.iter_mut().zip(regressors) {
+            *sum += *mean * rows;
+        }
+        self.observation += observation * rows;
+        self.rows += rows;
+        self.elapsed_s += elapsed_s;
+        if self.elapsed_s >= T::of(BLOCK_S) {
+            let scale = T::one() / self.rows.root();
+            self.triangle.push(self.regressors.map(|sum| sum * scale), self.observation * scale);
             self.blocks += T::one();
-            self.sum = Sum::EMPTY;
+            self.regressors = [T::zero(); N];
+            (self.observation, self.rows, self.elapsed_s) = (T::zero(), T::zero(), T::zero());
         }
     }
 
     /// Subtracts `times` the regressor `from` from the regressor `column`, in all rows so far.
     pub(crate) fn shift(&mut self, column: usize, from: usize, times: T) {
         self.triangle.shift(column, from, times);
-        if let Some(&other) = self.sum.regressors.get(from)
-            && let Some(sum) = self.sum.regressors.get_mut(column)
+        if let Some(&other) = self.regressors.get(from)
+            && let Some(sum) = self.regressors.get_mut(column)
         {
             *sum -= times * other;
         }
@@ -98,17 +114,15 @@ impl<T: Real, const N: usize, R: Rows<T>> LongRun<T, N, R> {
 mod tests {
     use super::*;
 
-    /// A single row that represents a hundredth of a second.
-    fn row<const N: usize>(regressors: [f64; N], observation: f64) -> Sum<f64, N> {
-        Sum { regressors, observation, rows: 1.0, elapsed_s: 0.01 }
-    }
+    /// A single row, and the hundredth of a second that it represents.
+    const ROW: [f64; 2] = [1.0, 0.01];
 
     /// Inflation for a residual around a constant, 100 rows per second for one minute.
     fn inflation(error: impl Fn(u32) -> f64) -> f64 {
         let mut run = LongRun::<f64, 1>::new();
         let mut squares = 0.0;
         for k in 0..6000 {
-            run.push(&row([1.0], 2.0 + error(k)));
+            run.push(&[1.0], 2.0 + error(k), ROW);
             squares += error(k) * error(k);
         }
         run.inflation(&[2.0], 1.0, squares / 6000.0, 1.0)
@@ -131,7 +145,7 @@ mod tests {
         let mut run = LongRun::<f64, 1>::new();
         let block = |run: &mut LongRun<f64, 1>, error: f64| {
             for _ in 0..150 {
-                run.push(&row([1.0], 2.0 + error));
+                run.push(&[1.0], 2.0 + error, ROW);
             }
         };
         let law = |sum: f64, freedom: f64, variance: f64| {
@@ -164,14 +178,14 @@ mod tests {
         let (mut late, mut soon) = (LongRun::<f64, 2>::new(), LongRun::<f64, 2>::new());
         for k in 0..400 {
             let t = f64::from(k) * 0.01;
-            late.push(&row([1.0, t], (3.0 * t).sin()));
-            soon.push(&row([1.0, t - 2.5], (3.0 * t).sin()));
+            late.push(&[1.0, t], (3.0 * t).sin(), ROW);
+            soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), ROW);
         }
         late.shift(1, 0, 2.5);
         for k in 400..600 {
             let t = f64::from(k) * 0.01;
-            late.push(&row([1.0, t - 2.5], (3.0 * t).sin()));
-            soon.push(&row([1.0, t - 2.5], (3.0 * t).sin()));
+            late.push(&[1.0, t - 2.5], (3.0 * t).sin(), ROW);
+            soon.push(&[1.0, t - 2.5], (3.0 * t).sin(), ROW);
         }
         let [late, soon] = [late, soon].map(|run| run.inflation(&[0.3, -0.7], 2.0, 0.1, 1.0));
         assert!((late / soon - 1.0).abs() < 1e-12 && late > 1.1, "{late} {soon}");

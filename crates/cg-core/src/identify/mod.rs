@@ -1,7 +1,7 @@
 //! Identification of the transfer function from an input to the roll angle by ARX least squares.
 
-pub mod identifier;
 mod neighbors;
+pub mod identifier;
 mod long_run;
 mod input_noise;
 mod unknowns;

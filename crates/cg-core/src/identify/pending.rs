@@ -3,8 +3,8 @@
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
-/// Number of rows that are added to the triangle at once.
-const BLOCK: usize = 5;
+/// Number of rows that are added to the triangle at once, which suits vector units.
+const BLOCK: usize = 4;
 
 /// Rows that wait until their block is full. The rest of the block is zero and has no effect.
 #[derive(Clone, Copy, Debug)]

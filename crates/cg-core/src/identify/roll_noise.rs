@@ -11,8 +11,9 @@ use crate::truck::reduced::ORDER;
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RollNoise<T> {
-    /// The weight of the newest sample in the signal filtered by `sᵏ/B`, k = 0…4, summed over the rows;
-    /// zero with lags.
+    /// The weight of the newest mean in the signal filtered by `sᵏ/B`, k = 0…4, summed over the means;
+    /// zero with lags. A mean has the noise of a sample divided by the number of samples, and the weight of
+    /// that number.
     pub(crate) sum: [T; ORDER],
     /// The time of the rows, s.
     seconds: T,
@@ -33,7 +34,7 @@ impl<T: Real> RollNoise<T> {
         *self = Self::of(self.lags);
     }
 
-    /// Adds a row. `share` is the [weight of the newest samples](crate::truck::filters::StepMatrices::newest_share).
+    /// Adds the row of a mean. `share` is the [weight of the newest one](crate::truck::filters::StepMatrices::newest_share).
     pub(crate) fn add_row(&mut self, share: &[T; ORDER], interval_s: T) {
         self.seconds += interval_s;
         if !self.lags {

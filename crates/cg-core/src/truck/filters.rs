@@ -122,34 +122,22 @@ impl<T: Real> StepMatrices<T> {
         Self { increment: [a, b, c, d, e], held, ramp }
     }
 
-    /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4. Of sums over several
-    /// samples, it is the mean product of both sums, the samples' and the filtered signal's, for
-    /// independent samples of unit variance.
-    pub fn newest_share(&self, samples: u8) -> [T; ORDER] {
-        let (mut filter, mut sum) = (StateVariableFilter::EMPTY, [T::zero(); ORDER]);
-        for _ in 0..samples {
-            filter.push(self, T::one());
-            add(&mut sum, &filter.state, T::one());
-        }
-        let count = T::of(f64::from(samples));
-        sum.map(|sum| sum / (count * count))
+    /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4.
+    pub fn newest_share(&self) -> &[T; ORDER] {
+        &self.ramp
     }
 
     /// The expected products `E[u_k · G u]` of the filtered signals `u_k = sᵏ/B(s) u`, k = 0…5,
-    /// with the response `G u = A/B u`, for white noise `u` of unit variance. Of sums over several
-    /// samples, they are those of both sums, divided by the square of their number.
+    /// with the response `G u = A/B u`, for white noise `u` of unit variance.
     ///
-    /// A sum over `m` samples contains of each sample what a pulse of `m` samples leaves, so the products are
-    /// sums over time of those after such a pulse. From its end on, `x⁺ = Φ x`, and `Σ x xᵀ` is computed by
-    /// doubling.
+    /// They are sums over time of the products that one single sample leaves. From the one after it on,
+    /// `x⁺ = Φ x`, and `Σ x xᵀ` is computed by doubling.
     #[inline(never)]
-    pub fn noise_products(&self, model: &Reduced5<T>, samples: u8) -> [T; ORDER + 1] {
+    pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
         let (mut filter, mut products) = (StateVariableFilter::EMPTY, [T::zero(); ORDER + 1]);
-        for _ in 0..samples {
-            filter.push(self, T::one());
-            let derivatives = filter.derivatives(model);
-            add(&mut products, &derivatives, model.response(&derivatives));
-        }
+        filter.push(self, T::one());
+        let derivatives = filter.derivatives(model);
+        add(&mut products, &derivatives, model.response(&derivatives));
         filter.push(self, T::zero());
         let mut transition = self.increment;
         for k in 0..ORDER {
@@ -161,7 +149,11 @@ impl<T: Real> StepMatrices<T> {
             let half = product(&transition, &covariance);
             let half = from_fn(|i| half.map(|column| column[i]));
             let more = product(&transition, &half);
+            let before = covariance;
             add(covariance.as_flattened_mut(), more.as_flattened(), T::one());
+            if covariance == before {
+                break; // what follows is smaller still
+            }
             transition = product(&transition, &transition);
         }
         // Without an input, G u = c·x.
@@ -170,8 +162,7 @@ impl<T: Real> StepMatrices<T> {
         let states = times(&covariance, &c);
         add(&mut products, &states, T::one());
         products[ORDER] -= dot(&model.denominator, &states);
-        let count = T::of(f64::from(samples));
-        products.map(|product| product / (count * count))
+        products
     }
 }
 
@@ -289,40 +280,28 @@ mod tests {
     }
 
     /// White noise is a sequence of independent samples, so the expected product is the sum over
-    /// time of the products that one single sample leaves: in single rows those after it, in sums of four
-    /// those of all sums of four rows that contain some of it.
+    /// time of the products that one single sample leaves.
     #[test]
     fn the_products_of_noise_are_those_of_its_single_samples() {
         let model = Reduced5 { numerator: [120.0, 20.0, 30.0, 4.0, 5.0, 0.3], ..five_lags() };
         let step = StepMatrices::new(&model, 0.05);
-        for samples in [1_u8, 4] {
-            let mut filter = StateVariableFilter::at_rest(&model, 0.0);
-            let (mut rows, mut products, mut shares) = ([[0.0; 7]; 4], [0.0; 6], [0.0; 5]);
-            for k in 0..1000 {
-                filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
-                let derivatives = filter.derivatives(&model);
-                let [a, b, c, d, e, f] = derivatives;
-                rows.rotate_left(1);
-                rows[3] = [a, b, c, d, e, f, model.response(&derivatives)];
-                let sum: [f64; 7] =
-                    from_fn(|i| rows[4 - usize::from(samples)..].iter().map(|row| row[i]).sum());
-                for (i, product) in products.iter_mut().enumerate() {
-                    *product += sum[i] * sum[6];
-                }
-                for (share, sum) in shares.iter_mut().zip(sum) {
-                    *share += if k < samples.into() { sum } else { 0.0 };
-                }
+        let mut filter = StateVariableFilter::at_rest(&model, 0.0);
+        let mut products = [0.0; ORDER + 1];
+        for k in 0..1000 {
+            filter.push(&step, if k == 0 { 1.0 } else { 0.0 });
+            let derivatives = filter.derivatives(&model);
+            let response = model.response(&derivatives);
+            for (product, derivative) in products.iter_mut().zip(&derivatives) {
+                *product += derivative * response;
             }
-            let square = f64::from(samples).powi(2);
-            for (share, sum) in step.newest_share(samples).into_iter().zip(shares) {
-                assert!((share - sum / square).abs() < 1e-15, "{share} {sum}");
+            if k == 0 {
+                assert!(step.newest_share()[..] == derivatives[..ORDER]);
             }
-            for (product, sum) in step.noise_products(&model, samples).into_iter().zip(products) {
-                // After 50 s the slowest lag of 1 s has decayed; what remains is rounding of sums of
-                // order one.
-                let error = product - sum / square;
-                assert!(error.abs() < 1e-12 * products[ORDER].abs(), "{product} {sum}");
-            }
+        }
+        for (product, sum) in step.noise_products(&model).into_iter().zip(products) {
+            // After 50 s the slowest lag of 1 s has decayed; what remains is rounding of sums of
+            // order one.
+            assert!((product - sum).abs() < 1e-12 * products[ORDER].abs(), "{product} {sum}");
         }
     }
 }

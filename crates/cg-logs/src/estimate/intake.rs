@@ -148,7 +148,8 @@ impl LogEstimator {
     /// µs).
     pub fn push(&mut self, row: &LogRow) -> Result<Status, SampleError> {
         let sample = self.sample(row);
-        let step = self.engine.push(&sample)?;
+        let step = self.engine.push(&sample); // not moved, because of the room for a maneuver in it
+        let step = step.as_ref().map_err(|error| *error)?;
         self.check.push(&sample);
         self.rolls.push(row);
         self.levels.push(row);

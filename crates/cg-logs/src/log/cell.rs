@@ -11,13 +11,16 @@ pub(super) struct Slot {
     pub(super) signal: usize,
     times: f64,
     per: f64,
+    /// Whether the field is in SI units already.
+    pub(super) is_si: bool,
     clock: bool,
 }
 
 impl From<&Column> for Slot {
     fn from(column: &Column) -> Self {
         let &Column { signal, times, per, clock, .. } = column;
-        Self { signal: signal as usize, times, per, clock }
+        let is_si = [times, per].map(f64::to_bits) == [1.0_f64; 2].map(f64::to_bits);
+        Self { signal: signal as usize, times, per, is_si, clock }
     }
 }
 
@@ -29,6 +32,12 @@ pub(super) struct Writing {
 }
 
 impl Writing {
+    /// Whether numbers have a decimal point.
+    #[inline]
+    pub(super) fn has_points(self) -> bool {
+        self.decimal == Some(b'.')
+    }
+
     /// A comma that separates fields is no decimal sign.
     pub(super) fn new(delimiter: u8) -> Self {
         Self { delimiter, decimal: (delimiter == b',').then_some(b'.') }
@@ -38,7 +47,7 @@ impl Writing {
     /// `false` if the file has decimal commas.
     #[inline]
     fn see(&mut self, number: &[u8]) -> bool {
-        if self.decimal == Some(b'.') || !number.contains(&b'.') {
+        if self.has_points() || !number.contains(&b'.') {
             return true;
         }
         self.decimal.replace(b'.').is_none()
@@ -79,13 +88,10 @@ impl Slot {
     }
 
     /// The number at the beginning of `rest` and its length in bytes, if it is finite and ends at
-    /// the delimiter. Nearly all cells are read this way.
+    /// the delimiter.
     #[inline]
     pub(super) fn plain(self, rest: &[u8], delimiter: u8) -> Option<(f64, usize)> {
-        let (value, length) = match short_decimal(rest, delimiter) {
-            Some(found) => found,
-            None => fast_float2::parse_partial::<f64, _>(rest).ok()?,
-        };
+        let (value, length) = fast_float2::parse_partial::<f64, _>(rest).ok()?;
         let ends = rest.get(length).is_none_or(|&byte| byte == delimiter);
         let value = self.si(value);
         (ends && value.is_finite()).then_some((value, length))
@@ -108,43 +114,6 @@ impl Slot {
         let value = self.si(value);
         if value.is_infinite() { Err(BadCell::Infinite) } else { Ok(value) }
     }
-}
-
-/// Powers of ten that a `f64` holds exactly.
-const POWERS_OF_TEN: [f64; 16] =
-    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
-
-/// The number at the beginning of `rest` and its length in bytes, if it has at most fifteen digits, no
-/// exponent, and ends at the delimiter. Its digits and its power of ten are then exact, and their quotient
-/// is rounded once, as every correct parser does it. Nearly all logs have such numbers, and general
-/// parsers take twice as long for them.
-#[inline]
-fn short_decimal(rest: &[u8], delimiter: u8) -> Option<(f64, usize)> {
-    const MOST_DIGITS: usize = 15;
-    let negative = rest.first() == Some(&b'-');
-    let start = usize::from(negative);
-    let (mut digits, mut count, mut point) = (0_u64, 0, None);
-    let mut length = start;
-    for &byte in &rest[start..] {
-        let digit = byte.wrapping_sub(b'0');
-        if digit < 10 {
-            digits = digits.wrapping_mul(10).wrapping_add(u64::from(digit));
-            count += 1;
-        } else if byte == b'.' && point.is_none() {
-            point = Some(count);
-        } else if byte == delimiter {
-            break;
-        } else {
-            return None;
-        }
-        length += 1;
-    }
-    if count == 0 || count > MOST_DIGITS {
-        return None;
-    }
-    #[allow(clippy::cast_precision_loss)] // below 10^15
-    let value = digits as f64 / POWERS_OF_TEN[count - point.unwrap_or(count)];
-    Some((if negative { -value } else { value }, length))
 }
 
 /// The error for a cell, with a remedy that fits its text.
@@ -234,60 +203,5 @@ fn field_length(rest: &[u8], delimiter: u8) -> Result<usize, Stop> {
     if rest.first() == Some(&b'"') {
         return Err(Stop::Quote);
     }
-    Ok(rest.iter().position(|&byte| byte == delimiter).unwrap_or(rest.len()))
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    proptest! {
-        /// Every short decimal is the double that the standard library's parser gives.
-        #[test]
-        fn a_short_decimal_is_the_nearest_double(
-            digits in 0_u64..1_000_000_000_000_000,
-            places in 0_usize..16,
-            negative: bool,
-            rest in "(,.*)?",
-        ) {
-            let text = format!("{digits:0>width$}", width = places + 1);
-            let (whole, part) = text.split_at(text.len() - places);
-            let sign = if negative { "-" } else { "" };
-            let cell = format!("{sign}{whole}.{part}");
-            prop_assume!(text.len() <= 15);
-            let (value, length) = short_decimal(format!("{cell}{rest}").as_bytes(), b',').unwrap();
-            prop_assert_eq!(value.to_bits(), cell.parse::<f64>().unwrap().to_bits());
-            prop_assert_eq!(length, cell.len());
-        }
-    }
-
-    #[test]
-    fn other_numbers_are_left_to_the_general_parser() {
-        for (cell, value) in [
-            ("999999999999999", Some(999_999_999_999_999.0)),
-            ("1000000000000000", None), // sixteen digits
-            ("0.000000000000001", None),
-            ("-0", Some(-0.0_f64)),
-            ("7.", Some(7.0)),
-            (".5", Some(0.5)),
-            ("", None),
-            ("-", None),
-            (".", None),
-            ("1.2.3", None),
-            ("1e5", None),
-            ("+1", None),
-            (" 1", None),
-            ("1 ", None),
-            ("--1", None),
-            ("nan", None),
-        ] {
-            for rest in ["", ";", ";2"] {
-                let found = short_decimal(format!("{cell}{rest}").as_bytes(), b';');
-                let expected = value.map(|value| (value.to_bits(), cell.len()));
-                assert_eq!(found.map(|(v, length)| (v.to_bits(), length)), expected, "{cell}");
-            }
-        }
-    }
+    Ok(memchr::memchr(delimiter, rest).unwrap_or(rest.len()))
 }

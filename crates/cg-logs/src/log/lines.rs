@@ -4,10 +4,12 @@
 //!     buffer   …… done │ start ── line ── stop ⏎ next ── not searched ── end │ free ……
 //! ```
 //!
-//! Each byte is searched once for a line feed. A line that does not end within [`LIMIT_BYTES`] is
-//! refused before more of it is read.
+//! Each byte is searched once for a line feed, unless its row was read [ahead](Lines::ahead). A line that does
+//! not end within [`LIMIT_BYTES`] is refused before more of it is read.
 
 use std::io::{self, Read};
+
+use super::numbers::AHEAD;
 
 /// Maximum length of a line, and of a record that spans several lines in quotes.
 pub(super) const LIMIT_BYTES: usize = 64 * 1024;
@@ -37,7 +39,7 @@ impl Lines {
     pub(super) fn new(source: Box<dyn Read + Send>) -> Self {
         Self {
             source,
-            buffer: vec![0; BUFFER_BYTES].into_boxed_slice(),
+            buffer: vec![0; BUFFER_BYTES + AHEAD].into_boxed_slice(),
             start: 0,
             stop: 0,
             next: 0,
@@ -52,6 +54,25 @@ impl Lines {
     pub(super) fn line(&self) -> &[u8] {
         let line = &self.buffer[self.start..self.stop];
         line.strip_suffix(b"\r").unwrap_or(line)
+    }
+
+    /// The text after the current line, and bytes without meaning behind what has been read so far.
+    #[inline]
+    pub(super) fn ahead(&self) -> &[u8] {
+        self.buffer.get(self.next..).unwrap_or_default()
+    }
+
+    /// Takes the next line, whose end was found `length` bytes [ahead](Self::ahead). Returns `false` if that
+    /// is behind what has been read so far.
+    #[inline]
+    pub(super) fn skip(&mut self, length: usize) -> bool {
+        let stop = self.next + length;
+        if stop >= self.end || length > LIMIT_BYTES {
+            return false;
+        }
+        (self.start, self.stop, self.next) = (self.next, stop, stop + 1);
+        self.number += 1;
+        true
     }
 
     /// The number of the current line, from one.
@@ -107,14 +128,14 @@ impl Lines {
 
     /// Reads once from the source and appends to the incomplete line.
     fn fill(&mut self) -> io::Result<()> {
-        if self.start == self.end || self.buffer.len() - self.end < LIMIT_BYTES {
+        if self.start == self.end || BUFFER_BYTES - self.end < LIMIT_BYTES {
             self.buffer.copy_within(self.start..self.end, 0);
             self.end -= self.start;
             self.next = 0;
             self.start = 0;
         }
         loop {
-            match self.source.read(&mut self.buffer[self.end..]) {
+            match self.source.read(&mut self.buffer[self.end..BUFFER_BYTES]) {
                 Ok(0) => self.drained = true,
                 Ok(count) => self.end += count,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,

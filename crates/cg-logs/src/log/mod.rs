@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | bytes | `source` | counts bytes and decompresses gzip |
 //! | lines | `lines` | splits at line feeds and refuses lines that are too long |
-//! | cells | `cell`, `clock`, `quoted` | reads numbers and points in time; splits rows with quotes |
+//! | cells | `numbers`, `cell`, `clock`, `quoted` | reads numbers and points in time; splits rows with quotes |
 //! | rows | `rows`, `batches`, `frames` | reads CSV, parquet or CAN frames; skips comments |
 //! | signals | `heading`, `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
 //! | samples | `roll_rate`, `preparation` | aligns channels of different rasters; roll angles from a roll rate |
@@ -32,7 +32,6 @@
 
 mod signal;
 mod error;
-mod lines;
 mod quoted;
 mod candump;
 mod options;
@@ -40,6 +39,8 @@ mod heading;
 mod columns;
 mod clock;
 mod cell;
+mod numbers;
+mod lines;
 #[cfg(feature = "parquet")]
 mod arrow_units;
 #[cfg(feature = "parquet")]

@@ -8,6 +8,7 @@ use super::columns::{Column, column_name, resolve};
 use super::error::{ColumnName, LogError, Place, Position};
 use super::heading::{Heading, Stated, are_units};
 use super::lines::{Fault, LIMIT_BYTES, Lines};
+use super::numbers::read_numbers;
 use super::options::LogOptions;
 use super::quoted::Quoted;
 use super::signal::Signal;
@@ -84,6 +85,8 @@ impl Rows {
     pub(super) fn read(&mut self, values: &mut [f64; Signal::COUNT]) -> Result<bool, LogError> {
         if self.held {
             self.held = false;
+        } else if self.read_ahead(values) {
+            return Ok(true);
         } else if !self.advance()? {
             return Ok(false);
         }
@@ -97,6 +100,22 @@ impl Rows {
             Err(Stop::Quote) => self.read_quoted(values).map(|()| true),
             Err(stop) => Err(self.refuse(&stop)),
         }
+    }
+
+    /// Reads the next row in place if it is plain numbers and has been read from the source.
+    #[inline]
+    fn read_ahead(&mut self, values: &mut [f64; Signal::COUNT]) -> bool {
+        if self.over || !self.writing.has_points() {
+            return false;
+        }
+        let text = self.lines.ahead();
+        let length = read_numbers(text, self.writing.delimiter, &self.plan, values);
+        if !length.is_some_and(|length| self.lines.skip(length)) {
+            return false;
+        }
+        self.line = self.lines.number();
+        self.looks = 0;
+        true
     }
 
     /// The error of a damaged gzip file, if damage explains an invalid row. Damaged data decompress
