@@ -36,7 +36,8 @@ impl LogEstimator {
         #[allow(clippy::cast_precision_loss)] // a count
         let n = ratios.len() as f64;
         let mean = ratios.iter().map(|ratio| ratio.value).sum::<f64>() / n;
-        let square = ratios.iter().map(|ratio| (ratio.value - mean).powi(2)).sum::<f64>();
+        let off = |value: f64| (value - mean) * (value - mean);
+        let square = ratios.iter().map(|ratio| off(ratio.value)).sum::<f64>();
         let noise = (ratios.iter().map(|ratio| ratio.sd * ratio.sd).sum::<f64>() / n).sqrt();
         let sd = (square / (n - 1.0)).sqrt();
         let rejected = fitted.iter().filter(|one| one.height_m.is_err()).count();
