@@ -71,7 +71,9 @@ mod tests {
                 for line in lines {
                     let at = path.display();
                     for option in line.split('⟨').skip(1) {
-                        let end = option.find(|c: char| c != '_' && !c.is_ascii_lowercase() && !c.is_ascii_digit());
+                        let end = option.find(|c: char| {
+                            c != '_' && !c.is_ascii_lowercase() && !c.is_ascii_digit()
+                        });
                         let name = &option[..end.unwrap_or(option.len())];
                         if !name.is_empty() {
                             assert!(flags.contains(&flag(name)), "{at}: {name} of {line}");

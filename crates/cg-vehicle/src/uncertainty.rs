@@ -11,7 +11,8 @@ pub struct Uncertainty {
     /// Roll stiffness of the suspensions, for trailer and tractor separately.
     pub roll_stiffness_sd: f64,
     /// Friction of measured springs, for trailer and tractor separately.
-    #[serde(default = "usual_spring_friction_sd")]
+    // Left out if it is the usual one, so that calibrations from before it remain valid.
+    #[serde(default = "usual_spring_friction_sd", skip_serializing_if = "is_usual_friction")]
     pub spring_friction_sd: f64,
     /// Height of the roll centers of the suspensions.
     pub roll_center_height_sd_m: f64,
@@ -49,6 +50,11 @@ pub struct Uncertainty {
 /// Wear, rust and grease change the friction of a leaf spring.
 fn usual_spring_friction_sd() -> f64 {
     0.3
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_usual_friction(sd: &f64) -> bool {
+    (sd - usual_spring_friction_sd()).abs() < f64::EPSILON
 }
 
 fn usual_frame_sd() -> f64 {
