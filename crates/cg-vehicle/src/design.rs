@@ -49,17 +49,13 @@ fn computed(
 ) -> Result<Design<f64>, VehicleError> {
     let vehicle = &belief.applied_to(file);
     let load = vehicle.reference_load();
-    let speed_mps = speeds(vehicle.nominal_speed_mps);
     let trailer_mass_kg = masses(vehicle, variant);
+    let speed_mps = speeds(vehicle, variant, &trailer_mass_kg)?;
     let flat = RatioLine { a0: 0.0, a1: 0.0, b0: 0.0, b1: 0.0 };
     let mut lines = [[[flat; MASSES]; SPEEDS]; CHANNELS];
     let mut spread = [[Spread { covariance: [[0.0; CHANNELS]; CHANNELS] }; MASSES]; SPEEDS];
     for (j, &mass_kg) in trailer_mass_kg.iter().enumerate() {
-        let trailer_mass_kg = match variant {
-            Variant::Complete => mass_kg,
-            Variant::AsPrinted => load.trailer_mass_kg, // the only known mass
-        };
-        let load = Load { trailer_mass_kg, ..load };
+        let load = at_mass(vehicle, variant, mass_kg);
         let laden = Laden::new(vehicle, variant, load)?;
         let covariances = belief.ratio_covariances(file, variant, speed_mps, load)?;
         for (i, (&speed_mps, covariance)) in speed_mps.iter().zip(covariances).enumerate() {
@@ -183,8 +179,28 @@ fn models(
     Ok(models)
 }
 
-fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {
+/// The reference load with another mass. The printed model knows that of the reference only.
+fn at_mass(vehicle: &Vehicle, variant: Variant, mass_kg: f64) -> Load {
+    let load = vehicle.reference_load();
+    match variant {
+        Variant::Complete => Load { trailer_mass_kg: mass_kg, ..load },
+        Variant::AsPrinted => load,
+    }
+}
+
+fn speeds(
+    vehicle: &Vehicle,
+    variant: Variant,
+    masses_kg: &[f64; MASSES],
+) -> Result<[f64; SPEEDS], VehicleError> {
+    let (least_mps, usual_mps) = (GRID_MPS[0], GRID_MPS[SPEEDS - 1]);
+    let nominal_mps = vehicle.nominal_speed_mps;
+    let greatest_mps = greatest_speed(vehicle, variant, masses_kg, usual_mps)?;
     let mut speeds = GRID_MPS;
+    if greatest_mps < usual_mps {
+        let exponent = libm::log(greatest_mps / least_mps) / libm::log(usual_mps / least_mps);
+        speeds = speeds.map(|speed_mps| least_mps * libm::pow(speed_mps / least_mps, exponent));
+    }
     let nearest = (1..SPEEDS - 1)
         .min_by(|&i, &j| {
             (speeds[i] - nominal_mps).abs().total_cmp(&(speeds[j] - nominal_mps).abs())
@@ -193,7 +209,46 @@ fn speeds(nominal_mps: f64) -> [f64; SPEEDS] {
     if nominal_mps > speeds[nearest - 1] && nominal_mps < speeds[nearest + 1] {
         speeds[nearest] = nominal_mps;
     }
-    speeds
+    Ok(speeds)
+}
+
+/// The greatest speed of the design. A truck that oversteers has a critical speed, above which it
+/// cannot be driven and its steady turn has the wrong sign; near it the steer channel knows nothing.
+fn greatest_speed(
+    vehicle: &Vehicle,
+    variant: Variant,
+    masses_kg: &[f64; MASSES],
+    usual_mps: f64,
+) -> Result<f64, VehicleError> {
+    const STEPS: usize = 20;
+    let nominal_mps = vehicle.nominal_speed_mps;
+    let mut critical_mps = usual_mps;
+    for &mass_kg in masses_kg {
+        let load = at_mass(vehicle, variant, mass_kg);
+        let laden = Laden::new(vehicle, variant, load)?;
+        let steers = |speed_mps: f64| -> Result<bool, VehicleError> {
+            let lines = ratio_line_at(&laden, speed_mps)?;
+            Ok(lines[Channel::Steer.index()].ratio_at(load.cg_height_m) > 0.0)
+        };
+        // Where it has no steady turn at the nominal speed either, the cause is another one.
+        if steers(critical_mps)? || !steers(nominal_mps)? {
+            continue;
+        }
+        let mut below_mps = nominal_mps;
+        for _ in 0..STEPS {
+            let middle_mps = f64::midpoint(below_mps, critical_mps);
+            if steers(middle_mps)? {
+                below_mps = middle_mps;
+            } else {
+                critical_mps = middle_mps;
+            }
+        }
+    }
+    Ok(if critical_mps < usual_mps {
+        (0.9 * critical_mps).max(f64::midpoint(nominal_mps, critical_mps))
+    } else {
+        usual_mps
+    })
 }
 
 #[allow(clippy::cast_precision_loss)] // indices

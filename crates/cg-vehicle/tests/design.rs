@@ -6,8 +6,8 @@ mod common;
 use cg_core::truck::ratio::solve_height;
 use cg_core::{CHANNELS, Channel, Design, Measured, RatioLine};
 use cg_vehicle::balance::static_balance;
-use cg_vehicle::belief::{Belief, Covariance, Parameter};
-use cg_vehicle::design::design_with;
+use cg_vehicle::belief::{Belief, Covariance, Deviations, Parameter, adjusted};
+use cg_vehicle::design::{design, design_with};
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::steady_turn::steady_turn_threshold_g;
 use cg_vehicle::tables::Spring;
@@ -55,12 +55,53 @@ fn errors(vehicle: &Vehicle, design: &Design<f64>) -> Vec<f64> {
 fn between_its_nodes_a_design_keeps_the_heights_of_the_model() {
     for name in ["baseline.toml", "kraz.toml"] {
         let vehicle = common::vehicle(name);
-        let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        let design = design(&vehicle, Variant::Complete).unwrap();
         let errors = errors(&vehicle, &design);
         let (rms, worst) = (common::rms(&errors), common::largest(&errors));
         println!("{name}: {:.3} % rms, {:.2} % at worst", 100.0 * rms, 100.0 * worst);
         assert!(rms < 2e-3 && worst < 7e-3, "{name}: {rms} {worst}");
     }
+}
+
+/// Tires that are within two standard deviations of a file can make a truck oversteer. Above its critical
+/// speed it cannot be driven, and its design ends below. The steer ratio grows without bound there, and
+/// so does its uncertainty. An error of 0.2 standard deviations increases them by 2 %, one of 0.7 by a quarter.
+#[test]
+fn the_design_of_a_truck_that_oversteers_ends_below_its_critical_speed() {
+    let mut deviations = Deviations::zeros();
+    deviations[Parameter::SteeredCorneringStiffness as usize] = 0.3;
+    deviations[Parameter::DriveCorneringStiffness as usize] = -0.3;
+    let truck = adjusted(&common::vehicle("euro.toml"), &deviations);
+    let design = design(&truck, Variant::Complete).unwrap();
+    let [.., greatest_mps] = design.speed_mps;
+    let steers = |speed_mps: f64| {
+        design.trailer_mass_kg.iter().all(|&trailer_mass_kg| {
+            let load = Load { trailer_mass_kg, ..truck.reference_load() };
+            let [steer, ..] = ratio_line(&truck, Variant::Complete, speed_mps, load).unwrap();
+            steer.ratio_at(load.cg_height_m) > 0.0
+        })
+    };
+    println!("{:.1?}", design.speed_mps);
+    assert!(greatest_mps > 1.2 * truck.nominal_speed_mps && greatest_mps < 30.0);
+    assert!(design.speed_mps.contains(&truck.nominal_speed_mps));
+    // It ends at nine tenths of that speed.
+    assert!(steers(greatest_mps / 0.9 - 0.1) && !steers(greatest_mps / 0.9 + 0.1));
+    let mut errors = Vec::new();
+    for speed_mps in between(&design.speed_mps) {
+        for trailer_mass_kg in between(&design.trailer_mass_kg) {
+            let load = Load { trailer_mass_kg, ..truck.reference_load() };
+            let [steer, ..] = ratio_line(&truck, Variant::Complete, speed_mps, load).unwrap();
+            let line = design.line(Channel::Steer, speed_mps, trailer_mass_kg).unwrap();
+            let [of_design, of_model] =
+                [line, steer].map(|line| line.ratio_at(load.cg_height_m).ln());
+            let [[variance, ..], ..] =
+                design.spread(speed_mps, trailer_mass_kg).unwrap().covariance;
+            errors.push((of_design - of_model) / variance.sqrt());
+        }
+    }
+    let (rms, worst) = (common::rms(&errors), common::largest(&errors));
+    println!("{rms:.3} standard deviations, {worst:.2} at worst");
+    assert!(rms < 0.2 && worst < 0.7, "{rms} {worst}");
 }
 
 /// Only what measured springs make uncertain in every situation.
