@@ -30,8 +30,6 @@ const MANEUVERS: [Maneuver; 2] = [Maneuver::RoundedStep, Maneuver::Drive];
 /// calibration steps.
 const USUAL_G: std::ops::Range<f64> = 0.05..0.2;
 const STEP_G: f64 = 0.17;
-/// Standard deviation of the friction of measured springs.
-const FRICTION_SD: f64 = 0.3;
 /// A fifth wheel that is stiffer than this counts as rigid; a drawn one would need steps below 1 ms.
 const STIFFEST_NM_PER_RAD: f64 = 1e8;
 
@@ -62,14 +60,7 @@ impl Truck {
         let belief = Belief::prior(file);
         let mut source = StdRng::seed_from_u64(seed);
         let deviations = belief.drawn(|| normal(&mut source));
-        let mut vehicle = adjusted(file, &deviations);
-        for spring in &mut vehicle.spring {
-            let factor = (FRICTION_SD * normal(&mut source)).exp();
-            for (up, down) in spring.compression_n.iter_mut().zip(&mut spring.extension_n) {
-                let (middle, half) = (0.5 * (*up + *down), 0.5 * (*up - *down));
-                (*up, *down) = (middle + factor * half, middle - factor * half);
-            }
-        }
+        let vehicle = adjusted(file, &deviations);
         Self { vehicle, deviations, residual_sd: belief.residual_sd, source }
     }
 
@@ -229,9 +220,8 @@ impl Answers {
 }
 
 /// Both sides are judged: intervals hold as often as they say, and they are not too wide. The exception are
-/// measured springs after a calibration: their friction (30 %) and the amplitude of the motion (0.05 to 0.2 g)
-/// count as other ones in every log, although the friction stays that of the truck. These
-/// intervals are therefore too wide; what is judged is that they hold.
+/// measured springs after a calibration: their intervals also contain a friction that changes by 10 % from
+/// drive to drive, while that of these trucks stays; what is judged is that they hold.
 #[test]
 fn intervals_of_drawn_trucks_hold() {
     println!(
@@ -259,8 +249,8 @@ fn intervals_of_drawn_trucks_hold() {
             assert!(z.abs() < 0.5, "{name}: mean {z}");
         }
         of_files.join(uncalibrated);
+        assert!(calibrated.rms() <= 0.015, "{name}: rms {}", calibrated.rms());
         if file.spring.is_empty() {
-            assert!(calibrated.rms() <= 0.015, "{name}: rms {}", calibrated.rms());
             of_linear.join(calibrated);
         } else {
             of_measured.join(calibrated);

@@ -16,6 +16,9 @@ use serde::{Deserialize, Serialize};
 const FILTER_S: f64 = 1.0;
 /// Speed below which the yaw rate is not used, m/s.
 const LEAST_MPS: f64 = 3.0;
+/// Least radius of a turn, m: in a tighter one the units stand at an angle to each other, so that the
+/// acceleration of one is not the yaw rate times the speed of the other.
+const LEAST_RADIUS_M: f64 = 30.0;
 /// Longest interval between two samples of one drive, s.
 const GAP_S: f64 = 0.5;
 /// Interval between the compared values, s: the filters pass nothing that is faster.
@@ -137,7 +140,8 @@ impl ForceCheck {
             return;
         }
         let sample = sample.checked();
-        if !(sample.speed_mps > LEAST_MPS) {
+        let tight = sample.yaw_rate_radps.abs() * LEAST_RADIUS_M > sample.speed_mps;
+        if !(sample.speed_mps > LEAST_MPS) || tight {
             return;
         }
         let turn_mps2 = sample.yaw_rate_radps * sample.speed_mps;

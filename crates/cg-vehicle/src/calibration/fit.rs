@@ -32,8 +32,14 @@ use crate::vehicle::Vehicle;
 /// Number of Gauss-Newton steps after which a short step is good enough. The ratios are nearly linear in
 /// the parameters, so three are usually enough.
 const STEPS: usize = 12;
-/// Greatest number of steps. On top of a calibration that the runs contradict, steps shrink slowly.
-const MOST_STEPS: usize = 60;
+/// Number of whole steps. On top of a calibration that the runs contradict, steps shrink slowly.
+const WHOLE_STEPS: usize = 30;
+/// Greatest number of steps. The friction of measured springs bends the ratios where it just ceases to hold the
+/// spring, and whole steps can then jump from one side of the bend to the other for ever. Each
+/// further step is therefore shorter than the one before by [`SHORTER`], down to 1e-5 of a whole one.
+const MOST_STEPS: usize = 80;
+/// See [`MOST_STEPS`].
+const SHORTER: f64 = 0.8;
 /// A step below this (logarithm or meters) ends the iteration.
 const SETTLED: f64 = 1e-10;
 /// A step below this is short.
@@ -180,6 +186,11 @@ pub fn fit_from(
                 most_probable(&last, start, (&mut ratios, &alone), (&walk, &mut heights))?
             }
         };
+        if k >= WHOLE_STEPS {
+            #[allow(clippy::cast_precision_loss)] // a few dozens
+            let share = libm::pow(SHORTER, (k - WHOLE_STEPS) as f64);
+            truck.mean = last + (truck.mean - last) * share;
+        }
         step = step.max((truck.mean - last).amax());
         if heights.count() > 0 {
             let slopes;
