@@ -43,6 +43,7 @@ _COLUMNS = {
     "snr_db": "double",
     "fit_percent": "double",
     "static_rollover_threshold_g": "double",
+    "road_share": "double",
     "maneuvers": "bigint",
     "messages": "string",
     "steer_height_m": "double",
