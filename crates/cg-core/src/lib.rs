@@ -16,8 +16,8 @@
 //!     Estimator::new(design, Settings::truck(), Prior::standard());
 //!
 //! // On a truck the roll angle comes from a sensor. Here the truck's own reduced model computes it, at
-//! // 50 km/h and the reference height.
-//! let mut roll = Simulation::new(&design.channels[0].models[3], 0.02, 0.0);
+//! // 50 km/h and the reference load.
+//! let mut roll = Simulation::new(&design.channels[0].models[2], 0.02, 0.0);
 //! for k in 0..1000u32 {
 //!     // Straight for 4 s, then a left turn: the road-wheel steer angle grows to 0.02 rad within 1 s.
 //!     let steer_rad = 0.02 * ((k as f32 - 200.0) / 100.0).clamp(0.0, 1.0);
@@ -25,7 +25,7 @@
 //!         steer_rad,
 //!         roll_rad: roll.push(steer_rad),
 //!         speed_mps: design.speed_mps[4],
-//!         trailer_mass_kg: design.trailer_mass_kg[3],
+//!         trailer_mass_kg: design.trailer_mass_kg[2],
 //!         ..Sample::absent(u64::from(k) * 20_000)
 //!     };
 //!     estimator.push(&sample)?;
