@@ -35,11 +35,14 @@ const STEPS: usize = 12;
 /// Number of whole steps. On top of a calibration that the runs contradict, steps shrink slowly.
 const WHOLE_STEPS: usize = 30;
 /// Greatest number of steps. The friction of measured springs bends the ratios where it just ceases to hold the
-/// spring, and whole steps can then jump from one side of the bend to the other for ever. Each
-/// further step is therefore shorter than the one before by [`SHORTER`], down to 1e-5 of a whole one.
+/// spring, and whole steps can then jump from one side of the bend to the other for ever. Each further step is
+/// therefore halved until it lowers the sum of squares.
 const MOST_STEPS: usize = 80;
-/// See [`MOST_STEPS`].
-const SHORTER: f64 = 0.8;
+/// Number of times that a step is halved: to below [`SHORT`] for steps of less than one.
+const HALVINGS: usize = 17;
+/// What such a step must take from the sum of squares: less moves no parameter by more than 3 % (the root) of a
+/// standard deviation.
+const LOWER: f64 = 1e-3;
 /// A step below this (logarithm or meters) ends the iteration.
 const SETTLED: f64 = 1e-10;
 /// A step below this is short.
@@ -186,10 +189,13 @@ pub fn fit_from(
                 most_probable(&last, start, (&mut ratios, &alone), (&walk, &mut heights))?
             }
         };
-        if k >= WHOLE_STEPS {
-            #[allow(clippy::cast_precision_loss)] // a few dozens
-            let share = libm::pow(SHORTER, (k - WHOLE_STEPS) as f64);
-            truck.mean = last + (truck.mean - last) * share;
+        // Unknown heights take whole steps, too.
+        if k >= WHOLE_STEPS && heights.count() == 0 {
+            truck.mean = lowering(&last, truck.mean, |mean| {
+                let (left, slopes) = ratios.linearized(mean)?;
+                let noise = walk.added_to(&alone, &slopes);
+                sum_of_squares(&left, noise, Some((mean - prior.mean, &p0)))
+            })?;
         }
         step = step.max((truck.mean - last).amax());
         if heights.count() > 0 {
@@ -275,6 +281,24 @@ fn most_probable(
     let step_m = heights.step(&mut ratios.runs, (&innovation, &left));
     let next = DVector::from_column_slice(x0.as_slice()) + &gain * left;
     Ok((Estimate::new(&next, &gain, (p0, &h, noise)), step_m))
+}
+
+/// The truck after the greatest part of a step that lowers the sum of squares; where none does, that before it.
+fn lowering(
+    last: &Deviations,
+    whole: Deviations,
+    sum: impl Fn(&Deviations) -> Result<f64, VehicleError>,
+) -> Result<Deviations, VehicleError> {
+    let before = sum(last)?;
+    let mut step = whole - last;
+    for _ in 0..=HALVINGS {
+        let next = last + step;
+        if sum(&next).is_ok_and(|after| after < before - LOWER) {
+            return Ok(next);
+        }
+        step *= 0.5;
+    }
+    Ok(*last)
 }
 
 /// The covariance of the ratios before they are used: what is known of the parameters, and the noise.
