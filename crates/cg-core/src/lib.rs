@@ -88,6 +88,7 @@ pub use signal::sensors::AlignSettings;
 pub use signal::unit::{Dimension, Unit};
 pub use truck::channel::{CHANNELS, Channel, Input, Output};
 pub use truck::design::{ChannelDesign, Design, DesignError, Spread};
+pub use truck::articulation::Articulation;
 pub use truck::friction::Friction;
 pub use truck::ratio::{HeightError, Measured, RatioLine};
 pub use truck::reduced::Reduced5;

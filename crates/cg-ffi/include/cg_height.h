@@ -30,6 +30,8 @@ extern "C" {
 /* Sizes of the tables of a design. */
 #define CG_SPEEDS 8
 #define CG_MASSES 6
+#define CG_STEPS 4
+#define CG_SPRING_MASSES ((CG_MASSES - 1) * CG_STEPS + 1)
 #define CG_HEIGHTS 8
 #define CG_ORDER 5
 #define CG_CHANNELS 2
@@ -43,10 +45,15 @@ typedef struct cg_reduced_model {
     float speed_slope[CG_ORDER];
 } cg_reduced_model;
 
-/* The friction of the springs in the roll angle at one mass; all zero without friction. */
+/* The friction and bends of the springs in the roll angle at one mass; all zero without friction. */
 typedef struct cg_friction {
-    float usual_share, roll_rad, deflection_rad;
+    float usual_share, bend, knee_rad, roll_rad, deflection_rad;
 } cg_friction;
+
+/* Relative change of a ratio by the articulation angle, divided by its square: 1/rad^2. */
+typedef struct cg_articulation {
+    float mean, sd;
+} cg_articulation;
 
 /* DC ratio over height: (a1 h + a0) / (b1 h + b0). */
 typedef struct cg_ratio_line {
@@ -57,7 +64,11 @@ typedef struct cg_channel_design {
     /* enum cg_channel. */
     uint32_t index;
     cg_reduced_model models[CG_MASSES];
-    cg_friction friction[CG_MASSES];
+    /* At the masses of the axis and CG_STEPS equal steps between two of them. */
+    cg_friction friction[CG_SPRING_MASSES];
+    /* The ratio at these masses over that of the interpolated lines. */
+    float of_lines[CG_SPRING_MASSES];
+    cg_articulation articulation;
     cg_ratio_line lines[CG_SPEEDS][CG_MASSES];
     float compensation;
 } cg_channel_design;

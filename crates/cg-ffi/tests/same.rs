@@ -5,6 +5,7 @@ mod common;
 
 use std::ptr::{from_ref, null_mut};
 
+use cg_core::truck::design::SPRING_MASSES;
 use cg_core::{
     Channel, ChannelDesign, Estimator, FilteredArx, Friction, Prior, RatioLine, Reduced5,
     RolloverDesign, Sample, Settings, Spread, ThresholdLine,
@@ -46,7 +47,9 @@ const fn channel(index: u32, gain: f32) -> ChannelDesign<f32> {
             denominator: [61.0, 83.0, 57.0, 22.0, 6.0],
             speed_slope: [0.0; 5],
         }; 6],
-        friction: [Friction::NONE; 6],
+        friction: [Friction::NONE; SPRING_MASSES],
+        of_lines: [1.0; SPRING_MASSES],
+        articulation: Articulation::NONE,
         lines: [[RatioLine { a0: 0.0, a1: gain / 2.0, b0: 1.0, b1: 0.0 }; 6]; 8],
         compensation: 1.0,
     }

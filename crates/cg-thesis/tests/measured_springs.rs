@@ -108,8 +108,9 @@ fn judged(
         }
         let found = estimator.finish();
         let ([low, high], truth_m) = (found.height_ci95_m.unwrap(), load.cg_height_m);
-        assert!(low < truth_m && truth_m < high, "{pair} {load:?}: {low} {high}");
+        assert!(std::env::var("CG_SHOW").is_ok() || low < truth_m && truth_m < high, "{pair} {load:?}: {low} {high}");
         square += (found.height_m.unwrap() / truth_m - 1.0).powi(2);
+        if std::env::var("CG_SHOW").is_ok() { eprintln!("  {pair} m={:.0} h={truth_m} err={:+.1}% sd={:.1}%", load.trailer_mass_kg, 100.0*(found.height_m.unwrap()/truth_m-1.0), 100.0*found.height_sd_m.unwrap()/truth_m); }
         stated += found.height_sd_m.unwrap() / truth_m;
     }
     #[allow(clippy::cast_precision_loss)] // a few
@@ -127,7 +128,9 @@ fn intervals_hold_on_measured_springs() {
     let roads = [RoadKind::Rural, RoadKind::Motorway, RoadKind::Roundabouts];
     println!("| vehicle | calibrated with | pair | road | RMSE | stated sd |");
     for (name, high_m, greatest) in CASES {
-        let vehicle = common::vehicle(name);
+        let mut vehicle = common::vehicle(name);
+        if let Ok(f) = std::env::var("CG_FR") { let f: f64 = f.parse().unwrap(); vehicle.spring = vehicle.spring.iter().map(|s| s.clone().with_friction(f)).collect(); }
+        let vehicle = vehicle;
         let file = design(&vehicle, Variant::Complete).unwrap();
         let designs = [("file", &file), ("two flat drives", &calibrated(&vehicle, high_m))];
         let drives = roads.map(|kind| drives(&vehicle, high_m, kind));

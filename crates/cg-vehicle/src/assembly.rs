@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use crate::balance::StaticBalance;
 use crate::equations::{Equations, q, w};
+use crate::linear::Motion;
 use crate::load::SprungMass;
 use crate::twisting::{DAMPING_S, Part, Twisting};
 use crate::vehicle::{Hitch, PlacedAxle, Tractor, Vehicle};
@@ -14,13 +15,12 @@ pub(crate) struct Parts<'a> {
     pub(crate) vehicle: &'a Vehicle,
     pub(crate) sprung: SprungMass,
     pub(crate) balance: &'a StaticBalance,
-    /// Amplitudes of the suspension roll of tractor and trailer in a usual turn.
-    pub(crate) usual_rad: [f64; 2],
+    pub(crate) motion: Motion,
 }
 
 /// The equations with all terms.
 pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
-    let Parts { vehicle, sprung, balance, usual_rad } = parts;
+    let Parts { vehicle, sprung, balance, motion } = parts;
     let axles = vehicle.axles();
     let mut e = Equations::zeros(axles.len(), Twisting::of(vehicle), speed_mps);
     let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
@@ -46,6 +46,7 @@ pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
     // The fifth wheel: roll spring, and its vertical force above or below each sprung c.g.
     let k5 = hitch.roll_stiffness_nm_per_rad;
     e.hitch_roll_stiffness = k5;
+    (e.articulated, e.trailer_kg) = (motion.articulated, sprung.mass_kg);
     e.stiffness[(w::ROLL_1, q::ROLL_1)] += balance.hitch_load_n * tractor_above_m;
     e.stiffness[(w::ROLL_2, q::ROLL_2)] -= balance.hitch_load_n * trailer_above_m;
     for (i, placed) in axles.iter().enumerate() {
@@ -55,12 +56,13 @@ pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
         } else {
             (placed.position_m, tractor.cg_height_m)
         };
-        let (total_n, amplitude_rad) =
-            (balance.axle_load_n[i], usual_rad[usize::from(placed.on_trailer)]);
+        let (total_n, unit) = (balance.axle_load_n[i], usize::from(placed.on_trailer));
+        let (amplitude_rad, friction) = (motion.amplitude_rad[unit], motion.friction[unit]);
         let load = AxleLoad {
             total_n,
             sprung_n: total_n - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
-            roll_stiffness: vehicle.roll_stiffness(placed, total_n, amplitude_rad, 1.0),
+            roll_stiffness: motion.stiffness[unit]
+                * vehicle.roll_stiffness(placed, total_n, amplitude_rad, friction),
         };
         add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
     }

@@ -1,11 +1,12 @@
 //! Computes the constants of the estimator (its design) from a vehicle.
 
-use cg_core::truck::design::{MASSES, SPEEDS};
+use cg_core::truck::design::{MASSES, SPEEDS, SPRING_MASSES, STEPS};
 use cg_core::truck::rollover::HEIGHTS;
 use cg_core::{
-    CHANNELS, Channel, ChannelDesign, Design, Friction, RatioLine, Spread, ThresholdLine,
+    Articulation, CHANNELS, Channel, ChannelDesign, Design, Friction, RatioLine, Spread, ThresholdLine,
 };
 
+use crate::articulation::articulations;
 use crate::balance::greatest_mass_kg;
 use crate::belief::Belief;
 use crate::equations::{Equations, Variant};
@@ -66,17 +67,17 @@ fn computed(
         }
     }
     let models = models(vehicle, variant, &belief.shapes, &trailer_mass_kg)?;
-    let mut friction = [[Friction::NONE; CHANNELS]; MASSES];
-    if variant == Variant::Complete {
-        for (of_channels, &trailer_mass_kg) in friction.iter_mut().zip(&trailer_mass_kg) {
-            *of_channels = roll_friction(vehicle, Load { trailer_mass_kg, ..load })?;
-        }
-    }
+    let articulation = match variant {
+        Variant::Complete => articulations(vehicle, load)?,
+        Variant::AsPrinted => [Articulation::NONE; CHANNELS],
+    };
     #[allow(clippy::cast_possible_truncation)] // below the number of channels
     let channel = |channel: Channel| ChannelDesign {
         index: channel.index() as u32,
         models: models.map(|reduced| reduced.of_channels[channel.index()]),
-        friction: friction.map(|of_channels| of_channels[channel.index()]),
+        friction: [Friction::NONE; SPRING_MASSES],
+        of_lines: [1.0; SPRING_MASSES],
+        articulation: articulation[channel.index()],
         lines: lines[channel.index()],
         compensation: belief.gain(channel),
     };
@@ -96,6 +97,7 @@ fn computed(
         thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,
     };
     if variant == Variant::Complete && vehicle.has_measured_springs() {
+        set_springs(&mut design, vehicle)?;
         add_interpolation_error(&mut design, vehicle)?;
     }
     design.validate().map_err(|error| {
@@ -104,30 +106,68 @@ fn computed(
     Ok(design)
 }
 
-/// Adds to the uncertainty at each mass what the lines between it and its neighbors miss: measured
-/// springs have slopes that no smooth curve through six masses follows. The error hardly depends on
-/// the speed.
+/// The share of an interval of the mass axis at each step and after the last one.
+#[allow(clippy::cast_precision_loss)] // a few
+fn shares(after: f64) -> [f64; STEPS] {
+    std::array::from_fn(|step| (step as f64 + after) / STEPS as f64)
+}
+
+/// Sets what measured springs do at the masses between those of the axis: their friction, and the ratios over
+/// those of the lines, which hardly depend on speed and height.
+fn set_springs(design: &mut Design<f64>, vehicle: &Vehicle) -> Result<(), VehicleError> {
+    let masses_kg = design.trailer_mass_kg;
+    let mut at_kg = [masses_kg[MASSES - 1]; SPRING_MASSES];
+    for (steps, pair) in at_kg.chunks_mut(STEPS).zip(masses_kg.windows(2)) {
+        for (mass_kg, share) in steps.iter_mut().zip(shares(0.0)) {
+            *mass_kg = pair[0] + share * (pair[1] - pair[0]);
+        }
+    }
+    for (place, trailer_mass_kg) in at_kg.into_iter().enumerate() {
+        let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
+        let friction = roll_friction(vehicle, load)?;
+        let error = interpolation_error(design, vehicle, load)?;
+        for ((channel, friction), error) in design.channels.iter_mut().zip(friction).zip(error) {
+            channel.friction[place] = friction;
+            channel.of_lines[place] = 1.0 / (1.0 + error);
+        }
+    }
+    Ok(())
+}
+
+/// The error of the ratios of the lines at the nominal speed and a load, relative.
+fn interpolation_error(
+    design: &Design<f64>,
+    vehicle: &Vehicle,
+    load: Load,
+) -> Result<[f64; CHANNELS], VehicleError> {
+    let speed_mps = design.nominal_speed_mps;
+    let exact = ratio_line(vehicle, Variant::Complete, speed_mps, load)?;
+    Ok(Channel::ALL.map(|channel| {
+        let ratio = exact[channel.index()].ratio_at(load.cg_height_m);
+        let line = design.line(channel, speed_mps, load.trailer_mass_kg);
+        line.map_or(0.0, |line| line.ratio_at(load.cg_height_m) / ratio - 1.0)
+    }))
+}
+
+/// Adds to the uncertainty at each mass what the lines between it and its neighbors miss in the middle between
+/// two masses at which the springs are known.
 fn add_interpolation_error(
     design: &mut Design<f64>,
     vehicle: &Vehicle,
 ) -> Result<(), VehicleError> {
-    const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
-    let (masses_kg, speed_mps) = (design.trailer_mass_kg, design.nominal_speed_mps);
+    let masses_kg = design.trailer_mass_kg;
     for (j, pair) in masses_kg.windows(2).enumerate() {
-        for place in PLACES {
+        for place in shares(0.5) {
             let trailer_mass_kg = pair[0] + place * (pair[1] - pair[0]);
             let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
-            let exact = ratio_line(vehicle, Variant::Complete, speed_mps, load)?;
-            let error = Channel::ALL.map(|channel| {
-                let ratio = exact[channel.index()].ratio_at(load.cg_height_m);
-                let line = design.line(channel, speed_mps, trailer_mass_kg);
-                line.map_or(0.0, |line| line.ratio_at(load.cg_height_m) / ratio - 1.0)
-            });
+            let error = interpolation_error(design, vehicle, load)?;
             for at_speed in &mut design.spread {
                 for Spread { covariance } in &mut at_speed[j..=j + 1] {
                     for (row, a) in covariance.iter_mut().zip(error) {
                         for (entry, b) in row.iter_mut().zip(error) {
-                            *entry += a * b / 3.0;
+                            #[allow(clippy::cast_precision_loss)] // a few
+                            let share = 1.0 / STEPS as f64;
+                            *entry += a * b * share;
                         }
                     }
                 }

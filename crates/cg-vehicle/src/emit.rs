@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use cg_core::{
-    ChannelDesign, Design, Friction, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine,
+    Articulation, ChannelDesign, Design, Friction, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine,
 };
 
 /// The language of the emitted text.
@@ -74,8 +74,9 @@ structures! {
         reference_height_m, least_height_m, greatest_height_m, trailer_wheelbase_m,
         gravity_mps2, rollover, thresholds,
     }
-    ChannelDesign { index, models, friction, lines, compensation }
-    Friction { usual_share, roll_rad, deflection_rad }
+    ChannelDesign { index, models, friction, of_lines, articulation, lines, compensation }
+    Articulation { mean, sd }
+    Friction { usual_share, bend, knee_rad, roll_rad, deflection_rad }
     Reduced5 { numerator, denominator, speed_slope }
     RatioLine { a0, a1, b0, b1 }
     Spread<C> { covariance }

@@ -59,6 +59,10 @@ pub struct Equations {
     /// Roll stiffness of the fifth wheel if `stiffness` does not contain it. A rigid one in the same
     /// matrix would cost the other entries four digits.
     pub(crate) hitch_roll_stiffness: f64,
+    /// The articulation of a steady turn.
+    pub(crate) articulated: Articulated,
+    /// The trailer's sprung mass.
+    pub(crate) trailer_kg: f64,
     pub(crate) steer: DVector<f64>,
     /// Lateral acceleration of the trailer's sprung c.g.: its row on ẇ.
     pub(crate) lateral_rate: DVector<f64>,
@@ -84,6 +88,20 @@ pub(crate) struct UnitSensors {
     pub(crate) axles: Vec<usize>,
 }
 
+/// How the units stand to each other in a steady turn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Articulated {
+    /// The shares of the roll angles of tractor and trailer in the angle of the fifth wheel.
+    pub(crate) hitch_shares: [f64; 2],
+    /// The trailer's lateral acceleration over that of the tractor.
+    pub(crate) circle: f64,
+}
+
+impl Articulated {
+    /// In line.
+    pub(crate) const STRAIGHT: Self = Self { hitch_shares: [1.0; 2], circle: 1.0 };
+}
+
 impl Equations {
     pub(crate) fn zeros(axles: usize, twisting: Option<Twisting>, speed_mps: f64) -> Self {
         let bodies = usize::from(twisting.is_some());
@@ -94,6 +112,8 @@ impl Equations {
             damping: DMatrix::zeros(nw, nw),
             stiffness: DMatrix::zeros(nw, nq),
             hitch_roll_stiffness: 0.0,
+            articulated: Articulated::STRAIGHT,
+            trailer_kg: 0.0,
             steer: DVector::zeros(nw),
             lateral_rate: DVector::zeros(nw),
             lateral_bias: DVector::zeros(nw),
@@ -232,13 +252,16 @@ impl Equations {
         b.rows_mut(0, nw).copy_from(&self.steer);
         s.view_mut((0, 0), (nw, 1)).copy_from(&self.damping.column(w::LATERAL));
         let turning = self.damping.column(w::YAW_1) + self.damping.column(w::YAW_2);
-        s.view_mut((0, 1), (nw, 1)).copy_from(&turning);
+        // On a smaller circle the trailer has less lateral acceleration.
+        let less = (self.articulated.circle - 1.0) * self.trailer_kg * self.speed_mps;
+        s.view_mut((0, 1), (nw, 1)).copy_from(&(turning + less * &self.lateral_rate));
         s.view_mut((0, 2), (nw, nq)).copy_from(&self.stiffness);
         if own > 0 {
             let (angles, moment) = (2, nw);
             let (rate, roll) = self.on_hitch();
-            (s[(w::ROLL_1, moment)], s[(rate, moment)]) = (1.0, -1.0);
-            (s[(moment, angles + q::ROLL_1)], s[(moment, angles + roll)]) = (1.0, -1.0);
+            let [tractor, trailer] = self.articulated.hitch_shares;
+            (s[(w::ROLL_1, moment)], s[(rate, moment)]) = (tractor, -trailer);
+            (s[(moment, angles + q::ROLL_1)], s[(moment, angles + roll)]) = (tractor, -trailer);
             s[(moment, moment)] = -1.0 / self.hitch_roll_stiffness;
         }
         (s, b)

@@ -64,6 +64,7 @@ pub mod load;
 pub mod sensor_places;
 mod uncertainty;
 pub mod vehicle;
+mod articulation;
 pub mod balance;
 pub mod scales;
 pub mod slip;

@@ -28,7 +28,7 @@ use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 use crate::as_printed;
 use crate::assembly::{Parts, Point, at_hitch, complete};
 use crate::balance::{StaticBalance, static_balance};
-use crate::equations::{Equations, Variant, q, w};
+use crate::equations::{Articulated, Equations, Variant, q, w};
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::response::StateSpace;
@@ -49,7 +49,32 @@ struct Supports<'a> {
     /// The vehicle with its springs as they are under the load.
     vehicle: Cow<'a, Vehicle>,
     balance: StaticBalance,
-    usual_rad: [f64; 2],
+    motion: Motion,
+}
+
+/// The motion for which the model is linear: that of the suspensions of tractor and trailer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// Amplitudes of the suspension roll.
+    pub(crate) amplitude_rad: [f64; 2],
+    /// Factors of the springs' friction.
+    pub(crate) friction: [f64; 2],
+    /// Factors of the springs' roll stiffness.
+    pub(crate) stiffness: [f64; 2],
+    pub(crate) articulated: Articulated,
+}
+
+impl Motion {
+    /// That of a [usual turn](usual_roll_rad).
+    pub(crate) fn usual(vehicle: &Vehicle, trailer_mass_kg: f64) -> Result<Self, VehicleError> {
+        let amplitude_rad = usual_roll_rad(vehicle, trailer_mass_kg)?;
+        Ok(Self {
+            amplitude_rad,
+            friction: [1.0; 2],
+            stiffness: [1.0; 2],
+            articulated: Articulated::STRAIGHT,
+        })
+    }
 }
 
 impl<'a> Laden<'a> {
@@ -63,13 +88,21 @@ impl<'a> Laden<'a> {
                 let springs = vehicle.with_springs_at(load)?;
                 Some(Supports {
                     balance: static_balance(&springs, load)?,
-                    usual_rad: usual_roll_rad(&springs, load.trailer_mass_kg)?,
+                    motion: Motion::usual(&springs, load.trailer_mass_kg)?,
                     vehicle: springs,
                 })
             }
             Variant::AsPrinted => None,
         };
         Ok(Self { vehicle, load, supports })
+    }
+
+    /// The same in another motion of its measured springs.
+    pub(crate) fn moving(mut self, motion: Motion) -> Self {
+        if let Some(supports) = &mut self.supports {
+            supports.motion = motion;
+        }
+        self
     }
 
     /// The equations of motion at a speed and a height of the load.
@@ -82,9 +115,9 @@ impl<'a> Laden<'a> {
         }
         let load = Load { cg_height_m, ..self.load };
         let mut equations = match &self.supports {
-            Some(Supports { vehicle, balance, usual_rad }) => {
+            Some(Supports { vehicle, balance, motion }) => {
                 let sprung = vehicle.trailer_sprung_mass(load)?;
-                complete(&Parts { vehicle, sprung, balance, usual_rad: *usual_rad }, speed_mps)
+                complete(&Parts { vehicle, sprung, balance, motion: *motion }, speed_mps)
             }
             None => printed(self.vehicle, speed_mps, load)?,
         };
@@ -256,13 +289,14 @@ impl SteadyLines {
         // In steady state the lateral acceleration is speed times yaw rate.
         let lateral = self.unknowns[k][STEADY_YAW_RATE] * self.equations.speed_mps;
         let angles = self.unknowns[k].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
+        let of_unit = [lateral, self.equations.articulated.circle * lateral];
         let force = |unit: usize| {
             let roll = self.equations.roll_at_force(unit).dot(&angles);
-            lateral + self.equations.gravity_mps2 * roll
+            of_unit[unit] + self.equations.gravity_mps2 * roll
         };
         match input {
             Input::Steer => self.determinant[k],
-            Input::LateralAcceleration => lateral,
+            Input::LateralAcceleration => of_unit[1],
             Input::TractorSpecificForce => force(0),
             Input::SpecificForce => force(1),
         }
@@ -295,8 +329,9 @@ pub fn ratio_line_at(
     Ok(Channel::ALL.map(|channel| steady.channel(channel)))
 }
 
-/// Lateral acceleration of usual turns, g.
-const USUAL_TURN_G: f64 = 0.1;
+/// Specific force of usual turns, g: about that of a lateral acceleration of 0.1 g. The roll angle in a turn of a
+/// given lateral acceleration would be very great near a load that tips the truck.
+const USUAL_TURN_G: f64 = 0.12;
 /// The least amplitude at which a measured spring is linearized: a tenth of a degree.
 const LEAST_ROLL_RAD: f64 = 0.0017;
 
@@ -314,8 +349,8 @@ pub(crate) fn usual_roll_rad(
     linear.spring.clear();
     let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
     let lines = SteadyLines::new(&linear, Variant::Complete, vehicle.nominal_speed_mps, load)?;
-    Ok([Output::TractorSuspensionRoll, Output::SuspensionRoll].map(|output| {
-        let ratio = lines.line(output, Input::LateralAcceleration).ratio_at(load.cg_height_m);
+    Ok([Channel::Tractor, Channel::Suspension].map(|pair| {
+        let ratio = lines.channel(pair).ratio_at(load.cg_height_m);
         (ratio.abs() * USUAL_TURN_G * vehicle.gravity_mps2).max(LEAST_ROLL_RAD)
     }))
 }

@@ -88,6 +88,10 @@ pub struct Hitch {
     /// plant only.
     #[serde(default)]
     pub lash_rad: f64,
+    /// Whether the fifth wheel tilts about an axis of the tractor, as a usual plate does, or about one of
+    /// the trailer; not known if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilts_on_tractor: Option<bool>,
 }
 
 /// The tractor's sprung mass and its axles.

@@ -103,10 +103,12 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
         }
         let square = |x: T| x * x;
-        let [common_road, own_road] = self.road.parts(channel, expected, self.design.gravity_mps2);
+        let articulation = self.design.articulation(channel);
+        let [common_road, own_road] =
+            self.road.parts(channel, &articulation, expected, self.design.gravity_mps2);
         let model_sd = (square(spread.sd(place)) + square(common_road)).root();
         let far_sd = (square(ratio_sd_relative) + square(model_sd) + square(own_road)).root();
-        let compensation = Measured::exact(compensation * self.road.articulated(channel));
+        let compensation = Measured::exact(compensation * self.road.articulated(channel, &articulation));
         let far = self.is_far(&line, fit.ratio.value / compensation.value, far_sd);
         let exact = Measured::exact(fit.ratio.value);
         let height = solve_height(&line, fit.ratio, compensation, own_road);
@@ -156,7 +158,9 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let line = self.design.line(channel, self.window.speed_mps, self.window.trailer_mass_kg)?;
         let ratio =
             line.ratio_at(self.design.reference_height_m) * self.design.compensation(channel);
-        let [common, _] = self.road.parts(channel, ratio, self.design.gravity_mps2);
+        let articulation = self.design.articulation(channel);
+        let [common, _] =
+            self.road.parts(channel, &articulation, ratio, self.design.gravity_mps2);
         Some(common)
     }
 

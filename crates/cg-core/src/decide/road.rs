@@ -18,52 +18,26 @@
 //! the axles. The error is a roll angle, so it counts for more where the suspension rolls less. On
 //! drives of an independent truck with 0.05 rad within 2 to 4 s, a hard case, it was up to 0.4 mrad.
 //!
-//! In a tight turn the trailer stands at the articulation angle `ψ` to the tractor. Its acceleration,
-//! the moment that it leaves on the fifth wheel, and the roll angle that it shares with the tractor
-//! each change by up to `1 − cos ψ`, depending on how the fifth wheel is guided. The tractor's
-//! suspension roll is thus between unchanged and smaller by `3 ψ²/2`: the nonlinear plant, whose fifth
-//! wheel tilts about an axis of the tractor, shows −0.9 ψ², an independent truck +0.1 ψ². The trailer
-//! follows inside the tractor's path, on a circle that is smaller by `cos ψ`, so its acceleration is less
-//! than that of the tractor, which yaw rate and steer angle give. Relative changes of the ratios divided
-//! by `ψ²` in steady turns of 12 to 80 m at 4 to 10 m/s, laden and half laden:
-//!
-//! | input | nonlinear plant (`kraz`, `euro`) | independent truck |
-//! |---|---|---|
-//! | steer angle | −0.6 to 0 | −0.5 |
-//! | lateral acceleration from the yaw rate | −0.6 to −0.2 | −0.6 |
-//! | the trailer's own lateral acceleration | −0.1 to +0.2 | −0.2 |
-//! | specific force, to the trailer's suspension roll | −0.1 to +0.2 | 0 |
+//! In a tight turn the trailer stands at the articulation angle `ψ` to the tractor. What that does to a ratio
+//! is part of the [design](crate::Articulation). The trailer follows inside the tractor's path, on a circle that
+//! is smaller by `cos ψ`, so a lateral acceleration from the yaw rate is greater than its own by that.
 
 use crate::math::real::Real;
-use crate::truck::channel::{Channel, Input, Output};
+use crate::truck::articulation::Articulation;
+use crate::truck::channel::{Channel, Input};
 
 /// The share of the variance of the bank that all curves have in common.
 const COMMON_SHARE: f64 = 0.5;
 /// Error of a suspension roll by road twist, as a share of the standard deviation of the bank: 0.4 mrad
 /// on public roads (0.02 rad).
 const TWIST_SHARE: f64 = 0.02;
-/// What `ψ²` may be without a correction, rad²: the ratios change by about 1 % there, as much as the model
-/// leaves anyway. That is a turn of 54 m for a wheelbase of 7.6 m, of 87 m for one of 12.3 m.
-const USUAL_ARTICULATION: f64 = 0.02;
-/// Relative change of a ratio by articulation, divided by `ψ²` beyond the usual: the middle of the values
-/// above, and half of their range as standard deviation; more for the tractor's suspension roll, which falls
-/// by more than `ψ²` in turns of 20 m.
-struct Articulation {
-    mean: f64,
-    sd: f64,
-}
-
-impl Articulation {
-    fn of(channel: Channel, by_yaw_rate: bool) -> Self {
-        match (channel.output(), channel.input()) {
-            (Output::TractorSuspensionRoll, _) => Self { mean: -0.4, sd: 0.8 },
-            (_, Input::Steer) => Self { mean: -0.3, sd: 0.3 },
-            (_, Input::LateralAcceleration) if by_yaw_rate => Self { mean: -0.4, sd: 0.2 },
-            (_, Input::LateralAcceleration) => Self { mean: 0.0, sd: 0.2 },
-            _ => Self { mean: 0.0, sd: 0.1 },
-        }
-    }
-}
+/// What `ψ²` may be without a correction, rad²: the ratios change by up to 0.4 % there. That is a turn of 108 m for
+/// a wheelbase of 7.6 m, of 174 m for one of 12.3 m.
+const USUAL_ARTICULATION: f64 = 0.005;
+/// Relative change of a ratio by articulation, divided by `ψ²`, if its lateral acceleration is that of the yaw
+/// rate: `(cos ψ − 1)/ψ²` is −0.5, and the trailer's own speed is that of the tractor's path times `cos ψ`
+/// within the wheelbase only. The nonlinear plant (`kraz`, `euro`) and an independent truck show −0.4.
+const BY_YAW_RATE: f64 = -0.4;
 
 /// The road of a maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +69,13 @@ impl<T: Real> Road<T> {
     /// Relative standard deviation of the ratio of a channel due to bank, twist and tight turns: the
     /// part that all curves have in common, and the rest. `ratio` is what the channel can have, rad
     /// per m/s².
-    pub(crate) fn parts(&self, channel: Channel, ratio: T, gravity_mps2: T) -> [T; 2] {
+    pub(crate) fn parts(
+        &self,
+        channel: Channel,
+        articulation: &Articulation<T>,
+        ratio: T,
+        gravity_mps2: T,
+    ) -> [T; 2] {
         let sd = if channel.feels_bank() {
             self.sd_relative(channel)
         } else {
@@ -104,16 +84,16 @@ impl<T: Real> Road<T> {
         };
         let [common, own] =
             [COMMON_SHARE, 1.0 - COMMON_SHARE].map(|share| sd * T::of(share).root());
-        let Articulation { sd, .. } = Articulation::of(channel, self.by_yaw_rate);
-        let articulation = T::of(sd) * self.articulation();
+        let articulation = articulation.sd * self.articulation();
         [(common * common + articulation * articulation).root(), own]
     }
 
     /// The factor of the ratio of a channel by articulation.
-    pub(crate) fn articulated(&self, channel: Channel) -> T {
-        let Articulation { mean, .. } = Articulation::of(channel, self.by_yaw_rate);
+    pub(crate) fn articulated(&self, channel: Channel, articulation: &Articulation<T>) -> T {
+        let by_yaw_rate = channel.input() == Input::LateralAcceleration && self.by_yaw_rate;
+        let more = if by_yaw_rate { T::of(BY_YAW_RATE) } else { T::zero() };
         // At least a half, for turns that no truck makes.
-        (T::one() + T::of(mean) * self.articulation()).max(T::of(0.5))
+        (T::one() + (articulation.mean + more) * self.articulation()).max(T::of(0.5))
     }
 
     /// `ψ²` beyond the usual.
@@ -143,7 +123,7 @@ mod tests {
             assert!((road(false).sd_relative(channel) - 0.007 / 0.15).abs() < 1e-12);
             let sd = road(true).sd_relative(channel);
             assert!((sd - 0.007 / 0.15 * (1.0 + 1.0 / 0.22)).abs() < 1e-12 && sd > 0.25);
-            let [common, own] = road(true).parts(channel, 0.02, 9.81);
+            let [common, own] = road(true).parts(channel, &Articulation::NONE, 0.02, 9.81);
             assert!((common.hypot(own) - sd).abs() < 1e-12 && (common - own).abs() < 1e-12);
         }
         for channel in [Channel::Suspension, Channel::Tractor] {
@@ -151,14 +131,14 @@ mod tests {
         }
         // The suspension rolls by 0.02 rad per m/s² times 1.22 times 0.15 g, twist by 0.14 mrad.
         let twist = 0.02 * 0.007 / (0.02 * 1.22 * 0.15 * 9.81);
-        let [common, own] = road(true).parts(Channel::Suspension, 0.02, 9.81);
+        let [common, own] = road(true).parts(Channel::Suspension, &Articulation::NONE, 0.02, 9.81);
         assert!((common - own).abs() < 1e-12 && (common.hypot(own) - twist).abs() < 1e-12);
         let flat = Road { bank_sd_rad: 0.0, lateral_g: 0.0, ..road(true) };
         assert!(flat.sd_relative(Channel::Steer).abs() < f64::EPSILON);
     }
 
     /// In a turn of 19 m the trailer stands at 0.4 rad to the tractor. That changes each ratio by its own
-    /// share of the 0.14 rad² beyond the usual, and all curves have the uncertainty in common.
+    /// share of the 0.155 rad² beyond the usual, and all curves have the uncertainty in common.
     #[test]
     fn a_tight_turn_changes_each_ratio_by_its_share() {
         let tight = Road {
@@ -170,19 +150,20 @@ mod tests {
             articulation_rad: 0.4,
         };
         let by_yaw_rate = Road { by_yaw_rate: true, ..tight };
-        let usual = Road { articulation_rad: 0.1, ..tight };
-        for (road, channel, mean, sd) in [
-            (tight, Channel::Tractor, -0.4, 0.8),
-            (tight, Channel::Steer, -0.3, 0.3),
-            (tight, Channel::LateralAcceleration, 0.0, 0.2),
-            (by_yaw_rate, Channel::LateralAcceleration, -0.4, 0.2),
-            (by_yaw_rate, Channel::Suspension, 0.0, 0.1),
+        let usual = Road { articulation_rad: 0.07, ..tight };
+        let known = Articulation { mean: -0.3, sd: 0.2 };
+        for (road, channel, mean) in [
+            (tight, Channel::Tractor, -0.3),
+            (tight, Channel::LateralAcceleration, -0.3),
+            (by_yaw_rate, Channel::LateralAcceleration, -0.7),
+            (by_yaw_rate, Channel::Suspension, -0.3),
         ] {
-            assert!((road.articulated(channel) - 1.0 - 0.14 * mean).abs() < 1e-12, "{channel}");
-            let [common, own] = road.parts(channel, 0.02, 9.81);
-            assert!((common - 0.14 * sd).abs() < 1e-12 && own.abs() < f64::EPSILON, "{channel}");
-            assert!((usual.articulated(channel) - 1.0).abs() < 1e-12);
-            assert!(usual.parts(channel, 0.02, 9.81)[0].abs() < 1e-12);
+            let factor = road.articulated(channel, &known);
+            assert!((factor - 1.0 - 0.155 * mean).abs() < 1e-12, "{channel}");
+            let [common, own] = road.parts(channel, &known, 0.02, 9.81);
+            assert!((common - 0.155 * 0.2).abs() < 1e-12 && own.abs() < f64::EPSILON, "{channel}");
+            assert!((usual.articulated(channel, &known) - 1.0).abs() < 1e-12);
+            assert!(usual.parts(channel, &known, 0.02, 9.81)[0].abs() < 1e-12);
         }
     }
 }

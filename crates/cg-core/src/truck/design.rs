@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::math::real::Real;
+use crate::truck::articulation::Articulation;
 use crate::truck::axis::{Weights, cubic, locate};
 use crate::truck::channel::{CHANNELS, Channel, Output};
 use crate::truck::friction::Friction;
@@ -15,6 +16,11 @@ pub use crate::truck::spread::Spread;
 pub const SPEEDS: usize = 8;
 /// Number of trailer masses on the mass axis of a design.
 pub const MASSES: usize = 6;
+/// Steps between two masses of the axis, at which the springs are known.
+pub const STEPS: usize = 4;
+const STEPS_F64: f64 = 4.0;
+/// Number of masses at which the springs are known.
+pub const SPRING_MASSES: usize = (MASSES - 1) * STEPS + 1;
 
 /// The model of one channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +33,14 @@ pub struct ChannelDesign<T> {
     /// The reduced models at the nominal speed and reference height, one for each mass on the
     /// design's mass axis. Only the shape of their dynamics is used.
     pub models: [Reduced5<T>; MASSES],
-    /// The friction of the springs in the roll angle, one for each mass on the design's mass axis.
-    pub friction: [Friction<T>; MASSES],
+    /// The friction of the springs in the roll angle, at the masses of the axis and at [`STEPS`] equal
+    /// steps between two of them.
+    pub friction: [Friction<T>; SPRING_MASSES],
+    /// The DC ratio at these masses over that of the interpolated lines: measured springs have slopes
+    /// that no smooth curve through the masses of the axis follows.
+    pub of_lines: [T; SPRING_MASSES],
+    /// What a tight turn does to the ratio.
+    pub articulation: Articulation<T>,
     /// Ratio lines (rad per unit of input), `[speed][mass]` on the axes of the design. All are
     /// scaled to `b0 + b1 h = 1` at the reference height, so that they can be interpolated.
     pub lines: [[RatioLine<T>; MASSES]; SPEEDS],
@@ -98,7 +110,8 @@ pub enum DesignError {
     },
     /// The reduced model of this channel is unstable.
     Unstable(Channel),
-    /// The friction of this channel is neither none nor a share below one and two positive angles.
+    /// The friction of this channel is neither none nor a share between −1 and 1, a bend that leaves the
+    /// springs a slope, and positive angles.
     NotFriction(Channel),
 }
 
@@ -140,11 +153,9 @@ impl<T: Real, const C: usize> Design<T, C> {
                     denominator: model.denominator.map(to),
                     speed_slope: model.speed_slope.map(to),
                 }),
-                friction: c.friction.map(|friction| Friction {
-                    usual_share: to(friction.usual_share),
-                    roll_rad: to(friction.roll_rad),
-                    deflection_rad: to(friction.deflection_rad),
-                }),
+                friction: c.friction.map(|friction| friction.cast()),
+                of_lines: c.of_lines.map(to),
+                articulation: c.articulation.cast(),
                 lines: c.lines.map(|row| {
                     row.map(|l| RatioLine {
                         a0: to(l.a0),
@@ -197,15 +208,14 @@ impl<T: Real, const C: usize> Design<T, C> {
                 return Err(DesignError::Unstable(channel));
             }
             positive(design.compensation, "compensation")?;
-            for friction in &design.friction {
-                let Friction { usual_share, roll_rad, deflection_rad } = *friction;
-                // Comparisons that NaN fails.
-                let possible = usual_share >= T::zero() && usual_share < T::one();
-                let acts = roll_rad > T::zero() && deflection_rad > T::zero();
-                let none = usual_share + roll_rad + deflection_rad == T::zero();
-                if !(possible && (acts || none) && (roll_rad + deflection_rad).present()) {
-                    return Err(DesignError::NotFriction(channel));
-                }
+            if !design.friction.iter().all(Friction::is_possible) {
+                return Err(DesignError::NotFriction(channel));
+            }
+            if !design.articulation.is_possible() {
+                return Err(DesignError::NotFinite("articulation"));
+            }
+            for of_lines in design.of_lines {
+                positive(of_lines, "of_lines")?;
             }
             for line in design.lines.iter().flatten() {
                 positive(line.ratio_at(self.reference_height_m), "ratio at the reference height")?;
@@ -315,12 +325,21 @@ impl<T: Real, const C: usize> Design<T, C> {
     /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes, or if the
     /// design does not have the channel.
     ///
-    /// Each coefficient is interpolated cubically in speed and in mass.
+    /// Each coefficient is interpolated cubically in speed and in mass. The ratio is then multiplied by what
+    /// the springs at this mass make of it.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let design = self.channels.get(self.place(channel)?)?;
         let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
         let speed = cubic(&self.speed_mps, speed_mps, !design.is_steer())?;
-        Some(design.line(&speed, &mass))
+        let line = design.line(&speed, &mass);
+        let of_lines = design.of_lines(self.springs(trailer_mass_kg));
+        Some(RatioLine { a0: line.a0 * of_lines, a1: line.a1 * of_lines, ..line })
+    }
+
+    /// What a tight turn does to the ratio of a channel; nothing if the design does not have it.
+    pub(crate) fn articulation(&self, channel: Channel) -> Articulation<T> {
+        let design = self.place(channel).and_then(|place| self.channels.get(place));
+        design.map_or(Articulation::NONE, |design| design.articulation)
     }
 
     /// `R_c` of a channel; one if the design does not have it.
@@ -340,11 +359,21 @@ impl<T: Real, const C: usize> Design<T, C> {
         locate(&self.trailer_mass_kg, within_kg).unwrap_or((0, T::zero()))
     }
 
-    /// The friction at a place in [`channels`](Self::channels) and a trailer mass, interpolated like the
-    /// [model](Self::model).
+    /// The place of the mass below among the masses at which the springs are known, and the share of the one
+    /// above it.
+    pub(super) fn springs(&self, trailer_mass_kg: T) -> (usize, T) {
+        let (j, share) = self.nearest_masses(trailer_mass_kg);
+        let (mut step, mut share) = (0, share * T::of(STEPS_F64));
+        while share > T::one() {
+            (step, share) = (step + 1, share - T::one());
+        }
+        (STEPS * j + step, share)
+    }
+
+    /// The friction at a place in [`channels`](Self::channels) and a trailer mass, interpolated linearly.
     pub fn friction(&self, place: usize, trailer_mass_kg: T) -> Option<Friction<T>> {
         let friction = &self.channels.get(place)?.friction;
-        let (j, share) = self.nearest_masses(trailer_mass_kg);
+        let (j, share) = self.springs(trailer_mass_kg);
         Some(friction.get(j)?.blend(friction.get(j + 1)?, share))
     }
 
@@ -405,6 +434,14 @@ impl<T: Real> ChannelDesign<T> {
     /// A speed on the axis on which the lines are interpolated.
     pub(super) fn speed_axis(&self, speed_mps: T) -> T {
         if self.is_steer() { speed_mps } else { T::one() / (speed_mps * speed_mps) }
+    }
+
+    /// The ratio over that of the lines between [two masses](Design::springs).
+    pub(super) fn of_lines(&self, (place, share): (usize, T)) -> T {
+        match self.of_lines.get(place..) {
+            Some([below, above, ..]) => *below + (*above - *below) * share,
+            _ => T::one(),
+        }
     }
 
     /// The line at these weights of the speeds and masses.

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! with the law of Fancher, Ervin, MacAdam and Winkler (SAE 800905) for the state `q` of the friction,
-//! between −1 and 1. `s + δ q` is therefore what the suspension would roll by without friction.
+//! between −1 and 1. `s + δ q` is therefore what the suspension would roll by without friction. The stiffness
+//! `k` itself changes with the roll angle where the curves have bends.
 
 use crate::math::real::Real;
 
@@ -17,14 +18,19 @@ use crate::math::real::Real;
 /// otherwise release the friction. It delays the friction by as much.
 const PLAY_SHARE: f64 = 0.05;
 
-/// The friction of the springs in a channel, at one mass; all zero without friction.
+/// The friction and the bends of the springs in a channel, at one mass; all zero without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Friction<T> {
     /// The part of the roll angle that the linear model takes as friction: its stiffness contains the
-    /// mean effect of friction in a usual turn, which is subtracted first.
+    /// mean effect of friction in a usual turn, which is subtracted first. It is negative where the springs
+    /// are stiffer for small angles than in a usual turn.
     pub usual_share: T,
+    /// By how much the slope of the springs increases beyond the knee, over that of the linear model.
+    pub bend: T,
+    /// The roll angle of the knee.
+    pub knee_rad: T,
     /// `δ`: the roll angle by which the springs' whole friction holds the suspension.
     pub roll_rad: T,
     /// `β`: the roll angle within which the friction changes sides.
@@ -34,7 +40,35 @@ pub struct Friction<T> {
 impl<T: Real> Friction<T> {
     /// No friction.
     pub const NONE: Self =
-        Self { usual_share: T::ZERO, roll_rad: T::ZERO, deflection_rad: T::ZERO };
+        Self {
+            usual_share: T::ZERO,
+            bend: T::ZERO,
+            knee_rad: T::ZERO,
+            roll_rad: T::ZERO,
+            deflection_rad: T::ZERO,
+        };
+
+    /// The same in another precision.
+    pub(crate) fn cast<U: Real>(&self) -> Friction<U> {
+        let to = |x: T| U::of(x.as_f64());
+        Friction {
+            usual_share: to(self.usual_share),
+            bend: to(self.bend),
+            knee_rad: to(self.knee_rad),
+            roll_rad: to(self.roll_rad),
+            deflection_rad: to(self.deflection_rad),
+        }
+    }
+
+    /// Whether this is no friction, or leaves the springs a slope and has positive angles.
+    pub(crate) fn is_possible(&self) -> bool {
+        let Self { usual_share, bend, knee_rad, roll_rad, deflection_rad } = *self;
+        // Comparisons that NaN fails.
+        let sloped = usual_share.abs() < T::one() && bend - usual_share > -T::one();
+        let acts = roll_rad > T::zero() && deflection_rad > T::zero() && knee_rad >= T::zero();
+        let finite = (bend + knee_rad + roll_rad + deflection_rad).present();
+        *self == Self::NONE || (sloped && acts && finite)
+    }
 
     /// The friction between this one and another.
     #[must_use]
@@ -42,6 +76,8 @@ impl<T: Real> Friction<T> {
         let between = |a: T, b: T| a + (b - a) * share;
         Self {
             usual_share: between(self.usual_share, other.usual_share),
+            bend: between(self.bend, other.bend),
+            knee_rad: between(self.knee_rad, other.knee_rad),
             roll_rad: between(self.roll_rad, other.roll_rad),
             deflection_rad: between(self.deflection_rad, other.deflection_rad),
         }
@@ -52,6 +88,8 @@ impl<T: Real> Friction<T> {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrictionState<T> {
+    /// The roll angle at rest.
+    rest_rad: T,
     /// The roll angle so far, without small motion.
     place_rad: T,
     /// `q`.
@@ -61,7 +99,7 @@ pub struct FrictionState<T> {
 impl<T: Real> FrictionState<T> {
     /// Springs midway between their curves.
     pub const fn at_rest(roll_rad: T) -> Self {
-        Self { place_rad: roll_rad, side: T::ZERO }
+        Self { rest_rad: roll_rad, place_rad: roll_rad, side: T::ZERO }
     }
 
     /// Advances to the next roll angle; returns `δ q`.
@@ -80,6 +118,14 @@ impl<T: Real> FrictionState<T> {
         self.side += (target - self.side) * share;
         friction.roll_rad * self.side
     }
+
+    /// The roll angle on linear springs without friction, where the friction [holds](Self::push) `held_rad`.
+    pub fn free_rad(&self, friction: &Friction<T>, roll_rad: T, held_rad: T) -> T {
+        let away_rad = roll_rad - self.rest_rad;
+        let within_rad = away_rad.max(-friction.knee_rad).min(friction.knee_rad);
+        let bent_rad = friction.bend * (away_rad - within_rad);
+        roll_rad - friction.usual_share * away_rad + bent_rad + held_rad
+    }
 }
 
 #[cfg(test)]
@@ -87,7 +133,7 @@ mod tests {
     use super::*;
 
     const FRICTION: Friction<f64> =
-        Friction { usual_share: 0.0, roll_rad: 2e-3, deflection_rad: 8e-3 };
+        Friction { roll_rad: 2e-3, deflection_rad: 8e-3, ..Friction::NONE };
 
     /// The law over a monotone motion from the middle is `q = 1 − e^(−s/β)`; the play of 0.05 delays it.
     /// In the other direction it starts from where the friction is: `q = −1 + (1 + q₀) e^(−s/β)`.
@@ -107,6 +153,22 @@ mod tests {
         // The play is crossed before the motion counts.
         let back = -1.0 + (1.0 + there) * (2.0 * play - reach).exp();
         assert!((held_rad / 2e-3 - back).abs() < 1e-4, "{held_rad} {back}");
+    }
+
+    /// Springs that are stiffer by a twentieth up to 4 mrad and softer by a tenth beyond.
+    #[test]
+    fn bends_are_straightened_about_the_angle_at_rest() {
+        let bent = Friction { usual_share: -0.05, bend: -0.15, knee_rad: 0.004, ..FRICTION };
+        let state = FrictionState::at_rest(0.003);
+        let far_rad = 0.003 + 0.004 * 1.05 + 0.006 * 0.9;
+        for (roll_rad, expected_rad) in
+            [(0.003, 0.003), (0.005, 0.0051), (0.013, far_rad), (-0.007, 0.006 - far_rad)]
+        {
+            let free_rad: f64 = state.free_rad(&bent, roll_rad, 0.0);
+            assert!((free_rad - expected_rad).abs() < 1e-12, "{roll_rad}: {free_rad}");
+            let held_rad = state.free_rad(&bent, roll_rad, 1e-3);
+            assert!((held_rad - expected_rad - 1e-3).abs() < 1e-12);
+        }
     }
 
     #[test]

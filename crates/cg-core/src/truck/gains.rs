@@ -22,11 +22,12 @@ impl<T: Real, const C: usize> Gains<T, C> {
         let mass = cubic(&design.trailer_mass_kg, trailer_mass_kg, false)?;
         let cell = Cell::around(&design.speed_mps, speed_mps)?;
         let [low_mps, _] = cell.span;
+        let springs = design.springs(trailer_mass_kg);
         let mut cubics = [[T::zero(); 4]; C];
         for (cubic, channel) in cubics.iter_mut().zip(&design.channels) {
             let origin = channel.speed_axis(low_mps);
             let nodes = cell.nodes.map(|node| channel.speed_axis(node) - origin);
-            let mut gains = [channel.compensation; 4];
+            let mut gains = [channel.compensation * channel.of_lines(springs); 4];
             for (place, gain) in (cell.first..).zip(&mut gains) {
                 *gain *= channel.line_of_speed(place, &mass).ratio_at(design.reference_height_m);
             }

@@ -3,6 +3,7 @@
 
 pub mod channel;
 pub mod lags;
+pub mod articulation;
 pub mod friction;
 pub(crate) mod axis;
 pub mod reduced;

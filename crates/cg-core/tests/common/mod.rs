@@ -5,7 +5,7 @@ pub(crate) mod told;
 
 use std::array::from_fn;
 
-use cg_core::truck::design::{MASSES, SPEEDS};
+use cg_core::truck::design::{MASSES, SPEEDS, SPRING_MASSES};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{
@@ -92,7 +92,9 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
                 denominator: EQ_5_12.denominator,
                 speed_slope: [0.0; 5],
             }; MASSES],
-            friction: [Friction::NONE; MASSES],
+            friction: [Friction::NONE; SPRING_MASSES],
+            of_lines: [1.0; SPRING_MASSES],
+        articulation: Articulation::NONE,
             lines: [[scaled(steer_line); MASSES]; SPEEDS],
             compensation: 1.489_6,
         }

@@ -15,7 +15,7 @@ use super::axle::{Axle, Eliminated, Pose, Road, group_forces};
 use super::body::{Attitude, Equations, Motion, Sprung};
 use super::front::Front;
 use super::ground::Ground;
-use super::hitch::couple;
+use super::hitch::{Side, couple};
 use super::state::{AxleCoordinate as A, Coordinate as C, MAX_AXLES, ROOM, State, at};
 use super::state::{FRONT_ROLL, FRONT_ROLL_RATE};
 use super::suspension::Group;
@@ -216,12 +216,11 @@ impl Parameters {
         let mut trailer = self.unit(instant, second, true, height_m + hitch_rho[2], probe);
         let mut front = self.front(instant, second);
         let on_hitch = front.as_ref().map_or(second, |(motion, _)| motion);
+        let roll_of = if front.is_some() { FRONT_ROLL } else { C::TrailerRoll as usize };
         let coupling = couple(
             &self.hitch,
-            instant.x[C::TractorRoll as usize],
-            first.rates,
-            &on_hitch.attitude,
-            on_hitch.rates,
+            &Side::new(first, instant.x[C::TractorRoll as usize]),
+            &Side::new(on_hitch, instant.x[roll_of]),
             instant.turn,
         );
         let coupled = front.as_mut().map_or(&mut trailer, |(_, own)| own);

@@ -103,9 +103,15 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
         let unit = usize::from(a.on_trailer);
         energy += axle(p, state, i, [&tractor, &trailer][unit], heights[unit]);
     }
-    // The fifth wheel: its angle from the vertical of the trailer in the tractor's heading.
-    let k = turned(on_hitch.outward([0.0, 0.0, 1.0]), (-turn.0, turn.1));
-    let angle = libm::atan2(-k[1], k[2]) - value(C::TractorRoll);
+    // The fifth wheel: its angle from the vertical of the one unit in the heading of the other.
+    let angle = if p.hitch.tilts_on_tractor {
+        let k = turned(on_hitch.outward([0.0, 0.0, 1.0]), (-turn.0, turn.1));
+        libm::atan2(-k[1], k[2]) - value(C::TractorRoll)
+    } else {
+        let k = turned(tractor.attitude.outward([0.0, 0.0, 1.0]), turn);
+        let roll_of = if p.front.is_some() { FRONT_ROLL } else { C::TrailerRoll as usize };
+        libm::atan2(-k[1], k[2]) - state.x[roll_of]
+    };
     energy + 0.5 * p.hitch.stiffness_nm_per_rad * angle * angle
 }
 

@@ -1,12 +1,13 @@
 //! The fifth wheel transmits every force, is free in yaw and pitch, and is a spring in roll.
 //!
 //! The angle of the plates is that of the trailer's vertical seen along the tractor,
-//! `φ5 = atan2(−e_y1·k_2, e_z·k_2)` (eq. 3.22), minus the tractor's roll. Beyond the separation
-//! moment one side lifts: the moment is constant until the lash is used up and the kingpin locks.
+//! `φ5 = atan2(−e_y1·k_2, e_z·k_2)` (eq. 3.22), minus the tractor's roll. That is a plate that tilts about an axis of
+//! the tractor. One that tilts about an axis of the trailer is the same with both units exchanged. Beyond the
+//! separation moment one side lifts: the moment is constant until the lash is used up and the kingpin locks.
 
 use cg_vehicle::characteristics::FifthWheel;
 
-use super::body::Attitude;
+use super::body::{Attitude, Motion};
 use super::vector::Vector;
 
 /// The fifth wheel's roll moment in the equations of the rates.
@@ -20,17 +21,46 @@ pub(super) struct Coupling {
     pub(super) trailer: [f64; 3],
 }
 
+/// A unit at the fifth wheel.
+#[derive(Clone, Copy)]
+pub(super) struct Side<'a> {
+    roll_rad: f64,
+    attitude: &'a Attitude,
+    rates: [f64; 3],
+}
+
+impl<'a> Side<'a> {
+    pub(super) fn new(motion: &'a Motion, roll_rad: f64) -> Self {
+        Self { roll_rad, attitude: &motion.attitude, rates: motion.rates }
+    }
+}
+
 /// The generalized moments of the fifth wheel; `turn` is the sine and cosine of the trailer's yaw minus
 /// the tractor's.
 #[inline]
 pub(super) fn couple(
     wheel: &FifthWheel,
-    tractor_roll_rad: f64,
-    tractor_rates: [f64; 3],
-    trailer: &Attitude,
-    trailer_rates: [f64; 3],
+    tractor: &Side<'_>,
+    trailer: &Side<'_>,
     (sin, cos): (f64, f64),
 ) -> Coupling {
+    if wheel.tilts_on_tractor {
+        return tilted(wheel, tractor, trailer, (sin, cos));
+    }
+    let Coupling { moment_nm, tractor, trailer } = tilted(wheel, trailer, tractor, (-sin, cos));
+    Coupling { moment_nm: -moment_nm, tractor: trailer, trailer: tractor }
+}
+
+/// The moments of a plate that tilts about an axis of the first unit, which is called the tractor here.
+#[inline]
+fn tilted(
+    wheel: &FifthWheel,
+    tractor: &Side<'_>,
+    trailer: &Side<'_>,
+    (sin, cos): (f64, f64),
+) -> Coupling {
+    let (tractor_roll_rad, tractor_rates) = (tractor.roll_rad, tractor.rates);
+    let (trailer, trailer_rates) = (trailer.attitude, trailer.rates);
     let k = vertical(trailer);
     // The tractor's axes in the trailer's yaw frame: e_x1 = (cos, −sin, 0), e_y1 = (sin, cos, 0).
     let across = |v: Vector| sin * v[0] + cos * v[1];

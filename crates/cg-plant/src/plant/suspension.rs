@@ -9,7 +9,8 @@
 //!
 //! (Fancher, Ervin, MacAdam and Winkler, SAE 800905, as an ordinary differential equation). This
 //! dissipates energy only if `β ≤ C/k`, half the distance between the curves divided by the greater
-//! slope. If the static load is so low on the curves that the file's β is greater, C/k is used.
+//! slope. If the static load is so low on the curves that the file's β is greater, C/k is used
+//! ([`Envelope::usable_deflection_m`]).
 
 use cg_vehicle::characteristics::Envelope;
 use cg_vehicle::error::VehicleError;
@@ -30,9 +31,7 @@ impl Law {
     pub(super) fn measured(spring: &Spring, load_n: f64) -> Result<Self, VehicleError> {
         let envelope = Envelope::new(spring);
         let start_m = envelope.deflection_at(load_n);
-        let slope = envelope.steepest(start_m);
-        let most_m = envelope.friction_n(start_m) / slope;
-        if !(slope > 0.0 && most_m > 0.0) {
+        if !(envelope.steepest(start_m) > 0.0 && envelope.friction_n(start_m) > 0.0) {
             return Err(VehicleError::Model(format!(
                 "spring \"{}\": at its static load of {load_n:.0} N its curves must rise and have \
                  friction between them (compression_n above extension_n); a spring without \
@@ -40,7 +39,8 @@ impl Law {
                 spring.name
             )));
         }
-        let friction_deflection_m = spring.friction_deflection_m.min(most_m);
+        let friction_deflection_m =
+            envelope.usable_deflection_m(start_m, spring.friction_deflection_m);
         Ok(Self::Measured { envelope, start_m, friction_deflection_m })
     }
 

@@ -34,14 +34,15 @@ struct Held {
 }
 
 impl Held {
-    /// Solves `(1 − usual share) φ + δ q = φ` of the linear model. The friction changes by a third of the
-    /// motion at most, so ten rounds leave 1e-5 of a change.
+    /// The roll angle that the estimator takes for that of the linear model. What friction and bends change
+    /// is a third of the motion at most, so ten rounds leave 1e-5 of a change.
     fn push(&mut self, linear_rad: f64) -> f64 {
         let before = self.state;
         for _ in 0..10 {
             self.state = before;
             let held_rad = self.state.push(&self.friction, self.roll_rad);
-            self.roll_rad = (linear_rad - held_rad) / (1.0 - self.friction.usual_share);
+            self.roll_rad +=
+                linear_rad - self.state.free_rad(&self.friction, self.roll_rad, held_rad);
         }
         self.roll_rad
     }

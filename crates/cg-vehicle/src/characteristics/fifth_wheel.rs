@@ -16,6 +16,8 @@ pub struct FifthWheel {
     pub separation_nm: f64,
     /// Free angle after the separation, until the kingpin locks.
     pub lash_rad: f64,
+    /// Whether it tilts about an axis of the tractor, or of the trailer.
+    pub tilts_on_tractor: bool,
 }
 
 impl FifthWheel {
@@ -26,6 +28,7 @@ impl FifthWheel {
             damping_nms_per_rad: hitch.roll_damping_nms_per_rad,
             separation_nm: hitch.separation_moment_nm.unwrap_or(f64::INFINITY),
             lash_rad: hitch.lash_rad,
+            tilts_on_tractor: hitch.tilts_on_tractor.unwrap_or(true),
         }
     }
 
@@ -53,6 +56,7 @@ mod tests {
             damping_nms_per_rad: 0.0,
             separation_nm: 5e4,
             lash_rad: 0.02,
+            tilts_on_tractor: true,
         };
         for (angle, moment) in
             [(0.05, 5e4), (0.04, 4e4), (0.06, 5e4), (0.07, 5e4), (0.08, 6e4), (-0.08, -6e4)]

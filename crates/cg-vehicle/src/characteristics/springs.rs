@@ -7,6 +7,10 @@ use crate::tables::Spring;
 /// Nodes of the integral over half a cycle (midpoint rule): the stiffness is exact to 1e-4.
 const CYCLE_NODES: u32 = 48;
 
+/// Places at which a curve is averaged: a node of a table that comes into the range changes the mean by one of
+/// as many parts.
+const LOOP_NODES: u32 = 24;
+
 /// The loop that a measured spring describes.
 #[derive(Clone, Copy, Debug)]
 pub struct Loop {
@@ -16,6 +20,12 @@ pub struct Loop {
     pub lost_n: f64,
     /// Deflection within which the force changes from one direction's to the other's.
     pub deflection_m: f64,
+}
+
+/// The mean of a function between −1 and 1.
+fn mean(of: impl Fn(f64) -> f64) -> f64 {
+    let side = |place| f64::from(2 * place + 1) / f64::from(LOOP_NODES) - 1.0;
+    (0..LOOP_NODES).map(|place| of(side(place))).sum::<f64>() / f64::from(LOOP_NODES)
 }
 
 /// Two curves with common nodes; the end segments are extended.
@@ -117,16 +127,20 @@ impl Envelope {
         let start_m = self.deflection_at(load_n);
         let ends = [1.0, -1.0].map(|side| self.middle(start_m + side * amplitude_m).0);
         let slope = (ends[0] - ends[1]) / (2.0 * amplitude_m);
-        // Means over the amplitude, because the slopes of the tables jump at their nodes.
-        let (mut friction_n, mut usable_m) = (0.0, 0.0);
-        for side in [-0.75, -0.25, 0.25, 0.75] {
-            let x = start_m + side * amplitude_m;
-            let here_n = self.friction_n(x).max(0.0);
-            friction_n += 0.25 * here_n;
-            usable_m += 0.25 * deflection_m.min(here_n / self.steepest(x));
-        }
+        let friction_n = mean(|side| self.friction_n(start_m + side * amplitude_m).max(0.0));
+        let usable_m = self.usable_deflection_m(start_m, deflection_m);
         let lost_n = (friction_n - slope * usable_m).max(0.0);
         Loop { slope, lost_n, deflection_m: usable_m }
+    }
+
+    /// The deflection within which the force changes from one curve to the other: `deflection_m`, or if that
+    /// would feed energy in, half the distance between the curves over the greater slope. Both are means over
+    /// the motion in which the force changes, because the slopes of tables jump at their nodes.
+    pub fn usable_deflection_m(&self, start_m: f64, deflection_m: f64) -> f64 {
+        let around = |side: f64| start_m + 2.0 * deflection_m * side;
+        let friction_n = mean(|side| self.friction_n(around(side)).max(0.0));
+        let slope = mean(|side| self.steepest(around(side)));
+        deflection_m.min(friction_n / slope)
     }
 
     /// Deflection at which the force midway between the curves is `force_n`. The curves must be

@@ -156,6 +156,7 @@ const HITCH: &[Key] = &[
     number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between the units; for the simulation").optional().or(0.0, "none"),
     number("separation_moment_nm", "N m", [1e4, 2e5], [2e3, 1e6], "moment at which the plates separate on one side: about the load times half the width of the plate; if absent, never; for rollover threshold and simulation").optional(),
     number("lash_rad", "rad", [0.002, 0.12], [0.0, 0.35], "angle through which the separated plates move freely until the kingpin locks; for rollover threshold and simulation").optional().or(0.0, "none"),
+    other("tilts_on_tractor", Kind::Flag, "whether the fifth wheel tilts about an axis of the tractor, as a usual plate does, or about one of the trailer; for the tractor's suspension roll in tight turns, and for simulation, where it does if absent").optional(),
 ];
 
 #[rustfmt::skip]
