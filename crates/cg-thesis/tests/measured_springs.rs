@@ -1,6 +1,7 @@
 //! Pairs of suspension roll and specific force on measured springs with friction (leaf springs, and air
 //! springs under the trailer and the drive axles): drives of the nonlinear plant on banked roads with usual
-//! sensors, as the vehicle file and calibrated on two flat drives. `CG_DRIVES=24` drives more on each road.
+//! sensors, as the vehicle file and calibrated on two flat drives, on roads without and with twist. `CG_DRIVES=24`
+//! drives more on each road.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "../../cg-vehicle/tests/common/mod.rs"]
@@ -24,10 +25,11 @@ const DRIVES: u64 = 8;
 /// A vehicle file, the greater height of its loads (with the air springs the truck rolls over at 2.1 m),
 /// and the greatest root mean square of the errors of both pairs after a calibration, on all roads together.
 type Case = (&'static str, f64, [f64; 2]);
-/// Wanted are 1.5 % and 2.5 %. Where both axle groups have leaf springs, the friction is calculated to a
-/// tenth only, and the tractor's suspension, which rolls by 2 to 7 mrad, is judged by its interval alone.
+/// Wanted are 1.5 % and 2.5 %. The suspension of a tractor on leaf springs rolls by 1 to 7 mrad, of which friction
+/// holds up to a half, and the noise of its level sensors is 0.5 mrad: it may have twice as much, and a fifth
+/// for a few drives.
 const CASES: [Case; 2] =
-    [("baseline-tables.toml", 2.1, [0.025, 0.15]), ("air.toml", 1.85, [0.015, 0.04])];
+    [("baseline-tables.toml", 2.1, [0.015, 0.06]), ("air.toml", 1.85, [0.015, 0.025])];
 
 fn laden(vehicle: &Vehicle, payload_kg: f64, cg_height_m: f64) -> Load {
     Load { trailer_mass_kg: vehicle.empty_trailer_mass_kg() + payload_kg, cg_height_m }
@@ -80,76 +82,150 @@ fn calibrated(vehicle: &Vehicle, high_m: f64) -> Design<f64> {
 }
 
 /// The rows of all drives on a kind of road, with their loads: four payloads, each at two heights.
-fn drives(vehicle: &Vehicle, high_m: f64, kind: RoadKind) -> Vec<(Load, Vec<LogRow>)> {
+fn drives(
+    vehicle: &Vehicle,
+    high_m: f64,
+    road: impl Fn(u64) -> Road + Sync,
+) -> Vec<(Load, Vec<LogRow>)> {
     let count = std::env::var("CG_DRIVES").map_or(DRIVES, |count| count.parse().unwrap());
     let drive = |seed: u64| {
         let payload_kg = [7.5e3, 12.5e3, 17.5e3, 25e3][usize::try_from(seed % 4).unwrap()];
         let load =
             laden(vehicle, payload_kg, if (seed / 4).is_multiple_of(2) { 1.6 } else { high_m });
-        (load, rows(vehicle, load, &Road::kind(kind, seed).unwrap(), seed))
+        (load, rows(vehicle, load, &road(seed), seed))
     };
     (0..count).into_par_iter().map(drive).collect()
 }
 
-/// Root mean square of the error and mean of the stated standard deviation of a pair, both relative to
-/// the height. Every drive gives a height, and every interval holds it.
-fn judged(
-    vehicle: &Vehicle,
-    design: &Design<f64>,
-    pair: Channel,
-    drives: &[(Load, Vec<LogRow>)],
-) -> [f64; 2] {
-    let options = EstimateOptions { channel: Some(pair), ..EstimateOptions::default() };
-    let (mut square, mut stated) = (0.0, 0.0);
-    for (load, rows) in drives {
-        let mut estimator = LogEstimator::from_design(design, vehicle.align_settings(), options);
-        for row in rows {
-            estimator.push(row).unwrap();
-        }
-        let found = estimator.finish();
-        let ([low, high], truth_m) = (found.height_ci95_m.unwrap(), load.cg_height_m);
-        assert!(std::env::var("CG_SHOW").is_ok() || low < truth_m && truth_m < high, "{pair} {load:?}: {low} {high}");
-        square += (found.height_m.unwrap() / truth_m - 1.0).powi(2);
-        if std::env::var("CG_SHOW").is_ok() { eprintln!("  {pair} m={:.0} h={truth_m} err={:+.1}% sd={:.1}%", load.trailer_mass_kg, 100.0*(found.height_m.unwrap()/truth_m-1.0), 100.0*found.height_sd_m.unwrap()/truth_m); }
-        stated += found.height_sd_m.unwrap() / truth_m;
-    }
-    #[allow(clippy::cast_precision_loss)] // a few
-    let n = drives.len() as f64;
-    [(square / n).sqrt(), stated / n]
+/// What a pair gives for some drives.
+#[derive(Default)]
+struct Judged {
+    heights: f64,
+    held: f64,
+    /// Sums of the squares of the relative error, of its stated standard deviation, and of their quotient.
+    squares: [f64; 3],
 }
 
-/// Friction makes springs stiffer in small motion than in the motion for which the model is linear. The
-/// intervals have to contain that with either pair, and what a pair leaves must be within the standard
-/// deviation that is stated: a mean of 24 squared errors above its stated value by half has a
-/// probability of 4 % if the statement is true. The errors are less, because the interval also contains what
-/// these drives do not have: road twist, and friction that changes from drive to drive.
-#[test]
-fn intervals_hold_on_measured_springs() {
-    let roads = [RoadKind::Rural, RoadKind::Motorway, RoadKind::Roundabouts];
-    println!("| vehicle | calibrated with | pair | road | RMSE | stated sd |");
-    for (name, high_m, greatest) in CASES {
-        let mut vehicle = common::vehicle(name);
-        if let Ok(f) = std::env::var("CG_FR") { let f: f64 = f.parse().unwrap(); vehicle.spring = vehicle.spring.iter().map(|s| s.clone().with_friction(f)).collect(); }
-        let vehicle = vehicle;
-        let file = design(&vehicle, Variant::Complete).unwrap();
-        let designs = [("file", &file), ("two flat drives", &calibrated(&vehicle, high_m))];
-        let drives = roads.map(|kind| drives(&vehicle, high_m, kind));
-        for (known, design) in designs {
-            for (pair, greatest) in [Channel::Suspension, Channel::Tractor].iter().zip(greatest) {
-                let (mut square, mut stated) = (0.0, 0.0);
-                for (kind, drives) in roads.iter().zip(&drives) {
-                    let [rms, sd] = judged(&vehicle, design, *pair, drives);
-                    let (rms_percent, sd_percent) = (100.0 * rms, 100.0 * sd);
-                    println!(
-                        "| {name} | {known} | `{pair}` | {kind} | {rms_percent:.1} % | {sd_percent:.1} % |"
-                    );
-                    square += rms * rms / 3.0;
-                    stated += sd * sd / 3.0;
-                }
-                assert!(square < 1.5 * stated, "{name} {known} {pair}: {square} {stated}");
-                let wanted = known == "file" || square.sqrt() < greatest;
-                assert!(wanted, "{name} {known} {pair}: {}", square.sqrt());
+impl Judged {
+    fn of(
+        vehicle: &Vehicle,
+        design: &Design<f64>,
+        pair: Channel,
+        drives: &[(Load, Vec<LogRow>)],
+    ) -> Self {
+        let options = EstimateOptions { channel: Some(pair), ..EstimateOptions::default() };
+        let mut judged = Self::default();
+        for (load, rows) in drives {
+            let mut estimator =
+                LogEstimator::from_design(design, vehicle.align_settings(), options);
+            for row in rows {
+                estimator.push(row).unwrap();
+            }
+            let found = estimator.finish();
+            let (Some(height_m), Some(sd_m), Some([low, high])) =
+                (found.height_m, found.height_sd_m, found.height_ci95_m)
+            else {
+                assert!(!found.messages.is_empty());
+                continue;
+            };
+            let truth_m = load.cg_height_m;
+            judged.heights += 1.0;
+            judged.held += f64::from(u8::from(low < truth_m && truth_m < high));
+            let [error, sd] = [height_m / truth_m - 1.0, sd_m / truth_m];
+            for (sum, term) in judged.squares.iter_mut().zip([error, sd, error / sd]) {
+                *sum += term * term;
             }
         }
+        judged
+    }
+
+    /// Root mean squares of the error, of the stated standard deviation, and of their quotient.
+    fn rms(&self) -> [f64; 3] {
+        self.squares.map(|sum| (sum / self.heights).sqrt())
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.heights += other.heights;
+        self.held += other.held;
+        for (sum, term) in self.squares.iter_mut().zip(other.squares) {
+            *sum += term;
+        }
+    }
+
+    fn print(&self, what: &str) {
+        let [error, sd, quotient] = self.rms();
+        println!(
+            "| {what} | {:.1} % | {:.1} % | {quotient:.2} | {} of {} |",
+            100.0 * error,
+            100.0 * sd,
+            self.held,
+            self.heights
+        );
+    }
+}
+
+const ROADS: [RoadKind; 3] = [RoadKind::Rural, RoadKind::Motorway, RoadKind::Roundabouts];
+
+/// Friction makes springs stiffer in small motion than in the motion for which the model is linear, and bends of
+/// their curves make them stiffer or softer in great motion. Every drive gives a height with either pair, all
+/// intervals hold it, and what a pair leaves is within the standard deviation that is stated: a mean of 24
+/// squared errors above its stated value by half has a probability of 4 % if the statement is true. The errors
+/// are less, because the interval also contains what these drives do not have: road twist, and friction that
+/// changes from drive to drive.
+#[test]
+fn intervals_hold_on_measured_springs() {
+    println!(
+        "| vehicle | calibrated with | pair | road | RMSE | stated sd | error over sd | held |"
+    );
+    for (name, high_m, greatest) in CASES {
+        let vehicle = common::vehicle(name);
+        let file = design(&vehicle, Variant::Complete).unwrap();
+        let designs = [("file", &file), ("two flat drives", &calibrated(&vehicle, high_m))];
+        let drives =
+            ROADS.map(|kind| drives(&vehicle, high_m, |seed| Road::kind(kind, seed).unwrap()));
+        for (known, design) in designs {
+            for (pair, greatest) in [Channel::Suspension, Channel::Tractor].iter().zip(greatest) {
+                let mut all = Judged::default();
+                for (kind, drives) in ROADS.iter().zip(&drives) {
+                    let judged = Judged::of(&vehicle, design, *pair, drives);
+                    judged.print(&format!("{name} | {known} | `{pair}` | {kind}"));
+                    all.add(&judged);
+                }
+                let count = drives.iter().map(Vec::len).sum::<usize>();
+                assert!(
+                    (all.held - f64::from(u32::try_from(count).unwrap())).abs() < 0.5,
+                    "{name} {known} {pair}"
+                );
+                let [error, sd, _] = all.rms();
+                assert!(error * error < 1.5 * sd * sd, "{name} {known} {pair}: {error} {sd}");
+                assert!(known == "file" || error < greatest, "{name} {pair}: {error}");
+            }
+        }
+    }
+}
+
+/// On roads whose bank changes along the truck, which is what the stated standard deviation of a calibrated truck
+/// mostly is, it is neither too small nor too great. The bank enters every curve in the same way, so that the
+/// errors are not independent: of 50 heights with a correlation of a half the mean square of error over sd is
+/// between 0.3 and 2 with a probability of 95 %. At least 93 % of the intervals hold.
+#[test]
+fn the_stated_deviation_is_that_of_roads_with_twist() {
+    println!(
+        "| vehicle | calibrated with | pair | road | RMSE | stated sd | error over sd | held |"
+    );
+    for (name, high_m, _) in CASES {
+        let vehicle = common::vehicle(name);
+        let design = calibrated(&vehicle, high_m);
+        let mut all = Judged::default();
+        for kind in ROADS {
+            let road = |seed| Road::kind(kind, seed).unwrap().twisted();
+            let drives = drives(&vehicle, high_m, road);
+            let judged = Judged::of(&vehicle, &design, Channel::Suspension, &drives);
+            judged.print(&format!("{name} | two flat drives | `suspension` | {kind}, twist"));
+            all.add(&judged);
+        }
+        let [_, _, quotient] = all.rms();
+        assert!(all.held >= 0.93 * all.heights, "{name}: {} of {}", all.held, all.heights);
+        assert!((0.3..2.0).contains(&(quotient * quotient)), "{name}: {quotient}");
     }
 }

@@ -3,7 +3,8 @@
 use cg_core::truck::design::{MASSES, SPEEDS, SPRING_MASSES, STEPS};
 use cg_core::truck::rollover::HEIGHTS;
 use cg_core::{
-    Articulation, CHANNELS, Channel, ChannelDesign, Design, Friction, RatioLine, Spread, ThresholdLine,
+    Articulation, CHANNELS, Channel, ChannelDesign, Design, Friction, RatioLine, Spread,
+    ThresholdLine,
 };
 
 use crate::articulation::articulations;

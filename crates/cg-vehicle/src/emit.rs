@@ -5,7 +5,8 @@
 use std::fmt::Write;
 
 use cg_core::{
-    Articulation, ChannelDesign, Design, Friction, RatioLine, Reduced5, RolloverDesign, Spread, ThresholdLine,
+    Articulation, ChannelDesign, Design, Friction, RatioLine, Reduced5, RolloverDesign, Spread,
+    ThresholdLine,
 };
 
 /// The language of the emitted text.

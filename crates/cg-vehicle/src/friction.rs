@@ -78,9 +78,8 @@ impl<'a> Springs<'a> {
     /// tires.
     fn roll_rad(&self, output: Output) -> f64 {
         let [tractor_rad, trailer_rad] = self.usual.amplitude_rad;
-        let at = |output| {
-            self.lines.line(output, Input::SpecificForce).ratio_at(self.load.cg_height_m)
-        };
+        let at =
+            |output| self.lines.line(output, Input::SpecificForce).ratio_at(self.load.cg_height_m);
         match output {
             Output::TractorSuspensionRoll => tractor_rad,
             Output::SuspensionRoll => trailer_rad,
@@ -137,11 +136,8 @@ impl<'a> Springs<'a> {
     /// usual turn over that in a turn of `s` times its amplitude without friction: the first slope, the
     /// increase of the slope, and the knee, of each channel. The turns are those up to twice the usual one.
     fn bent(&self) -> Result<[[f64; 3]; CHANNELS], VehicleError> {
-        const PLACES: u32 = 12;
-        const MOST: f64 = 2.0;
         let mut turns = Vec::new();
-        for place in 1..=PLACES {
-            let share = MOST * f64::from(place) / f64::from(PLACES);
+        for share in usual_shares() {
             let mut motion = self.usual;
             motion.amplitude_rad = motion.amplitude_rad.map(|usual_rad| share * usual_rad);
             motion.friction = [0.0; 2];
@@ -150,17 +146,29 @@ impl<'a> Springs<'a> {
             }
         }
         Ok(std::array::from_fn(|channel| {
-            let points: Vec<_> = turns.iter().map(|(s, ratios)| (*s, s / ratios[channel])).collect();
-            let knees = turns.iter().map(|(share, _)| *share).filter(|share| *share < MOST);
-            let fits = knees.filter_map(|knee| two_lines(&points, knee));
-            let best = fits.min_by(|(a, _), (b, _)| a.total_cmp(b));
-            best.map_or([1.0, 0.0, 1.0], |(_, lines)| lines)
+            let points: Vec<_> =
+                turns.iter().map(|(s, ratios)| (*s, s / ratios[channel])).collect();
+            two_lines(&points).map_or([1.0, 0.0, 1.0], |(_, lines)| lines)
         }))
     }
 }
 
-/// Least squares of `y = p x + c max(x − knee, 0)`: the sum of squares, and `p`, `c` and the knee.
-fn two_lines(points: &[(f64, f64)], knee: f64) -> Option<(f64, [f64; 3])> {
+/// Amplitudes of usual turns over that of the usual turn.
+pub(crate) fn usual_shares() -> impl Iterator<Item = f64> {
+    const PLACES: u32 = 12;
+    const MOST: f64 = 2.0;
+    (1..=PLACES).map(|place| MOST * f64::from(place) / f64::from(PLACES))
+}
+
+/// Least squares of `y = p x + c max(x − knee, 0)` to points with increasing `x`, with the best of their knees:
+/// the mean square of what remains over `x`, and `p`, `c` and the knee. `None` for less than three points.
+pub(crate) fn two_lines(points: &[(f64, f64)]) -> Option<(f64, [f64; 3])> {
+    let knees = points.iter().map(|(x, _)| *x);
+    let fits = knees.filter_map(|knee| with_knee(points, knee));
+    fits.min_by(|(a, _), (b, _)| a.total_cmp(b))
+}
+
+fn with_knee(points: &[(f64, f64)], knee: f64) -> Option<(f64, [f64; 3])> {
     let beyond = |x: f64| (x - knee).max(0.0);
     let mut sums = [0.0; 5];
     for (x, y) in points {
@@ -171,10 +179,12 @@ fn two_lines(points: &[(f64, f64)], knee: f64) -> Option<(f64, [f64; 3])> {
     }
     let [xx, xb, bb, xy, by] = sums;
     let determinant = xx * bb - xb * xb;
-    if !(determinant > 0.0) {
+    if !(determinant > 1e-9 * xx * xx) {
         return None;
     }
     let [p, c] = [bb * xy - xb * by, xx * by - xb * xy].map(|of| of / determinant);
-    let square = points.iter().map(|(x, y)| (y - p * x - c * beyond(*x)).powi(2)).sum();
+    let remains = |(x, y): &(f64, f64)| (y / x - p - c * beyond(*x) / x).powi(2);
+    #[allow(clippy::cast_precision_loss)] // a few
+    let square = points.iter().map(remains).sum::<f64>() / points.len() as f64;
     Some((square, [p, c, knee]))
 }

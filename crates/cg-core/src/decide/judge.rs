@@ -108,7 +108,8 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             self.road.parts(channel, &articulation, expected, self.design.gravity_mps2);
         let model_sd = (square(spread.sd(place)) + square(common_road)).root();
         let far_sd = (square(ratio_sd_relative) + square(model_sd) + square(own_road)).root();
-        let compensation = Measured::exact(compensation * self.road.articulated(channel, &articulation));
+        let compensation =
+            Measured::exact(compensation * self.road.articulated(channel, &articulation));
         let far = self.is_far(&line, fit.ratio.value / compensation.value, far_sd);
         let exact = Measured::exact(fit.ratio.value);
         let height = solve_height(&line, fit.ratio, compensation, own_road);
@@ -159,8 +160,7 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         let ratio =
             line.ratio_at(self.design.reference_height_m) * self.design.compensation(channel);
         let articulation = self.design.articulation(channel);
-        let [common, _] =
-            self.road.parts(channel, &articulation, ratio, self.design.gravity_mps2);
+        let [common, _] = self.road.parts(channel, &articulation, ratio, self.design.gravity_mps2);
         Some(common)
     }
 

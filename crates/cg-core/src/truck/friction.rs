@@ -39,14 +39,13 @@ pub struct Friction<T> {
 
 impl<T: Real> Friction<T> {
     /// No friction.
-    pub const NONE: Self =
-        Self {
-            usual_share: T::ZERO,
-            bend: T::ZERO,
-            knee_rad: T::ZERO,
-            roll_rad: T::ZERO,
-            deflection_rad: T::ZERO,
-        };
+    pub const NONE: Self = Self {
+        usual_share: T::ZERO,
+        bend: T::ZERO,
+        knee_rad: T::ZERO,
+        roll_rad: T::ZERO,
+        deflection_rad: T::ZERO,
+    };
 
     /// The same in another precision.
     pub(crate) fn cast<U: Real>(&self) -> Friction<U> {

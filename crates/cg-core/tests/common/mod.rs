@@ -94,7 +94,7 @@ pub(crate) fn design_with<const C: usize>(channels: [Channel; C]) -> Design<f64,
             }; MASSES],
             friction: [Friction::NONE; SPRING_MASSES],
             of_lines: [1.0; SPRING_MASSES],
-        articulation: Articulation::NONE,
+            articulation: Articulation::NONE,
             lines: [[scaled(steer_line); MASSES]; SPEEDS],
             compensation: 1.489_6,
         }
