@@ -7,8 +7,8 @@ use std::ptr::{from_ref, null_mut};
 
 use cg_core::truck::design::SPRING_MASSES;
 use cg_core::{
-    Channel, ChannelDesign, Estimator, FilteredArx, Friction, Prior, RatioLine, Reduced5,
-    RolloverDesign, Sample, Settings, Spread, ThresholdLine,
+    Articulation, Channel, ChannelDesign, Estimator, FilteredArx, Friction, Prior, RatioLine,
+    Reduced5, RolloverDesign, Sample, Settings, Spread, ThresholdLine,
 };
 use cg_ffi::{
     CG_ESTIMATOR_SIZE, CHANNELS, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgStep,

@@ -3,8 +3,7 @@
 use nalgebra::DVector;
 
 use crate::balance::StaticBalance;
-use crate::equations::{Equations, q, w};
-use crate::linear::Motion;
+use crate::equations::{Equations, Motion, q, w};
 use crate::load::SprungMass;
 use crate::twisting::{DAMPING_S, Part, Twisting};
 use crate::vehicle::{Hitch, PlacedAxle, Tractor, Vehicle};

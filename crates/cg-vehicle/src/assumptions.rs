@@ -2,6 +2,7 @@
 //! no log shows it.
 
 use crate::finding::plain;
+use crate::slip::USUAL_G;
 use crate::vehicle::Vehicle;
 
 /// The key of the stiffness of the trailer's frame.
@@ -10,6 +11,12 @@ const FRAME: &str = "trailer.frame_torsional_stiffness_nm_per_rad";
 const PLACE: &str = "sensors.roll.behind_hitch_m";
 /// The key of the place of the accelerometer.
 const FORCE_PLACE: &str = "sensors.accelerometer.behind_hitch_m";
+
+/// The key of the slope of a tire.
+const SLOPE: &str = "tyre.cornering_stiffness_n_per_rad";
+/// Relative difference of a slope from the secant of its slip table that is noted: a third of the usual
+/// uncertainty of cornering stiffnesses (15 %), as great as slopes at zero slip are too great.
+const SLOPE_APART: f64 = 0.05;
 
 /// Whether the place of the roll sensor matters, because the frame twists, and is not in the file.
 pub fn has_unplaced_roll_sensor(vehicle: &Vehicle) -> bool {
@@ -57,6 +64,28 @@ impl Assumption {
                    wrong. Give the place of the sensor"
                 .to_owned(),
         });
-        frame.into_iter().chain(place).chain(force).collect()
+        frame.into_iter().chain(place).chain(force).chain(Self::of_slopes(vehicle)).collect()
+    }
+
+    /// The tire whose slopes are farthest from the secants of its slip table.
+    fn of_slopes(vehicle: &Vehicle) -> Option<Self> {
+        let apart = vehicle.tyre.iter().flat_map(|tyre| {
+            let slopes = tyre.load_n.iter().zip(&tyre.cornering_stiffness_n_per_rad);
+            slopes.filter_map(|(&load_n, slope)| {
+                let table = tyre.lateral_force.as_ref()?;
+                let [_, secant] = table.slopes_n_per_rad(load_n, USUAL_G)?;
+                (load_n > 0.0).then(|| (slope / secant - 1.0, tyre.name.as_str()))
+            })
+        });
+        let (most, tyre) = apart.max_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()))?;
+        (most.abs() > SLOPE_APART).then(|| Self {
+            key: SLOPE,
+            note: format!(
+                "those of tire \"{tyre}\" differ by up to {:+.0} % from the secants at {USUAL_G} g in its slip table; slopes at \
+                 zero slip are some percent greater. Only the steer channel depends on it. If you leave the key \
+                 out, it is computed from the table",
+                100.0 * most
+            ),
+        })
     }
 }

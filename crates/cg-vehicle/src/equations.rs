@@ -88,6 +88,18 @@ pub(crate) struct UnitSensors {
     pub(crate) axles: Vec<usize>,
 }
 
+/// The motion for which the model is linear: that of the suspensions of tractor and trailer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// Amplitudes of the suspension roll.
+    pub(crate) amplitude_rad: [f64; 2],
+    /// Factors of the springs' friction.
+    pub(crate) friction: [f64; 2],
+    /// Factors of the springs' roll stiffness.
+    pub(crate) stiffness: [f64; 2],
+    pub(crate) articulated: Articulated,
+}
+
 /// How the units stand to each other in a steady turn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Articulated {

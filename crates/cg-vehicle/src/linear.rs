@@ -28,7 +28,7 @@ use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 use crate::as_printed;
 use crate::assembly::{Parts, Point, at_hitch, complete};
 use crate::balance::{StaticBalance, static_balance};
-use crate::equations::{Articulated, Equations, Variant, q, w};
+use crate::equations::{Articulated, Equations, Motion, Variant, q, w};
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::response::StateSpace;
@@ -52,31 +52,6 @@ struct Supports<'a> {
     motion: Motion,
 }
 
-/// The motion for which the model is linear: that of the suspensions of tractor and trailer.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    /// Amplitudes of the suspension roll.
-    pub(crate) amplitude_rad: [f64; 2],
-    /// Factors of the springs' friction.
-    pub(crate) friction: [f64; 2],
-    /// Factors of the springs' roll stiffness.
-    pub(crate) stiffness: [f64; 2],
-    pub(crate) articulated: Articulated,
-}
-
-impl Motion {
-    /// That of a [usual turn](usual_roll_rad).
-    pub(crate) fn usual(vehicle: &Vehicle, trailer_mass_kg: f64) -> Result<Self, VehicleError> {
-        let amplitude_rad = usual_roll_rad(vehicle, trailer_mass_kg)?;
-        Ok(Self {
-            amplitude_rad,
-            friction: [1.0; 2],
-            stiffness: [1.0; 2],
-            articulated: Articulated::STRAIGHT,
-        })
-    }
-}
-
 impl<'a> Laden<'a> {
     /// The vehicle under this load. Its height is not used.
     ///
@@ -88,7 +63,7 @@ impl<'a> Laden<'a> {
                 let springs = vehicle.with_springs_at(load)?;
                 Some(Supports {
                     balance: static_balance(&springs, load)?,
-                    motion: Motion::usual(&springs, load.trailer_mass_kg)?,
+                    motion: usual_motion(&springs, load.trailer_mass_kg)?,
                     vehicle: springs,
                 })
             }
@@ -327,6 +302,19 @@ pub fn ratio_line_at(
 ) -> Result<[RatioLine<f64>; CHANNELS], VehicleError> {
     let steady = SteadyLines::at_speed(laden, speed_mps)?;
     Ok(Channel::ALL.map(|channel| steady.channel(channel)))
+}
+
+/// The motion of a usual turn.
+pub(crate) fn usual_motion(
+    vehicle: &Vehicle,
+    trailer_mass_kg: f64,
+) -> Result<Motion, VehicleError> {
+    Ok(Motion {
+        amplitude_rad: usual_roll_rad(vehicle, trailer_mass_kg)?,
+        friction: [1.0; 2],
+        stiffness: [1.0; 2],
+        articulated: Articulated::STRAIGHT,
+    })
 }
 
 /// Specific force of usual turns, g: about that of a lateral acceleration of 0.1 g. The roll angle in a turn of a

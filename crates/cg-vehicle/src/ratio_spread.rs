@@ -7,7 +7,6 @@ use crate::balance::static_balance;
 use crate::belief::{Belief, Deviations, PARAMETERS, Parameter, adjusted, log_gain};
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::friction::{two_lines, usual_shares};
 use crate::linear::{Laden, ratio_line_at, usual_roll_rad};
 use crate::load::Load;
 use crate::vehicle::Vehicle;
@@ -64,16 +63,17 @@ impl Belief {
     }
 }
 
-/// The least amplitude of usual drives, as a factor of the one in the usual turn.
-const LEAST_AMPLITUDE: f64 = 0.5;
+/// Amplitudes of usual drives, as factors of the one in the usual turn.
+const AMPLITUDES: [f64; 2] = [0.5, 2.0];
 /// Relative standard deviation by which the friction of a spring differs from drive to drive, because it is
 /// wet or dry, warm or cold. What is the same in all drives is a parameter of the truck.
 const FRICTION_CHANGE_SD: f64 = 0.1;
 
 /// Relative variances of the roll stiffness of the suspensions of tractor and trailer due to measured
 /// springs, which differ in every situation: the slope midway between their curves depends on the
-/// amplitude of the motion otherwise than by [two straight lines](crate::friction); the friction, which is
-/// calculated, changes; and what is not known of it counts more in small motion than in the usual one.
+/// amplitude of the motion; the friction, which is [calculated](crate::friction), changes; and what is not
+/// known of it counts more in small motion than in the usual one. Within the usual amplitudes the slope is
+/// taken as distributed evenly.
 pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64; 2], VehicleError> {
     if !vehicle.has_measured_springs() {
         return Ok([0.0; 2]);
@@ -92,17 +92,15 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
                 .sum::<f64>();
             libm::log(stiffness)
         };
-        let usual = logarithm(1.0, 0.0);
-        let force = |share: f64| (share, share * libm::exp(logarithm(share, 0.0) - usual));
-        let forces: Vec<_> = usual_shares().map(force).collect();
-        let by_amplitude = two_lines(&forces).map_or(0.0, |(square, _)| square);
+        let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
+        let by_amplitude = (small - large) / 12.0_f64.sqrt();
         // More friction changes more than less.
         let by_friction =
             |amplitude: f64, sd: f64| logarithm(amplitude, 1.0 + sd) - logarithm(amplitude, 1.0);
         let changed = by_friction(1.0, FRICTION_CHANGE_SD);
         let unknown_sd = vehicle.uncertainty.spring_friction_sd;
-        let apart = by_friction(LEAST_AMPLITUDE, unknown_sd) - by_friction(1.0, unknown_sd);
-        by_amplitude + changed * changed + 0.5 * apart * apart
+        let apart = by_friction(AMPLITUDES[0], unknown_sd) - by_friction(1.0, unknown_sd);
+        by_amplitude * by_amplitude + changed * changed + 0.5 * apart * apart
     }))
 }
 

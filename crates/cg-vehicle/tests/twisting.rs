@@ -183,6 +183,33 @@ fn the_printed_model_refuses_a_twisting_frame() {
     assert!(error.to_string().contains("frame_torsional_stiffness_nm_per_rad"), "{error}");
 }
 
+/// The slopes of a file that are not the secants of its slip table are noted, with the tire and by how much.
+#[test]
+fn slopes_at_zero_slip_are_noted() {
+    let mut vehicle = common::vehicle("kraz.toml");
+    vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(3e6);
+    (vehicle.sensors.roll.behind_hitch_m, vehicle.sensors.accelerometer.behind_hitch_m) =
+        (Some(7.7), Some(7.7));
+    let noted = |vehicle: &Vehicle| -> Vec<_> {
+        Assumption::of(vehicle).into_iter().map(|one| (one.key, one.note)).collect()
+    };
+    let [(key, note)] = &noted(&vehicle)[..] else { panic!("{:?}", noted(&vehicle)) };
+    assert_eq!(*key, "tyre.cornering_stiffness_n_per_rad");
+    assert!(note.contains("\"trailer\" differ by up to +8 %"), "{note}");
+    // The secants themselves are not, and neither are tires without a table.
+    for tyre in &mut vehicle.tyre {
+        let table = tyre.lateral_force.as_ref().unwrap();
+        let secant = |n: &f64| table.slopes_n_per_rad(*n, 0.15).unwrap()[1];
+        tyre.cornering_stiffness_n_per_rad = tyre.load_n.iter().map(secant).collect();
+    }
+    assert!(noted(&vehicle).is_empty());
+    for tyre in &mut vehicle.tyre {
+        tyre.cornering_stiffness_n_per_rad[1] *= 1.5;
+        tyre.lateral_force = None;
+    }
+    assert!(noted(&vehicle).is_empty());
+}
+
 /// A note stands on what would change the height if it were otherwise, and on nothing else.
 #[test]
 fn what_nothing_contradicts_is_noted() {

@@ -21,6 +21,9 @@ const ONCE_IN_A_THOUSAND: f64 = 3.29;
 /// acceleration to roll angle. It is at the lower end, so that the bank counts for more.
 const LEAST_ROLL_RAD_PER_G: f64 = 0.1;
 
+/// Greatest relative standard deviation of a ratio by articulation. Turns that are tighter are left out.
+const MOST_TURNED: f64 = 0.08;
+
 /// What is known about a maneuver that ends.
 pub(crate) struct Judge<'a, T, const C: usize> {
     design: &'a Design<T, C>,
@@ -96,14 +99,17 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             let reject = Reject::Road { ratio_sd_relative: road_sd_relative };
             return (rejected(Some(fit), reject), None);
         }
-        if !(ratio_sd_relative <= self.settings.ratio_sd_relative) {
-            return (rejected(Some(fit), Reject::Imprecise { ratio_sd_relative }), None);
+        let articulation = self.design.articulation(channel);
+        let square = |x: T| x * x;
+        let turned = self.road.articulated_sd(&articulation);
+        let imprecise = (square(ratio_sd_relative) + square(turned)).root();
+        if !(imprecise <= self.settings.ratio_sd_relative && turned < T::of(MOST_TURNED)) {
+            let reject = Reject::Imprecise { ratio_sd_relative: imprecise };
+            return (rejected(Some(fit), reject), None);
         }
         if let Some(reason) = self.inconsistency(&fit, place, input_noise_rad2_s) {
             return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
         }
-        let square = |x: T| x * x;
-        let articulation = self.design.articulation(channel);
         let [common_road, own_road] =
             self.road.parts(channel, &articulation, expected, self.design.gravity_mps2);
         let model_sd = (square(spread.sd(place)) + square(common_road)).root();

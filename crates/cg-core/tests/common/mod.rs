@@ -9,8 +9,8 @@ use cg_core::truck::design::{MASSES, SPEEDS, SPRING_MASSES};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{
-    Channel, ChannelDesign, Design, Estimator, Friction, Reduced5, RolloverDesign, Spread,
-    ThresholdLine,
+    Articulation, Channel, ChannelDesign, Design, Estimator, Friction, Reduced5, RolloverDesign,
+    Spread, ThresholdLine,
 };
 use rand::SeedableRng;
 use rand::rngs::StdRng;

@@ -134,13 +134,9 @@ impl Envelope {
     }
 
     /// The deflection within which the force changes from one curve to the other: `deflection_m`, or if that
-    /// would feed energy in, half the distance between the curves over the greater slope. Both are means over
-    /// the motion in which the force changes, because the slopes of tables jump at their nodes.
+    /// would feed energy in, half the distance between the curves over the greater slope, at the static load.
     pub fn usable_deflection_m(&self, start_m: f64, deflection_m: f64) -> f64 {
-        let around = |side: f64| start_m + 2.0 * deflection_m * side;
-        let friction_n = mean(|side| self.friction_n(around(side)).max(0.0));
-        let slope = mean(|side| self.steepest(around(side)));
-        deflection_m.min(friction_n / slope)
+        deflection_m.min(self.friction_n(start_m).max(0.0) / self.steepest(start_m))
     }
 
     /// Deflection at which the force midway between the curves is `force_n`. The curves must be
