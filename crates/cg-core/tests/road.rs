@@ -155,7 +155,7 @@ fn the_suspension_gives_the_same_height_on_every_road() {
 #[test]
 fn a_tight_turn_is_corrected_in_each_channel_and_widens_its_interval() {
     let lateral_mps2 = ROLL_RAD / (roll_per_mps2() * 1.489_6);
-    let beyond = (7.6 * lateral_mps2 / 36.0).powi(2) - 0.008;
+    let beyond = (7.6 * lateral_mps2 / 36.0).powi(2) - 0.0125;
     assert!(beyond > 0.05);
     let shares = [(-0.3, 0.3), (0.0, 0.2), (0.0, 0.1), (-0.4, 0.4)];
     let mut design = design_with(Channel::ALL);

@@ -30,7 +30,7 @@ extern "C" {
 /* Sizes of the tables of a design. */
 #define CG_SPEEDS 8
 #define CG_MASSES 6
-#define CG_STEPS 4
+#define CG_STEPS 3
 #define CG_SPRING_MASSES ((CG_MASSES - 1) * CG_STEPS + 1)
 #define CG_HEIGHTS 8
 #define CG_ORDER 5

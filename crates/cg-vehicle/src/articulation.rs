@@ -5,7 +5,8 @@
 //! acts on the trailer multiplied by `cos ψ`; with an axis of the trailer it is `φ2 − φ1 cos ψ`. The trailer moves on a
 //! circle that is smaller by `cos ψ`, so that it leaves less moment on the fifth wheel than the tractor's
 //! acceleration says. Changes of the ratios of both pairs of suspension roll and specific force divided by `ψ²`, in the
-//! nonlinear plant (steady turns of 15 to 40 m at 5 m/s, 10 and 20 t, mean) and in this model (reference load):
+//! nonlinear plant (steady turns of 15 to 40 m at 5 m/s, 10 and 20 t, mean) and in this model (reference load; test
+//! `articulation` of `cg-plant`):
 //!
 //! | vehicle | axis of the | trailer, plant | model | tractor, plant | model |
 //! |---|---|---|---|---|---|

@@ -103,7 +103,8 @@ fn the_check_has_loads_thresholds_and_the_parameters_that_matter_most() {
     }
 }
 
-/// The frame of kraz is rigid in its file; a template says nothing of frame and sensor.
+/// The frame of kraz is rigid in its file, and its tires have slopes at zero slip; a template says nothing of frame
+/// and sensor.
 #[test]
 fn the_check_notes_what_nothing_else_tells() {
     const PLACES: &str = "
@@ -117,7 +118,14 @@ behind_hitch_m = 7.7
     let known = std::fs::read_to_string(&template).unwrap();
     let known = scratch.file("known.toml", known + PLACES);
     for (file, place, count, key, part) in [
-        (&kraz(), 0, 1, "trailer.frame_torsional_stiffness_nm_per_rad", "1e10 is a rigid frame"),
+        (&kraz(), 0, 2, "trailer.frame_torsional_stiffness_nm_per_rad", "1e10 is a rigid frame"),
+        (
+            &kraz(),
+            1,
+            2,
+            "tyre.cornering_stiffness_n_per_rad",
+            "differ by up to +8 % from the secants",
+        ),
         (&template, 0, 2, "sensors.roll.behind_hitch_m", "counts as over the axles"),
         (&template, 1, 2, "sensors.accelerometer.behind_hitch_m", "as over the trailer's axles"),
     ] {

@@ -100,16 +100,15 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
             return (rejected(Some(fit), reject), None);
         }
         let articulation = self.design.articulation(channel);
-        let square = |x: T| x * x;
         let turned = self.road.articulated_sd(&articulation);
-        let imprecise = (square(ratio_sd_relative) + square(turned)).root();
-        if !(imprecise <= self.settings.ratio_sd_relative && turned < T::of(MOST_TURNED)) {
-            let reject = Reject::Imprecise { ratio_sd_relative: imprecise };
+        if !(ratio_sd_relative <= self.settings.ratio_sd_relative && turned < T::of(MOST_TURNED)) {
+            let reject = Reject::Imprecise { ratio_sd_relative: ratio_sd_relative.max(turned) };
             return (rejected(Some(fit), reject), None);
         }
         if let Some(reason) = self.inconsistency(&fit, place, input_noise_rad2_s) {
             return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
         }
+        let square = |x: T| x * x;
         let [common_road, own_road] =
             self.road.parts(channel, &articulation, expected, self.design.gravity_mps2);
         let model_sd = (square(spread.sd(place)) + square(common_road)).root();

@@ -120,7 +120,13 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         let interval_s: T = seconds(interval_us.unwrap_or(0));
         let late_rad = self.lags.push(measured_rad, interval_s);
         let held_rad = self.state.push(&self.friction, late_rad);
-        let free = |roll_rad| self.state.free_rad(&self.friction, roll_rad, held_rad);
+        let free = |roll_rad| {
+            if self.friction.acts() {
+                self.state.free_rad(&self.friction, roll_rad, held_rad)
+            } else {
+                roll_rad
+            }
+        };
         let roll_rad = free(if lags { late_rad } else { measured_rad });
         let share = interval_s * T::of(1.0 / VIEW_LAG_S); // a gap ends at 0.5 s
         for (view, signal) in self.view_rad.iter_mut().zip([expected_rad, measured_rad]) {

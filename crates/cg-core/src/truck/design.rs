@@ -17,8 +17,8 @@ pub const SPEEDS: usize = 8;
 /// Number of trailer masses on the mass axis of a design.
 pub const MASSES: usize = 6;
 /// Steps between two masses of the axis, at which the springs are known.
-pub const STEPS: usize = 4;
-const STEPS_F64: f64 = 4.0;
+pub const STEPS: usize = 3;
+const STEPS_F64: f64 = 3.0;
 /// Number of masses at which the springs are known.
 pub const SPRING_MASSES: usize = (MASSES - 1) * STEPS + 1;
 
@@ -361,6 +361,7 @@ impl<T: Real, const C: usize> Design<T, C> {
 
     /// The place of the mass below among the masses at which the springs are known, and the share of the one
     /// above it.
+    #[inline(never)] // one copy in the firmware image
     pub(super) fn springs(&self, trailer_mass_kg: T) -> (usize, T) {
         let (j, share) = self.nearest_masses(trailer_mass_kg);
         let (mut step, mut share) = (0, share * T::of(STEPS_F64));
@@ -437,6 +438,7 @@ impl<T: Real> ChannelDesign<T> {
     }
 
     /// The ratio over that of the lines between [two masses](Design::springs).
+    #[inline(never)] // one copy in the firmware image
     pub(super) fn of_lines(&self, (place, share): (usize, T)) -> T {
         match self.of_lines.get(place..) {
             Some([below, above, ..]) => *below + (*above - *below) * share,

@@ -59,6 +59,11 @@ impl<T: Real> Friction<T> {
         }
     }
 
+    /// Whether there is friction.
+    pub(crate) fn acts(&self) -> bool {
+        self.deflection_rad > T::zero()
+    }
+
     /// Whether this is no friction, or leaves the springs a slope and has positive angles.
     pub(crate) fn is_possible(&self) -> bool {
         let Self { usual_share, bend, knee_rad, roll_rad, deflection_rad } = *self;
@@ -66,7 +71,7 @@ impl<T: Real> Friction<T> {
         let sloped = usual_share.abs() < T::one() && bend - usual_share > -T::one();
         let acts = roll_rad > T::zero() && deflection_rad > T::zero() && knee_rad >= T::zero();
         let finite = (bend + knee_rad + roll_rad + deflection_rad).present();
-        *self == Self::NONE || (sloped && acts && finite)
+        (sloped && acts && finite) || *self == Self::NONE
     }
 
     /// The friction between this one and another.
@@ -103,7 +108,7 @@ impl<T: Real> FrictionState<T> {
 
     /// Advances to the next roll angle; returns `δ q`.
     pub fn push(&mut self, friction: &Friction<T>, roll_rad: T) -> T {
-        if !(friction.deflection_rad > T::zero()) {
+        if !friction.acts() {
             return T::zero();
         }
         let play_rad = friction.deflection_rad * T::of(PLAY_SHARE);
@@ -119,6 +124,7 @@ impl<T: Real> FrictionState<T> {
     }
 
     /// The roll angle on linear springs without friction, where the friction [holds](Self::push) `held_rad`.
+    #[inline(never)] // one copy in the firmware image
     pub fn free_rad(&self, friction: &Friction<T>, roll_rad: T, held_rad: T) -> T {
         let away_rad = roll_rad - self.rest_rad;
         let within_rad = away_rad.max(-friction.knee_rad).min(friction.knee_rad);
