@@ -325,8 +325,7 @@ impl<T: Real, const C: usize> Design<T, C> {
     /// The ratio line of a channel at a speed and trailer mass; `None` outside the axes, or if the
     /// design does not have the channel.
     ///
-    /// Each coefficient is interpolated cubically in speed and in mass. The ratio is then multiplied by what
-    /// the springs at this mass make of it.
+    /// Each coefficient is a cubic in speed and mass; the ratio is multiplied by what the springs make of it.
     pub fn line(&self, channel: Channel, speed_mps: T, trailer_mass_kg: T) -> Option<RatioLine<T>> {
         let design = self.channels.get(self.place(channel)?)?;
         let mass = cubic(&self.trailer_mass_kg, trailer_mass_kg, false)?;
@@ -361,7 +360,6 @@ impl<T: Real, const C: usize> Design<T, C> {
 
     /// The place of the mass below among the masses at which the springs are known, and the share of the one
     /// above it.
-    #[inline(never)] // one copy in the firmware image
     pub(super) fn springs(&self, trailer_mass_kg: T) -> (usize, T) {
         let (j, share) = self.nearest_masses(trailer_mass_kg);
         let (mut step, mut share) = (0, share * T::of(STEPS_F64));
