@@ -194,6 +194,6 @@ fn with_knee(points: &[(f64, f64)], knee: f64) -> Option<(f64, [f64; 3])> {
         return None;
     }
     let [p, c] = [bb * xy - xb * by, xx * by - xb * xy].map(|of| of / determinant);
-    let remains = |(x, y): &(f64, f64)| (y / x - p - c * beyond(*x) / x).powi(2);
-    Some((points.iter().map(remains).sum(), [p, c, knee]))
+    let remains = |(x, y): &(f64, f64)| y / x - p - c * beyond(*x) / x;
+    Some((points.iter().map(|point| remains(point) * remains(point)).sum(), [p, c, knee]))
 }

@@ -70,51 +70,47 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         input_noise_rad2_s: T,
     ) -> (Outcome<T>, Option<bool>) {
         let (speed_mps, trailer_mass_kg) = (self.window.speed_mps, self.window.trailer_mass_kg);
-        let rejected = |fit, reject| Outcome::rejected(fit, reject);
+        let rejected = |fit, reject| (Outcome::rejected(fit, reject), None);
         let known = self.design.channel(place).and_then(|channel| {
             let line = self.design.line(channel, speed_mps, trailer_mass_kg)?;
             Some((channel, line, self.spread.as_ref()?))
         });
         let Some((channel, line, spread)) = known else {
-            return (rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg }), None);
+            return rejected(None, Reject::OutsideDesign { speed_mps, trailer_mass_kg });
         };
         let mut fit = match answer {
-            None => return (rejected(None, Reject::Absent), None),
-            Some(Answer::Unexcited(reason)) => {
-                return (rejected(None, Reject::Unexcited(reason)), None);
-            }
+            None => return rejected(None, Reject::Absent),
+            Some(Answer::Unexcited(reason)) => return rejected(None, Reject::Unexcited(reason)),
             Some(Answer::Ready(fit)) => fit,
         };
         let compensation = self.design.compensation(channel);
         let expected = line.ratio_at(self.design.reference_height_m) * compensation;
+        let square = |x: T| x * x;
         let watch = self.window.watch(self.design.first_with_output(place));
         let steps = watch.map_or(T::zero(), |watch| watch.step_share(fit.noise_sd_rad));
-        let ratio_sd_relative =
-            ((fit.ratio.sd * fit.ratio.sd + steps * steps).root() / fit.ratio.value).abs();
+        let ratio_sd = (square(fit.ratio.sd) + square(steps)).root();
+        let ratio_sd_relative = (ratio_sd / fit.ratio.value).abs();
         fit.ratio.sd = ratio_sd_relative * fit.ratio.value.abs();
-        fit.ratio.value *= expected;
-        fit.ratio.sd *= expected;
+        (fit.ratio.value, fit.ratio.sd) = (fit.ratio.value * expected, fit.ratio.sd * expected);
         let road_sd_relative = self.road.sd_relative(channel);
         if !(road_sd_relative <= self.settings.road_sd_relative) {
-            let reject = Reject::Road { ratio_sd_relative: road_sd_relative };
-            return (rejected(Some(fit), reject), None);
+            return rejected(Some(fit), Reject::Road { ratio_sd_relative: road_sd_relative });
         }
         let articulation = self.design.articulation(channel);
         let turned = self.road.articulated_sd(&articulation);
         if !(ratio_sd_relative <= self.settings.ratio_sd_relative && turned < T::of(MOST_TURNED)) {
-            let reject = Reject::Imprecise { ratio_sd_relative: ratio_sd_relative.max(turned) };
-            return (rejected(Some(fit), reject), None);
+            let ratio_sd_relative = ratio_sd_relative.max(turned);
+            return rejected(Some(fit), Reject::Imprecise { ratio_sd_relative });
         }
         if let Some(reason) = self.inconsistency(&fit, place, input_noise_rad2_s) {
-            return (rejected(Some(fit), Reject::Inconsistent(reason)), None);
+            return rejected(Some(fit), Reject::Inconsistent(reason));
         }
-        let square = |x: T| x * x;
         let [common_road, own_road] =
             self.road.parts(channel, &articulation, expected, self.design.gravity_mps2);
         let model_sd = (square(spread.sd(place)) + square(common_road)).root();
         let far_sd = (square(ratio_sd_relative) + square(model_sd) + square(own_road)).root();
-        let compensation =
-            Measured::exact(compensation * self.road.articulated(channel, &articulation));
+        let turned = self.road.articulated(channel, &articulation);
+        let compensation = Measured::exact(compensation * turned);
         let far = self.is_far(&line, fit.ratio.value / compensation.value, far_sd);
         let exact = Measured::exact(fit.ratio.value);
         let height = solve_height(&line, fit.ratio, compensation, own_road);
@@ -127,11 +123,10 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
                 systematic_sd_m: systematic.sd,
                 road_sd_m: road.sd,
             },
-            (Ok(height), ..) => {
-                let height_m = height.value;
-                rejected(Some(fit), Reject::Height(HeightError::OutOfRange { height_m }))
+            (Ok(Measured { value: height_m, .. }), ..) => {
+                Outcome::rejected(Some(fit), Reject::Height(HeightError::OutOfRange { height_m }))
             }
-            (Err(error), ..) => rejected(Some(fit), Reject::Height(error)),
+            (Err(error), ..) => Outcome::rejected(Some(fit), Reject::Height(error)),
         };
         (outcome, Some(far))
     }
