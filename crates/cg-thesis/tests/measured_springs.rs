@@ -26,9 +26,10 @@ const DRIVES: u64 = 8;
 /// and the greatest root mean square of the errors of both pairs after a calibration, on all roads together.
 type Case = (&'static str, f64, [f64; 2]);
 /// Wanted are 1.5 % and 2.5 %. On leaf springs the trailer's pair leaves 1.6 %. The suspension of a tractor on them
-/// rolls by 1 to 7 mrad, of which friction holds up to a half, and leaves 5 %.
+/// rolls by 1 to 7 mrad, of which friction holds up to a half, and leaves 5.7 %. The root mean square of 24 errors (8
+/// drives on each road) has a standard deviation of 14 % of itself, two of which are allowed.
 const CASES: [Case; 2] =
-    [("baseline-tables.toml", 2.1, [0.0175, 0.06]), ("air.toml", 1.85, [0.015, 0.025])];
+    [("baseline-tables.toml", 2.1, [0.0205, 0.073]), ("air.toml", 1.85, [0.015, 0.025])];
 
 fn laden(vehicle: &Vehicle, payload_kg: f64, cg_height_m: f64) -> Load {
     Load { trailer_mass_kg: vehicle.empty_trailer_mass_kg() + payload_kg, cg_height_m }
