@@ -10,13 +10,13 @@
 //!
 //! | vehicle | axis of the | trailer, plant | model | tractor, plant | model |
 //! |---|---|---|---|---|---|
-//! | `kraz` | tractor | 0.08 | 0.24 | −0.80 | −0.73 |
-//! | `euro` | tractor | 0.15 | 0.19 | −0.81 | −0.75 |
+//! | `kraz` | tractor | 0.09 | 0.24 | −0.79 | −0.73 |
+//! | `euro` | tractor | 0.16 | 0.19 | −0.80 | −0.75 |
 //! | `air` | tractor | 0.18 | 0.19 | −0.29 | −0.50 |
-//! | `baseline` | tractor | 0.37 | 0.32 | −0.61 | −0.54 |
-//! | `kraz` | trailer | −0.04 | 0.05 | 0.23 | 0.08 |
-//! | `euro` | trailer | 0.02 | −0.07 | 0.08 | −0.03 |
-//! | `air` | trailer | −0.05 | −0.06 | −0.11 | −0.42 |
+//! | `baseline` | tractor | 0.38 | 0.32 | −0.61 | −0.54 |
+//! | `kraz` | trailer | −0.03 | 0.05 | 0.22 | 0.08 |
+//! | `euro` | trailer | 0.02 | −0.07 | 0.07 | −0.03 |
+//! | `air` | trailer | −0.06 | −0.06 | −0.11 | −0.42 |
 //! | `baseline` | trailer | −0.08 | −0.24 | −0.10 | −0.25 |
 //!
 //! An independent truck, whose joint tilts about an axis of the trailer, shows 0 and 0.1.
@@ -50,8 +50,7 @@ pub(crate) fn articulations(
     vehicle: &Vehicle,
     load: Load,
 ) -> Result<[Articulation<f64>; CHANNELS], VehicleError> {
-    let on_tractor = changes(vehicle, load, [1.0, COS])?;
-    let on_trailer = changes(vehicle, load, [COS, 1.0])?;
+    let [on_tractor, on_trailer] = changes(vehicle, load)?;
     Ok(Channel::ALL.map(|channel| {
         if channel.input() == Input::Steer {
             return STEER;
@@ -70,23 +69,22 @@ pub(crate) fn articulations(
     }))
 }
 
-/// The changes of the ratios by these shares of the roll angles, and by the trailer's smaller circle.
-fn changes(
-    vehicle: &Vehicle,
-    load: Load,
-    hitch_shares: [f64; 2],
-) -> Result<[f64; CHANNELS], VehicleError> {
+/// The changes of the ratios with an axis of the tractor and with one of the trailer.
+fn changes(vehicle: &Vehicle, load: Load) -> Result<[[f64; CHANNELS]; 2], VehicleError> {
     let usual = usual_motion(&*vehicle.with_springs_at(load)?, load.trailer_mass_kg)?;
+    let laden = Laden::new(vehicle, Variant::Complete, load)?;
     let ratios = |articulated: Articulated| {
-        let motion = Motion { articulated, ..usual };
-        let laden = Laden::new(vehicle, Variant::Complete, load)?.moving(motion);
+        let laden = laden.clone().moving(Motion { articulated, ..usual });
         let lines = ratio_line_at(&laden, vehicle.nominal_speed_mps)?;
         Ok::<_, VehicleError>(lines.map(|line| line.ratio_at(load.cg_height_m)))
     };
     let straight = ratios(Articulated::STRAIGHT)?;
-    let turned = ratios(Articulated { hitch_shares, circle: COS })?;
     let angle_rad = libm::acos(COS);
-    Ok(std::array::from_fn(|place| {
-        (turned[place] / straight[place] - 1.0) / (angle_rad * angle_rad)
-    }))
+    let changes = |hitch_shares: [f64; 2]| {
+        let turned = ratios(Articulated { hitch_shares, circle: COS })?;
+        Ok(std::array::from_fn(|place| {
+            (turned[place] / straight[place] - 1.0) / (angle_rad * angle_rad)
+        }))
+    };
+    Ok([changes([1.0, COS])?, changes([COS, 1.0])?])
 }

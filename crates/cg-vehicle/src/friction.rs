@@ -7,9 +7,11 @@
 //! road is that of the other channels, where this also depends on the height, near a load that tips the truck
 //! on little else. There the moment counts as given, and bends stay in the uncertainty.
 
+use std::borrow::Cow;
+
 use cg_core::{CHANNELS, Channel, Friction, Input, Output};
 
-use crate::balance::static_balance;
+use crate::balance::{StaticBalance, static_balance};
 use crate::equations::{Motion, Variant};
 use crate::error::VehicleError;
 use crate::linear::{Laden, SteadyLines, usual_motion};
@@ -32,7 +34,7 @@ pub fn roll_friction(
         return Ok([Friction::NONE; CHANNELS]);
     }
     let springs = Springs::new(vehicle, load)?;
-    let own = [springs.own(0)?, springs.own(1)?];
+    let own = [springs.own(0), springs.own(1)];
     let shares = [springs.shares(0)?, springs.shares(1)?];
     let bent = springs.bent()?;
     let pair = |unit: usize| {
@@ -73,36 +75,39 @@ pub fn roll_friction(
 
 /// A vehicle with measured springs at a load, in usual turns.
 struct Springs<'a> {
-    vehicle: &'a Vehicle,
-    load: Load,
+    /// The vehicle with its springs as they are under the load.
+    vehicle: Cow<'a, Vehicle>,
+    balance: StaticBalance,
     usual: Motion,
+    laden: Laden<'a>,
     lines: SteadyLines,
 }
 
 impl<'a> Springs<'a> {
     fn new(vehicle: &'a Vehicle, load: Load) -> Result<Self, VehicleError> {
-        let springs = vehicle.with_springs_at(load)?;
-        let usual = usual_motion(&springs, load.trailer_mass_kg)?;
-        let speed_mps = vehicle.nominal_speed_mps;
-        let lines = SteadyLines::new(vehicle, Variant::Complete, speed_mps, load)?;
-        Ok(Self { vehicle, load, usual, lines })
+        let laden = Laden::new(vehicle, Variant::Complete, load)?;
+        let lines = SteadyLines::at_speed(&laden, vehicle.nominal_speed_mps)?;
+        let vehicle = vehicle.with_springs_at(load)?;
+        let balance = static_balance(&vehicle, load)?;
+        let usual = usual_motion(&vehicle, load.trailer_mass_kg)?;
+        Ok(Self { vehicle, balance, usual, laden, lines })
     }
 
     /// The part of the trailer's roll angle that is that of its suspension.
     fn on_springs(&self) -> f64 {
         let [suspension, roll] = [Output::SuspensionRoll, Output::Roll].map(|output| {
-            self.lines.line(output, Input::LateralAcceleration).ratio_at(self.load.cg_height_m)
+            let line = self.lines.line(output, Input::LateralAcceleration);
+            line.ratio_at(self.laden.load.cg_height_m)
         });
         suspension / roll
     }
 
     /// The friction in the suspension roll of a unit if its moment is given; `None` without friction.
-    fn own(&self, unit: usize) -> Result<Option<Friction<f64>>, VehicleError> {
-        let vehicle = &*self.vehicle.with_springs_at(self.load)?;
-        let balance = static_balance(vehicle, self.load)?;
+    fn own(&self, unit: usize) -> Option<Friction<f64>> {
+        let vehicle = &*self.vehicle;
         let amplitude_rad = self.usual.amplitude_rad[unit];
         let [mut stiffness, mut free, mut moment_nm, mut turns] = [0.0; 4];
-        for (placed, &load_n) in vehicle.axles().iter().zip(&balance.axle_load_n) {
+        for (placed, &load_n) in vehicle.axles().iter().zip(&self.balance.axle_load_n) {
             if usize::from(placed.on_trailer) == unit {
                 stiffness += vehicle.roll_stiffness(placed, load_n, amplitude_rad, 1.0);
                 free += vehicle.roll_stiffness(placed, load_n, amplitude_rad, 0.0);
@@ -111,22 +116,22 @@ impl<'a> Springs<'a> {
                 turns += own_nm * deflection_rad;
             }
         }
-        Ok((moment_nm > 0.0 && stiffness > free).then(|| Friction {
+        (moment_nm > 0.0 && stiffness > free).then(|| Friction {
             usual_share: 1.0 - free / stiffness,
             roll_rad: moment_nm / stiffness,
             deflection_rad: turns / moment_nm,
             ..Friction::NONE
-        }))
+        })
     }
 
     /// The suspension roll of tractor and trailer in another motion over that in a usual turn, for the same
     /// specific force; `None` if the vehicle has no steady turn in it.
     fn ratios(&self, motion: Motion) -> Result<Option<[f64; 2]>, VehicleError> {
-        let laden = Laden::new(self.vehicle, Variant::Complete, self.load)?.moving(motion);
+        let laden = self.laden.clone().moving(motion);
         let lines = SteadyLines::at_speed(&laden, self.vehicle.nominal_speed_mps)?;
         let ratios = [Channel::Tractor, Channel::Suspension].map(|pair| {
             let [there, usual] = [&lines, &self.lines]
-                .map(|lines| lines.channel(pair).ratio_at(self.load.cg_height_m));
+                .map(|lines| lines.channel(pair).ratio_at(laden.load.cg_height_m));
             there / usual
         });
         Ok(ratios.iter().all(|ratio| *ratio > 0.0).then_some(ratios))

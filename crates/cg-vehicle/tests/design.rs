@@ -120,8 +120,9 @@ fn measured_springs_make_a_design_uncertain_between_its_nodes() {
             let mean = common::rms(&squares.iter().map(|square| square.sqrt()).collect::<Vec<_>>())
                 .powi(2);
             println!("{name}: {channel}: {mean:.2}");
-            assert!(mean < 1.0, "{name}: {channel}: {mean}");
-            assert!(name == "air.toml" || mean > 0.2, "{name}: {channel}: {mean}");
+            // Air springs have no kinks at these loads, so hardly more than 0.1 % is missed.
+            let span = if name == "air.toml" { 0.0..0.1 } else { 0.2..1.0 };
+            assert!(span.contains(&mean), "{name}: {channel}: {mean}");
             assert!(common::largest(&squares) < 9.0, "{name}: {channel}: {squares:?}");
         }
     }

@@ -34,9 +34,9 @@ const TWIST_SHARE: f64 = 0.02;
 /// What `ψ²` may be without a correction, rad²: the ratios change by up to 0.9 % there, as much as the model leaves
 /// anyway. That is a turn of 68 m for a wheelbase of 7.6 m, of 110 m for one of 12.3 m.
 const USUAL_ARTICULATION: f64 = 0.0125;
-/// Relative change of a ratio by articulation, divided by `ψ²`, if its lateral acceleration is that of the yaw
-/// rate: `(cos ψ − 1)/ψ²` is −0.5, and the trailer's own speed is that of the tractor's path times `cos ψ`
-/// within the wheelbase only. The nonlinear plant (`kraz`, `euro`) and an independent truck show −0.4.
+/// Further change of a ratio, divided by `ψ²`, if the lateral acceleration is that of the yaw rate: by
+/// `(cos ψ − 1)/ψ²` = −0.5 in a steady turn. The nonlinear plant (`kraz`, `euro`) shows −0.4 to −0.5, an independent
+/// truck −0.4.
 const BY_YAW_RATE: f64 = -0.4;
 
 /// The road of a maneuver.

@@ -7,8 +7,7 @@ use crate::tables::Spring;
 /// Nodes of the integral over half a cycle (midpoint rule): the stiffness is exact to 1e-4.
 const CYCLE_NODES: u32 = 48;
 
-/// Places at which a curve is averaged: a node of a table that comes into the range changes the mean by one of
-/// as many parts.
+/// Places at which a curve is averaged. Where the range passes a node of a table, the mean moves by a share of this.
 const LOOP_NODES: u32 = 24;
 
 /// The loop that a measured spring describes.
