@@ -116,8 +116,14 @@ fn energy_j(p: &Parameters, state: &State) -> f64 {
 }
 
 /// The vehicle of the file without lateral tire forces, dampers and load groups. The c.g. of its trailer is
-/// this far to the left: it does not rest there, but falls. Its frame may twist.
-fn conservative(file: &str, cg_left_m: f64, frame_nm_per_rad: Option<f64>) -> YawRollPlant {
+/// this far to the left: it does not rest there, but falls. Its frame may twist, and its fifth wheel tilts about
+/// an axis of one of the units.
+fn conservative(
+    file: &str,
+    cg_left_m: f64,
+    frame_nm_per_rad: Option<f64>,
+    tilts_on_tractor: bool,
+) -> YawRollPlant {
     let path = format!("{}/../../fixtures/vehicles/{file}", env!("CARGO_MANIFEST_DIR"));
     let mut vehicle = Vehicle::load(path).unwrap();
     for tyre in &mut vehicle.tyre {
@@ -136,6 +142,7 @@ fn conservative(file: &str, cg_left_m: f64, frame_nm_per_rad: Option<f64>) -> Ya
         axle.spring = None;
     }
     vehicle.hitch.roll_stiffness_nm_per_rad = vehicle.hitch.roll_stiffness_nm_per_rad.min(1e6);
+    vehicle.hitch.tilts_on_tractor = Some(tilts_on_tractor);
     vehicle.trailer.frame_torsional_stiffness_nm_per_rad = frame_nm_per_rad;
     let (load, options) = (vehicle.reference_load(), PlantOptions::default());
     let mut plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
@@ -186,14 +193,16 @@ fn drift_j(plant: &YawRollPlant, step_s: f64) -> (f64, f64) {
 /// few modes like it contain some percent of the total energy.
 #[test]
 fn energy_stays_without_dampers_and_lateral_tyre_forces() {
-    for (file, cg_left_m, frame_nm_per_rad) in [
-        ("baseline.toml", 0.0, None),
-        ("kraz.toml", 0.0, None),
-        ("baseline.toml", 0.05, None),
-        ("kraz.toml", 0.0, Some(6e5)),
-        ("euro.toml", 0.05, Some(3e6)),
+    for (file, cg_left_m, frame_nm_per_rad, tilts_on_tractor) in [
+        ("baseline.toml", 0.0, None, true),
+        ("baseline.toml", 0.0, None, false),
+        ("kraz.toml", 0.0, None, true),
+        ("baseline.toml", 0.05, None, true),
+        ("kraz.toml", 0.0, Some(6e5), true),
+        ("euro.toml", 0.05, Some(3e6), true),
+        ("euro.toml", 0.05, Some(3e6), false),
     ] {
-        let plant = conservative(file, cg_left_m, frame_nm_per_rad);
+        let plant = conservative(file, cg_left_m, frame_nm_per_rad, tilts_on_tractor);
         let (coarse, put_in) = drift_j(&plant, 2e-3);
         let (fine, _) = drift_j(&plant, 1e-3);
         println!(
