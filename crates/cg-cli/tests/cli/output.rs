@@ -1,8 +1,10 @@
 //! The formats of `cg estimate`, and options that must not change its results.
 
+use std::path::Path;
+
 use serde_json::Value;
 
-use crate::common::{Scratch, baseline, cg, estimate, fixture, height_m, kraz};
+use crate::common::{Run, Scratch, baseline, cg, command, estimate, fixture, height_m, kraz};
 
 const KEYS: [&str; 18] = [
     "channel",
@@ -53,7 +55,7 @@ fn logs(scratch: &Scratch) -> [String; 3] {
     ]
 }
 
-fn estimate_all(logs: &[String], more: &[&str]) -> crate::common::Run {
+fn estimate_all(logs: &[String], more: &[&str]) -> Run {
     let mut arguments = vec!["estimate"];
     arguments.extend(logs.iter().map(String::as_str));
     let vehicle = kraz();
@@ -244,4 +246,17 @@ fn foreign_columns_in_other_units_and_flipped_give_the_same_height() {
         assert!(error.abs() < 1e-9, "{channel}: {error:e}");
         assert_eq!(theirs["messages"], ours["messages"]);
     }
+}
+
+/// The output that the README shows below its first command is what that command prints.
+#[test]
+fn the_readme_shows_what_its_first_command_prints() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let first = readme.lines().find_map(|line| line.strip_prefix("cargo run ")).unwrap();
+    let (_, arguments) = first.split_once(" -- ").unwrap();
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let run: Run = command(&arguments).current_dir(&root).output().unwrap().into();
+    let out = run.done().out;
+    assert!(out.lines().count() == 2 && readme.contains(out.trim_end()), "{out}");
 }
