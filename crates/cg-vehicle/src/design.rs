@@ -150,7 +150,7 @@ fn interpolation_error(
     }))
 }
 
-/// Adds to the uncertainty at each mass what the lines between it and its neighbors miss in the middle between
+/// Adds to the uncertainty at each mass what the lines between it and its neighbors miss at two places between
 /// two masses at which the springs are known.
 fn add_interpolation_error(
     design: &mut Design<f64>,
@@ -158,7 +158,7 @@ fn add_interpolation_error(
 ) -> Result<(), VehicleError> {
     let masses_kg = design.trailer_mass_kg;
     for (j, pair) in masses_kg.windows(2).enumerate() {
-        for place in shares(0.5) {
+        for place in [0.25, 0.75].into_iter().flat_map(shares) {
             let trailer_mass_kg = pair[0] + place * (pair[1] - pair[0]);
             let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
             let error = interpolation_error(design, vehicle, load)?;
@@ -167,7 +167,7 @@ fn add_interpolation_error(
                     for (row, a) in covariance.iter_mut().zip(error) {
                         for (entry, b) in row.iter_mut().zip(error) {
                             #[allow(clippy::cast_precision_loss)] // a few
-                            let share = 1.0 / STEPS as f64;
+                            let share = 0.5 / STEPS as f64;
                             *entry += a * b * share;
                         }
                     }

@@ -9,7 +9,7 @@
 //!
 //! (Fancher, Ervin, MacAdam and Winkler, SAE 800905, as an ordinary differential equation). This
 //! dissipates energy only if `β ≤ C/k`, half the distance between the curves divided by the greater
-//! slope. If the static load is so low on the curves that the file's β is greater, C/k is used
+//! slope. If the static load is so low on the curves that the file's β is greater, a smaller one is used
 //! ([`Envelope::usable_deflection_m`]).
 
 use cg_vehicle::characteristics::Envelope;

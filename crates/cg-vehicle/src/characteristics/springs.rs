@@ -133,9 +133,24 @@ impl Envelope {
     }
 
     /// The deflection within which the force changes from one curve to the other: `deflection_m`, or if that
-    /// would feed energy in, half the distance between the curves over the greater slope, at the static load.
+    /// would feed energy in, the greatest that does not.
+    ///
+    /// At a place of the curves this is half the distance between them over the greater slope. What another place
+    /// allows counts as well, plus a quarter of the distance to it. So the greatest deflection does not jump with the
+    /// static load where the slope of a table does: it is the greatest function that nowhere exceeds what the place
+    /// itself allows and nowhere changes faster than a quarter of a meter per meter.
     pub fn usable_deflection_m(&self, start_m: f64, deflection_m: f64) -> f64 {
-        deflection_m.min(self.friction_n(start_m).max(0.0) / self.steepest(start_m))
+        const PER_DISTANCE: f64 = 0.25;
+        let allowed_m = |dx: f64, s: &[f64; 4]| {
+            0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx).max(0.0) / s[1].max(s[3])
+        };
+        let (dx, segment) = self.segment(start_m);
+        let own_m = allowed_m(dx, segment);
+        let ends = self.segment.iter().zip(self.deflection_m.windows(2)).flat_map(|(segment, x)| {
+            [(x[0], 0.0), (x[1], x[1] - x[0])]
+                .map(|(at_m, dx)| allowed_m(dx, segment) + PER_DISTANCE * (at_m - start_m).abs())
+        });
+        ends.fold(deflection_m.min(own_m), f64::min)
     }
 
     /// Deflection at which the force midway between the curves is `force_n`. The curves must be
