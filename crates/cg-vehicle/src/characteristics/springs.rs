@@ -146,10 +146,12 @@ impl Envelope {
         };
         let (dx, segment) = self.segment(start_m);
         let own_m = allowed_m(dx, segment);
-        let ends = self.segment.iter().zip(self.deflection_m.windows(2)).flat_map(|(segment, x)| {
-            [(x[0], 0.0), (x[1], x[1] - x[0])]
-                .map(|(at_m, dx)| allowed_m(dx, segment) + PER_DISTANCE * (at_m - start_m).abs())
-        });
+        let ends =
+            self.segment.iter().zip(self.deflection_m.windows(2)).flat_map(|(segment, x)| {
+                [(x[0], 0.0), (x[1], x[1] - x[0])].map(|(at_m, dx)| {
+                    allowed_m(dx, segment) + PER_DISTANCE * (at_m - start_m).abs()
+                })
+            });
         ends.fold(deflection_m.min(own_m), f64::min)
     }
 
