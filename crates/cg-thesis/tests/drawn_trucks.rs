@@ -22,7 +22,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// Trucks of each vehicle file.
-const TRUCKS: u64 = 24;
+const TRUCKS: u64 = 48;
 /// Heights of the payload's own c.g.; the floors are at 1.25 to 1.4 m.
 const HEIGHTS_M: [f64; 4] = [1.5, 1.7, 1.9, 2.1];
 const MANEUVERS: [Maneuver; 2] = [Maneuver::RoundedStep, Maneuver::Drive];

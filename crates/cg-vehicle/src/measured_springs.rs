@@ -39,7 +39,8 @@ impl Vehicle {
         let Some(spring) = self.spring_of(placed.axle) else { return linear };
         let axle = placed.axle;
         let half_spread_m = 0.5 * axle.spring_spread_m;
-        let stiffness_n_per_m = Envelope::with_friction(spring, friction).stiffness_n_per_m(
+        let spring = spring.clone().with_friction(friction);
+        let stiffness_n_per_m = Envelope::new(&spring).stiffness_n_per_m(
             self.spring_load_n(axle, load_n),
             half_spread_m * amplitude_rad,
             spring.friction_deflection_m,

@@ -26,13 +26,15 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// The spring with its friction multiplied by a factor: the curve midway between both is the same.
+    /// The spring with its friction multiplied by a factor: the curve midway between both is the same, and so is
+    /// the stiffness with which friction begins to hold, so that its deflection changes by the factor, too.
     #[must_use]
     pub fn with_friction(mut self, factor: f64) -> Self {
         for (up, down) in self.compression_n.iter_mut().zip(&mut self.extension_n) {
             let (middle, half) = (f64::midpoint(*up, *down), 0.5 * (*up - *down));
             (*up, *down) = (middle + factor * half, middle - factor * half);
         }
+        self.friction_deflection_m *= factor;
         self
     }
 }

@@ -174,6 +174,7 @@ fn the_friction_of_springs_makes_ratios_uncertain() {
                 let (middle, half) = (0.5 * (*up + *down), 0.5 * (*up - *down));
                 (*up, *down) = (middle + 1.3 * half, middle - 1.3 * half);
             }
+            spring.friction_deflection_m *= 1.3;
         }
         lines(&more)
     });

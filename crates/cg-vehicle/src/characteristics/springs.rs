@@ -49,11 +49,6 @@ impl Envelope {
         Self { deflection_m: x.clone(), segment }
     }
 
-    /// The curves of a measured spring with its friction multiplied by a factor.
-    pub fn with_friction(spring: &Spring, factor: f64) -> Self {
-        Self::new(&spring.clone().with_friction(factor))
-    }
-
     #[inline]
     fn segment(&self, x: f64) -> (f64, &[f64; 4]) {
         let mut i = 0;
