@@ -61,8 +61,14 @@ pub fn roll_friction(
     };
     // The trailer's roll angle to the road contains that of the tires, which friction does not change.
     let on_springs = springs.on_springs();
+    let by_tractor = own[0].map_or([0.0; 2], |tractor| {
+        let [tractor_rad, trailer_rad] = springs.usual.amplitude_rad;
+        let held = tractor.roll_rad / tractor_rad * trailer_rad / on_springs;
+        [held, tractor.usual_share].map(|of| shares[0][2] * of)
+    });
     let roll = own[1].map_or(Friction::NONE, |own| Friction {
-        usual_share: own.usual_share * on_springs,
+        usual_share: own.usual_share * on_springs + by_tractor[1],
+        roll_rad: own.roll_rad + by_tractor[0],
         deflection_rad: own.deflection_rad / on_springs,
         ..own
     });
@@ -126,10 +132,11 @@ impl<'a> Springs<'a> {
 
     /// The suspension roll of tractor and trailer in another motion over that in a usual turn, for the same
     /// specific force; `None` if the vehicle has no steady turn in it.
-    fn ratios(&self, motion: Motion) -> Result<Option<[f64; 2]>, VehicleError> {
+    fn ratios(&self, motion: Motion) -> Result<Option<[f64; 3]>, VehicleError> {
         let laden = self.laden.clone().moving(motion);
         let lines = SteadyLines::at_speed(&laden, self.vehicle.nominal_speed_mps)?;
-        let ratios = [Channel::Tractor, Channel::Suspension].map(|pair| {
+        let channels = [Channel::Tractor, Channel::Suspension, Channel::LateralAcceleration];
+        let ratios = channels.map(|pair| {
             let [there, usual] = [&lines, &self.lines]
                 .map(|lines| lines.channel(pair).ratio_at(laden.load.cg_height_m));
             there / usual
@@ -138,7 +145,7 @@ impl<'a> Springs<'a> {
     }
 
     /// The relative decrease of both over the relative increase of the roll stiffness of a unit.
-    fn shares(&self, unit: usize) -> Result<[f64; 2], VehicleError> {
+    fn shares(&self, unit: usize) -> Result<[f64; 3], VehicleError> {
         const STEP: f64 = 1e-3;
         let stiffer = |factor: f64| {
             let mut motion = self.usual;
@@ -146,7 +153,7 @@ impl<'a> Springs<'a> {
             self.ratios(motion)
         };
         let (Some(soft), Some(hard)) = (stiffer(1.0 - STEP)?, stiffer(1.0 + STEP)?) else {
-            return Ok([1.0; 2]);
+            return Ok([1.0; 3]);
         };
         Ok(std::array::from_fn(|of| (soft[of] - hard[of]) / (2.0 * STEP)))
     }
@@ -168,7 +175,7 @@ impl<'a> Springs<'a> {
             }
         }
         Ok(std::array::from_fn(|unit| {
-            let point = |(s, ratios): &(f64, [f64; 2])| (*s, s / ratios[unit]);
+            let point = |(s, ratios): &(f64, [f64; 3])| (*s, s / ratios[unit]);
             let points: Vec<_> = turns.iter().map(point).collect();
             two_lines(&points).unwrap_or([1.0, 0.0, 1.0])
         }))
