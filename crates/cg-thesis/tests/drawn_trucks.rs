@@ -219,9 +219,7 @@ impl Answers {
     }
 }
 
-/// Both sides are judged: intervals hold as often as they say, and they are not too wide. The exception are
-/// measured springs after a calibration: their intervals also contain a friction that changes by 10 % from
-/// drive to drive, while that of these trucks stays; what is judged is that they hold.
+/// Both sides are judged: intervals hold as often as they say, and they are not too wide.
 #[test]
 fn intervals_of_drawn_trucks_hold() {
     println!(
@@ -261,8 +259,7 @@ fn intervals_of_drawn_trucks_hold() {
     of_measured.print("measured springs", "two steps");
     of_files.hold("uncalibrated");
     of_linear.hold("calibrated, linear springs");
-    let [_, square] = of_measured.deviation();
-    assert!(of_measured.misses() <= 2 && square < 1.0, "{} {square}", of_measured.misses());
+    of_measured.hold("calibrated, measured springs");
     // An empty trailer can seem impossibly low; a calibration takes that away. Not one truck in twenty
     // is so near the limit of stability that its steps contradict the file.
     assert!(of_files.none <= 12 && of_linear.none + of_measured.none <= 4);

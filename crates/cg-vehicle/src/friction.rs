@@ -5,7 +5,8 @@
 //! and bends make of its roll angle: both units share the moment, so that what friction holds in one of them is
 //! not all of it missing in its own roll angle, and is missing in that of the other one. The roll angle to the
 //! road is that of the other channels, where this also depends on the height, near a load that tips the truck
-//! on little else. There the moment counts as given, and bends stay in the uncertainty.
+//! on little else. There the moment of the trailer's own springs counts as given, what the tractor's hold is
+//! added, and bends stay in the uncertainty.
 
 use std::borrow::Cow;
 
@@ -61,14 +62,15 @@ pub fn roll_friction(
     };
     // The trailer's roll angle to the road contains that of the tires, which friction does not change.
     let on_springs = springs.on_springs();
-    let by_tractor = own[0].map_or([0.0; 2], |tractor| {
+    let [[_, _, by_tractor], _] = shares;
+    let [usual_share, roll_rad] = own[0].map_or([0.0; 2], |tractor| {
         let [tractor_rad, trailer_rad] = springs.usual.amplitude_rad;
-        let held = tractor.roll_rad / tractor_rad * trailer_rad / on_springs;
-        [held, tractor.usual_share].map(|of| shares[0][2] * of)
+        let held = tractor.roll_rad / tractor_rad;
+        [by_tractor * tractor.usual_share, by_tractor * held * trailer_rad / on_springs]
     });
     let roll = own[1].map_or(Friction::NONE, |own| Friction {
-        usual_share: own.usual_share * on_springs + by_tractor[1],
-        roll_rad: own.roll_rad + by_tractor[0],
+        usual_share: own.usual_share * on_springs + usual_share,
+        roll_rad: own.roll_rad + roll_rad,
         deflection_rad: own.deflection_rad / on_springs,
         ..own
     });
@@ -130,8 +132,9 @@ impl<'a> Springs<'a> {
         })
     }
 
-    /// The suspension roll of tractor and trailer in another motion over that in a usual turn, for the same
-    /// specific force; `None` if the vehicle has no steady turn in it.
+    /// The suspension roll of tractor and trailer, and the trailer's roll to the road, in another motion over those
+    /// in a usual turn, for the same specific force or lateral acceleration; `None` if the vehicle has no steady turn
+    /// in it.
     fn ratios(&self, motion: Motion) -> Result<Option<[f64; 3]>, VehicleError> {
         let laden = self.laden.clone().moving(motion);
         let lines = SteadyLines::at_speed(&laden, self.vehicle.nominal_speed_mps)?;
@@ -144,7 +147,7 @@ impl<'a> Springs<'a> {
         Ok(ratios.iter().all(|ratio| *ratio > 0.0).then_some(ratios))
     }
 
-    /// The relative decrease of both over the relative increase of the roll stiffness of a unit.
+    /// The relative decrease of these over the relative increase of the roll stiffness of a unit.
     fn shares(&self, unit: usize) -> Result<[f64; 3], VehicleError> {
         const STEP: f64 = 1e-3;
         let stiffer = |factor: f64| {
