@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, Verdict, Weighed, add_force,
+    Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, ValueCheck, Verdict, Weighed, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -57,6 +57,9 @@ pub(crate) struct Session<W: Write> {
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
     forces: ForceCheck,
+    values: ValueCheck,
+    /// Whether steps as large as a signal are reported.
+    coarse_reported: bool,
     roads: RoadPart,
     /// Whether the bank of the road is reported for this load.
     road_reported: bool,
@@ -116,6 +119,8 @@ impl<W: Write> Session<W> {
             load_since_s: None,
             leaning: Some(Leaning::default()),
             forces: ForceCheck::default(),
+            values: ValueCheck::default(),
+            coarse_reported: false,
             roads: RoadPart::default(),
             road_reported: false,
             driving: "waiting",
@@ -362,7 +367,7 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        let message = self.wrong_force().unwrap_or_else(|| contradiction(&self.estimator));
+        let message = self.wrong_signal().unwrap_or_else(|| contradiction(&self.estimator));
         self.notice("channels", &message)
     }
 

@@ -273,3 +273,52 @@ fn turns_in_which_the_roll_angle_stood_still_are_told() {
         assert!(told, "{limit_rad}: {answer}");
     }
 }
+
+/// A column of a log after a change that also knows the number of the row.
+fn altered(log: &str, column: &str, change: impl Fn(usize, f64) -> f64) -> String {
+    let text = changed(log, &SIGNALS, "", None);
+    let mut rows = text.lines();
+    let header = rows.next().unwrap();
+    let place = header.split(',').position(|one| one == column).unwrap();
+    let altered = rows.enumerate().map(|(number, row)| {
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        cells[place] = change(number, cells[place].parse().unwrap()).to_string();
+        cells.join(",")
+    });
+    header.to_owned() + "\n" + &altered.collect::<Vec<_>>().join("\n") + "\n"
+}
+
+/// A logger that writes 0 for missing samples, and sensors with steps as large as the signal: both commands say so.
+/// Those of usual sensors are none: a level of 1 mm is a milliradian of roll.
+#[test]
+fn zeros_for_missing_samples_and_coarse_steps_are_told() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let load = ["--payload-kg", "14000", "--height-m", "1.75", "--snr-db", "30", "--seed", "3"];
+    let log = scratch.simulate("log.csv", &truck, &[&DRIVE[..], &load].concat());
+    let zeros =
+        |every: usize| move |row: usize, x: f64| if (row * 7919) % 101 < every { 0.0 } else { x };
+    let steps = |step: f64| move |_: usize, x: f64| (x / step).round() * step;
+    let roll = |change: &dyn Fn(usize, f64) -> f64| altered(&log, "roll_rad", change);
+    let lateral =
+        |change: &dyn Fn(usize, f64) -> f64| altered(&log, "lateral_acceleration_mps2", change);
+    for (text, said) in [
+        (roll(&|_, x| x), ""),
+        (roll(&zeros(5)), "of the roll is exactly 0"),
+        (lateral(&zeros(20)), "of the lateral_acceleration is exactly 0"),
+        (roll(&steps(1e-3)), ""),
+        (lateral(&steps(0.02)), ""),
+        (lateral(&steps(0.5)), "lateral_acceleration comes in steps of 5.00e-1 mps2"),
+    ] {
+        let faulty = scratch.file("faulty.csv", text);
+        let answer = estimate(&faulty, &truck, &[]).answer();
+        let run = lines(&cg(&["run", "--csv", &faulty, "--vehicle", &truck]));
+        let last = run.iter().rfind(|line| line["event"] == "status").unwrap();
+        for (all, of) in [(messages(&answer), &answer), (run_notices(&run), last)] {
+            let is_told = ["exactly 0", "comes in steps"].iter().any(|one| all.contains(one));
+            assert!(is_told != said.is_empty() && all.contains(said), "{said}: {all}");
+            let has_no_height = said.contains("exactly 0");
+            assert_eq!(of["status"], if has_no_height { "inconsistent" } else { "ok" }, "{all}");
+        }
+    }
+}

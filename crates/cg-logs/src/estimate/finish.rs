@@ -79,6 +79,7 @@ impl LogEstimator {
         }
         let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
         let signals = rolls.or_else(|| self.levels.contradiction());
+        let signals = signals.or_else(|| self.values.missing());
         let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };

@@ -15,6 +15,7 @@ use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::signals::SignalCheck;
+use super::values::ValueCheck;
 use super::weighed::Weighed;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
@@ -66,6 +67,7 @@ pub struct LogEstimator {
     pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
     pub(super) levels: LevelCheck,
+    pub(super) values: ValueCheck,
     pub(super) forces: ForceCheck,
     pub(super) leaning: Leaning,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
@@ -123,6 +125,7 @@ impl LogEstimator {
             check: SignalCheck::default(),
             rolls: RollCheck::default(),
             levels: LevelCheck::default(),
+            values: ValueCheck::default(),
             forces: ForceCheck::default(),
             leaning: Leaning::default(),
             maneuvers: Vec::new(),
@@ -153,6 +156,7 @@ impl LogEstimator {
         self.check.push(&sample);
         self.rolls.push(row);
         self.levels.push(row);
+        self.values.push(&sample);
         self.forces.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {

@@ -9,6 +9,7 @@
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree |
 //! | `levels` | whether level sensors stand still |
+//! | `values` | whether values are missing samples, or in steps as large as the signal |
 //! | `forces` | whether a specific force contains gravity |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `weighed` | whether the mass is that of the present load |
@@ -27,6 +28,7 @@ mod pair;
 mod signals;
 mod rolls;
 mod levels;
+mod values;
 mod forces;
 mod leaning;
 mod weighed;
@@ -51,4 +53,5 @@ pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
 pub use road::RoadPart;
+pub use values::ValueCheck;
 pub use weighed::Weighed;

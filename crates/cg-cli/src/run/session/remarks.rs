@@ -16,6 +16,10 @@ impl<W: Write> Session<W> {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
         }
+        if let Some(message) = self.values.coarse().filter(|_| !self.coarse_reported) {
+            self.coarse_reported = true;
+            self.notice("signal", &message)?;
+        }
         Ok(())
     }
 
@@ -50,17 +54,19 @@ impl<W: Write> Session<W> {
         Some(self.roads.share(self.estimator.best_channel()?, &height))
     }
 
-    /// The height of all channels; none can be right if a specific force is not one.
+    /// The height of all channels; none can be right if a signal is not what it should be.
     pub(super) fn combined(&self) -> Option<Combined<f64>> {
-        let wrong = self.wrong_force().map(|_| Combined::Impossible);
+        let wrong = self.wrong_signal().map(|_| Combined::Impossible);
         wrong.or_else(|| self.estimator.combined())
     }
 
-    /// What is wrong with a specific force from which there is a height.
-    pub(super) fn wrong_force(&self) -> Option<String> {
+    /// What is wrong with a specific force from which there is a height, or with any signal that has zeros for
+    /// missing samples.
+    pub(super) fn wrong_signal(&self) -> Option<String> {
         let is_used = |channel: Channel| self.estimator.height(channel).is_some();
         let gravity_mps2 = self.estimator.design().gravity_mps2;
-        let found = self.forces.contradiction(gravity_mps2, is_used)?;
+        let of_force = self.forces.contradiction(gravity_mps2, is_used);
+        let found = of_force.or_else(|| self.values.missing())?;
         Some(format!("inconsistent, so there is no height: {found}"))
     }
 }

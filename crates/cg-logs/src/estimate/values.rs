@@ -1,0 +1,295 @@
+//! Whether the values of a signal can be measurements: zeros that stand for missing samples, and steps that are as
+//! large as the signal.
+
+use cg_core::{Quantity, Sample};
+use serde::{Deserialize, Serialize};
+
+/// Samples without a zero before zeros are judged.
+const LEAST_SAMPLES: f64 = 50.0;
+/// How much greater than the usual difference of neighbors a value must be, for a zero beside it to be no
+/// measurement: six standard deviations of white noise, whose differences have √2 of its own.
+const JUMP: f64 = 4.0;
+/// The same for half the root mean square of the signal so far.
+const LARGE: f64 = 0.5;
+/// Most zeros in a row that can be missing samples between two measured ones.
+const LONGEST: u32 = 5;
+/// Least number of such zeros, and least share of them in the large values, to be no chance. A share makes a
+/// signal too small by as much.
+const ZEROS: f64 = 5.0;
+const ZEROS_SHARE: f64 = 0.01;
+/// Values that differ by less than this are the same: what is left of steps after a change of units.
+const SAME: f64 = 1e-9;
+/// Share of the rounding of a step, its width over √12, in the root mean square of a signal, above which the
+/// height can be wrong by as much.
+const COARSE: f64 = 0.05;
+/// Share of changes that take back the one before, below which the noise of a signal in steps does not smooth it: with
+/// noise of half a step, neighbors are apart by chance, and two of three changes are taken back.
+const TAKEN_BACK: f64 = 0.5;
+/// Least number of changes to know the width of a step.
+const CHANGES: f64 = 10.0;
+
+/// Least value of an angle (rad), an acceleration (m/s²) and a yaw rate (rad/s) that is far from zero.
+const ANGLE: f64 = 0.002;
+const ACCELERATION: f64 = 0.1;
+const RATE: f64 = 0.01;
+
+/// The signals that are judged, with the least value that is far from zero.
+const SIGNALS: [(Quantity, f64); 11] = [
+    (Quantity::Steer, ANGLE),
+    (Quantity::Roll, ANGLE),
+    (Quantity::RollToGravity, ANGLE),
+    (Quantity::Tilt, ANGLE),
+    (Quantity::SuspensionRoll, ANGLE),
+    (Quantity::LateralAcceleration, ACCELERATION),
+    (Quantity::LateralSpecificForce, ACCELERATION),
+    (Quantity::TractorSuspensionRoll, ANGLE),
+    (Quantity::TractorLateralSpecificForce, ACCELERATION),
+    (Quantity::TractorTilt, ANGLE),
+    (Quantity::YawRate, RATE),
+];
+
+fn values(sample: &Sample<f64>) -> [f64; SIGNALS.len()] {
+    [
+        sample.steer_rad,
+        sample.roll_rad,
+        sample.roll_to_gravity_rad,
+        sample.tilt_rad,
+        sample.suspension_roll_rad,
+        sample.lateral_acceleration_mps2,
+        sample.lateral_specific_force_mps2,
+        sample.tractor_suspension_roll_rad,
+        sample.tractor_lateral_specific_force_mps2,
+        sample.tractor_tilt_rad,
+        sample.yaw_rate_radps,
+    ]
+}
+
+/// One signal.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Values {
+    /// The last value that was not zero, and the zeros since.
+    last: Option<f64>,
+    zeros_since: u32,
+    /// Pairs of neighbors that are not zero, and the sum of the squares of their differences.
+    pairs: f64,
+    difference_square: f64,
+    /// Values that are not zero, their sum, and that of their squares.
+    rows: f64,
+    sum: f64,
+    square: f64,
+    /// Values large enough for a zero beside them to be no measurement, and such zeros.
+    large: f64,
+    zeros: f64,
+    /// The last value, zero or not, and the last change.
+    before: Option<f64>,
+    change: f64,
+    /// Changes to another value, those that took back the one before, and the smallest one.
+    changes: f64,
+    taken_back: f64,
+    step: f64,
+}
+
+impl Values {
+    fn push(&mut self, value: f64, far: f64) {
+        if !value.is_finite() {
+            (self.last, self.zeros_since, self.before) = (None, 0, None);
+            return;
+        }
+        if let Some(before) = self.before.replace(value) {
+            self.step(value - before);
+        }
+        if value == 0.0 {
+            self.zeros_since = self.zeros_since.saturating_add(1);
+            return;
+        }
+        if let Some(last) = self.last {
+            self.follow(last, value, far);
+        }
+        (self.last, self.zeros_since) = (Some(value), 0);
+        self.rows += 1.0;
+        self.sum += value;
+        self.square += value * value;
+    }
+
+    /// A value after another one.
+    fn follow(&mut self, last: f64, value: f64, far: f64) {
+        let difference = (value - last).abs();
+        let small = last.abs().min(value.abs());
+        let is_large = last * value > 0.0
+            && small > far
+            && self.pairs > LEAST_SAMPLES
+            && small * small * self.pairs > JUMP * JUMP * self.difference_square
+            && small * small * self.rows > LARGE * LARGE * self.square;
+        if is_large {
+            self.large += 1.0;
+            if (1..=LONGEST).contains(&self.zeros_since) && difference < small {
+                self.zeros += f64::from(self.zeros_since);
+            }
+        }
+        if self.zeros_since == 0 {
+            self.pairs += 1.0;
+            self.difference_square += difference * difference;
+        }
+    }
+
+    /// The difference to the value before.
+    fn step(&mut self, change: f64) {
+        let size = change.abs();
+        if size > SAME {
+            self.step = if self.changes > 0.0 { self.step.min(size) } else { size };
+            self.changes += 1.0;
+            self.taken_back += f64::from(u8::from(change * self.change < 0.0));
+            self.change = change;
+        }
+    }
+
+    /// The share of zeros that are no measurements, if it matters.
+    fn missing(&self) -> Option<f64> {
+        let share = self.zeros / (self.zeros + self.large);
+        (self.zeros >= ZEROS && share > ZEROS_SHARE).then_some(share)
+    }
+
+    /// The step, and the share of its rounding in the signal, if it matters.
+    fn coarse(&self) -> Option<(f64, f64)> {
+        let mean = self.sum / self.rows;
+        let sd = (self.square / self.rows - mean * mean).max(0.0).sqrt();
+        let share = self.step / 12.0_f64.sqrt() / sd;
+        let is_smooth = self.taken_back > TAKEN_BACK * self.changes;
+        (self.changes >= CHANGES && !is_smooth && share > COARSE).then_some((self.step, share))
+    }
+}
+
+/// Checks the values of all signals.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct ValueCheck {
+    of_signals: [Values; SIGNALS.len()],
+}
+
+impl ValueCheck {
+    /// Takes the next sample.
+    pub fn push(&mut self, sample: &Sample<f64>) {
+        for ((of_signal, value), (_, far)) in
+            self.of_signals.iter_mut().zip(values(sample)).zip(SIGNALS)
+        {
+            of_signal.push(value, far);
+        }
+    }
+
+    /// The signal with zeros that stand for missing samples, if there is one.
+    pub fn missing(&self) -> Option<String> {
+        let found = self.of_signals.iter().zip(SIGNALS);
+        let found = found.filter_map(|(one, (signal, _))| Some((one.missing()?, signal)));
+        let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!(
+            "{:.0} % of the {} is exactly 0 between values that are far from it: these are missing samples, which \
+             count as measured; leave such cells empty",
+            100.0 * share,
+            signal.name()
+        ))
+    }
+
+    /// The signal whose steps are as large as its motion, if there is one.
+    pub fn coarse(&self) -> Option<String> {
+        let found = self.of_signals.iter().zip(SIGNALS);
+        let found = found.filter_map(|(one, (signal, _))| Some((one.coarse()?, signal)));
+        let ((step, share), signal) = found.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
+        let unit = signal.column().trim_start_matches(signal.name()).trim_start_matches('_');
+        Some(format!(
+            "{} comes in steps of {step:.2e} {unit}, whose rounding is {:.0} % of its motion: the height can be wrong \
+             by as much and more, which the interval does not contain; record it with a finer resolution",
+            signal.name(),
+            100.0 * share
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive of a minute at 50 Hz with turns every 10 s; the roll angle after `sensor`, which also gets the number
+    /// of the sample.
+    fn check(mut sensor: impl FnMut(f64, u32) -> f64) -> ValueCheck {
+        let mut check = ValueCheck::default();
+        for k in 0..3000_u32 {
+            let time_s = f64::from(k) * 0.02;
+            let turn = (time_s * std::f64::consts::TAU / 10.0).sin();
+            let roll_rad = 0.03 * turn.powi(3);
+            check.push(&Sample {
+                roll_rad: sensor(roll_rad, k),
+                yaw_rate_radps: 0.1 * turn,
+                ..Sample::absent(u64::from(k) * 20_000)
+            });
+        }
+        check
+    }
+
+    /// Pseudo-random, uniform between −√3 and √3, so that its standard deviation is one.
+    fn noise(k: u32) -> f64 {
+        let mixed = k.wrapping_mul(2_654_435_761) ^ 0x9e37_79b9;
+        let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(2_246_822_519);
+        (f64::from(mixed ^ (mixed >> 13)) / f64::from(u32::MAX) - 0.5) * 12.0_f64.sqrt()
+    }
+
+    #[test]
+    fn zeros_for_missing_samples_are_told_from_measured_ones() {
+        assert_eq!(check(|roll_rad, _| roll_rad).missing(), None);
+        for noise_rad in [0.0, 3e-4, 1.5e-3] {
+            let every = |n: u32| {
+                move |roll_rad: f64, k: u32| {
+                    if n > 0 && noise(7 * k + 1).abs() < 12.0_f64.sqrt() / 2.0 / f64::from(n) {
+                        0.0
+                    } else {
+                        roll_rad + noise_rad * noise(k)
+                    }
+                }
+            };
+            assert_eq!(check(every(0)).missing(), None, "{noise_rad}");
+            for n in [5, 20] {
+                let told = check(every(n)).missing().unwrap();
+                assert!(told.contains("of the roll is exactly 0"), "{told}");
+            }
+        }
+    }
+
+    /// Steps with noise pass through zero and stay there, which are measurements.
+    #[test]
+    fn zeros_of_steps_are_measured() {
+        for step_rad in [1e-3, 3e-3, 1e-2] {
+            for share in [0.0, 0.2, 0.5, 1.0] {
+                let sensor = |roll_rad: f64, k: u32| {
+                    ((roll_rad + share * step_rad * noise(k)) / step_rad).round() * step_rad
+                };
+                assert_eq!(check(sensor).missing(), None, "{step_rad} {share}");
+            }
+        }
+    }
+
+    /// Steps of a sixth of the amplitude are coarse if the noise is less than they are; noise of half a step makes
+    /// their mean true.
+    #[test]
+    fn steps_as_large_as_the_signal_are_told() {
+        let steps = |step_rad: f64, noise_rad: f64| {
+            check(|roll_rad, k| ((roll_rad + noise_rad * noise(k)) / step_rad).round() * step_rad)
+                .coarse()
+        };
+        let told = steps(5e-3, 0.0).unwrap();
+        assert!(told.contains("roll comes in steps of 5.00e-3 rad"), "{told}");
+        assert_eq!(steps(1e-3, 0.0), None);
+        assert_eq!(steps(5e-3, 2.5e-3), None);
+        assert_eq!(check(|roll_rad, k| roll_rad + 1e-3 * noise(k)).coarse(), None);
+    }
+
+    /// A sensor of 10 Hz in a log of 50 Hz has steps in time, not in value.
+    #[test]
+    fn held_values_are_no_steps() {
+        let mut held = 0.0;
+        let sensor = |roll_rad: f64, k: u32| {
+            if k.is_multiple_of(5) {
+                held = roll_rad;
+            }
+            held
+        };
+        assert_eq!(check(sensor).coarse(), None);
+    }
+}
