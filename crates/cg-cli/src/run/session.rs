@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, ForceCheck, Leaning, RoadPart, ValueCheck, Verdict, Weighed, add_force,
+    Engine, EstimateOptions, Leaning, RoadPart, SensorCheck, Verdict, Weighed, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -56,10 +56,7 @@ pub(crate) struct Session<W: Write> {
     load_since_s: Option<f64>,
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
-    forces: ForceCheck,
-    values: ValueCheck,
-    /// Whether steps as large as a signal are reported.
-    coarse_reported: bool,
+    pub(crate) sensors: SensorCheck,
     roads: RoadPart,
     /// Whether the bank of the road is reported for this load.
     road_reported: bool,
@@ -118,9 +115,7 @@ impl<W: Write> Session<W> {
             request: None,
             load_since_s: None,
             leaning: Some(Leaning::default()),
-            forces: ForceCheck::default(),
-            values: ValueCheck::default(),
-            coarse_reported: false,
+            sensors: SensorCheck::default(),
             roads: RoadPart::default(),
             road_reported: false,
             driving: "waiting",
@@ -294,6 +289,7 @@ impl<W: Write> Session<W> {
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
+        self.sensors.close();
         let since_us = self.estimator.load_since_us();
         let since_s = since_us.map(|us| self.time_s(us));
         if since_us == Some(maneuver.end_us) {

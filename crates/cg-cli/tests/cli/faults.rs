@@ -55,6 +55,10 @@ fn a_dead_level_is_named() {
         assert_eq!(answer["status"], "inconsistent");
         let said = format!("the {side} level of the trailer stood still");
         assert!(messages(&answer).contains(&said), "{answer}");
+        let run = lines(&cg(&["run", "--csv", &dead, "--vehicle", &truck]).told(1, &[]));
+        let last = run.iter().rfind(|line| line["event"] == "status").unwrap();
+        assert_eq!(last["status"], "inconsistent");
+        assert!(run_notices(&run).contains(&said), "{run:?}");
     }
 }
 

@@ -74,12 +74,11 @@ impl LogEstimator {
         let is_used = |one: Channel| {
             self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
         };
-        if let Some(remark) = self.forces.contradiction(self.design.gravity_mps2, is_used) {
+        if let Some(remark) = self.sensors.wrong_force(self.design.gravity_mps2, is_used) {
             return inconsistent(remark);
         }
         let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
-        let signals = rolls.or_else(|| self.levels.contradiction());
-        let signals = signals.or_else(|| self.values.missing());
+        let signals = rolls.or_else(|| self.sensors.dead());
         let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };

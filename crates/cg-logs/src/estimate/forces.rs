@@ -127,14 +127,14 @@ impl Unit {
 
 /// Checks the specific forces of one log.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct ForceCheck {
+pub(super) struct ForceCheck {
     trailer: Unit,
     tractor: Unit,
 }
 
 impl ForceCheck {
     /// Adds a sample.
-    pub fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) {
+    pub(super) fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) {
         let rolls = [sample.suspension_roll_rad, sample.tractor_suspension_roll_rad];
         if rolls.iter().all(|roll| roll.is_nan()) {
             return;
@@ -155,7 +155,7 @@ impl ForceCheck {
     }
 
     /// What is wrong with the specific force of a channel that is used.
-    pub fn contradiction(
+    pub(super) fn contradiction(
         &self,
         gravity_mps2: f64,
         is_used: impl Fn(Channel) -> bool,

@@ -8,14 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::felt::{add_force, felt_mps2};
-use super::forces::ForceCheck;
 use super::leaning::Leaning;
-use super::levels::LevelCheck;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
+use super::sensors::SensorCheck;
 use super::signals::SignalCheck;
-use super::values::ValueCheck;
 use super::weighed::Weighed;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
@@ -66,9 +64,7 @@ pub struct LogEstimator {
     pub(super) trailer_mass_kg: f64,
     pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
-    pub(super) levels: LevelCheck,
-    pub(super) values: ValueCheck,
-    pub(super) forces: ForceCheck,
+    pub(super) sensors: SensorCheck,
     pub(super) leaning: Leaning,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
@@ -124,9 +120,7 @@ impl LogEstimator {
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             check: SignalCheck::default(),
             rolls: RollCheck::default(),
-            levels: LevelCheck::default(),
-            values: ValueCheck::default(),
-            forces: ForceCheck::default(),
+            sensors: SensorCheck::default(),
             leaning: Leaning::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
@@ -155,9 +149,8 @@ impl LogEstimator {
         let step = step.as_ref().map_err(|error| *error)?;
         self.check.push(&sample);
         self.rolls.push(row);
-        self.levels.push(row);
-        self.values.push(&sample);
-        self.forces.push(&sample, self.design.gravity_mps2);
+        self.sensors.level(row.levels_m());
+        self.sensors.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
@@ -236,7 +229,7 @@ impl LogEstimator {
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
-            self.levels.close();
+            self.sensors.close();
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
             if is_first_of_load && self.seen.mass_kg.is_some() {
                 self.seen.weighed.change_load(maneuver.start_us);

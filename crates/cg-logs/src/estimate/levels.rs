@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
-use crate::log::LogRow;
 
 /// Least share that a working sensor has in the change of the difference of both. Roll moves both by the
 /// same distance in opposite directions, so each has half of it; a sensor that stands still has none, and
@@ -90,9 +89,10 @@ pub(super) struct LevelCheck {
 }
 
 impl LevelCheck {
-    pub(super) fn push(&mut self, row: &LogRow) {
-        self.trailer.sides.push([row.level_left_m, row.level_right_m]);
-        self.tractor.sides.push([row.tractor_level_left_m, row.tractor_level_right_m]);
+    /// Takes the left and the right level of trailer and tractor at one time, m; NaN without a value.
+    pub(super) fn push(&mut self, [trailer_m, tractor_m]: [[f64; 2]; 2]) {
+        self.trailer.sides.push(trailer_m);
+        self.tractor.sides.push(tractor_m);
     }
 
     /// Ends a maneuver.
@@ -120,11 +120,7 @@ mod tests {
                 let noise = if k % 2 == 0 { noise_m } else { -noise_m };
                 let heave_m = 0.5 * roll_m.abs();
                 let left_m = if maneuver < works_until { heave_m + roll_m } else { 0.0 };
-                check.push(&LogRow {
-                    level_left_m: left_m + noise,
-                    level_right_m: heave_m - roll_m,
-                    ..LogRow::ABSENT
-                });
+                check.push([[left_m + noise, heave_m - roll_m], [f64::NAN; 2]]);
             }
             check.close();
         }

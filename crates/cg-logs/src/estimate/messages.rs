@@ -62,7 +62,7 @@ impl LogEstimator {
             ));
         }
         messages.extend(self.weighed());
-        messages.extend(self.values.coarse());
+        messages.extend(self.sensors.coarse());
         messages.extend(self.seized());
         messages.extend(self.unscaled());
         messages.extend(self.rolls.places(self.settings.second_roll_share));

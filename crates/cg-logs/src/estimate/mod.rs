@@ -11,6 +11,7 @@
 //! | `levels` | whether level sensors stand still |
 //! | `values` | whether values are missing samples, or in steps as large as the signal |
 //! | `forces` | whether a specific force contains gravity |
+//! | `sensors` | these three together |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -30,6 +31,7 @@ mod rolls;
 mod levels;
 mod values;
 mod forces;
+mod sensors;
 mod leaning;
 mod weighed;
 mod recorder;
@@ -47,11 +49,10 @@ mod trial;
 pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
-pub use forces::ForceCheck;
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
 pub use road::RoadPart;
-pub use values::ValueCheck;
+pub use sensors::SensorCheck;
 pub use weighed::Weighed;

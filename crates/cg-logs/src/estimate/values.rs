@@ -161,13 +161,13 @@ impl Values {
 
 /// Checks the values of all signals.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct ValueCheck {
+pub(super) struct ValueCheck {
     of_signals: [Values; SIGNALS.len()],
 }
 
 impl ValueCheck {
     /// Takes the next sample.
-    pub fn push(&mut self, sample: &Sample<f64>) {
+    pub(super) fn push(&mut self, sample: &Sample<f64>) {
         for ((of_signal, value), (_, far)) in
             self.of_signals.iter_mut().zip(values(sample)).zip(SIGNALS)
         {
@@ -176,7 +176,7 @@ impl ValueCheck {
     }
 
     /// The signal with zeros that stand for missing samples, if there is one.
-    pub fn missing(&self) -> Option<String> {
+    pub(super) fn missing(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
         let found = found.filter_map(|(one, (signal, _))| Some((one.missing()?, signal)));
         let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -189,7 +189,7 @@ impl ValueCheck {
     }
 
     /// The signal whose steps are as large as its motion, if there is one.
-    pub fn coarse(&self) -> Option<String> {
+    pub(super) fn coarse(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
         let found = found.filter_map(|(one, (signal, _))| Some((one.coarse()?, signal)));
         let ((step, share), signal) = found.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;

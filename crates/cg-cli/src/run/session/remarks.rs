@@ -16,8 +16,7 @@ impl<W: Write> Session<W> {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
         }
-        if let Some(message) = self.values.coarse().filter(|_| !self.coarse_reported) {
-            self.coarse_reported = true;
+        if let Some(message) = self.sensors.news() {
             self.notice("signal", &message)?;
         }
         Ok(())
@@ -60,13 +59,14 @@ impl<W: Write> Session<W> {
         wrong.or_else(|| self.estimator.combined())
     }
 
-    /// What is wrong with a specific force from which there is a height, or with any signal that has zeros for
-    /// missing samples.
+    /// What is wrong with a specific force from which there is a height, with a level that stands still, or with any
+    /// signal that has zeros for missing samples.
     pub(super) fn wrong_signal(&self) -> Option<String> {
         let is_used = |channel: Channel| self.estimator.height(channel).is_some();
         let gravity_mps2 = self.estimator.design().gravity_mps2;
-        let of_force = self.forces.contradiction(gravity_mps2, is_used);
-        let found = of_force.or_else(|| self.values.missing())?;
+        let of_force = self.sensors.wrong_force(gravity_mps2, is_used);
+        let dead = || self.sensors.dead().filter(|_| self.estimator.combined().is_some());
+        let found = of_force.or_else(dead)?;
         Some(format!("inconsistent, so there is no height: {found}"))
     }
 }
