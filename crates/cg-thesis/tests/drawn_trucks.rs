@@ -260,6 +260,9 @@ fn intervals_of_drawn_trucks_hold() {
     of_files.hold("uncalibrated");
     of_linear.hold("calibrated, linear springs");
     of_measured.hold("calibrated, measured springs");
+    // Their intervals also contain a friction that changes by 10 % from drive to drive, which these trucks do not have.
+    let [_, square] = of_measured.deviation();
+    assert!(of_measured.misses() <= 2 && square < 1.0, "{} {square}", of_measured.misses());
     // An empty trailer can seem impossibly low; a calibration takes that away. Not one truck in twenty
     // is so near the limit of stability that its steps contradict the file.
     assert!(of_files.none <= 12 && of_linear.none + of_measured.none <= 4);

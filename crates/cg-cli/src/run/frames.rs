@@ -70,7 +70,7 @@ impl Frames {
     fn pass<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.next_sample() {
             session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
-            session.sensors.level(self.sampler.levels_m(sample.time_us));
+            session.sensors.level(|level| self.sampler.value(level, sample.time_us));
             session.push(sample)?;
         }
         let now_us = self.sampler.now_us();
@@ -103,7 +103,7 @@ impl Frames {
     pub(crate) fn flush<W: Write>(&mut self, session: &mut Session<W>) -> io::Result<()> {
         while let Some(sample) = self.sampler.rest() {
             session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
-            session.sensors.level(self.sampler.levels_m(sample.time_us));
+            session.sensors.level(|level| self.sampler.value(level, sample.time_us));
             session.push(sample)?;
         }
         Ok(())

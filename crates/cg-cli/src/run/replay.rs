@@ -173,7 +173,7 @@ pub(crate) fn csv<W: Write>(
         if row.trailer_mass_sd_kg >= 0.0 {
             session.weighing.logged_sd_kg = Some(row.trailer_mass_sd_kg);
         }
-        session.sensors.level(row.levels_m());
+        session.sensors.level(|level| row.get(Signal::from(level)));
         session.push(row.sample(instant.stream_us, &settings))?;
         session.seen = presence.seen;
         session.missing(presence.missing(instant.stream_us, |_| false))?;

@@ -87,15 +87,6 @@ impl Sampler {
         self.aligner.value(quantity, stream_us)
     }
 
-    /// The left and the right level of trailer and tractor at the time of the last sample, m.
-    pub fn levels_m(&self, stream_us: u64) -> [[f64; 2]; 2] {
-        [
-            [Quantity::LevelLeft, Quantity::LevelRight],
-            [Quantity::TractorLevelLeft, Quantity::TractorLevelRight],
-        ]
-        .map(|unit| unit.map(|side| self.value(side, stream_us)))
-    }
-
     /// The scale from which the trailer mass follows at the time of the last sample.
     pub fn scale(&self, stream_us: u64) -> Option<Scale> {
         let (quantity, _) = self.settings.weighed(|quantity| self.value(quantity, stream_us))?;

@@ -149,7 +149,7 @@ impl LogEstimator {
         let step = step.as_ref().map_err(|error| *error)?;
         self.check.push(&sample);
         self.rolls.push(row);
-        self.sensors.level(row.levels_m());
+        self.sensors.level(|quantity| row.get(Signal::from(quantity)));
         self.sensors.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status);
         if let Some(recorder) = &mut self.recorder {

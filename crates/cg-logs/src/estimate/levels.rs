@@ -1,5 +1,6 @@
 //! Whether both level sensors of a pair follow the roll of the body.
 
+use cg_core::Quantity;
 use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
@@ -89,10 +90,14 @@ pub(super) struct LevelCheck {
 }
 
 impl LevelCheck {
-    /// Takes the left and the right level of trailer and tractor at one time, m; NaN without a value.
-    pub(super) fn push(&mut self, [trailer_m, tractor_m]: [[f64; 2]; 2]) {
-        self.trailer.sides.push(trailer_m);
-        self.tractor.sides.push(tractor_m);
+    /// Takes the levels at one time, m; NaN without a value.
+    pub(super) fn push(&mut self, level_m: impl Fn(Quantity) -> f64) {
+        let [trailer, tractor] = [
+            [Quantity::LevelLeft, Quantity::LevelRight],
+            [Quantity::TractorLevelLeft, Quantity::TractorLevelRight],
+        ];
+        self.trailer.sides.push(trailer.map(&level_m));
+        self.tractor.sides.push(tractor.map(&level_m));
     }
 
     /// Ends a maneuver.
@@ -120,7 +125,11 @@ mod tests {
                 let noise = if k % 2 == 0 { noise_m } else { -noise_m };
                 let heave_m = 0.5 * roll_m.abs();
                 let left_m = if maneuver < works_until { heave_m + roll_m } else { 0.0 };
-                check.push([[left_m + noise, heave_m - roll_m], [f64::NAN; 2]]);
+                check.push(|quantity| match quantity {
+                    Quantity::LevelLeft => left_m + noise,
+                    Quantity::LevelRight => heave_m - roll_m,
+                    _ => f64::NAN,
+                });
             }
             check.close();
         }

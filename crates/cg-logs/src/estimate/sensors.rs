@@ -1,6 +1,6 @@
 //! What the sensors of a drive cannot be, from their signals alone.
 
-use cg_core::{Channel, Sample};
+use cg_core::{Channel, Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::forces::ForceCheck;
@@ -23,9 +23,9 @@ impl SensorCheck {
         self.values.push(sample);
     }
 
-    /// Takes the left and the right level of trailer and tractor at one time, m; NaN without a value.
-    pub fn level(&mut self, levels_m: [[f64; 2]; 2]) {
-        self.levels.push(levels_m);
+    /// Takes the levels at one time, m; NaN without a value.
+    pub fn level(&mut self, level_m: impl Fn(Quantity) -> f64) {
+        self.levels.push(level_m);
     }
 
     /// Ends a maneuver.

@@ -37,36 +37,24 @@ const ANGLE: f64 = 0.002;
 const ACCELERATION: f64 = 0.1;
 const RATE: f64 = 0.01;
 
-/// The signals that are judged, with the least value that is far from zero.
-const SIGNALS: [(Quantity, f64); 11] = [
-    (Quantity::Steer, ANGLE),
-    (Quantity::Roll, ANGLE),
-    (Quantity::RollToGravity, ANGLE),
-    (Quantity::Tilt, ANGLE),
-    (Quantity::SuspensionRoll, ANGLE),
-    (Quantity::LateralAcceleration, ACCELERATION),
-    (Quantity::LateralSpecificForce, ACCELERATION),
-    (Quantity::TractorSuspensionRoll, ANGLE),
-    (Quantity::TractorLateralSpecificForce, ACCELERATION),
-    (Quantity::TractorTilt, ANGLE),
-    (Quantity::YawRate, RATE),
-];
+/// A signal that is judged: its least value that is far from zero, and where it is in a sample.
+type Judged = (Quantity, f64, fn(&Sample<f64>) -> f64);
 
-fn values(sample: &Sample<f64>) -> [f64; SIGNALS.len()] {
-    [
-        sample.steer_rad,
-        sample.roll_rad,
-        sample.roll_to_gravity_rad,
-        sample.tilt_rad,
-        sample.suspension_roll_rad,
-        sample.lateral_acceleration_mps2,
-        sample.lateral_specific_force_mps2,
-        sample.tractor_suspension_roll_rad,
-        sample.tractor_lateral_specific_force_mps2,
-        sample.tractor_tilt_rad,
-        sample.yaw_rate_radps,
-    ]
-}
+const SIGNALS: [Judged; 11] = [
+    (Quantity::Steer, ANGLE, |sample| sample.steer_rad),
+    (Quantity::Roll, ANGLE, |sample| sample.roll_rad),
+    (Quantity::RollToGravity, ANGLE, |sample| sample.roll_to_gravity_rad),
+    (Quantity::Tilt, ANGLE, |sample| sample.tilt_rad),
+    (Quantity::SuspensionRoll, ANGLE, |sample| sample.suspension_roll_rad),
+    (Quantity::LateralAcceleration, ACCELERATION, |sample| sample.lateral_acceleration_mps2),
+    (Quantity::LateralSpecificForce, ACCELERATION, |sample| sample.lateral_specific_force_mps2),
+    (Quantity::TractorSuspensionRoll, ANGLE, |sample| sample.tractor_suspension_roll_rad),
+    (Quantity::TractorLateralSpecificForce, ACCELERATION, |sample| {
+        sample.tractor_lateral_specific_force_mps2
+    }),
+    (Quantity::TractorTilt, ANGLE, |sample| sample.tractor_tilt_rad),
+    (Quantity::YawRate, RATE, |sample| sample.yaw_rate_radps),
+];
 
 /// One signal.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -187,17 +175,15 @@ impl ValueCheck {
         if is_later && of_block == 0 {
             self.of_signals.iter_mut().for_each(Values::interrupt);
         }
-        for ((of_signal, value), (_, far)) in
-            self.of_signals.iter_mut().zip(values(sample)).zip(SIGNALS)
-        {
-            of_signal.push(value, far);
+        for (of_signal, (_, far, value)) in self.of_signals.iter_mut().zip(SIGNALS) {
+            of_signal.push(value(sample), far);
         }
     }
 
     /// The signal with zeros that stand for missing samples, if there is one.
     pub(super) fn missing(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found.filter_map(|(one, (signal, _))| Some((one.missing()?, signal)));
+        let found = found.filter_map(|(one, (signal, ..))| Some((one.missing()?, signal)));
         let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(format!(
             "{:.0} % of the {} is exactly 0 between values that are far from it: these are missing samples, which \
@@ -210,7 +196,7 @@ impl ValueCheck {
     /// The signal whose steps are as large as its motion, if there is one.
     pub(super) fn coarse(&self) -> Option<String> {
         let found = self.of_signals.iter().zip(SIGNALS);
-        let found = found.filter_map(|(one, (signal, _))| Some((one.coarse()?, signal)));
+        let found = found.filter_map(|(one, (signal, ..))| Some((one.coarse()?, signal)));
         let ((step, share), signal) = found.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
         let unit = signal.column().trim_start_matches(signal.name()).trim_start_matches('_');
         Some(format!(

@@ -136,14 +136,6 @@ impl LogRow {
         sample
     }
 
-    /// The left and the right level of trailer and tractor, m.
-    pub fn levels_m(&self) -> [[f64; 2]; 2] {
-        [
-            [self.level_left_m, self.level_right_m],
-            [self.tractor_level_left_m, self.tractor_level_right_m],
-        ]
-    }
-
     /// The trailer mass, kg, with the quantity from which it follows, if there is one.
     pub fn weighed(&self, settings: &AlignSettings<f64>) -> Option<(Quantity, f64)> {
         settings.weighed(|quantity| self.get(Signal::from(quantity)))

@@ -136,18 +136,18 @@ impl Envelope {
     /// itself allows and nowhere changes faster than a quarter of a meter per meter.
     pub fn usable_deflection_m(&self, start_m: f64, deflection_m: f64) -> f64 {
         const PER_DISTANCE: f64 = 0.25;
-        let allowed_m = |dx: f64, s: &[f64; 4]| {
-            0.5 * (s[0] - s[2] + (s[1] - s[3]) * dx).max(0.0) / s[1].max(s[3])
+        let allowed_m = |at_m: f64, slope: f64| {
+            self.friction_n(at_m).max(0.0) / slope + PER_DISTANCE * (at_m - start_m).abs()
         };
-        let (dx, segment) = self.segment(start_m);
-        let own_m = allowed_m(dx, segment);
-        let ends =
-            self.segment.iter().zip(self.deflection_m.windows(2)).flat_map(|(segment, x)| {
-                [(x[0], 0.0), (x[1], x[1] - x[0])].map(|(at_m, dx)| {
-                    allowed_m(dx, segment) + PER_DISTANCE * (at_m - start_m).abs()
-                })
-            });
-        ends.fold(deflection_m.min(own_m), f64::min)
+        let own_m = allowed_m(start_m, self.steepest(start_m));
+        // The limit is linear within a segment, so the least of it is at an end.
+        let segments = self.segment.iter().zip(self.deflection_m.windows(2));
+        let ends = segments.flat_map(|([_, up, _, down], ends)| {
+            ends.iter().map(move |&at_m| (at_m, up.max(*down)))
+        });
+        ends.fold(deflection_m.min(own_m), |least_m, (at_m, slope)| {
+            least_m.min(allowed_m(at_m, slope))
+        })
     }
 
     /// Deflection at which the force midway between the curves is `force_n`. The curves must be
