@@ -137,6 +137,28 @@ fn two_sensors_need_a_file_and_a_log_of_both() {
     assert!(height_m.is_some() && told.contains("sensors.roll.second_share"), "{told}");
     let (height_m, told) = messages(&van(Place::Both), &Drive::of(&known, Place::Front, "p16"));
     assert!(height_m.is_none() && told.contains("one of the two sensors"), "{told}");
+    // Without a share, the file means that the roll angle is the mean of both, which this one is not.
+    let mut mean = van(Place::Both);
+    mean.sensors.roll.second_share = None;
+    let (height_m, told) = messages(&mean, &both);
+    assert!(height_m.is_none() && told.contains("add second_share"), "{told}");
+    let lateral = Some(Channel::LateralAcceleration);
+    assert_eq!(both.estimate(&mean, &Belief::prior(&mean), lateral).height_m, None);
+    // Nor is it if the second sensor has a value in some rows only.
+    let mut seldom = Drive { load: both.load, rows: both.rows.clone() };
+    for row in seldom.rows.iter_mut().skip(100) {
+        row.second_roll_rad = f64::NAN;
+    }
+    let (height_m, told) = messages(&mean, &seldom);
+    assert!(height_m.is_none() && told.contains("add second_share"), "{told}");
+    // A log with their mean has a height.
+    let mut one = Drive { load: both.load, rows: both.rows.clone() };
+    for row in &mut one.rows {
+        row.roll_rad = 0.5 * (row.roll_rad + row.second_roll_rad);
+        row.second_roll_rad = f64::NAN;
+    }
+    let [combined, _] = errors(&mean, &Belief::prior(&mean), &one);
+    assert!(combined.abs() < 0.05, "{combined}");
     let mut reversed = both;
     for row in &mut reversed.rows {
         row.second_roll_rad *= -1.0;

@@ -119,6 +119,7 @@ impl Vehicle {
                 .as_ref()
                 .map(LevelSensors::roll_per_difference),
             second_roll_share: sensors.roll.second_share,
+            roll_is_mean_of_two: sensors.roll.is_mean_of_two(),
         }
     }
 

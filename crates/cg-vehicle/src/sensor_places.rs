@@ -94,6 +94,11 @@ pub struct RollSensor {
 }
 
 impl RollSensor {
+    /// Whether the log has the mean of two sensors as one roll angle.
+    pub fn is_mean_of_two(&self) -> bool {
+        self.second_behind_hitch_m.is_some() && self.second_share.is_none()
+    }
+
     /// Distances of the sensors behind the fifth wheel, infinite over the axles, with their shares in the
     /// roll angle.
     pub(crate) fn places_m(&self) -> impl Iterator<Item = (f64, f64)> {

@@ -190,6 +190,67 @@ fn the_page_lists_every_key_and_says_which_lengths_are_half() {
 }
 
 /// The labels of the drawing are keys, and each key of a position or a dimension is in the drawing.
+/// The first table of a file at a path without indices.
+fn inner<'a>(root: &'a mut Table, path: &str) -> Option<&'a mut Table> {
+    path.split('.').filter(|step| !step.is_empty()).try_fold(root, |table, step| {
+        let value = table.get_mut(step)?;
+        if value.is_array() { value.get_mut(0)?.as_table_mut() } else { value.as_table_mut() }
+    })
+}
+
+/// A file without a key is the same vehicle as one with the value that the page names for it, and keys
+/// with "none" have no value.
+#[test]
+fn the_page_says_what_an_absent_key_means() {
+    let text = template(TruckKind::SixByFourThreeAxle);
+    let is_key = |line: &str| line.starts_with('[') || line.contains(" = ");
+    let lines = text.lines().map(|line| match line.strip_prefix('#') {
+        Some(rest) if !rest.starts_with(' ') && is_key(rest) => rest,
+        _ => line,
+    });
+    let example: Table = lines.collect::<Vec<_>>().join("\n").parse().unwrap();
+    let read = |root: Table| Value::Table(root).try_into::<Vehicle>();
+    let (mut path, mut found) = (String::new(), Vec::new());
+    for line in page().lines() {
+        if let Some(header) = line.strip_prefix("### ") {
+            path = header.split('`').nth(1).unwrap_or("").trim_matches(['[', ']']).to_owned();
+        }
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        let ([name, .., absent], true) = (&cells[..], cells.len() == 6) else { continue };
+        let name = name.trim_matches('`');
+        let mut root = example.clone();
+        let Some(table) = inner(&mut root, &path) else { continue };
+        if table.remove(name).is_none() || *absent == "required" {
+            continue;
+        }
+        let place = format!("{path}.{name}");
+        let without = read(root.clone()).unwrap_or_else(|error| panic!("{place}: {error}"));
+        if *absent == "none" {
+            let mut written = Table::try_from(&without).unwrap();
+            let value = inner(&mut written, &path).unwrap().remove(name);
+            let is_empty = |value: &Value| value.as_array().is_some_and(Vec::is_empty);
+            assert!(value.as_ref().is_none_or(is_empty), "{place} = {value:?}");
+            continue;
+        }
+        let value: Table = format!("value = {absent}").parse().unwrap();
+        inner(&mut root, &path).unwrap().insert(name.to_owned(), value["value"].clone());
+        assert_eq!(read(root).unwrap(), without, "{place}");
+        found.push(format!("{place} = {absent}"));
+    }
+    for known in [
+        ".gravity_mps2 = 9.80665",
+        "uncertainty.payload_place_sd_m = 0.3",
+        "uncertainty.spring_friction_sd = 0.3",
+        "uncertainty.frame_torsional_stiffness_sd = 0.3",
+        "uncertainty.suspension_roll_gain_sd = 0.03",
+        "uncertainty.specific_force_gain_sd = 0.01",
+        "sensors.accelerometer.height_m = 1.0",
+        "trailer.axle.leveled = false",
+    ] {
+        assert!(found.iter().any(|one| one == known), "no {known} in {found:?}");
+    }
+}
+
 #[test]
 fn the_drawing_has_the_keys_of_all_dimensions() {
     let drawing = repository("docs/figures/vehicle.svg");

@@ -343,3 +343,54 @@ fn a_road_is_a_kind_or_a_file_and_excludes_maneuvers() {
         .refused(&["the road ends after 10.0 s", "--duration-s"]);
     simulate(&[&limited[..], &["8"]].concat()).done();
 }
+
+#[test]
+fn a_log_of_a_truck_with_two_roll_sensors_has_the_column_of_the_second() {
+    let scratch = Scratch::new();
+    let rigid = std::fs::read_to_string(kraz()).unwrap();
+    let frame = "frame_torsional_stiffness_nm_per_rad = 1e10";
+    assert!(rigid.contains(frame));
+    let twists = rigid.replace(frame, "frame_torsional_stiffness_nm_per_rad = 3e6");
+    let places = "\n[sensors.roll]\nbehind_hitch_m = 0.5\nsecond_behind_hitch_m = 7.0\n";
+    let mean = twists + places;
+    let both = scratch.file("both.toml", format!("{mean}second_share = 0.6\n"));
+    let mean = scratch.file("mean.toml", mean);
+    let head = |log: &str| {
+        let text = std::fs::read_to_string(log).unwrap();
+        text.lines().find(|line| !line.starts_with('#')).unwrap().to_owned()
+    };
+    let names = "time_s,steer_rad,roll_rad,second_roll_rad,speed_mps,";
+    for plant in ["linear", "nonlinear"] {
+        let load = ["--height-m", "2.0", "--maneuver", "drive", "--plant", plant];
+        let log = scratch.simulate("both.csv", &both, &load);
+        assert!(head(&log).starts_with(names), "{}", head(&log));
+        let answer = estimate(&log, &both, &[]).done().answer();
+        println!("{plant}: {answer}");
+        assert!((height_m(&answer) / 2.0 - 1.0).abs() < 0.02, "{plant}: {answer}");
+        // A file with the same places, but without a share, has the mean of both in one column.
+        let one = scratch.simulate("mean.csv", &mean, &load);
+        assert!(!head(&one).contains("second_roll"), "{}", head(&one));
+        let answer = estimate(&one, &mean, &[]).done().answer();
+        assert!((height_m(&answer) / 2.0 - 1.0).abs() < 0.02, "{plant}: {answer}");
+        // It does not fit a log with both.
+        estimate(&log, &mean, &[]).told(1, &[]).answer();
+    }
+    // Both have the same sensor: noise of their own, and the same quantisation.
+    let coarse = ["--maneuver", "sine", "--quantisation-rad", "0.001", "--snr-db", "30"];
+    let log = scratch.simulate("both.csv", &both, &coarse);
+    let text = std::fs::read_to_string(log).unwrap();
+    let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let angles = rows.map(|row| {
+        let mut values = row.split(',').skip(2).map(|value| value.parse::<f64>().unwrap());
+        [values.next().unwrap(), values.next().unwrap()]
+    });
+    let mut differ = 0;
+    for [first_rad, second_rad] in angles {
+        for angle_rad in [first_rad, second_rad] {
+            let steps = angle_rad / 0.001;
+            assert!((steps - steps.round()).abs() < 1e-6, "{angle_rad}");
+        }
+        differ += usize::from((first_rad - second_rad).abs() > 1e-9);
+    }
+    assert!(differ > 20, "{differ}");
+}

@@ -30,6 +30,10 @@ pub struct AlignSettings<T> {
     pub tractor_suspension_roll_of_level: Option<T>,
     /// Share of the second roll sensor in the trailer's roll angle, which then needs both sensors.
     pub second_roll_share: Option<T>,
+    /// Whether the roll angle is already the mean of two sensors, so that a log with a roll angle of the
+    /// second one contradicts the vehicle: the roll angle is then not used.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub roll_is_mean_of_two: bool,
 }
 
 impl<T: Real> AlignSettings<T> {
@@ -43,6 +47,7 @@ impl<T: Real> AlignSettings<T> {
         suspension_roll_of_level: None,
         tractor_suspension_roll_of_level: None,
         second_roll_share: None,
+        roll_is_mean_of_two: false,
     };
 
     /// Mean road-wheel angle, rad: the measured one or, if it is absent, the one that follows from
@@ -79,6 +84,9 @@ impl<T: Real> AlignSettings<T> {
                 Some(share) => {
                     let first_rad = at(Quantity::Roll);
                     first_rad + share * (at(Quantity::SecondRoll) - first_rad)
+                }
+                None if self.roll_is_mean_of_two && at(Quantity::SecondRoll).present() => {
+                    T::absent()
                 }
                 None => at(Quantity::Roll),
             },
@@ -250,6 +258,10 @@ mod tests {
             assert!(sample(settings, &[one]).roll_rad.is_nan());
         }
         close(sample(AlignSettings::NONE, &both).roll_rad, 0.02);
+        // The mean of both has no column beside it.
+        let mean = AlignSettings { roll_is_mean_of_two: true, ..AlignSettings::NONE };
+        close(sample(mean, &both[..1]).roll_rad, 0.02);
+        assert!(sample(mean, &both).roll_rad.is_nan());
     }
 
     /// The body tilts more than the axle: 0.25 − 0.20 and 0.23 − 0.21.

@@ -77,7 +77,7 @@ impl LogEstimator {
         if let Some(remark) = self.sensors.wrong_force(self.design.gravity_mps2, is_used) {
             return inconsistent(remark);
         }
-        let rolls = self.settings.second_roll_share.and_then(|_| self.rolls.contradiction());
+        let rolls = self.rolls.contradiction(&self.settings);
         let signals = rolls.or_else(|| self.sensors.dead());
         let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));
         if let Some(channel) = self.options.channel {

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use cg_core::AlignSettings;
+
 use super::pair::Pair;
 use crate::log::LogRow;
 
@@ -40,8 +42,20 @@ impl RollCheck {
         self.both_rows > 0.0 || self.alone[1] > 0
     }
 
-    /// The contradiction between two roll sensors, if there is one.
-    pub(super) fn contradiction(&self) -> Option<String> {
+    /// The contradiction between two roll sensors, or of both with the vehicle file, if there is one.
+    pub(super) fn contradiction(&self, settings: &AlignSettings<f64>) -> Option<String> {
+        if settings.second_roll_share.is_some() {
+            return self.disagreement();
+        }
+        (settings.roll_is_mean_of_two && self.has_second()).then(|| {
+            "the log has a roll angle of each of two sensors, but the vehicle file has \
+             second_behind_hitch_m without second_share in [sensors.roll], so that the roll angle would be \
+             the mean of both: add second_share (`cg vehicle check` says the best one)"
+                .to_owned()
+        })
+    }
+
+    fn disagreement(&self) -> Option<String> {
         let spread_rad = (self.both.square() / self.both_rows).sqrt();
         let slope = self.both.slope();
         let compared = self.both_rows >= LEAST_ROWS && spread_rad > EXCITED_RAD;
@@ -59,10 +73,11 @@ impl RollCheck {
         ))
     }
 
-    /// What is wrong with the sensors of a log, where the vehicle file has this share of the second one.
-    pub(super) fn places(&self, second_share: Option<f64>) -> Option<String> {
+    /// What is wrong with the sensors of a log, with the vehicle file's share of the second one.
+    pub(super) fn places(&self, settings: &AlignSettings<f64>) -> Option<String> {
         let [first, second] = self.alone;
-        match second_share {
+        match settings.second_roll_share {
+            None if settings.roll_is_mean_of_two => self.contradiction(settings),
             None => self.has_second().then(|| {
                 "the log has the roll angle of a second sensor, but the vehicle file has no \
                  sensors.roll.second_share for it: it is not used"
@@ -100,7 +115,7 @@ mod tests {
     fn two_sensors_on_one_frame_agree_in_sign_and_size() {
         let found = |slope: f64, rows: u32, size: f64| {
             check((0..rows).map(|k| [size * swing(k), slope * size * swing(k) + 0.01]))
-                .contradiction()
+                .disagreement()
         };
         assert!(found(1.4, 200, 1.0).is_none() && found(0.6, 200, 1.0).is_none());
         assert!(found(-1.0, 200, 1.0).unwrap().contains("reversed"));
@@ -112,8 +127,14 @@ mod tests {
     #[test]
     fn a_log_and_a_file_need_the_same_sensors() {
         let (both, first) = (check([[0.01, 0.02]]), check([[0.01, f64::NAN]]));
-        assert!(both.places(None).unwrap().contains("second_share"));
-        assert!(both.places(Some(0.5)).is_none() && first.places(None).is_none());
-        assert!(first.places(Some(0.5)).unwrap().starts_with("1 rows"));
+        let none = AlignSettings::NONE;
+        let half = AlignSettings { second_roll_share: Some(0.5), ..none };
+        let mean = AlignSettings { roll_is_mean_of_two: true, ..none };
+        assert!(both.places(&none).unwrap().contains("is not used"));
+        assert!(both.places(&half).is_none() && first.places(&none).is_none());
+        assert!(first.places(&half).unwrap().starts_with("1 rows"));
+        assert!(both.places(&mean).unwrap().contains("add second_share"));
+        assert!(both.contradiction(&mean).is_some() && both.contradiction(&none).is_none());
+        assert!(first.places(&mean).is_none() && first.contradiction(&mean).is_none());
     }
 }

@@ -164,6 +164,11 @@ impl LogSimulation {
     /// The columns of the log: those of its sensors; of the pressures only what the vehicle has.
     pub fn columns(&self) -> Vec<Signal> {
         let mut columns = self.scenario.sensors.columns().to_vec();
+        // Inclinometers have a tilt instead of a roll angle.
+        let roll = columns.iter().position(|signal| *signal == Signal::Roll);
+        if let Some(roll) = roll.filter(|_| self.signals.has_two_rolls()) {
+            columns.insert(roll + 1, Signal::SecondRoll);
+        }
         if self.truth.chassis.is_some() {
             columns.extend(ChassisSensors::COLUMNS);
         }

@@ -8,6 +8,7 @@
 //! | `ranges` | numbers outside their ranges; the least usual numbers |
 //! | `shapes` | names, lengths of lists, order of axles |
 //! | `relation`, `relations`, `tables` | numbers that contradict each other |
+//! | `widths` | full widths that are half by mistake, for vehicles that are impossible as a whole |
 //! | `place` | position of a finding in the file |
 //! | `read` | reads a vehicle file and runs all checks |
 
@@ -19,6 +20,7 @@ mod ranges;
 mod shapes;
 mod tables;
 mod relations;
+mod widths;
 mod read;
 
 /// A table of the vehicle file.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use toml::Table;
 
-use super::{place, ranges, relations, shapes};
+use super::{place, ranges, relations, shapes, widths};
 use crate::error::VehicleError;
 use crate::files;
 use crate::finding::{Finding, Severity};
@@ -79,13 +79,18 @@ fn checked(text: &str, file: &str) -> Result<(Vehicle, Vec<Finding>), VehicleErr
 }
 
 impl VehicleError {
-    /// Adds the least usual numbers of the vehicle to an error of a model.
+    /// Adds the least usual numbers of the vehicle to an error of a model, and a full width of springs
+    /// that may have been given as half of it.
     #[must_use]
     pub fn of_vehicle(self, vehicle: &Vehicle) -> Self {
         match self {
             Self::Model(message) => {
                 let root = Table::try_from(vehicle).unwrap_or_default();
                 let farthest = ranges::farthest(&ranges::numbers(&root), NAMED);
+                let message = match widths::halved(vehicle) {
+                    Some(hint) => format!("{message}; {hint}"),
+                    None => message,
+                };
                 Self::Unusable { message, farthest }
             }
             other => other,

@@ -31,7 +31,7 @@ pub(super) fn findings(v: &Vehicle, known: &[Finding]) -> Vec<Finding> {
 }
 
 /// All axles with their paths in the file, tractor first.
-fn axles(v: &Vehicle) -> Vec<(String, &Axle)> {
+pub(super) fn axles(v: &Vehicle) -> Vec<(String, &Axle)> {
     let tractor = v.tractor.axle.iter().map(|a| &a.axle).enumerate();
     let trailer = v.trailer.axle.iter().map(|a| &a.axle).enumerate();
     tractor

@@ -210,7 +210,7 @@ const PRESSURE: &[Key] = &[
 const ROLL_SENSOR: &[Key] = &[
     number("behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "distance behind the fifth wheel; if absent, over the axles").optional(),
     number("second_behind_hitch_m", "m", [-1.0, 14.0], [-3.0, 30.0], "the same of a second sensor").optional(),
-    number("second_share", "", [0.05, 0.95], [0.0, 1.0], "share of the second sensor in the roll angle, if the log has it as second_roll_rad beside roll_rad; `cg vehicle check` says the best one; if absent, roll_rad is the mean of both sensors").optional().or(0.0, "the first sensor alone"),
+    number("second_share", "", [0.05, 0.95], [0.0, 1.0], "share of the second sensor in the roll angle, if the log has it as second_roll_rad beside roll_rad; `cg vehicle check` says the best one; if absent, roll_rad is the mean of both sensors, and a log with second_roll_rad has no height").optional().or(0.0, "the first sensor alone"),
 ];
 
 #[rustfmt::skip]
@@ -261,7 +261,7 @@ const AXLE: &[Key] = &[
     number("roll_damping_nms_per_rad", "N m s/rad", [300.0, 2e5], [0.0, 1e6], "roll damping between body and axle").optional().or(0.0, "none"),
     number("damper_spread_m", "m", [0.4, 1.9], [0.2, 2.6], "full distance between the left and the right damper; if absent, that of the springs; for the simulation").optional(),
     other("spring", Kind::Text, "name of the measured spring; if absent, the springs are linear").optional(),
-    other("leveled", Kind::Flag, "whether a leveling valve keeps the height of its air springs; their stiffness is then that at the reference load").optional(),
+    other("leveled", Kind::Flag, "whether a leveling valve keeps the height of its air springs; their stiffness and the curves of a measured spring are then those at the reference load, and grow in proportion to the load").optional(),
     number("roll_steer_rad_per_rad", "rad/rad", [-0.3, 0.3], [-1.0, 1.0], "steer angle of the axle per roll angle between body and axle; for rollover threshold and simulation").optional(),
     other("load_group", Kind::Whole, "axles of one unit with the same number share their load equally").optional(),
     number("spring_free_rise_m", "m", [0.01, 0.3], [0.0, 0.8], "height by which the unloaded springs lift the frame; needed if the axle loads depend on stiffness, that is without load groups").optional().or(0.0, "none"),

@@ -128,3 +128,15 @@ pub(super) fn everything() -> String {
     let values = TruckKind::SixByFourThreeAxle.values();
     values.lines().flat_map(|line| [line.trim_start_matches('#'), "\n"]).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vehicle::Vehicle;
+
+    /// The page takes the values of absent keys from it.
+    #[test]
+    fn the_file_with_every_key_can_be_read() {
+        Vehicle::parse(&everything(), "everything").unwrap();
+    }
+}

@@ -1,6 +1,7 @@
 //! Tests of typical mistakes in vehicle files, and of impossible vehicles.
 
 use cg_vehicle::design::design;
+use cg_vehicle::guide::{TruckKind, template};
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
 use crate::text;
@@ -162,6 +163,24 @@ fn a_vehicle_that_falls_over_says_which_keys_are_unusual() {
     let named = "].spring_stiffness_n_per_m = 25000 (usual: 80000 to 4000000 N/m), ";
     let text = error.to_string();
     assert!(text.contains(ranked) && text.contains(named), "{text}");
+}
+
+/// The width of springs is full and that of tires half, which is easily confused.
+#[test]
+fn springs_at_half_their_distance_are_told() {
+    let template = template(TruckKind::SixByFourThreeAxle);
+    let halved = template.replace("spring_spread_m = 1.2", "spring_spread_m = 0.6");
+    let (vehicle, _) = Vehicle::check(&halved, "truck.toml").unwrap();
+    let text = design(&vehicle, Variant::Complete).unwrap_err().to_string();
+    let hint = "trailer.axle[0].spring_spread_m = 0.6 is small beside tyre_positions_m: it is the full \
+                distance between the left and the right spring, so if you gave half of it, write 1.2; least";
+    assert!(text.contains(hint), "{text}");
+    // Not of springs at a usual distance.
+    let soft = template
+        .replace("spring_stiffness_n_per_m = 700000.0", "spring_stiffness_n_per_m = 150000.0");
+    let (vehicle, _) = Vehicle::check(&soft, "truck.toml").unwrap();
+    let text = design(&vehicle, Variant::Complete).unwrap_err().to_string();
+    assert!(!text.contains("spring_spread_m"), "{text}");
 }
 
 #[test]
