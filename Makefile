@@ -20,13 +20,14 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
   windows arm armhf macos deb port-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
-# The program, the Python package and the tests are one build, that of the dev profile. The tests of one part run while
-# another part is built. The last two measure times, have the release build and run alone.
-test: tools port-tools armhf-tools fmt lint
-	$(MAKE) --jobs=3 --output-sync=target rust python package docs firmware
-	$(MAKE) --jobs=3 --output-sync=target arm armhf windows deb
-	$(MAKE) guest bench-short
+# The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
+# tests of one part run while another part is built. The guest has to keep up with a bus and runs alone.
+test: tools port-tools armhf-tools firmware-tools fmt lint
+	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
+
+# Those that the others need come first, then the longest ones.
+PARTS := cg venv firmware rust python arm windows armhf bench-short docs deb package guest
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust with rustup"; exit 1; }
@@ -131,10 +132,9 @@ armhf-tools:
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute. An emulated
-# processor can keep up with that in the release profile only.
-guest: venv
-	cargo build --release --package cg-cli --no-default-features
-	guest/run.sh target/release/cg $(VENV)
+# processor keeps up with that even with the checks of the dev profile.
+guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
+	guest/run.sh target/debug/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev

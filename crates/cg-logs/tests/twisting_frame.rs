@@ -107,7 +107,7 @@ fn calibrated(vehicle: &Vehicle, empty: &Drive) -> Belief {
 
 /// With the frame in the file, all sensors are right: uncalibrated the lateral-acceleration channel is
 /// within 2 % (with a rigid frame it is 8.6 % low at the rear and 20 % high at the front), and after a
-/// calibration with the empty run the laden height is within 1 %, and 0.3 % in that channel.
+/// calibration with the empty run the laden height is within 0.7 %, and 0.3 % in that channel.
 #[test]
 fn the_height_of_a_twisting_trailer_is_known_at_both_ends() {
     let known = known_in("euro-van");
@@ -120,7 +120,7 @@ fn the_height_of_a_twisting_trailer_is_known_at_both_ends() {
             assert!(combined.abs() < 0.05 && lateral.abs() < 0.02, "{combined} {lateral}");
         }
         let [combined, lateral] = errors(&van, &calibrated(&van, &empty), &laden);
-        assert!(combined.abs() < 0.01 && lateral.abs() < 0.003, "{combined} {lateral}");
+        assert!(combined.abs() < 0.007 && lateral.abs() < 0.003, "{combined} {lateral}");
     }
 }
 

@@ -16,7 +16,7 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::reduction::Shapes;
-use crate::tables::Spring;
+use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 use crate::vehicle::{Axle, Tyre, Vehicle};
 
 /// Number of parameters.
@@ -70,11 +70,13 @@ pub enum Parameter {
     TrailerSpringFriction,
     /// Friction of the tractor's measured springs, factor.
     TractorSpringFriction,
+    /// Cornering stiffness of all tires at twice the middle load of their tables, over that at the middle, factor.
+    CorneringOverLoad,
 }
 
 impl Parameter {
     /// All parameters, in the order of [`Deviations`].
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::TrailerRollStiffness,
         Self::TractorRollStiffness,
         Self::RollCenterHeight,
@@ -94,6 +96,7 @@ impl Parameter {
         Self::FrameTorsionalStiffness,
         Self::TrailerSpringFriction,
         Self::TractorSpringFriction,
+        Self::CorneringOverLoad,
     ];
 
     /// The name of the parameter in words.
@@ -118,6 +121,7 @@ impl Parameter {
             Self::FrameTorsionalStiffness => "trailer frame torsional stiffness",
             Self::TrailerSpringFriction => "friction of the trailer's springs",
             Self::TractorSpringFriction => "friction of the tractor's springs",
+            Self::CorneringOverLoad => "cornering stiffness over load",
         }
     }
 
@@ -185,6 +189,7 @@ impl Belief {
             Parameter::SteeredCorneringStiffness
             | Parameter::DriveCorneringStiffness
             | Parameter::TrailerCorneringStiffness => u.cornering_stiffness_sd,
+            Parameter::CorneringOverLoad => u.cornering_over_load_sd,
             Parameter::SteeringGain => u.steering_gain_sd,
             Parameter::LateralAccelerationGain => u.lateral_acceleration_gain_sd,
             Parameter::Compensation => u.compensation_sd,
@@ -207,11 +212,21 @@ impl Belief {
     }
 
     /// Deviations drawn from a belief without correlation, such as the prior. `standard` returns numbers of
-    /// the standard normal distribution; it is called once for each parameter that is not certain.
+    /// the standard normal distribution; it is called once for each parameter that is not certain, but for the
+    /// last one, so that the trucks that a seed gives did not change when that was added.
     pub fn drawn(&self, mut standard: impl FnMut() -> f64) -> Deviations {
+        let mut last = 0;
         Deviations::from_fn(|k, _| {
             let sd = self.covariance[(k, k)].sqrt();
-            self.mean[k] + if sd > 0.0 { sd * standard() } else { 0.0 }
+            let normal = if k == Parameter::CorneringOverLoad as usize {
+                scrambled(last)
+            } else if sd > 0.0 {
+                standard()
+            } else {
+                0.0
+            };
+            last ^= normal.to_bits();
+            self.mean[k] + sd * normal
         })
     }
 
@@ -229,6 +244,20 @@ impl Belief {
     pub(crate) fn roll_gain(&self) -> f64 {
         libm::exp(value(&self.mean, Parameter::Compensation))
     }
+}
+
+/// A number of the standard normal distribution, to 1 %: the sum of twelve even ones that follow from a seed by
+/// `SplitMix64` (Steele, Lea and Flood, OOPSLA 2014).
+fn scrambled(mut seed: u64) -> f64 {
+    let mut even = || {
+        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = (seed ^ (seed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        #[allow(clippy::cast_precision_loss)] // 53 bits
+        let share = ((bits ^ (bits >> 31)) >> 11) as f64;
+        share * 0.5 * f64::EPSILON - 0.5
+    };
+    (0..12).map(|_| even()).sum()
 }
 
 fn value(deviations: &Deviations, parameter: Parameter) -> f64 {
@@ -255,6 +284,7 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     moved.tyre.clear();
     let find = |axle: &Axle| vehicle.tyre.iter().find(|tyre| tyre.name == axle.tyre);
     let vertical = factor(Parameter::TyreVerticalStiffness);
+    let over_load = value(deviations, Parameter::CorneringOverLoad);
     let shift_m = value(deviations, Parameter::RollCenterHeight);
     let mut adjust = |axle: &mut Axle, [stiffness, cornering, friction]: [Parameter; 3]| {
         // The change is added as roll stiffness that is separate from the springs, so that the
@@ -277,7 +307,9 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
         // Each axle gets its own tire type, because axles may share a type.
         if let Some(tyre) = find(axle) {
             axle.tyre = format!("{} {}", moved.tyre.len() + 1, tyre.name);
-            let scaled = scaled_tyre(tyre, axle.tyre.clone(), vertical, factor(cornering));
+            let mut scaled = Tyre { name: axle.tyre.clone(), ..tyre.clone() };
+            scaled.vertical_stiffness_n_per_m *= vertical;
+            scale_cornering(&mut scaled, factor(cornering), over_load);
             moved.tyre.push(scaled);
         }
     };
@@ -298,22 +330,28 @@ pub fn adjusted(vehicle: &Vehicle, deviations: &Deviations) -> Vehicle {
     moved
 }
 
-fn scaled_tyre(tyre: &Tyre, name: String, vertical: f64, cornering: f64) -> Tyre {
-    let mut scaled = Tyre { name, ..tyre.clone() };
-    scaled.vertical_stiffness_n_per_m *= vertical;
-    for table in
-        [&mut scaled.cornering_stiffness_n_per_rad, &mut scaled.aligning_stiffness_nm_per_rad]
-    {
-        for entry in table {
-            *entry *= cornering;
+/// Multiplies the cornering and aligning stiffness of a tire by a factor at the middle load of its tables and by another
+/// one more at each doubling of the load. Below an eighth of that load the change ends.
+fn scale_cornering(tyre: &mut Tyre, factor: f64, over_load: f64) {
+    let at = |loads_n: &[f64]| -> Vec<f64> {
+        let [first, .., last] = loads_n else { return vec![factor; loads_n.len()] };
+        let middle_n = 0.5 * (first + last);
+        let doublings = |load_n: &f64| libm::log2((load_n / middle_n).max(0.125));
+        loads_n.iter().map(|load_n| factor * libm::exp(over_load * doublings(load_n))).collect()
+    };
+    let scale = |loads_n: &[f64], row: &mut Vec<f64>| {
+        row.iter_mut().zip(at(loads_n)).for_each(|(entry, by)| *entry *= by);
+    };
+    scale(&tyre.load_n, &mut tyre.cornering_stiffness_n_per_rad);
+    scale(&tyre.load_n, &mut tyre.aligning_stiffness_nm_per_rad);
+    if let Some(LateralForceTable { load_n, coefficient, .. }) = &mut tyre.lateral_force {
+        for row in coefficient {
+            scale(load_n, row);
         }
     }
-    let measured = [
-        scaled.lateral_force.as_mut().map(|table| &mut table.coefficient),
-        scaled.aligning_moment.as_mut().map(|table| &mut table.moment_nm),
-    ];
-    for entry in measured.into_iter().flatten().flatten().flatten() {
-        *entry *= cornering;
+    if let Some(AligningMomentTable { load_n, moment_nm, .. }) = &mut tyre.aligning_moment {
+        for row in moment_nm {
+            scale(load_n, row);
+        }
     }
-    scaled
 }

@@ -5,8 +5,8 @@
 //! and bends make of its roll angle: both units share the moment, so that what friction holds in one of them is
 //! not all of it missing in its own roll angle, and is missing in that of the other one. The roll angle to the
 //! road is that of the other channels, where this also depends on the height, near a load that tips the truck
-//! on little else. There the moment of the trailer's own springs counts as given, what the tractor's hold is
-//! added, and bends stay in the uncertainty.
+//! on little else. There the moment of the trailer's own springs counts as given, with the friction and the softer
+//! bends of their curves, and what the tractor's springs hold is added.
 
 use std::borrow::Cow;
 
@@ -68,11 +68,17 @@ pub fn roll_friction(
         let held = tractor.roll_rad / tractor_rad;
         [by_tractor * tractor.usual_share, by_tractor * held * trailer_rad / on_springs]
     });
-    let roll = own[1].map_or(Friction::NONE, |own| Friction {
-        usual_share: own.usual_share * on_springs + usual_share,
-        roll_rad: own.roll_rad + roll_rad,
-        deflection_rad: own.deflection_rad / on_springs,
-        ..own
+    let roll = own[1].map_or(Friction::NONE, |own| {
+        // Stiffer springs, as at a bump stop, stay in the uncertainty.
+        let softer = springs.bends(1).filter(|[_, bend, _]| *bend < 0.0);
+        let [slope, bend, knee] = softer.unwrap_or([1.0 - own.usual_share, 0.0, 0.0]);
+        Friction {
+            usual_share: (1.0 - slope) * on_springs + usual_share,
+            bend: bend * on_springs,
+            knee_rad: knee * springs.usual.amplitude_rad[1] / on_springs,
+            roll_rad: own.roll_rad + roll_rad,
+            deflection_rad: own.deflection_rad / on_springs,
+        }
     });
     Ok(Channel::ALL.map(|channel| match channel.output() {
         Output::TractorSuspensionRoll => pair(0),
@@ -108,6 +114,23 @@ impl<'a> Springs<'a> {
             line.ratio_at(self.laden.load.cg_height_m)
         });
         suspension / roll
+    }
+
+    /// The [two lines](two_lines) of the moment of a unit's springs without friction, over their roll stiffness in a
+    /// usual turn; the roll angle is in amplitudes of that turn.
+    fn bends(&self, unit: usize) -> Option<[f64; 3]> {
+        let vehicle = &*self.vehicle;
+        let stiffness = |share: f64, friction: f64| -> f64 {
+            let amplitude_rad = share * self.usual.amplitude_rad[unit];
+            let axles = vehicle.axles().into_iter().zip(&self.balance.axle_load_n);
+            let of_unit = axles.filter(|(placed, _)| usize::from(placed.on_trailer) == unit);
+            of_unit
+                .map(|(placed, n)| vehicle.roll_stiffness(&placed, *n, amplitude_rad, friction))
+                .sum()
+        };
+        let usual = stiffness(1.0, 1.0);
+        let points = turns().map(|share| (share, share * stiffness(share, 0.0) / usual));
+        two_lines(&points.collect::<Vec<_>>())
     }
 
     /// The friction in the suspension roll of a unit if its moment is given; `None` without friction.
@@ -165,24 +188,27 @@ impl<'a> Springs<'a> {
     /// usual turn over that in a turn of `s` times its amplitude without friction: the first slope, the
     /// increase of the slope, and the knee, of both units. The turns are those up to twice the usual one.
     fn bent(&self) -> Result<[[f64; 3]; 2], VehicleError> {
-        const PLACES: u32 = 12;
-        const MOST: f64 = 2.0;
-        let mut turns = Vec::new();
-        for place in 1..=PLACES {
-            let share = MOST * f64::from(place) / f64::from(PLACES);
+        let mut points = Vec::new();
+        for share in turns() {
             let mut motion = self.usual;
             motion.amplitude_rad = motion.amplitude_rad.map(|usual_rad| share * usual_rad);
             motion.friction = [0.0; 2];
             if let Some(ratios) = self.ratios(motion)? {
-                turns.push((share, ratios));
+                points.push((share, ratios));
             }
         }
         Ok(std::array::from_fn(|unit| {
             let point = |(s, ratios): &(f64, [f64; 3])| (*s, s / ratios[unit]);
-            let points: Vec<_> = turns.iter().map(point).collect();
+            let points: Vec<_> = points.iter().map(point).collect();
             two_lines(&points).unwrap_or([1.0, 0.0, 1.0])
         }))
     }
+}
+
+/// Amplitudes up to twice that of the usual turn, as shares of it.
+fn turns() -> impl Iterator<Item = f64> {
+    const PLACES: u32 = 12;
+    (1..=PLACES).map(|place| 2.0 * f64::from(place) / f64::from(PLACES))
 }
 
 /// Least squares of `y = p x + c max(x − knee, 0)` to points with increasing `x`, with the best of their knees: `p`,

@@ -19,6 +19,8 @@ pub struct Lean {
     pub reference_payload_kg: f64,
     /// Mass of the empty trailer, kg.
     pub empty_kg: f64,
+    /// Whether the springs have play, and not the fifth wheel alone.
+    pub of_springs: bool,
 }
 
 impl Lean {
@@ -45,12 +47,16 @@ impl Lean {
             rad_per_kgm: vehicle.gravity_mps2 * equations.roll_per_moment()?,
             reference_payload_kg: load.trailer_mass_kg - empty_kg,
             empty_kg,
+            of_springs: springs,
         }))
     }
 
     /// The lean with this roll angle per moment (rad/(kg m)), reference payload and empty mass (kg).
-    pub fn from_parts([rad_per_kgm, reference_payload_kg, empty_kg]: [f64; 3]) -> Self {
-        Self { rad_per_kgm, reference_payload_kg, empty_kg }
+    pub fn from_parts(
+        [rad_per_kgm, reference_payload_kg, empty_kg]: [f64; 3],
+        of_springs: bool,
+    ) -> Self {
+        Self { rad_per_kgm, reference_payload_kg, empty_kg, of_springs }
     }
 
     /// Distance of a load from the middle at which the trailer leans by an angle.

@@ -35,17 +35,43 @@ impl Vehicle {
         amplitude_rad: f64,
         friction: f64,
     ) -> f64 {
+        self.with_springs(placed, load_n, amplitude_rad, |spring, load_n, amplitude_m| {
+            let spring = spring.clone().with_friction(friction);
+            Envelope::new(&spring).stiffness_n_per_m(
+                load_n,
+                amplitude_m,
+                spring.friction_deflection_m,
+            )
+        })
+    }
+
+    /// The same without friction, if the body [neither rises nor sinks](Envelope::slope_at_rest) in a turn.
+    pub(crate) fn roll_stiffness_at_rest(
+        &self,
+        placed: &PlacedAxle<'_>,
+        load_n: f64,
+        amplitude_rad: f64,
+    ) -> f64 {
+        self.with_springs(placed, load_n, amplitude_rad, |spring, load_n, amplitude_m| {
+            Envelope::new(spring).slope_at_rest(load_n, amplitude_m)
+        })
+    }
+
+    /// The roll stiffness if a measured spring has this stiffness at its load and amplitude.
+    fn with_springs(
+        &self,
+        placed: &PlacedAxle<'_>,
+        load_n: f64,
+        amplitude_rad: f64,
+        stiffness_n_per_m: impl FnOnce(&Spring, f64, f64) -> f64,
+    ) -> f64 {
         let linear = placed.suspension_roll_stiffness_nm_per_rad();
         let Some(spring) = self.spring_of(placed.axle) else { return linear };
         let axle = placed.axle;
         let half_spread_m = 0.5 * axle.spring_spread_m;
-        let spring = spring.clone().with_friction(friction);
-        let stiffness_n_per_m = Envelope::new(&spring).stiffness_n_per_m(
-            self.spring_load_n(axle, load_n),
-            half_spread_m * amplitude_rad,
-            spring.friction_deflection_m,
-        );
-        let change = stiffness_n_per_m - axle.spring_stiffness_n_per_m;
+        let load_n = self.spring_load_n(axle, load_n);
+        let change = stiffness_n_per_m(spring, load_n, half_spread_m * amplitude_rad)
+            - axle.spring_stiffness_n_per_m;
         linear + 2.0 * half_spread_m * half_spread_m * change
     }
 

@@ -9,7 +9,7 @@ use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::linear::{Laden, ratio_line_at, usual_roll_rad};
 use crate::load::Load;
-use crate::vehicle::Vehicle;
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 impl Belief {
     /// Covariance of the logarithms of all channels' DC ratios at a speed and load, including the place
@@ -63,8 +63,8 @@ impl Belief {
     }
 }
 
-/// Amplitudes of usual drives, as factors of the one in the usual turn.
-const AMPLITUDES: [f64; 2] = [0.5, 2.0];
+/// Amplitudes of usual drives (0.06 to 0.2 g), as factors of the one in the usual turn (0.12 g).
+const AMPLITUDES: [f64; 2] = [0.5, 1.67];
 /// Relative standard deviation by which the friction of a spring differs from drive to drive, because it is
 /// wet or dry, warm or cold. What is the same in all drives is a parameter of the truck.
 const FRICTION_CHANGE_SD: f64 = 0.1;
@@ -83,16 +83,20 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
     let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
     let axles = vehicle.axles();
     Ok([false, true].map(|on_trailer| {
-        let logarithm = |amplitude: f64, friction: f64| {
-            let amplitude_rad = amplitude * usual_rad[usize::from(on_trailer)];
+        let sum = |of: &dyn Fn(&PlacedAxle<'_>, f64) -> f64| {
             let of_unit = axles.iter().zip(&balance.axle_load_n);
-            let stiffness = of_unit
-                .filter(|(placed, _)| placed.on_trailer == on_trailer)
-                .map(|(placed, &n)| vehicle.roll_stiffness(placed, n, amplitude_rad, friction))
-                .sum::<f64>();
-            libm::log(stiffness)
+            let of_unit = of_unit.filter(|(placed, _)| placed.on_trailer == on_trailer);
+            libm::log(of_unit.map(|(placed, &load_n)| of(placed, load_n)).sum::<f64>())
         };
-        let [small, large] = AMPLITUDES.map(|amplitude| logarithm(amplitude, 0.0));
+        let rad = |amplitude: f64| amplitude * usual_rad[usize::from(on_trailer)];
+        let logarithm = |amplitude: f64, friction: f64| {
+            sum(&|placed, load_n| vehicle.roll_stiffness(placed, load_n, rad(amplitude), friction))
+        };
+        // A bump stop that is passed within a maneuver changes what is identified by more than the slope of a body
+        // that has risen.
+        let [small, large] = AMPLITUDES.map(|amplitude| {
+            sum(&|placed, load_n| vehicle.roll_stiffness_at_rest(placed, load_n, rad(amplitude)))
+        });
         let by_amplitude = (small - large) / 12.0_f64.sqrt();
         // More friction changes more than less.
         let by_friction =

@@ -27,6 +27,9 @@ pub struct Uncertainty {
     pub tyre_vertical_stiffness_sd: f64,
     /// Cornering stiffness of the tires of steered, drive and trailer axles separately.
     pub cornering_stiffness_sd: f64,
+    /// Cornering stiffness of all tires at twice the load, over that at the load in the middle of their tables.
+    #[serde(default = "usual_over_load_sd", skip_serializing_if = "is_usual_over_load")]
+    pub cornering_over_load_sd: f64,
     /// Gain of the steer-angle sensor (or the steering ratio).
     pub steering_gain_sd: f64,
     /// Gain of the lateral-acceleration sensor.
@@ -59,6 +62,16 @@ fn is_usual_friction(sd: &f64) -> bool {
 
 fn usual_frame_sd() -> f64 {
     0.3
+}
+
+/// Of truck tires, the stiffness at twice the load is 1.6 to 1.9 times as great.
+fn usual_over_load_sd() -> f64 {
+    0.05
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+fn is_usual_over_load(sd: &f64) -> bool {
+    (sd - usual_over_load_sd()).abs() < f64::EPSILON
 }
 
 fn usual_payload_place_sd() -> f64 {

@@ -14,6 +14,7 @@ use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::sensors::SensorCheck;
 use super::signals::SignalCheck;
+use super::strong::StrongTurns;
 use super::weighed::Weighed;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
@@ -66,6 +67,7 @@ pub struct LogEstimator {
     pub(super) rolls: RollCheck,
     pub(super) sensors: SensorCheck,
     pub(super) leaning: Leaning,
+    pub(super) strong: StrongTurns,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
@@ -122,6 +124,7 @@ impl LogEstimator {
             rolls: RollCheck::default(),
             sensors: SensorCheck::default(),
             leaning: Leaning::default(),
+            strong: StrongTurns::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
             recorder: None,
@@ -152,6 +155,7 @@ impl LogEstimator {
         self.sensors.level(|quantity| row.get(Signal::from(quantity)));
         self.sensors.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status);
+        self.strong.push(&sample);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
         }
@@ -230,6 +234,7 @@ impl LogEstimator {
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
             self.sensors.close();
+            self.strong.close(self.maneuvers.len() < MOST_MANEUVERS);
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
             if is_first_of_load && self.seen.mass_kg.is_some() {
                 self.seen.weighed.change_load(maneuver.start_us);

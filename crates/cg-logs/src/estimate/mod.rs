@@ -13,6 +13,7 @@
 //! | `forces` | whether a specific force contains gravity |
 //! | `sensors` | these three together |
 //! | `leaning` | whether the trailer leans in straight driving |
+//! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
@@ -33,6 +34,7 @@ mod values;
 mod forces;
 mod sensors;
 mod leaning;
+mod strong;
 mod weighed;
 mod recorder;
 mod felt;

@@ -115,16 +115,40 @@ impl Envelope {
         slope + 2.0 * lost_n / amplitude_m * sum / f64::from(CYCLE_NODES)
     }
 
-    /// The loop that the spring describes in motion of an amplitude about its static load; the friction
+    /// The slope midway between the curves over an amplitude about its static load, if the body neither rises nor
+    /// sinks.
+    pub fn slope_at_rest(&self, load_n: f64, amplitude_m: f64) -> f64 {
+        self.slope(self.deflection_at(load_n), amplitude_m)
+    }
+
+    fn slope(&self, start_m: f64, amplitude_m: f64) -> f64 {
+        let ends = [1.0, -1.0].map(|side| self.middle(start_m + side * amplitude_m).0);
+        (ends[0] - ends[1]) / (2.0 * amplitude_m)
+    }
+
+    /// The loop that the spring describes in rolling of an amplitude about its static load; the friction
     /// in it is `C − k β`, and zero if that is negative. `deflection_m` is `β`.
     pub fn hysteresis(&self, load_n: f64, amplitude_m: f64, deflection_m: f64) -> Loop {
-        let start_m = self.deflection_at(load_n);
-        let ends = [1.0, -1.0].map(|side| self.middle(start_m + side * amplitude_m).0);
-        let slope = (ends[0] - ends[1]) / (2.0 * amplitude_m);
+        let rest_m = self.deflection_at(load_n);
+        let start_m = self.midway_m(rest_m, load_n, amplitude_m);
+        let slope = self.slope(start_m, amplitude_m);
         let friction_n = mean(|side| self.friction_n(start_m + side * amplitude_m).max(0.0));
         let usable_m = self.usable_deflection_m(start_m, deflection_m);
         let lost_n = (friction_n - slope * usable_m).max(0.0);
         Loop { slope, lost_n, deflection_m: usable_m }
+    }
+
+    /// The deflection about which both springs of an axle move by an amplitude, one up and one down, and still carry
+    /// their load together: where a curve is steeper on one side, the body rises or sinks in a turn.
+    fn midway_m(&self, rest_m: f64, load_n: f64, amplitude_m: f64) -> f64 {
+        const HALVINGS: u32 = 48;
+        let [mut low_m, mut high_m] = [rest_m - amplitude_m, rest_m + amplitude_m];
+        for _ in 0..HALVINGS {
+            let middle_m = f64::midpoint(low_m, high_m);
+            let [up, down] = [1.0, -1.0].map(|side| self.middle(middle_m + side * amplitude_m).0);
+            if f64::midpoint(up, down) < load_n { low_m = middle_m } else { high_m = middle_m }
+        }
+        f64::midpoint(low_m, high_m)
     }
 
     /// The deflection within which the force changes from one curve to the other: `deflection_m`, or if that

@@ -139,6 +139,7 @@ const UNCERTAINTY: &[Key] = &[
     number("fifth_wheel_stiffness_sd", "", [0.02, 1.0], [0.0, 1.0], "roll stiffness of the fifth wheel, relative"),
     number("tyre_vertical_stiffness_sd", "", [0.01, 0.4], [0.0, 1.0], "vertical stiffness of the tires, relative"),
     number("cornering_stiffness_sd", "", [0.01, 0.5], [0.0, 1.0], "cornering stiffness of the tires of steered, drive and trailer axles separately, relative"),
+    number("cornering_over_load_sd", "", [0.01, 0.1], [0.0, 0.5], "cornering stiffness of all tires at twice the load, over that at the load in the middle of their tables, relative").optional(),
     number("steering_gain_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the steer-angle sensor, or steering ratio, relative"),
     number("lateral_acceleration_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the lateral-acceleration sensor, relative"),
     number("compensation_sd", "", [0.002, 0.2], [0.0, 1.0], "gain of the roll sensor, and the error of the model that is the same everywhere, relative"),
