@@ -132,9 +132,10 @@ armhf-tools:
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute. An emulated
-# processor keeps up with that even with the checks of the dev profile.
-guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
-	guest/run.sh target/debug/cg $(VENV)
+# processor keeps up with that in the release profile.
+guest: venv | $(filter-out guest,$(MAKECMDGOALS))
+	cargo build --release --package cg-cli --no-default-features
+	guest/run.sh target/release/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
