@@ -248,9 +248,7 @@ fn intervals_of_drawn_trucks_hold() {
             assert!(z.abs() < 0.5, "{name}: mean {z}");
         }
         of_files.join(uncalibrated);
-        // 1.5 % are wanted. The root mean square of 48 errors has a standard deviation of a tenth of itself, of which
-        // three are allowed to one file and none to all together.
-        assert!(calibrated.rms() <= 0.0195, "{name}: rms {}", calibrated.rms());
+        assert!(calibrated.rms() <= 0.015, "{name}: rms {}", calibrated.rms());
         if file.spring.is_empty() {
             of_linear.join(calibrated);
         } else {
@@ -260,10 +258,12 @@ fn intervals_of_drawn_trucks_hold() {
     of_files.print("all", "nothing");
     of_linear.print("linear springs", "two steps");
     of_measured.print("measured springs", "two steps");
-    assert!(of_linear.rms() <= 0.015 && of_measured.rms() <= 0.015);
     of_files.hold("uncalibrated");
     of_linear.hold("calibrated, linear springs");
     of_measured.hold("calibrated, measured springs");
+    // Their intervals also contain a friction that changes by 10 % from drive to drive, which these trucks do not have.
+    let [_, square] = of_measured.deviation();
+    assert!(square < 1.0, "{square}");
     // An empty trailer can seem impossibly low; a calibration takes that away. Not one truck in twenty
     // is so near the limit of stability that its steps contradict the file.
     assert!(of_files.none <= 12 && of_linear.none + of_measured.none <= 4);

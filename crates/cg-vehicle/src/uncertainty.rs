@@ -11,8 +11,7 @@ pub struct Uncertainty {
     /// Roll stiffness of the suspensions, for trailer and tractor separately.
     pub roll_stiffness_sd: f64,
     /// Friction of measured springs, for trailer and tractor separately.
-    // Left out if it is the usual one, so that calibrations from before it remain valid.
-    #[serde(default = "usual_spring_friction_sd", skip_serializing_if = "is_usual_friction")]
+    #[serde(default = "usual_spring_friction_sd")]
     pub spring_friction_sd: f64,
     /// Height of the roll centers of the suspensions.
     pub roll_center_height_sd_m: f64,
@@ -28,7 +27,7 @@ pub struct Uncertainty {
     /// Cornering stiffness of the tires of steered, drive and trailer axles separately.
     pub cornering_stiffness_sd: f64,
     /// Cornering stiffness of all tires at twice the load, over that at the load in the middle of their tables.
-    #[serde(default = "usual_over_load_sd", skip_serializing_if = "is_usual_over_load")]
+    #[serde(default = "usual_over_load_sd")]
     pub cornering_over_load_sd: f64,
     /// Gain of the steer-angle sensor (or the steering ratio).
     pub steering_gain_sd: f64,
@@ -55,23 +54,13 @@ fn usual_spring_friction_sd() -> f64 {
     0.3
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
-fn is_usual_friction(sd: &f64) -> bool {
-    (sd - usual_spring_friction_sd()).abs() < f64::EPSILON
-}
-
 fn usual_frame_sd() -> f64 {
     0.3
 }
 
-/// Of truck tires, the stiffness at twice the load is 1.6 to 1.9 times as great.
+/// Of nearly all truck tires, the stiffness at twice the load is 1.6 to 1.9 times as great: four standard deviations.
 fn usual_over_load_sd() -> f64 {
-    0.05
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
-fn is_usual_over_load(sd: &f64) -> bool {
-    (sd - usual_over_load_sd()).abs() < f64::EPSILON
+    0.04
 }
 
 fn usual_payload_place_sd() -> f64 {

@@ -241,6 +241,7 @@ fn the_page_says_what_an_absent_key_means() {
         ".gravity_mps2 = 9.80665",
         "uncertainty.payload_place_sd_m = 0.3",
         "uncertainty.spring_friction_sd = 0.3",
+        "uncertainty.cornering_over_load_sd = 0.04",
         "uncertainty.frame_torsional_stiffness_sd = 0.3",
         "uncertainty.suspension_roll_gain_sd = 0.03",
         "uncertainty.specific_force_gain_sd = 0.01",

@@ -10,16 +10,13 @@ pub fn felt_mps2(
     design: &Design<f64>,
     sample: &Sample<f64>,
     speed_mps: f64,
-    [mass_kg, height_m]: [f64; 2],
+    load: [f64; 2],
 ) -> f64 {
     let gravity_mps2 = design.gravity_mps2;
     let signals = Signals::of(sample, sample.speed_mps, gravity_mps2);
     let path_mps2 = signals.input(Input::LateralAcceleration);
-    let line = design.line(Channel::LateralAcceleration, speed_mps, mass_kg);
-    let roll = line.map_or(0.0, |line| {
-        line.ratio_at(height_m) * design.compensation(Channel::LateralAcceleration)
-    });
-    let banked = |force_mps2: f64| force_mps2 / (1.0 + gravity_mps2 * roll);
+    let by_roll = 1.0 + force_by_roll(design, speed_mps, load);
+    let banked = |force_mps2: f64| force_mps2 / by_roll;
     let by_roll_mps2 = path_mps2 + gravity_mps2 * sample.roll_to_gravity_rad;
     let forces_mps2 = [signals.input(Input::SpecificForce), by_roll_mps2];
     if let Some(force_mps2) = forces_mps2.into_iter().find(|force| force.is_finite()) {
@@ -28,6 +25,21 @@ pub fn felt_mps2(
     // The tractor leads the trailer and rolls less, so the greater of both is taken.
     let tractor = banked(signals.input(Input::TractorSpecificForce));
     if path_mps2.is_finite() && !(tractor.abs() > path_mps2.abs()) { path_mps2 } else { tractor }
+}
+
+/// The part of gravity in a specific force over the lateral acceleration that the truck feels, `g R`. The load is its mass,
+/// kg, and its height, m.
+pub(super) fn force_by_roll(
+    design: &Design<f64>,
+    speed_mps: f64,
+    [mass_kg, height_m]: [f64; 2],
+) -> f64 {
+    let line = design.line(Channel::LateralAcceleration, speed_mps, mass_kg);
+    line.map_or(0.0, |line| {
+        design.gravity_mps2
+            * line.ratio_at(height_m)
+            * design.compensation(Channel::LateralAcceleration)
+    })
 }
 
 /// Adds an absent specific force of the trailer that a suspension roll needs, `f = a_y + g φ_g`, if the sample

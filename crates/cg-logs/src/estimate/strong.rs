@@ -3,6 +3,8 @@
 use cg_core::{Channel, Design, Maneuver, Measured, Sample};
 use serde::{Deserialize, Serialize};
 
+use super::felt::force_by_roll;
+
 /// Time constant with which the lateral acceleration is smoothed, s.
 const SMOOTH_S: f64 = 0.5;
 /// Time between samples after which the smoothing begins anew, s.
@@ -70,9 +72,7 @@ impl StrongTurns {
             return Strength::default();
         };
         let threshold_mps2 = design.gravity_mps2 * rollover.static_rollover_threshold_g.value;
-        let line = design.line(Channel::LateralAcceleration, speed_mps, mass_kg);
-        // A specific force contains the gravity of the roll angle.
-        let by_roll = line.map_or(0.0, |line| design.gravity_mps2 * line.ratio_at(height_m));
+        let by_roll = force_by_roll(design, speed_mps, [mass_kg, height_m]);
         let of_used = maneuvers.iter().zip(&self.of_maneuvers_mps2);
         let of_used = of_used.filter(|(one, _)| one.outcomes[channel.index()].height_m.is_ok());
         let felt_mps2 =

@@ -84,12 +84,16 @@ pub(super) fn checksums(
     Ok(sums)
 }
 
-/// Checksum of the TOML of a value. Optional keys that the value does not have are not in it, so keys
-/// that a later version adds do not change it.
+/// What a file means that does not have keys of later versions.
+const LATER: [&str; 2] = ["spring_friction_sd = 0.3", "cornering_over_load_sd = 0.04"];
+
+/// Checksum of the TOML of a value. Optional keys that the value does not have are not in it, and neither is
+/// [what the absence of a key means](LATER), so keys that a later version adds do not change it.
 fn sum(value: impl Serialize) -> Result<String, VehicleError> {
     let text = toml::to_string(&BTreeMap::from([("value", value)]))
         .map_err(|error| VehicleError::Model(format!("vehicle file: {error}")))?;
-    Ok(format!("{:08x}", checksum(&text)))
+    let early = text.split_inclusive('\n').filter(|line| !LATER.contains(&line.trim_end()));
+    Ok(format!("{:08x}", checksum(&early.collect::<String>())))
 }
 
 /// The keys of the parts that differ, as text; empty if there are none.
@@ -97,4 +101,32 @@ pub(super) fn changed(then: &BTreeMap<String, String>, now: &BTreeMap<String, St
     let keys: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
     let differs = |key: &&String| then.get(*key) != now.get(*key);
     keys.into_iter().filter(differs).map(String::as_str).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guide::{TruckKind, template};
+
+    /// A file that says of a later key what its absence means has the calibrations of one that is silent.
+    #[test]
+    fn later_keys_are_in_no_checksum() {
+        let text =
+            template(TruckKind::FourByTwoThreeAxle).replace("\ncornering_over_load_sd", "\n#");
+        let vehicle = Vehicle::parse(&text, "truck").unwrap();
+        let written = toml::to_string(&vehicle.uncertainty).unwrap();
+        for later in LATER {
+            assert!(written.lines().any(|line| line == later), "{later} is not in {written}");
+        }
+        let mut other = vehicle.clone();
+        other.uncertainty.spring_friction_sd = 0.2;
+        let sums = [&vehicle, &other].map(|one| checksums(one, Part::Vehicle).unwrap());
+        let without: String = written
+            .split_inclusive('\n')
+            .filter(|line| !LATER.contains(&line.trim_end()))
+            .collect();
+        let early = checksum(&format!("[value]\n{without}"));
+        assert_eq!(sums[0]["uncertainty"], format!("{early:08x}"));
+        assert_eq!(changed(&sums[0], &sums[1]), "uncertainty");
+    }
 }

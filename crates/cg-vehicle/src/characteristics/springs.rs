@@ -258,4 +258,24 @@ mod tests {
         assert!((great / (SLOPE + bends) - 1.0).abs() < 1e-4, "{great}");
         assert!((stiffness(0.002, 0.005) / SLOPE - 1.0).abs() < 1e-12);
     }
+
+    /// Twice as steep above its load, a pair of springs carries the load together at the slope of both in series,
+    /// and the body rises: `3 z = A` and `2 k₁ k₂/(k₁ + k₂)`. Without rising the slope is the mean of both.
+    #[test]
+    fn both_springs_of_an_axle_carry_its_load() {
+        let force_n = vec![-SLOPE * 0.1, 0.0, 2.0 * SLOPE * 0.1];
+        let envelope = Envelope::new(&Spring {
+            name: "stop".to_owned(),
+            deflection_m: vec![-0.1, 0.0, 0.1],
+            compression_n: force_n.clone(),
+            extension_n: force_n,
+            friction_deflection_m: 0.001,
+        });
+        let amplitude_m = 0.03;
+        let rise_m = envelope.midway_m(0.0, 0.0, amplitude_m);
+        assert!((rise_m + amplitude_m / 3.0).abs() < 1e-12, "{rise_m}");
+        let slope = envelope.hysteresis(0.0, amplitude_m, 0.001).slope;
+        assert!((slope / (4.0 / 3.0 * SLOPE) - 1.0).abs() < 1e-12, "{slope}");
+        assert!((envelope.slope_at_rest(0.0, amplitude_m) / (1.5 * SLOPE) - 1.0).abs() < 1e-12);
+    }
 }

@@ -85,18 +85,10 @@ fn absent(key: &Key, path: &str, example: &Table) -> String {
     if let Some(table) = first(&mut without, path) {
         table.remove(key.name);
     }
-    let read = Vehicle::deserialize(without).ok().and_then(|read| written(&read));
+    let read = Vehicle::deserialize(without).ok().and_then(|read| Value::try_from(read).ok());
     let value = read.and_then(|mut read| first(&mut read, path)?.remove(key.name));
     let value = value.filter(|value| value.as_array().is_none_or(|list| !list.is_empty()));
     value.map_or_else(|| "none".to_owned(), |value| value.to_string())
-}
-
-/// All values of a vehicle, also the usual one that is not written to a file.
-fn written(vehicle: &Vehicle) -> Option<Value> {
-    let mut all = Value::try_from(vehicle).ok()?;
-    let friction_sd = Value::Float(vehicle.uncertainty.spring_friction_sd);
-    first(&mut all, "uncertainty")?.insert("spring_friction_sd".to_owned(), friction_sd);
-    Some(all)
 }
 
 /// The first table of a file at a path.
