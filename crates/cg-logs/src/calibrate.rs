@@ -5,7 +5,7 @@
 
 use std::str::FromStr;
 
-use cg_core::Channel;
+use cg_core::{Channel, Design};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::shape::shapes;
 use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
@@ -157,10 +157,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let mut outcome = None;
     let mut shape_runs = Vec::new();
     for pass in 1..=PASSES {
-        let mut design = design_with(vehicle, variant, &belief)?;
-        // The height is known and only the ratio is needed, so no height is rejected.
-        design.least_height_m = -1e3;
-        design.greatest_height_m = 1e3;
+        let design = ratio_design(vehicle, variant, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
         for known in logs {
             let options = EstimateOptions {
@@ -207,6 +204,19 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     Ok(calibration)
 }
 
+/// A design for runs of known height: only the ratio is needed, so no height is rejected.
+///
+/// # Errors
+/// As [`design_with`].
+pub fn ratio_design(
+    vehicle: &Vehicle,
+    variant: Variant,
+    belief: &Belief,
+) -> Result<Design<f64>, VehicleError> {
+    let design = design_with(vehicle, variant, belief)?;
+    Ok(Design { least_height_m: -1e3, greatest_height_m: 1e3, ..design })
+}
+
 /// Checks what can be checked before a log is read.
 fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
     let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
@@ -228,7 +238,15 @@ fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
     Ok(())
 }
 
-fn run(vehicle: &Vehicle, known: &KnownLog, estimator: LogEstimator) -> Result<Run, VehicleError> {
+/// The run of a log that an estimator with a [design for ratios](ratio_design) has read.
+///
+/// # Errors
+/// [`VehicleError`] if no ratio was identified, or if the mass is not known or is not that of the load.
+pub fn run(
+    vehicle: &Vehicle,
+    known: &KnownLog,
+    estimator: LogEstimator,
+) -> Result<Run, VehicleError> {
     let identified = estimator.identified();
     if known.load == KnownLoad::Empty
         && let Some(mass_kg) = identified.logged_mass_kg

@@ -12,7 +12,9 @@ use cg_vehicle::calibration::{Calibration, Judgment, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Variant, VehicleError};
-use common::{calibrated, known, known_in, largest, rms, runs_of, vehicle};
+use common::{
+    calibrated, known, known_in, largest, rms, runs_of, tires_alike_in_all_turns, vehicle,
+};
 
 /// Calibration with the empty and one laden run. All other runs are estimated: payload 0–20 t,
 /// 40–67 km/h, both sides, slow steering, a banked road, a whole drive. The targets for the final
@@ -127,7 +129,9 @@ fn posterior_covers_with(given: usize) {
     use rand::{SeedableRng, rngs::StdRng};
     use rand_distr::{Distribution, Normal};
     let mut vehicle = vehicle("kraz.toml");
-    vehicle.uncertainty.residual_sd = 0.0; // ratios below are exact
+    // The ratios below are exact.
+    vehicle.uncertainty.residual_sd = 0.0;
+    tires_alike_in_all_turns(&mut vehicle);
     let prior = Belief::prior(&vehicle);
     let mut rng = StdRng::seed_from_u64(7);
     let normal = Normal::new(0.0, 1.0).unwrap();
@@ -176,7 +180,8 @@ fn posterior_covers_with(given: usize) {
 
 #[test]
 fn the_compensation_alone_is_fixed_by_one_run() {
-    let vehicle = vehicle("baseline.toml");
+    let mut vehicle = vehicle("baseline.toml");
+    tires_alike_in_all_turns(&mut vehicle);
     let mut truth = Deviations::zeros();
     truth[Parameter::TrailerRollStiffness as usize] = (0.7_f64).ln();
     let load = vehicle.reference_load();

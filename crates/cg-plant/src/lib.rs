@@ -10,6 +10,7 @@
 //! | [`sensors`] | sensor errors added to the truth | section 5.3 |
 //! | [`simulate`] | logs with known truth | section 5.3 |
 //! | [`rollover`] | rollover measures of a vehicle and load | section 1.2 |
+//! | [`residual`] | what the equations of a vehicle leave out | – |
 //!
 //! # Example
 //!
@@ -24,6 +25,7 @@ pub mod plant;
 pub mod sensors;
 pub mod rollover;
 pub mod simulate;
+pub mod residual;
 
 // The example of the page on crates.io is a test too.
 #[cfg(doctest)]

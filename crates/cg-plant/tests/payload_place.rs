@@ -74,6 +74,7 @@ fn estimate_weighed(
 /// mass that follows with the place in the file.
 fn held_over_drawn_places(channel: Channel, draws: u16, weighed: bool) -> (u16, f64) {
     let mut vehicle = vehicle("kraz");
+    common::tires_alike_in_all_turns(&mut vehicle);
     let scales = r#"{ "vehicle_weight_sd": 0, "axle_load_sd": 0, "pressure_sd": 0 }"#;
     vehicle.sensors.mass = Some(serde_json::from_str(scales).unwrap());
     let certain =

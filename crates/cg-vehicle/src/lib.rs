@@ -89,6 +89,7 @@ mod articulation;
 pub mod reduction;
 pub mod compensation;
 pub mod belief;
+mod cornering;
 mod ratio_spread;
 pub mod influence;
 pub mod second_sensor;

@@ -246,6 +246,13 @@ impl SteadyLines {
         self.line(channel.output(), channel.input())
     }
 
+    /// Roll angle of each axle per lateral acceleration at the height of the load, rad/(m/s²).
+    pub(crate) fn axle_rolls(&self) -> Vec<f64> {
+        let lateral = self.input(Input::LateralAcceleration, 0);
+        let angles = self.unknowns[0].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
+        angles.iter().skip(q::AXLE).map(|angle| angle / lateral).collect()
+    }
+
     fn output(&self, output: Output, k: usize) -> f64 {
         let angles = self.unknowns[k].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
         let suspension = |unit: usize| {

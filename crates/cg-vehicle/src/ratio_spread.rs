@@ -5,6 +5,7 @@ use cg_core::{CHANNELS, Channel};
 
 use crate::balance::static_balance;
 use crate::belief::{Belief, Deviations, PARAMETERS, Parameter, adjusted, log_gain};
+use crate::cornering::{TURNS, softer_in_turns};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::linear::{Laden, ratio_line_at, usual_roll_rad};
@@ -47,13 +48,16 @@ impl Belief {
             parameters[(parameter as usize, parameter as usize)] += variance;
         }
         let by_place = place_changes(vehicle, variant, speeds_mps, load, &self.mean)?;
+        let by_turn = cornering_changes(vehicle, variant, load)?;
         Ok(std::array::from_fn(|at| {
             let ((_, slopes), by_place) = (&all[at], &by_place[at]);
             let mut covariance = [[0.0; CHANNELS]; CHANNELS];
+            let by_turn = by_turn.map(|change| slopes.map(|slope| slope.dot(&change)));
             for i in 0..CHANNELS {
                 let moved = parameters * slopes[i];
                 for j in 0..=i {
-                    covariance[i][j] = slopes[j].dot(&moved) + by_place[i] * by_place[j];
+                    let turning: f64 = by_turn.iter().map(|moved| moved[i] * moved[j]).sum();
+                    covariance[i][j] = slopes[j].dot(&moved) + by_place[i] * by_place[j] + turning;
                     covariance[j][i] = covariance[i][j];
                 }
                 covariance[i][i] += self.residual_sd * self.residual_sd;
@@ -107,6 +111,33 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
         by_amplitude * by_amplitude + changed * changed + 0.5 * apart * apart
     }))
 }
+
+/// Changes of the tires' parameters from one usual turn to another, which differ in every situation, each as one
+/// standard deviation: a turn is [softer](crate::cornering) than the linear model by one of them or another.
+#[allow(clippy::cast_precision_loss)] // three
+pub(crate) fn cornering_changes(
+    vehicle: &Vehicle,
+    variant: Variant,
+    load: Load,
+) -> Result<[Deviations; TURNS], VehicleError> {
+    if variant == Variant::AsPrinted {
+        return Ok([Deviations::zeros(); TURNS]);
+    }
+    Ok(softer_in_turns(vehicle, load)?.map(|softer| {
+        let mut change = Deviations::zeros();
+        for (parameter, by) in TYRES.into_iter().zip(softer) {
+            change[parameter as usize] = by / libm::sqrt(TURNS as f64);
+        }
+        change
+    }))
+}
+
+/// The parameters that [`cornering_changes`] changes.
+const TYRES: [Parameter; 3] = [
+    Parameter::SteeredCorneringStiffness,
+    Parameter::DriveCorneringStiffness,
+    Parameter::TrailerCorneringStiffness,
+];
 
 /// The parameters whose variance in every situation [`stiffness_variances`] gives.
 pub(crate) const STIFFNESSES: [Parameter; 2] =

@@ -22,6 +22,8 @@ pub(super) enum Command {
     /// Check a vehicle file: findings, axle loads, rollover thresholds, and which uncertain parameters
     /// matter most for the height
     Check(CheckArgs),
+    /// Show with the vehicle's nonlinear plant what the equations leave out (residual_sd)
+    Residual(ResidualArgs),
     /// Print the JSON schema of vehicle files, for editors (docs/vehicle.schema.json)
     Schema,
     /// Print the page about vehicle files, with every key (docs/vehicle.md)
@@ -48,6 +50,16 @@ pub(super) struct CheckArgs {
     /// Forward speed, m/s [default: from the vehicle file]
     #[arg(long, value_name = "U", allow_negative_numbers = true, value_parser = speed_mps)]
     pub(super) speed_mps: Option<f64>,
+    /// Output format
+    #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
+    pub(super) format: ModelFormat,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ResidualArgs {
+    /// Vehicle file
+    #[arg(value_name = "V.toml")]
+    pub(super) vehicle: PathBuf,
     /// Output format
     #[arg(long, value_enum, default_value_t = ModelFormat::Table)]
     pub(super) format: ModelFormat,

@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `args` | the arguments |
 //! | `check` | `cg vehicle check`: findings, loads, thresholds, and the parameters that matter most |
+//! | `residual` | `cg vehicle residual`: what the equations leave out |
 
 pub(crate) mod args;
 mod check;
+mod residual;
 
 use std::io::Write;
 
@@ -25,6 +27,7 @@ pub(crate) fn run(arguments: &VehicleArgs, mut files: Files) -> anyhow::Result<O
             Ok(Outcome::Done)
         }
         Command::Check(check) => check::run(check),
+        Command::Residual(residual) => residual::run(residual),
         Command::Schema => print(&schema()),
         Command::Doc => print(&page()),
     }

@@ -190,3 +190,19 @@ fn schema_and_page_are_printed() {
     let page = cg(&["vehicle", "doc"]).done();
     assert!(page.out.starts_with("# Vehicle files\n"));
 }
+
+/// A template promises no less than its plant shows.
+#[test]
+fn the_residual_is_that_of_the_plant() {
+    let scratch = Scratch::new();
+    let file = new(&scratch, KINDS[0]);
+    let answer = cg(&["vehicle", "residual", &file, "--format", "json"]).done().answer();
+    let number = |key: &str| answer[key].as_f64().unwrap();
+    assert!(number("runs") >= 40.0 && number("residual_sd") <= number("residual_sd_of_file"));
+    let steer = &answer["channels"][0];
+    assert_eq!(steer["channel"], "steer");
+    // Its tires get softer in turns, which linear equations do not know, and an interval contains it.
+    let [spread, explained] = ["spread", "explained"].map(|key| steer[key].as_f64().unwrap());
+    assert!(spread > 5e-4 && spread < explained, "{answer}");
+    cg(&["vehicle", "residual", &scratch.path("none.toml")]).refused(&["none.toml"]);
+}

@@ -39,4 +39,4 @@ pub use file::Calibration;
 pub use fit::{Fitted, Prior, Procedure, fit, fit_from};
 pub use judgment::Judgment;
 pub use part::Part;
-pub use ratios::{Residual, Run};
+pub use ratios::{Misfit, Residual, Run, misfits};

@@ -9,7 +9,7 @@ use crate::error::VehicleError;
 use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::ratio_spread::{
-    STIFFNESSES, log_ratios, mass_change, place_change, stiffness_variances,
+    STIFFNESSES, cornering_changes, log_ratios, mass_change, place_change, stiffness_variances,
 };
 use crate::vehicle::Vehicle;
 
@@ -48,6 +48,42 @@ pub struct Residual {
     pub before: f64,
     /// The same after calibration.
     pub after: f64,
+}
+
+/// What the model does not explain of an identified ratio.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Misfit {
+    /// Index of the run.
+    pub run: usize,
+    /// The channel.
+    pub channel: Channel,
+    /// Logarithm of the identified ratio divided by that of the model.
+    pub log: f64,
+    /// Variance from run to run that an interval has without a residual of the model: of the identification, of
+    /// measured springs, of tires in turns, and of what is not known of the load.
+    pub variance: f64,
+}
+
+/// The [misfits](Misfit) of runs of known height, with the vehicle as its file says.
+///
+/// # Errors
+/// [`VehicleError`] if there is no ratio, or if a load is impossible for the model.
+pub fn misfits(
+    vehicle: &Vehicle,
+    variant: Variant,
+    runs: &[Run],
+) -> Result<Vec<Misfit>, VehicleError> {
+    let ratios = Ratios::new((vehicle, variant), runs, 0.0)?;
+    let (logs, slopes) = ratios.linearized(&Deviations::zeros())?;
+    let noise = ratios.noise(&slopes)?;
+    let of = |(k, o): (usize, &Observation)| Misfit {
+        run: o.run,
+        channel: o.channel,
+        log: logs[k],
+        variance: noise[(k, k)],
+    };
+    Ok(ratios.observations.iter().enumerate().map(of).collect())
 }
 
 /// One identified ratio.
@@ -157,6 +193,11 @@ impl<'a> Ratios<'a> {
                     of_run(k) * slopes[(k, parameter as usize)]
                 });
                 noise.ger(variance, &moved, &moved, 1.0);
+            }
+            for change in cornering_changes(vehicle, self.variant, *load)? {
+                let by_turn = slopes * DVector::from_column_slice(change.as_slice());
+                let moved = DVector::from_fn(observations.len(), |k, _| of_run(k) * by_turn[k]);
+                noise.ger(1.0, &moved, &moved, 1.0);
             }
         }
         self.add_loads(&mut noise)?;

@@ -13,6 +13,17 @@ pub(crate) fn vehicle(name: &str) -> Vehicle {
     Vehicle::load(fixtures().join("vehicles").join(name)).unwrap()
 }
 
+/// Tires whose force is in proportion to slip and load, so that they are the same in every turn.
+pub(crate) fn tires_alike_in_all_turns(vehicle: &mut Vehicle) {
+    for tyre in &mut vehicle.tyre {
+        tyre.lateral_force = None;
+        let usual_n = 25e3;
+        let per_load = tyre.stiffness_at(usual_n).0 / usual_n;
+        tyre.cornering_stiffness_n_per_rad =
+            tyre.load_n.iter().map(|load_n| per_load * load_n).collect();
+    }
+}
+
 /// A rigid truck: springs, tires and fifth wheel are very stiff, and single tires are at 1 m.
 pub(crate) fn rigid_truck() -> Vehicle {
     let mut vehicle = vehicle("baseline.toml");

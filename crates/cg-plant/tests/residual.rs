@@ -1,0 +1,43 @@
+//! What the equations of a vehicle leave out.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../../cg-vehicle/tests/common/mod.rs"]
+mod common;
+
+use cg_core::Channel;
+use cg_plant::residual::model_residual;
+use cg_vehicle::belief::{Deviations, Parameter, adjusted};
+
+/// Linear tires and springs leave next to nothing; no file promises less than its plant shows.
+#[test]
+fn files_have_the_residual_that_their_plant_shows() {
+    for name in ["kraz", "baseline-tables", "air"] {
+        let vehicle = common::vehicle(&format!("{name}.toml"));
+        let found = model_residual(&vehicle).unwrap();
+        assert!(found.runs >= 40 && found.channels.len() == 2, "{name}: {found:?}");
+        let file = vehicle.uncertainty.residual_sd;
+        assert!(found.residual_sd() <= file, "{name}: {file}, {found:?}");
+        // Rows that repeated the equations would not differ from them.
+        assert!(found.channels.iter().all(|one| one.spread > 1e-4), "{name}: {found:?}");
+    }
+}
+
+/// In a truck that oversteers, the steer angle of a turn is a small difference of slip angles. What its tires change
+/// from turn to turn then moves the ratio by percents, and an interval says so; without the tires it would have the
+/// noise of perfect sensors, some tenths of a percent.
+#[test]
+fn tires_in_turns_explain_what_an_oversteering_truck_shows() {
+    let file = common::vehicle("kraz.toml");
+    let mut deviations = Deviations::zeros();
+    deviations[Parameter::SteeredCorneringStiffness as usize] = 0.2;
+    deviations[Parameter::DriveCorneringStiffness as usize] = -0.2;
+    let found = model_residual(&adjusted(&file, &deviations)).unwrap();
+    let steer = found.channels.iter().find(|one| one.channel == Channel::Steer).unwrap();
+    println!("{found:?}");
+    // An interval has it about the file's own tires, so with what is the same in all turns.
+    let shown = steer.mean.hypot(steer.spread);
+    assert!(steer.spread > 0.01 && shown > 0.02, "{steer:?}");
+    // The standard deviation of what was found is known to a tenth (66 runs); three of them, and as much for the three
+    // turns that stand for all.
+    assert!((0.6..1.5).contains(&(steer.explained / shown)), "{steer:?}");
+}
