@@ -89,8 +89,7 @@ pub fn model_residual(vehicle: &Vehicle) -> Result<ModelResidual, VehicleError> 
     }
     let options = EstimateOptions::default().with_file(vehicle);
     let of_turn = |&(load, maneuver, lateral_g): &(Load, Maneuver, f64)| {
-        let mut estimator =
-            LogEstimator::from_design(&design, vehicle.align_settings(), options.clone());
+        let mut estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
         let scenario = scenario(vehicle, load, maneuver, lateral_g)?;
         for row in LogSimulation::new(vehicle, scenario)?.rows() {
             estimator.push(&row).map_err(|error| VehicleError::Model(error.to_string()))?;
