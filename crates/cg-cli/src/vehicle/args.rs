@@ -22,7 +22,7 @@ pub(super) enum Command {
     /// Check a vehicle file: findings, axle loads, rollover thresholds, and which uncertain parameters
     /// matter most for the height
     Check(CheckArgs),
-    /// Show with the vehicle's nonlinear plant what the equations leave out (residual_sd)
+    /// Show with the vehicle's nonlinear plant what the equations leave out, the least residual of the file
     Residual(ResidualArgs),
     /// Print the JSON schema of vehicle files, for editors (docs/vehicle.schema.json)
     Schema,
