@@ -136,10 +136,7 @@ impl EmptyTrip {
 
 /// The empty trailer.
 pub(crate) fn empty(vehicle: &Vehicle) -> Load {
-    Load {
-        trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
-        cg_height_m: vehicle.trailer.tare.cg_height_m,
-    }
+    vehicle.empty_load()
 }
 
 impl Learned {

@@ -26,8 +26,8 @@ use rayon::prelude::*;
 use crate::maneuver::Maneuver;
 use crate::simulate::{LogSimulation, Plant, Scenario};
 
-/// Payloads, kg: an empty trailer, and loads up to 25 t.
-const PAYLOADS_KG: [f64; 6] = [0.0, 5e3, 10e3, 15e3, 20e3, 25e3];
+/// Payloads beside the empty trailer, kg.
+const PAYLOADS_KG: [f64; 5] = [5e3, 10e3, 15e3, 20e3, 25e3];
 /// Heights of the payload's own c.g. above the floor, m.
 const ABOVE_FLOOR_M: [f64; 2] = [0.25, 0.75];
 /// Lateral accelerations of usual turns, in g. Those of drives vary within them.
@@ -103,10 +103,7 @@ pub fn model_residual(vehicle: &Vehicle) -> Result<ModelResidual, VehicleError> 
 }
 
 fn loads(vehicle: &Vehicle) -> Vec<Load> {
-    let empty = Load {
-        trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
-        cg_height_m: vehicle.trailer.tare.cg_height_m,
-    };
+    let empty = vehicle.empty_load();
     let tare = &vehicle.trailer.tare;
     let laden = |payload_kg: f64, above_m: f64| {
         let payload_m = vehicle.trailer.payload.floor_height_m + above_m;
@@ -118,7 +115,7 @@ fn loads(vehicle: &Vehicle) -> Vec<Load> {
     };
     let heights = |payload_kg: f64| ABOVE_FLOOR_M.map(|above_m| laden(payload_kg, above_m));
     let mut loads = vec![empty];
-    loads.extend(PAYLOADS_KG.into_iter().skip(1).flat_map(heights));
+    loads.extend(PAYLOADS_KG.into_iter().flat_map(heights));
     loads
 }
 
@@ -130,7 +127,7 @@ fn scenario(
 ) -> Result<Scenario, VehicleError> {
     let speed_mps = vehicle.nominal_speed_mps;
     let model = Equations::new(vehicle, Variant::Complete, speed_mps, load)?.state_space()?;
-    let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough)?;
+    let gain = model.lateral_gain()?;
     let usual = Scenario::of(vehicle, maneuver);
     let drives = maneuver == Maneuver::Drive;
     Ok(Scenario {

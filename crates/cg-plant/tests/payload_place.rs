@@ -281,7 +281,7 @@ fn a_lateral_offset_lowers_the_threshold_to_its_side() {
         let load = laden(&vehicle, 20e3, 2.0);
         let equations = Equations::new(&vehicle, Variant::Complete, SPEED_MPS, load).unwrap();
         let model = equations.state_space().unwrap();
-        let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+        let gain = model.lateral_gain().unwrap();
         let threshold_g = |payload_left_m: f64| {
             let options = PlantOptions { payload_left_m, ..PlantOptions::default() };
             let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();

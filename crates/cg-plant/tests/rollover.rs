@@ -51,7 +51,7 @@ fn static_rollover_thresholds_are_the_published_ones() {
         let plant = YawRollPlant::new(&vehicle, load, &PlantOptions::default()).unwrap();
         let model = Equations::new(&vehicle, Variant::Complete, speed_mps, load).unwrap();
         let model = model.state_space().unwrap();
-        let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+        let gain = model.lateral_gain().unwrap();
         let ramp = Ramp::drive(&plant, speed_mps, gain, 0.01 * G).unwrap();
         let found = ramp.greatest_mps2() / G;
         let on_board = on_board(&vehicle, load, speed_mps).unwrap();
@@ -105,7 +105,7 @@ fn measures_of_the_baseline_are_the_published_ones() {
 fn ramp_threshold_g(vehicle: &Vehicle, load: Load, speed_mps: f64) -> Option<f64> {
     let plant = YawRollPlant::new(vehicle, load, &PlantOptions::default()).unwrap();
     let model = model(vehicle, load, speed_mps);
-    let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+    let gain = model.lateral_gain().unwrap();
     let ramp = Ramp::drive(&plant, speed_mps, gain, 0.01 * G).unwrap();
     (ramp.end == RampEnd::RolledOver).then(|| ramp.greatest_mps2() / G)
 }
@@ -258,7 +258,7 @@ fn a_rigid_truck_does_what_its_geometry_says() {
     let plant = YawRollPlant::new(&vehicle, load, &PlantOptions::default()).unwrap();
     let gain = {
         let model = model(&vehicle, load, speed_mps);
-        model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap()
+        model.lateral_gain().unwrap()
     };
     let ramp = Ramp::drive(&plant, speed_mps, gain, 0.03 * G).unwrap();
     let last = ramp.lift_mps2.iter().map(|lift| lift.unwrap()).fold(0.0, f64::max);
@@ -373,7 +373,7 @@ fn time_to_rollover_is_seen_ahead() {
     let (load, speed_mps) = (vehicle.reference_load(), 80.0 * KMH);
     let plant = YawRollPlant::new(&vehicle, load, &PlantOptions::default()).unwrap();
     let model = model(&vehicle, load, speed_mps);
-    let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+    let gain = model.lateral_gain().unwrap();
     let threshold = Ramp::drive(&plant, speed_mps, gain, 0.01 * G).unwrap().greatest_mps2();
     let ramp = Ramp::drive(&plant, speed_mps, gain, 0.1 * G).unwrap();
     let time = TimeToRollover::half_way(&ramp, threshold).unwrap();

@@ -50,7 +50,7 @@ fn ramp_g(vehicle: &Vehicle, load: Load, speed_mps: f64) -> f64 {
     let plant = YawRollPlant::new(vehicle, load, &PlantOptions::default()).unwrap();
     let model =
         Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap().state_space().unwrap();
-    let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+    let gain = model.lateral_gain().unwrap();
     let ramp = Ramp::drive(&plant, speed_mps, gain, 0.01 * vehicle.gravity_mps2).unwrap();
     assert_eq!(ramp.end, RampEnd::RolledOver);
     ramp.greatest_mps2() / vehicle.gravity_mps2

@@ -15,7 +15,7 @@ fn linear(vehicle: &Vehicle, speed_mps: f64) -> f64 {
     let load = vehicle.reference_load();
     let model =
         Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap().state_space().unwrap();
-    model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap()
+    model.lateral_gain().unwrap()
 }
 
 /// The same of the plant at the end of a step to 0.17 g.

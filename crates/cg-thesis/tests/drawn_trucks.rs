@@ -71,7 +71,7 @@ impl Truck {
         let speed_mps = vehicle.nominal_speed_mps;
         let equations = Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap();
         let model = equations.state_space().unwrap();
-        let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+        let gain = model.lateral_gain().unwrap();
         let drives = maneuver == Maneuver::Drive;
         let scenario = Scenario {
             load,

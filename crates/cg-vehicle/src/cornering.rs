@@ -13,7 +13,7 @@ use crate::load::Load;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Lateral accelerations of usual drives, in g: both ends and the middle.
-const USUAL_G: [f64; TURNS] = [0.06, 0.13, 0.2];
+const TURNS_G: [f64; TURNS] = [0.06, 0.13, 0.2];
 /// Number of such turns.
 pub(crate) const TURNS: usize = 3;
 /// Slip angle that no tire reaches in a usual turn, rad.
@@ -37,7 +37,7 @@ pub(crate) fn softer_in_turns(
     let rolls = SteadyLines::at_speed(&laden, vehicle.nominal_speed_mps)?.axle_rolls();
     let balance = static_balance(vehicle, load)?;
     let axles: Vec<_> = vehicle.axles().into_iter().zip(balance.axle_load_n).zip(rolls).collect();
-    Ok(USUAL_G.map(|lateral_g| {
+    Ok(TURNS_G.map(|lateral_g| {
         let mut sums = [[0.0; 2]; 3];
         for ((placed, load_n), rad_per_mps2) in &axles {
             let roll_rad = rad_per_mps2 * lateral_g * vehicle.gravity_mps2;
@@ -90,7 +90,7 @@ mod tests {
         for placed in vehicle.axles() {
             let load_n = 20e3 * placed.tyres();
             let table = placed.tyre.lateral_force.as_ref().unwrap();
-            for lateral_g in USUAL_G {
+            for lateral_g in TURNS_G {
                 let [_, expected] = table.slopes_n_per_rad(20e3, lateral_g).unwrap();
                 let found = secant(&placed, load_n, 0.0, lateral_g) / placed.tyres();
                 assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");

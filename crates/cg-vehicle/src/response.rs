@@ -95,6 +95,14 @@ impl StateSpace {
         Ok(self.to(row, feedthrough).moments(1)?[0])
     }
 
+    /// Lateral acceleration of the trailer's sprung c.g. in a steady turn, m/s² per radian of steer angle.
+    ///
+    /// # Errors
+    /// As [`steady`](Self::steady).
+    pub fn lateral_gain(&self) -> Result<f64, VehicleError> {
+        self.steady(&self.lateral_acceleration, self.lateral_feedthrough)
+    }
+
     /// A simulation that starts from rest and is exact for steer angles that are linear between
     /// samples.
     pub fn simulation(&self, interval_s: f64) -> Simulation {

@@ -38,10 +38,7 @@ impl SecondShare {
         let mut vehicle = vehicle.clone();
         vehicle.sensors.roll.second_share = Some(share);
         let belief = Belief::prior(&vehicle);
-        let empty = Load {
-            trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
-            cg_height_m: vehicle.trailer.tare.cg_height_m,
-        };
+        let empty = vehicle.empty_load();
         let height_sd = |load: Load| {
             let all = influences(&vehicle, &belief, vehicle.nominal_speed_mps, load)?;
             Ok::<_, VehicleError>(all.height_sd[Channel::LateralAcceleration.index()])

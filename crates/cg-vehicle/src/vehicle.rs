@@ -452,6 +452,14 @@ impl Vehicle {
         self.trailer.tare.sprung_mass_kg + self.trailer_unsprung_mass_kg()
     }
 
+    /// The empty trailer.
+    pub fn empty_load(&self) -> Load {
+        Load {
+            trailer_mass_kg: self.empty_trailer_mass_kg(),
+            cg_height_m: self.trailer.tare.cg_height_m,
+        }
+    }
+
     /// The reference load of the file.
     pub fn reference_load(&self) -> Load {
         Load {

@@ -91,8 +91,7 @@ fn the_ratio_is_exactly_linear_over_linear_in_height() {
             let model =
                 Equations::new(&vehicle, variant, 17.0, load).unwrap().state_space().unwrap();
             let roll = model.steady(&model.trailer_roll, 0.0).unwrap();
-            let lateral =
-                model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap();
+            let lateral = model.lateral_gain().unwrap();
             // Rounding of two 10 × 10 solutions with condition numbers near 1e5.
             assert!((lines[0].ratio_at(cg_height_m) / roll - 1.0).abs() < 1e-9);
             assert!((lines[1].ratio_at(cg_height_m) / (roll / lateral) - 1.0).abs() < 1e-9);

@@ -76,10 +76,7 @@ fn report(
 ) -> anyhow::Result<Report> {
     let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
     let laden = arguments.load.load(&vehicle);
-    let empty = Load {
-        trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
-        cg_height_m: vehicle.trailer.tare.cg_height_m,
-    };
+    let empty = vehicle.empty_load();
     let loaded = |name, load: Load| -> Result<Loaded, VehicleError> {
         load.check()?;
         let balance = static_balance(&vehicle, load)?;

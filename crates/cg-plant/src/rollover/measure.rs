@@ -113,7 +113,7 @@ impl Subject<'_> {
     /// Steady-state lateral acceleration of the linear model, m/s² per radian of steer.
     fn gain(&self, speed_mps: f64) -> Result<f64, VehicleError> {
         let model = self.model(speed_mps)?;
-        model.steady(&model.lateral_acceleration, model.lateral_feedthrough)
+        model.lateral_gain()
     }
 
     fn ramp(&self, rate_gps: f64) -> Result<Ramp, VehicleError> {

@@ -98,8 +98,7 @@ impl Models {
                         interval_s,
                         0.0,
                     ),
-                    lateral_gain: model
-                        .steady(&model.lateral_acceleration, model.lateral_feedthrough)?,
+                    lateral_gain: model.lateral_gain()?,
                     yaw_gain: model.steady(&model.trailer_yaw_rate, 0.0)?,
                 })
             }

@@ -257,7 +257,7 @@ fn histories(vehicle: &Vehicle, scenario: &Scenario) -> Result<(Histories, f64),
     };
     let lateral_gain = |speed_mps: f64| -> Result<f64, VehicleError> {
         let model = model(speed_mps)?;
-        model.steady(&model.lateral_acceleration, model.lateral_feedthrough)
+        model.lateral_gain()
     };
     let gain = lateral_gain(scenario.speed_mps)?;
     let usual_g = if scenario.to_rollover { ROLLOVER_LATERAL_G } else { DEFAULT_LATERAL_G };

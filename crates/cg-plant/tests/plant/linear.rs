@@ -78,7 +78,7 @@ fn steady(model: &StateSpace) -> Vec<(&'static str, f64)> {
         ("φ1", dc(&model.tractor_roll)),
         ("ψ1−ψ2", dc(&model.articulation)),
         ("φ2", dc(&model.trailer_roll)),
-        ("a_y2", model.steady(&model.lateral_acceleration, model.lateral_feedthrough).unwrap()),
+        ("a_y2", model.lateral_gain().unwrap()),
     ]
 }
 

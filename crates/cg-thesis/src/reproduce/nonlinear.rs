@@ -99,7 +99,7 @@ impl<'a> Known<'a> {
     /// The steer angle that gives a lateral acceleration in the linear model.
     fn steer_rad(&self, lateral_g: f64) -> Result<f64, VehicleError> {
         let model = &self.complete.state_space;
-        let gain = model.steady(&model.lateral_acceleration, model.lateral_feedthrough)?;
+        let gain = model.lateral_gain()?;
         Ok(lateral_g * self.vehicle.gravity_mps2 / gain)
     }
 

@@ -209,10 +209,7 @@ fn trip(vehicle: &Vehicle) -> Scenario {
 }
 
 fn empty(vehicle: &Vehicle) -> Load {
-    Load {
-        trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
-        cg_height_m: vehicle.trailer.tare.cg_height_m,
-    }
+    vehicle.empty_load()
 }
 
 fn pushed(

@@ -204,10 +204,7 @@ fn push<'a>(
 fn calibrated(vehicle: &Vehicle) -> Result<Design<f64>, VehicleError> {
     let mut on_track = vehicle.clone();
     on_track.road = Some(sensor_places::Road { bank_sd_rad: 0.0 });
-    let empty = Load {
-        trailer_mass_kg: vehicle.empty_trailer_mass_kg(),
-        cg_height_m: vehicle.trailer.tare.cg_height_m,
-    };
+    let empty = vehicle.empty_load();
     let (mut logs, mut drives) = (Vec::new(), Vec::new());
     for (load, seed) in [empty, vehicle.reference_load()].into_iter().zip(TRACKS) {
         let (height_m, mass_kg) = (load.cg_height_m, load.trailer_mass_kg);
