@@ -308,3 +308,38 @@ fn every_vehicle_has_a_design() {
     }
     assert!(count >= 9, "{count}");
 }
+
+/// A truck that is known exactly has an uncertain steer channel, because its tires differ from turn to turn: by
+/// as much as if they had the secant of their slip table at 0.13 g in place of the slope at zero slip, and more
+/// for the load transfer. Tires in proportion to their load do not.
+#[test]
+fn tires_in_turns_make_ratios_uncertain() {
+    let file = common::vehicle("kraz.toml");
+    let (speed_mps, load) = (file.nominal_speed_mps, file.reference_load());
+    let sd = |vehicle: &Vehicle| {
+        let certain =
+            Belief { covariance: Covariance::zeros(), residual_sd: 0.0, ..Belief::prior(vehicle) };
+        let all = certain.ratio_covariance(vehicle, Variant::Complete, speed_mps, load).unwrap();
+        [Channel::Steer, Channel::LateralAcceleration].map(|c| all[c.index()][c.index()].sqrt())
+    };
+    let line = |vehicle: &Vehicle| {
+        let lines = ratio_line(vehicle, Variant::Complete, speed_mps, load).unwrap();
+        lines[Channel::Steer.index()].ratio_at(load.cg_height_m)
+    };
+    let mut softer = file.clone();
+    for tyre in &mut softer.tyre {
+        let table = tyre.lateral_force.as_ref().unwrap();
+        for (load_n, slope) in tyre.load_n.iter().zip(&mut tyre.cornering_stiffness_n_per_rad) {
+            let [zero, secant] = table.slopes_n_per_rad(load_n.max(1.0), 0.13).unwrap();
+            *slope *= secant / zero;
+        }
+    }
+    let by_slip = (line(&softer) / line(&file)).ln().abs();
+    let [steer, lateral] = sd(&file);
+    println!("{steer:.4} {lateral:.5}, by slip alone {by_slip:.4}");
+    assert!(by_slip < steer && steer < 3.0 * by_slip, "{steer} {by_slip}");
+    assert!(lateral < 0.2 * steer, "{lateral} {steer}");
+    let mut alike = file.clone();
+    common::tires_alike_in_all_turns(&mut alike);
+    assert!(sd(&alike).iter().all(|sd| *sd < 1e-8), "{:?}", sd(&alike));
+}
