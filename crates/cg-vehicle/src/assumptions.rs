@@ -82,8 +82,8 @@ impl Assumption {
             key: SLOPE,
             note: format!(
                 "those of tire \"{tyre}\" differ by up to {:+.0} % from the secants at {USUAL_G} g in its slip table; slopes at \
-                 zero slip are some percent greater. Only the steer channel depends on it. If you leave the key \
-                 out, it is computed from the table",
+                 zero slip are some percent greater. The model of usual turns takes the table. If you leave the key \
+                 out, it is computed from the table, too",
                 100.0 * most
             ),
         })

@@ -97,7 +97,20 @@ pub(crate) struct Motion {
     pub(crate) friction: [f64; 2],
     /// Factors of the springs' roll stiffness.
     pub(crate) stiffness: [f64; 2],
+    /// Factors of the cornering stiffness of the steered axles, the tractor's other axles and the trailer's.
+    pub(crate) cornering: [f64; 3],
     pub(crate) articulated: Articulated,
+}
+
+impl Motion {
+    /// In the limit of no motion, with the friction and the tires that the vehicle file gives.
+    pub(crate) const SMALL: Self = Self {
+        amplitude_rad: [0.0; 2],
+        friction: [1.0; 2],
+        stiffness: [1.0; 2],
+        cornering: [1.0; 3],
+        articulated: Articulated::STRAIGHT,
+    };
 }
 
 /// How the units stand to each other in a steady turn.

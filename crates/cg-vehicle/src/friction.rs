@@ -15,7 +15,7 @@ use cg_core::{CHANNELS, Channel, Friction, Input, Output};
 use crate::balance::{StaticBalance, static_balance};
 use crate::equations::{Motion, Variant};
 use crate::error::VehicleError;
-use crate::linear::{Laden, SteadyLines, usual_motion};
+use crate::linear::{Laden, SteadyLines};
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
@@ -103,7 +103,7 @@ impl<'a> Springs<'a> {
         let lines = SteadyLines::at_speed(&laden, vehicle.nominal_speed_mps)?;
         let vehicle = vehicle.with_springs_at(load)?;
         let balance = static_balance(&vehicle, load)?;
-        let usual = usual_motion(&vehicle, load.trailer_mass_kg)?;
+        let usual = laden.motion().unwrap_or(Motion::SMALL);
         Ok(Self { vehicle, balance, usual, laden, lines })
     }
 

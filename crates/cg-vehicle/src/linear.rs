@@ -28,7 +28,8 @@ use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 use crate::as_printed;
 use crate::assembly::{Parts, Point, at_hitch, complete};
 use crate::balance::{StaticBalance, static_balance};
-use crate::equations::{Articulated, Equations, Motion, Variant, q, w};
+use crate::cornering::{Softer, TURNS, mean, softer_in_turns};
+use crate::equations::{Equations, Motion, Variant, q, w};
 use crate::error::VehicleError;
 use crate::load::Load;
 use crate::response::StateSpace;
@@ -53,31 +54,64 @@ struct Supports<'a> {
 }
 
 impl<'a> Laden<'a> {
-    /// The vehicle under this load. Its height is not used.
+    /// The vehicle under this load, in usual turns. Its height is not used.
     ///
     /// # Errors
     /// [`VehicleError`] if the load is impossible.
     pub fn new(vehicle: &'a Vehicle, variant: Variant, load: Load) -> Result<Self, VehicleError> {
-        let supports = match variant {
-            Variant::Complete => {
-                let springs = vehicle.with_springs_at(load)?;
-                Some(Supports {
-                    balance: static_balance(&springs, load)?,
-                    motion: usual_motion(&springs, load.trailer_mass_kg)?,
-                    vehicle: springs,
-                })
-            }
-            Variant::AsPrinted => None,
-        };
-        Ok(Self { vehicle, load, supports })
+        if variant == Variant::AsPrinted {
+            return Ok(Self { vehicle, load, supports: None });
+        }
+        let springs = vehicle.with_springs_at(load)?;
+        let motion = usual_motion(&springs, load.trailer_mass_kg)?;
+        Self::in_motion(vehicle, springs, load, motion)
     }
 
-    /// The same in another motion of its measured springs.
+    fn in_motion(
+        vehicle: &'a Vehicle,
+        springs: Cow<'a, Vehicle>,
+        load: Load,
+        motion: Motion,
+    ) -> Result<Self, VehicleError> {
+        let balance = static_balance(&springs, load)?;
+        Ok(Self { vehicle, load, supports: Some(Supports { vehicle: springs, balance, motion }) })
+    }
+
+    /// The same with tires that have the cornering stiffness of the vehicle file: at their static load, without load
+    /// transfer, and at the slip for which the file gives it.
+    #[must_use]
+    pub fn with_tires_of_the_file(self) -> Self {
+        let cornering = Motion::SMALL.cornering;
+        let motion = self.motion().map(|motion| Motion { cornering, ..motion });
+        motion.map_or(self.clone(), |motion| self.moving(motion))
+    }
+
+    /// The motion of usual turns; `None` for the printed equations, which have one motion only.
+    pub(crate) fn motion(&self) -> Option<Motion> {
+        self.supports.as_ref().map(|supports| supports.motion)
+    }
+
+    /// The same in another motion.
     pub(crate) fn moving(mut self, motion: Motion) -> Self {
         if let Some(supports) = &mut self.supports {
             supports.motion = motion;
         }
         self
+    }
+
+    /// How much [softer](crate::cornering) the tires are in usual turns than those of this model.
+    ///
+    /// # Errors
+    /// As [`SteadyLines::new`].
+    pub(crate) fn softer_in_turns(&self) -> Result<[Softer; TURNS], VehicleError> {
+        let Some(Supports { vehicle, balance, motion }) = &self.supports else {
+            return Ok([Softer::default(); TURNS]);
+        };
+        let rolls = SteadyLines::at_speed(self, USUAL_SPEED_MPS)?.axle_rolls();
+        let of_file = softer_in_turns(vehicle, &balance.axle_load_n, &rolls);
+        Ok(of_file.map(|softer| {
+            std::array::from_fn(|group| softer[group] - libm::log(motion.cornering[group]))
+        }))
     }
 
     /// The equations of motion at a speed and a height of the load.
@@ -124,7 +158,15 @@ impl Equations {
         speed_mps: f64,
         load: Load,
     ) -> Result<Self, VehicleError> {
-        Laden::new(vehicle, variant, load)?.equations(speed_mps, load.cg_height_m)
+        Self::of(&Laden::new(vehicle, variant, load)?, speed_mps)
+    }
+
+    /// The equations of motion of a vehicle under a load.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(laden: &Laden<'_>, speed_mps: f64) -> Result<Self, VehicleError> {
+        laden.equations(speed_mps, laden.load.cg_height_m)
     }
 
     /// Sets what the accelerometers and the sensors of suspension roll measure.
@@ -247,7 +289,7 @@ impl SteadyLines {
     }
 
     /// Roll angle of each axle per lateral acceleration at the height of the load, rad/(m/s²).
-    pub(crate) fn axle_rolls(&self) -> Vec<f64> {
+    fn axle_rolls(&self) -> Vec<f64> {
         let lateral = self.input(Input::LateralAcceleration, 0);
         let angles = self.unknowns[0].rows(STEADY_ANGLES, self.equations.stiffness.ncols());
         angles.iter().skip(q::AXLE).map(|angle| angle / lateral).collect()
@@ -311,43 +353,37 @@ pub fn ratio_line_at(
     Ok(Channel::ALL.map(|channel| steady.channel(channel)))
 }
 
-/// The motion of a usual turn.
+/// Specific force of usual turns, g: about that of a lateral acceleration of 0.1 g. The roll angle in a turn of a
+/// given lateral acceleration would be very great near a load that tips the truck.
+const USUAL_TURN_G: f64 = 0.12;
+/// Speed of usual turns (50 km/h), on which the roll angles per lateral acceleration hardly depend.
+const USUAL_SPEED_MPS: f64 = 13.889;
+/// The least amplitude at which a measured spring is linearized: a tenth of a degree.
+const LEAST_ROLL_RAD: f64 = 0.0017;
+
+/// The motion of a usual turn: the amplitudes at which measured springs are linearized, and how much softer tires
+/// are in it. It is that of the linear springs of the file and of a load at its reference height, so the ratio
+/// lines over the height stay straight.
 pub(crate) fn usual_motion(
     vehicle: &Vehicle,
     trailer_mass_kg: f64,
 ) -> Result<Motion, VehicleError> {
-    Ok(Motion {
-        amplitude_rad: usual_roll_rad(vehicle, trailer_mass_kg)?,
-        friction: [1.0; 2],
-        stiffness: [1.0; 2],
-        articulated: Articulated::STRAIGHT,
-    })
-}
-
-/// Specific force of usual turns, g: about that of a lateral acceleration of 0.1 g. The roll angle in a turn of a
-/// given lateral acceleration would be very great near a load that tips the truck.
-const USUAL_TURN_G: f64 = 0.12;
-/// The least amplitude at which a measured spring is linearized: a tenth of a degree.
-const LEAST_ROLL_RAD: f64 = 0.0017;
-
-/// Amplitudes of the suspension roll of tractor and trailer in a usual turn at which measured springs
-/// are linearized; zero without such springs. They are those of the linear springs of the file and
-/// of a load at its reference height, so the ratio lines over the height stay straight.
-pub(crate) fn usual_roll_rad(
-    vehicle: &Vehicle,
-    trailer_mass_kg: f64,
-) -> Result<[f64; 2], VehicleError> {
-    if !vehicle.has_measured_springs() {
-        return Ok([0.0; 2]);
+    let mut linear = Cow::Borrowed(vehicle);
+    if vehicle.has_measured_springs() {
+        linear.to_mut().spring.clear();
     }
-    let mut linear = vehicle.clone();
-    linear.spring.clear();
     let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
-    let lines = SteadyLines::new(&linear, Variant::Complete, vehicle.nominal_speed_mps, load)?;
-    Ok([Channel::Tractor, Channel::Suspension].map(|pair| {
-        let ratio = lines.channel(pair).ratio_at(load.cg_height_m);
-        (ratio.abs() * USUAL_TURN_G * vehicle.gravity_mps2).max(LEAST_ROLL_RAD)
-    }))
+    let laden = Laden::in_motion(&linear, Cow::Borrowed(&linear), load, Motion::SMALL)?;
+    let mut motion = Motion::SMALL;
+    motion.cornering = mean(&laden.softer_in_turns()?).map(libm::exp);
+    if vehicle.has_measured_springs() {
+        let lines = SteadyLines::at_speed(&laden, USUAL_SPEED_MPS)?;
+        motion.amplitude_rad = [Channel::Tractor, Channel::Suspension].map(|pair| {
+            let ratio = lines.channel(pair).ratio_at(load.cg_height_m);
+            (ratio.abs() * USUAL_TURN_G * vehicle.gravity_mps2).max(LEAST_ROLL_RAD)
+        });
+    }
+    Ok(motion)
 }
 
 /// The linear model at one speed and load, with its DC ratios and static loads.
@@ -373,13 +409,19 @@ impl LinearModel {
         speed_mps: f64,
         load: Load,
     ) -> Result<Self, VehicleError> {
-        let model = || {
-            Ok(Self {
-                state_space: Equations::new(vehicle, variant, speed_mps, load)?.state_space()?,
-                ratio: ratio_line(vehicle, variant, speed_mps, load)?,
-                balance: static_balance(vehicle, load)?,
-            })
-        };
-        model().map_err(|error: VehicleError| error.of_vehicle(vehicle))
+        let model = || Self::of(&Laden::new(vehicle, variant, load)?, speed_mps);
+        model().map_err(|error| error.of_vehicle(vehicle))
+    }
+
+    /// Builds the model of a vehicle under a load.
+    ///
+    /// # Errors
+    /// As [`Equations::new`].
+    pub fn of(laden: &Laden<'_>, speed_mps: f64) -> Result<Self, VehicleError> {
+        Ok(Self {
+            state_space: Equations::of(laden, speed_mps)?.state_space()?,
+            ratio: ratio_line_at(laden, speed_mps)?,
+            balance: static_balance(laden.vehicle, laden.load)?,
+        })
     }
 }

@@ -5,10 +5,10 @@ use cg_core::{CHANNELS, Channel};
 
 use crate::balance::static_balance;
 use crate::belief::{Belief, Deviations, PARAMETERS, Parameter, adjusted, log_gain};
-use crate::cornering::{TURNS, softer_in_turns};
+use crate::cornering::TURNS;
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::linear::{Laden, ratio_line_at, usual_roll_rad};
+use crate::linear::{Laden, ratio_line_at, usual_motion};
 use crate::load::Load;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
@@ -84,7 +84,7 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
     }
     let vehicle = &*vehicle.with_springs_at(load)?;
     let balance = static_balance(vehicle, load)?;
-    let usual_rad = usual_roll_rad(vehicle, load.trailer_mass_kg)?;
+    let usual_rad = usual_motion(vehicle, load.trailer_mass_kg)?.amplitude_rad;
     let axles = vehicle.axles();
     Ok([false, true].map(|on_trailer| {
         let sum = |of: &dyn Fn(&PlacedAxle<'_>, f64) -> f64| {
@@ -113,17 +113,16 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
 }
 
 /// Changes of the tires' parameters from one usual turn to another, which differ in every situation, each as one
-/// standard deviation: a turn is [softer](crate::cornering) than the linear model by one of them or another.
+/// standard deviation: in a turn they are [softer](crate::cornering) than in the linear model, which has the mean of
+/// usual turns at the reference height, by one of them or another.
 #[allow(clippy::cast_precision_loss)] // three
 pub(crate) fn cornering_changes(
     vehicle: &Vehicle,
     variant: Variant,
     load: Load,
 ) -> Result<[Deviations; TURNS], VehicleError> {
-    if variant == Variant::AsPrinted {
-        return Ok([Deviations::zeros(); TURNS]);
-    }
-    Ok(softer_in_turns(vehicle, load)?.map(|softer| {
+    let laden = Laden::new(vehicle, variant, load)?;
+    Ok(laden.softer_in_turns()?.map(|softer| {
         let mut change = Deviations::zeros();
         for (parameter, by) in TYRES.into_iter().zip(softer) {
             change[parameter as usize] = by / libm::sqrt(TURNS as f64);
@@ -288,9 +287,9 @@ fn log_ratios_at<const N: usize>(
         Ok(logs)
     };
     let mut all = at(mean)?.map(|here| (here, [Deviations::zeros(); CHANNELS]));
-    // Central differences with a step of 1e-4: the error is 1e-8 of the third derivative, the
-    // rounding error 1e-12/1e-4.
-    let step = 1e-4;
+    // Central differences with a step of 3e-3: the error is 1.5e-6 of the third derivative. Where a tire's load passes a node of
+    // its table, the derivatives change within the step and not at once, which an iteration needs.
+    let step = 3e-3;
     for k in 0..PARAMETERS {
         let (mut above, mut below) = (*mean, *mean);
         above[k] += step;

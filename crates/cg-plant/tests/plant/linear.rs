@@ -2,16 +2,23 @@
 
 use cg_plant::plant::YawRollPlant;
 use cg_vehicle::equations::Equations;
+use cg_vehicle::linear::Laden;
 use cg_vehicle::response::StateSpace;
-use cg_vehicle::{Variant, Vehicle};
+use cg_vehicle::{Load, Variant, Vehicle};
 
 use super::{KMH, linear, rounded, vehicle};
+
+/// The equations with the tires of small motion.
+fn small_motion(vehicle: &Vehicle, load: Load, speed_mps: f64) -> Equations {
+    let laden = Laden::new(vehicle, Variant::Complete, load).unwrap();
+    Equations::of(&laden.with_tires_of_the_file(), speed_mps).unwrap()
+}
 
 /// Both models of small motion at 50 km/h.
 fn both(vehicle: &Vehicle) -> (StateSpace, StateSpace) {
     let (load, speed_mps) = (vehicle.reference_load(), 50.0 * KMH);
     let plant = YawRollPlant::new(vehicle, load, &linear()).unwrap();
-    let equations = Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap();
+    let equations = small_motion(vehicle, load, speed_mps);
     (plant.linearized(speed_mps).unwrap(), equations.state_space().unwrap())
 }
 
@@ -139,7 +146,7 @@ fn poles_are_those_of_the_linear_model() {
 fn difference(vehicle: &Vehicle, steer_rad: f64) -> f64 {
     let (load, speed_mps) = (vehicle.reference_load(), 50.0 * KMH);
     let plant = YawRollPlant::new(vehicle, load, &linear()).unwrap();
-    let equations = Equations::new(vehicle, Variant::Complete, speed_mps, load).unwrap();
+    let equations = small_motion(vehicle, load, speed_mps);
     let model = equations.state_space().unwrap();
     let samples = rounded(&mut plant.start(speed_mps).unwrap(), steer_rad, speed_mps, 8.0);
     let mut run = model.simulation(1e-3);

@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use super::printed::{Printed, thesis};
 use cg_vehicle::error::VehicleError;
+use cg_vehicle::linear::Laden;
 use cg_vehicle::{LinearModel, Variant, Vehicle};
 
 /// Meters per inch, the thesis's unit of height.
@@ -30,7 +31,7 @@ pub(super) struct Baseline {
     pub(super) vehicle: Vehicle,
     /// The model of appendix B at the reference load and speed.
     pub(super) as_printed: LinearModel,
-    /// The same vehicle with all terms.
+    /// The same vehicle with all terms, and with tires that do not become softer in turns, as in the thesis.
     pub(super) complete: LinearModel,
     /// Eq. 5.17 as printed.
     pub(super) printed_line: RatioLine<f64>,
@@ -52,7 +53,8 @@ impl Baseline {
         let text = include_str!("../../fixtures/vehicles/baseline.toml");
         let vehicle = Vehicle::parse(text, "fixtures/vehicles/baseline.toml")?;
         let model = |variant| {
-            LinearModel::new(&vehicle, variant, vehicle.nominal_speed_mps, vehicle.reference_load())
+            let laden = Laden::new(&vehicle, variant, vehicle.reference_load())?;
+            LinearModel::of(&laden.with_tires_of_the_file(), vehicle.nominal_speed_mps)
         };
         let (as_printed, complete) = (model(Variant::AsPrinted)?, model(Variant::Complete)?);
         let line: Equation517 = thesis!("equation_5_17.toml")?;
