@@ -286,6 +286,7 @@ pub fn run(
         height_is_known: known.load.height_is_known(),
         trailer_mass_sd_kg,
         speed_mps: identified.speed_mps,
+        turn_g: identified.turn_g,
         ratio: identified.ratio,
         age_s: None,
     })

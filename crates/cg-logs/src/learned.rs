@@ -128,6 +128,7 @@ impl EmptyTrip {
             height_is_known: true,
             trailer_mass_sd_kg: 0.0,
             speed_mps: self.speed_mps,
+            turn_g: None,
             ratio: self.ratio,
             age_s: Some((now_s - self.date_s).max(0.0)),
         }

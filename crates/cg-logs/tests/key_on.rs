@@ -4,6 +4,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use cg_core::{AlignSettings, Estimator, FilteredArx, Prior, Sample, Settings};
 use cg_logs::estimate::{
     ChannelEstimate, EstimateOptions, LogEstimate, LogEstimator, RoadChoice, Verdict,
@@ -81,6 +83,27 @@ fn single(row: &LogRow) -> Sample<f32> {
     }
 }
 
+/// The rows, written as CSV and read back.
+fn through_csv(folder: &Path, files: &mut Files, rows: &[LogRow]) -> Vec<LogRow> {
+    let csv = folder.join("drive.csv");
+    let columns = [
+        Signal::Time,
+        Signal::Steer,
+        Signal::Roll,
+        Signal::Speed,
+        Signal::LateralAcceleration,
+        Signal::YawRate,
+        Signal::TrailerMass,
+    ];
+    let target = files.writes("--output", &csv, Kind::Log).unwrap();
+    let mut writer = LogWriter::create(&target, &[], &columns).unwrap();
+    for row in rows {
+        writer.write_row(row).unwrap();
+    }
+    writer.finish().unwrap();
+    LogReader::open(&csv, &LogOptions::default()).unwrap().map(Result::unwrap).collect()
+}
+
 #[test]
 fn the_height_is_that_of_the_drive() {
     let known = common::known();
@@ -113,26 +136,7 @@ fn the_height_is_that_of_the_drive() {
     // CSV: the numbers are read back unchanged.
     let folder = tempfile::tempdir().unwrap();
     let mut files = Files::new(false);
-    let csv = folder.path().join("drive.csv");
-    let columns = [
-        Signal::Time,
-        Signal::Steer,
-        Signal::Roll,
-        Signal::Speed,
-        Signal::LateralAcceleration,
-        Signal::YawRate,
-        Signal::TrailerMass,
-    ];
-    let target = files.writes("--output", &csv, Kind::Log).unwrap();
-    let mut writer = LogWriter::create(&target, &[], &columns).unwrap();
-    for row in &rows {
-        writer.write_row(row).unwrap();
-    }
-    writer.finish().unwrap();
-    let options = LogOptions::default();
-    let read: Vec<LogRow> = LogReader::open(&csv, &options).unwrap().map(Result::unwrap).collect();
-    assert_eq!(read.len(), rows.len());
-    let of_csv = estimate(&read).height_m.unwrap();
+    let of_csv = estimate(&through_csv(folder.path(), &mut files, &rows)).height_m.unwrap();
     assert!((of_csv / whole.height_m.unwrap() - 1.0).abs() < 1e-9);
 
     // CAN frames: each signal has its own time stamps and is rounded to its resolution.

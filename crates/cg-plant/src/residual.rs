@@ -145,7 +145,8 @@ fn known(vehicle: &Vehicle, load: Load, estimator: LogEstimator) -> Result<Run, 
     let (height_m, trailer_mass_kg) = (load.cg_height_m, Some(load.trailer_mass_kg));
     let log = format!("{:.0} kg at {height_m:.2} m", load.trailer_mass_kg);
     let log = KnownLog { log, load: KnownLoad::Laden { height_m, trailer_mass_kg } };
-    run(vehicle, &log, estimator)
+    // An interval does not know how strong its turns are.
+    Ok(Run { turn_g: None, ..run(vehicle, &log, estimator)? })
 }
 
 #[allow(clippy::cast_precision_loss)] // dozens

@@ -144,6 +144,7 @@ fn run(vehicle: &Vehicle, truth: &Deviations, load: Load, behind_m: f64) -> Run 
         height_is_known: true,
         trailer_mass_sd_kg: 0.0,
         speed_mps: SPEED_MPS,
+        turn_g: None,
         ratio,
         age_s: None,
     }

@@ -11,18 +11,19 @@ use cg_vehicle::linear::Laden;
 use cg_vehicle::slip::USUAL_G;
 use cg_vehicle::{Variant, Vehicle};
 
-/// Lateral acceleration per steer angle in the steady turn of the linear model, with the tires of usual turns and
-/// with those of the file.
-fn linear(vehicle: &Vehicle, speed_mps: f64) -> [f64; 2] {
+/// Lateral acceleration per steer angle in the steady turn of the linear model, with the tires of usual turns, those of
+/// the file, and those of one turn.
+fn linear(vehicle: &Vehicle, speed_mps: f64, lateral_g: f64) -> [f64; 3] {
     let laden = Laden::new(vehicle, Variant::Complete, vehicle.reference_load()).unwrap();
-    [laden.clone(), laden.with_tires_of_the_file()].map(|laden| {
+    let of_turn = laden.clone().in_turn(lateral_g).unwrap();
+    [laden.clone(), laden.with_tires_of_the_file(), of_turn].map(|laden| {
         let model = Equations::of(&laden, speed_mps).unwrap().state_space().unwrap();
         model.lateral_gain().unwrap()
     })
 }
 
-/// The same of the plant at the end of a step to 0.17 g.
-fn plant(vehicle: &Vehicle, speed_mps: f64) -> f64 {
+/// The same of the plant at the end of a step to 0.17 g, and the lateral acceleration in g.
+fn plant(vehicle: &Vehicle, speed_mps: f64) -> [f64; 2] {
     let scenario = Scenario {
         plant: Plant::Nonlinear,
         load: vehicle.reference_load(),
@@ -35,7 +36,7 @@ fn plant(vehicle: &Vehicle, speed_mps: f64) -> f64 {
     let last = rows.last().unwrap();
     let g = last.lateral_acceleration_mps2 / vehicle.gravity_mps2;
     assert!((0.12..0.18).contains(&g.abs()), "{g} g");
-    last.lateral_acceleration_mps2 / last.steer_rad
+    [last.lateral_acceleration_mps2 / last.steer_rad, g.abs()]
 }
 
 /// The vehicle whose tires have one of the two slopes of their tables.
@@ -50,24 +51,27 @@ fn with_slope(vehicle: &Vehicle, which: usize) -> Vehicle {
 }
 
 /// The secant at 0.15 g and the tires of usual turns are nearer to the plant than the slope at zero slip, by far; the
-/// latter with either slope in the file.
+/// latter with either slope in the file, and those of this turn most of all.
 #[test]
 fn secants_and_tires_of_usual_turns_are_nearest_to_the_plant() {
     let vehicle = common::vehicle("kraz.toml");
     for speed_mps in [13.9, 20.0] {
-        let plant = plant(&vehicle, speed_mps);
-        let [[usual, zero], [usual_too, secant]] = [0, 1].map(|which| {
-            linear(&with_slope(&vehicle, which), speed_mps).map(|gain| gain / plant - 1.0)
+        let [plant, lateral_g] = plant(&vehicle, speed_mps);
+        let [[usual, zero, _], [usual_too, secant, of_turn]] = [0, 1].map(|which| {
+            let gains = linear(&with_slope(&vehicle, which), speed_mps, lateral_g);
+            gains.map(|gain| gain / plant - 1.0)
         });
-        let percent = [zero, secant, usual, usual_too].map(|by| format!("{:+.2} %", 100.0 * by));
+        let percent = [zero, secant, usual, usual_too, of_turn];
+        let percent = percent.map(|by| format!("{:+.2}", 100.0 * by)).join(", ");
         println!(
-            "{speed_mps} m/s: zero slip, secant, usual turns with each: {}",
-            percent.join(", ")
+            "{speed_mps} m/s: zero slip, secant, usual turns with each, {lateral_g:.3} g: {percent} %"
         );
         // The slopes differ by 6 %, of which a truck that understeers feels a part. What is left to the
         // secant is what the tires lose in a turn because their load is not the static one.
         assert!(secant.abs() < 0.5 * zero.abs(), "{zero} {secant}");
         assert!(usual.abs() < 0.5 * zero.abs(), "{zero} {usual}");
+        // What is left is the load transfer between the axles of a unit and the drag of the tires.
+        assert!(of_turn.abs() < 0.2 * zero.abs(), "{zero} {of_turn}");
         // One factor for the axles of a group leaves them the shares that the file gives, which the two slopes
         // divide differently by less than a tenth of their difference.
         assert!((usual - usual_too).abs() < 0.1 * (zero - secant).abs(), "{usual} {usual_too}");

@@ -119,13 +119,21 @@ impl Truck {
             Ok::<(), VehicleError>(())
         });
         match found {
-            Ok(found) => Some(design_with(file, Variant::Complete, &found.belief()).unwrap()),
+            Ok(found) => unless_unstable(design_with(file, Variant::Complete, &found.belief())),
             Err(error) => {
                 assert!(error.to_string().contains("no calibration is made"), "{error}");
                 None
             }
         }
     }
+}
+
+/// A truck can become unstable with a load that it does not have here; the message says so.
+fn unless_unstable(design: Result<Design<f64>, VehicleError>) -> Option<Design<f64>> {
+    if let Err(error) = &design {
+        assert!(error.to_string().contains("no positive steady-state roll angle"), "{error}");
+    }
+    design.ok()
 }
 
 /// Error of a height and its standard deviation, relative to the true height.

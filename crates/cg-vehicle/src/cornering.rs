@@ -10,7 +10,7 @@ use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Lateral accelerations of usual drives, in g. Mean and variance of the three are those of turns that are distributed evenly
 /// from 0.06 to 0.2 g (Chebyshev's quadrature).
-const TURNS_G: [f64; TURNS] = [0.0805, 0.13, 0.1795];
+pub(crate) const TURNS_G: [f64; TURNS] = [0.0805, 0.13, 0.1795];
 /// Number of such turns.
 pub(crate) const TURNS: usize = 3;
 /// Slip angle of a gentle turn, rad, from which that of a turn is searched; and one at which tires slide.
@@ -25,19 +25,19 @@ const MOST_STEPS: usize = 60;
 /// that of the vehicle file at the static load.
 pub(crate) type Softer = [f64; 3];
 
-/// The cornering stiffness in usual turns of different lateral acceleration, at the static loads of the axles and
-/// their roll angles per lateral acceleration, in rad/(m/s²).
-pub(crate) fn softer_in_turns(
+/// The cornering stiffness in turns of some lateral accelerations, at the static loads of the axles and their roll
+/// angles per lateral acceleration, in rad/(m/s²).
+pub(crate) fn softer_in<const N: usize>(
     vehicle: &Vehicle,
-    axle_load_n: &[f64],
-    rolls: &[f64],
-) -> [Softer; TURNS] {
-    let mut turning = [[0.0; 3]; TURNS];
+    (axle_load_n, rolls): (&[f64], &[f64]),
+    turns_g: [f64; N],
+) -> [Softer; N] {
+    let mut turning = [[0.0; 3]; N];
     let mut of_file = [0.0; 3];
     for ((placed, load_n), rad_per_mps2) in vehicle.axles().iter().zip(axle_load_n).zip(rolls) {
         let (tires, group) = (Tires::new(placed, *load_n), group(placed));
         of_file[group] += placed.tyres() * placed.tyre.stiffness_at(load_n / placed.tyres()).0;
-        for (turning, lateral_g) in turning.iter_mut().zip(TURNS_G) {
+        for (turning, lateral_g) in turning.iter_mut().zip(turns_g) {
             let roll_rad = rad_per_mps2 * lateral_g * vehicle.gravity_mps2;
             turning[group] += tires.secant(lateral_g * load_n, roll_rad);
         }
@@ -134,7 +134,7 @@ mod tests {
     fn softer(vehicle: &Vehicle) -> [[Softer; TURNS]; 2] {
         let laden = Laden::new(vehicle, Variant::Complete, vehicle.reference_load()).unwrap();
         [laden.clone().with_tires_of_the_file(), laden]
-            .map(|laden| laden.softer_in_turns().unwrap())
+            .map(|laden| laden.softer_in(TURNS_G).unwrap())
     }
 
     /// Without load transfer it is the secant of the slip table, which has the same straight lines between its
@@ -173,6 +173,20 @@ mod tests {
             for (file, left) in of_file.iter().zip(&left) {
                 let expected = file[group] - mean_of_file[group];
                 assert!((left[group] - expected).abs() < 0.01 * mean_of_file[group].abs());
+            }
+        }
+    }
+
+    /// The model of one turn has its tires, except that the axles roll a little more with them.
+    #[test]
+    fn a_model_can_be_that_of_one_turn() {
+        let vehicle = kraz();
+        let laden = Laden::new(&vehicle, Variant::Complete, vehicle.reference_load()).unwrap();
+        for lateral_g in TURNS_G {
+            let [before] = laden.softer_in([lateral_g]).unwrap();
+            let [left] = laden.clone().in_turn(lateral_g).unwrap().softer_in([lateral_g]).unwrap();
+            for (before, left) in before.iter().zip(left) {
+                assert!(left.abs() < 0.02 * before.abs() + 1e-6, "{lateral_g}: {left} {before}");
             }
         }
     }

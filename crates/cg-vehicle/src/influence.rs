@@ -50,7 +50,7 @@ pub fn influences(
     load: Load,
 ) -> Result<Influences, VehicleError> {
     let variant = Variant::Complete;
-    let (_, slopes) = log_ratios(vehicle, variant, speed_mps, load, &belief.mean)?;
+    let (_, slopes) = log_ratios(vehicle, variant, (speed_mps, None), load, &belief.mean)?;
     let per_height = height_slopes(&belief.applied_to(vehicle), speed_mps, load)?;
     let relative = per_height.map(|slope| 1.0 / (slope * load.cg_height_m).abs());
     let covariance = belief.ratio_covariance(vehicle, variant, speed_mps, load)?;

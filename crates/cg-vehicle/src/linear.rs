@@ -28,7 +28,7 @@ use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 use crate::as_printed;
 use crate::assembly::{Parts, Point, at_hitch, complete};
 use crate::balance::{StaticBalance, static_balance};
-use crate::cornering::{Softer, TURNS, mean, softer_in_turns};
+use crate::cornering::{Softer, TURNS_G, mean, softer_in};
 use crate::equations::{Equations, Motion, Variant, q, w};
 use crate::error::VehicleError;
 use crate::load::Load;
@@ -99,16 +99,35 @@ impl<'a> Laden<'a> {
         self
     }
 
-    /// How much [softer](crate::cornering) the tires are in usual turns than those of this model.
+    /// The same with the tires of turns of one lateral acceleration, g, in place of usual turns.
     ///
     /// # Errors
     /// As [`SteadyLines::new`].
-    pub(crate) fn softer_in_turns(&self) -> Result<[Softer; TURNS], VehicleError> {
+    pub fn in_turn(self, lateral_g: f64) -> Result<Self, VehicleError> {
+        let [softer] = self.softer_in([lateral_g])?;
+        let motion = self.motion().map(|mut motion| {
+            for (factor, by) in motion.cornering.iter_mut().zip(softer) {
+                *factor *= libm::exp(by);
+            }
+            motion
+        });
+        Ok(motion.map_or(self.clone(), |motion| self.moving(motion)))
+    }
+
+    /// How much [softer](crate::cornering) the tires are in turns of some lateral accelerations, g, than those of this
+    /// model.
+    ///
+    /// # Errors
+    /// As [`SteadyLines::new`].
+    pub(crate) fn softer_in<const N: usize>(
+        &self,
+        turns_g: [f64; N],
+    ) -> Result<[Softer; N], VehicleError> {
         let Some(Supports { vehicle, balance, motion }) = &self.supports else {
-            return Ok([Softer::default(); TURNS]);
+            return Ok([Softer::default(); N]);
         };
         let rolls = SteadyLines::at_speed(self, USUAL_SPEED_MPS)?.axle_rolls();
-        let of_file = softer_in_turns(vehicle, &balance.axle_load_n, &rolls);
+        let of_file = softer_in(vehicle, (&balance.axle_load_n, &rolls), turns_g);
         Ok(of_file.map(|softer| {
             std::array::from_fn(|group| softer[group] - libm::log(motion.cornering[group]))
         }))
@@ -375,7 +394,7 @@ pub(crate) fn usual_motion(
     let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
     let laden = Laden::in_motion(&linear, Cow::Borrowed(&linear), load, Motion::SMALL)?;
     let mut motion = Motion::SMALL;
-    motion.cornering = mean(&laden.softer_in_turns()?).map(libm::exp);
+    motion.cornering = mean(&laden.softer_in(TURNS_G)?).map(libm::exp);
     if vehicle.has_measured_springs() {
         let lines = SteadyLines::at_speed(&laden, USUAL_SPEED_MPS)?;
         motion.amplitude_rad = [Channel::Tractor, Channel::Suspension].map(|pair| {

@@ -5,7 +5,7 @@ use cg_core::{CHANNELS, Channel};
 
 use crate::balance::static_balance;
 use crate::belief::{Belief, Deviations, PARAMETERS, Parameter, adjusted, log_gain};
-use crate::cornering::TURNS;
+use crate::cornering::{Softer, TURNS, TURNS_G};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::linear::{Laden, ratio_line_at, usual_motion};
@@ -40,7 +40,7 @@ impl Belief {
         speeds_mps: [f64; N],
         load: Load,
     ) -> Result<[[[f64; CHANNELS]; CHANNELS]; N], VehicleError> {
-        let all = log_ratios_at(vehicle, variant, speeds_mps, load, &self.mean)?;
+        let all = log_ratios_at(vehicle, variant, (speeds_mps, None), load, &self.mean)?;
         let mut parameters = self.covariance;
         for (parameter, variance) in
             STIFFNESSES.into_iter().zip(stiffness_variances(vehicle, load)?)
@@ -48,7 +48,7 @@ impl Belief {
             parameters[(parameter as usize, parameter as usize)] += variance;
         }
         let by_place = place_changes(vehicle, variant, speeds_mps, load, &self.mean)?;
-        let by_turn = cornering_changes(vehicle, variant, load)?;
+        let by_turn = cornering_changes(&adjusted(vehicle, &self.mean), variant, load)?;
         Ok(std::array::from_fn(|at| {
             let ((_, slopes), by_place) = (&all[at], &by_place[at]);
             let mut covariance = [[0.0; CHANNELS]; CHANNELS];
@@ -121,17 +121,37 @@ pub(crate) fn cornering_changes(
     variant: Variant,
     load: Load,
 ) -> Result<[Deviations; TURNS], VehicleError> {
-    let laden = Laden::new(vehicle, variant, load)?;
-    Ok(laden.softer_in_turns()?.map(|softer| {
-        let mut change = Deviations::zeros();
-        for (parameter, by) in TYRES.into_iter().zip(softer) {
-            change[parameter as usize] = by / libm::sqrt(TURNS as f64);
-        }
-        change
-    }))
+    let softer = Laden::new(vehicle, variant, load)?.softer_in(TURNS_G)?;
+    let one_of = 1.0 / libm::sqrt(TURNS as f64);
+    Ok(softer.map(|softer| of_tires(softer, one_of)))
 }
 
-/// The parameters that [`cornering_changes`] changes.
+/// What is not known of the tires in a turn whose lateral acceleration is known, as a share of the difference from usual
+/// turns: how much softer they become with slip, which most vehicle files do not say, and how strong the turn was as a
+/// whole.
+const TURN_SD: f64 = 0.3;
+
+/// Change of the tires' parameters, as one standard deviation, from a turn of a known lateral acceleration, g, to what
+/// it is taken for.
+pub(crate) fn cornering_change(
+    vehicle: &Vehicle,
+    variant: Variant,
+    load: Load,
+    lateral_g: f64,
+) -> Result<Deviations, VehicleError> {
+    let [softer] = Laden::new(vehicle, variant, load)?.softer_in([lateral_g])?;
+    Ok(of_tires(softer, TURN_SD))
+}
+
+fn of_tires(softer: Softer, share: f64) -> Deviations {
+    let mut change = Deviations::zeros();
+    for (parameter, by) in TYRES.into_iter().zip(softer) {
+        change[parameter as usize] = share * by;
+    }
+    change
+}
+
+/// The parameters of the tires that differ from turn to turn.
 const TYRES: [Parameter; 3] = [
     Parameter::SteeredCorneringStiffness,
     Parameter::DriveCorneringStiffness,
@@ -251,18 +271,19 @@ fn logarithms(laden: &Laden<'_>, speed_mps: f64) -> Result<[f64; CHANNELS], Vehi
 /// Logarithms of all channels' DC ratios, and their derivatives with respect to the parameters.
 type LogRatios = ([f64; CHANNELS], [Deviations; CHANNELS]);
 
-/// The [logarithms and their derivatives](LogRatios) at a height.
+/// The [logarithms and their derivatives](LogRatios) at a height, in turns of one lateral acceleration, g, or in usual
+/// turns.
 ///
 /// # Errors
 /// As [`ratio_line`](crate::linear::ratio_line); also if a ratio is not positive.
 pub(crate) fn log_ratios(
     vehicle: &Vehicle,
     variant: Variant,
-    speed_mps: f64,
+    (speed_mps, turn_g): (f64, Option<f64>),
     load: Load,
     mean: &Deviations,
 ) -> Result<LogRatios, VehicleError> {
-    let [both] = log_ratios_at(vehicle, variant, [speed_mps], load, mean)?;
+    let [both] = log_ratios_at(vehicle, variant, ([speed_mps], turn_g), load, mean)?;
     Ok(both)
 }
 
@@ -270,13 +291,16 @@ pub(crate) fn log_ratios(
 fn log_ratios_at<const N: usize>(
     vehicle: &Vehicle,
     variant: Variant,
-    speeds_mps: [f64; N],
+    (speeds_mps, turn_g): ([f64; N], Option<f64>),
     load: Load,
     mean: &Deviations,
 ) -> Result<[LogRatios; N], VehicleError> {
     let at = |deviations: &Deviations| -> Result<[[f64; CHANNELS]; N], VehicleError> {
         let truck = adjusted(vehicle, deviations);
-        let laden = Laden::new(&truck, variant, load)?;
+        let mut laden = Laden::new(&truck, variant, load)?;
+        if let Some(lateral_g) = turn_g {
+            laden = laden.in_turn(lateral_g)?;
+        }
         let mut logs = [[0.0; CHANNELS]; N];
         for (logs, speed_mps) in logs.iter_mut().zip(speeds_mps) {
             *logs = logarithms(&laden, speed_mps)?;

@@ -205,6 +205,7 @@ impl LogEstimator {
         self.keep(last.as_ref());
         let mut identified = Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
+            turn_g: self.strong.usual_g(self.design.gravity_mps2),
             trailer_mass_kg: self.trailer_mass_kg,
             trailer_mass_sd_kg: self.mass_sd_kg(self.trailer_mass_kg),
             trailer_mass_is_known: self.seen.mass_kg.is_some()

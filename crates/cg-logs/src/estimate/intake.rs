@@ -32,6 +32,8 @@ const MOST_MANEUVERS: usize = 10_000;
 pub struct Identified {
     /// Mean speed of the maneuvers, m/s.
     pub speed_mps: f64,
+    /// Lateral acceleration of its turns, g; `None` if the log has neither it nor yaw rate and speed.
+    pub turn_g: Option<f64>,
     /// Trailer mass used, kg.
     pub trailer_mass_kg: f64,
     /// Its standard deviation, kg: that of its scale, or that of any load if it is not known.

@@ -14,6 +14,8 @@ const LINEAR: f64 = 0.5;
 /// Standard deviation of a height over the square of what a turn exceeds that share by. On the nonlinear plant, steps of
 /// the files with measured springs leave 1 to 2 % rms at 0.6 of the threshold and 9 % at 0.8 (docs/limits.md).
 const ERROR: f64 = 1.5;
+/// Greatest lateral acceleration of turns, g. What seems to be more is another unit.
+const STRONGEST_G: f64 = 0.5;
 /// Share of the threshold from which on it is told.
 const TOLD: f64 = 0.6;
 
@@ -26,6 +28,9 @@ pub(super) struct StrongTurns {
     /// The greatest sizes since the last maneuver.
     greatest_mps2: [f64; 2],
     of_maneuvers_mps2: Vec<[f64; 2]>,
+    /// Sums over time of the square and the cube of that of the path, which is smoothed.
+    path_squares: f64,
+    path_cubes: f64,
 }
 
 impl StrongTurns {
@@ -47,6 +52,18 @@ impl StrongTurns {
                 *greatest_mps2 = greatest_mps2.max(smooth_mps2.abs());
             }
         }
+        if path_mps2.is_finite() && passed_s <= GAP_S {
+            let path_mps2 = self.smooth_mps2[0].abs();
+            self.path_squares += passed_s * path_mps2 * path_mps2;
+            self.path_cubes += passed_s * path_mps2 * path_mps2 * path_mps2;
+        }
+    }
+
+    /// The lateral acceleration of one turn in place of all, g: that at which a secant is the one that least squares
+    /// find, if it decreases in proportion to the lateral acceleration.
+    pub(super) fn usual_g(&self, gravity_mps2: f64) -> Option<f64> {
+        let usual_g = self.path_cubes / self.path_squares / gravity_mps2;
+        (self.path_squares > 0.0).then(|| usual_g.min(STRONGEST_G))
     }
 
     /// Ends a maneuver; `true` if it is listed.
@@ -126,6 +143,21 @@ mod tests {
             turns.push(&sample);
         }
         turns
+    }
+
+    /// A step is as strong as it is, with straight driving before it or not; a sine is as strong as its describing
+    /// function says, 8/(3π). The smoothing takes 2 % of this sine and a little of the step's beginning.
+    #[test]
+    fn one_turn_stands_for_all() {
+        assert_eq!(reached(50, 6, |_| f64::NAN).usual_g(9.81), None);
+        assert_eq!(reached(50, 6, |_| 0.0).usual_g(9.81), None);
+        let step = reached(50, 40, |time_s| if time_s < 20.0 { 0.0 } else { -0.15 * 9.81 });
+        let sine = reached(50, 60, |time_s| 0.2 * 9.81 * (0.4 * time_s).sin());
+        let [step_g, sine_g] = [step, sine].map(|turns| turns.usual_g(9.81).unwrap());
+        assert!((step_g / 0.15 - 1.0).abs() < 0.02, "{step_g}");
+        let expected_g = 0.2 * 8.0 / (3.0 * std::f64::consts::PI);
+        assert!((sine_g / expected_g - 1.0).abs() < 0.04, "{sine_g} {expected_g}");
+        assert_eq!(reached(50, 6, |_| 17.0).usual_g(9.81), Some(STRONGEST_G));
     }
 
     /// A step of some seconds counts whole, one sample hardly, and each maneuver begins anew.

@@ -131,6 +131,7 @@ pub(crate) fn runs_of(
                 height_is_known: true,
                 trailer_mass_sd_kg: 0.0,
                 speed_mps,
+                turn_g: None,
                 ratio,
                 age_s: None,
             }

@@ -84,7 +84,7 @@ fn after(
     (load, used): (Load, &[bool; CHANNELS]),
 ) -> Result<Belief, VehicleError> {
     let speed_mps = vehicle.nominal_speed_mps;
-    let (_, slopes) = log_ratios(vehicle, variant, speed_mps, load, &belief.mean)?;
+    let (_, slopes) = log_ratios(vehicle, variant, (speed_mps, None), load, &belief.mean)?;
     let rows: Vec<usize> = (0..CHANNELS).filter(|&k| used[k]).collect();
     let h = DMatrix::from_fn(rows.len(), PARAMETERS, |i, j| slopes[rows[i]][j]);
     let p = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| belief.covariance[(i, j)]);

@@ -114,6 +114,9 @@ pub struct RunEntry {
     pub trailer_mass_sd_kg: f64,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
+    /// Lateral acceleration of its turns, g; absent if it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn_g: Option<f64>,
     /// Results of the channels.
     pub channel: Vec<ChannelEntry>,
 }
@@ -170,6 +173,7 @@ impl RunEntry {
             trailer_mass_kg: run.load.trailer_mass_kg,
             trailer_mass_sd_kg: run.trailer_mass_sd_kg,
             speed_mps: run.speed_mps,
+            turn_g: run.turn_g,
             channel,
         }
     }

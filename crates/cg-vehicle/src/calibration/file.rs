@@ -303,9 +303,14 @@ impl Calibration {
         }
         for run in &self.run {
             let load = Load { trailer_mass_kg: run.trailer_mass_kg, cg_height_m: run.height_m };
-            let (logs, _) =
-                log_ratios(vehicle, self.model, run.speed_mps, load, &Deviations::zeros())
-                    .map_err(|error| error.to_string())?;
+            let (logs, _) = log_ratios(
+                vehicle,
+                self.model,
+                (run.speed_mps, run.turn_g),
+                load,
+                &Deviations::zeros(),
+            )
+            .map_err(|error| error.to_string())?;
             for entry in &run.channel {
                 let channel: Channel =
                     entry.name.parse().map_err(|error| format!("run {}: {error}", run.log))?;

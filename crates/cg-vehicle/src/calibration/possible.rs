@@ -18,6 +18,8 @@ const GREATEST_SD: f64 = 2.0;
 const GREATEST_HEIGHT_SD_M: f64 = 1e3;
 /// Greatest sum of squares; the Birge ratio of one run is then a thousand.
 const GREATEST_CHI_SQUARE: f64 = 1e6;
+/// Greatest lateral acceleration of turns, g; no truck comes near to it.
+const GREATEST_TURN_G: f64 = 1.0;
 /// Greatest DC ratio, rad per rad or per m/s²; usual ones are below 3.
 const GREATEST_RATIO: f64 = 1e3;
 /// The least eigenvalue of a covariance may be this far below zero by rounding.
@@ -97,6 +99,9 @@ pub(super) fn run(run: &RunEntry) -> Result<(), String> {
     };
     numbers().map_err(|error| format!("run {}: {error}", run.log))?;
     within("trailer_mass_sd_kg", run.trailer_mass_sd_kg, [0.0, GREATEST_TRAILER_MASS_KG])?;
+    if let Some(turn_g) = run.turn_g {
+        within("turn_g", turn_g, [0.0, GREATEST_TURN_G])?;
+    }
     if let Some(height_sd_m) = run.height_sd_m {
         within("height_sd_m", height_sd_m, [0.0, GREATEST_HEIGHT_SD_M])?;
     }

@@ -9,7 +9,8 @@ use crate::error::VehicleError;
 use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::ratio_spread::{
-    STIFFNESSES, cornering_changes, log_ratios, mass_change, place_change, stiffness_variances,
+    STIFFNESSES, cornering_change, cornering_changes, log_ratios, mass_change, place_change,
+    stiffness_variances,
 };
 use crate::vehicle::Vehicle;
 
@@ -26,6 +27,8 @@ pub struct Run {
     pub trailer_mass_sd_kg: f64,
     /// Mean speed of its turns, m/s.
     pub speed_mps: f64,
+    /// Lateral acceleration of its turns, g, which decides how soft the tires are; `None`: that of usual turns.
+    pub turn_g: Option<f64>,
     /// Identified DC ratios and their standard deviations due to noise, in the order of
     /// [`Channel::ALL`]; `None` if the log does not have the signal.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
@@ -140,7 +143,10 @@ impl<'a> Ratios<'a> {
         let of_runs = self
             .runs
             .iter()
-            .map(|run| log_ratios(self.vehicle, self.variant, run.speed_mps, run.load, mean))
+            .map(|run| {
+                let turn = (run.speed_mps, run.turn_g);
+                log_ratios(self.vehicle, self.variant, turn, run.load, mean)
+            })
             .collect::<Result<Vec<_>, VehicleError>>()?;
         for (k, observation) in self.observations.iter().enumerate() {
             let (logs, slopes) = &of_runs[observation.run];
@@ -179,7 +185,7 @@ impl<'a> Ratios<'a> {
             }
         }
         let first_in_service = (0..runs.len()).find(|&run| in_service(run));
-        for (run, Run { load, .. }) in runs.iter().enumerate() {
+        for (run, Run { load, turn_g, .. }) in runs.iter().enumerate() {
             // Trips in service are alike, so this is common to all of them.
             if in_service(run) && Some(run) != first_in_service {
                 continue;
@@ -194,7 +200,11 @@ impl<'a> Ratios<'a> {
                 });
                 noise.ger(variance, &moved, &moved, 1.0);
             }
-            for change in cornering_changes(vehicle, self.variant, *load)? {
+            let by_turns = match *turn_g {
+                Some(turn_g) => vec![cornering_change(vehicle, self.variant, *load, turn_g)?],
+                None => cornering_changes(vehicle, self.variant, *load)?.to_vec(),
+            };
+            for change in by_turns {
                 let by_turn = slopes * DVector::from_column_slice(change.as_slice());
                 let moved = DVector::from_fn(observations.len(), |k, _| of_run(k) * by_turn[k]);
                 noise.ger(1.0, &moved, &moved, 1.0);
