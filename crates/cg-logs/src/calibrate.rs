@@ -175,7 +175,11 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             }
             feed(known, &mut estimator)?;
             let recorder = estimator.recorder();
-            let run = run(vehicle, known, estimator)?;
+            let mut run = run(vehicle, known, estimator)?;
+            // The factor makes up for all that the model lacks in this log, its turns included.
+            if procedure == Procedure::Compensation {
+                run.turn_g = None;
+            }
             // The model of a shape is that at the run's own height.
             let recorder = recorder.filter(|_| run.height_is_known);
             shape_runs.extend(recorder.map(|recorder| recorder.finish(run.load, run.speed_mps)));

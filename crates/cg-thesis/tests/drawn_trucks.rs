@@ -236,6 +236,7 @@ fn intervals_of_drawn_trucks_hold() {
         "| vehicle | calibrated with | hold | no height | RMSE, % | sd, % | mean z | mean z² |"
     );
     let [mut of_files, mut of_linear, mut of_measured] = [(); 3].map(|()| Answers::default());
+    let mut too_wrong = Vec::new();
     for (name, seed) in
         [("kraz", 1), ("euro", 2), ("baseline", 3), ("baseline-tables", 4), ("air", 5)]
     {
@@ -258,7 +259,7 @@ fn intervals_of_drawn_trucks_hold() {
             assert!(z.abs() < 0.5, "{name}: mean {z}");
         }
         of_files.join(uncalibrated);
-        assert!(calibrated.rms() <= 0.015, "{name}: rms {}", calibrated.rms());
+        too_wrong.extend((calibrated.rms() > 0.015).then_some(name));
         if file.spring.is_empty() {
             of_linear.join(calibrated);
         } else {
@@ -268,6 +269,7 @@ fn intervals_of_drawn_trucks_hold() {
     of_files.print("all", "nothing");
     of_linear.print("linear springs", "two steps");
     of_measured.print("measured springs", "two steps");
+    assert!(too_wrong.is_empty(), "more than 1.5 % rms: {too_wrong:?}");
     of_files.hold("uncalibrated");
     of_linear.hold("calibrated, linear springs");
     of_measured.hold("calibrated, measured springs");

@@ -339,20 +339,18 @@ fn scale_cornering(tyre: &mut Tyre, factor: f64, over_load: f64) {
         let doublings = |load_n: &f64| libm::log2((load_n / middle_n).max(0.125));
         loads_n.iter().map(|load_n| factor * libm::exp(over_load * doublings(load_n))).collect()
     };
-    let scale = |loads_n: &[f64], row: &mut Vec<f64>| {
-        row.iter_mut().zip(at(loads_n)).for_each(|(entry, by)| *entry *= by);
+    let scale = |loads_n: &[f64], rows: &mut dyn Iterator<Item = &mut Vec<f64>>| {
+        let by = at(loads_n);
+        rows.for_each(|row| row.iter_mut().zip(&by).for_each(|(entry, by)| *entry *= by));
     };
-    scale(&tyre.load_n, &mut tyre.cornering_stiffness_n_per_rad);
-    scale(&tyre.load_n, &mut tyre.aligning_stiffness_nm_per_rad);
+    let Tyre { cornering_stiffness_n_per_rad, aligning_stiffness_nm_per_rad, .. } = tyre;
+    let mut both = [cornering_stiffness_n_per_rad, aligning_stiffness_nm_per_rad].into_iter();
+    scale(&tyre.load_n, &mut both);
     if let Some(LateralForceTable { load_n, coefficient, .. }) = &mut tyre.lateral_force {
-        for row in coefficient {
-            scale(load_n, row);
-        }
+        scale(load_n, &mut coefficient.iter_mut());
     }
     if let Some(AligningMomentTable { load_n, moment_nm, .. }) = &mut tyre.aligning_moment {
-        for row in moment_nm {
-            scale(load_n, row);
-        }
+        scale(load_n, &mut moment_nm.iter_mut());
     }
 }
 

@@ -5,7 +5,7 @@
 //! every turn. The linear model has the mean of usual turns, and the rest is part of the uncertainty. It counts most
 //! where the steer angle of a turn is a small difference of slip angles.
 
-use crate::characteristics::Grip;
+use crate::characteristics::lateral_force_n;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// Lateral accelerations of usual drives, in g. Mean and variance of the three are those of turns that are distributed evenly
@@ -16,7 +16,7 @@ pub(crate) const TURNS: usize = 3;
 /// Slip angle of a gentle turn, rad, from which that of a turn is searched; and one at which tires slide.
 const FIRST_SLIP_RAD: f64 = 0.01;
 const GREATEST_SLIP_RAD: f64 = 0.3;
-/// Share of a force to which its slip angle is found, so that its derivatives by differences of 1e-4 are exact to 1e-8.
+/// Share of a force to which its slip angle is found: nearly the rounding.
 const SETTLED: f64 = 1e-12;
 /// Number of steps that are more than enough, as the force increases by straight lines.
 const MOST_STEPS: usize = 60;
@@ -35,11 +35,11 @@ pub(crate) fn softer_in<const N: usize>(
     let mut turning = [[0.0; 3]; N];
     let mut of_file = [0.0; 3];
     for ((placed, load_n), rad_per_mps2) in vehicle.axles().iter().zip(axle_load_n).zip(rolls) {
-        let (tires, group) = (Tires::new(placed, *load_n), group(placed));
+        let group = group(placed);
         of_file[group] += placed.tyres() * placed.tyre.stiffness_at(load_n / placed.tyres()).0;
         for (turning, lateral_g) in turning.iter_mut().zip(turns_g) {
             let roll_rad = rad_per_mps2 * lateral_g * vehicle.gravity_mps2;
-            turning[group] += tires.secant(lateral_g * load_n, roll_rad);
+            turning[group] += secant(placed, *load_n, lateral_g * load_n, roll_rad);
         }
     }
     turning.map(|turning| std::array::from_fn(|group| libm::log(turning[group] / of_file[group])))
@@ -58,32 +58,20 @@ pub(crate) fn group(placed: &PlacedAxle<'_>) -> usize {
     if placed.on_trailer { 2 } else { usize::from(!placed.steered) }
 }
 
-/// The tires of an axle.
-struct Tires<'a> {
-    placed: &'a PlacedAxle<'a>,
-    grip: Grip,
-    /// Of each tire, without load transfer.
-    load_n: f64,
-}
-
-impl<'a> Tires<'a> {
-    fn new(placed: &'a PlacedAxle<'a>, axle_load_n: f64) -> Self {
-        let grip = Grip::new(placed.tyre, false);
-        Self { placed, grip, load_n: axle_load_n / placed.tyres() }
-    }
-
-    /// Lateral force per slip angle in the turn with such a force, N/rad, if the axle rolls by an angle.
-    fn secant(&self, force_n: f64, roll_rad: f64) -> f64 {
-        let stiffness = self.placed.tyre.vertical_stiffness_n_per_m;
-        let sides = self.placed.axle.tyre_positions_m.iter().flat_map(|&y| [y, -y]);
-        let loads_n: Vec<f64> =
-            sides.map(|y| (self.load_n + y * roll_rad * stiffness).max(0.0)).collect();
-        let held_n = |slip_rad: f64| {
-            -loads_n.iter().map(|&load_n| self.grip.at(slip_rad, load_n).0).sum::<f64>()
-        };
-        let slip_rad = slip_rad(force_n, held_n);
-        held_n(slip_rad) / slip_rad
-    }
+/// Lateral force of an axle per slip angle in the turn with such a force, N/rad, if it carries a load and rolls by an
+/// angle.
+fn secant(placed: &PlacedAxle<'_>, axle_load_n: f64, force_n: f64, roll_rad: f64) -> f64 {
+    let tyre = placed.tyre;
+    let sides = placed.axle.tyre_positions_m.iter().flat_map(|&y| [y, -y]);
+    let loads_n: Vec<f64> = sides
+        .map(|y| axle_load_n / placed.tyres() + y * roll_rad * tyre.vertical_stiffness_n_per_m)
+        .map(|load_n| load_n.max(0.0))
+        .collect();
+    let held_n = |slip_rad: f64| -> f64 {
+        loads_n.iter().map(|&load_n| lateral_force_n(tyre, slip_rad, load_n)).sum()
+    };
+    let slip_rad = slip_rad(force_n, held_n);
+    held_n(slip_rad) / slip_rad
 }
 
 /// The slip angle that holds a lateral force, by the method of false position with its Illinois rule.
@@ -148,9 +136,8 @@ mod tests {
             for lateral_g in TURNS_G {
                 let [_, expected] = table.slopes_n_per_rad(20e3, lateral_g).unwrap();
                 let force_n = lateral_g * load_n;
-                let [found, leaning] = [0.0, 0.01].map(|roll_rad| {
-                    Tires::new(&placed, load_n).secant(force_n, roll_rad) / placed.tyres()
-                });
+                let [found, leaning] = [0.0, 0.01]
+                    .map(|roll_rad| secant(&placed, load_n, force_n, roll_rad) / placed.tyres());
                 assert!((found / expected - 1.0).abs() < 1e-11, "{found} {expected}");
                 assert!(leaning < found && leaning > 0.9 * found, "{leaning} {found}");
             }

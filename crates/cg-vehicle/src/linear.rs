@@ -59,11 +59,21 @@ impl<'a> Laden<'a> {
     /// # Errors
     /// [`VehicleError`] if the load is impossible.
     pub fn new(vehicle: &'a Vehicle, variant: Variant, load: Load) -> Result<Self, VehicleError> {
+        Self::with_tires(vehicle, variant, load, None)
+    }
+
+    /// The same with tires whose factors of the cornering stiffness are known.
+    pub(crate) fn with_tires(
+        vehicle: &'a Vehicle,
+        variant: Variant,
+        load: Load,
+        cornering: Option<[f64; 3]>,
+    ) -> Result<Self, VehicleError> {
         if variant == Variant::AsPrinted {
             return Ok(Self { vehicle, load, supports: None });
         }
         let springs = vehicle.with_springs_at(load)?;
-        let motion = usual_motion(&springs, load.trailer_mass_kg)?;
+        let motion = usual_motion(&springs, load.trailer_mass_kg, cornering)?;
         Self::in_motion(vehicle, springs, load, motion)
     }
 
@@ -99,12 +109,15 @@ impl<'a> Laden<'a> {
         self
     }
 
-    /// The same with the tires of turns of one lateral acceleration, g, in place of usual turns.
+    /// The same with the tires of turns of one lateral acceleration, g, in place of usual turns. As in those, they are
+    /// those of a load at its reference height.
     ///
     /// # Errors
     /// As [`SteadyLines::new`].
     pub fn in_turn(self, lateral_g: f64) -> Result<Self, VehicleError> {
-        let [softer] = self.softer_in([lateral_g])?;
+        let mut usual = self.clone();
+        usual.load.cg_height_m = self.vehicle.reference_load().cg_height_m;
+        let [softer] = usual.softer_in([lateral_g])?;
         let motion = self.motion().map(|mut motion| {
             for (factor, by) in motion.cornering.iter_mut().zip(softer) {
                 *factor *= libm::exp(by);
@@ -381,11 +394,12 @@ const USUAL_SPEED_MPS: f64 = 13.889;
 const LEAST_ROLL_RAD: f64 = 0.0017;
 
 /// The motion of a usual turn: the amplitudes at which measured springs are linearized, and how much softer tires
-/// are in it. It is that of the linear springs of the file and of a load at its reference height, so the ratio
+/// are in it, unless that is known. It is that of the linear springs of the file and of a load at its reference height, so the ratio
 /// lines over the height stay straight.
 pub(crate) fn usual_motion(
     vehicle: &Vehicle,
     trailer_mass_kg: f64,
+    cornering: Option<[f64; 3]>,
 ) -> Result<Motion, VehicleError> {
     let mut linear = Cow::Borrowed(vehicle);
     if vehicle.has_measured_springs() {
@@ -394,7 +408,10 @@ pub(crate) fn usual_motion(
     let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
     let laden = Laden::in_motion(&linear, Cow::Borrowed(&linear), load, Motion::SMALL)?;
     let mut motion = Motion::SMALL;
-    motion.cornering = mean(&laden.softer_in(TURNS_G)?).map(libm::exp);
+    motion.cornering = match cornering {
+        Some(known) => known,
+        None => mean(&laden.softer_in(TURNS_G)?).map(libm::exp),
+    };
     if vehicle.has_measured_springs() {
         let lines = SteadyLines::at_speed(&laden, USUAL_SPEED_MPS)?;
         motion.amplitude_rad = [Channel::Tractor, Channel::Suspension].map(|pair| {

@@ -84,7 +84,7 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
     }
     let vehicle = &*vehicle.with_springs_at(load)?;
     let balance = static_balance(vehicle, load)?;
-    let usual_rad = usual_motion(vehicle, load.trailer_mass_kg)?.amplitude_rad;
+    let usual_rad = usual_motion(vehicle, load.trailer_mass_kg, None)?.amplitude_rad;
     let axles = vehicle.axles();
     Ok([false, true].map(|on_trailer| {
         let sum = |of: &dyn Fn(&PlacedAxle<'_>, f64) -> f64| {
@@ -295,30 +295,37 @@ fn log_ratios_at<const N: usize>(
     load: Load,
     mean: &Deviations,
 ) -> Result<[LogRatios; N], VehicleError> {
-    let at = |deviations: &Deviations| -> Result<[[f64; CHANNELS]; N], VehicleError> {
-        let truck = adjusted(vehicle, deviations);
-        let mut laden = Laden::new(&truck, variant, load)?;
-        if let Some(lateral_g) = turn_g {
-            laden = laden.in_turn(lateral_g)?;
-        }
+    // How much softer tires are in turns hardly depends on the parameters, but bends where a tire's load passes a node of its
+    // table. The derivatives leave it as it is, so that they do not jump from one step of an iteration to the next.
+    let truck = adjusted(vehicle, mean);
+    let mut laden = Laden::new(&truck, variant, load)?;
+    if let Some(lateral_g) = turn_g {
+        laden = laden.in_turn(lateral_g)?;
+    }
+    let tires = laden.motion().map(|motion| motion.cornering);
+    let at = |laden: &Laden<'_>, deviations: &Deviations| {
         let mut logs = [[0.0; CHANNELS]; N];
         for (logs, speed_mps) in logs.iter_mut().zip(speeds_mps) {
-            *logs = logarithms(&laden, speed_mps)?;
+            *logs = logarithms(laden, speed_mps)?;
             for channel in Channel::ALL {
                 logs[channel.index()] += log_gain(deviations, channel);
             }
         }
         Ok(logs)
     };
-    let mut all = at(mean)?.map(|here| (here, [Deviations::zeros(); CHANNELS]));
-    // Central differences with a step of 3e-3: the error is 1.5e-6 of the third derivative. Where a tire's load passes a node of
-    // its table, the derivatives change within the step and not at once, which an iteration needs.
-    let step = 3e-3;
+    let near = |deviations: &Deviations| {
+        let truck = adjusted(vehicle, deviations);
+        at(&Laden::with_tires(&truck, variant, load, tires)?, deviations)
+    };
+    let mut all = at(&laden, mean)?.map(|here| (here, [Deviations::zeros(); CHANNELS]));
+    // Central differences with a step of 1e-4: the error is 1e-8 of the third derivative, the
+    // rounding error 1e-12/1e-4.
+    let step = 1e-4;
     for k in 0..PARAMETERS {
         let (mut above, mut below) = (*mean, *mean);
         above[k] += step;
         below[k] -= step;
-        let differences = at(&above)?.into_iter().zip(at(&below)?);
+        let differences = near(&above)?.into_iter().zip(near(&below)?);
         for ((_, slopes), (above, below)) in all.iter_mut().zip(differences) {
             for (i, slope) in slopes.iter_mut().enumerate() {
                 slope[k] = (above[i] - below[i]) / (2.0 * step);

@@ -13,3 +13,4 @@ mod tyres;
 pub use fifth_wheel::FifthWheel;
 pub use springs::{Envelope, Loop};
 pub use tyres::Grip;
+pub(crate) use tyres::lateral_force_n;

@@ -130,6 +130,15 @@ fn moment_nm(table: &AligningMomentTable, slip: f64, load: f64) -> f64 {
     share * held(&table.slip_rad, &table.load_n, &table.moment_nm, slip, load.max(first))
 }
 
+/// Lateral force of a tire, N, at a slip angle and a load that are not negative: as that of a [`Grip`], without its
+/// tables, which are worth their time in a simulation.
+pub(crate) fn lateral_force_n(tyre: &Tyre, slip_rad: f64, load_n: f64) -> f64 {
+    match &tyre.lateral_force {
+        Some(table) => load_n * coefficient(table, slip_rad, load_n),
+        None => tyre.stiffness_at(load_n).0.max(0.0) * slip_rad,
+    }
+}
+
 impl Grip {
     /// From the tables of a tire, or from its stiffnesses if it has no tables or if `linear` is
     /// true.
@@ -223,6 +232,26 @@ mod tests {
         for (i, &slip) in moment.slip_rad.iter().enumerate() {
             for (j, &load) in moment.load_n.iter().enumerate() {
                 assert!((grip.at(slip, load).1 - moment.moment_nm[i][j]).abs() < 1e-8);
+            }
+        }
+    }
+
+    /// At nodes, between and beyond them.
+    #[test]
+    fn a_single_force_is_that_of_the_grip() {
+        for file in ["baseline-tables.toml", "baseline.toml"] {
+            let tyre = tyre(file);
+            let grip = Grip::new(&tyre, false);
+            for slip_rad in [0.0, 0.003, 0.0173, 0.0349, 0.07, 0.2, 0.5] {
+                for load_n in [0.0, 700.0, 8_850.0, 13_345.0, 20_100.0, 42_001.0, 60_000.0] {
+                    let (expected_n, found_n) =
+                        (-grip.at(slip_rad, load_n).0, lateral_force_n(&tyre, slip_rad, load_n));
+                    let off_n = (found_n - expected_n).abs();
+                    assert!(
+                        off_n < 1e-12 * (1.0 + load_n),
+                        "{file} {slip_rad} {load_n}: {found_n}"
+                    );
+                }
             }
         }
     }
