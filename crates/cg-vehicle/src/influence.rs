@@ -91,8 +91,10 @@ mod tests {
     use super::*;
     use crate::belief::adjusted;
     use crate::guide::{TruckKind, template};
+    use crate::linear::{Laden, ratio_line_at};
 
-    /// The height that explains the ratio of a changed truck, found by bisection.
+    /// The height that explains the ratio of a changed truck, found by bisection. The changed truck's tires are as
+    /// soft in usual turns as those of the unchanged one, which the slopes leave out as well.
     #[test]
     fn a_changed_truck_is_mistaken_for_another_height() {
         let vehicle = Vehicle::parse(&template(TruckKind::FourByTwoThreeAxle), "truck").unwrap();
@@ -100,12 +102,15 @@ mod tests {
         let mut belief = Belief::prior(&vehicle);
         belief.covariance *= 1e-6; // small deviations, for which the slopes are exact to 1e-3
         let found = influences(&vehicle, &belief, speed_mps, load).unwrap();
-        let lines = ratio_line(&vehicle, Variant::Complete, speed_mps, load).unwrap();
+        let unchanged = Laden::new(&vehicle, Variant::Complete, load).unwrap();
+        let softness = unchanged.motion().map(|motion| motion.cornering);
+        let lines = ratio_line_at(&unchanged, speed_mps).unwrap();
         for one in found.parameters.iter().filter(|one| one.parameter as usize <= 8) {
             let mut deviations = belief.mean;
             deviations[one.parameter as usize] = one.sd;
             let truck = adjusted(&vehicle, &deviations);
-            let changed = ratio_line(&truck, Variant::Complete, speed_mps, load).unwrap();
+            let changed = Laden::with_tires(&truck, Variant::Complete, load, softness).unwrap();
+            let changed = ratio_line_at(&changed, speed_mps).unwrap();
             for i in 0..CHANNELS {
                 let wanted = changed[i].ratio_at(load.cg_height_m);
                 let (mut low, mut high) = (0.9 * load.cg_height_m, 1.1 * load.cg_height_m);
