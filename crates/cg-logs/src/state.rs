@@ -15,6 +15,7 @@ use cg_vehicle::{Variant, Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::estimate::Strength;
 use crate::learned::Learned;
 
 const FORMAT: &str = "cg-height state";
@@ -44,6 +45,9 @@ pub struct State {
     /// Whether the mass is that of the load before. Older files do not have it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mass_is_of_another_load: bool,
+    /// What the turns of the load came to, if they were strong. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Strength::is_none")]
+    pub strength: Strength,
     memory: Stored,
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
@@ -110,6 +114,7 @@ impl State {
             load_since_s,
             scale: None,
             mass_is_of_another_load: false,
+            strength: Strength::default(),
             learned,
             memory: Stored {
                 fused: memory.fused,
@@ -173,7 +178,9 @@ impl State {
         }
         let state: Self =
             serde_json::from_str(json).map_err(|error| StateError::Content(error.to_string()))?;
-        if !(state.memory().is_sound() && state.learned.is_sound()) {
+        let parts =
+            [state.memory().is_sound(), state.learned.is_sound(), state.strength.is_sound()];
+        if parts.contains(&false) {
             return Err(StateError::Unsound);
         }
         Ok(state)

@@ -8,13 +8,14 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, RoadPart, SensorCheck, Verdict, Weighed, add_force,
+    Engine, EstimateOptions, Leaning, RoadPart, SensorCheck, StrongTurns, Verdict, Weighed,
+    add_force,
 };
 use cg_logs::log::Signal;
 
 use crate::flags;
 
-use super::channels::{self, contradiction, mass_sd_m};
+use super::channels::{self, contradiction};
 use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
@@ -56,6 +57,9 @@ pub(crate) struct Session<W: Write> {
     load_since_s: Option<f64>,
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
+    strong: StrongTurns,
+    /// Whether it is reported for this load that a turn came near to rolling over.
+    strong_reported: bool,
     pub(crate) sensors: SensorCheck,
     roads: RoadPart,
     /// Whether the bank of the road is reported for this load.
@@ -115,6 +119,8 @@ impl<W: Write> Session<W> {
             request: None,
             load_since_s: None,
             leaning: Some(Leaning::default()),
+            strong: StrongTurns::default(),
+            strong_reported: false,
             sensors: SensorCheck::default(),
             roads: RoadPart::default(),
             road_reported: false,
@@ -142,6 +148,7 @@ impl<W: Write> Session<W> {
                 self.estimator = estimator;
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
                 self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
+                self.strong = StrongTurns::kept(state.strength);
                 // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
                 let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
@@ -221,6 +228,7 @@ impl<W: Write> Session<W> {
         if let Some(leaning) = &mut self.leaning {
             leaning.push(sample, step.status);
         }
+        self.strong.push(sample);
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
         }
@@ -291,11 +299,13 @@ impl<W: Write> Session<W> {
         self.report_nominal_mass()?;
         self.sensors.close();
         let since_us = self.estimator.load_since_us();
-        let since_s = since_us.map(|us| self.time_s(us));
-        if since_us == Some(maneuver.end_us) {
-            self.load_since_s = since_s;
+        let is_of_another_load = since_us == Some(maneuver.end_us);
+        self.strong.close(maneuver, is_of_another_load);
+        if is_of_another_load {
+            self.load_since_s = since_us.map(|us| self.time_s(us));
             self.leaning = Some(Leaning::default());
             (self.roads, self.road_reported) = (RoadPart::default(), false);
+            self.strong_reported = false;
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
             if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
@@ -346,16 +356,8 @@ impl<W: Write> Session<W> {
         let combined = self.combined();
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
         self.known.road_share = self.road_share();
-        self.known.add_sd(self.mass_sd_m());
+        self.known.add_sd(self.host_sd_m());
         self.known.at_speed(self.estimator.design(), self.speed_mps);
-    }
-
-    /// Standard deviation of the height due to that of the trailer mass, m.
-    fn mass_sd_m(&self) -> f64 {
-        let known = &self.known;
-        let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
-        let sd_m = |height_m| mass_sd_m(&self.estimator, self.speed_mps, mass_kg, height_m);
-        known.height_m.map_or(0.0, sd_m)
     }
 
     /// Reports the beginning of a contradiction between the channels.
@@ -463,7 +465,7 @@ impl<W: Write> Session<W> {
         let saved_s = self.time_s(self.now_us);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let load = self.weighing.saved(self.load_since_s);
+        let load = self.weighing.saved(self.load_since_s, self.strength());
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

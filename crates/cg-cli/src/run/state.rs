@@ -10,6 +10,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use cg_core::{Design, Memory};
+use cg_logs::estimate::Strength;
 use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{State, StateError, design_crc32};
@@ -36,6 +37,8 @@ pub(crate) struct SavedLoad {
     pub(crate) scale: Option<Scale>,
     /// Whether that mass is of the load before.
     pub(crate) mass_is_of_another_load: bool,
+    /// What its turns came to.
+    pub(crate) strength: Strength,
 }
 
 /// The content of a state file.
@@ -65,6 +68,7 @@ impl StateFile {
         let mut state = State::new(self.design_crc32, memory, saved_s, load.since_s, learned);
         state.scale = load.scale;
         state.mass_is_of_another_load = load.mass_is_of_another_load;
+        state.strength = load.strength;
         state.vehicle_crc32 = self.vehicle_crc32;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
@@ -161,12 +165,14 @@ mod tests {
         let load = SavedLoad { since_s: Some(0.3), ..SavedLoad::default() };
         file.save(&memory, 1.5, load, Learned::default()).unwrap();
         let scale = Some(Scale::AxleLoad);
-        let load = SavedLoad { since_s: None, scale, mass_is_of_another_load: true };
+        let strength = Strength { greatest: 0.7, sd: 0.1 + 0.2 };
+        let load = SavedLoad { since_s: None, scale, mass_is_of_another_load: true, strength };
         file.save(&memory, 2.5, load, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
         assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
         assert_eq!(state.scale, Some(Scale::AxleLoad));
         assert!(state.mass_is_of_another_load);
+        assert_eq!(state.strength, strength);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

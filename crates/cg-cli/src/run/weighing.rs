@@ -1,7 +1,7 @@
 //! How exact the trailer mass is.
 
 use cg_core::Design;
-use cg_logs::estimate::Weighed;
+use cg_logs::estimate::{Strength, Weighed};
 use cg_vehicle::scales::{Scale, Scales};
 
 use super::events::{MassSource, Result as Known};
@@ -42,10 +42,10 @@ impl Weighing {
         )
     }
 
-    /// What a restart needs of a load since this time, s.
-    pub(crate) fn saved(&self, since_s: Option<f64>) -> SavedLoad {
+    /// What a restart needs of a load since this time, s, whose turns came to this.
+    pub(crate) fn saved(&self, since_s: Option<f64>, strength: Strength) -> SavedLoad {
         let mass_is_of_another_load = self.weighed.is_of_another_load();
-        SavedLoad { since_s, scale: self.scale, mass_is_of_another_load }
+        SavedLoad { since_s, scale: self.scale, mass_is_of_another_load, strength }
     }
 
     /// A result with the scale of its mass and its standard deviation.

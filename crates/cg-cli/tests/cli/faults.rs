@@ -257,6 +257,38 @@ fn a_load_below_its_floor_is_told() {
     }
 }
 
+/// A step at three quarters of the rollover threshold: `cg estimate` and `cg run` have the same interval, which a restart
+/// and a gentle turn of the same load do not make narrow again.
+#[test]
+fn a_turn_near_the_rollover_threshold_widens_the_interval() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let step = |name: &str, steer_rad: &str| {
+        let load = ["--payload-kg", "20000", "--height-m", "2.2", "--rate-hz", "50"];
+        let plant =
+            ["--maneuver", "rounded-step", "--plant", "nonlinear", "--steer-rad", steer_rad];
+        scratch.simulate(name, &truck, &[&load[..], &plant].concat())
+    };
+    let [gentle, strong] =
+        [("gentle.csv", "0.03"), ("strong.csv", "0.085")].map(|(a, b)| step(a, b));
+    let widths = [&gentle, &strong].map(|log| {
+        let answer = estimate(log, &truck, &[]).told(0, &[]).answer();
+        let is_told = messages(&answer).contains("the strongest turn came to");
+        assert_eq!(is_told, log == &strong, "{answer}");
+        answer["height_sd_m"].as_f64().unwrap()
+    });
+    assert!(widths[1] > 1.1 * widths[0], "{widths:?}");
+    let state = scratch.path("state.json");
+    for log in [&strong, &gentle] {
+        let run = ["run", "--vehicle", &truck, "--csv", log, "--state", &state];
+        let found = lines(&cg(&run).told(0, &[]));
+        let mut notices = events(&found, "notice").into_iter();
+        assert!(notices.any(|line| line["subject"] == "strong_turn"), "{found:?}");
+        let sd_m = events(&found, "maneuver").pop().unwrap()["height_sd_m"].as_f64().unwrap();
+        assert!((sd_m / widths[1] - 1.0).abs() < 0.01, "{sd_m} {widths:?}");
+    }
+}
+
 /// The end of the range of a roll sensor, which the smaller turns do not reach plainly.
 #[test]
 fn turns_in_which_the_roll_angle_stood_still_are_told() {

@@ -7,7 +7,6 @@ use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use super::intake::{Identified, LogEstimator};
 use super::options::QUANTILE_95;
 use super::road::RoadPart;
-use super::strong::Strength;
 
 /// Value of [`LogEstimate::channel`] if several channels were used.
 const COMBINED: &str = "combined";
@@ -135,7 +134,7 @@ impl LogEstimator {
         let height = fused.height_m.value;
         let speed = self.mean_speed_mps(&[channel]);
         let by_mass_m = speed.map_or(0.0, |speed_mps| self.mass_sd_m(height, speed_mps, best));
-        let strength = self.strong.strength(&self.design, &self.maneuvers, best, (channel, height));
+        let strength = self.strong.strength(&self.design, (channel, height));
         let sd = libm::hypot(libm::hypot(fused.height_m.sd, by_mass_m), strength.sd * height);
         estimate.messages.extend(strength.message());
         estimate.height_m = Some(height);
@@ -225,16 +224,12 @@ impl LogEstimator {
             };
             // Heights do not depend on speed, so both ratios can refer to one speed.
             let ratio = self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
-            let best = self.best_maneuver(channel);
-            let of_height = (channel, height.height_m.value);
-            let strength = best
-                .map(|best| self.strong.strength(&self.design, &self.maneuvers, &best, of_height));
-            let by_strength = strength.unwrap_or_default().sd;
+            let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
-                sd: libm::hypot(ratio.sd, by_strength * ratio.value),
+                sd: libm::hypot(ratio.sd, strength.sd * ratio.value),
                 ..ratio
             });
-            let told = strength.and_then(Strength::message);
+            let told = strength.message();
             identified.messages.extend(told.filter(|told| !identified.messages.contains(told)));
         }
         let by_road = |one: &Channel| matches!(self.last_reject(*one), Some(Reject::Road { .. }));

@@ -236,8 +236,8 @@ impl LogEstimator {
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
             self.sensors.close();
-            self.strong.close(self.maneuvers.len() < MOST_MANEUVERS);
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
+            self.strong.close(maneuver, is_first_of_load);
             if is_first_of_load && self.seen.mass_kg.is_some() {
                 self.seen.weighed.change_load(maneuver.start_us);
             }

@@ -57,4 +57,5 @@ pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoic
 pub use prediction::Prediction;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;
+pub use strong::{Strength, StrongTurns};
 pub use weighed::Weighed;

@@ -1,6 +1,6 @@
-//! How near to rolling over the turns of a log came, and what that does to its height.
+//! How near to rolling over the turns of a load came, and what that does to its height.
 
-use cg_core::{Channel, Design, Maneuver, Measured, Sample};
+use cg_core::{CHANNELS, Channel, Design, Maneuver, Measured, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::felt::force_by_roll;
@@ -19,22 +19,44 @@ const STRONGEST_G: f64 = 0.5;
 /// Share of the threshold from which on it is told.
 const TOLD: f64 = 0.6;
 
-/// The greatest lateral acceleration of each maneuver.
+/// The most maneuvers of a load that count, the last ones.
+const MOST_MANEUVERS: usize = 1000;
+
+/// How strong the turns of a load are: those of a log, or those on the bus since the load changed.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct StrongTurns {
+pub struct StrongTurns {
     time_us: u64,
     /// Smoothed: that of the path, and the specific force of the trailer or else of the tractor.
     smooth_mps2: [f64; 2],
     /// The greatest sizes since the last maneuver.
     greatest_mps2: [f64; 2],
-    of_maneuvers_mps2: Vec<[f64; 2]>,
+    maneuvers: Vec<Peak>,
+    /// What was known before a restart.
+    kept: Strength,
     /// Sums over time of the square and the cube of that of the path, which is smoothed.
     path_squares: f64,
     path_cubes: f64,
 }
 
+/// The greatest lateral accelerations of a maneuver.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Peak {
+    path_mps2: f64,
+    force_mps2: f64,
+    speed_mps: f64,
+    trailer_mass_kg: f64,
+    /// The channels in which it gave a height.
+    gave: [bool; CHANNELS],
+}
+
 impl StrongTurns {
-    pub(super) fn push(&mut self, sample: &Sample<f64>) {
+    /// After a restart, those before which came to this.
+    pub fn kept(strength: Strength) -> Self {
+        Self { kept: strength, ..Self::default() }
+    }
+
+    /// Takes a sample.
+    pub fn push(&mut self, sample: &Sample<f64>) {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let passed_s = sample.time_us.saturating_sub(self.time_us) as f64 * 1e-6;
         self.time_us = sample.time_us;
@@ -66,46 +88,43 @@ impl StrongTurns {
         (self.path_squares > 0.0).then(|| usual_g.min(STRONGEST_G))
     }
 
-    /// Ends a maneuver; `true` if it is listed.
-    pub(super) fn close(&mut self, is_listed: bool) {
-        if is_listed {
-            self.of_maneuvers_mps2.push(self.greatest_mps2);
+    /// Takes the end of a maneuver; `true` if it is the first of another load.
+    pub fn close(&mut self, maneuver: &Maneuver<f64>, is_of_another_load: bool) {
+        if is_of_another_load {
+            self.maneuvers.clear();
+            self.kept = Strength::default();
+        } else if self.maneuvers.len() == MOST_MANEUVERS {
+            self.maneuvers.remove(0);
         }
-        self.greatest_mps2 = [0.0; 2];
+        let [path_mps2, force_mps2] = std::mem::take(&mut self.greatest_mps2);
+        let gave = maneuver.outcomes.map(|outcome| outcome.height_m.is_ok());
+        let Maneuver { speed_mps, trailer_mass_kg, .. } = *maneuver;
+        self.maneuvers.push(Peak { path_mps2, force_mps2, speed_mps, trailer_mass_kg, gave });
     }
 
-    /// How strong those of the listed maneuvers were that gave the height, m, in a channel, with the mass and the speed of
-    /// the best one.
-    pub(super) fn strength(
-        &self,
-        design: &Design<f64>,
-        maneuvers: &[Maneuver<f64>],
-        best: &Maneuver<f64>,
-        (channel, height_m): (Channel, f64),
-    ) -> Strength {
+    /// How strong those maneuvers were that gave the height, m, in a channel.
+    pub fn strength(&self, design: &Design<f64>, (channel, height_m): (Channel, f64)) -> Strength {
         let height = Measured { value: height_m, sd: 0.0 };
-        let [speed_mps, mass_kg] = [best.speed_mps, best.trailer_mass_kg];
-        let Some(rollover) = design.rollover(height, mass_kg, speed_mps) else {
-            return Strength::default();
+        let share = |one: &Peak| {
+            let rollover = design.rollover(height, one.trailer_mass_kg, one.speed_mps)?;
+            let threshold_mps2 = design.gravity_mps2 * rollover.static_rollover_threshold_g.value;
+            let by_roll = force_by_roll(design, one.speed_mps, [one.trailer_mass_kg, height_m]);
+            Some(one.path_mps2.max(one.force_mps2 / (1.0 + by_roll)) / threshold_mps2)
         };
-        let threshold_mps2 = design.gravity_mps2 * rollover.static_rollover_threshold_g.value;
-        let by_roll = force_by_roll(design, speed_mps, [mass_kg, height_m]);
-        let of_used = maneuvers.iter().zip(&self.of_maneuvers_mps2);
-        let of_used = of_used.filter(|(one, _)| one.outcomes[channel.index()].height_m.is_ok());
-        let felt_mps2 =
-            |[path_mps2, force_mps2]: &[f64; 2]| path_mps2.max(force_mps2 / (1.0 + by_roll));
-        let shares: Vec<_> = of_used.map(|(_, peaks)| felt_mps2(peaks) / threshold_mps2).collect();
-        Strength::of(&shares)
+        let used = self.maneuvers.iter().filter(|one| one.gave[channel.index()]);
+        let Strength { greatest, sd } = Strength::of(&used.filter_map(share).collect::<Vec<_>>());
+        Strength { greatest: greatest.max(self.kept.greatest), sd: sd.max(self.kept.sd) }
     }
 }
 
-/// What the turns of a log came to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Strength {
+/// What the turns of a load came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Strength {
     /// The greatest share of the rollover threshold.
-    pub(super) greatest: f64,
+    pub greatest: f64,
     /// Relative standard deviation that this adds to the height.
-    pub(super) sd: f64,
+    pub sd: f64,
 }
 
 impl Strength {
@@ -118,7 +137,18 @@ impl Strength {
         Self { greatest, sd: sum / (shares.len() as f64).max(1.0) }
     }
 
-    pub(super) fn message(self) -> Option<String> {
+    /// Whether no turn came so near that it is kept over a restart.
+    pub fn is_none(&self) -> bool {
+        self.sd <= 0.0 && self.greatest <= TOLD
+    }
+
+    /// Whether these are numbers that turns can come to.
+    pub(crate) fn is_sound(self) -> bool {
+        [self.greatest, self.sd].iter().all(|number| number.is_finite() && *number >= 0.0)
+    }
+
+    /// What is said of turns that came near to rolling over.
+    pub fn message(self) -> Option<String> {
         (self.greatest > TOLD).then(|| {
             format!(
                 "the strongest turn came to {:.0} % of the rollover threshold, where springs and tires are not linear: \
@@ -133,6 +163,7 @@ impl Strength {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::trial::{MASS_KG, design, maneuver};
 
     fn reached(rate_hz: u32, seconds: u32, lateral_mps2: impl Fn(f64) -> f64) -> StrongTurns {
         let mut turns = StrongTurns::default();
@@ -164,13 +195,46 @@ mod tests {
     #[test]
     fn a_turn_counts_and_a_spike_does_not() {
         let mut turns = reached(50, 6, |time_s| if time_s < 1.0 { 0.0 } else { -2.0 });
-        turns.close(true);
-        let [path_mps2, force_mps2] = turns.of_maneuvers_mps2[0];
+        turns.close(&maneuver(), false);
+        let Peak { path_mps2, force_mps2, .. } = turns.maneuvers[0];
         assert!((path_mps2 - 2.0).abs() < 1e-3 && force_mps2 == 0.0, "{path_mps2}");
-        turns.close(false);
-        assert_eq!((turns.of_maneuvers_mps2.len(), turns.greatest_mps2), (1, [0.0; 2]));
+        assert_eq!((turns.maneuvers.len(), turns.greatest_mps2), (1, [0.0; 2]));
         let spike = reached(50, 4, |time_s| if (time_s - 2.0).abs() < 0.01 { 5.0 } else { 1.0 });
         assert!((1.0..1.2).contains(&spike.greatest_mps2[0]), "{:?}", spike.greatest_mps2);
+    }
+
+    /// Of a load only its own turns count, of those as many as memory has room for, and after a restart what was known.
+    #[test]
+    fn turns_belong_to_a_load() {
+        let design = design();
+        let threshold_g = design.rollover(Measured { value: 2.0, sd: 0.0 }, MASS_KG, 15.0);
+        let threshold_g = threshold_g.unwrap().static_rollover_threshold_g.value;
+        let of = |turns: &StrongTurns| turns.strength(&design, (Channel::LateralAcceleration, 2.0));
+        let mut turns = StrongTurns::default();
+        let turn = |turns: &mut StrongTurns, share: f64, is_of_another_load: bool| {
+            turns.greatest_mps2 = [share * threshold_g * design.gravity_mps2, 0.0];
+            let mut maneuver = maneuver();
+            maneuver.outcomes[Channel::LateralAcceleration.index()].height_m =
+                Ok(Measured { value: 2.0, sd: 0.01 });
+            turns.close(&maneuver, is_of_another_load);
+        };
+        turn(&mut turns, 0.7, false);
+        turn(&mut turns, 0.3, false);
+        let strength = of(&turns);
+        assert!((strength.sd - 0.03).abs() < 1e-9 && (strength.greatest - 0.7).abs() < 1e-9);
+        let mut restarted = StrongTurns::kept(strength);
+        turn(&mut restarted, 0.3, false);
+        assert_eq!(of(&restarted), strength);
+        for turns in [&mut turns, &mut restarted] {
+            turn(turns, 0.2, true);
+            assert!(of(turns).sd == 0.0 && (of(turns).greatest - 0.2).abs() < 1e-9);
+        }
+        for _ in 0..MOST_MANEUVERS {
+            turn(&mut turns, 0.1, false);
+        }
+        assert!(
+            turns.maneuvers.len() == MOST_MANEUVERS && (of(&turns).greatest - 0.1).abs() < 1e-9
+        );
     }
 
     /// Two turns at 0.7 of the threshold leave 1.5·0.2² = 6 %, beside two gentle ones the half.

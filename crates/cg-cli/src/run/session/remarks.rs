@@ -3,15 +3,17 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Maneuver, Outcome, Reject};
-use cg_logs::estimate::RoadPart;
+use cg_logs::estimate::{RoadPart, Strength};
 
 use super::Session;
+use crate::run::channels::mass_sd_m;
 
 impl<W: Write> Session<W> {
     /// Reports what the user should know, each once.
     pub(super) fn remark(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_lean()?;
         self.report_road(maneuver)?;
+        self.report_strength()?;
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
@@ -45,6 +47,33 @@ impl<W: Write> Session<W> {
         let Some(message) = RoadPart::message(share) else { return Ok(()) };
         self.road_reported = true;
         self.notice("road", &message)
+    }
+
+    /// Reports once for each load that a turn came near to rolling over.
+    fn report_strength(&mut self) -> io::Result<()> {
+        let Some(message) = self.strength().message().filter(|_| !self.strong_reported) else {
+            return Ok(());
+        };
+        self.strong_reported = true;
+        self.notice("strong_turn", &message)
+    }
+
+    /// What the turns of the load came to.
+    pub(super) fn strength(&self) -> Strength {
+        let of_channel = |channel| Some((channel, self.known.height_m?));
+        let height = self.estimator.best_channel().and_then(of_channel);
+        let of_height = |height| self.strong.strength(self.estimator.design(), height);
+        height.map_or_else(Strength::default, of_height)
+    }
+
+    /// Standard deviation of the height, m, due to that of the trailer mass and to strong turns, which the estimator does
+    /// not know.
+    pub(super) fn host_sd_m(&self) -> f64 {
+        let known = &self.known;
+        let Some(height_m) = known.height_m else { return 0.0 };
+        let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
+        let by_mass_m = mass_sd_m(&self.estimator, self.speed_mps, mass_kg, height_m);
+        libm::hypot(by_mass_m, self.strength().sd * height_m)
     }
 
     /// The share of the unknown bank of the road in the variance of the height.
