@@ -15,19 +15,21 @@ CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint package rust docs firmware firmware-tools firmware-budgets cg guest venv python notebook bench-short \
+.PHONY: test tools fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest guest-cg \
+  venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
   windows arm armhf macos deb port-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
-# tests of one part run while another part is built. The guest has to keep up with a bus and runs alone.
-test: tools port-tools armhf-tools firmware-tools fmt lint
+# tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
+# a folder of its own. The guest has to keep up with a bus and runs alone.
+test: tools port-tools armhf-tools firmware-tools fmt $(TOOLS)
 	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := cg venv firmware rust python arm windows armhf bench-short docs deb package guest
+PARTS := cg firmware guest-cg arm rust-build rust-statistics rust venv python armhf windows lint bench-short docs deb package guest
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust with rustup"; exit 1; }
@@ -58,9 +60,21 @@ $(TOOLS):
 package:
 	cargo package --quiet --no-verify $(if $(CI),,--allow-dirty)
 
-# Unit, property, Monte-Carlo and command-line tests, and every example in the documentation.
-rust: firmware-tools
-	cargo test --workspace --no-fail-fast
+# Unit, property, Monte-Carlo and command-line tests, and every example in the documentation. Those of cg-thesis and cg-cli,
+# which take half of the time, run beside the others.
+rust: rust-build
+	cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
+	cargo test --workspace --no-fail-fast --doc
+
+rust-statistics: rust-build
+	cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
+
+rust-build: cg firmware-tools
+	cargo test --workspace --no-run
+
+tests-of = $(sort $(basename $(notdir $(wildcard $(1)/tests/*.rs))) $(notdir $(patsubst %/main.rs,%,$(wildcard $(1)/tests/*/main.rs))))
+TESTS := $(call tests-of,crates/*)
+STATISTICS := $(call tests-of,crates/cg-thesis) $(call tests-of,crates/cg-cli)
 
 docs:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
@@ -90,22 +104,22 @@ cg:
 # Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
 # optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
 # optimization (ports/cheap.toml), which the answers must not depend on. `make dist` compares what is handed out.
-PORT := cargo build --package cg-cli --no-default-features --config ports/cheap.toml
+PORT := CARGO_TARGET_DIR=target/ports cargo build --package cg-cli --no-default-features --config ports/cheap.toml
 COMPARE := $(PYTHON) ports/compare.py --left-out
 
 arm: cg port-tools
 	$(PORT) --target $(ARM64)
-	$(COMPARE) --quick target/debug/cg qemu-aarch64 target/$(ARM64)/debug/cg
+	$(COMPARE) --quick target/debug/cg qemu-aarch64 target/ports/$(ARM64)/debug/cg
 
 # The same for ARM with 32 bits.
 armhf: cg armhf-tools
 	$(PORT) --target $(ARMHF)
-	$(COMPARE) --quick target/debug/cg qemu-arm target/$(ARMHF)/debug/cg
+	$(COMPARE) --quick target/debug/cg qemu-arm target/ports/$(ARMHF)/debug/cg
 
 windows: cg port-tools
 	$(PORT) --target $(WINDOWS)
-	$(call wine-ready,target/$(WINDOWS)/debug)
-	$(COMPARE) target/debug/cg $(WINE) target/$(WINDOWS)/debug/cg.exe
+	$(call wine-ready,target/ports/$(WINDOWS)/debug)
+	$(COMPARE) target/debug/cg $(WINE) target/ports/$(WINDOWS)/debug/cg.exe
 
 WINE := env WINEPREFIX=$(CURDIR)/target/wine WINEDEBUG=-all wine
 # The first start of Wine makes its folder and says so, which is no answer of the program.
@@ -133,9 +147,11 @@ armhf-tools:
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute. An emulated
 # processor keeps up with that in the release profile.
-guest: venv | $(filter-out guest,$(MAKECMDGOALS))
-	cargo build --release --package cg-cli --no-default-features
+guest: venv guest-cg | $(filter-out guest,$(MAKECMDGOALS))
 	guest/run.sh target/release/cg $(VENV)
+
+guest-cg:
+	cargo build --release --package cg-cli --no-default-features
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
