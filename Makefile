@@ -15,7 +15,7 @@ CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest guest-cg \
+.PHONY: test tools fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest \
   venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
   windows arm armhf macos deb port-tools armhf-tools \
@@ -23,13 +23,14 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
 # tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
-# a folder of its own. The guest has to keep up with a bus and runs alone.
+# a folder of its own. The guest has to keep up with a bus: what runs beside it has a lower priority.
 test: tools port-tools armhf-tools firmware-tools fmt $(TOOLS)
 	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := cg firmware guest-cg arm rust-build rust-statistics rust venv python armhf windows lint bench-short docs deb package guest
+PARTS := cg firmware arm rust-build venv guest rust-statistics rust python armhf windows lint bench-short docs deb package
+LOW := nice -n 10
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust with rustup"; exit 1; }
@@ -49,7 +50,7 @@ fmt:
 	cargo fmt --all --check
 
 lint: $(TOOLS)
-	cargo clippy --workspace --all-targets -- -D warnings
+	$(LOW) cargo clippy --workspace --all-targets -- -D warnings
 	$(TOOLS)/bin/typos
 
 $(TOOLS):
@@ -63,11 +64,11 @@ package:
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation. Those of cg-thesis and cg-cli,
 # which take half of the time, run beside the others.
 rust: rust-build
-	cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
-	cargo test --workspace --no-fail-fast --doc
+	$(LOW) cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
+	$(LOW) cargo test --workspace --no-fail-fast --doc
 
 rust-statistics: rust-build
-	cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
+	$(LOW) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
 rust-build: cg firmware-tools
 	cargo test --workspace --no-run
@@ -77,7 +78,7 @@ TESTS := $(call tests-of,crates/*)
 STATISTICS := $(call tests-of,crates/cg-thesis) $(call tests-of,crates/cg-cli)
 
 docs:
-	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+	RUSTDOCFLAGS="-D warnings" $(LOW) cargo doc --workspace --no-deps
 
 # The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, results bit-identical to those of the
 # host. (`make rust` tests the C library there.)
@@ -104,8 +105,8 @@ cg:
 # Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
 # optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
 # optimization (ports/cheap.toml), which the answers must not depend on. `make dist` compares what is handed out.
-PORT := CARGO_TARGET_DIR=target/ports cargo build --package cg-cli --no-default-features --config ports/cheap.toml
-COMPARE := $(PYTHON) ports/compare.py --left-out
+PORT := CARGO_TARGET_DIR=target/ports $(LOW) cargo build --package cg-cli --no-default-features --config ports/cheap.toml
+COMPARE := $(LOW) $(PYTHON) ports/compare.py --left-out
 
 arm: cg port-tools
 	$(PORT) --target $(ARM64)
@@ -145,13 +146,9 @@ armhf-tools:
 	$(call install,qemu-arm:qemu-user arm-linux-gnueabihf-gcc:gcc-arm-linux-gnueabihf \
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
-# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute. An emulated
-# processor keeps up with that in the release profile.
-guest: venv guest-cg | $(filter-out guest,$(MAKECMDGOALS))
-	guest/run.sh target/release/cg $(VENV)
-
-guest-cg:
-	cargo build --release --package cg-cli --no-default-features
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
+guest: venv cg
+	guest/run.sh target/debug/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
@@ -163,7 +160,7 @@ venv:
 # The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
 python: venv cg
-	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
+	CG=$(CURDIR)/target/debug/cg $(LOW) $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
