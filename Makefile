@@ -71,7 +71,7 @@ rust-statistics: rust-build
 	$(LOW) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
 rust-build: cg firmware-tools
-	cargo test --workspace --no-run
+	$(LOW) cargo test --workspace --no-run
 
 tests-of = $(sort $(basename $(notdir $(wildcard $(1)/tests/*.rs))) $(notdir $(patsubst %/main.rs,%,$(wildcard $(1)/tests/*/main.rs))))
 TESTS := $(call tests-of,crates/*)
@@ -84,7 +84,7 @@ docs:
 # host. (`make rust` tests the C library there.)
 firmware: firmware-tools
 	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
-	$(PYTHON) firmware/check.py
+	$(LOW) $(PYTHON) firmware/check.py
 
 # Measures the costs again and writes them into firmware/budgets.toml; the limits remain.
 firmware-budgets: firmware-tools
@@ -166,7 +166,7 @@ python: venv cg
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
 	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
-	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
+	$(LOW) $(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
@@ -317,7 +317,7 @@ rollover-table:
 # Runs every bench once on little data, to show that it works. It gives no valid measurements, so it takes the build of the
 # tests.
 bench-short: venv cg
-	CG_BENCH_ROWS=50000 cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
+	CG_BENCH_ROWS=50000 $(LOW) cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
 	  -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
