@@ -23,14 +23,13 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
 # tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
-# a folder of its own. The guest has to keep up with a bus: what runs beside it has a lower priority.
+# a folder of its own. The guest has to keep up with a bus and runs alone.
 test: tools port-tools armhf-tools firmware-tools fmt $(TOOLS)
 	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := cg firmware arm rust-build venv guest rust-statistics rust python armhf windows lint bench-short docs deb package
-LOW := nice -n 10
+PARTS := cg firmware arm rust-build venv rust-statistics rust python armhf windows lint bench-short docs deb package guest
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust with rustup"; exit 1; }
@@ -50,7 +49,7 @@ fmt:
 	cargo fmt --all --check
 
 lint: $(TOOLS)
-	$(LOW) cargo clippy --workspace --all-targets -- -D warnings
+	cargo clippy --workspace --all-targets -- -D warnings
 	$(TOOLS)/bin/typos
 
 $(TOOLS):
@@ -64,27 +63,27 @@ package:
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation. Those of cg-thesis and cg-cli,
 # which take half of the time, run beside the others.
 rust: rust-build
-	$(LOW) cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
-	$(LOW) cargo test --workspace --no-fail-fast --doc
+	cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
+	cargo test --workspace --no-fail-fast --doc
 
 rust-statistics: rust-build
-	$(LOW) cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
+	cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
 rust-build: cg firmware-tools
-	$(LOW) cargo test --workspace --no-run
+	cargo test --workspace --no-run
 
 tests-of = $(sort $(basename $(notdir $(wildcard $(1)/tests/*.rs))) $(notdir $(patsubst %/main.rs,%,$(wildcard $(1)/tests/*/main.rs))))
 TESTS := $(call tests-of,crates/*)
 STATISTICS := $(call tests-of,crates/cg-thesis) $(call tests-of,crates/cg-cli)
 
 docs:
-	RUSTDOCFLAGS="-D warnings" $(LOW) cargo doc --workspace --no-deps
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
 # The estimator on an emulated Cortex-M4F: budgets, no heap, no panic, results bit-identical to those of the
 # host. (`make rust` tests the C library there.)
 firmware: firmware-tools
 	cd firmware && cargo fmt --check && cargo clippy --release --bins --lib -- -D warnings
-	$(LOW) $(PYTHON) firmware/check.py
+	$(PYTHON) firmware/check.py
 
 # Measures the costs again and writes them into firmware/budgets.toml; the limits remain.
 firmware-budgets: firmware-tools
@@ -105,8 +104,8 @@ cg:
 # Programs for other systems give the answers of the one for this machine (ports/compare.py). They are compiled without
 # optional features, whose libraries are half of the code and have nothing to do with the answers, and with less
 # optimization (ports/cheap.toml), which the answers must not depend on. `make dist` compares what is handed out.
-PORT := CARGO_TARGET_DIR=target/ports $(LOW) cargo build --package cg-cli --no-default-features --config ports/cheap.toml
-COMPARE := $(LOW) $(PYTHON) ports/compare.py --left-out
+PORT := CARGO_TARGET_DIR=target/ports cargo build --package cg-cli --no-default-features --config ports/cheap.toml
+COMPARE := $(PYTHON) ports/compare.py --left-out
 
 arm: cg port-tools
 	$(PORT) --target $(ARM64)
@@ -147,7 +146,7 @@ armhf-tools:
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
-guest: venv cg
+guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
 	guest/run.sh target/debug/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
@@ -160,13 +159,13 @@ venv:
 # The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
 python: venv cg
-	CG=$(CURDIR)/target/debug/cg $(LOW) $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
+	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
 	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
-	$(LOW) $(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
+	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 
@@ -317,7 +316,7 @@ rollover-table:
 # Runs every bench once on little data, to show that it works. It gives no valid measurements, so it takes the build of the
 # tests.
 bench-short: venv cg
-	CG_BENCH_ROWS=50000 $(LOW) cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
+	CG_BENCH_ROWS=50000 cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
 	  -- --sample-count 1 --sample-size 1
 	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
