@@ -19,6 +19,8 @@ const STRONGEST_G: f64 = 0.5;
 /// Share of the threshold from which on it is told.
 const TOLD: f64 = 0.6;
 
+/// Greatest share of the threshold that is told apart, so that a threshold of zero gives a number.
+const MOST_SHARE: f64 = 100.0;
 /// The most maneuvers of a load that count, the last ones.
 const MOST_MANEUVERS: usize = 1000;
 
@@ -109,7 +111,8 @@ impl StrongTurns {
             let rollover = design.rollover(height, one.trailer_mass_kg, one.speed_mps)?;
             let threshold_mps2 = design.gravity_mps2 * rollover.static_rollover_threshold_g.value;
             let by_roll = force_by_roll(design, one.speed_mps, [one.trailer_mass_kg, height_m]);
-            Some(one.path_mps2.max(one.force_mps2 / (1.0 + by_roll)) / threshold_mps2)
+            let felt_mps2 = one.path_mps2.max(one.force_mps2 / (1.0 + by_roll));
+            Some((felt_mps2 / threshold_mps2).min(MOST_SHARE))
         };
         let used = self.maneuvers.iter().filter(|one| one.gave[channel.index()]);
         let Strength { greatest, sd } = Strength::of(&used.filter_map(share).collect::<Vec<_>>());
@@ -222,6 +225,10 @@ mod tests {
         turn(&mut turns, 0.3, false);
         let strength = of(&turns);
         assert!((strength.sd - 0.03).abs() < 1e-9 && (strength.greatest - 0.7).abs() < 1e-9);
+        let mut unstable = design;
+        unstable.thresholds.iter_mut().for_each(|line| line.threshold_g = [[0.0; 8]; 2]);
+        let found = turns.strength(&unstable, (Channel::LateralAcceleration, 2.0));
+        assert!(found.is_sound() && found.greatest > 1.0, "{found:?}");
         let mut restarted = StrongTurns::kept(strength);
         turn(&mut restarted, 0.3, false);
         assert_eq!(of(&restarted), strength);

@@ -51,19 +51,19 @@ impl<W: Write> Session<W> {
 
     /// Reports once for each load that a turn came near to rolling over.
     fn report_strength(&mut self) -> io::Result<()> {
-        let Some(message) = self.strength().message().filter(|_| !self.strong_reported) else {
-            return Ok(());
-        };
+        let is_told = self.strong_reported || self.known.height_m.is_none();
+        let Some(message) = self.strength().message().filter(|_| !is_told) else { return Ok(()) };
         self.strong_reported = true;
         self.notice("strong_turn", &message)
     }
 
-    /// What the turns of the load came to.
+    /// What the turns of the load came to. While the channels contradict each other there is no height, but what they came
+    /// to is to be kept.
     pub(super) fn strength(&self) -> Strength {
-        let of_channel = |channel| Some((channel, self.known.height_m?));
-        let height = self.estimator.best_channel().and_then(of_channel);
-        let of_height = |height| self.strong.strength(self.estimator.design(), height);
-        height.map_or_else(Strength::default, of_height)
+        let design = self.estimator.design();
+        let height_m = self.known.height_m.unwrap_or(design.reference_height_m);
+        let of_channel = |channel| self.strong.strength(design, (channel, height_m));
+        self.estimator.best_channel().map_or_else(Strength::default, of_channel)
     }
 
     /// Standard deviation of the height, m, due to that of the trailer mass and to strong turns, which the estimator does

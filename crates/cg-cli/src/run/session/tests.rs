@@ -445,3 +445,14 @@ fn heights_and_a_weighed_mass_are_kept_over_a_restart() {
         assert!((session.known.trailer_mass_kg - mass_kg).abs() < 1e-9);
     }
 }
+
+/// Channels that contradict each other give no height, but a restart must still know how strong the turns were.
+#[test]
+fn strong_turns_are_kept_while_there_is_no_height() {
+    let mut session = session(None, 0.0);
+    let strength = cg_logs::estimate::Strength { greatest: 0.75, sd: 0.09 };
+    session.strong = StrongTurns::kept(strength);
+    learn(&mut session, [Some(1.5), Some(2.0)]);
+    assert!(!session.has_height());
+    assert_eq!(session.strength(), strength);
+}
