@@ -2,7 +2,8 @@
 //!
 //! | file | contents | based on |
 //! |---|---|---|
-//! | `roll_plane` | the threshold: balance of moments until the last inner wheel lifts | static equilibrium |
+//! | `roll_plane` | balance of moments at a roll angle, with wheels that lift | static equilibrium |
+//! | `path` | the threshold: the greatest lateral acceleration of all roll angles | roll plane, yaw plane |
 //! | `yaw_plane` | lateral forces in the turn and the articulation | steady yaw plane |
 //! | `support` | springs and tires in the roll plane | vehicle file |
 //! | `frame` | the front half of a trailer whose frame twists | [`twisting`](crate::twisting) |
@@ -29,6 +30,7 @@ mod support;
 mod yaw_plane;
 mod frame;
 mod roll_plane;
+mod path;
 mod at_rest;
 mod on_board;
 

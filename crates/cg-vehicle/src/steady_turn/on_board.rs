@@ -22,8 +22,9 @@ pub(crate) fn threshold_line(
 ) -> Result<ThresholdLine<f64>, VehicleError> {
     let vehicle = &*vehicle.with_springs_at(load)?;
     let mut line = ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] };
+    let mut plane = RollPlane::new(vehicle, load, TURN_MPS[0], compliance)?;
     for (threshold_g, speed_mps) in line.threshold_g.iter_mut().zip(TURN_MPS) {
-        let plane = RollPlane::new(vehicle, load, speed_mps, compliance)?;
+        plane = plane.at_speed(speed_mps)?;
         *threshold_g = height_m.map(|height_m| plane.threshold_g(height_m));
     }
     Ok(line)

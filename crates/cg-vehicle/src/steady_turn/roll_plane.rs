@@ -1,4 +1,4 @@
-//! The roll plane of a steady turn: the greatest lateral acceleration with a load, axle by axle.
+//! The roll plane of a steady turn: its lateral acceleration at a roll angle of the trailer, axle by axle.
 //!
 //! Tractor and trailer roll about the roll centers of their axles and are coupled by a moment at
 //! the fifth wheel. Each axle rolls on its tires. Let `α` be the lateral acceleration of the
@@ -16,10 +16,10 @@
 //! rear half on the axles; `φ2` is then the roll angle of the rear half, and the front half is eliminated
 //! (`frame`). The axles therefore lift one after the other, and when the first axle of a
 //! load group lifts, the springs that it shares yield as well. The lateral forces are those of a
-//! steady turn at the given speed (`yaw_plane`). The trailer's roll angle is increased in small
-//! steps, and the other unknowns are solved by Newton's method. The greatest `α` on this path is
-//! the threshold. The supports carry their static loads; if these depend on stiffness, axles that
-//! lift change them.
+//! steady turn at the given speed (`yaw_plane`). At each roll angle of the trailer, the other
+//! unknowns are solved by Newton's method; the greatest `α` of all roll angles is the threshold
+//! (`path`). The supports carry their static loads; if these depend on stiffness, axles that lift
+//! change them.
 //!
 //! **Reference.** Winkler et al., *Rollover of Heavy Commercial Vehicles*, UMTRI-99-19, ch. 2 (the
 //! diagram of moment over roll angle, whose corners are computed here).
@@ -33,27 +33,18 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
-/// Step of the trailer's roll angle.
-const STEP_RAD: f64 = 1e-3;
-/// Number of times that a step may be halved.
-const HALVINGS: u32 = 6;
-/// Roll angle at which the search ends, because any trailer has tipped by then.
-const END_RAD: f64 = 0.6;
 /// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
-/// When the lateral acceleration falls below this share of its greatest value, the vehicle is
-/// tipping.
-const FALLEN: f64 = 0.8;
 /// Lateral acceleration (g) at which the first distribution of forces is computed. Small forces
 /// grow in proportion to it.
 const FIRST: f64 = 0.01;
 
-struct Axle {
+pub(super) struct Axle {
     on_trailer: bool,
-    steered: bool,
+    pub(super) steered: bool,
     half_spread_m: f64,
     auxiliary_nm_per_rad: f64,
-    tyres: Tyres,
+    pub(super) tyres: Tyres,
     roll_center_m: f64,
     center_m: f64,
     own_n: f64,
@@ -70,7 +61,7 @@ pub(crate) struct RollPlane<'a> {
     vehicle: &'a Vehicle,
     load: Load,
     balance: StaticBalance,
-    axles: Vec<Axle>,
+    pub(super) axles: Vec<Axle>,
     groups: Vec<Group>,
     turn: Turn,
     hitch: FifthWheel,
@@ -80,26 +71,31 @@ pub(crate) struct RollPlane<'a> {
     /// Moment of the weight of the tractor's sprung mass about the road.
     tractor_own_nm: f64,
     /// Roll angle of the real vehicle divided by that of the vehicle file.
-    compliance: f64,
+    pub(super) compliance: f64,
 }
 
-/// A state: the lateral acceleration, the roll angles of the tractor and of the axles, the loads,
-/// and the solution of the yaw plane.
+/// A state: the lateral acceleration (g), the roll angles of the units and of the axles, the loads, and
+/// the solution of the yaw plane.
 #[derive(Clone)]
-struct Point {
-    alpha: f64,
+pub(super) struct Point {
+    /// Roll angle of the trailer, or of its rear half if its frame twists.
+    pub(super) roll_rad: f64,
+    pub(super) alpha: f64,
     tractor_rad: f64,
     /// Roll angle of the trailer's front half, if its frame twists.
     front_rad: f64,
-    axles_rad: Vec<f64>,
-    axle_load_n: Vec<f64>,
+    pub(super) axles_rad: Vec<f64>,
+    pub(super) axle_load_n: Vec<f64>,
     hitch_load_n: f64,
     sides: Sides,
     drift: Drift,
+    /// The tires cannot hold the vehicle, which slides before it tips; `sides` are the last that they
+    /// could.
+    pub(super) slides: bool,
 }
 
 /// Deflections of the tires, and the loads that follow from them.
-type Stood = (Vec<Give>, StaticBalance);
+pub(super) type Stood = (Vec<Give>, StaticBalance);
 
 /// Moments of a body about the points that support it: per `α` and per roll angle.
 struct Held {
@@ -146,30 +142,19 @@ impl<'a> RollPlane<'a> {
         })
     }
 
-    /// The rollover threshold at a height of the trailer's sprung c.g., in g.
-    pub(crate) fn threshold_g(&self, cg_height_m: f64) -> f64 {
-        let Some(mut point) = self.start() else { return 0.0 };
-        let (mut roll_rad, mut greatest) = (0.0, 0.0_f64);
-        let mut standing = None;
-        while roll_rad < END_RAD && point.alpha >= FALLEN * greatest {
-            self.follow(cg_height_m, [roll_rad, roll_rad + STEP_RAD], HALVINGS, &mut point);
-            roll_rad += STEP_RAD;
-            greatest = greatest.max(point.alpha);
-            let lifted = |i: usize| {
-                let (axle, angle_rad) = (&self.axles[i], point.axles_rad[i] / self.compliance);
-                axle.steered || axle.tyres.inner_lifted(point.axle_load_n[i], angle_rad)
-            };
-            if (0..self.axles.len()).all(lifted) {
-                break;
-            }
-            self.shift(&mut point, &mut standing);
-            self.turn_on(roll_rad, &mut point);
-        }
-        greatest
+    /// The same at another speed.
+    ///
+    /// # Errors
+    /// As [`static_balance`].
+    pub(crate) fn at_speed(self, speed_mps: f64) -> Result<Self, VehicleError> {
+        let sprung = self.vehicle.trailer_sprung_mass(self.load)?;
+        Ok(Self { turn: Turn::new(self.vehicle, &sprung, speed_mps), ..self })
     }
 
-    fn start(&self) -> Option<Point> {
+    /// The state of straight driving; `None` if the tires hold no turn at all.
+    pub(super) fn start(&self) -> Option<Point> {
         let mut point = Point {
+            roll_rad: 0.0,
             alpha: 0.0,
             tractor_rad: 0.0,
             front_rad: 0.0,
@@ -178,14 +163,15 @@ impl<'a> RollPlane<'a> {
             hitch_load_n: self.balance.hitch_load_n,
             sides: Sides::default(),
             drift: Drift::default(),
+            slides: false,
         };
-        self.turn_on(0.0, &mut point).then_some(point)
+        self.turn_on(false, &mut point).then_some(point)
     }
 
-    /// Solves the yaw plane at the present lateral acceleration. If the tires cannot hold the
-    /// vehicle, it slides before it tips; the distribution of forces then remains the last one, and
-    /// the result is `false`.
-    fn turn_on(&self, roll_rad: f64, point: &mut Point) -> bool {
+    /// Solves the yaw plane at the present lateral acceleration and roll angles, and takes its forces or, to
+    /// damp them, their mean with those of before. The result is `false`, and the forces are as before, if
+    /// the tires cannot hold the vehicle.
+    pub(super) fn turn_on(&self, damped: bool, point: &mut Point) -> bool {
         let standing: Vec<_> = self
             .axles
             .iter()
@@ -194,7 +180,7 @@ impl<'a> RollPlane<'a> {
                 tyres: &axle.tyres,
                 load_n: point.axle_load_n[i],
                 angle_rad: point.axles_rad[i] / self.compliance,
-                lean_rad: if axle.on_trailer { roll_rad } else { point.tractor_rad }
+                lean_rad: if axle.on_trailer { point.roll_rad } else { point.tractor_rad }
                     - point.axles_rad[i],
             })
             .collect();
@@ -202,16 +188,21 @@ impl<'a> RollPlane<'a> {
         let found = self.turn.sides(point.alpha.max(FIRST), &standing, &mut drift);
         let holds = found.is_some();
         if let Some(sides) = found {
-            (point.sides, point.drift) = (sides, drift);
+            point.drift = drift;
+            if damped {
+                point.sides.halfway(&sides);
+            } else {
+                point.sides = sides;
+            }
         }
         holds
     }
 
     /// Shifts loads between axles. An axle rises when its inner wheels leave the road, and takes
-    /// load from axles that do not share their load with it. Only half of the shift is made in each
-    /// step, because an axle with more load also rolls less, by nearly as much, and the full shift
-    /// would overshoot.
-    fn shift(&self, point: &mut Point, last: &mut Option<Stood>) {
+    /// load from axles that do not share their load with it. Only half of the shift is made at a time,
+    /// because an axle with more load also rolls less, by nearly as much, and the full shift would
+    /// overshoot.
+    pub(super) fn shift(&self, point: &mut Point, last: &mut Option<Stood>) {
         if self.groups.len() <= 3 {
             return; // the loads follow from forces and moments alone
         }
@@ -270,37 +261,11 @@ impl<'a> RollPlane<'a> {
         }
     }
 
-    /// Solves for the state at the second of these roll angles from that at the first. Where Newton's
-    /// method does not settle between the bends of the curves (springs whose friction builds up within
-    /// less than a step), the step is halved. If that does not help, its last state remains.
-    fn follow(
-        &self,
-        cg_height_m: f64,
-        [from, to]: [f64; 2],
-        halvings: u32,
-        point: &mut Point,
-    ) -> bool {
-        let before = point.clone();
-        if self.solve(cg_height_m, to, point) {
-            return true;
-        }
-        if halvings == 0 {
-            return false;
-        }
-        let unsettled = std::mem::replace(point, before);
-        let middle = f64::midpoint(from, to);
-        let settled = self.follow(cg_height_m, [from, middle], halvings - 1, point)
-            && self.follow(cg_height_m, [middle, to], halvings - 1, point);
-        if !settled {
-            *point = unsettled;
-        }
-        settled
-    }
-
     /// Newton's method, started from the previous state; whether it reached the rounding error. Axles and
     /// springs are eliminated, which leaves two equations. The curves are linear almost everywhere, so a
     /// few steps are enough.
-    fn solve(&self, cg_height_m: f64, roll_rad: f64, point: &mut Point) -> bool {
+    pub(super) fn solve(&self, cg_height_m: f64, point: &mut Point) -> bool {
+        let roll_rad = point.roll_rad;
         let (of_trailer, of_tractor) = (self.trailer(cg_height_m, point), self.tractor(point));
         let cos = point.sides.cos;
         for _ in 0..12 {

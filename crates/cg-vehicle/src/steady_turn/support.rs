@@ -5,9 +5,10 @@ use crate::balance::Give;
 use crate::characteristics::Envelope;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
-/// Spacing and number of the nodes of a spring's curve. Beyond 0.2 m it is extrapolated linearly.
-const NODE_M: f64 = 2.5e-4;
-const NODES: usize = 800;
+/// The nodes of a spring's curve are at `SPAN (k/INTERVALS)²`, close together where friction builds up: 0.14 mm
+/// at one millimeter. Beyond the last one the curve is extrapolated linearly.
+const SPAN_M: f64 = 0.2;
+const INTERVALS: usize = 200;
 /// A step of Newton's method (m) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
 
@@ -52,8 +53,7 @@ impl Springs {
             let [outer, inner] = forces(middle_m);
             outer.0 - inner.0
         };
-        #[allow(clippy::cast_precision_loss)] // indices
-        Self::Measured((0..NODES).map(|k| k as f64 * NODE_M).map(difference).collect())
+        Self::Measured((0..=INTERVALS).map(node_m).map(difference).collect())
     }
 
     /// Force (N) and slope (N/m).
@@ -62,14 +62,21 @@ impl Springs {
             Self::Linear(stiffness) => return (stiffness * apart_m, *stiffness),
             Self::Measured(nodes) => nodes,
         };
+        #[allow(clippy::cast_precision_loss)]
+        let place = INTERVALS as f64 * (apart_m.abs() / SPAN_M).sqrt();
         // The index is in range, because the deflection is some tenths of a meter.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let k = ((apart_m.abs() / NODE_M) as usize).min(NODES - 2);
-        let slope = (nodes[k + 1] - nodes[k]) / NODE_M;
-        #[allow(clippy::cast_precision_loss)]
-        let value = nodes[k] + slope * (apart_m.abs() - k as f64 * NODE_M);
+        let k = (place as usize).min(INTERVALS - 1);
+        let slope = (nodes[k + 1] - nodes[k]) / (node_m(k + 1) - node_m(k));
+        let value = nodes[k] + slope * (apart_m.abs() - node_m(k));
         (value.copysign(apart_m), slope)
     }
+}
+
+fn node_m(k: usize) -> f64 {
+    #[allow(clippy::cast_precision_loss)]
+    let share = k as f64 / INTERVALS as f64;
+    SPAN_M * share * share
 }
 
 /// The tires of an axle.

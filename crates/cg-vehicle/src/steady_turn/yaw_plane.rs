@@ -69,6 +69,18 @@ pub(super) struct Sides {
     pub(super) cos: f64,
 }
 
+impl Sides {
+    /// Moves half of the way to other forces.
+    pub(super) fn halfway(&mut self, to: &Self) {
+        let halfway = |own: &mut f64, other: f64| *own = f64::midpoint(*own, other);
+        self.axle_n.iter_mut().zip(&to.axle_n).for_each(|(own, other)| halfway(own, *other));
+        self.own_n.iter_mut().zip(&to.own_n).for_each(|(own, other)| halfway(own, *other));
+        self.hitch_n.iter_mut().zip(to.hitch_n).for_each(|(own, other)| halfway(own, other));
+        halfway(&mut self.tractor, to.tractor);
+        halfway(&mut self.cos, to.cos);
+    }
+}
+
 /// The unknowns of the solution: the lateral velocities of the tractor's c.g. and of the fifth
 /// wheel (lateral to the trailer), and the articulation.
 #[derive(Clone, Copy, Debug, Default)]
