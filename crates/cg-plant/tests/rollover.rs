@@ -383,7 +383,9 @@ fn time_to_rollover_is_seen_ahead() {
 }
 
 /// The design's grid compared with the roll plane between its nodes: the threshold has a kink over the
-/// mass where another axle lifts first, and linear interpolation over 6 t misses it by about 1 %.
+/// mass where another axle lifts first, and linear interpolation over 6 t misses it by about 1 %. Over the
+/// height it has another one between sliding and tipping, where a chord over 0.29 m is too low:
+/// it is flat below and falls by 0.29/1.4 of itself above, of which it misses a quarter at most, 5 %.
 #[test]
 fn thresholds_on_the_grid_are_those_of_the_roll_plane() {
     for name in ["baseline-tables", "kraz"] {
@@ -401,7 +403,7 @@ fn thresholds_on_the_grid_are_those_of_the_roll_plane() {
                 direct.static_rollover_threshold_g.value,
             );
             println!("{name} {trailer_mass_kg:.0} kg {cg_height_m} m: {gridded:.4} {direct:.4} g");
-            assert!((gridded / direct - 1.0).abs() < 0.02);
+            assert!((0.95..1.02).contains(&(gridded / direct)));
         }
     }
 }

@@ -21,21 +21,24 @@ fn thresholds(vehicle: &Vehicle, payload_kg: f64, speed_mps: f64) -> Vec<(f64, f
     (0..=26).map(at).collect()
 }
 
-/// The threshold falls as the load rises, and without a jump where the articulation is small. Of a rigid
+/// The threshold falls as the load rises, and without a jump where the vehicle tips. Of a rigid
 /// vehicle of threshold `T/2h` the second difference is `2 (STEP/h)²`, 0.35 % for the lowest load; the
 /// search misses up to 0.25 % in each of the three values (`steady_turn::path`), which count four times.
-/// In tight turns there are real jumps of up to 4 %, where another axle lifts first.
+/// A low load slides before it tips, at a lateral acceleration that hardly depends on the height (3 % up or down), and
+/// where another axle lifts first in a tight turn, the threshold really jumps by up to 4 %.
 #[test]
 fn a_higher_load_has_a_lower_threshold() {
     for name in ["kraz.toml", "euro.toml", "baseline.toml", "baseline-tables.toml", "air.toml"] {
         let vehicle = vehicle(name);
         for payload_kg in [0.0, 5_000.0, 12_000.0, 25_000.0] {
-            for (speed_mps, greatest_bend) in [(40.0 / 3.6, 0.06), (90.0 / 3.6, 0.0135)] {
+            for (speed_mps, tips_below_g) in [(40.0 / 3.6, 0.45), (90.0 / 3.6, 0.6)] {
                 for near in thresholds(&vehicle, payload_kg, speed_mps).windows(3) {
                     let [(_, below), (height_m, here), (_, above)] = near.try_into().unwrap();
+                    let (rise, greatest_bend) =
+                        if here < tips_below_g { (1.0, 0.0135) } else { (1.03, 0.06) };
                     let bend = (below + above - 2.0 * here).abs() / here;
                     assert!(
-                        here < below && above < here && bend < greatest_bend,
+                        here < rise * below && above < rise * here && bend < greatest_bend,
                         "{name} {payload_kg} kg, {height_m:.2} m, {speed_mps:.1} m/s: {near:.4?}"
                     );
                 }

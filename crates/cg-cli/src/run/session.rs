@@ -1,5 +1,6 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod mass;
 mod remarks;
 mod warning;
 
@@ -8,8 +9,8 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, RoadPart, SensorCheck, StrongTurns, Verdict, Weighed,
-    add_force,
+    Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, StrongTurns, Verdict,
+    Weighed, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -58,6 +59,12 @@ pub(crate) struct Session<W: Write> {
     /// The roll angle in straight driving; `None` after a lean of this load is reported.
     leaning: Option<Leaning>,
     strong: StrongTurns,
+    left_out: LeftOut,
+    left_out_reported: bool,
+    /// Time since which the trailer has another mass than the load of the height, µs.
+    other_mass_us: Option<u64>,
+    /// The last mass by a signal, kg.
+    weighed_kg: Option<f64>,
     /// Whether it is reported for this load that a turn came near to rolling over.
     strong_reported: bool,
     pub(crate) sensors: SensorCheck,
@@ -120,6 +127,10 @@ impl<W: Write> Session<W> {
             load_since_s: None,
             leaning: Some(Leaning::default()),
             strong: StrongTurns::default(),
+            left_out: LeftOut::default(),
+            left_out_reported: false,
+            other_mass_us: None,
+            weighed_kg: None,
             strong_reported: false,
             sensors: SensorCheck::default(),
             roads: RoadPart::default(),
@@ -149,6 +160,7 @@ impl<W: Write> Session<W> {
                 (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
                 self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
                 self.strong = StrongTurns::kept(state.strength);
+                self.left_out = LeftOut::new(&self.estimator);
                 // The nominal mass means that the load was not weighed.
                 let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
                 let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
@@ -239,44 +251,6 @@ impl<W: Write> Session<W> {
         })
     }
 
-    /// Sets the mass of the sample, and reports its source.
-    fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
-        if let Some(mass_kg) = self.trailer_mass_kg {
-            sample.trailer_mass_kg = mass_kg;
-        } else if sample.trailer_mass_kg.is_nan() {
-            self.unweighed_us.get_or_insert(sample.time_us);
-            return Ok(());
-        } else {
-            self.weighed_us.get_or_insert(sample.time_us);
-            self.weighing.weighed.weigh(sample.time_us);
-        }
-        if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
-            self.mass_source = MassSource::Signal;
-            if self.nominal_mass_reported {
-                let message = format!(
-                    "a signal gives a trailer mass of {:.0} kg, which is used from now on",
-                    sample.trailer_mass_kg
-                );
-                return self.notice("mass", &message);
-            }
-        }
-        Ok(())
-    }
-
-    /// Reports once that the vehicle file's mass is used as that of the trailer.
-    fn report_nominal_mass(&mut self) -> io::Result<()> {
-        let nominal = self.mass_source == MassSource::Nominal && self.unweighed_us.is_some();
-        if !nominal || std::mem::replace(&mut self.nominal_mass_reported, true) {
-            return Ok(());
-        }
-        let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
-        let message = format!(
-            "no signal gives the trailer mass: {nominal_kg:.0} kg from the vehicle file is used; a \
-             wrong mass gives a wrong height, so give --trailer-mass-kg or a signal of the mass"
-        );
-        self.notice("mass", &message)
-    }
-
     fn drive(&mut self, state: &'static str) -> io::Result<()> {
         if state == self.driving {
             return Ok(());
@@ -301,11 +275,12 @@ impl<W: Write> Session<W> {
         let since_us = self.estimator.load_since_us();
         let is_of_another_load = since_us == Some(maneuver.end_us);
         self.strong.close(maneuver, is_of_another_load);
+        self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {
             self.load_since_s = since_us.map(|us| self.time_s(us));
             self.leaning = Some(Leaning::default());
             (self.roads, self.road_reported) = (RoadPart::default(), false);
-            self.strong_reported = false;
+            (self.strong_reported, self.left_out_reported) = (false, false);
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
             if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
@@ -378,7 +353,7 @@ impl<W: Write> Session<W> {
 
     fn status(&self) -> Status {
         let lateral_g = self.lateral_g();
-        let trailer_mass_kg = self.estimator.memory().trailer_mass_kg;
+        let mass_kg = self.trailer_mass_kg.or(self.weighed_kg);
         Status {
             state: self.driving,
             present: self.present(),
@@ -386,7 +361,8 @@ impl<W: Write> Session<W> {
             result: self.weighing.of(
                 self.estimator.design(),
                 Known {
-                    trailer_mass_kg: self.trailer_mass_kg.unwrap_or(trailer_mass_kg),
+                    trailer_mass_kg: mass_kg
+                        .unwrap_or_else(|| self.estimator.memory().trailer_mass_kg),
                     trailer_mass_source: self.mass_source,
                     ..self.known.clone()
                 },

@@ -165,7 +165,7 @@ mod tests {
         let load = SavedLoad { since_s: Some(0.3), ..SavedLoad::default() };
         file.save(&memory, 1.5, load, Learned::default()).unwrap();
         let scale = Some(Scale::AxleLoad);
-        let strength = Strength { greatest: 0.7, sd: 0.1 + 0.2 };
+        let strength = Strength { greatest: 0.7, braking_mps2: 0.3, sd: 0.1 + 0.2 };
         let load = SavedLoad { since_s: None, scale, mass_is_of_another_load: true, strength };
         file.save(&memory, 2.5, load, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };

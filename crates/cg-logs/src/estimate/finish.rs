@@ -135,8 +135,12 @@ impl LogEstimator {
         let speed = self.mean_speed_mps(&[channel]);
         let by_mass_m = speed.map_or(0.0, |speed_mps| self.mass_sd_m(height, speed_mps, best));
         let strength = self.strong.strength(&self.design, (channel, height));
-        let sd = libm::hypot(libm::hypot(fused.height_m.sd, by_mass_m), strength.sd * height);
-        estimate.messages.extend(strength.message());
+        let doubt = self.left_out.doubt(channel, (height, fused.maneuvers));
+        let sd = [by_mass_m, strength.sd * height, doubt.sd_m]
+            .into_iter()
+            .fold(fused.height_m.sd, libm::hypot);
+        estimate.messages.extend(strength.messages());
+        estimate.messages.extend(doubt.message());
         estimate.height_m = Some(height);
         estimate.height_sd_m = Some(sd);
         estimate.height_random_sd_m = Some(fused.random_sd_m);
@@ -229,8 +233,11 @@ impl LogEstimator {
                 sd: libm::hypot(ratio.sd, strength.sd * ratio.value),
                 ..ratio
             });
-            let told = strength.message();
-            identified.messages.extend(told.filter(|told| !identified.messages.contains(told)));
+            let doubt = self.left_out.doubt(channel, (height.height_m.value, height.maneuvers));
+            let mut told = strength.messages();
+            told.extend(doubt.message());
+            told.retain(|told| !identified.messages.contains(told));
+            identified.messages.append(&mut told);
         }
         let by_road = |one: &Channel| matches!(self.last_reject(*one), Some(Reject::Road { .. }));
         let hidden = Channel::ALL.into_iter().find(by_road);

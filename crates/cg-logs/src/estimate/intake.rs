@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::engine::Engine;
 use super::felt::{add_force, felt_mps2};
 use super::leaning::Leaning;
+use super::left_out::LeftOut;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
@@ -70,6 +71,7 @@ pub struct LogEstimator {
     pub(super) sensors: SensorCheck,
     pub(super) leaning: Leaning,
     pub(super) strong: StrongTurns,
+    pub(super) left_out: LeftOut,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
@@ -127,6 +129,7 @@ impl LogEstimator {
             sensors: SensorCheck::default(),
             leaning: Leaning::default(),
             strong: StrongTurns::default(),
+            left_out: LeftOut::default(),
             maneuvers: Vec::new(),
             more_maneuvers: 0,
             recorder: None,
@@ -238,6 +241,7 @@ impl LogEstimator {
             self.sensors.close();
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
             self.strong.close(maneuver, is_first_of_load);
+            self.left_out.close(maneuver, &self.engine, is_first_of_load);
             if is_first_of_load && self.seen.mass_kg.is_some() {
                 self.seen.weighed.change_load(maneuver.start_us);
             }

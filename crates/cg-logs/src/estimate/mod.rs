@@ -13,6 +13,7 @@
 //! | `forces` | whether a specific force contains gravity |
 //! | `sensors` | these three together |
 //! | `leaning` | whether the trailer leans in straight driving |
+//! | `left_out` | maneuvers that contradict the height so far |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -34,6 +35,7 @@ mod values;
 mod forces;
 mod sensors;
 mod leaning;
+mod left_out;
 mod weighed;
 mod recorder;
 mod felt;
@@ -53,6 +55,7 @@ pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
+pub use left_out::{Doubt, LeftOut};
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
 pub use road::RoadPart;

@@ -33,7 +33,8 @@ const ROUNDS: usize = 20;
 const UNDAMPED: usize = 4;
 
 impl RollPlane<'_> {
-    /// The rollover threshold at a height of the trailer's sprung c.g., in g.
+    /// The rollover threshold at a height of the trailer's sprung c.g., in g; if the vehicle slides before it tips, the
+    /// lateral acceleration at which it slides.
     pub(crate) fn threshold_g(&self, cg_height_m: f64) -> f64 {
         self.threshold_in_steps_g(cg_height_m, STEP_RAD, FINE_RAD)
     }
@@ -46,7 +47,7 @@ impl RollPlane<'_> {
     }
 
     /// The state of the greatest lateral acceleration in steps of this size from a state to a roll angle,
-    /// after the state one step before it. The path ends earlier if the vehicle tips, or if all inner
+    /// after the state one step before it. The path ends earlier if the vehicle tips or slides, or if all inner
     /// wheels but those of steered axles have lifted.
     fn greatest(&self, cg_height_m: f64, step_rad: f64, start: Point, end_rad: f64) -> [Point; 2] {
         let (mut to_rad, mut missing) = (start.roll_rad, 0);
@@ -55,6 +56,7 @@ impl RollPlane<'_> {
         while to_rad < end_rad
             && missing <= JUMP
             && point.alpha >= FALLEN * greatest.alpha
+            && !point.slides
             && !self.lifted(&point)
         {
             let last = point.clone();
@@ -94,7 +96,7 @@ impl RollPlane<'_> {
     }
 
     /// Solves roll plane, loads and yaw plane in turn; whether each has a solution. If the tires cannot
-    /// hold the vehicle even after the `last` halving, it slides, and the forces keep their distribution.
+    /// hold the vehicle even after the `last` halving, it slides.
     fn settle(&self, cg_height_m: f64, last: bool, point: &mut Point) -> bool {
         let mut standing = None;
         let mut before = f64::INFINITY;

@@ -35,6 +35,9 @@ use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// A step of Newton's method (g, rad) below this is due to rounding and ends the iteration.
 const ROUNDING: f64 = 1e-12;
+/// A fifth wheel that is stiffer counts as this stiff. Before its plates separate, at some tens of kN m, it twists by two
+/// milliradians at most, and Newton's method finds the bends of its curve.
+const STIFFEST_NM_PER_RAD: f64 = 3e7;
 /// Lateral acceleration (g) at which the first distribution of forces is computed. Small forces
 /// grow in proportion to it.
 const FIRST: f64 = 0.01;
@@ -89,8 +92,7 @@ pub(super) struct Point {
     hitch_load_n: f64,
     sides: Sides,
     drift: Drift,
-    /// The tires cannot hold the vehicle, which slides before it tips; `sides` are the last that they
-    /// could.
+    /// The tires cannot hold the vehicle, which slides before it tips.
     pub(super) slides: bool,
 }
 
@@ -127,6 +129,8 @@ impl<'a> RollPlane<'a> {
         let sprung_n: Vec<f64> =
             axles.iter().zip(&balance.axle_load_n).map(|(axle, n)| n - axle.own_n).collect();
         let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
+        let fifth_wheel = FifthWheel::of(hitch);
+        let stiffness_nm_per_rad = fifth_wheel.stiffness_nm_per_rad.min(STIFFEST_NM_PER_RAD);
         Ok(Self {
             vehicle,
             load,
@@ -135,7 +139,7 @@ impl<'a> RollPlane<'a> {
             axles,
             groups: groups(vehicle, &placed, &sprung_n),
             turn: Turn::new(vehicle, &vehicle.trailer_sprung_mass(load)?, speed_mps),
-            hitch: FifthWheel::of(hitch),
+            hitch: FifthWheel { stiffness_nm_per_rad, ..fifth_wheel },
             frame: Frame::of(vehicle, load)?,
             hitch_height_m: hitch.height_m,
             compliance,

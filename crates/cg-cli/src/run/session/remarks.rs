@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Maneuver, Outcome, Reject};
-use cg_logs::estimate::{RoadPart, Strength};
+use cg_logs::estimate::{Doubt, RoadPart, Strength};
 
 use super::Session;
 use crate::run::channels::mass_sd_m;
@@ -14,6 +14,7 @@ impl<W: Write> Session<W> {
         self.report_lean()?;
         self.report_road(maneuver)?;
         self.report_strength()?;
+        self.report_left_out()?;
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
@@ -49,12 +50,28 @@ impl<W: Write> Session<W> {
         self.notice("road", &message)
     }
 
-    /// Reports once for each load that a turn came near to rolling over.
+    /// Reports once for each load that a turn came near to rolling over, or that the truck braked in turns.
     fn report_strength(&mut self) -> io::Result<()> {
-        let is_told = self.strong_reported || self.known.height_m.is_none();
-        let Some(message) = self.strength().message().filter(|_| !is_told) else { return Ok(()) };
+        let messages = self.strength().messages();
+        if self.strong_reported || self.known.height_m.is_none() || messages.is_empty() {
+            return Ok(());
+        }
         self.strong_reported = true;
-        self.notice("strong_turn", &message)
+        messages.iter().try_for_each(|message| self.notice("strong_turn", message))
+    }
+
+    /// Reports once for each load that maneuvers contradict the others.
+    fn report_left_out(&mut self) -> io::Result<()> {
+        let message = self.doubt().and_then(|doubt| doubt.message());
+        let Some(message) = message.filter(|_| !self.left_out_reported) else { return Ok(()) };
+        self.left_out_reported = true;
+        self.notice("left_out", &message)
+    }
+
+    /// What the left-out maneuvers of the load say of its height.
+    fn doubt(&self) -> Option<Doubt> {
+        let (channel, height_m) = (self.estimator.best_channel()?, self.known.height_m?);
+        Some(self.left_out.doubt(channel, (height_m, self.known.maneuvers)))
     }
 
     /// What the turns of the load came to. While the channels contradict each other there is no height, but what they came
@@ -66,14 +83,15 @@ impl<W: Write> Session<W> {
         self.estimator.best_channel().map_or_else(Strength::default, of_channel)
     }
 
-    /// Standard deviation of the height, m, due to that of the trailer mass and to strong turns, which the estimator does
-    /// not know.
+    /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns and to maneuvers that were left
+    /// out, which the estimator does not know.
     pub(super) fn host_sd_m(&self) -> f64 {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
         let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
         let by_mass_m = mass_sd_m(&self.estimator, self.speed_mps, mass_kg, height_m);
-        libm::hypot(by_mass_m, self.strength().sd * height_m)
+        let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
+        libm::hypot(libm::hypot(by_mass_m, self.strength().sd * height_m), left_out_m)
     }
 
     /// The share of the unknown bank of the road in the variance of the height.

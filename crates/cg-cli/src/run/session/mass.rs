@@ -1,0 +1,78 @@
+//! The mass of the trailer: where it comes from, and whether it is that of the load whose height is known.
+
+use std::io::{self, Write};
+
+use cg_core::{Sample, Settings};
+
+use super::Session;
+use crate::run::events::{MassSource, Result as Known};
+
+/// Speed below which the truck counts as standing, so that its trailer can be loaded.
+const STANDING_MPS: f64 = 0.5;
+
+impl<W: Write> Session<W> {
+    /// Sets the mass of the sample, and reports its source.
+    pub(super) fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
+        if let Some(mass_kg) = self.trailer_mass_kg {
+            sample.trailer_mass_kg = mass_kg;
+        } else if sample.trailer_mass_kg.is_nan() {
+            self.unweighed_us.get_or_insert(sample.time_us);
+            return Ok(());
+        } else {
+            self.weighed_us.get_or_insert(sample.time_us);
+            self.weighed_kg = Some(sample.trailer_mass_kg);
+            self.weighing.weighed.weigh(sample.time_us);
+        }
+        self.unload(sample)?;
+        if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
+            self.mass_source = MassSource::Signal;
+            if self.nominal_mass_reported {
+                let message = format!(
+                    "a signal gives a trailer mass of {:.0} kg, which is used from now on",
+                    sample.trailer_mass_kg
+                );
+                return self.notice("mass", &message);
+            }
+        }
+        Ok(())
+    }
+
+    /// Shows no height of a load that is not on the trailer any more. A mass that differs while the truck stands is that of
+    /// another load at once; while it drives, only after the time within which a mass varies in a turn. The next maneuver
+    /// shows the same to the estimator, which then discards its heights.
+    fn unload(&mut self, sample: &Sample<f64>) -> io::Result<()> {
+        let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
+        let settings = Settings::<f64>::truck();
+        let is_other = (mass_kg - known_kg).abs() > settings.mass_change * known_kg;
+        if self.known.height_m.is_none() || !is_other {
+            self.other_mass_us = None;
+            return Ok(());
+        }
+        let since_us = *self.other_mass_us.get_or_insert(sample.time_us);
+        let lasts = sample.time_us.saturating_sub(since_us) >= settings.weighing_us;
+        let stands = sample.speed_mps.abs() < STANDING_MPS;
+        if !lasts && !stands && self.samples > 1 {
+            return Ok(());
+        }
+        self.known = Known::new(None, None, (mass_kg, self.mass_source));
+        let message = format!(
+            "the trailer mass is {mass_kg:.0} kg and was {known_kg:.0} kg: the height of the load before it is no longer \
+             shown; the next turn gives that of the present load"
+        );
+        self.notice("load", &message)
+    }
+
+    /// Reports once that the vehicle file's mass is used as that of the trailer.
+    pub(super) fn report_nominal_mass(&mut self) -> io::Result<()> {
+        let nominal = self.mass_source == MassSource::Nominal && self.unweighed_us.is_some();
+        if !nominal || std::mem::replace(&mut self.nominal_mass_reported, true) {
+            return Ok(());
+        }
+        let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
+        let message = format!(
+            "no signal gives the trailer mass: {nominal_kg:.0} kg from the vehicle file is used; a \
+             wrong mass gives a wrong height, so give --trailer-mass-kg or a signal of the mass"
+        );
+        self.notice("mass", &message)
+    }
+}
