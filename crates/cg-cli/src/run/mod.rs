@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let mut state = state.map(|target| StateFile::new(target, &own));
     name_vehicle(&mut state, (&vehicle, calibration.as_ref()))?;
     let truck = (&vehicle, calibration.as_ref(), &own);
-    let start = state.as_ref().map(|state| learned(arguments, truck, state));
+    let start = state.as_mut().map(|state| learned(arguments, truck, state));
     let design = start.as_ref().map_or(own, |start| start.design);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);
@@ -240,7 +240,7 @@ fn name_vehicle(
 fn learned(
     arguments: &RunArgs,
     (vehicle, calibration, design): (&Vehicle, Option<&Calibration>, &Design<f64>),
-    state: &StateFile,
+    state: &mut StateFile,
 ) -> Start {
     let on = arguments.learn != Some(Learn::Off);
     let (learned, saved_s) = state.learned();

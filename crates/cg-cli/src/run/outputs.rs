@@ -64,11 +64,12 @@ impl<W: Write> Outputs<W> {
     }
 
     /// The content of the state file, if there is one.
-    pub(crate) fn load(&self) -> Option<io::Result<Found>> {
-        self.state.as_ref().map(StateFile::load)
+    pub(crate) fn load(&mut self) -> Option<io::Result<Found>> {
+        self.state.as_mut().map(StateFile::load)
     }
 
-    /// Writes the state; returns a message if writing starts to fail or works again.
+    /// Writes the state; returns a message if writing starts to fail or works again, or if another
+    /// program has written the file.
     pub(crate) fn save(
         &mut self,
         memory: &Memory<f64>,
@@ -76,8 +77,18 @@ impl<W: Write> Outputs<W> {
         load: SavedLoad,
         learned: Learned,
     ) -> Option<String> {
-        let result = self.state.as_ref()?.save(memory, saved_s, load, learned);
-        changed(&mut self.state_failed, result)
+        let state = self.state.as_mut()?;
+        let result = state.save(memory, saved_s, load, learned);
+        let others = state.aside.take().map(|path| {
+            format!(
+                "another program has written this file, perhaps another cg run with the same --state; what it \
+                 wrote is now in {}; give each its own file",
+                path.display()
+            )
+        });
+        let told: Vec<String> =
+            others.into_iter().chain(changed(&mut self.state_failed, result)).collect();
+        (!told.is_empty()).then(|| told.join("; "))
     }
 
     /// Writes the metrics; returns a message if writing starts to fail or works again.

@@ -8,6 +8,7 @@
 //! | `consistent` | channels that contradict each other |
 //! | `faults` | faults of trucks in service, each with a message |
 //! | `logs` | files that are not logs, and logs without a result |
+//! | `state` | the state file: unreadable, shared by two programs, and when standard output fails |
 //! | `streams` | endless lines, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
 //! | `new_truck` | `cg vehicle`: from a new vehicle file to a height |
@@ -48,6 +49,8 @@ mod rollover;
 #[cfg(unix)]
 mod serve;
 mod simulate;
+#[cfg(target_os = "linux")]
+mod state;
 mod streams;
 mod study;
 mod usage;

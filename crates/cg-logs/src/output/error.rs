@@ -60,6 +60,18 @@ pub enum OutputError {
         /// The option that would write it.
         output: String,
     },
+    /// The file exists and cannot be read, so that nobody can tell what would be lost.
+    #[error(
+        "{path}: cannot be read: {source}; it is not replaced, so make it readable or give {output} another file"
+    )]
+    Unreadable {
+        /// The path.
+        path: String,
+        /// The error of the system.
+        source: io::Error,
+        /// The option that would write it.
+        output: String,
+    },
     /// The path does not lead to a file.
     #[error("{path}: is {what}; give {output} a file")]
     NoFile {
