@@ -108,6 +108,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         session.tick(wall::now_us() as f64 * 1e-6, 0);
     }
     let stop = Stop::listen()?;
+    session.outputs.stop = Some(stop.clone());
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
     start.map_or(Ok(()), |start| session.begin(start))?;
@@ -131,6 +132,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         session.notice("page", STAYS)?;
     }
     session.stop(reason)?;
+    session.outputs.failed()?;
     if stays {
         stop.wait();
     }

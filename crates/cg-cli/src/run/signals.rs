@@ -1,4 +1,4 @@
-//! Requests to stop, by SIGTERM and SIGINT.
+//! Requests to stop, by SIGTERM and SIGINT and by a standard output that fails.
 
 use std::io;
 use std::sync::Arc;
@@ -17,6 +17,11 @@ impl Stop {
         let flag = Arc::new(AtomicBool::new(false));
         interrupt::handle_signals(Some(Arc::clone(&flag)))?;
         Ok(Self(flag))
+    }
+
+    /// Asks to stop, as the first signal does.
+    pub(crate) fn request(&self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 
     pub(crate) fn is_requested(&self) -> bool {

@@ -1,7 +1,8 @@
-//! The state file of `cg run` is never lost: one that cannot be read, and one that two programs write.
+//! The state file of `cg run` is never lost: one that cannot be read, one that two programs write, and
+//! one that is due when standard output fails.
 
 use std::fs;
-use std::io::{Read, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::process::{Command, Stdio};
 
@@ -76,4 +77,38 @@ fn two_programs_with_one_state_lose_nothing() {
     assert!(rest.contains("state.json.aside-1"), "{rest}");
     assert_eq!(fs::read(scratch.path("state.json.aside-1")).unwrap(), learned);
     assert_eq!(scratch.names(), ["state.json", "state.json.aside-1"]);
+}
+
+/// A reader that goes away after the first line, and a full disk. The state is that of a run that was
+/// stopped there.
+#[test]
+fn the_state_is_saved_if_standard_output_fails() {
+    let scratch = Scratch::new();
+    let (log, vehicle) = (fixture(EMPTY), kraz());
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    for (name, code) in [("closed.json", 0), ("full.json", 2)] {
+        let state = scratch.path(name);
+        let mut program = command(&replay("-", &vehicle, &state));
+        program.stdin(Stdio::piped()).stderr(Stdio::piped());
+        let is_full = code == 2;
+        program.stdout(if is_full { full.try_clone().unwrap().into() } else { Stdio::piped() });
+        let mut child = program.spawn().unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        if let Some(out) = child.stdout.take() {
+            let mut first = String::new();
+            BufReader::new(out).read_line(&mut first).unwrap();
+            assert!(first.contains("\"event\":\"start\""), "{first}");
+        }
+        // The pipe remains open, so that the program does not end because the log has ended.
+        std::thread::scope(|scope| {
+            let rows = fs::read(&log).unwrap();
+            let writer = scope.spawn(move || (pipe.write_all(&rows).is_err(), pipe));
+            let run: Run = child.wait_with_output().unwrap().into();
+            let said = if is_full { &["No space left on device"][..] } else { &[] };
+            run.told(code, said);
+            drop(writer.join().unwrap());
+        });
+        let text = fs::read_to_string(&state).unwrap();
+        assert!(text.starts_with("{\"format\":\"cg-height state\"") && text.contains("crc32 "));
+    }
 }
