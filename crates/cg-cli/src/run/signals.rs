@@ -3,9 +3,12 @@
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::interrupt;
+
+/// Longest time between two looks for a request.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// Whether the program was asked to stop.
 #[derive(Clone, Debug)]
@@ -28,10 +31,20 @@ impl Stop {
         self.0.load(Ordering::Relaxed)
     }
 
+    /// Waits for this time, or until a request.
+    pub(crate) fn wait_at_most(&self, longest: Duration) {
+        let began = Instant::now();
+        while !self.is_requested()
+            && let Some(rest) = longest.checked_sub(began.elapsed())
+        {
+            std::thread::sleep(rest.min(LOOK));
+        }
+    }
+
     /// Waits for a request.
     pub(crate) fn wait(&self) {
         while !self.is_requested() {
-            std::thread::sleep(Duration::from_millis(100));
+            std::thread::sleep(LOOK);
         }
     }
 }

@@ -22,6 +22,7 @@
 //! | `rollover` | every measure with its unit and its meaning |
 //! | `reproduce` | the thesis's tables with recomputed values |
 //! | `learn` | a truck that learns itself from empty driving |
+//! | `replay` | replays of compressed logs, of negative time stamps, and over long gaps |
 //! | `run` | replays of recorded drives, restarts, full disks, a service manager |
 //! | `serve` | the live page over real connections, slow ones among them |
 //! | `study` | chapter 2 as tables and figures |
@@ -44,6 +45,8 @@ mod model;
 mod new_truck;
 mod output;
 mod reproduce;
+#[cfg(unix)]
+mod replay;
 mod run;
 mod rollover;
 #[cfg(unix)]
