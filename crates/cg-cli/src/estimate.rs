@@ -127,6 +127,7 @@ fn report_target(
     for log in logs {
         files = files.reads("LOG", log);
     }
+    files = files.prints()?;
     let target =
         arguments.report.as_deref().map(|path| files.writes("--report", path, Kind::Report));
     Ok(target.transpose()?)

@@ -184,7 +184,8 @@ fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>;
         .read(files)
         .reads_some("--dbc", arguments.frames.dbc.as_deref())
         .reads_some("--candump", arguments.candump.as_deref())
-        .reads_some("--csv", arguments.csv.as_deref());
+        .reads_some("--csv", arguments.csv.as_deref())
+        .prints()?;
     let mut target = |flag, path: &Option<PathBuf>, kind| {
         path.as_deref().map(|path| files.writes(flag, path, kind)).transpose()
     };

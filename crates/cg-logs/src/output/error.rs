@@ -22,6 +22,17 @@ pub enum OutputError {
         /// The option that would write it.
         output: String,
     },
+    /// The standard output of this call is an input of it.
+    #[error(
+        "{path}: is given to {input} and is standard output, which would change it; redirect standard output to \
+         another file"
+    )]
+    Printed {
+        /// The path of the input.
+        path: String,
+        /// The option that reads it.
+        input: String,
+    },
     /// Two options would write the same file.
     #[error("{path}: is given to {first} and to {second}; give each option its own file")]
     Twice {
