@@ -59,6 +59,7 @@ use cg_vehicle::design::design;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 
+use crate::estimate::refuse_mass;
 use crate::outcome::Outcome;
 use events::Event;
 use frames::Frames;
@@ -84,7 +85,11 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let [state, metrics] = targets(arguments, files)?;
     refuse_learning(arguments)?;
     refuse_outputs(arguments)?;
+    refuse_endless_warnings(arguments)?;
     let vehicle = arguments.truck.load()?;
+    if let Some(mass_kg) = arguments.trailer_mass_kg {
+        refuse_mass((&vehicle, arguments.truck.model), mass_kg, vehicle.nominal_speed_mps)?;
+    }
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let recording = Recording::open(arguments, &options)?;
@@ -223,6 +228,18 @@ fn refuse_outputs(arguments: &RunArgs) -> anyhow::Result<()> {
         Some((option, _)) if method != Method::Filtered => bail!(
             "--method {method}: {option} is for the heights of the method \"filtered\" alone, because \
              noise or wrong dynamics bias those of others; remove one of the two options"
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// A warning ends when the share is the hysteresis below its level.
+fn refuse_endless_warnings(arguments: &RunArgs) -> anyhow::Result<()> {
+    let hysteresis = arguments.warn_hysteresis;
+    match arguments.warn.iter().copied().reduce(f64::min) {
+        Some(lowest) if hysteresis >= lowest => bail!(
+            "--warn-hysteresis {hysteresis}: a warning of the level {lowest} would never end; give a \
+             hysteresis below the lowest level of --warn"
         ),
         _ => Ok(()),
     }

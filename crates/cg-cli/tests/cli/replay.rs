@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use crate::common::{Run, Scratch, cg, cg_fed, command, fixture, kraz};
+use crate::common::{Run, Scratch, cg, cg_fed, command, estimate, fixture, kraz};
 use crate::run::{ask_to_stop, drive, events, last_height, lines};
 
 fn packed(path: &str) -> Vec<u8> {
@@ -39,6 +39,25 @@ fn a_candump_log_is_read_compressed_and_a_log_of_another_kind_is_told() {
     std::fs::write(&asc, "date Wed May 1 12:00:00.000 pm 2024\nbase hex  timestamps absolute\n")
         .unwrap();
     drive.replay(&asc, &[]).refused(&["drive.asc: the log is in the format ASC", "cg estimate"]);
+}
+
+/// A mass with which the trailer is impossible (28.7 for 28700 kg), and warnings that would never end.
+#[test]
+fn what_could_never_give_a_height_or_end_a_warning_is_refused() {
+    let (log, vehicle) = (fixture("logs/A_p20_h190_v50_L.csv"), kraz());
+    let run = ["run", "--csv", &log, "--vehicle", &vehicle];
+    let mass = ["--trailer-mass-kg", "28.7"];
+    let refused = cg(&[&run[..], &mass].concat());
+    assert_eq!(refused.err, estimate(&log, &vehicle, &mass).err, "as cg estimate says");
+    refused.refused(&["--trailer-mass-kg"]);
+    for warn in [
+        &["--warn", "0.6", "--warn-hysteresis", "0.7"][..],
+        &["--warn", "0.8,0.6", "--warn-hysteresis", "0.6"],
+        &["--warn", "0.04"],
+    ] {
+        cg(&[&run[..], warn].concat()).refused(&["--warn-hysteresis", "would never end", "below"]);
+    }
+    cg(&[&run[..], &["--warn", "0.6", "--warn-hysteresis", "0.59"]].concat()).done();
 }
 
 /// The log begins 20 s before the origin of its time.
