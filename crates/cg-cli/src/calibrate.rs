@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     for state in &arguments.from_state {
         files = files.reads("--from-state", state);
     }
-    let target = files.writes("--output", &arguments.output, Kind::Calibration)?;
+    let target = files.prints()?.writes("--output", &arguments.output, Kind::Calibration)?;
     let options = arguments.frames.log_options(&arguments.columns, &vehicle)?;
     let progress = ProgressBar::hidden();
     let &CalibrateArgs { model: variant, method, procedure, part, channel, .. } = arguments;

@@ -12,7 +12,7 @@ use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_logs::report::{self, Entry, Trace};
 use cg_vehicle::files;
 use cg_vehicle::scales::Scale;
-use cg_vehicle::{LinearModel, Variant};
+use cg_vehicle::{LinearModel, Variant, Vehicle};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -45,13 +45,8 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     }
     .with_file(&vehicle);
     if let Some(mass_kg) = arguments.trailer_mass_kg {
-        let load = cg_vehicle::Load { trailer_mass_kg: mass_kg, ..vehicle.reference_load() };
-        vehicle.trailer_sprung_mass(load).context("--trailer-mass-kg")?;
-        if options.variant == Variant::AsPrinted {
-            let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
-            LinearModel::new(&vehicle, options.variant, speed_mps, load)
-                .context("--trailer-mass-kg")?;
-        }
+        let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
+        refuse_mass((&vehicle, options.variant), mass_kg, speed_mps)?;
     }
     let truth = arguments.truth.as_deref().map(|path| Truth::load(path, &logs)).transpose()?;
     if logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
@@ -77,6 +72,20 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
     page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
+}
+
+/// Refuses a mass with which the trailer of this vehicle is impossible.
+pub(crate) fn refuse_mass(
+    (vehicle, variant): (&Vehicle, Variant),
+    trailer_mass_kg: f64,
+    speed_mps: f64,
+) -> anyhow::Result<()> {
+    let load = cg_vehicle::Load { trailer_mass_kg, ..vehicle.reference_load() };
+    vehicle.trailer_sprung_mass(load).context("--trailer-mass-kg")?;
+    if variant == Variant::AsPrinted {
+        LinearModel::new(vehicle, variant, speed_mps, load).context("--trailer-mass-kg")?;
+    }
+    Ok(())
 }
 
 /// The report of all logs.
@@ -127,6 +136,7 @@ fn report_target(
     for log in logs {
         files = files.reads("LOG", log);
     }
+    files = files.prints()?;
     let target =
         arguments.report.as_deref().map(|path| files.writes("--report", path, Kind::Report));
     Ok(target.transpose()?)

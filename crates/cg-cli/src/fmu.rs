@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &FmuArgs, files: Files) -> anyhow::Result<Outcome> 
             output.display()
         ));
     }
-    let target = files.writes("--output", output, Kind::Fmu)?;
+    let target = files.prints()?.writes("--output", output, Kind::Fmu)?;
     // Errors and warnings have the names of the files here; in the FMU they are resources.
     let vehicle = truck::load(&arguments.vehicle)?;
     if let (FmuKind::Estimator, Some(path)) = (arguments.kind, &arguments.calibration) {

@@ -4,6 +4,9 @@ use cg_core::identify::arx::SampledArx;
 use cg_plant::sensors;
 use cg_vehicle::limits;
 
+/// The least speed, m/s, for which there is a linear model: it divides by the speed.
+const LEAST_SPEED_MPS: f64 = 1e-3;
+
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
         .ok()
@@ -61,7 +64,12 @@ pub(crate) fn payload_behind_hitch_m(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn speed_mps(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_SPEED_MPS)
+    let speed_mps = at_most(positive(text)?, limits::GREATEST_SPEED_MPS)?;
+    if speed_mps >= LEAST_SPEED_MPS {
+        Ok(speed_mps)
+    } else {
+        Err(format!("must be at least {LEAST_SPEED_MPS}"))
+    }
 }
 
 pub(crate) fn steer_rad(text: &str) -> Result<f64, String> {

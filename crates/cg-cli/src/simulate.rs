@@ -90,6 +90,7 @@ pub(crate) fn run(arguments: &SimulateArgs, files: Files) -> anyhow::Result<Outc
     if let Some(name) = arguments.road.as_deref().filter(|name| RoadKind::of_name(name).is_none()) {
         files = files.reads("--road", name);
     }
+    files = files.prints()?;
     let output = match arguments.output.as_path() {
         path if path.as_os_str() == "-" => None,
         path => {

@@ -33,11 +33,12 @@ pub(crate) struct TruckArgs {
 
 /// Reads a vehicle file and prints warnings about unusual values to standard error.
 pub(crate) fn load(path: &Path) -> anyhow::Result<Vehicle> {
-    Ok(load_checked(path)?.0)
+    Ok(load_checked("--vehicle", path)?.0)
 }
 
-/// The same; also returns the warnings.
-pub(crate) fn load_checked(path: &Path) -> anyhow::Result<(Vehicle, Vec<Finding>)> {
+/// The same for a file that is given to the option `flag`; also returns the warnings.
+pub(crate) fn load_checked(flag: &str, path: &Path) -> anyhow::Result<(Vehicle, Vec<Finding>)> {
+    Files::new(false).reads(flag, path).prints()?;
     let (vehicle, warnings) = Vehicle::load_checked(path)?;
     let file = path.display().to_string();
     for warning in &warnings {
@@ -89,6 +90,7 @@ impl TruckArgs {
     /// The calibration, if there is one.
     pub(crate) fn calibration(&self, vehicle: &Vehicle) -> anyhow::Result<Option<Calibration>> {
         let Some(path) = &self.calibration else { return Ok(None) };
+        Files::new(false).reads("--calibration", path).prints()?;
         let calibration = Calibration::load(path, vehicle)?;
         if calibration.model != self.model {
             return Err(anyhow!(

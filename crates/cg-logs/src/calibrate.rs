@@ -3,6 +3,7 @@
 //! The runs are identified with the design, and the calibration changes the design. The calibration
 //! is therefore done twice. From the last pass it also learns the shapes of the responses.
 
+use std::path::Path;
 use std::str::FromStr;
 
 use cg_core::{Channel, Design};
@@ -14,6 +15,7 @@ use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use crate::estimate::{EstimateOptions, LogEstimator, Method};
 use crate::malformed::Malformed;
+use crate::output::Place;
 
 /// Number of passes. A further pass would change the result by less than 0.1 %.
 const PASSES: usize = 2;
@@ -232,14 +234,25 @@ fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
                 known.log
             )));
         }
-        if logs[..i].iter().any(|other| other.log == known.log) {
-            return Err(VehicleError::Model(format!("{}: given twice", known.log)));
+        if let Some(again) = logs[..i].iter().find(|other| is_same_log(&other.log, &known.log)) {
+            let names = if again.log == known.log {
+                known.log.clone()
+            } else {
+                format!("{} (the same file as {})", known.log, again.log)
+            };
+            return Err(VehicleError::Model(format!("{names}: given twice")));
         }
         if let Some(trailer_mass_kg) = mass_kg {
             vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: height_m })?;
         }
     }
     Ok(())
+}
+
+/// Whether both names are of one log; a file has several, by links and by other folders.
+fn is_same_log(one: &str, other: &str) -> bool {
+    let place = |log: &str| Place::of(Path::new(log));
+    one == other || place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
 }
 
 /// The run of a log that an estimator with a [design for ratios](ratio_design) has read.

@@ -12,10 +12,13 @@ use crate::error::VehicleError;
 /// QR steps for each row; usually two or three are enough.
 const STEPS: usize = 100;
 
+/// Greatest size of an element. The squares of greater ones are infinite, and balancing would go on for ever.
+const GREATEST: f64 = 1e150;
+
 /// The eigenvalues `(re, im)`, the largest real part first.
 ///
 /// # Errors
-/// If they do not converge, or an element is not finite.
+/// If they do not converge, or an element is not finite or is greater than 1e150.
 pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<(f64, f64)>, VehicleError> {
     let diverged =
         || VehicleError::Model("the eigenvalues of the model do not converge".to_owned());
@@ -23,7 +26,7 @@ pub fn eigenvalues(matrix: &DMatrix<f64>) -> Result<Vec<(f64, f64)>, VehicleErro
     if n == 0 {
         return Ok(Vec::new());
     }
-    if !matrix.iter().all(|value| value.is_finite()) {
+    if !matrix.iter().all(|value| value.abs() <= GREATEST) {
         return Err(diverged());
     }
     let mut balanced = matrix.clone();
@@ -122,10 +125,15 @@ mod tests {
 
     #[test]
     fn what_has_no_eigenvalues_is_an_error_and_not_an_endless_loop() {
-        for bad in [f64::NAN, f64::INFINITY] {
+        for bad in [f64::NAN, f64::INFINITY, 1e200, -1e300] {
             let mut matrix = DMatrix::identity(4, 4);
             matrix[(1, 2)] = bad;
             assert!(eigenvalues(&matrix).is_err());
+        }
+        // Squares that are zero or almost infinite.
+        for size in [1e-200, 1e149] {
+            let matrix = DMatrix::from_row_slice(2, 2, &[0.0, size, -size, 0.0]);
+            assert_eq!(eigenvalues(&matrix).unwrap(), [(0.0, -size), (0.0, size)]);
         }
         assert_eq!(eigenvalues(&DMatrix::zeros(0, 0)).unwrap(), []);
         assert_eq!(eigenvalues(&DMatrix::zeros(3, 3)).unwrap(), [(0.0, 0.0); 3]);

@@ -47,7 +47,8 @@ impl Frames {
         let received = &mut self.received;
         received.clear();
         let instant = self.sampler.push(frame, monotonic_us, |quantity| received.push(quantity));
-        session.at(frame.time_us, instant)?;
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        session.at(frame.time_us as f64 * 1e-6, instant)?;
         session.counters.frames += 1;
         for &quantity in &self.received {
             if let Some(step_s) = self.presence.received(quantity, instant.stream_us) {

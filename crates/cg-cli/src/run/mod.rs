@@ -59,6 +59,7 @@ use cg_vehicle::design::design;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 
+use crate::estimate::refuse_mass;
 use crate::outcome::Outcome;
 use events::Event;
 use frames::Frames;
@@ -84,7 +85,11 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let [state, metrics] = targets(arguments, files)?;
     refuse_learning(arguments)?;
     refuse_outputs(arguments)?;
+    refuse_endless_warnings(arguments)?;
     let vehicle = arguments.truck.load()?;
+    if let Some(mass_kg) = arguments.trailer_mass_kg {
+        refuse_mass((&vehicle, arguments.truck.model), mass_kg, vehicle.nominal_speed_mps)?;
+    }
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let recording = Recording::open(arguments, &options)?;
@@ -97,7 +102,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let mut state = state.map(|target| StateFile::new(target, &own));
     name_vehicle(&mut state, (&vehicle, calibration.as_ref()))?;
     let truck = (&vehicle, calibration.as_ref(), &own);
-    let start = state.as_ref().map(|state| learned(arguments, truck, state));
+    let start = state.as_mut().map(|state| learned(arguments, truck, state));
     let design = start.as_ref().map_or(own, |start| start.design);
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);
@@ -108,6 +113,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         session.tick(wall::now_us() as f64 * 1e-6, 0);
     }
     let stop = Stop::listen()?;
+    session.outputs.stop = Some(stop.clone());
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
     start.map_or(Ok(()), |start| session.begin(start))?;
@@ -131,6 +137,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
         session.notice("page", STAYS)?;
     }
     session.stop(reason)?;
+    session.outputs.failed()?;
     if stays {
         stop.wait();
     }
@@ -182,7 +189,8 @@ fn targets(arguments: &RunArgs, files: Files) -> anyhow::Result<[Option<Target>;
         .read(files)
         .reads_some("--dbc", arguments.frames.dbc.as_deref())
         .reads_some("--candump", arguments.candump.as_deref())
-        .reads_some("--csv", arguments.csv.as_deref());
+        .reads_some("--csv", arguments.csv.as_deref())
+        .prints()?;
     let mut target = |flag, path: &Option<PathBuf>, kind| {
         path.as_deref().map(|path| files.writes(flag, path, kind)).transpose()
     };
@@ -225,6 +233,18 @@ fn refuse_outputs(arguments: &RunArgs) -> anyhow::Result<()> {
     }
 }
 
+/// A warning ends when the share is the hysteresis below its level.
+fn refuse_endless_warnings(arguments: &RunArgs) -> anyhow::Result<()> {
+    let hysteresis = arguments.warn_hysteresis;
+    match arguments.warn.iter().copied().reduce(f64::min) {
+        Some(lowest) if hysteresis >= lowest => bail!(
+            "--warn-hysteresis {hysteresis}: a warning of the level {lowest} would never end; give a \
+             hysteresis below the lowest level of --warn"
+        ),
+        _ => Ok(()),
+    }
+}
+
 /// A state with a calibration also belongs to the vehicle without it.
 fn name_vehicle(
     state: &mut Option<StateFile>,
@@ -240,7 +260,7 @@ fn name_vehicle(
 fn learned(
     arguments: &RunArgs,
     (vehicle, calibration, design): (&Vehicle, Option<&Calibration>, &Design<f64>),
-    state: &StateFile,
+    state: &mut StateFile,
 ) -> Start {
     let on = arguments.learn != Some(Learn::Off);
     let (learned, saved_s) = state.learned();

@@ -1,6 +1,7 @@
 //! All outputs: events, live page, state file, metrics, frames.
 //!
-//! A failure of an output is reported once and tried again later. It never stops the estimation.
+//! A failure of an output is reported once and tried again later. It never stops the estimation. Only
+//! if standard output fails, the program stops as at a signal, so that the state is saved.
 
 use std::io::{self, Write};
 
@@ -12,6 +13,7 @@ use super::events::{self, Event, Status};
 use super::latency::Histogram;
 use super::metrics;
 use super::serve::{Kind, Page};
+use super::signals::Stop;
 use super::state::{Found, SavedLoad, StateFile};
 use super::transmit;
 
@@ -22,6 +24,10 @@ pub(crate) type Sender = Box<dyn FnMut(u32, [u8; 8])>;
 pub(crate) struct Outputs<W: Write> {
     /// The stream of event lines.
     pub(crate) lines: W,
+    /// The error of that stream after which nothing is written to it any more.
+    failure: Option<io::Error>,
+    /// Asked to stop when the stream fails. Without it, the error is returned at once.
+    pub(crate) stop: Option<Stop>,
     pub(crate) state: Option<StateFile>,
     pub(crate) metrics: Option<Target>,
     /// The sender of frames and its source address.
@@ -43,6 +49,8 @@ impl<W: Write> Outputs<W> {
         let latency = Histogram::default();
         Self {
             lines,
+            failure: None,
+            stop: None,
             state,
             metrics,
             sender,
@@ -53,22 +61,39 @@ impl<W: Write> Outputs<W> {
         }
     }
 
-    /// Writes an event as a line, which is flushed at once, and shows it on the page.
+    /// Writes an event as a line, which is flushed at once, and shows it on the page. If the stream
+    /// fails, the program is asked to stop, and [`failed`](Self::failed) has the error.
     pub(crate) fn write(&mut self, time_s: f64, event: &Event<'_>) -> io::Result<()> {
         let line = events::line(time_s, event)?;
         if let Some(page) = &self.page {
             page.line(Kind::from(event), &line);
         }
-        self.lines.write_all(line.as_bytes())?;
-        self.lines.flush()
+        if self.failure.is_some() {
+            return Ok(());
+        }
+        let written = self.lines.write_all(line.as_bytes()).and_then(|()| self.lines.flush());
+        match (written, &self.stop) {
+            (Err(error), Some(stop)) => {
+                stop.request();
+                self.failure = Some(error);
+                Ok(())
+            }
+            (written, _) => written,
+        }
+    }
+
+    /// The error of the stream of event lines, if it has failed.
+    pub(crate) fn failed(&mut self) -> io::Result<()> {
+        self.failure.take().map_or(Ok(()), Err)
     }
 
     /// The content of the state file, if there is one.
-    pub(crate) fn load(&self) -> Option<io::Result<Found>> {
-        self.state.as_ref().map(StateFile::load)
+    pub(crate) fn load(&mut self) -> Option<io::Result<Found>> {
+        self.state.as_mut().map(StateFile::load)
     }
 
-    /// Writes the state; returns a message if writing starts to fail or works again.
+    /// Writes the state; returns a message if writing starts to fail or works again, or if another
+    /// program has written the file.
     pub(crate) fn save(
         &mut self,
         memory: &Memory<f64>,
@@ -76,8 +101,18 @@ impl<W: Write> Outputs<W> {
         load: SavedLoad,
         learned: Learned,
     ) -> Option<String> {
-        let result = self.state.as_ref()?.save(memory, saved_s, load, learned);
-        changed(&mut self.state_failed, result)
+        let state = self.state.as_mut()?;
+        let result = state.save(memory, saved_s, load, learned);
+        let others = state.aside.take().map(|path| {
+            format!(
+                "another program has written this file, perhaps another cg run with the same --state; what it \
+                 wrote is now in {}; give each its own file",
+                path.display()
+            )
+        });
+        let told: Vec<String> =
+            others.into_iter().chain(changed(&mut self.state_failed, result)).collect();
+        (!told.is_empty()).then(|| told.join("; "))
     }
 
     /// Writes the metrics; returns a message if writing starts to fail or works again.

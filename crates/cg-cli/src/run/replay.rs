@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use cg_core::Quantity;
 use cg_logs::can::{CandumpReader, Clock};
-use cg_logs::log::{LogOptions, LogReader, LogRow, Signal};
+use cg_logs::log::{FrameText, LogOptions, LogReader, LogRow, Signal};
 use cg_vehicle::scales::Scale;
 
 use super::args::RunArgs;
@@ -19,12 +19,14 @@ use super::session::Session;
 use super::signals::Stop;
 
 /// Waits until as much time has passed as between the time stamps.
-struct Pace {
+struct Pace<'a> {
     began: Option<(Instant, u64)>,
     realtime: bool,
+    stop: &'a Stop,
 }
 
-impl Pace {
+impl Pace<'_> {
+    /// Waits for the time of this stream time, or until the program is asked to stop.
     fn wait(&mut self, stream_us: u64) {
         if !self.realtime {
             return;
@@ -32,16 +34,19 @@ impl Pace {
         let (began, first_us) = *self.began.get_or_insert((Instant::now(), stream_us));
         let due = Duration::from_micros(stream_us.saturating_sub(first_us));
         if let Some(rest) = due.checked_sub(began.elapsed()) {
-            std::thread::sleep(rest);
+            self.stop.wait_at_most(rest);
         }
     }
 }
 
+/// The text of a log.
+type Text = Box<dyn Read + Send>;
+
 /// A recorded drive. A file is opened before anything is written, so that one that cannot be read leaves nothing. What
 /// comes in through a pipe may take long to begin, and is opened when it is replayed.
 pub(crate) enum Recording<'a> {
-    /// Lines of candump.
-    Frames(&'a Path, Option<File>),
+    /// Lines of candump, plain or gzip.
+    Frames(&'a Path, Option<Text>),
     /// A CSV log.
     Rows(&'a Path, Option<Box<LogReader>>),
 }
@@ -54,7 +59,7 @@ impl<'a> Recording<'a> {
     ) -> anyhow::Result<Option<Self>> {
         Ok(match (&arguments.candump, &arguments.csv) {
             (Some(path), _) if is_pipe(path) => Some(Self::Frames(path, None)),
-            (Some(path), _) => Some(Self::Frames(path, Some(open(path)?))),
+            (Some(path), _) => Some(Self::Frames(path, Some(lines(path)?))),
             (_, Some(path)) if is_pipe(path) => Some(Self::Rows(path, None)),
             (_, Some(path)) => Some(Self::Rows(path, Some(rows(path, options)?))),
             (None, None) => None,
@@ -83,6 +88,22 @@ fn open(path: &Path) -> anyhow::Result<File> {
     Ok(file)
 }
 
+/// The lines of a candump log.
+fn lines(path: &Path) -> anyhow::Result<Text> {
+    let name = name(path);
+    let stream: Text =
+        if is_standard_input(path) { Box::new(io::stdin()) } else { Box::new(open(path)?) };
+    match FrameText::of(&name, stream)? {
+        FrameText::Candump(text) => Ok(text),
+        FrameText::Rows => {
+            bail!("{name}: the log contains rows; give it with --csv instead of --candump")
+        }
+        FrameText::Asc | _ => bail!(
+            "{name}: the log is in the format ASC, which cg run does not read; cg estimate reads it"
+        ),
+    }
+}
+
 /// The reader of a CSV log, which has read the header.
 fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<Box<LogReader>> {
     let name = name(path);
@@ -99,7 +120,7 @@ fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<Box<LogReader>> {
 
 /// Replays a candump log. Invalid lines are skipped, counted and reported once.
 pub(crate) fn candump<W: Write>(
-    (path, opened): (&Path, Option<File>),
+    (path, opened): (&Path, Option<Text>),
     bus: Option<String>,
     realtime: bool,
     frames: &mut Frames,
@@ -107,14 +128,13 @@ pub(crate) fn candump<W: Write>(
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
     let name = name(path);
-    let input: Box<dyn Read> = match opened {
-        Some(file) => Box::new(file),
-        None if is_standard_input(path) => Box::new(io::stdin()),
-        None => Box::new(open(path)?),
-    };
-    let mut reader = CandumpReader::new(BufReader::new(input), bus);
-    let mut pace = Pace { began: None, realtime };
+    let text = opened.map_or_else(|| lines(path), Ok)?;
+    let mut reader = CandumpReader::new(BufReader::new(text), bus);
+    let mut pace = Pace { began: None, realtime, stop };
     loop {
+        if stop.is_requested() {
+            return Ok("signal");
+        }
         let frame = reader.next_frame().with_context(|| name.clone())?;
         session.counters.malformed = reader.malformed();
         session.counters.error_frames = reader.error_frames();
@@ -122,9 +142,6 @@ pub(crate) fn candump<W: Write>(
             session.notice("source", &format!("{name}, {message}"))?;
         }
         let Some(frame) = frame else { break };
-        if stop.is_requested() {
-            return Ok("signal");
-        }
         let stream_us = frames.take(&frame, None, session)?;
         pace.wait(stream_us);
     }
@@ -145,16 +162,18 @@ pub(crate) fn csv<W: Write>(
     let mut reader = reader.over_bad_rows();
     let settings = options.settings.unwrap_or_default();
     let mut clock = Clock::default();
-    let mut pace = Pace { began: None, realtime };
-    while let Some(row) = next_row(&mut reader, session)? {
+    let mut pace = Pace { began: None, realtime, stop };
+    loop {
         if stop.is_requested() {
             return Ok("signal");
         }
+        let Some(row) = next_row(&mut reader, session)? else { break };
         // The reader ensures that there is a time; microseconds since 1970 fit.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let raw_us = (row.time_s.max(0.0) * 1e6).round() as u64;
-        let instant = clock.stream(raw_us, None);
-        session.at(raw_us, instant)?;
+        #[allow(clippy::cast_possible_truncation)]
+        let stamp_us = (row.time_s * 1e6).round() as i64;
+        // The clock compares time stamps; their origin does not matter.
+        let instant = clock.stream(stamp_us.abs_diff(i64::MIN), None);
+        session.at(row.time_s, instant)?;
         session.counters.frames += 1;
         session.counters.values_implausible = reader.implausible_values();
         for (signal, message) in reader.news() {

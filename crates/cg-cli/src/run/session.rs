@@ -189,9 +189,8 @@ impl<W: Write> Session<W> {
     }
 
     /// Sets the time from a time stamp and reports a jump of the time stamps.
-    pub(crate) fn at(&mut self, stamp_us: u64, instant: Instant) -> io::Result<()> {
-        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-        self.tick(stamp_us as f64 * 1e-6, instant.stream_us);
+    pub(crate) fn at(&mut self, stamp_s: f64, instant: Instant) -> io::Result<()> {
+        self.tick(stamp_s, instant.stream_us);
         if instant.jump_us == 0 {
             return Ok(());
         }

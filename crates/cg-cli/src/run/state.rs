@@ -3,7 +3,7 @@
 //!
 //! The file is written completely or not at all, and is checked when it is read. A file that is
 //! damaged or belongs to another version or vehicle is renamed and never overwritten, so that it
-//! can be examined.
+//! can be examined. So is a file that another program has written in the meantime.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -14,6 +14,7 @@ use cg_logs::estimate::Strength;
 use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
 use cg_logs::state::{State, StateError, design_crc32};
+use cg_vehicle::files::checksum;
 use cg_vehicle::scales::Scale;
 
 /// Maximum size of a state file, bytes.
@@ -26,6 +27,11 @@ pub(crate) struct StateFile {
     design_crc32: u32,
     /// Checksum of the design without the calibration, if there is one.
     pub(crate) vehicle_crc32: Option<u32>,
+    /// Checksum of the file as this process has first read or last written it; that of no bytes if
+    /// there was none.
+    known_crc32: Option<u32>,
+    /// The new path of another program's state that was renamed and is not reported yet.
+    pub(crate) aside: Option<PathBuf>,
 }
 
 /// What is kept of the present load beside the estimator's memory.
@@ -54,12 +60,18 @@ pub(crate) enum Found {
 
 impl StateFile {
     pub(crate) fn new(target: Target, design: &Design<f64>) -> Self {
-        Self { target, design_crc32: design_crc32(design), vehicle_crc32: None }
+        Self {
+            target,
+            design_crc32: design_crc32(design),
+            vehicle_crc32: None,
+            known_crc32: None,
+            aside: None,
+        }
     }
 
-    /// Writes a state; it replaces the previous one.
+    /// Writes a state; it replaces the previous one of this process.
     pub(crate) fn save(
-        &self,
+        &mut self,
         memory: &Memory<f64>,
         saved_s: f64,
         load: SavedLoad,
@@ -73,8 +85,31 @@ impl StateFile {
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
+        self.keep_others()?;
         draft.map_or(Ok(()), Draft::publish)?;
+        self.known_crc32 = Some(crc32(text.as_bytes()));
         self.store_name()
+    }
+
+    /// Renames a state that another program has written since this one has read or written the file.
+    fn keep_others(&mut self) -> io::Result<()> {
+        // A device keeps nothing.
+        if !fs::metadata(self.target.path()).is_ok_and(|about| about.is_file()) {
+            return Ok(());
+        }
+        let present = self.bytes()?.unwrap_or_default();
+        if !present.is_empty() && self.known_crc32 != Some(crc32(&present)) {
+            self.aside = Some(self.put_aside()?);
+        }
+        Ok(())
+    }
+
+    /// The path of the file itself if the given path is a link.
+    fn itself(&self) -> PathBuf {
+        let path = self.target.path();
+        let is_link = fs::symlink_metadata(path).is_ok_and(|about| about.is_symlink());
+        let itself = is_link.then(|| fs::canonicalize(path).ok()).flatten();
+        itself.unwrap_or_else(|| path.to_owned())
     }
 
     /// The new name is on the disk only after its folder is written. Windows does not open folders
@@ -83,12 +118,13 @@ impl StateFile {
         if cfg!(windows) {
             return Ok(());
         }
-        let folder = self.target.path().parent().filter(|folder| !folder.as_os_str().is_empty());
+        let itself = self.itself();
+        let folder = itself.parent().filter(|folder| !folder.as_os_str().is_empty());
         File::open(folder.unwrap_or(Path::new(".")))?.sync_all()
     }
 
     /// Reads the state if it is valid and belongs to this design.
-    pub(crate) fn load(&self) -> io::Result<Found> {
+    pub(crate) fn load(&mut self) -> io::Result<Found> {
         match self.parsed()? {
             None => Ok(Found::Nothing),
             Some(Ok(state)) => Ok(Found::State(Box::new(state))),
@@ -98,7 +134,7 @@ impl StateFile {
 
     /// What the truck had learned and when this was saved; a file that cannot be used is left to
     /// [`load`](Self::load).
-    pub(crate) fn learned(&self) -> (Learned, f64) {
+    pub(crate) fn learned(&mut self) -> (Learned, f64) {
         match self.parsed() {
             Ok(Some(Ok(state))) => (state.learned, state.saved_s),
             _ => (Learned::default(), 0.0),
@@ -106,7 +142,14 @@ impl StateFile {
     }
 
     /// The content of the file, if there is one.
-    fn parsed(&self) -> io::Result<Option<Result<State, StateError>>> {
+    fn parsed(&mut self) -> io::Result<Option<Result<State, StateError>>> {
+        let bytes = self.bytes()?;
+        self.known_crc32.get_or_insert(crc32(bytes.as_deref().unwrap_or_default()));
+        Ok(bytes.map(|bytes| State::parse(&bytes, self.design_crc32)))
+    }
+
+    /// The bytes of the file, if there is one.
+    fn bytes(&self) -> io::Result<Option<Vec<u8>>> {
         let file = match File::open(self.target.path()) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -118,22 +161,29 @@ impl StateFile {
         }
         let mut bytes = Vec::new();
         file.take(LONGEST).read_to_end(&mut bytes)?;
-        Ok(Some(State::parse(&bytes, self.design_crc32)))
+        Ok(Some(bytes))
     }
 
     /// Renames the file to the first free `NAME.aside-N`.
     fn put_aside(&self) -> io::Result<PathBuf> {
+        let itself = self.itself();
         for n in 1..=1000 {
-            let mut name = self.target.path().as_os_str().to_owned();
+            let mut name = itself.as_os_str().to_owned();
             name.push(format!(".aside-{n}"));
             let aside = PathBuf::from(name);
-            if !aside.exists() {
-                fs::rename(self.target.path(), &aside)?;
+            // A link to a missing file is a file, too.
+            if fs::symlink_metadata(&aside).is_err() {
+                fs::rename(&itself, &aside)?;
                 return Ok(aside);
             }
         }
         Err(io::Error::other("there are a thousand renamed states already; remove some"))
     }
+}
+
+/// The checksum of the bytes of a file.
+fn crc32(bytes: &[u8]) -> u32 {
+    checksum(&String::from_utf8_lossy(bytes))
 }
 
 #[cfg(test)]
@@ -159,7 +209,7 @@ mod tests {
     #[test]
     fn a_state_comes_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
-        let (file, mut memory) = subject(folder.path());
+        let (mut file, mut memory) = subject(folder.path());
         assert_eq!(file.load().unwrap(), Found::Nothing);
         memory.correlation[0][1] = 0.1 + 0.2;
         let load = SavedLoad { since_s: Some(0.3), ..SavedLoad::default() };
@@ -180,7 +230,7 @@ mod tests {
     #[test]
     fn a_damaged_state_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
-        let (file, memory) = subject(folder.path());
+        let (mut file, memory) = subject(folder.path());
         file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
         let good = fs::read(file.target.path()).unwrap();
         for bit in 0..good.len() * 8 {
@@ -206,7 +256,7 @@ mod tests {
     #[test]
     fn a_state_of_impossible_numbers_is_put_aside() {
         let folder = tempfile::tempdir().unwrap();
-        let (file, mut memory) = subject(folder.path());
+        let (mut file, mut memory) = subject(folder.path());
         memory.trailer_mass_kg = -1.0;
         file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
@@ -221,5 +271,48 @@ mod tests {
         file.design_crc32 ^= 1;
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::OtherDesign);
+    }
+
+    /// Each program writes after both have read.
+    #[test]
+    fn what_another_program_has_written_is_renamed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut one, memory) = subject(folder.path());
+        let (mut other, _) = subject(folder.path());
+        let save = |file: &mut StateFile, saved_s: f64| {
+            file.save(&memory, saved_s, SavedLoad::default(), Learned::default()).unwrap();
+            file.aside.take()
+        };
+        assert_eq!((one.load().unwrap(), other.load().unwrap()), (Found::Nothing, Found::Nothing));
+        assert_eq!((save(&mut one, 1.5), save(&mut one, 2.5)), (None, None));
+        let ours = fs::read(one.target.path()).unwrap();
+        let aside = save(&mut other, 3.5).unwrap();
+        assert!(aside.ends_with("state.json.aside-1"), "{}", aside.display());
+        assert_eq!(fs::read(aside).unwrap(), ours);
+        assert_eq!(save(&mut other, 4.5), None);
+        // A file that somebody has removed is written anew.
+        fs::remove_file(one.target.path()).unwrap();
+        assert_eq!(save(&mut one, 5.5), None);
+    }
+
+    /// The link remains, and a link to a file that is missing at present is not replaced.
+    #[test]
+    #[cfg(unix)]
+    fn the_file_behind_a_link_is_renamed() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let kept = folder.path().join("kept");
+        fs::create_dir(&kept).unwrap();
+        fs::write(kept.join("truck.json"), "{\"format\":").unwrap();
+        symlink("gone", kept.join("truck.json.aside-1")).unwrap();
+        symlink("kept/truck.json", folder.path().join("state.json")).unwrap();
+        let (mut file, memory) = subject(folder.path());
+        let Found::PutAside(aside, _) = file.load().unwrap() else { panic!("aside") };
+        assert!(aside.ends_with("kept/truck.json.aside-2"), "{}", aside.display());
+        assert!(fs::read_link(kept.join("truck.json.aside-1")).unwrap().ends_with("gone"));
+        file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
+        assert!(fs::symlink_metadata(file.target.path()).unwrap().is_symlink());
+        assert!(matches!(file.load().unwrap(), Found::State(_)));
+        assert_eq!(fs::read_dir(kept).unwrap().count(), 3);
     }
 }

@@ -117,6 +117,7 @@ fn targets(arguments: &StudyArgs, name: &str, files: Files) -> anyhow::Result<[T
     for run in &arguments.run {
         files = files.reads("--run", Path::new(&run.log));
     }
+    files = files.prints()?;
     let path = |end| arguments.output.join(format!("{name}.{end}"));
     Ok([
         files.writes("--output", &path("csv"), Kind::Table)?,

@@ -57,7 +57,7 @@ struct Slopes {
 }
 
 pub(super) fn run(arguments: &CheckArgs) -> anyhow::Result<Outcome> {
-    let (vehicle, findings) = truck::load_checked(&arguments.vehicle)?;
+    let (vehicle, findings) = truck::load_checked("V.toml", &arguments.vehicle)?;
     let report = report(arguments, vehicle, findings)?;
     let mut out = std::io::stdout().lock();
     match arguments.format {

@@ -14,7 +14,7 @@ use crate::outcome::Outcome;
 use crate::truck;
 
 pub(super) fn run(arguments: &ResidualArgs) -> anyhow::Result<Outcome> {
-    let (vehicle, _) = truck::load_checked(&arguments.vehicle)?;
+    let (vehicle, _) = truck::load_checked("V.toml", &arguments.vehicle)?;
     let found = model_residual(&vehicle)?;
     let file_sd = vehicle.uncertainty.residual_sd;
     let mut out = std::io::stdout().lock();

@@ -140,6 +140,34 @@ fn standard_output_is_a_file_like_any_other() {
     assert_eq!(fs::read_to_string(&page).unwrap(), "precious");
 }
 
+/// A redirection that adds to an input, or overwrites its beginning.
+#[test]
+fn standard_output_is_no_input_of_the_same_call() {
+    let inputs = Inputs::new();
+    let (v, a) = (inputs.vehicle.as_str(), inputs.log.as_str());
+    let run = format!("{a}=1.9");
+    let calibration = inputs.scratch.path("c.toml");
+    let cases: [(&[&str], &str, &str); 8] = [
+        (&["estimate", a, "--vehicle", v], a, "LOG"),
+        (&["estimate", a, "--vehicle", v, "--report", "/dev/stdout"], a, "LOG"),
+        (&["estimate", a, "--vehicle", v], v, "--vehicle"),
+        (&["calibrate", "--vehicle", v, "--run", &run, "-o", &calibration], a, "--run"),
+        (&["run", "--csv", a, "--vehicle", v], a, "--csv"),
+        (&["simulate", "--vehicle", v, "--maneuver", "sine", "-o", "-"], v, "--vehicle"),
+        (&["model", "--vehicle", v], v, "--vehicle"),
+        (&["vehicle", "check", v], v, "V.toml"),
+    ];
+    for (arguments, printed, flag) in cases {
+        for append in [true, false] {
+            let before = fs::read(printed).unwrap();
+            let stdout = fs::File::options().append(append).write(true).open(printed).unwrap();
+            let run = Run::from(command(arguments).stdout(stdout).output().unwrap());
+            run.refused(&[printed, &format!("is given to {flag} and is standard output")]);
+            assert_eq!(fs::read(printed).unwrap(), before, "{arguments:?}");
+        }
+    }
+}
+
 /// Each command with the files that it writes.
 fn writers(inputs: &Inputs) -> Vec<(Vec<String>, Vec<String>)> {
     let path = |name: &str| inputs.scratch.path(name);

@@ -8,6 +8,7 @@
 //! | `consistent` | channels that contradict each other |
 //! | `faults` | faults of trucks in service, each with a message |
 //! | `logs` | files that are not logs, and logs without a result |
+//! | `state` | the state file: unreadable, shared by two programs, and when standard output fails |
 //! | `streams` | endless lines, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
 //! | `new_truck` | `cg vehicle`: from a new vehicle file to a height |
@@ -21,6 +22,7 @@
 //! | `rollover` | every measure with its unit and its meaning |
 //! | `reproduce` | the thesis's tables with recomputed values |
 //! | `learn` | a truck that learns itself from empty driving |
+//! | `replay` | replays of compressed logs, of negative time stamps, and over long gaps |
 //! | `run` | replays of recorded drives, restarts, full disks, a service manager |
 //! | `serve` | the live page over real connections, slow ones among them |
 //! | `study` | chapter 2 as tables and figures |
@@ -43,11 +45,15 @@ mod model;
 mod new_truck;
 mod output;
 mod reproduce;
+#[cfg(unix)]
+mod replay;
 mod run;
 mod rollover;
 #[cfg(unix)]
 mod serve;
 mod simulate;
+#[cfg(target_os = "linux")]
+mod state;
 mod streams;
 mod study;
 mod usage;

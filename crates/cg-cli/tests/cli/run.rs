@@ -401,7 +401,7 @@ fn mistakes_are_refused_before_anything_runs() {
     }
 }
 
-fn ask_to_stop(child: &Child) {
+pub(crate) fn ask_to_stop(child: &Child) {
     let kill = std::process::Command::new("kill").args(["-15", &child.id().to_string()]).status();
     assert!(kill.unwrap().success());
 }

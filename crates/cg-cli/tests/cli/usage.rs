@@ -122,6 +122,7 @@ fn a_simulation_of_nonsense_is_refused_and_leaves_nothing() {
         ("--rate-hz", "1e7", "must be at most 10000"),
         ("--duration-s", "1e6", "must be at most 86400"),
         ("--speed-mps", "1e300", "must be at most 60"),
+        ("--speed-mps", "1e-200", "must be at least 0.001"),
         ("--height-m", "1e9", "must be at most 6"),
         ("--payload-kg", "1e12", "must be at most 200000"),
         ("--trailer-mass-kg", "1e12", "must be at most 200000"),

@@ -50,6 +50,7 @@ mod batches;
 mod frames;
 mod rows;
 mod source;
+mod frame_text;
 mod roll_rate;
 mod preparation;
 mod reader;
@@ -57,6 +58,7 @@ mod writer;
 
 pub use candump::CandumpWriter;
 pub use error::{ColumnName, LogError, Place, Position};
+pub use frame_text::FrameText;
 pub use frames::FrameRows;
 pub use options::{CanOptions, ColumnMap, LogOptions, OptionError};
 pub use preparation::Preparation;

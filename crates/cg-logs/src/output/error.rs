@@ -22,6 +22,17 @@ pub enum OutputError {
         /// The option that would write it.
         output: String,
     },
+    /// The standard output of this call is an input of it.
+    #[error(
+        "{path}: is given to {input} and is standard output, which would change it; redirect standard output to \
+         another file"
+    )]
+    Printed {
+        /// The path of the input.
+        path: String,
+        /// The option that reads it.
+        input: String,
+    },
     /// Two options would write the same file.
     #[error("{path}: is given to {first} and to {second}; give each option its own file")]
     Twice {
@@ -57,6 +68,18 @@ pub enum OutputError {
     Protected {
         /// The path.
         path: String,
+        /// The option that would write it.
+        output: String,
+    },
+    /// The file exists and cannot be read, so that nobody can tell what would be lost.
+    #[error(
+        "{path}: cannot be read: {source}; it is not replaced, so make it readable or give {output} another file"
+    )]
+    Unreadable {
+        /// The path.
+        path: String,
+        /// The error of the system.
+        source: io::Error,
         /// The option that would write it.
         output: String,
     },

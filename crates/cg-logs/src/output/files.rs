@@ -8,6 +8,9 @@ use super::kind::Kind;
 use super::place::{self, Place};
 use super::target::Target;
 
+/// The name of standard output in messages.
+const STANDARD_OUTPUT: &str = "standard output";
+
 /// The input and output files of a call.
 #[derive(Debug)]
 pub struct Files {
@@ -37,7 +40,7 @@ impl Files {
     pub fn new(force: bool) -> Self {
         // A file to which the shell redirects standard output is an output like any other. Windows
         // has no name for it.
-        let stdout = cfg!(unix).then(|| Named::new("standard output", Path::new("/dev/stdout")));
+        let stdout = cfg!(unix).then(|| Named::new(STANDARD_OUTPUT, Path::new("/dev/stdout")));
         let outputs = stdout.flatten().into_iter().collect();
         Self { force, inputs: Vec::new(), outputs }
     }
@@ -62,6 +65,23 @@ impl Files {
         match path {
             Some(path) => self.reads(flag, path),
             None => self,
+        }
+    }
+
+    /// Refuses a file among the inputs so far to which the shell redirects standard output, for a
+    /// call that prints something.
+    ///
+    /// # Errors
+    /// [`OutputError::Printed`].
+    pub fn prints(self) -> Result<Self, OutputError> {
+        let printed = self.outputs.iter().find(|output| output.flag == STANDARD_OUTPUT);
+        let is_printed = |input: &&Named| printed.is_some_and(|file| file.place == input.place);
+        match self.inputs.iter().find(is_printed) {
+            Some(input) => Err(OutputError::Printed {
+                path: input.path.display().to_string(),
+                input: input.flag.clone(),
+            }),
+            None => Ok(self),
         }
     }
 

@@ -119,6 +119,14 @@ fn holds(text: &[u8], part: &str) -> bool {
     memchr::memmem::find(text, part.as_bytes()).is_some()
 }
 
+/// Reads the inspected bytes of a file.
+///
+/// # Errors
+/// The error of the system if they cannot be read.
+pub(crate) fn try_reading(path: &Path) -> io::Result<()> {
+    io::copy(&mut File::open(path)?.take(HEAD), &mut io::sink()).map(|_| ())
+}
+
 /// The first bytes of a file, decompressed.
 fn head(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = BufReader::new(File::open(path)?);

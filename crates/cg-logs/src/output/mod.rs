@@ -29,4 +29,5 @@ pub use draft::Draft;
 pub use error::OutputError;
 pub use files::Files;
 pub use kind::Kind;
+pub(crate) use place::Place;
 pub use target::Target;

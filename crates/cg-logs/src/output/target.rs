@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use super::error::OutputError;
-use super::kind::Kind;
+use super::kind::{self, Kind};
 use super::place;
 
 /// A file that may be written.
@@ -50,6 +50,12 @@ impl Target {
         }
         if !about.is_file() {
             return Ok(None);
+        }
+        if self.kind == Kind::State {
+            // It may hold what a truck has learned in many trips, which is never replaced unread.
+            let unreadable =
+                |source| OutputError::Unreadable { path: path(), source, output: output() };
+            kind::try_reading(&self.path).map_err(unreadable)?;
         }
         if !self.force && about.len() > 0 && !self.kind.is_ours(&self.path) {
             return Err(match self.kind {

@@ -144,7 +144,7 @@ impl Calibration {
     /// # Errors
     /// As [`Self::load`].
     pub fn parse(text: &str, file: &str, vehicle: &Vehicle) -> Result<Self, VehicleError> {
-        let syntax = |source| VehicleError::syntax(file, &source);
+        let syntax = |source| syntax(text, file, &source);
         let refused = |reason: String| VehicleError::Model(format!("{file}: {reason}"));
         toml::from_str(text)
             .map_err(syntax)
@@ -356,6 +356,18 @@ impl Head {
             )),
             None => Err("it is a calibration without a version; run cg calibrate again".to_owned()),
         }
+    }
+}
+
+/// The error for a text that is not a calibration in TOML. Of one that is cut off, it says so.
+fn syntax(text: &str, file: &str, source: &toml::de::Error) -> VehicleError {
+    match files::unsealed(text, CHECKSUM) {
+        Err(reason) if text.contains(FORMAT) => VehicleError::Model(format!(
+            "{file}: the calibration is incomplete or was changed since it was made: {reason}, and {}; copy \
+             the whole file again, or run cg calibrate again",
+            source.message().trim_end()
+        )),
+        _ => VehicleError::syntax(file, source),
     }
 }
 

@@ -124,9 +124,9 @@ fn events_have_the_time_stamp_of_their_cause() {
 fn a_jump_of_the_time_stamps_is_told() {
     let mut session = session(None, 0.0);
     let instant = |jump_us| Instant { stream_us: SECOND_US, jump_us };
-    session.at(5 * SECOND_US, instant(0)).unwrap();
+    session.at(5.0, instant(0)).unwrap();
     assert!(events(&mut session).is_empty());
-    session.at(5 * SECOND_US, instant(-1_500_000)).unwrap();
+    session.at(5.0, instant(-1_500_000)).unwrap();
     let [event] = &events(&mut session)[..] else { panic!("one event") };
     near(&event["time_s"], 5.0);
     assert_eq!(event["subject"], "clock");

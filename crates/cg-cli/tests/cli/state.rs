@@ -1,0 +1,114 @@
+//! The state file of `cg run` is never lost: one that cannot be read, one that two programs write, and
+//! one that is due when standard output fails.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::process::{Command, Stdio};
+
+use crate::common::{Run, Scratch, cg, command, fixture, kraz};
+use crate::run::{events, lines};
+
+const EMPTY: &str = "logs/A_p00_v50_L.csv";
+
+/// The arguments of a replay that keeps its state.
+fn replay<'a>(log: &'a str, vehicle: &'a str, state: &'a str) -> Vec<&'a str> {
+    vec!["run", "--csv", log, "--vehicle", vehicle, "--state", state, "--status-s", "0"]
+}
+
+/// The binary without the right of the administrator to read every file.
+fn bound(arguments: &[&str]) -> Command {
+    let cg = command(arguments);
+    // The owner of this process is that of its folder in /proc.
+    let is_administrator = fs::metadata("/proc/self").unwrap().uid() == 0;
+    let mut program = Command::new(if is_administrator { "setpriv" } else { "env" });
+    if is_administrator {
+        program.arg("--bounding-set=-dac_override,-dac_read_search");
+    }
+    program.arg(cg.get_program()).args(cg.get_args()).stdin(Stdio::null());
+    program
+}
+
+#[test]
+fn a_state_that_cannot_be_read_is_not_replaced_even_if_forced() {
+    let scratch = Scratch::new();
+    let (log, vehicle, state) = (fixture(EMPTY), kraz(), scratch.path("state.json"));
+    let run = replay(&log, &vehicle, &state);
+    cg(&run).done();
+    let before = fs::read(&state).unwrap();
+    fs::set_permissions(&state, PermissionsExt::from_mode(0)).unwrap();
+    for force in [&[][..], &["--force"]] {
+        let refused: Run = bound(&[&run, force].concat()).output().unwrap().into();
+        assert!(!refused.err.contains("--force"), "{refused:?}");
+        refused.refused(&["state.json: cannot be read: Permission denied", "make it readable"]);
+        assert_eq!(scratch.names(), ["state.json"]);
+    }
+    fs::set_permissions(&state, PermissionsExt::from_mode(0o600)).unwrap();
+    assert_eq!(fs::read(&state).unwrap(), before);
+}
+
+/// The first program has read before the second one has written, and writes after it.
+#[test]
+fn two_programs_with_one_state_lose_nothing() {
+    let scratch = Scratch::new();
+    let (log, vehicle, state) = (fixture(EMPTY), kraz(), scratch.path("state.json"));
+    let mut first = command(&replay("-", &vehicle, &state))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut pipe = first.stdin.take().unwrap();
+    let begun = fs::read_to_string(&log).unwrap();
+    // The first line of the output says that the state was read; it comes before any row.
+    let mut out = first.stdout.take().unwrap();
+    let mut byte = [0];
+    out.read_exact(&mut byte).unwrap();
+    let second = lines(&cg(&replay(&log, &vehicle, &state)).done());
+    assert_eq!(events(&second, "learned").len(), 1);
+    let learned = fs::read(&state).unwrap();
+    for line in begun.split_inclusive('\n').take(5) {
+        pipe.write_all(line.as_bytes()).unwrap();
+    }
+    drop(pipe);
+    let mut rest = String::new();
+    out.read_to_string(&mut rest).unwrap();
+    assert_eq!(first.wait().unwrap().code(), Some(1));
+    assert!(rest.contains("another program has written this file"), "{rest}");
+    assert!(rest.contains("state.json.aside-1"), "{rest}");
+    assert_eq!(fs::read(scratch.path("state.json.aside-1")).unwrap(), learned);
+    assert_eq!(scratch.names(), ["state.json", "state.json.aside-1"]);
+}
+
+/// A reader that goes away after the first line, and a full disk. The state is that of a run that was
+/// stopped there.
+#[test]
+fn the_state_is_saved_if_standard_output_fails() {
+    let scratch = Scratch::new();
+    let (log, vehicle) = (fixture(EMPTY), kraz());
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    for (name, code) in [("closed.json", 0), ("full.json", 2)] {
+        let state = scratch.path(name);
+        let mut program = command(&replay("-", &vehicle, &state));
+        program.stdin(Stdio::piped()).stderr(Stdio::piped());
+        let is_full = code == 2;
+        program.stdout(if is_full { full.try_clone().unwrap().into() } else { Stdio::piped() });
+        let mut child = program.spawn().unwrap();
+        let mut pipe = child.stdin.take().unwrap();
+        if let Some(out) = child.stdout.take() {
+            let mut first = String::new();
+            BufReader::new(out).read_line(&mut first).unwrap();
+            assert!(first.contains("\"event\":\"start\""), "{first}");
+        }
+        // The pipe remains open, so that the program does not end because the log has ended.
+        std::thread::scope(|scope| {
+            let rows = fs::read(&log).unwrap();
+            let writer = scope.spawn(move || (pipe.write_all(&rows).is_err(), pipe));
+            let run: Run = child.wait_with_output().unwrap().into();
+            let said = if is_full { &["No space left on device"][..] } else { &[] };
+            run.told(code, said);
+            drop(writer.join().unwrap());
+        });
+        let text = fs::read_to_string(&state).unwrap();
+        assert!(text.starts_with("{\"format\":\"cg-height state\"") && text.contains("crc32 "));
+    }
+}
