@@ -20,6 +20,7 @@
 //! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
 //! | `scatter` | whether curves contradict each other, as on a banked road |
+//! | `reason` | why a maneuver has no height |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
@@ -42,6 +43,7 @@ mod road;
 mod intake;
 mod diagnosis;
 mod scatter;
+mod reason;
 mod messages;
 mod finish;
 mod prediction;
@@ -53,7 +55,6 @@ pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
 pub use leaning::Leaning;
-pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;
