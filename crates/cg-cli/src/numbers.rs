@@ -2,7 +2,7 @@
 
 use cg_core::identify::arx::SampledArx;
 use cg_plant::sensors;
-use cg_vehicle::limits;
+use cg_vehicle::limits::{self, up_to};
 
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
@@ -16,11 +16,7 @@ fn at_most(value: f64, greatest: f64) -> Result<f64, String> {
 }
 
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(
-        |value| {
-            if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
-        },
-    )
+    up_to(number(text)?, f64::INFINITY)
 }
 
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
@@ -45,11 +41,11 @@ pub(crate) fn decibels(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn height_m(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_HEIGHT_M)
+    up_to(number(text)?, limits::GREATEST_HEIGHT_M)
 }
 
 pub(crate) fn trailer_mass_kg(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_TRAILER_MASS_KG)
+    up_to(number(text)?, limits::GREATEST_TRAILER_MASS_KG)
 }
 
 pub(crate) fn payload_kg(text: &str) -> Result<f64, String> {
@@ -57,11 +53,11 @@ pub(crate) fn payload_kg(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn payload_behind_hitch_m(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_PAYLOAD_BEHIND_HITCH_M)
+    up_to(number(text)?, limits::GREATEST_PAYLOAD_BEHIND_HITCH_M)
 }
 
 pub(crate) fn speed_mps(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_SPEED_MPS)
+    up_to(number(text)?, limits::GREATEST_SPEED_MPS)
 }
 
 pub(crate) fn steer_rad(text: &str) -> Result<f64, String> {
@@ -69,16 +65,16 @@ pub(crate) fn steer_rad(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn rate_hz(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_RATE_HZ)
+    up_to(number(text)?, limits::GREATEST_RATE_HZ)
 }
 
 pub(crate) fn duration_s(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_DURATION_S)
+    up_to(number(text)?, limits::GREATEST_DURATION_S)
 }
 
 /// A positive number up to 1 g.
 pub(crate) fn lateral_g(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, 1.0)
+    up_to(number(text)?, 1.0)
 }
 
 pub(crate) fn gate_m(text: &str) -> Result<f64, String> {
@@ -86,7 +82,7 @@ pub(crate) fn gate_m(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn step_rate(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_STEP_RATE_PER_S)
+    up_to(number(text)?, limits::GREATEST_STEP_RATE_PER_S)
 }
 
 pub(crate) fn speed_change(text: &str) -> Result<f64, String> {

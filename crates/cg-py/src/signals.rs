@@ -5,13 +5,14 @@ use cg_core::truck::lags::RollLags;
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Prediction};
 use cg_logs::learn::Learner;
 use cg_logs::log::{LogRow, Signal};
+use cg_vehicle::limits;
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{value_error, vehicle_error};
-use crate::options::Options;
+use crate::options::{Options, up_to};
 use crate::results;
 use crate::vehicle::Vehicle;
 
@@ -187,7 +188,9 @@ pub(crate) fn estimate_arrays<'py>(
     signals: &Bound<'py, PyDict>,
     options: Options,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let estimator = driven(py, vehicle.get(), signals, options.checked()?)?;
+    let vehicle = vehicle.get();
+    let options = options.checked(&vehicle.inner)?;
+    let estimator = driven(py, vehicle, signals, options)?;
     let answer = py.detach(|| estimator.finish());
     results::estimate(py, &answer)
 }
@@ -239,7 +242,8 @@ pub(crate) fn predict_roll<'py>(
     height_m: f64,
     options: Options,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let options = options.checked()?;
+    let options = options.checked(&vehicle.get().inner)?;
+    up_to("height_m", Some(height_m), limits::GREATEST_HEIGHT_M)?;
     let channel = crate::options::channel(channel)?
         .ok_or_else(|| value_error("channel is \"auto\": a prediction needs one channel"))?;
     let arrays = borrowed(signals)?;

@@ -93,9 +93,9 @@ impl Stream {
             options: options.copy()?.unbind(),
             learned: learned.map(str::to_owned),
         };
-        let options = options.extract::<Options>()?.checked()?;
-        let variant = options.variant;
         let vehicle = vehicle.get();
+        let options = options.extract::<Options>()?.checked(&vehicle.inner)?;
+        let variant = options.variant;
         let known = vehicle.learned(learned)?;
         if let Some(state) = state {
             let now = postcard::from_bytes(state).map_err(|error| {

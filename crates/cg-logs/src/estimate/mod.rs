@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `options` | options of the estimate |
+//! | `known` | speed and trailer mass that replace those of the log: what they may be |
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
@@ -25,6 +26,7 @@
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
 mod options;
+mod known;
 mod answer;
 mod engine;
 mod pair;
@@ -54,7 +56,9 @@ pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
+pub use known::{known_mass, known_speed};
 pub use leaning::Leaning;
+pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
 pub use prediction::Prediction;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;
