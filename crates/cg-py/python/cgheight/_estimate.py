@@ -147,7 +147,7 @@ def estimate_table(
     vehicle: _native.Vehicle, arrays: dict[str, NDArray[np.float64]], options: dict[str, Any]
 ) -> Estimate:
     """Estimate from the signals of a table, with the remarks about its preparation."""
-    arrays, remarks = prepared(arrays)
+    arrays, remarks = prepared(arrays, vehicle)
     answer = _native.estimate_arrays(vehicle, arrays, options)
     return replace(answer, messages=(*answer.messages, *remarks)) if remarks else answer
 
