@@ -42,3 +42,10 @@ def test_heights_and_simulated_loads_have_limits(kraz):
     heavy = cgheight.Scenario("sine", trailer_mass_kg=3e5)
     with pytest.raises(ValueError, match="trailer_mass_kg is 300000: it must be at most 200000"):
         cgheight.simulate(kraz, heavy)
+
+
+def test_the_listener_refuses_keywords_that_there_are_not(kraz):
+    with pytest.raises(TypeError, match="there is no keyword spede_mps; there are speed_mps"):
+        HeightListener(kraz, spede_mps=12.0)
+    with pytest.raises(TypeError, match="there is no keyword learned"):
+        HeightListener(kraz, learned="{}")
