@@ -51,6 +51,18 @@ def test_a_log_that_cannot_be_read_raises_or_is_rejected(kraz, tmp_path):
     assert len(cgheight.estimate_logs([], vehicle=kraz).to_frame()) == 0
 
 
+@pytest.mark.parametrize(("mass_kg", "shown_kg"), [
+    ((20_000.0, 300.0), 20_000.0), (21_000, 21_000.0), ("heavy", None), ((), None),
+])  # fmt: skip
+def test_a_rejected_log_has_the_given_mass_however_it_was_given(mass_kg, shown_kg, kraz, tmp_path):
+    logs = [PATHS[0], tmp_path / "nowhere.csv"]
+    batch = cgheight.estimate_logs(logs, vehicle=kraz, trailer_mass_kg=mass_kg, errors="reject")
+    shown_kg = shown_kg or kraz.reference_trailer_mass_kg
+    assert batch[1].trailer_mass_kg == shown_kg
+    assert list(batch.to_frame().trailer_mass_kg)[1] == shown_kg
+    assert f"{shown_kg:.0f} kg" in batch[1]._repr_html_()
+
+
 def test_polars_pandas_arrow_and_files_give_the_same(kraz, turn, tmp_path):
     expected = cgheight.estimate(**turn, vehicle=kraz)
     lazy = pl.DataFrame(turn)
