@@ -37,7 +37,7 @@ fn within(text: &str, least: f64, greatest: f64) -> Result<f64, String> {
 }
 
 pub(crate) fn decibels(text: &str) -> Result<f64, String> {
-    within(text, -300.0, 300.0)
+    within(text, -sensors::GREATEST_SNR_DB, sensors::GREATEST_SNR_DB)
 }
 
 pub(crate) fn height_m(text: &str) -> Result<f64, String> {

@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::error::{log_error, os_error, output_error, vehicle_error};
 use crate::log::{Refused, push_some};
-use crate::options::word;
+use crate::options::{text, word};
 use crate::reading::log_options;
 use crate::signals::{borrowed, columns};
 use crate::vehicle::Vehicle;
@@ -32,10 +32,15 @@ impl From<VehicleError> for Failure {
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Request {
+    #[pyo3(from_py_with = text)]
     model: String,
+    #[pyo3(from_py_with = text)]
     method: String,
+    #[pyo3(from_py_with = text)]
     channel: String,
+    #[pyo3(from_py_with = text)]
     procedure: String,
+    #[pyo3(from_py_with = text)]
     part: String,
     columns: Vec<String>,
     flip: Vec<String>,
