@@ -48,7 +48,15 @@ def test_a_log_that_cannot_be_read_raises_or_is_rejected(kraz, tmp_path):
         cgheight.estimate_logs(logs, vehicle=kraz, errors="hide")
     with pytest.raises(ValueError, match="jobs is 0"):
         cgheight.estimate_logs(logs, vehicle=kraz, jobs=0)
-    assert len(cgheight.estimate_logs([], vehicle=kraz).to_frame()) == 0
+
+
+def test_a_frame_without_logs_has_the_columns_and_types_of_others(kraz):
+    none = cgheight.estimate_logs([], vehicle=kraz).to_frame()
+    some = cgheight.estimate_logs(PATHS[:1], vehicle=kraz).to_frame()
+    assert len(none) == 0
+    assert list(none) == list(some)
+    numbers = some.select_dtypes("number").dtypes
+    assert none.dtypes[numbers.index].equals(numbers)
 
 
 @pytest.mark.parametrize(("mass_kg", "shown_kg"), [
