@@ -12,7 +12,6 @@ use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_logs::report::{self, Entry, Trace};
 use cg_vehicle::files;
 use cg_vehicle::scales::Scale;
-use cg_vehicle::{LinearModel, Variant, Vehicle};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -43,11 +42,9 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
         judgment,
         ..EstimateOptions::default()
     }
-    .with_file(&vehicle);
-    if let Some(mass_kg) = arguments.trailer_mass_kg {
-        let speed_mps = arguments.speed_mps.unwrap_or(vehicle.nominal_speed_mps);
-        refuse_mass((&vehicle, options.variant), mass_kg, speed_mps)?;
-    }
+    .with_file(&vehicle)
+    .checked(&vehicle)
+    .context("--trailer-mass-kg")?; // the speed was checked with the arguments
     let truth = arguments.truth.as_deref().map(|path| Truth::load(path, &logs)).transpose()?;
     if logs.iter().filter(|log| log.as_os_str() == "-").count() > 1 {
         return Err(anyhow!("standard input (-) can be read only once"));
@@ -72,20 +69,6 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
     sink::write(arguments.format, &answers).context("standard output: cannot be written")?;
     page.map_or(Ok(()), Draft::publish)?;
     Ok(outcome)
-}
-
-/// Refuses a mass with which the trailer of this vehicle is impossible.
-pub(crate) fn refuse_mass(
-    (vehicle, variant): (&Vehicle, Variant),
-    trailer_mass_kg: f64,
-    speed_mps: f64,
-) -> anyhow::Result<()> {
-    let load = cg_vehicle::Load { trailer_mass_kg, ..vehicle.reference_load() };
-    vehicle.trailer_sprung_mass(load).context("--trailer-mass-kg")?;
-    if variant == Variant::AsPrinted {
-        LinearModel::new(vehicle, variant, speed_mps, load).context("--trailer-mass-kg")?;
-    }
-    Ok(())
 }
 
 /// The report of all logs.

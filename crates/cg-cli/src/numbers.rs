@@ -2,7 +2,7 @@
 
 use cg_core::identify::arx::SampledArx;
 use cg_plant::sensors;
-use cg_vehicle::limits;
+use cg_vehicle::limits::{self, up_to};
 
 /// The least speed, m/s, for which there is a linear model: it divides by the speed.
 const LEAST_SPEED_MPS: f64 = 1e-3;
@@ -16,14 +16,6 @@ pub(crate) fn number(text: &str) -> Result<f64, String> {
 
 fn at_most(value: f64, greatest: f64) -> Result<f64, String> {
     if value <= greatest { Ok(value) } else { Err(format!("must be at most {greatest}")) }
-}
-
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    number(text).and_then(
-        |value| {
-            if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
-        },
-    )
 }
 
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
@@ -44,15 +36,15 @@ fn within(text: &str, least: f64, greatest: f64) -> Result<f64, String> {
 }
 
 pub(crate) fn decibels(text: &str) -> Result<f64, String> {
-    within(text, -300.0, 300.0)
+    within(text, -sensors::GREATEST_SNR_DB, sensors::GREATEST_SNR_DB)
 }
 
 pub(crate) fn height_m(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_HEIGHT_M)
+    up_to(number(text)?, limits::GREATEST_HEIGHT_M)
 }
 
 pub(crate) fn trailer_mass_kg(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_TRAILER_MASS_KG)
+    up_to(number(text)?, limits::GREATEST_TRAILER_MASS_KG)
 }
 
 pub(crate) fn payload_kg(text: &str) -> Result<f64, String> {
@@ -60,11 +52,11 @@ pub(crate) fn payload_kg(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn payload_behind_hitch_m(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_PAYLOAD_BEHIND_HITCH_M)
+    up_to(number(text)?, limits::GREATEST_PAYLOAD_BEHIND_HITCH_M)
 }
 
 pub(crate) fn speed_mps(text: &str) -> Result<f64, String> {
-    let speed_mps = at_most(positive(text)?, limits::GREATEST_SPEED_MPS)?;
+    let speed_mps = up_to(number(text)?, limits::GREATEST_SPEED_MPS)?;
     if speed_mps >= LEAST_SPEED_MPS {
         Ok(speed_mps)
     } else {
@@ -77,16 +69,16 @@ pub(crate) fn steer_rad(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn rate_hz(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_RATE_HZ)
+    up_to(number(text)?, limits::GREATEST_RATE_HZ)
 }
 
 pub(crate) fn duration_s(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_DURATION_S)
+    up_to(number(text)?, limits::GREATEST_DURATION_S)
 }
 
 /// A positive number up to 1 g.
 pub(crate) fn lateral_g(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, 1.0)
+    up_to(number(text)?, 1.0)
 }
 
 pub(crate) fn gate_m(text: &str) -> Result<f64, String> {
@@ -94,7 +86,7 @@ pub(crate) fn gate_m(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn step_rate(text: &str) -> Result<f64, String> {
-    at_most(positive(text)?, limits::GREATEST_STEP_RATE_PER_S)
+    up_to(number(text)?, limits::GREATEST_STEP_RATE_PER_S)
 }
 
 pub(crate) fn speed_change(text: &str) -> Result<f64, String> {

@@ -244,6 +244,16 @@ fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
         }
         if let Some(trailer_mass_kg) = mass_kg {
             vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: height_m })?;
+            let greatest_kg =
+                vehicle.align_settings().mass_range_kg.map_or(f64::MAX, |range| range[1]);
+            if !(trailer_mass_kg <= greatest_kg) {
+                return Err(VehicleError::Model(format!(
+                    "{}: trailer mass {trailer_mass_kg:.0} kg is impossible (the vehicle file allows {:.0} to \
+                     {greatest_kg:.0} kg)",
+                    known.log,
+                    vehicle.empty_trailer_mass_kg()
+                )));
+            }
         }
     }
     Ok(())

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 /// A file and a position in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -12,13 +14,13 @@ pub struct Place {
 }
 
 /// A position in a log file. Lines and rows are counted from one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Position {
     /// The whole file.
     File,
     /// A line of text; comments and blank lines are counted.
     Line(u64),
-    /// A row of a parquet file.
+    /// A row of a parquet file, or of a table in memory.
     Row(u64),
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use cg_core::AlignSettings;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate_with_trips};
 use cg_logs::estimate::{ChannelChoice, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader};
@@ -13,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::error::{log_error, os_error, output_error, vehicle_error};
 use crate::log::{Refused, push_some};
-use crate::options::word;
+use crate::options::{text, word};
 use crate::reading::log_options;
 use crate::signals::{borrowed, columns};
 use crate::vehicle::Vehicle;
@@ -31,10 +32,15 @@ impl From<VehicleError> for Failure {
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Request {
+    #[pyo3(from_py_with = text)]
     model: String,
+    #[pyo3(from_py_with = text)]
     method: String,
+    #[pyo3(from_py_with = text)]
     channel: String,
+    #[pyo3(from_py_with = text)]
     procedure: String,
+    #[pyo3(from_py_with = text)]
     part: String,
     columns: Vec<String>,
     flip: Vec<String>,
@@ -110,12 +116,13 @@ pub(crate) fn calibrate_files(
         let place = logs.iter().position(|log| log.log == known.log);
         place.and_then(|place| sources.get(place))
     };
+    let settings = vehicle.align_settings();
     let trips = runs_of(&contents(states)?, vehicle, how.variant).map_err(vehicle_error)?;
     let mut calibration =
         calibrate_with_trips(vehicle, how, (&logs, &trips), |known, estimator| {
             let fed = match source_of(known) {
                 Some(Source::File(path)) => feed_file(py, path, &options, estimator),
-                Some(Source::Table(table)) => feed_table(py, table, estimator),
+                Some(Source::Table(table)) => feed_table(py, table, estimator, settings),
                 None => Ok(()),
             };
             fed.map_err(Failure)
@@ -140,7 +147,12 @@ fn feed_file(
     Ok(())
 }
 
-fn feed_table(py: Python<'_>, table: &Py<PyDict>, estimator: &mut LogEstimator) -> PyResult<()> {
+fn feed_table(
+    py: Python<'_>,
+    table: &Py<PyDict>,
+    estimator: &mut LogEstimator,
+    settings: AlignSettings<f64>,
+) -> PyResult<()> {
     let arrays = borrowed(table.bind(py))?;
-    columns(&arrays)?.push_all(py, estimator)
+    columns(&arrays)?.push_all(py, estimator, settings).map(|_| ())
 }

@@ -188,9 +188,8 @@ impl FrameStream {
         reading: Reading,
         options: Options,
     ) -> PyResult<Self> {
-        let options = options.checked()?;
         let vehicle = vehicle.get();
-        let options = vehicle.options(options);
+        let options = vehicle.options(options.checked(&vehicle.inner)?);
         let settings = vehicle.inner.align_settings();
         let reading = LogOptions { settings: Some(settings), ..reading.options()? };
         let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;

@@ -2,18 +2,19 @@
 
 use cg_core::RatioLine;
 use cg_core::truck::reduced::ORDER;
+use cg_vehicle::VehicleError;
 use cg_vehicle::compensated::{CompensatedModel, compensated_models};
 use cg_vehicle::reduction::{Method, ReducedModels, reduce};
 use cg_vehicle::response::NamedResponse;
 use cg_vehicle::system::{Rational, TransferFunction};
-use cg_vehicle::{Load, VehicleError};
 use numpy::{Complex64, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::error::vehicle_error;
-use crate::options::{positive, word};
+use crate::options::{speed, word};
 use crate::results::make;
+use crate::scenario::load;
 use crate::vehicle::Vehicle;
 
 /// All results that are computed without the interpreter.
@@ -66,13 +67,8 @@ pub(crate) fn linear_model<'py>(
     let file = &vehicle.get().inner;
     let calibrated = belief.as_ref().map(|belief| belief.applied_to(file));
     let vehicle = calibrated.as_ref().unwrap_or(file);
-    let speed_mps = positive("speed_mps", speed_mps)?.unwrap_or(vehicle.nominal_speed_mps);
-    let reference = vehicle.reference_load();
-    let load = Load {
-        trailer_mass_kg: positive("trailer_mass_kg", trailer_mass_kg)?
-            .unwrap_or(reference.trailer_mass_kg),
-        cg_height_m: positive("height_m", height_m)?.unwrap_or(reference.cg_height_m),
-    };
+    let speed_mps = speed(speed_mps)?.unwrap_or(vehicle.nominal_speed_mps);
+    let load = load(vehicle, height_m, trailer_mass_kg, None)?;
     let compute = || -> Result<Computed, VehicleError> {
         let model = cg_vehicle::LinearModel::new(vehicle, variant, speed_mps, load)?;
         let transfer = model.state_space.to_trailer_roll().transfer_function()?;

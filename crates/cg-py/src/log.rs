@@ -26,9 +26,9 @@ pub(crate) fn estimate_file<'py>(
     flip: Vec<String>,
     options: Options,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let options = options.checked()?;
-    let log_options = log_options(&columns, &flip)?;
     let vehicle = vehicle.get();
+    let options = options.checked(&vehicle.inner)?;
+    let log_options = log_options(&columns, &flip)?;
     let options = vehicle.options(options);
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();

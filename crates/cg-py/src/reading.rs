@@ -8,7 +8,7 @@ use cg_logs::log::{CanOptions, LogOptions, UnknownSignal};
 use pyo3::prelude::*;
 
 use crate::error::{dbc_error, option_error, value_error};
-use crate::options::word;
+use crate::options::{text, word};
 
 /// Options from `columns` as text (`roll=MyName[deg]`) and `flip` as names of signals (`roll`).
 pub(crate) fn log_options(columns: &[String], flip: &[String]) -> PyResult<LogOptions> {
@@ -28,7 +28,9 @@ pub(crate) struct Reading {
     dbc: Option<PathBuf>,
     signals: Vec<String>,
     flip: Vec<String>,
+    #[pyo3(from_py_with = text)]
     roll_compensated: String,
+    #[pyo3(from_py_with = text)]
     vdc2: String,
 }
 

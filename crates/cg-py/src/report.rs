@@ -58,7 +58,7 @@ pub(crate) fn trace_arrays(
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
     let vehicle = vehicle.get();
-    let options = vehicle.options(options.checked()?);
+    let options = vehicle.options(options.checked(&vehicle.inner)?);
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let mut estimator = LogEstimator::from_design(design, vehicle.inner.align_settings(), options);
     let text = py.detach(|| {

@@ -1,12 +1,12 @@
 //! Rollover measures of a loaded vehicle.
 
 use cg_plant::rollover::{Curve, RolloverOptions, measures};
-use cg_vehicle::Load;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::vehicle_error;
-use crate::options::positive;
+use crate::options::{speed, up_to};
+use crate::scenario::load;
 use crate::vehicle::Vehicle;
 
 /// Return all rollover measures of a loaded vehicle, as ``cg rollover`` prints them.
@@ -58,16 +58,11 @@ pub(crate) fn rollover_measures<'py>(
     height_sd_m: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
     let vehicle = &vehicle.get().inner;
-    let reference = vehicle.reference_load();
-    let load = Load {
-        trailer_mass_kg: positive("trailer_mass_kg", trailer_mass_kg)?
-            .unwrap_or(reference.trailer_mass_kg),
-        cg_height_m: positive("height_m", height_m)?.unwrap_or(reference.cg_height_m),
-    };
-    let curve =
-        positive("radius_m", radius_m)?.map(|radius_m| Curve { radius_m, share, height_sd_m });
+    let load = load(vehicle, height_m, trailer_mass_kg, None)?;
+    let radius_m = up_to("radius_m", radius_m, f64::MAX)?;
+    let curve = radius_m.map(|radius_m| Curve { radius_m, share, height_sd_m });
     let defaults = RolloverOptions::of(vehicle);
-    let speed_mps = positive("speed_mps", speed_mps)?.unwrap_or(defaults.speed_mps);
+    let speed_mps = speed(speed_mps)?.unwrap_or(defaults.speed_mps);
     let options = RolloverOptions { speed_mps, curve, ..defaults };
     let all = py.detach(|| measures(vehicle, load, &options)).map_err(vehicle_error)?;
     let fields = PyDict::new(py);

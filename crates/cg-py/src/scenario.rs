@@ -6,20 +6,23 @@ use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::road::Road;
 use cg_plant::sensors::{ChassisSensors, Sensors};
 use cg_plant::simulate::{LogSimulation, Scenario};
-use cg_vehicle::{Load, Vehicle, VehicleError};
+use cg_vehicle::{Load, Vehicle, VehicleError, limits};
 use pyo3::prelude::*;
 
 use crate::error::{value_error, vehicle_error};
-use crate::options::word;
+use crate::options::{text, up_to, word};
 
 /// `cgheight.Scenario`.
 #[derive(FromPyObject)]
 pub(crate) struct Request {
+    #[pyo3(from_py_with = text_if_given)]
     maneuver: Option<String>,
     road: Option<PathBuf>,
     road_twist: bool,
     chassis: ChassisRequest,
+    #[pyo3(from_py_with = text)]
     plant: String,
+    #[pyo3(from_py_with = text)]
     model: String,
     height_m: Option<f64>,
     trailer_mass_kg: Option<f64>,
@@ -73,6 +76,10 @@ struct ChassisRequest {
     tilt_noise_rad: f64,
     tilt_quantisation_rad: f64,
     mounting_rad: f64,
+}
+
+fn text_if_given(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    if value.is_none() { Ok(None) } else { text(value).map(Some) }
 }
 
 impl Request {
@@ -163,6 +170,9 @@ pub(crate) fn load(
         return Err(value_error("trailer_mass_kg and payload_kg are both given: give one"));
     }
     let reference = vehicle.reference_load();
+    let greatest_kg = limits::GREATEST_TRAILER_MASS_KG;
+    let trailer_mass_kg = up_to("trailer_mass_kg", trailer_mass_kg, greatest_kg)?;
+    let height_m = up_to("height_m", height_m, limits::GREATEST_HEIGHT_M)?;
     let payload = payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
     Ok(Load {
         trailer_mass_kg: trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),

@@ -1,17 +1,18 @@
 //! Estimates and predictions from arrays.
 
-use cg_core::Settings;
 use cg_core::truck::lags::RollLags;
+use cg_core::{AlignSettings, Quantity, Settings};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Prediction};
 use cg_logs::learn::Learner;
-use cg_logs::log::{LogRow, Signal};
+use cg_logs::log::{LogRow, Plausibility, Position, Signal};
+use cg_vehicle::limits;
 use numpy::{PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{value_error, vehicle_error};
-use crate::options::Options;
+use crate::options::{Options, up_to};
 use crate::results;
 use crate::vehicle::Vehicle;
 
@@ -83,30 +84,64 @@ impl<'a> Columns<'a> {
     }
 
     pub(crate) fn row(&self, index: usize) -> LogRow {
-        LogRow::from_values(
-            self.values.map(|column| column.map_or(f64::NAN, |values| values[index])),
-        )
+        LogRow::from_values(self.values_of(index))
     }
 
-    /// Passes all rows to an estimator.
-    pub(crate) fn push_all(&self, py: Python<'_>, estimator: &mut LogEstimator) -> PyResult<()> {
+    /// A row whose time and values are [in order](Self::check).
+    pub(crate) fn checked(&self, index: usize) -> Result<LogRow, String> {
+        let row = self.row(index);
+        self.check(index, &row).map(|()| row)
+    }
+
+    fn values_of(&self, index: usize) -> [f64; Signal::COUNT] {
+        self.values.map(|column| column.map_or(f64::NAN, |values| values[index]))
+    }
+
+    /// The quantities that the log has.
+    pub(crate) fn quantities(&self) -> Vec<Quantity> {
+        self.signals().into_iter().filter_map(Signal::quantity).collect()
+    }
+
+    /// A row whose time and values are [in order](Self::check), without values that the truck cannot have.
+    pub(crate) fn believed(
+        &self,
+        index: usize,
+        quantities: &[Quantity],
+        plausibility: &mut Plausibility,
+    ) -> Result<LogRow, String> {
+        let mut values = self.values_of(index);
+        self.check(index, &LogRow::from_values(values))?;
+        plausibility.check(quantities, &mut values, || Position::Row(index as u64 + 1));
+        Ok(LogRow::from_values(values))
+    }
+
+    /// Passes all rows to an estimator, and returns the remarks about their values.
+    pub(crate) fn push_all(
+        &self,
+        py: Python<'_>,
+        estimator: &mut LogEstimator,
+        settings: AlignSettings<f64>,
+    ) -> PyResult<Vec<String>> {
         let rows = self.rows();
+        let mut plausibility = Plausibility::new(settings);
         for start in (0..rows).step_by(ROWS_BETWEEN_LOOKS) {
             let range = start..rows.min(start + ROWS_BETWEEN_LOOKS);
-            py.detach(|| self.push_range(estimator, range)).map_err(value_error)?;
+            py.detach(|| self.push_range(estimator, &mut plausibility, range))
+                .map_err(value_error)?;
             py.check_signals()?;
         }
-        Ok(())
+        Ok(plausibility.remarks())
     }
 
     fn push_range(
         &self,
         estimator: &mut LogEstimator,
+        plausibility: &mut Plausibility,
         range: std::ops::Range<usize>,
     ) -> Result<(), String> {
+        let quantities = self.quantities();
         for index in range {
-            let row = self.row(index);
-            self.check(index, &row)?;
+            let row = self.believed(index, &quantities, plausibility)?;
             estimator
                 .push(&row)
                 .map_err(|error| format!("time_s[{index}] = {}: {error}", row.time_s))?;
@@ -115,7 +150,7 @@ impl<'a> Columns<'a> {
     }
 
     /// Checks the time and the values of a row.
-    pub(crate) fn check(&self, index: usize, row: &LogRow) -> Result<(), String> {
+    fn check(&self, index: usize, row: &LogRow) -> Result<(), String> {
         if let Some(previous_s) = index.checked_sub(1).map(|before| self.time_s[before])
             && row.time_s <= previous_s
         {
@@ -187,8 +222,11 @@ pub(crate) fn estimate_arrays<'py>(
     signals: &Bound<'py, PyDict>,
     options: Options,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let estimator = driven(py, vehicle.get(), signals, options.checked()?)?;
-    let answer = py.detach(|| estimator.finish());
+    let vehicle = vehicle.get();
+    let options = options.checked(&vehicle.inner)?;
+    let (estimator, remarks) = driven(py, vehicle, signals, options)?;
+    let mut answer = py.detach(|| estimator.finish());
+    answer.messages.extend(remarks);
     results::estimate(py, &answer)
 }
 
@@ -202,7 +240,7 @@ pub(crate) fn learn_arrays(
 ) -> PyResult<(String, Vec<String>)> {
     let options = EstimateOptions::default();
     let vehicle = vehicle.get();
-    let log = driven(py, vehicle, signals, options)?;
+    let (log, _) = driven(py, vehicle, signals, options)?;
     let design = *log.design();
     let mut learner = Learner::new(&vehicle.inner, options.variant, vehicle.learned(None)?);
     let taken = py.detach(|| learner.log(log)).map_err(vehicle_error)?;
@@ -211,21 +249,21 @@ pub(crate) fn learn_arrays(
     Ok((text, taken.iter().map(ToString::to_string).collect()))
 }
 
-/// The estimator at the end of a log.
+/// The estimator at the end of a log, and the remarks about its values.
 fn driven(
     py: Python<'_>,
     vehicle: &Vehicle,
     signals: &Bound<'_, PyDict>,
     options: EstimateOptions,
-) -> PyResult<LogEstimator> {
+) -> PyResult<(LogEstimator, Vec<String>)> {
     let arrays = borrowed(signals)?;
     let columns = columns(&arrays)?;
     let options = vehicle.options(options);
     let design = py.detach(|| vehicle.design(options.variant)).map_err(vehicle_error)?;
     let settings = vehicle.inner.align_settings();
     let mut estimator = LogEstimator::from_design(design, settings, options);
-    columns.push_all(py, &mut estimator)?;
-    Ok(estimator)
+    let remarks = columns.push_all(py, &mut estimator, settings)?;
+    Ok((estimator, remarks))
 }
 
 /// Predict the roll angle for a height with the model: an array, one value for each row.
@@ -239,7 +277,8 @@ pub(crate) fn predict_roll<'py>(
     height_m: f64,
     options: Options,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let options = options.checked()?;
+    let options = options.checked(&vehicle.get().inner)?;
+    up_to("height_m", Some(height_m), limits::GREATEST_HEIGHT_M)?;
     let channel = crate::options::channel(channel)?
         .ok_or_else(|| value_error("channel is \"auto\": a prediction needs one channel"))?;
     let arrays = borrowed(signals)?;
@@ -251,8 +290,7 @@ pub(crate) fn predict_roll<'py>(
     let predict = || -> Result<Vec<f64>, String> {
         (0..columns.time_s.len())
             .map(|index| {
-                let row = columns.row(index);
-                columns.check(index, &row)?;
+                let row = columns.checked(index)?;
                 prediction.push(&row).map_err(|error| format!("time_s[{index}]: {error}"))
             })
             .collect()

@@ -2,10 +2,10 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use cg_core::Status;
+use cg_core::{Quantity, Status};
 use cg_logs::estimate::LogEstimator;
 use cg_logs::learn::Learner;
-use cg_logs::log::{LogRow, Signal};
+use cg_logs::log::{LogRow, Plausibility, Position, Signal};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyBytes, PyDict};
@@ -45,13 +45,16 @@ struct State {
 #[derive(Clone, Serialize, Deserialize)]
 struct Now {
     estimator: LogEstimator,
+    plausibility: Plausibility,
+    rows: u64,
     previous_s: f64,
     has_roll_rate: bool,
 }
 
 impl State {
-    fn push(&mut self, row: &LogRow) -> Result<&'static str, String> {
-        check_row(row).map_err(|(name, value)| match value {
+    fn push(&mut self, mut values: [f64; Signal::COUNT]) -> Result<&'static str, String> {
+        let row = LogRow::from_values(values);
+        check_row(&row).map_err(|(name, value)| match value {
             None => format!("{name} is NaN: every row needs a time stamp"),
             Some(value) => format!("{name} = {value} is not finite: use NaN if there is no value"),
         })?;
@@ -62,10 +65,14 @@ impl State {
             ));
         }
         let time_s = row.time_s;
-        self.now.has_roll_rate |= row.roll_rate_radps.is_finite();
-        let status =
-            self.now.estimator.push(row).map_err(|error| format!("time_s = {time_s}: {error}"))?;
-        self.now.previous_s = time_s;
+        let now = &mut self.now;
+        now.has_roll_rate |= row.roll_rate_radps.is_finite();
+        now.rows += 1;
+        let position = Position::Row(now.rows);
+        now.plausibility.check(&Quantity::ALL, &mut values, || position);
+        let pushed = now.estimator.push(&LogRow::from_values(values));
+        let status = pushed.map_err(|error| format!("time_s = {time_s}: {error}"))?;
+        now.previous_s = time_s;
         Ok(match status {
             Status::Absent => "absent",
             Status::Straight => "straight",
@@ -93,9 +100,9 @@ impl Stream {
             options: options.copy()?.unbind(),
             learned: learned.map(str::to_owned),
         };
-        let options = options.extract::<Options>()?.checked()?;
-        let variant = options.variant;
         let vehicle = vehicle.get();
+        let options = options.extract::<Options>()?.checked(&vehicle.inner)?;
+        let variant = options.variant;
         let known = vehicle.learned(learned)?;
         if let Some(state) = state {
             let now = postcard::from_bytes(state).map_err(|error| {
@@ -113,7 +120,13 @@ impl Stream {
         let settings = vehicle.inner.align_settings();
         let options = vehicle.options(options);
         let estimator = LogEstimator::from_design(design, settings, options);
-        let now = Now { estimator, previous_s: f64::NEG_INFINITY, has_roll_rate: false };
+        let now = Now {
+            estimator,
+            plausibility: Plausibility::new(settings),
+            rows: 0,
+            previous_s: f64::NEG_INFINITY,
+            has_roll_rate: false,
+        };
         Ok(Self { state: Mutex::new(State { now, learner }), source })
     }
 
@@ -171,9 +184,8 @@ impl Stream {
         for (name, value) in signals.into_iter().flatten() {
             values[signal(name.extract()?)? as usize] = value.extract()?;
         }
-        let row = LogRow::from_values(values);
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-        state.push(&row).map_err(value_error)
+        state.push(values).map_err(value_error)
     }
 
     /// Return what the truck has learned, as if the log ended here; more rows may follow.
@@ -213,6 +225,7 @@ impl Stream {
         if so_far.has_roll_rate {
             answer.messages.push(RATE_UNUSED.to_owned());
         }
+        answer.messages.extend(so_far.plausibility.remarks());
         results::estimate(py, &answer)
     }
 }

@@ -48,7 +48,27 @@ def test_a_log_that_cannot_be_read_raises_or_is_rejected(kraz, tmp_path):
         cgheight.estimate_logs(logs, vehicle=kraz, errors="hide")
     with pytest.raises(ValueError, match="jobs is 0"):
         cgheight.estimate_logs(logs, vehicle=kraz, jobs=0)
-    assert len(cgheight.estimate_logs([], vehicle=kraz).to_frame()) == 0
+
+
+def test_a_frame_without_logs_has_the_columns_and_types_of_others(kraz):
+    none = cgheight.estimate_logs([], vehicle=kraz).to_frame()
+    some = cgheight.estimate_logs(PATHS[:1], vehicle=kraz).to_frame()
+    assert len(none) == 0
+    assert list(none) == list(some)
+    numbers = some.select_dtypes("number").dtypes
+    assert none.dtypes[numbers.index].equals(numbers)
+
+
+@pytest.mark.parametrize(("mass_kg", "shown_kg"), [
+    ((20_000.0, 300.0), 20_000.0), (21_000, 21_000.0), ("heavy", None), ((), None),
+])  # fmt: skip
+def test_a_rejected_log_has_the_given_mass_however_it_was_given(mass_kg, shown_kg, kraz, tmp_path):
+    logs = [PATHS[0], tmp_path / "nowhere.csv"]
+    batch = cgheight.estimate_logs(logs, vehicle=kraz, trailer_mass_kg=mass_kg, errors="reject")
+    shown_kg = shown_kg or kraz.reference_trailer_mass_kg
+    assert batch[1].trailer_mass_kg == shown_kg
+    assert list(batch.to_frame().trailer_mass_kg)[1] == shown_kg
+    assert f"{shown_kg:.0f} kg" in batch[1]._repr_html_()
 
 
 def test_polars_pandas_arrow_and_files_give_the_same(kraz, turn, tmp_path):

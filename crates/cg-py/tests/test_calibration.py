@@ -203,3 +203,13 @@ def test_a_calibrated_truck_has_its_compensated_models(kraz, calibration, tmp_pa
             assert transfer.dc_gain == pytest.approx(1.0, rel=1e-6)
     with pytest.raises(ValueError, match="other model"):
         cgheight.linear_model(kraz.calibrated(calibration), model="as-printed")
+
+
+def test_a_mass_that_gives_no_ratio_is_named(kraz, tmp_path):
+    log, file = LOGS / "A_p20_h190_v50_L.csv", tmp_path / "truck.toml"
+    with pytest.raises(ValueError, match=r"281390 kg is impossible \(the vehicle file allows 8684"):
+        cgheight.calibrate(kraz, [(log, 1.9, 281_390)], file)
+    with pytest.raises(ValueError, match=r"45000 kg is outside the design \(\d+ to \d") as told:
+        cgheight.calibrate(kraz, [(log, 1.9, 45_000)], file)
+    assert str(told.value).count("45000") == 1
+    assert "speed" not in str(told.value)

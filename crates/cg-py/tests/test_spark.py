@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import sys
 
 import numpy as np
@@ -188,3 +189,11 @@ def test_a_column_that_is_not_there_is_named(spark, kraz):
         learn_trips(table, vehicle=kraz)
     with pytest.raises(ValueError, match="no column path"):
         learn_files(table, vehicle=kraz)
+
+
+def test_a_rejected_trip_has_the_given_mass_also_with_its_standard_deviation(kraz, tmp_path):
+    logs = [("one", str(tmp_path / "nowhere.csv"))]
+    options = {"trailer_mass_kg": (20_000.0, 300.0)}
+    table = cgheight.spark._table(cgheight.spark._estimated, pickle.dumps(kraz), logs, options)
+    assert table.column("trailer_mass_kg").to_pylist() == [20_000.0]
+    assert table.column("status").to_pylist() == ["rejected"]

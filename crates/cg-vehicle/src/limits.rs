@@ -21,13 +21,26 @@ pub const GREATEST_DURATION_S: f64 = 86_400.0;
 /// Number of rows of a simulated log.
 pub const GREATEST_ROWS: f64 = 1e7;
 
+/// A number that is positive and not above its limit.
+///
+/// # Errors
+/// What it must be: "must be positive" or "must be at most 60".
+pub fn up_to(value: f64, greatest: f64) -> Result<f64, String> {
+    if !(value > 0.0) {
+        Err("must be positive".to_owned())
+    } else if value > greatest {
+        Err(format!("must be at most {greatest}"))
+    } else {
+        Ok(value)
+    }
+}
+
 /// Checks that a number is positive and not above its limit.
 ///
 /// # Errors
 /// [`VehicleError::Model`] with the name, the value and the limit.
 pub fn positive(name: &str, value: f64, greatest: f64) -> Result<(), VehicleError> {
-    if value > 0.0 && value <= greatest {
-        return Ok(());
-    }
-    Err(VehicleError::Model(format!("{name} {value} must be positive and at most {greatest}")))
+    up_to(value, greatest).map(|_| ()).map_err(|_| {
+        VehicleError::Model(format!("{name} {value} must be positive and at most {greatest}"))
+    })
 }

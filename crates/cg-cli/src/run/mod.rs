@@ -59,7 +59,6 @@ use cg_vehicle::design::design;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 
-use crate::estimate::refuse_mass;
 use crate::outcome::Outcome;
 use events::Event;
 use frames::Frames;
@@ -87,9 +86,12 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     refuse_outputs(arguments)?;
     refuse_endless_warnings(arguments)?;
     let vehicle = arguments.truck.load()?;
-    if let Some(mass_kg) = arguments.trailer_mass_kg {
-        refuse_mass((&vehicle, arguments.truck.model), mass_kg, vehicle.nominal_speed_mps)?;
-    }
+    let known = EstimateOptions {
+        variant: arguments.truck.model,
+        trailer_mass_kg: arguments.trailer_mass_kg,
+        ..EstimateOptions::default()
+    };
+    known.checked(&vehicle).context("--trailer-mass-kg")?;
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let recording = Recording::open(arguments, &options)?;

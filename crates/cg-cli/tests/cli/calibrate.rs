@@ -181,6 +181,8 @@ fn a_run_that_is_no_run_is_refused_with_the_form_it_needs() {
     calibrate(&kraz(), &twice, &file).refused(&["given twice"]);
     calibrate(&kraz(), &["-=1.9".to_owned()], &file).refused(&["cannot be read twice"]);
     calibrate(&kraz(), &[format!("{log}=1.9,500")], &file).refused(&["below the empty trailer's"]);
+    calibrate(&kraz(), &[format!("{log}=1.9,281390")], &file)
+        .refused(&["trailer mass 281390 kg is impossible (the vehicle file allows 8684 to"]);
     calibrate(&kraz(), &[format!("{log}=1.9")], &scratch.path("c.json"))
         .refused(&["ends in .toml"]);
     assert!(scratch.names().is_empty());

@@ -2,11 +2,12 @@
 
 use cg_core::signal::j1939::{Compensation, Slope};
 use cg_core::{AlignSettings, Quantity};
+use serde::{Deserialize, Serialize};
 
 use crate::place::Position;
 
 /// A counted kind of finding: its count, its first value and the position of this value in a log.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct FindingCount {
     count: u64,
     first: f64,
@@ -25,7 +26,7 @@ impl FindingCount {
 }
 
 /// Counts of implausible and doubtful values.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     implausible: [FindingCount; Quantity::COUNT],
     degraded: FindingCount,

@@ -6,6 +6,7 @@ use cg_core::{Maneuver, Reject};
 use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use super::intake::{Identified, LogEstimator};
 use super::options::QUANTILE_95;
+use super::reason::reason;
 use super::road::RoadPart;
 
 /// Value of [`LogEstimate::channel`] if several channels were used.
@@ -222,10 +223,7 @@ impl LogEstimator {
             identified.messages.splice(0..0, remark);
         }
         for channel in self.reported_channels() {
-            let Some(height) = self.engine.height(channel) else {
-                identified.messages.push(format!("{channel} channel: {}", self.rejection(channel)));
-                continue;
-            };
+            let Some(height) = self.engine.height(channel) else { continue };
             // Heights do not depend on speed, so both ratios can refer to one speed.
             let ratio = self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
@@ -239,12 +237,31 @@ impl LogEstimator {
             told.retain(|told| !identified.messages.contains(told));
             identified.messages.append(&mut told);
         }
+        identified.messages.extend(self.rejections());
         let by_road = |one: &Channel| matches!(self.last_reject(*one), Some(Reject::Road { .. }));
         let hidden = Channel::ALL.into_iter().find(by_road);
         if let Some(channel) = hidden.filter(|_| identified.ratio.iter().all(Option::is_none)) {
             identified.messages.extend(self.road(channel, None));
         }
         identified
+    }
+
+    /// Why channels have no height, each reason once.
+    fn rejections(&self) -> impl Iterator<Item = String> {
+        let mut found: Vec<(String, Vec<String>)> = Vec::new();
+        let mut channels = self.reported_channels();
+        channels.retain(|&channel| self.engine.height(channel).is_none());
+        for channel in channels {
+            let why = self.rejection(channel);
+            match found.iter_mut().find(|(known, _)| *known == why) {
+                Some((_, names)) => names.push(channel.to_string()),
+                None => found.push((why, vec![channel.to_string()])),
+            }
+        }
+        found.into_iter().map(|(why, names)| {
+            let plural = if names.len() > 1 { "s" } else { "" };
+            format!("{} channel{plural}: {why}", names.join(", "))
+        })
     }
 
     /// The result without a height.
@@ -275,7 +292,10 @@ impl LogEstimator {
                 .maneuvers
                 .iter()
                 .map(|maneuver| {
-                    ManeuverEstimate::new(maneuver, &maneuver.outcomes[shown.index()], origin_s)
+                    let outcome = &maneuver.outcomes[shown.index()];
+                    let why = outcome.height_m.err().map(|why| reason(&self.design, &why));
+                    let one = ManeuverEstimate::new(maneuver, outcome, origin_s);
+                    ManeuverEstimate { reason: why, ..one }
                 })
                 .collect(),
             messages: Vec::new(),
@@ -299,8 +319,8 @@ impl LogEstimator {
     /// The result of one channel alone.
     fn alone(&self, channel: Channel) -> ChannelEstimate {
         let height = self.engine.height(channel);
-        let reason = || match self.last_reject(channel) {
-            Some(reject) => reject.to_string(),
+        let why = || match self.last_reject(channel) {
+            Some(reject) => reason(&self.design, &reject),
             None => "no maneuver".to_owned(),
         };
         ChannelEstimate {
@@ -308,7 +328,7 @@ impl LogEstimator {
             height_m: height.map(|height| height.height_m.value),
             height_sd_m: height.map(|height| height.height_m.sd),
             status: if height.is_some() { Verdict::Ok } else { Verdict::Rejected },
-            reason: height.is_none().then(reason),
+            reason: height.is_none().then(why),
         }
     }
 

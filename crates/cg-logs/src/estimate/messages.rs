@@ -4,6 +4,7 @@ use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject, Word};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
+use super::reason::reason;
 use super::road::RoadPart;
 use crate::unscaled::unscaled;
 
@@ -23,7 +24,7 @@ impl LogEstimator {
             .maneuvers
             .iter()
             .filter_map(|maneuver| maneuver.outcomes[shown.index()].height_m.err())
-            .map(|reason| reason.to_string())
+            .map(|reject| reason(&self.design, &reject))
             .collect();
         match reasons.last() {
             None => "rejected: unexcited, the log contains no turn (at least 0.5 m/s² of lateral \
@@ -186,7 +187,8 @@ impl LogEstimator {
         let mut without = Channel::ALL.into_iter().filter(|&one| self.engine.height(one).is_none());
         let reject = without.find_map(of);
         let why = reject
-            .map_or_else(String::new, |(channel, reject)| format!("{channel} channel: {reject}; "));
+            .map(|(one, reject)| format!("{one} channel: {}; ", reason(&self.design, &reject)))
+            .unwrap_or_default();
         format!("{why}{}, which is wrong too if the roll angle is wrong", self.heights())
     }
 
@@ -197,7 +199,7 @@ impl LogEstimator {
         }
         let channel = Channel::ALL.into_iter().find(|&one| self.engine.height(one).is_none())?;
         let reject = self.last_reject(channel).filter(|reject| *reject != Reject::Absent)?;
-        Some(format!("{channel} channel left out: {reject}"))
+        Some(format!("{channel} channel left out: {}", reason(&self.design, &reject)))
     }
 
     /// Likely causes of a contradiction, in words.

@@ -3,6 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `options` | options of the estimate |
+//! | `known` | speed and trailer mass that replace those of the log: what they may be |
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
@@ -21,10 +22,12 @@
 //! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `intake` | processing of the rows |
 //! | `scatter` | whether curves contradict each other, as on a banked road |
+//! | `reason` | why a maneuver has no height |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
 mod options;
+mod known;
 mod answer;
 mod engine;
 mod pair;
@@ -44,6 +47,7 @@ mod road;
 mod intake;
 mod diagnosis;
 mod scatter;
+mod reason;
 mod messages;
 mod finish;
 mod prediction;
@@ -54,6 +58,7 @@ pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
+pub use known::{known_mass, known_speed};
 pub use leaning::Leaning;
 pub use left_out::{Doubt, LeftOut};
 pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};

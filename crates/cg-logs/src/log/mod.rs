@@ -8,6 +8,7 @@
 //! | rows | `rows`, `batches`, `frames` | reads CSV, parquet or CAN frames; skips comments |
 //! | signals | `heading`, `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
 //! | samples | `roll_rate`, `preparation` | aligns channels of different rasters; roll angles from a roll rate |
+//! | values | `plausibility` | drops values that the truck cannot have, and counts them |
 //! | log | `reader`, `writer`, `candump` | checks time and values; the public interface |
 //!
 //! # Format
@@ -53,6 +54,7 @@ mod source;
 mod frame_text;
 mod roll_rate;
 mod preparation;
+mod plausibility;
 mod reader;
 mod writer;
 
@@ -61,6 +63,7 @@ pub use error::{ColumnName, LogError, Place, Position};
 pub use frame_text::FrameText;
 pub use frames::FrameRows;
 pub use options::{CanOptions, ColumnMap, LogOptions, OptionError};
+pub use plausibility::Plausibility;
 pub use preparation::Preparation;
 pub use reader::LogReader;
 pub use signal::{LogRow, Signal, UnknownSignal};

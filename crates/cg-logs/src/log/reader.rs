@@ -8,14 +8,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::batches::Batches;
 use super::columns::Column;
-use cg_core::{AlignSettings, Quantity};
+use cg_core::Quantity;
 use cg_vehicle::scales::Scale;
-
-use crate::can::Tally;
 
 use super::error::{ColumnName, LogError, Place, Position};
 use super::frames::{Frames, is_asc, is_candump};
 use super::options::LogOptions;
+use super::plausibility::Plausibility;
 use super::preparation::Preparation;
 use super::rows::Rows;
 use super::signal::{LogRow, Signal};
@@ -48,9 +47,8 @@ pub struct LogReader {
     quantities: Box<[Quantity]>,
     time_index: usize,
     values: [f64; Signal::COUNT],
-    settings: Option<AlignSettings<f64>>,
-    /// Counts of values that the truck cannot have.
-    tally: Tally,
+    /// What the truck can have, if it is known.
+    plausibility: Option<Plausibility>,
     preparation: Option<Preparation>,
     /// The line of the row that was given last, if rows are prepared.
     given_line: Option<u64>,
@@ -155,8 +153,7 @@ impl LogReader {
             time_index: body.time_index(),
             body,
             values: [f64::NAN; Signal::COUNT],
-            settings: options.settings,
-            tally: Tally::default(),
+            plausibility: options.settings.map(Plausibility::new),
             preparation: None,
             given_line: None,
             at_end: false,
@@ -245,7 +242,10 @@ impl LogReader {
         // again.
         let previous_s = std::mem::replace(&mut self.previous_s, time_s);
         if time_s > previous_s {
-            self.drop_implausible();
+            if let Some(plausibility) = &mut self.plausibility {
+                let body = &self.body;
+                plausibility.check(&self.quantities, &mut self.values, || body.position());
+            }
             Ok(Some(LogRow::from_values(self.values)))
         } else {
             let error = self.bad_time(time_s, previous_s);
@@ -253,28 +253,9 @@ impl LogReader {
         }
     }
 
-    /// Replaces values that the truck cannot have by NaN.
-    #[inline]
-    fn drop_implausible(&mut self) {
-        let Some(settings) = self.settings else { return };
-        for place in 0..self.quantities.len() {
-            let quantity = self.quantities[place];
-            let value = self.values[Signal::from(quantity) as usize];
-            if !value.is_nan() && !settings.believes(quantity, value) {
-                self.implausible(quantity, value);
-            }
-        }
-    }
-
-    #[cold]
-    fn implausible(&mut self, quantity: Quantity, value: f64) {
-        self.tally.implausible(quantity, value, Some(self.body.position()));
-        self.values[Signal::from(quantity) as usize] = f64::NAN;
-    }
-
     /// Findings about values since the last call, each as signal and sentence.
     pub fn news(&mut self) -> Vec<(&'static str, String)> {
-        self.tally.news(&self.settings.unwrap_or_default())
+        self.plausibility.as_mut().map(Plausibility::news).unwrap_or_default()
     }
 
     /// All findings so far, as text for the user.
@@ -284,13 +265,13 @@ impl LogReader {
             _ => Vec::new(),
         };
         remarks.extend(self.preparation.iter().flat_map(Preparation::remarks));
-        remarks.extend(self.tally.remarks(&self.settings.unwrap_or_default()));
+        remarks.extend(self.plausibility.iter().flat_map(Plausibility::remarks));
         remarks
     }
 
     /// Number of values so far that the truck cannot have. They were replaced by NaN.
     pub fn implausible_values(&self) -> u64 {
-        self.tally.implausible_values()
+        self.plausibility.as_ref().map_or(0, Plausibility::values)
     }
 
     #[cold]

@@ -29,6 +29,8 @@ use crate::random::standard_normal;
 use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::error::VehicleError;
 
+/// The greatest signal-to-noise ratio, and the greatest ratio of noise to signal.
+pub const GREATEST_SNR_DB: f64 = 300.0;
 /// The greatest offset of roll and steer.
 pub const GREATEST_OFFSET_RAD: f64 = 0.2;
 /// The greatest step of quantization.
@@ -85,6 +87,12 @@ impl Sensors {
     pub fn check(&self, rate_hz: f64) -> Result<(), VehicleError> {
         let half_s = 0.5 / rate_hz;
         refuse_outside(&[
+            (
+                "signal-to-noise ratio (dB)",
+                self.snr_db.unwrap_or(0.0),
+                -GREATEST_SNR_DB,
+                GREATEST_SNR_DB,
+            ),
             ("roll offset (rad)", self.roll_offset_rad, -GREATEST_OFFSET_RAD, GREATEST_OFFSET_RAD),
             (
                 "steer offset (rad)",

@@ -50,33 +50,16 @@ class Estimates(Sequence[Estimate]):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas DataFrame with one row for each log.
 
-        The columns are those of ``cg estimate --format csv``: the attributes of `Estimate`, with
-        the interval in two columns, the number of maneuvers, and all messages in one text.
+        The columns are the name of the log and the attributes of `Estimate`, with the interval in
+        two columns, the number of maneuvers, all messages in one text, and height and standard
+        deviation of each channel alone. ``cg estimate --format csv`` has other columns.
         """
-        return _numbers(need("pandas", "pandas").DataFrame(self.to_rows()))
+        frame = need("pandas", "pandas").DataFrame(self.to_rows(), columns=_column_names())
+        return _numbers(frame).astype({"maneuvers": "int64"})
 
     def to_rows(self) -> list[dict[str, Any]]:
         """Return the rows of `to_frame` as dicts, with None where a number is absent."""
-        rows = []
-        for log, one in zip(self.logs, self.estimates, strict=True):
-            row: dict[str, Any] = {"log": log}
-            for field in fields(one):
-                value = getattr(one, field.name)
-                if field.name == "channels":
-                    continue
-                if field.name == "height_ci95_m":
-                    row["height_ci95_low_m"], row["height_ci95_high_m"] = value or (None, None)
-                else:
-                    row[field.name] = value
-            row |= {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
-            alone = {each.channel: each for each in one.channels}
-            for channel in ("steer", "lateral-acceleration", "suspension", "tractor"):
-                name = channel.replace("-", "_")
-                each = alone.get(channel)
-                row[f"{name}_height_m"] = each and each.height_m
-                row[f"{name}_height_sd_m"] = each and each.height_sd_m
-            rows.append(row)
-        return rows
+        return [_row(log, one) for log, one in zip(self.logs, self.estimates, strict=True)]
 
     def maneuvers_frame(self) -> pd.DataFrame:
         """Return a pandas DataFrame with one row for each maneuver: its log and its attributes."""
@@ -110,13 +93,38 @@ class Estimates(Sequence[Estimate]):
         return f"<p>{_show.escape(repr(self))}</p>" + _show.grid(header, rows)
 
 
+def _row(log: str, one: Estimate) -> dict[str, Any]:
+    """Return the row of a log in the frame of all logs."""
+    row: dict[str, Any] = {"log": log}
+    for field in fields(one):
+        value = getattr(one, field.name)
+        if field.name == "channels":
+            continue
+        if field.name == "height_ci95_m":
+            row["height_ci95_low_m"], row["height_ci95_high_m"] = value or (None, None)
+        else:
+            row[field.name] = value
+    row |= {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}
+    alone = {each.channel: each for each in one.channels}
+    for channel in ("steer", "lateral-acceleration", "suspension", "tractor"):
+        name = channel.replace("-", "_")
+        each = alone.get(channel)
+        row[f"{name}_height_m"] = each and each.height_m
+        row[f"{name}_height_sd_m"] = each and each.height_sd_m
+    return row
+
+
+def _column_names() -> list[str]:
+    return list(_row("", rejected("", 0.0, {})))
+
+
 def _numbers(table: pd.DataFrame) -> pd.DataFrame:
     """Return the table with NaN where numbers are absent."""
     names = [name for name in table if str(name).endswith(_UNITS) or name == "ratio"]
     return table.astype(dict.fromkeys(names, "float64"))
 
 
-_UNITS = ("_m", "_s", "_sd", "_mps", "_kg", "_db", "_percent", "_g")
+_UNITS = ("_m", "_s", "_sd", "_mps", "_kg", "_db", "_percent", "_g", "_share")
 
 
 def check_work(jobs: int | None, errors: str) -> None:

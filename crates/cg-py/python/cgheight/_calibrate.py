@@ -46,7 +46,7 @@ def calibrate(
     runs: Iterable[Run],
     output: str | os.PathLike[str],
     *,
-    from_state: Iterable[str | os.PathLike[str]] = (),
+    from_state: Iterable[str | os.PathLike[str]] | str | os.PathLike[str] = (),
     model: Literal["complete", "as-printed"] = "complete",
     method: Literal["filtered", "arx", "gain"] = "filtered",
     procedure: Literal["maximum-a-posteriori", "compensation"] = "maximum-a-posteriori",
@@ -71,7 +71,7 @@ def calibrate(
         are in the vehicle file. A height that is None is not known and is found.
     output : str or os.PathLike
         The calibration file (TOML) to write; it appears only when it is complete.
-    from_state : iterable of str or os.PathLike
+    from_state : iterable of str or os.PathLike, or one of them
         Trips of this truck with the empty trailer, which become runs: state files of ``cg run``, or
         the texts that `learn_log`, `Estimator.learned` and `cgheight.spark.learn_trips` give. They
         tell the truck of the newest trip; a trip that is given twice counts once.
@@ -131,7 +131,7 @@ def calibrate(
         "date": datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         "force": bool(force),
     }
-    states = [_state(position, state) for position, state in enumerate(from_state)]
+    states = [_state(position, state) for position, state in enumerate(_listed(from_state))]
     with TemporaryDirectory() as folder:
         given = [_given(place, run, columns, flip, folder) for place, run in enumerate(runs)]
         _native.calibrate_files(vehicle, given, states, output, request)
@@ -164,6 +164,12 @@ def _known(name: str, load: list[Any], run: Run) -> _Known:
 
 def _optional(name: str, value: float | None) -> float | None:
     return None if value is None else number(name, value)
+
+
+def _listed(
+    states: Iterable[str | os.PathLike[str]] | str | os.PathLike[str],
+) -> Iterable[str | os.PathLike[str]]:
+    return [states] if isinstance(states, str | os.PathLike) else states
 
 
 def _state(position: int, state: str | os.PathLike[str]) -> tuple[str, str | None]:

@@ -20,8 +20,13 @@ SIGNALS: Mapping[str, str] = MappingProxyType(_native.signals())
 _CLOCK = "clock"
 
 
-def maps(columns: Mapping[str, str] | None) -> list[str]:
+def maps(columns: Mapping[str, str] | None, keyword: str = "columns") -> list[str]:
     """Return column names in the form of the compiled module: ``roll=MyName[deg]``."""
+    if columns is not None and not isinstance(columns, Mapping):
+        raise ValueError(
+            f"{keyword} is a {type(columns).__name__}: give a dict of signals and their names, "
+            'such as {"roll": "MyName[deg]"}'
+        )
     return [f"{signal}={name}" for signal, name in (columns or {}).items()]
 
 

@@ -147,7 +147,7 @@ def estimate_table(
     vehicle: _native.Vehicle, arrays: dict[str, NDArray[np.float64]], options: dict[str, Any]
 ) -> Estimate:
     """Estimate from the signals of a table, with the remarks about its preparation."""
-    arrays, remarks = prepared(arrays)
+    arrays, remarks = prepared(arrays, vehicle)
     answer = _native.estimate_arrays(vehicle, arrays, options)
     return replace(answer, messages=(*answer.messages, *remarks)) if remarks else answer
 
@@ -224,7 +224,7 @@ def estimate_log(
 
 
 class EstimatorOptions(TypedDict, total=False):
-    """The keywords of `Estimator`."""
+    """The keywords of `Estimator`, except `learned`."""
 
     speed_mps: float | None
     trailer_mass_kg: float | tuple[float, float] | None
@@ -236,6 +236,10 @@ class EstimatorOptions(TypedDict, total=False):
 
 def stream_options(options: EstimatorOptions) -> dict[str, Any]:
     """Return the keywords of `Estimator` in the form of the compiled module."""
+    known = EstimatorOptions.__annotations__
+    unknown = [name for name in options if name not in known]
+    if unknown:
+        raise TypeError(f"there is no keyword {', '.join(unknown)}; there are {', '.join(known)}")
     return shared_options(
         options.get("method", "filtered"),
         options.get("channel", "auto"),

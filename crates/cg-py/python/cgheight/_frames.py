@@ -57,7 +57,7 @@ def reading(
         )
     return {
         "dbc": None if dbc is None else os.fspath(dbc),
-        "signals": maps(signals),
+        "signals": maps(signals, "signals"),
         "flip": flips(flip),
         "roll_compensated": roll_compensated,
         "vdc2": vdc2,

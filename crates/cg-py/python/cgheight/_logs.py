@@ -31,10 +31,13 @@ def refuse_columns(columns: Mapping[str, str] | None) -> None:
 
 
 def prepared(
-    table: dict[str, NDArray[np.float64]],
+    table: dict[str, NDArray[np.float64]], vehicle: _native.Vehicle | None = None
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]]:
-    """Align channels of different rasters, and make roll angles of a roll rate."""
-    return _native.prepare(table) or (table, [])
+    """Align channels of different rasters, and make roll angles of a roll rate.
+
+    Values that the vehicle cannot have are absent then.
+    """
+    return _native.prepare(table, vehicle) or (table, [])
 
 
 def log_table(

@@ -245,7 +245,7 @@ def estimate_file(
     """Estimate from a log file (CSV, CSV in gzip, parquet, candump)."""
 
 def prepare(
-    signals: dict[str, NDArray[np.float64]], /
+    signals: dict[str, NDArray[np.float64]], vehicle: Vehicle | None, /
 ) -> tuple[dict[str, NDArray[np.float64]], list[str]] | None:
     """Align channels of different rasters, and make roll angles of a roll rate."""
 

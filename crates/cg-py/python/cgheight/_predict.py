@@ -60,10 +60,8 @@ def predict_roll(
     FileNotFoundError
         There is no such file.
     ValueError
-        The log is not as described, or a number is not positive.
+        The log is not as described, or the vehicle cannot have the height, the speed or the mass.
     """
     options = shared_options("filtered", "auto", model, speed_mps, trailer_mass_kg)
     height = number("height_m", height_m)
-    if not (np.isfinite(height) and height > 0):
-        raise ValueError(f"height_m is {height}: it must be positive and finite")
     return _native.predict_roll(vehicle, signals(log, columns, flip), channel, height, options)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
+from numbers import Real
 from typing import Any, Literal
 
 from cgheight import _show
@@ -183,6 +184,12 @@ class Estimate:
         return summary + table + _show.messages(self.messages)
 
 
+def _mass_kg(given: object, usual_kg: float) -> float:
+    """Return a mass that was given, alone or with its standard deviation."""
+    mass = given[0] if isinstance(given, tuple) and given else given
+    return float(mass) if isinstance(mass, Real) else usual_kg
+
+
 def rejected(message: str, trailer_mass_kg: float, options: dict[str, Any]) -> Estimate:
     """Return the result for a log that could not be read."""
     method = options.get("method", "filtered")
@@ -190,7 +197,7 @@ def rejected(message: str, trailer_mass_kg: float, options: dict[str, Any]) -> E
     known: dict[str, Any] = {
         "status": "rejected",
         "method": method if isinstance(method, str) else "arx",
-        "trailer_mass_kg": options.get("trailer_mass_kg") or trailer_mass_kg,
+        "trailer_mass_kg": _mass_kg(options.get("trailer_mass_kg"), trailer_mass_kg),
         "channels": (),
         "maneuvers": (),
         "messages": (f"rejected: {message}",),

@@ -7,6 +7,8 @@ import os
 from dataclasses import KW_ONLY, dataclass, fields
 from typing import Any, Literal
 
+import numpy as np
+
 from cgheight._arrays import number
 
 ManeuverName = Literal["rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"]
@@ -27,10 +29,18 @@ _OF_MANEUVERS = (
 )
 
 
+# The seeds of the random numbers have 64 bits.
+_GREATEST_SEED = 2**64 - 1
+
+
 def _numbers(options: Any) -> None:
-    """Convert the fields of type float, or raise a ValueError that names the wrong one."""
+    """Convert the fields of type float and bool, or raise a ValueError that names the wrong one."""
     for each in fields(options):
         value = getattr(options, each.name)
+        if each.type == "bool":
+            if not isinstance(value, bool | np.bool_):
+                raise ValueError(f"{each.name} is {value!r}: it must be True or False")
+            object.__setattr__(options, each.name, bool(value))
         if "float" in str(each.type) and value is not None:
             object.__setattr__(options, each.name, number(each.name, value))
 
@@ -173,7 +183,7 @@ class Scenario:
     sensors : Sensors
         The errors of the sensors.
     seed : int
-        Seed of the random numbers for sensors, drive and road.
+        Seed of the random numbers for sensors, drive and road, 0 or more.
     """
 
     maneuver: ManeuverName | None = None
@@ -213,4 +223,7 @@ class Scenario:
             kind = "a drive on a road" if self.road is None else "a maneuver"
             raise ValueError(f"{', '.join(given)}: only for {kind}; leave it out")
         _numbers(self)
-        object.__setattr__(self, "seed", operator.index(self.seed))
+        seed = operator.index(self.seed)
+        if not 0 <= seed <= _GREATEST_SEED:
+            raise ValueError(f"seed is {seed}: it must be from 0 to {_GREATEST_SEED}")
+        object.__setattr__(self, "seed", seed)

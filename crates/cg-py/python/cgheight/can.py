@@ -116,7 +116,8 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
     dbc, signals, flip, roll_compensated, vdc2
         As for `read_log`.
     **options
-        Keywords of `Estimator`: ``calibration``, ``speed_mps``, ``trailer_mass_kg``, ….
+        Keywords of `Estimator` except ``learned``: ``calibration``, ``speed_mps``,
+        ``trailer_mass_kg``, ``method``, ``channel``, ``model``.
 
     Attributes
     ----------
@@ -129,6 +130,8 @@ class HeightListener(can.Listener):  # type: ignore[misc,name-defined]  # import
         There is no such DBC or calibration file.
     ValueError
         An option is out of range, or the DBC file does not contain a signal.
+    TypeError
+        There is no such keyword.
 
     Examples
     --------

@@ -276,6 +276,14 @@ fn ratios_of_a_rejected_log_have_no_remark() {
     assert!(identified.messages[1].starts_with("lateral-acceleration channel: rejected"));
 }
 
+/// Channels that have no height for the same reason share its sentence.
+#[test]
+fn a_reason_of_several_channels_is_told_once() {
+    let messages = one(quiet(), [IMPRECISE, IMPRECISE]).identified().messages;
+    let expected = "steer, lateral-acceleration channels: rejected: the ratio is uncertain by 50 %";
+    assert_eq!(messages, [expected]);
+}
+
 #[test]
 fn a_mass_from_the_log_or_the_options_is_known() {
     let known = |options, seen: bool| {
