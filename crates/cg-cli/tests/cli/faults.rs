@@ -243,6 +243,67 @@ fn the_mass_of_another_load_is_not_kept() {
     }
 }
 
+/// A trailer that was loaded while `cg run` did not run: the height of the empty one is not shown beside the new mass.
+#[test]
+fn a_height_of_another_mass_is_not_shown() {
+    let scratch = Scratch::new();
+    let step = |name: &str, payload_kg: &str, height_m: &str| {
+        let load = ["--payload-kg", payload_kg, "--height-m", height_m];
+        scratch.simulate(name, &kraz(), &[&["--maneuver", "rounded-step"][..], &load].concat())
+    };
+    let [empty, laden] = [step("empty.csv", "0", "1.33"), step("laden.csv", "20000", "1.9")];
+    let state = scratch.path("state.json");
+    let run = |log: &str| {
+        let more = ["--csv", log, "--state", &state, "--status-s", "3", "--learn", "off"];
+        lines(&cg(&[&["run", "--vehicle", &kraz()][..], &more].concat()).told(0, &[]))
+    };
+    assert!(run(&empty).iter().any(|line| line["height_m"].is_number()));
+    let found = run(&laden);
+    let mut notices = events(&found, "notice").into_iter();
+    assert!(notices.any(|line| line["subject"] == "load"), "{found:?}");
+    let turned = found.iter().position(|line| line["event"] == "maneuver").unwrap();
+    for line in found[..turned].iter().filter(|line| line["event"] == "status") {
+        assert!(line["height_m"].is_null() && line["margin_g"].is_null(), "{line}");
+        assert_eq!(line["trailer_mass_kg"], 28684.0);
+    }
+    assert!(turned > 2 && found[turned]["height_m"].is_number());
+}
+
+/// A roll sensor that measures turns to one side a third too great, in turns that alternate: the first height would
+/// stand with a narrow interval, because no two maneuvers in a row contradict it.
+#[test]
+fn maneuvers_that_contradict_each_other_are_told() {
+    let scratch = Scratch::new();
+    let truck = kraz();
+    let turn = ["--maneuver", "steady-turn", "--plant", "nonlinear", "--rate-hz", "50"];
+    let load = ["--payload-kg", "12000", "--height-m", "1.7", "--duration-s", "30"];
+    let log = scratch.simulate("turn.csv", &truck, &[&turn[..], &load].concat());
+    let rows = changed(&log, &SIGNALS, "", None);
+    let both = |gain: f64| {
+        let mut text = SIGNALS.join(",") + "\n";
+        for (start_s, gain) in [(0.0, 1.0), (30.02, gain), (60.04, 1.0), (90.06, gain)] {
+            for row in rows.lines().skip(1) {
+                let mut cells: Vec<f64> = row.split(',').map(|one| one.parse().unwrap()).collect();
+                cells[0] += start_s;
+                cells[2] *= gain;
+                let cells: Vec<String> = cells.iter().map(ToString::to_string).collect();
+                text += &(cells.join(",") + "\n");
+            }
+        }
+        scratch.file("both.csv", text)
+    };
+    for (gain, is_told) in [(1.0, false), (1.3, true)] {
+        let log = both(gain);
+        let answer = estimate(&log, &truck, &[]).told(0, &[]).answer();
+        assert_eq!(messages(&answer).contains("2 of 4 maneuvers"), is_told, "{answer}");
+        let run = lines(&cg(&["run", "--vehicle", &truck, "--csv", &log]).told(0, &[]));
+        let mut notices = events(&run, "notice").into_iter();
+        assert_eq!(notices.any(|line| line["subject"] == "left_out"), is_told, "{run:?}");
+        let sd_m = events(&run, "maneuver").pop().unwrap()["height_sd_m"].as_f64().unwrap();
+        assert!((sd_m / answer["height_sd_m"].as_f64().unwrap() - 1.0).abs() < 0.02, "{run:?}");
+    }
+}
+
 /// A truck that was weighed together with its trailer.
 #[test]
 fn a_load_below_its_floor_is_told() {

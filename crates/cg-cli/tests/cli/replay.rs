@@ -66,18 +66,17 @@ fn time_stamps_may_be_negative() {
     let scratch = Scratch::new();
     let log = fixture("logs/A_p20_h190_v50_L.csv");
     let text = std::fs::read_to_string(&log).unwrap();
-    let mut moved = String::new();
-    for line in text.lines() {
-        let (time, rest) = line.split_once(',').unwrap_or((line, ""));
-        match time.parse::<f64>() {
-            Ok(time_s) => moved += &format!("{:.6},{rest}\n", time_s - 20.0),
-            Err(_) => moved += &format!("{line}\n"),
-        }
-    }
+    let moved: Vec<String> = text
+        .lines()
+        .map(|line| match line.split_once(',').map(|(time, rest)| (time.parse::<f64>(), rest)) {
+            Some((Ok(time_s), rest)) => format!("{:.6},{rest}", time_s - 20.0),
+            _ => line.to_owned(),
+        })
+        .collect();
     let replay = |log: &str| {
         lines(&cg(&["run", "--csv", log, "--vehicle", &kraz(), "--status-s", "0"]).done())
     };
-    let (there, here) = (replay(&log), replay(&scratch.file("moved.csv", moved)));
+    let (there, here) = (replay(&log), replay(&scratch.file("moved.csv", moved.join("\n"))));
     // Time stamps are rounded to a microsecond.
     assert!((last_height(&there) - last_height(&here)).abs() < 1e-9);
     assert!(events(&here, "notice").iter().all(|notice| notice["subject"] != "clock"));

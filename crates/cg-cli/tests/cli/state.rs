@@ -36,7 +36,7 @@ fn a_state_that_cannot_be_read_is_not_replaced_even_if_forced() {
     let run = replay(&log, &vehicle, &state);
     cg(&run).done();
     let before = fs::read(&state).unwrap();
-    fs::set_permissions(&state, PermissionsExt::from_mode(0)).unwrap();
+    fs::set_permissions(&state, PermissionsExt::from_mode(0o000)).unwrap();
     for force in [&[][..], &["--force"]] {
         let refused: Run = bound(&[&run, force].concat()).output().unwrap().into();
         assert!(!refused.err.contains("--force"), "{refused:?}");

@@ -9,7 +9,7 @@
 //! | signals | `heading`, `columns`, `options`, `signal` | finds columns, converts units, reverses signs |
 //! | samples | `roll_rate`, `preparation` | aligns channels of different rasters; roll angles from a roll rate |
 //! | values | `plausibility` | drops values that the truck cannot have, and counts them |
-//! | log | `reader`, `writer`, `candump` | checks time and values; the public interface |
+//! | log | `reader`, `writer`, `candump`, `frame_text` | checks time and values; the public interface |
 //!
 //! # Format
 //!
