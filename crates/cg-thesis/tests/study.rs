@@ -362,8 +362,11 @@ fn only_suspension_roll_over_specific_force_holds_on_banked_roads() {
         for (point, ends) in series.points.iter().zip(&series.intervals).skip(1) {
             assert!(point[1] < -worst, "{}: {point:?}", series.name);
             // The widest curve has a third of the greatest bank. From 3 % on that is 1 %, which makes
-            // the ratio smaller by 46 %: more than the curves of a drive can differ by their banks.
-            assert!(point[0] < 0.03 || !holds(ends), "{}: {point:?} {ends:?}", series.name);
+            // the ratio smaller by 46 %: more than the curves of a drive can differ by their banks. Where
+            // they differ so much that maneuvers are left out, the interval is at least twice as wide.
+            let is_wide = width(ends) > 2.0 * width(&series.intervals[0]);
+            let misses = !holds(ends) || is_wide;
+            assert!(point[0] < 0.03 || misses, "{}: {point:?} {ends:?}", series.name);
         }
     }
     for series in &uncertain.series {

@@ -86,12 +86,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     refuse_outputs(arguments)?;
     refuse_endless_warnings(arguments)?;
     let vehicle = arguments.truck.load()?;
-    let known = EstimateOptions {
-        variant: arguments.truck.model,
-        trailer_mass_kg: arguments.trailer_mass_kg,
-        ..EstimateOptions::default()
-    };
-    known.checked(&vehicle).context("--trailer-mass-kg")?;
+    refuse_mass(arguments, &vehicle)?;
     let own = arguments.truck.design(&vehicle)?;
     let options = log_options(arguments, &vehicle)?;
     let recording = Recording::open(arguments, &options)?;
@@ -208,6 +203,16 @@ fn refuse_learning(arguments: &RunArgs) -> anyhow::Result<()> {
         bail!("--learn on: what is learned is kept in a state file; give --state FILE too");
     }
     Ok(())
+}
+
+/// Refuses a mass with which the trailer of this vehicle is impossible.
+fn refuse_mass(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<()> {
+    let known = EstimateOptions {
+        variant: arguments.truck.model,
+        trailer_mass_kg: arguments.trailer_mass_kg,
+        ..EstimateOptions::default()
+    };
+    known.checked(vehicle).map(|_| ()).context("--trailer-mass-kg")
 }
 
 /// How the height is identified.

@@ -60,17 +60,13 @@ pub(crate) struct Session<W: Write> {
     leaning: Option<Leaning>,
     strong: StrongTurns,
     left_out: LeftOut,
-    left_out_reported: bool,
     /// Time since which the trailer has another mass than the load of the height, µs.
     other_mass_us: Option<u64>,
     /// The last mass by a signal, kg.
     weighed_kg: Option<f64>,
-    /// Whether it is reported for this load that a turn came near to rolling over.
-    strong_reported: bool,
+    told: ToldOfLoad,
     pub(crate) sensors: SensorCheck,
     roads: RoadPart,
-    /// Whether the bank of the road is reported for this load.
-    road_reported: bool,
     driving: &'static str,
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
@@ -84,6 +80,17 @@ pub(crate) struct Session<W: Write> {
     next: NextTimes,
     status_us: Option<u64>,
     pub(crate) outputs: Outputs<W>,
+}
+
+/// What is reported once for each load.
+#[derive(Clone, Copy, Debug, Default)]
+struct ToldOfLoad {
+    /// The bank of the road.
+    road: bool,
+    /// A turn that came near to rolling over, or in which the truck braked.
+    strong: bool,
+    /// Maneuvers that were left out.
+    left_out: bool,
 }
 
 /// Stream times of the next periodic actions.
@@ -128,13 +135,11 @@ impl<W: Write> Session<W> {
             leaning: Some(Leaning::default()),
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
-            left_out_reported: false,
             other_mass_us: None,
             weighed_kg: None,
-            strong_reported: false,
+            told: ToldOfLoad::default(),
             sensors: SensorCheck::default(),
             roads: RoadPart::default(),
-            road_reported: false,
             driving: "waiting",
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
@@ -278,8 +283,7 @@ impl<W: Write> Session<W> {
         if is_of_another_load {
             self.load_since_s = since_us.map(|us| self.time_s(us));
             self.leaning = Some(Leaning::default());
-            (self.roads, self.road_reported) = (RoadPart::default(), false);
-            (self.strong_reported, self.left_out_reported) = (false, false);
+            (self.roads, self.told) = (RoadPart::default(), ToldOfLoad::default());
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
             if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {

@@ -42,29 +42,29 @@ impl<W: Write> Session<W> {
         let share = self.known.road_share;
         let is_known = !self.roads.is_unknown(self.options.road);
         let hides = self.known.height_m.is_none() && maneuver.outcomes.iter().any(is_hidden);
-        if self.road_reported || is_known || (share.is_none() && !hides) {
+        if self.told.road || is_known || (share.is_none() && !hides) {
             return Ok(());
         }
         let Some(message) = RoadPart::message(share) else { return Ok(()) };
-        self.road_reported = true;
+        self.told.road = true;
         self.notice("road", &message)
     }
 
     /// Reports once for each load that a turn came near to rolling over, or that the truck braked in turns.
     fn report_strength(&mut self) -> io::Result<()> {
         let messages = self.strength().messages();
-        if self.strong_reported || self.known.height_m.is_none() || messages.is_empty() {
+        if self.told.strong || self.known.height_m.is_none() || messages.is_empty() {
             return Ok(());
         }
-        self.strong_reported = true;
+        self.told.strong = true;
         messages.iter().try_for_each(|message| self.notice("strong_turn", message))
     }
 
     /// Reports once for each load that maneuvers contradict the others.
     fn report_left_out(&mut self) -> io::Result<()> {
         let message = self.doubt().and_then(|doubt| doubt.message());
-        let Some(message) = message.filter(|_| !self.left_out_reported) else { return Ok(()) };
-        self.left_out_reported = true;
+        let Some(message) = message.filter(|_| !self.told.left_out) else { return Ok(()) };
+        self.told.left_out = true;
         self.notice("left_out", &message)
     }
 
