@@ -38,6 +38,13 @@ pub(super) enum Cause {
     },
 }
 
+impl Cause {
+    /// Whether it is a fault of the lateral acceleration, which a yaw rate would show.
+    pub(super) fn is_of_lateral(&self) -> bool {
+        matches!(self, Self::LateralReversed | Self::LateralInG | Self::LateralHasGravity)
+    }
+}
+
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -159,7 +166,7 @@ impl Evidence<'_> {
     }
 
     /// The gains with which both channels would agree, each at the height of the other channel.
-    fn gain(&self) -> Option<Cause> {
+    pub(super) fn gain(&self) -> Option<Cause> {
         let [steer, lateral] = self.ratio;
         let (steer, lateral) = (steer?, lateral?);
         let wanted = |channel: Channel, other: Channel, its: Measured<f64>| {

@@ -229,7 +229,14 @@ impl LogEstimator {
             speed_mps,
             trailer_mass_kg: self.trailer_mass_kg,
         };
-        evidence.likely_causes().iter().map(ToString::to_string).collect()
+        let mut causes = evidence.likely_causes();
+        if self.check.confirms_lateral(self.design.gravity_mps2) {
+            causes.retain(|cause| !cause.is_of_lateral());
+            if causes.is_empty() {
+                causes.extend(evidence.gain());
+            }
+        }
+        causes.iter().map(ToString::to_string).collect()
     }
 
     fn mean_speed_mps_of_fits(&self) -> f64 {

@@ -78,6 +78,15 @@ impl SignalCheck {
         }
     }
 
+    /// Whether the lateral acceleration is that of yaw rate and speed, and nearer to it than one that also measures gravity
+    /// would be.
+    pub(super) fn confirms_lateral(&self, gravity_mps2: f64) -> bool {
+        let spread_mps2 = (self.lateral.square() / self.rows).sqrt();
+        let enough = self.rows >= LEAST_ROWS && spread_mps2 > EXCITED_MPS2;
+        let off = (self.lateral.slope() - 1.0).abs();
+        enough && off < TOLERANCE && 2.0 * off < gravity_mps2 * self.roll.slope().abs()
+    }
+
     /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
     pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
         let spread_mps2 = (self.lateral.square() / self.rows).sqrt();
@@ -140,7 +149,7 @@ mod tests {
     use super::*;
 
     /// Lateral acceleration of a weaving truck at 15 m/s as two sensors measure it.
-    fn checked(lateral: impl Fn(f64) -> f64, yaw_gain: f64) -> Option<String> {
+    fn weaving(lateral: impl Fn(f64) -> f64, yaw_gain: f64, roll: f64) -> SignalCheck {
         let mut check = SignalCheck::default();
         for k in 0..4000_u64 {
             #[allow(clippy::cast_precision_loss)]
@@ -149,10 +158,25 @@ mod tests {
             sample.speed_mps = 15.0;
             sample.yaw_rate_radps = yaw_gain * true_mps2 / 15.0;
             sample.lateral_acceleration_mps2 = lateral(true_mps2);
-            sample.roll_rad = 0.03 * true_mps2;
+            sample.roll_rad = roll * true_mps2;
             check.push(&sample);
         }
-        check.contradiction(9.81)
+        check
+    }
+
+    fn checked(lateral: impl Fn(f64) -> f64, yaw_gain: f64) -> Option<String> {
+        weaving(lateral, yaw_gain, 0.03).contradiction(9.81)
+    }
+
+    /// A truck that rolls by 0.013 rad for each m/s² has 13 % of gravity in a body-fixed accelerometer, which is within the
+    /// tolerance of gains.
+    #[test]
+    fn a_yaw_rate_confirms_the_lateral_acceleration() {
+        let confirmed =
+            |lateral: fn(f64) -> f64| weaving(lateral, 1.0, 0.013).confirms_lateral(9.81);
+        assert!(confirmed(|a| a) && confirmed(|a| 1.04 * a + 0.1));
+        assert!(!confirmed(|a| a * (1.0 + 9.81 * 0.013)) && !confirmed(|a| -a));
+        assert!(!weaving(|a| a, 0.05, 0.013).confirms_lateral(9.81));
     }
 
     #[test]

@@ -183,7 +183,7 @@ fn statics(subject: &Subject<'_>, all: &mut RolloverMeasures) -> Result<(), Vehi
         Some(steady * gravity_mps2 / GRAVITY_MPS2),
         format!(
             "The same from the balance of a steady turn at {:.0} km/h, axle by axle, with the payload in \
-             the middle; tires that would slide before are assumed to hold.",
+             the middle; if the tires slide before, where they slide.",
             3.6 * speed_mps
         ),
     );
