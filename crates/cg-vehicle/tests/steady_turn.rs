@@ -46,3 +46,40 @@ fn a_higher_load_has_a_lower_threshold() {
         }
     }
 }
+
+/// A fifth wheel of 10⁷ N m/rad twists by 3 mrad until its plates separate at 30 kN m, where the trailer rolls by a tenth
+/// of a radian. A rigid one differs from it by less than a third of that, because the trailer's own axles carry most.
+#[test]
+fn a_rigid_fifth_wheel_is_the_limit_of_stiff_ones() {
+    for name in ["baseline-tables.toml", "air.toml", "euro.toml"] {
+        let mut vehicle = vehicle(name);
+        vehicle.hitch.separation_moment_nm.get_or_insert(30e3);
+        vehicle.hitch.lash_rad = 0.02;
+        let mut threshold_g = |stiffness_nm_per_rad: f64, speed_mps: f64| {
+            vehicle.hitch.roll_stiffness_nm_per_rad = stiffness_nm_per_rad;
+            steady_turn_threshold_g(&vehicle, vehicle.reference_load(), speed_mps).unwrap()
+        };
+        for speed_mps in [40.0 / 3.6, 90.0 / 3.6] {
+            let stiff_g = threshold_g(1e7, speed_mps);
+            for stiffness_nm_per_rad in [1e8, 1e9, 1e10] {
+                let rigid_g = threshold_g(stiffness_nm_per_rad, speed_mps);
+                assert!((rigid_g / stiff_g - 1.0).abs() < 0.01, "{name}: {rigid_g} {stiff_g}");
+            }
+        }
+    }
+}
+
+/// The slip tables end at 0.79 of the load at the 20 kN that a tire of the laden trailer carries, and at less under more
+/// load, so that load transfer only takes from it.
+#[test]
+fn the_tires_hold_no_more_than_their_grip() {
+    for name in ["baseline-tables.toml", "air.toml"] {
+        let vehicle = vehicle(name);
+        let trailer_mass_kg = vehicle.empty_trailer_mass_kg() + 25_000.0;
+        for cg_height_m in [1.0, 1.1] {
+            let load = Load { trailer_mass_kg, cg_height_m };
+            let found_g = steady_turn_threshold_g(&vehicle, load, 40.0 / 3.6).unwrap();
+            assert!(found_g < 0.79, "{name} {cg_height_m} m: {found_g} g");
+        }
+    }
+}

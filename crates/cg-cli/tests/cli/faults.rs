@@ -243,6 +243,21 @@ fn the_mass_of_another_load_is_not_kept() {
     }
 }
 
+/// A steer angle with a wrong gain, beside a yaw rate that agrees with the lateral acceleration: the steer angle is named,
+/// and not an accelerometer that is fixed to the body, whose ratio would be the same.
+#[test]
+fn a_yaw_rate_clears_the_lateral_acceleration() {
+    let scratch = Scratch::new();
+    let [first, _, calibration] = two_loads(&scratch);
+    for (gain, cause) in [(1.0, None), (0.83, Some("the steer angle is 0.8"))] {
+        let log = scratch.file("gain.csv", altered(&first, "steer_rad", |_, rad| gain * rad));
+        let answer = estimate(&log, &kraz(), &["--calibration", &calibration]).answer();
+        let said = messages(&answer);
+        assert!(!said.contains("fixed to the body"), "{said}");
+        assert!(cause.is_none_or(|cause| said.contains(cause)), "{said}");
+    }
+}
+
 /// A trailer that was loaded while `cg run` did not run: the height of the empty one is not shown beside the new mass.
 #[test]
 fn a_height_of_another_mass_is_not_shown() {
@@ -270,7 +285,8 @@ fn a_height_of_another_mass_is_not_shown() {
 }
 
 /// A roll sensor that measures turns to one side a third too great, in turns that alternate: the first height would
-/// stand with a narrow interval, because no two maneuvers in a row contradict it.
+/// stand with a narrow interval, because no two maneuvers in a row contradict it. The ratio of a calibration's run is
+/// as uncertain.
 #[test]
 fn maneuvers_that_contradict_each_other_are_told() {
     let scratch = Scratch::new();
@@ -301,6 +317,12 @@ fn maneuvers_that_contradict_each_other_are_told() {
         assert_eq!(notices.any(|line| line["subject"] == "left_out"), is_told, "{run:?}");
         let sd_m = events(&run, "maneuver").pop().unwrap()["height_sd_m"].as_f64().unwrap();
         assert!((sd_m / answer["height_sd_m"].as_f64().unwrap() - 1.0).abs() < 0.02, "{run:?}");
+        let [known, file] = [log + "=1.7", scratch.path("calibration.toml")];
+        let runs = ["calibrate", "--vehicle", &truck, "--run", &known, "-o", &file, "--force"];
+        cg(&runs).done();
+        let text = std::fs::read_to_string(&file).unwrap();
+        let sd = text.lines().find_map(|line| line.strip_prefix("ratio_sd = ")).unwrap();
+        assert_eq!(sd.parse::<f64>().unwrap() > 0.05, is_told, "{sd}");
     }
 }
 

@@ -224,14 +224,17 @@ impl LogEstimator {
         }
         for channel in self.reported_channels() {
             let Some(height) = self.engine.height(channel) else { continue };
+            let doubt = self.left_out.doubt(channel, (height.height_m.value, height.maneuvers));
+            let random_sd_m = libm::hypot(height.random_sd_m, doubt.sd_m);
+            let doubted = Height { random_sd_m, ..height };
             // Heights do not depend on speed, so both ratios can refer to one speed.
-            let ratio = self.ratio_of(channel, &height, identified.speed_mps, self.trailer_mass_kg);
+            let ratio =
+                self.ratio_of(channel, &doubted, identified.speed_mps, self.trailer_mass_kg);
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
                 sd: libm::hypot(ratio.sd, strength.sd * ratio.value),
                 ..ratio
             });
-            let doubt = self.left_out.doubt(channel, (height.height_m.value, height.maneuvers));
             let mut told = strength.messages();
             told.extend(doubt.message());
             told.retain(|told| !identified.messages.contains(told));

@@ -342,7 +342,9 @@ mod tests {
                 sample.lateral_acceleration_mps2 = if time_s < 18.0 { 0.0 } else { 1.0 };
                 turns.push(&sample);
             }
-            turns.braking.take_mps2()
+            let mean_mps2 = turns.braking.take_mps2();
+            assert!(turns.braking.take_mps2() <= 0.0, "each maneuver begins anew");
+            mean_mps2
         };
         let found = driven(1.0, 1);
         assert!((found - 6.0 / 11.25).abs() < 0.003, "{found}");

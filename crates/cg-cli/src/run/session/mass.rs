@@ -7,9 +7,6 @@ use cg_core::{Sample, Settings};
 use super::Session;
 use crate::run::events::{MassSource, Result as Known};
 
-/// Speed below which the truck counts as standing, so that its trailer can be loaded.
-const STANDING_MPS: f64 = 0.5;
-
 impl<W: Write> Session<W> {
     /// Sets the mass of the sample, and reports its source.
     pub(super) fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
@@ -37,9 +34,9 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Shows no height of a load that is not on the trailer any more. A mass that differs while the truck stands is that of
-    /// another load at once; while it drives, only after the time within which a mass varies in a turn. The next maneuver
-    /// shows the same to the estimator, which then discards its heights.
+    /// Shows no height of a load that is not on the trailer any more: of one before a restart at once, otherwise after the
+    /// time within which a mass varies in a turn. The next maneuver shows the same to the estimator, which then discards
+    /// its heights.
     fn unload(&mut self, sample: &Sample<f64>) -> io::Result<()> {
         let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
         let settings = Settings::<f64>::truck();
@@ -50,8 +47,7 @@ impl<W: Write> Session<W> {
         }
         let since_us = *self.other_mass_us.get_or_insert(sample.time_us);
         let lasts = sample.time_us.saturating_sub(since_us) >= settings.weighing_us;
-        let stands = sample.speed_mps.abs() < STANDING_MPS;
-        if !lasts && !stands && self.samples > 1 {
+        if !lasts && self.samples > 1 {
             return Ok(());
         }
         self.known = Known::new(None, None, (mass_kg, self.mass_source));
