@@ -107,18 +107,27 @@ fn width(text: &str, style: &TextStyle<'_>) -> i32 {
 
 /// Breaks a text between words. A number stays with the word behind it, such as its unit.
 fn wrap(text: &str, style: &TextStyle<'_>) -> Vec<String> {
+    let is_number = |word: &str, _: &str| word.ends_with(|c: char| c.is_ascii_digit());
+    let words = joined(text.split(' '), is_number);
+    let fits = |line: &str, word: &str| {
+        width(&format!("{line} {word}"), style) <= PX * (WIDE - 2 * MARGIN)
+    };
+    joined(words.iter().map(String::as_str), fits)
+}
+
+/// Joins each word to the one before it, by a space, if both belong together.
+fn joined<'a>(
+    words: impl Iterator<Item = &'a str>,
+    belongs: impl Fn(&str, &str) -> bool,
+) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        let open = lines.last_mut().filter(|line| {
-            line.ends_with(|c: char| c.is_ascii_digit())
-                || width(&format!("{line} {word}"), style) <= PX * (WIDE - 2 * MARGIN)
-        });
-        match open {
-            Some(line) => {
+    for word in words {
+        match lines.last_mut() {
+            Some(line) if belongs(line, word) => {
                 line.push(' ');
                 line.push_str(word);
             }
-            None => lines.push(word.to_owned()),
+            _ => lines.push(word.to_owned()),
         }
     }
     lines
@@ -434,6 +443,19 @@ mod tests {
     fn kinds_of_series_differ_without_color() {
         for (i, (_, corners, turn)) in KINDS.iter().enumerate() {
             assert!(KINDS[..i].iter().all(|(_, c, t)| (c, t) != (corners, turn)), "kind {i}");
+        }
+    }
+
+    /// A number and a long word behind it begin a line of their own if they do not fit.
+    #[test]
+    fn no_line_is_wider_than_the_figure() {
+        let style = font(TEXT, false);
+        for filler in 1..40 {
+            let text = format!("{} 35 drives, 0 intervals miss the true one", "x ".repeat(filler));
+            let lines = wrap(&text, &style);
+            assert!(lines.iter().all(|line| width(line, &style) <= PX * (WIDE - 2 * MARGIN)));
+            assert!(lines.iter().all(|line| !line.ends_with(|c: char| c.is_ascii_digit())));
+            assert_eq!(lines.join(" "), text);
         }
     }
 }
