@@ -11,7 +11,7 @@ from cgheight.can import HeightListener
 listener = HeightListener(Vehicle.load("/truck.toml"))
 stop = []
 signal.signal(signal.SIGTERM, lambda *_: stop.append(True))
-with can.Bus("vcan0", interface="socketcan") as bus, can.Notifier(bus, [listener]):
+with can.Bus("vcan1", interface="socketcan") as bus, can.Notifier(bus, [listener]):
     print("listening", file=sys.stderr, flush=True)
     while not stop:
         time.sleep(0.1)

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use cg_core::Channel;
-use cg_logs::estimate::{LogEstimate, Verdict};
+use cg_logs::estimate::{LogEstimate, QUANTILE_95, Verdict};
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, Table};
 use serde::Serialize;
@@ -44,7 +44,7 @@ fn json(answers: &[Answer]) -> anyhow::Result<()> {
 }
 
 /// The columns of the CSV output.
-const COLUMNS: [&str; 26] = [
+const COLUMNS: [&str; 28] = [
     "log",
     "status",
     "height_m",
@@ -71,6 +71,8 @@ const COLUMNS: [&str; 26] = [
     "suspension_height_sd_m",
     "tractor_height_m",
     "tractor_height_sd_m",
+    "static_rollover_threshold_ci95_low_g",
+    "static_rollover_threshold_ci95_high_g",
 ];
 
 fn csv(answers: &[Answer]) -> anyhow::Result<()> {
@@ -104,6 +106,9 @@ fn csv(answers: &[Answer]) -> anyhow::Result<()> {
         for alone in Channel::ALL.map(alone) {
             record.push(number(alone.and_then(|alone| alone.height_m)));
             record.push(number(alone.and_then(|alone| alone.height_sd_m)));
+        }
+        for end in 0..2 {
+            record.push(number(e.static_rollover_threshold_ci95_g.map(|interval| interval[end])));
         }
         out.write_record(record)?;
     }
@@ -155,7 +160,10 @@ fn row(answer: &Answer, with_truth: bool) -> Vec<String> {
         }
         _ => row.extend([status(e).to_owned(), String::new()]),
     }
-    row.push(e.static_rollover_threshold_g.map_or_else(String::new, |g| format!("{g:.2} g")));
+    let threshold = e.static_rollover_threshold_g.zip(e.static_rollover_threshold_ci95_g);
+    row.push(threshold.map_or_else(String::new, |(g, [low, _])| {
+        format!("{g:.2} ± {:.2} g", (g - low) / QUANTILE_95)
+    }));
     row.push(e.channel.clone().unwrap_or_default());
     row.push(format!("{good} of {}", e.maneuvers.len()));
     if with_truth {

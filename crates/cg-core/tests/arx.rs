@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
-
+use crate::common;
 use cg_core::identify::arx::{ArxOptions, SampledArx};
 use cg_core::{Answer, Arx, FilteredArx, Fit, Identify, Prior, Unexcited};
 

@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
-mod common;
-
+use crate::common::{PAIR, design};
 use cg_core::decide::condition::Row;
 use cg_core::{Conditioner, Design, Sample, SampleError};
-use common::{PAIR, design};
 
 /// A conditioner that receives samples at 100 Hz.
 struct Road {

@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // copied values are unchanged
 
-mod common;
-
+use crate::common::{PAIR, design, full_design};
 use cg_core::truck::design::{MASSES, SPEEDS};
 use cg_core::truck::ratio::solve_height;
 use cg_core::{Channel, Design, DesignError, Measured, Reduced5};
-use common::{PAIR, design, full_design};
 
 use DesignError::{NotCovariance, NotFinite, NotIncreasing, NotPositive};
 

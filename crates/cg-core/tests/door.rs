@@ -2,12 +2,11 @@
 //! and a drive can start when the ignition is switched on.
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss)] // helpers of tests
 
-mod common;
-
+use crate::common;
+use crate::common::{PAIR, Pair, narrow, rounded_step_response};
 use cg_core::truck::channel::ROLL_LAG_S;
 use cg_core::truck::simulation::Simulation;
 use cg_core::{Estimator, FilteredArx, Prior, Quantity, Reduced5, Sample, Settings};
-use common::{PAIR, Pair, narrow, rounded_step_response};
 use proptest::prelude::*;
 
 /// The two lags of the roll angle, `w²/(s + w)²` with `w = 1/0.15 s`, and three poles that cancel.

@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
-
+use crate::common::{EQ_5_12, rounded_step_response};
 use cg_core::math::linalg::Triangle;
 use cg_core::truck::filters::{StateVariableFilter, StepMatrices};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, FilteredArx, Fit, Identify, Prior, Unexcited};
-use common::{EQ_5_12, rounded_step_response};
 
 const INTERVAL_S: f64 = 0.01;
 

@@ -2,13 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
-mod common;
-
+use crate::common;
+use crate::common::told::{ROLL_RAD, Road, Says};
 use cg_core::Reject;
 use cg_core::{
     Channel, Combined, Estimator, HeightError, Inconsistency, Measured, Settings, Unexcited,
 };
-use common::told::{ROLL_RAD, Road, Says};
 
 /// The reason why each channel has no height, for one maneuver at the reference height.
 fn reasons(says: Says) -> [Option<Reject<f64>>; 2] {

@@ -277,6 +277,33 @@ fn links_of_the_overview_lead_somewhere() {
     assert!(links > 20, "only {links} links were seen");
 }
 
+/// Cargo does not look for tests here (`autotests = false`): a file that nobody names would not run.
+#[test]
+fn every_file_of_tests_belongs_to_a_program() {
+    let mut files = 0;
+    for name in CRATES.iter().chain(&DOORS) {
+        let manifest = read(&folder(name).join("Cargo.toml"));
+        for tests in ["tests", "tests/cli"].map(|tests| folder(name).join(tests)) {
+            if !tests.join("main.rs").exists() {
+                continue;
+            }
+            let program = read(&tests.join("main.rs"));
+            for entry in std::fs::read_dir(&tests).unwrap() {
+                let path = entry.unwrap().path();
+                let stem = path.file_stem().unwrap().to_str().unwrap();
+                let of_rust = path.extension().is_some_and(|ending| ending == "rs");
+                if of_rust && stem != "main" {
+                    let named = program.lines().any(|line| line == format!("mod {stem};"))
+                        || manifest.contains(&format!("[[test]]\nname = \"{stem}\"\n"));
+                    assert!(named, "no program has the tests of {}", path.display());
+                    files += 1;
+                }
+            }
+        }
+    }
+    assert!(files > 80, "only {files} files were seen");
+}
+
 /// No crate holds more than a quarter of the source lines, and files stay short.
 #[test]
 fn no_crate_is_half_the_house() {

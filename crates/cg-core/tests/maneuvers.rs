@@ -2,10 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
-mod common;
-
+use crate::common::told::{ROLL_RAD, Road, Says};
 use cg_core::Status;
-use common::told::{ROLL_RAD, Road, Says};
 
 fn road() -> Road {
     Road::new(Says::WELL)

@@ -3,10 +3,8 @@
 #![allow(clippy::cast_precision_loss)]
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
-
+use crate::common::{EQ_5_12, height_in, rounded_step_response, with_noise};
 use cg_core::{Answer, FilteredArx, Identify, Measured, Prior};
-use common::{EQ_5_12, height_in, rounded_step_response, with_noise};
 
 /// Bias and RMSE of the height and the coverage of the 95 % interval, all in %.
 struct Score {

@@ -3,10 +3,9 @@
 #![allow(clippy::cast_precision_loss)]
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
-
+use crate::common;
+use crate::common::{EQ_5_12, narrow, rounded_step_response, with_noise};
 use cg_core::{Answer, Arx, FilteredArx, Identify, Prior, Reduced5};
-use common::{EQ_5_12, narrow, rounded_step_response, with_noise};
 use nalgebra::{Complex, DMatrix, DVector, SMatrix};
 
 const NO_PRIOR: Prior<f64> = Prior {

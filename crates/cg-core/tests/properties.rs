@@ -2,10 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-mod common;
-
+use crate::common;
+use crate::common::{Pair, rounded_step_response, with_noise};
 use cg_core::{Answer, Arx, Channel, Estimator, FilteredArx, Memory, Prior, Sample, Settings};
-use common::{Pair, rounded_step_response, with_noise};
 use proptest::prelude::*;
 
 fn estimator() -> Pair<f32, FilteredArx<f32>> {

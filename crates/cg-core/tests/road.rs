@@ -2,16 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // without a bank, the numbers are the same
 
-mod common;
-
+use crate::common;
 use std::array::from_fn;
 
+use crate::common::told::{ROLL_RAD, Road, Says};
+use crate::common::{PAIR, design_with};
 use cg_core::{
     Articulation, Channel, Combined, Estimator, Inconsistency, Maneuver, Outcome, Reject, Sample,
     Settings,
 };
-use common::told::{ROLL_RAD, Road, Says};
-use common::{PAIR, design_with};
 
 /// Standard deviation of the bank of public roads.
 const BANK_RAD: f64 = 0.02;

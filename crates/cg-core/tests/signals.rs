@@ -2,11 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)] // values that are passed on are unchanged
 
-mod common;
-
+use crate::common::{full_design, narrow};
 use cg_core::decide::condition::Row;
 use cg_core::{Channel, Conditioner, Sample};
-use common::{full_design, narrow};
 
 const STEER: usize = Channel::Steer.index();
 const LATERAL: usize = Channel::LateralAcceleration.index();

@@ -82,6 +82,7 @@ typedef struct cg_rollover_design {
     float half_track_m;
     float unsprung_mass_kg;
     float unsprung_height_m;
+    float payload_beside_sd_m;
 } cg_rollover_design;
 
 /* Rollover thresholds at one mass in steady turns at 40 and at 90 km/h, for heights evenly spaced

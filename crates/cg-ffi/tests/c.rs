@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::common;
 use cg_core::truck::simulation::Simulation;
 use cg_core::{Channel, Estimator, FilteredArx, Prior, Sample, Settings, Status, Step};
 use cg_ffi::{CHANNELS, CgHeight, CgRollover, CgSample, CgStep, Design};
@@ -12,8 +13,6 @@ use cg_logs::log::{LogOptions, LogReader};
 use cg_vehicle::emit::{Language, emit};
 use cg_vehicle::{Variant, Vehicle};
 use tempfile::TempDir;
-
-mod common;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 

@@ -1,10 +1,9 @@
 //! For any samples, the functions for C give the same answers as the estimator, bit for bit.
 #![allow(unsafe_code, clippy::unwrap_used)] // calls of functions for C; small indices
 
-mod common;
-
 use std::ptr::{from_ref, null_mut};
 
+use crate::common;
 use cg_core::truck::design::SPRING_MASSES;
 use cg_core::{
     Articulation, Channel, ChannelDesign, Estimator, FilteredArx, Friction, Prior, RatioLine,
@@ -30,7 +29,12 @@ static DESIGN: Design = Design {
     greatest_height_m: 3.0,
     trailer_wheelbase_m: 7.6,
     gravity_mps2: 9.81,
-    rollover: RolloverDesign { half_track_m: 0.95, unsprung_mass_kg: 2e3, unsprung_height_m: 0.5 },
+    rollover: RolloverDesign {
+        half_track_m: 0.95,
+        unsprung_mass_kg: 2e3,
+        unsprung_height_m: 0.5,
+        payload_beside_sd_m: 0.05,
+    },
     thresholds: [ThresholdLine {
         threshold_g: [
             [0.6, 0.5, 0.45, 0.4, 0.36, 0.33, 0.3, 0.28],

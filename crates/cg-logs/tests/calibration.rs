@@ -1,8 +1,10 @@
 //! Calibration on the independent truck and on simulated trucks with known parameters.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common;
+use crate::common::{
+    calibrated, known, known_in, largest, rms, runs_of, tires_alike_in_all_turns, vehicle,
+};
 use cg_core::{CHANNELS, Channel};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
@@ -12,9 +14,6 @@ use cg_vehicle::calibration::{Calibration, Judgment, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Variant, VehicleError};
-use common::{
-    calibrated, known, known_in, largest, rms, runs_of, tires_alike_in_all_turns, vehicle,
-};
 
 /// Calibration with the empty and one laden run. All other runs are estimated: payload 0–20 t,
 /// 40–67 km/h, both sides, slow steering, a banked road, a whole drive. The targets for the final

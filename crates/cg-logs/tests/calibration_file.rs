@@ -1,13 +1,12 @@
 //! The calibration file: what is read is what was written, for the truck it was written for.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common;
+use crate::common::{runs_of, vehicle};
 use cg_vehicle::belief::Deviations;
 use cg_vehicle::calibration::{Calibration, Part, Procedure, fit};
 use cg_vehicle::files::{sealed, unsealed};
 use cg_vehicle::{Variant, Vehicle};
-use common::{runs_of, vehicle};
 
 const CHECKSUM: &str = "# crc32 ";
 

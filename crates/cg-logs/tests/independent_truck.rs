@@ -2,14 +2,12 @@
 //! their documented data, and the estimates from their logs are compared with their known heights.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common::{known_in, rms, vehicle};
 use cg_core::Channel;
 use cg_logs::estimate::{EstimateOptions, Method};
 use cg_vehicle::Variant;
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::design::design;
-use common::{known_in, rms, vehicle};
 
 /// The trucks: vehicle file and folder of the logs.
 const TRUCKS: [(&str, &str); 2] = [("kraz.toml", "logs"), ("euro.toml", "euro")];

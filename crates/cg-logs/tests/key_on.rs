@@ -2,8 +2,7 @@
 //! precision.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common;
 use std::path::Path;
 
 use cg_core::{AlignSettings, Estimator, FilteredArx, Prior, Sample, Settings};

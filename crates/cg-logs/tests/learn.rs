@@ -1,8 +1,7 @@
 //! A truck learns itself from trips with the empty trailer, and from nothing else.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common::{calibrated, known, largest, rms, runs_of, vehicle};
 use cg_core::{Channel, Measured};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_logs::learn::{EmptyTrip, Learned, Learner, Taken};
@@ -13,7 +12,6 @@ use cg_vehicle::design::design_with;
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Load, Variant, Vehicle};
-use common::{calibrated, known, largest, rms, runs_of, vehicle};
 
 const DAY_S: f64 = 86_400.0;
 

@@ -8,16 +8,11 @@ use std::io;
 use cg_core::AlignSettings;
 use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
 
-#[path = "log/files.rs"]
 mod files;
-#[path = "log/foreign.rs"]
 mod foreign;
-#[path = "log/options.rs"]
 mod options;
 #[cfg(feature = "parquet")]
-#[path = "log/parquet.rs"]
 mod parquet;
-#[path = "log/writer.rs"]
 mod writer;
 
 fn options(columns: &[&str], flip: &[Signal]) -> LogOptions {

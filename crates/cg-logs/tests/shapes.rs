@@ -2,8 +2,7 @@
 //! noise alone.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common;
 use cg_core::Channel;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::shape::{INTERVAL_S, Shape, ShapeRun, Stretch, shapes};

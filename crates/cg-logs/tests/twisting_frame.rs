@@ -1,8 +1,7 @@
 //! An independent truck whose frame twists, with a roll sensor over the axles or at the fifth wheel.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common::{Known, known_in, vehicle};
 use cg_core::Channel;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
@@ -11,7 +10,6 @@ use cg_vehicle::belief::Belief;
 use cg_vehicle::design::design_with;
 use cg_vehicle::second_sensor::SecondShare;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
-use common::{Known, known_in, vehicle};
 
 /// Frame stiffness of the truck's data sheet; the vehicle file's standard deviation of it is 30 %.
 const STIFFNESS_NM_PER_RAD: f64 = 3e6;

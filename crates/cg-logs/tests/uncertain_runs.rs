@@ -2,8 +2,7 @@
 //! unknown.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common::{known, runs_of, tires_alike_in_all_turns, vehicle};
 use cg_core::{CHANNELS, Channel};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_vehicle::belief::{Belief, Deviations};
@@ -11,7 +10,6 @@ use cg_vehicle::calibration::{Calibration, Fitted, Procedure, Run, fit};
 use cg_vehicle::linear::ratio_line;
 use cg_vehicle::sensor_places::MassUncertainty;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
-use common::{known, runs_of, tires_alike_in_all_turns, vehicle};
 use rand::{SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 

@@ -2,9 +2,7 @@
 //! speeds of city and motorway, and a roll sensor whose range is too small.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{AlignSettings, Channel, Design};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};
 use cg_plant::maneuver::Maneuver;

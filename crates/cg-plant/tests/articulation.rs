@@ -3,9 +3,7 @@
 //! wheel can tilt.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::Channel;
 use cg_logs::log::LogRow;
 use cg_plant::maneuver::Maneuver;

@@ -2,9 +2,8 @@
 //! not calibrate, without and with it (the table of docs/calibration.md).
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "helpers of tests")]
 
-#[path = "../../cg-logs/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
+use crate::common::rms;
 use cg_core::Channel;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Prediction};
@@ -16,7 +15,6 @@ use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
 use cg_vehicle::reduction::Shapes;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
-use common::rms;
 
 /// A log whose height is known.
 struct Log {

@@ -2,9 +2,7 @@
 //! estimator is calibrated at 1.973 m on one run, and estimates the others from their logs.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-#[path = "../../cg-logs/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{AlignSettings, Channel};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};

@@ -2,9 +2,7 @@
 //! the file: no interval misses the truth without a message that names what is wrong.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-logs/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::Design;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, Verdict};

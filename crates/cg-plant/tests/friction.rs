@@ -1,9 +1,7 @@
 //! The friction that is calculated from the roll angle of leaf springs, against the nonlinear plant.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::truck::friction::FrictionState;
 use cg_core::{Channel, Friction};
 use cg_plant::maneuver::Maneuver;

@@ -1,9 +1,7 @@
 //! Lane changes of trucks that differ from their file, after a calibration: whether their intervals hold.
 #![allow(clippy::unwrap_used, clippy::cast_precision_loss, reason = "helpers of tests")]
 
-#[path = "../../cg-logs/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{Channel, Design};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator, RoadChoice};

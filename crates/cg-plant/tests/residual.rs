@@ -1,9 +1,7 @@
 //! What the equations of a vehicle leave out.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::Channel;
 use cg_plant::residual::model_residual;
 use cg_vehicle::belief::{Deviations, Parameter, adjusted};

@@ -2,9 +2,7 @@
 //! the same sensors: perfect ones, and usual ones whose accelerometers are mounted one degree askew.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{Channel, Design};
 use cg_logs::calibrate::{CalibrateOptions, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};

@@ -1,9 +1,7 @@
 //! Rollover measures compared with published values and with limits that can be derived.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-logs/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_plant::plant::{Driver, DriverSettings, Ground, Path, PlantOptions, Progress, YawRollPlant};
 use cg_plant::rollover::offtracking::low_speed_m;
 use cg_plant::rollover::small::{modes, rearward_amplification};

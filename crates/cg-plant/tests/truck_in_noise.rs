@@ -2,9 +2,7 @@
 //! precision.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-logs/tests/common/mod.rs"]
-mod common;
-
+use crate::common::{Known, calibrated, known, known_in, largest, rms, vehicle};
 use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Real, Sample, Settings};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
@@ -12,7 +10,6 @@ use cg_logs::log::LogRow;
 use cg_plant::sensors::{Instruments, Sensors};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Variant, VehicleError};
-use common::{Known, calibrated, known, known_in, largest, rms, vehicle};
 
 const CALIBRATED_ON: [&str; 2] = ["A_p00", "A_p20_h190"];
 const GRAVITY_MPS2: f64 = 9.806_65;

@@ -1,9 +1,7 @@
 //! A truck whose frame twists, on the nonlinear plant: rollover threshold and coverage of the intervals.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::Channel;
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, QUANTILE_95, RoadChoice};

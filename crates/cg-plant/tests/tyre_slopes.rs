@@ -1,9 +1,7 @@
 //! Which slope of a tire's slip table the linear model wants, against the nonlinear plant.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_plant::maneuver::Maneuver;
 use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::equations::Equations;

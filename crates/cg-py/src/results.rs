@@ -66,6 +66,8 @@ pub(crate) fn estimate<'py>(py: Python<'py>, answer: &LogEstimate) -> PyResult<B
     fields.set_item("snr_db", answer.snr_db)?;
     fields.set_item("fit_percent", answer.fit_percent)?;
     fields.set_item("static_rollover_threshold_g", answer.static_rollover_threshold_g)?;
+    let ends = answer.static_rollover_threshold_ci95_g.map(|[low, high]| (low, high));
+    fields.set_item("static_rollover_threshold_ci95_g", ends)?;
     fields.set_item("road_share", answer.road_share)?;
     let channels: Vec<_> =
         answer.channels.iter().map(|one| alone(py, one)).collect::<PyResult<_>>()?;

@@ -2,9 +2,7 @@
 //! over load, noise, maneuver and rate, changes of the load on the road.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use std::fmt::Write;
 
 use cg_logs::estimate::{EstimateOptions, LogEstimator, Method};

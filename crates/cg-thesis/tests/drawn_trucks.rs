@@ -2,9 +2,7 @@
 //! file and of a calibration on the truck's own empty and laden step. `CG_TRUCKS=240` draws more.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{AlignSettings, Design};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator, QUANTILE_95};

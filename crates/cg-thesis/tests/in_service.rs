@@ -1,9 +1,7 @@
 //! A truck that learns itself from its empty trips; the study `in-service` has the whole year.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_thesis::accuracy::Truck;
 use cg_thesis::study::{Answer, InService, LadenTrip, in_service};
 

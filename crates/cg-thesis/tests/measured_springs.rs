@@ -4,9 +4,7 @@
 //! drives more on each road.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{Channel, Design};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};

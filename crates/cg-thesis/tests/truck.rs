@@ -1,6 +1,7 @@
 //! The independent truck: its recorded steer angle and speed drive the plant of `kraz.toml`.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use crate::common;
 use std::path::PathBuf;
 
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
@@ -8,9 +9,6 @@ use cg_logs::log::{LogOptions, LogReader, LogRow};
 use cg_plant::plant::{PlantOptions, YawRollPlant};
 use cg_thesis::study::{Recorded, Replayed, drive_again};
 use cg_vehicle::{Load, Vehicle, VehicleError};
-
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
 
 struct Truth {
     log: String,

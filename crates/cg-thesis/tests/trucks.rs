@@ -2,9 +2,7 @@
 //! steps and drives on a flat road, as the file and calibrated on an empty and a laden step.
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
-#[path = "../../cg-vehicle/tests/common/mod.rs"]
-mod common;
-
+use crate::common;
 use cg_core::{AlignSettings, Design};
 use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate};
 use cg_logs::estimate::{EstimateOptions, LogEstimate, LogEstimator};

@@ -45,6 +45,10 @@ pub struct Uncertainty {
     /// load has its own place, so a calibration does not change it.
     #[serde(default = "usual_payload_place_sd")]
     pub payload_place_sd_m: f64,
+    /// Distance of a load's c.g. from the middle of the trailer, to the left or to the right. It makes the rollover
+    /// threshold uncertain.
+    #[serde(default = "usual_payload_beside_sd")]
+    pub payload_beside_sd_m: f64,
     /// The rest of the model error, which differs at each speed, load and road.
     pub residual_sd: f64,
 }
@@ -65,6 +69,13 @@ fn usual_over_load_sd() -> f64 {
 
 fn usual_payload_place_sd() -> f64 {
     0.3
+}
+
+/// Pallets stand in two rows, 1.2 m apart: one row has 54 % of the mass.
+pub(crate) const USUAL_PAYLOAD_BESIDE_SD_M: f64 = 0.05;
+
+fn usual_payload_beside_sd() -> f64 {
+    USUAL_PAYLOAD_BESIDE_SD_M
 }
 
 fn usual_suspension_roll_sd() -> f64 {

@@ -1,13 +1,9 @@
 //! Tests of the check of vehicle files.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
-#[path = "check/fixtures.rs"]
 mod fixtures;
-#[path = "check/keys.rs"]
 mod keys;
-#[path = "check/mutations.rs"]
 mod mutations;
-#[path = "check/slips.rs"]
 mod slips;
 
 use cg_vehicle::{Vehicle, VehicleError};

@@ -1,8 +1,7 @@
 //! Tests that a design agrees with the models from which it is computed.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common;
 use cg_core::truck::ratio::solve_height;
 use cg_core::{CHANNELS, Channel, Design, Measured, RatioLine};
 use cg_vehicle::balance::static_balance;

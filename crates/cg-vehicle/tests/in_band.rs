@@ -1,8 +1,7 @@
 //! The reduced models of the channels whose input is an acceleration, in a turn and in a lane change.
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common;
 use std::f64::consts::TAU;
 
 use cg_core::truck::channel::ROLL_LAG_S;

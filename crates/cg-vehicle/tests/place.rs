@@ -1,8 +1,7 @@
 //! The place of the payload: axle loads, leveled springs, and the uncertainty of the ratios.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common;
 use cg_core::CHANNELS;
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::belief::{Belief, Covariance};

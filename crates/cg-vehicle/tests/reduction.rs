@@ -2,8 +2,7 @@
 //! the printed model towards the complete one.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
-mod common;
-
+use crate::common;
 use cg_vehicle::compensation::validity_table;
 use cg_vehicle::reduction::quality::{StepInput, h_infinity, step_error_degree2};
 use cg_vehicle::reduction::{Keep, balanced, fitted, pade};

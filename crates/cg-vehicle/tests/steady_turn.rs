@@ -2,11 +2,9 @@
 //! in cg-plant.)
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common::vehicle;
 use cg_vehicle::steady_turn::steady_turn_threshold_g;
 use cg_vehicle::{Load, Vehicle};
-use common::vehicle;
 
 const STEP_M: f64 = 0.05;
 

@@ -1,8 +1,7 @@
 //! A semitrailer whose frame twists, in the linear model.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-mod common;
-
+use crate::common;
 use cg_core::Channel;
 use cg_vehicle::assumptions::Assumption;
 use cg_vehicle::belief::{Belief, Parameter};

@@ -6,12 +6,9 @@
 use std::io;
 
 use cg_core::{Channel, Combined, Design, Maneuver, Measured, Reject};
-use cg_logs::estimate::{ManeuverEstimate, Method, Verdict};
+use cg_logs::estimate::{ManeuverEstimate, Method, QUANTILE_95, Verdict};
 use cg_vehicle::scales::Scale;
 use serde::Serialize;
-
-/// Two-sided 95 % quantile of the normal distribution.
-const QUANTILE_95: f64 = 1.959_964;
 
 /// A line of the output.
 #[derive(Debug, Serialize)]
@@ -120,12 +117,18 @@ pub(crate) struct Result {
     pub(crate) trailer_mass_scale: Option<Scale>,
     pub(crate) trailer_mass_sd_kg: f64,
     pub(crate) static_rollover_threshold_g: Option<f64>,
+    pub(crate) static_rollover_threshold_ci95_g: Option<[f64; 2]>,
     /// Share of the variance of the height that the unknown bank of the road makes.
     pub(crate) road_share: Option<f64>,
     #[serde(skip)]
     pub(crate) measured_m: Option<Measured<f64>>,
     #[serde(skip)]
     pub(crate) threshold_g: Option<Measured<f64>>,
+}
+
+/// The 95 % interval of a value.
+fn interval(Measured { value, sd }: Measured<f64>) -> [f64; 2] {
+    [value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]
 }
 
 impl Result {
@@ -147,7 +150,7 @@ impl Result {
         Self {
             height_m: Some(value),
             height_sd_m: Some(sd),
-            height_ci95_m: Some([value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]),
+            height_ci95_m: Some(interval(height.height_m)),
             channel: Some(channel.map_or("combined".to_owned(), |channel| channel.to_string())),
             maneuvers: height.maneuvers,
             measured_m: Some(height.height_m),
@@ -159,9 +162,8 @@ impl Result {
     pub(crate) fn add_sd(&mut self, sd_m: f64) {
         let Some(measured) = &mut self.measured_m else { return };
         measured.sd = libm::hypot(measured.sd, sd_m);
-        let Measured { value, sd } = *measured;
-        self.height_sd_m = Some(sd);
-        self.height_ci95_m = Some([value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]);
+        self.height_sd_m = Some(measured.sd);
+        self.height_ci95_m = Some(interval(*measured));
     }
 
     /// Sets the rollover threshold in a turn at this speed.
@@ -171,6 +173,7 @@ impl Result {
             .and_then(|height_m| design.rollover(height_m, self.trailer_mass_kg, speed_mps))
             .map(|rollover| rollover.static_rollover_threshold_g);
         self.static_rollover_threshold_g = self.threshold_g.map(|threshold| threshold.value);
+        self.static_rollover_threshold_ci95_g = self.threshold_g.map(interval);
     }
 
     /// The threshold minus the absolute lateral acceleration, g.

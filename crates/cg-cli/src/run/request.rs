@@ -64,14 +64,18 @@ mod tests {
         (design, known)
     }
 
-    /// At half the threshold, 0.2 g, the curve of 20 m/s and 0.3 g is driven at 20 m/s · √(2/3).
+    /// m/s² of a share of the threshold's lower bound.
+    fn at(design: &Design<f64>, known: &Known, share: f64) -> f64 {
+        share * Warner::bound_g(known.threshold_g.unwrap()) * design.gravity_mps2
+    }
+
+    /// At half the bound, the curve of 20 m/s and three quarters of it is driven at 20 m/s · √(2/3).
     #[test]
     fn the_request_is_the_speed_at_which_the_curve_keeps_the_share() {
         let (design, known) = truck();
-        let at = |g: f64| g * design.gravity_mps2;
         let mut request = SpeedRequest::new(0.5);
-        for lateral_g in [0.3, -0.3] {
-            request.update(&design, &known, [20.0, at(lateral_g)]);
+        for share in [0.75, -0.75] {
+            request.update(&design, &known, [20.0, at(&design, &known, share)]);
             let asked_mps = request.speed_mps.unwrap();
             assert!((asked_mps - 20.0 * (2.0_f64 / 3.0).sqrt()).abs() < 1e-6, "{asked_mps}");
         }
@@ -80,17 +84,17 @@ mod tests {
     #[test]
     fn a_request_begins_at_the_share_and_ends_below_it() {
         let (design, known) = truck();
-        let at = |g: f64| g * design.gravity_mps2;
         let mut request = SpeedRequest::new(0.5);
-        for (lateral_g, changes, asks) in [
-            (0.199, false, false),
-            (0.201, true, true),
-            (0.181, false, true),
-            (0.179, true, false),
-            (0.199, false, false),
+        for (share, changes, asks) in [
+            (0.499, false, false),
+            (0.501, true, true),
+            (0.451, false, true),
+            (0.449, true, false),
+            (0.499, false, false),
         ] {
-            assert_eq!(request.update(&design, &known, [20.0, at(lateral_g)]), changes);
-            assert_eq!(request.speed_mps.is_some(), asks, "{lateral_g}");
+            let lateral_mps2 = at(&design, &known, share);
+            assert_eq!(request.update(&design, &known, [20.0, lateral_mps2]), changes);
+            assert_eq!(request.speed_mps.is_some(), asks, "{share}");
         }
     }
 

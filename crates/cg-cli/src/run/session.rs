@@ -56,8 +56,10 @@ pub(crate) struct Session<W: Write> {
     /// Last speed, m/s; NaN before the first one.
     speed_mps: f64,
     load_since_s: Option<f64>,
-    /// The roll angle in straight driving; `None` after a lean of this load is reported.
-    leaning: Option<Leaning>,
+    /// The roll angle of this load in straight driving.
+    leaning: Leaning,
+    /// Whether its lean is still to be reported.
+    tells_lean: bool,
     strong: StrongTurns,
     left_out: LeftOut,
     /// Time since which the trailer has another mass than the load of the height, µs.
@@ -132,7 +134,8 @@ impl<W: Write> Session<W> {
             warner,
             request: None,
             load_since_s: None,
-            leaning: Some(Leaning::default()),
+            leaning: Leaning::default(),
+            tells_lean: true,
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
             other_mass_us: None,
@@ -241,9 +244,7 @@ impl<W: Write> Session<W> {
             // Clock and aligner prevent decreasing times. If there is one, the sample is not used.
             Err(SampleError::TimeOrder { .. } | _) => return Ok(()),
         };
-        if let Some(leaning) = &mut self.leaning {
-            leaning.push(sample, step.status);
-        }
+        self.leaning.push(sample, step.status);
         self.strong.push(sample);
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
@@ -282,7 +283,7 @@ impl<W: Write> Session<W> {
         self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {
             self.load_since_s = since_us.map(|us| self.time_s(us));
-            self.leaning = Some(Leaning::default());
+            (self.leaning, self.tells_lean) = (Leaning::default(), true);
             (self.roads, self.told) = (RoadPart::default(), ToldOfLoad::default());
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;

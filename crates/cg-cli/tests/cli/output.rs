@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::common::{Run, Scratch, baseline, cg, command, estimate, fixture, height_m, kraz};
 
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "channel",
     "channels",
     "fit_percent",
@@ -22,6 +22,7 @@ const KEYS: [&str; 18] = [
     "road_share",
     "snr_db",
     "speed_mps",
+    "static_rollover_threshold_ci95_g",
     "static_rollover_threshold_g",
     "status",
     "trailer_mass_kg",
@@ -94,6 +95,12 @@ fn in_json(answer: &Value, column: &str) -> Value {
     match column {
         "height_ci95_low_m" => answer["height_ci95_m"][0].clone(),
         "height_ci95_high_m" => answer["height_ci95_m"][1].clone(),
+        "static_rollover_threshold_ci95_low_g" => {
+            answer["static_rollover_threshold_ci95_g"][0].clone()
+        }
+        "static_rollover_threshold_ci95_high_g" => {
+            answer["static_rollover_threshold_ci95_g"][1].clone()
+        }
         "maneuvers" => answer["maneuvers"].as_array().unwrap().len().into(),
         "messages" => {
             let all = answer["messages"].as_array().unwrap().iter();
@@ -121,7 +128,7 @@ fn csv_has_one_row_of_the_same_numbers_for_each_log() {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().unwrap().clone();
     let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
-    assert_eq!((rows.len(), answers.len(), header.len()), (logs.len(), logs.len(), 26));
+    assert_eq!((rows.len(), answers.len(), header.len()), (logs.len(), logs.len(), 28));
     for ((row, answer), log) in rows.iter().zip(&answers).zip(&logs) {
         assert_eq!(&row[0], log.as_str());
         for (column, cell) in header.iter().zip(row) {

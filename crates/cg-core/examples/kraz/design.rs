@@ -711,7 +711,7 @@ pub const DESIGN: cg_core::Design<f32, 2> = cg_core::Design {
     greatest_height_m: 3.0,
     trailer_wheelbase_m: 7.59,
     gravity_mps2: 9.81,
-    rollover: cg_core::RolloverDesign { half_track_m: 0.99269533, unsprung_mass_kg: 2184.0, unsprung_height_m: 0.507 },
+    rollover: cg_core::RolloverDesign { half_track_m: 0.99269533, unsprung_mass_kg: 2184.0, unsprung_height_m: 0.507, payload_beside_sd_m: 0.0 },
     thresholds: [
         cg_core::ThresholdLine {
             threshold_g: [

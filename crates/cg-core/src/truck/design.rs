@@ -7,9 +7,9 @@ use crate::truck::articulation::Articulation;
 use crate::truck::axis::{Weights, cubic, locate};
 use crate::truck::channel::{CHANNELS, Channel, Output};
 use crate::truck::friction::Friction;
-use crate::truck::ratio::{Measured, RatioLine};
+use crate::truck::ratio::RatioLine;
 use crate::truck::reduced::Reduced5;
-use crate::truck::rollover::{Rollover, RolloverDesign, ThresholdLine};
+use crate::truck::rollover::{RolloverDesign, ThresholdLine};
 pub use crate::truck::spread::Spread;
 
 /// Number of speeds on the speed axis of a design.
@@ -180,6 +180,7 @@ impl<T: Real, const C: usize> Design<T, C> {
                 half_track_m: to(self.rollover.half_track_m),
                 unsprung_mass_kg: to(self.rollover.unsprung_mass_kg),
                 unsprung_height_m: to(self.rollover.unsprung_height_m),
+                payload_beside_sd_m: to(self.rollover.payload_beside_sd_m),
             },
             thresholds: self.thresholds.map(|line| ThresholdLine {
                 threshold_g: line.threshold_g.map(|line| line.map(to)),
@@ -237,6 +238,9 @@ impl<T: Real, const C: usize> Design<T, C> {
         positive(self.rollover.half_track_m, "rollover half_track_m")?;
         positive(self.rollover.unsprung_mass_kg, "rollover unsprung_mass_kg")?;
         positive(self.rollover.unsprung_height_m, "rollover unsprung_height_m")?;
+        if !(self.rollover.payload_beside_sd_m >= T::zero()) {
+            return Err(DesignError::NotPositive("rollover payload_beside_sd_m"));
+        }
         let [lightest_kg, ..] = self.trailer_mass_kg;
         increasing(
             &[self.rollover.unsprung_mass_kg, lightest_kg],
@@ -405,21 +409,6 @@ impl<T: Real, const C: usize> Design<T, C> {
             }
         }
         Some(spread)
-    }
-
-    /// The rollover measures at a height of the sprung c.g., a trailer mass and a speed. If the
-    /// speed is NaN (not known), the smallest threshold applies. `None` if the mass is outside the
-    /// axis.
-    pub fn rollover(
-        &self,
-        height: Measured<T>,
-        trailer_mass_kg: T,
-        speed_mps: T,
-    ) -> Option<Rollover<T>> {
-        let (j, share) = locate(&self.trailer_mass_kg, trailer_mass_kg)?;
-        let line = self.thresholds.get(j)?.blend(self.thresholds.get(j + 1)?, share);
-        let span_m = [self.least_height_m, self.greatest_height_m];
-        Some(self.rollover.at(height, trailer_mass_kg, &line.at_speed(speed_mps), span_m))
     }
 }
 

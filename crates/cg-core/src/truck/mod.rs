@@ -13,5 +13,6 @@ pub mod ratio;
 pub mod rollover;
 pub mod spread;
 pub mod design;
+mod threshold;
 pub(crate) mod gains;
 mod mass;

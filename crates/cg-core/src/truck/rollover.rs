@@ -103,6 +103,9 @@ pub struct RolloverDesign<T> {
     pub unsprung_mass_kg: T,
     /// Height of the c.g. of the axles.
     pub unsprung_height_m: T,
+    /// Standard deviation of the distance of a payload's c.g. from the middle of the trailer, to the left or to the
+    /// right.
+    pub payload_beside_sd_m: T,
 }
 
 /// Rollover measures at one height, mass and speed.
@@ -112,12 +115,14 @@ pub struct Rollover<T> {
     /// `T/2` divided by the height of the whole trailer's c.g., in g: the upper limit, for a rigid
     /// vehicle.
     pub static_stability_factor_g: T,
-    /// Lateral acceleration of the trailer beyond which the vehicle tips in a steady turn, in g.
+    /// Lateral acceleration of the trailer beyond which the vehicle tips in a steady turn, in g, with the
+    /// standard deviation that it has in a turn to one side.
     pub static_rollover_threshold_g: Measured<T>,
 }
 
 impl<T: Real> RolloverDesign<T> {
-    /// The rollover measures at height `height` of the sprung c.g.
+    /// The rollover measures at height `height` of the sprung c.g. The standard deviation of the threshold is that
+    /// due to the height; [`Design::rollover`](crate::Design::rollover) adds what else is uncertain.
     ///
     /// `threshold_g` contains the thresholds of this trailer mass and speed, equally spaced between
     /// the least and the greatest height.
@@ -158,8 +163,12 @@ mod tests {
 
     /// A rigid trailer with heights from 1 to 3 m: the threshold is 1/h at every height.
     fn rigid() -> (RolloverDesign<f64>, [f64; HEIGHTS]) {
-        let design =
-            RolloverDesign { half_track_m: 1.0, unsprung_mass_kg: 0.0, unsprung_height_m: 0.5 };
+        let design = RolloverDesign {
+            half_track_m: 1.0,
+            unsprung_mass_kg: 0.0,
+            unsprung_height_m: 0.5,
+            payload_beside_sd_m: 0.0,
+        };
         #[allow(clippy::cast_precision_loss)]
         let threshold_g = core::array::from_fn(|k| 1.0 / (1.0 + 2.0 * k as f64 / 7.0));
         (design, threshold_g)

@@ -54,6 +54,9 @@ pub struct LogEstimate {
     pub fit_percent: Option<f64>,
     /// Lateral acceleration above which the vehicle rolls over in a steady turn, g.
     pub static_rollover_threshold_g: Option<f64>,
+    /// 95 % interval of this threshold in a turn to one side, g: the height, the model of the threshold, and the place
+    /// of the payload beside the middle.
+    pub static_rollover_threshold_ci95_g: Option<[f64; 2]>,
     /// Share of the variance of the height that the unknown bank of the road makes, from 0 to 1.
     pub road_share: Option<f64>,
     /// The result of each channel alone.

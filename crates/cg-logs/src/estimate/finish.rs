@@ -137,7 +137,8 @@ impl LogEstimator {
         let by_mass_m = speed.map_or(0.0, |speed_mps| self.mass_sd_m(height, speed_mps, best));
         let strength = self.strong.strength(&self.design, (channel, height));
         let doubt = self.left_out.doubt(channel, (height, fused.maneuvers));
-        let sd = [by_mass_m, strength.sd * height, doubt.sd_m]
+        let lean_sd = self.leaning.height_sd(self.options.lean, self.trailer_mass_kg);
+        let sd = [by_mass_m, strength.sd * height, doubt.sd_m, lean_sd * height]
             .into_iter()
             .fold(fused.height_m.sd, libm::hypot);
         estimate.messages.extend(strength.messages());
@@ -156,12 +157,31 @@ impl LogEstimator {
             estimate.ratio = Some(ratio.value);
             estimate.ratio_sd = Some(ratio.sd);
         }
-        estimate.static_rollover_threshold_g = self
-            .design
-            .rollover(fused.height_m, best.trailer_mass_kg, speed_mps)
-            .map(|rollover| rollover.static_rollover_threshold_g.value);
+        self.set_threshold(
+            estimate,
+            Measured { value: height, sd },
+            [best.trailer_mass_kg, speed_mps],
+        );
         estimate.messages.extend(Self::unusual(height));
         estimate.messages.extend(self.sunk(height, best.trailer_mass_kg));
+    }
+
+    /// Sets the rollover threshold of a height, m, at a trailer mass, kg, and a speed, m/s.
+    fn set_threshold(
+        &self,
+        estimate: &mut LogEstimate,
+        height: Measured<f64>,
+        [trailer_mass_kg, speed_mps]: [f64; 2],
+    ) {
+        let Some(rollover) = self.design.rollover(height, trailer_mass_kg, speed_mps) else {
+            return;
+        };
+        let Measured { value, sd } = rollover.static_rollover_threshold_g;
+        let beside_m = self.leaning.beside_m(self.options.lean, trailer_mass_kg).unwrap_or(0.0);
+        let sd = libm::hypot(sd, self.design.earlier_g(&rollover, trailer_mass_kg, beside_m));
+        let by = QUANTILE_95 * sd;
+        estimate.static_rollover_threshold_g = Some(value);
+        estimate.static_rollover_threshold_ci95_g = Some([value - by, value + by]);
     }
 
     /// Standard deviation of the height due to that of the trailer mass, m.
@@ -231,8 +251,9 @@ impl LogEstimator {
             let ratio =
                 self.ratio_of(channel, &doubted, identified.speed_mps, self.trailer_mass_kg);
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
+            let lean_sd = self.leaning.height_sd(self.options.lean, self.trailer_mass_kg);
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
-                sd: libm::hypot(ratio.sd, strength.sd * ratio.value),
+                sd: libm::hypot(ratio.sd, libm::hypot(strength.sd, lean_sd) * ratio.value),
                 ..ratio
             });
             let mut told = strength.messages();
@@ -285,6 +306,7 @@ impl LogEstimator {
             snr_db: None,
             fit_percent: None,
             static_rollover_threshold_g: None,
+            static_rollover_threshold_ci95_g: None,
             road_share: None,
             channels: self
                 .reported_channels()

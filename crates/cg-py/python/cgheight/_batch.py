@@ -100,8 +100,9 @@ def _row(log: str, one: Estimate) -> dict[str, Any]:
         value = getattr(one, field.name)
         if field.name == "channels":
             continue
-        if field.name == "height_ci95_m":
-            row["height_ci95_low_m"], row["height_ci95_high_m"] = value or (None, None)
+        if "_ci95_" in field.name:
+            name, unit = field.name.rsplit("_", 1)
+            row[f"{name}_low_{unit}"], row[f"{name}_high_{unit}"] = value or (None, None)
         else:
             row[field.name] = value
     row |= {"maneuvers": len(one.maneuvers), "messages": "; ".join(one.messages)}

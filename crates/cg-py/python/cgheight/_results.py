@@ -103,6 +103,9 @@ class Estimate:
         Signal-to-noise ratio (dB) and fit (%) of the best maneuver.
     static_rollover_threshold_g : float or None
         Lateral acceleration at which the vehicle rolls over in a steady turn at `speed_mps`, in g.
+    static_rollover_threshold_ci95_g : tuple of two floats, or None
+        The 95 % interval of this threshold in a turn to one side, in g: the height, the model of
+        the threshold, and the place of the load beside the middle are uncertain.
     road_share : float or None
         Share of the variance of the height that the unknown bank of the road makes, from 0 to 1.
     channels : tuple of ChannelEstimate
@@ -126,6 +129,7 @@ class Estimate:
     snr_db: float | None
     fit_percent: float | None
     static_rollover_threshold_g: float | None
+    static_rollover_threshold_ci95_g: tuple[float, float] | None
     road_share: float | None
     channels: tuple[ChannelEstimate, ...]
     maneuvers: tuple[Maneuver, ...]
@@ -134,8 +138,9 @@ class Estimate:
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain dicts and lists, which `json.dumps` accepts."""
         plain = asdict(self)
-        interval = self.height_ci95_m
-        plain["height_ci95_m"] = None if interval is None else list(interval)
+        for name in ("height_ci95_m", "static_rollover_threshold_ci95_g"):
+            interval = plain[name]
+            plain[name] = None if interval is None else list(interval)
         plain["channels"] = list(plain["channels"])
         plain["maneuvers"] = list(plain["maneuvers"])
         plain["messages"] = list(self.messages)

@@ -43,6 +43,8 @@ _COLUMNS = {
     "snr_db": "double",
     "fit_percent": "double",
     "static_rollover_threshold_g": "double",
+    "static_rollover_threshold_ci95_low_g": "double",
+    "static_rollover_threshold_ci95_high_g": "double",
     "road_share": "double",
     "maneuvers": "bigint",
     "messages": "string",

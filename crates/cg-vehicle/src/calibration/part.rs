@@ -8,6 +8,7 @@ use crate::belief::Parameter;
 use crate::error::VehicleError;
 use crate::files::checksum;
 use crate::sensor_places::SensorPlaces;
+use crate::uncertainty::{USUAL_PAYLOAD_BESIDE_SD_M, Uncertainty};
 use crate::vehicle::Vehicle;
 
 /// What a calibration is for.
@@ -74,7 +75,9 @@ pub(super) fn checksums(
         add("sensors.tractor_level", sum(vehicle.sensors.tractor_level)?);
     } else {
         add("gravity_mps2", sum(vehicle.gravity_mps2)?);
-        add("uncertainty", sum(vehicle.uncertainty)?);
+        // No ratio depends on how far loads stand beside the middle.
+        let payload_beside_sd_m = USUAL_PAYLOAD_BESIDE_SD_M;
+        add("uncertainty", sum(Uncertainty { payload_beside_sd_m, ..vehicle.uncertainty })?);
         add("trailer", sum(&vehicle.trailer)?);
         add("tyre", sum(&vehicle.tyre)?);
         add("spring", sum(&vehicle.spring)?);
@@ -85,7 +88,8 @@ pub(super) fn checksums(
 }
 
 /// What a file means that does not have keys of later versions.
-const LATER: [&str; 2] = ["spring_friction_sd = 0.3", "cornering_over_load_sd = 0.04"];
+const LATER: [&str; 3] =
+    ["spring_friction_sd = 0.3", "cornering_over_load_sd = 0.04", "payload_beside_sd_m = 0.05"];
 
 /// Checksum of the TOML of a value. Optional keys that the value does not have are not in it, and neither is
 /// [what the absence of a key means](LATER), so keys that a later version adds do not change it.
@@ -128,5 +132,8 @@ mod tests {
         let early = checksum(&format!("[value]\n{without}"));
         assert_eq!(sums[0]["uncertainty"], format!("{early:08x}"));
         assert_eq!(changed(&sums[0], &sums[1]), "uncertainty");
+        let mut beside = vehicle;
+        beside.uncertainty.payload_beside_sd_m = 0.1;
+        assert_eq!(changed(&sums[0], &checksums(&beside, Part::Vehicle).unwrap()), "");
     }
 }

@@ -147,6 +147,7 @@ const UNCERTAINTY: &[Key] = &[
     number("specific_force_gain_sd", "", [0.001, 0.1], [0.0, 1.0], "gain of the sensors of specific force, for trailer and tractor separately, relative").optional(),
     number("frame_torsional_stiffness_sd", "", [0.05, 0.7], [0.0, 1.0], "torsional stiffness of the trailer's frame, relative; only if the file gives it").optional(),
     number("payload_place_sd_m", "m", [0.05, 1.0], [0.0, 3.0], "distance of a load's c.g. from trailer.payload.behind_hitch_m, to the front or to the rear; every load has its own place, so no calibration reduces it").optional().or(0.0, "every load at that place"),
+    number("payload_beside_sd_m", "m", [0.01, 0.2], [0.0, 1.0], "distance of a load's c.g. from the middle of the trailer, to the left or to the right; it makes the rollover threshold uncertain").optional().or(0.0, "every load in the middle"),
     number("residual_sd", "", [0.001, 0.1], [0.0, 1.0], "the rest of the model error, relative; `cg vehicle residual` shows the least"),
 ];
 

@@ -1,4 +1,5 @@
-//! Parameters of the static stability factor of a rigid trailer: half track and unsprung mass.
+//! Parameters of the static stability factor of a rigid trailer: half track and unsprung mass; and how far loads
+//! may stand beside the middle.
 
 use cg_core::RolloverDesign;
 
@@ -41,5 +42,6 @@ pub(crate) fn rollover(vehicle: &Vehicle, load: Load) -> Result<RolloverDesign<f
         half_track_m: moment / force_n,
         unsprung_mass_kg: unsprung,
         unsprung_height_m: center / unsprung,
+        payload_beside_sd_m: vehicle.uncertainty.payload_beside_sd_m,
     })
 }

@@ -5,8 +5,8 @@ use cg_vehicle::calibration::Calibration;
 
 #[test]
 fn the_fixtures_are_usual() {
-    for name in crate::NAMES {
-        let (_, warnings) = Vehicle::load_checked(crate::path(name)).unwrap();
+    for name in crate::check::NAMES {
+        let (_, warnings) = Vehicle::load_checked(crate::check::path(name)).unwrap();
         let told: Vec<String> = warnings.iter().map(|warning| warning.in_file(name)).collect();
         assert!(told.is_empty(), "{}", told.join("\n"));
     }
@@ -17,7 +17,7 @@ fn the_fixtures_are_usual() {
 fn a_file_beyond_its_limit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("truck.toml");
-    let mut text = crate::text("kraz");
+    let mut text = crate::check::text("kraz");
     text += &"#".repeat((1 << 20) - text.len());
     std::fs::write(&path, &text).unwrap();
     assert_eq!(Vehicle::load(&path).unwrap().name, "kraz");
@@ -30,7 +30,7 @@ fn a_file_beyond_its_limit_is_refused() {
 #[test]
 fn an_endless_file_is_refused_at_once() {
     let endless = std::path::Path::new("/dev/zero");
-    let kraz = Vehicle::load(crate::path("kraz")).unwrap();
+    let kraz = Vehicle::load(crate::check::path("kraz")).unwrap();
     for error in [
         Vehicle::load(endless).unwrap_err().to_string(),
         Calibration::load(endless, &kraz).unwrap_err().to_string(),

@@ -4,7 +4,7 @@ use cg_vehicle::VehicleError;
 use cg_vehicle::check::{Key, Kind, Range, TABLES, key};
 use toml::{Table, Value};
 
-use crate::{numbers, parsed, table, words};
+use crate::check::{numbers, parsed, table, words};
 
 /// A file that contains every table.
 fn complete() -> Table {
@@ -83,7 +83,7 @@ fn every_number_that_is_read_is_in_the_table() {
     assert!(ways.len() > 200);
     for way in ways {
         let mut end = way.len();
-        while matches!(way[end - 1], crate::Step::Index(_)) {
+        while matches!(way[end - 1], crate::check::Step::Index(_)) {
             end -= 1;
         }
         let digits = |c: char| c.is_ascii_digit();

@@ -9,7 +9,7 @@ use cg_vehicle::linear::ratio_line;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 use toml::Value;
 
-use crate::{at, list_of, numbers, parsed, table, words};
+use crate::check::{at, list_of, numbers, parsed, table, words};
 
 /// Greatest change of a height by an error in the file that is not reported: half the least
 /// uncertainty of a height without calibration (`compensation_sd` of the files, 2 %).
@@ -132,7 +132,7 @@ fn kraz() {
 /// A whole list in kN, mm or degrees, as people might write it.
 #[test]
 fn whole_lists_in_another_unit_are_refused_or_warned_of() {
-    for name in crate::NAMES {
+    for name in crate::check::NAMES {
         let root = table(name);
         let mut ways = Vec::new();
         numbers(&Value::Table(root.clone()), &[], &mut ways);

@@ -4,7 +4,7 @@ use cg_vehicle::design::design;
 use cg_vehicle::guide::{TruckKind, template};
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
-use crate::text;
+use crate::check::text;
 
 /// A vehicle file in which some text is replaced.
 fn changed(name: &str, pairs: &[(&str, &str)]) -> String {

@@ -28,9 +28,9 @@ impl<W: Write> Session<W> {
     /// Reports once for each load that the trailer leans in straight driving.
     fn report_lean(&mut self) -> io::Result<()> {
         let mass_kg = self.known.trailer_mass_kg;
-        let found = self.leaning.and_then(|leaning| leaning.message(self.options.lean, mass_kg));
-        let Some(message) = found else { return Ok(()) };
-        self.leaning = None;
+        let found = self.leaning.message(self.options.lean, mass_kg);
+        let Some(message) = found.filter(|_| self.tells_lean) else { return Ok(()) };
+        self.tells_lean = false;
         self.notice("lean", &message)
     }
 
@@ -83,15 +83,17 @@ impl<W: Write> Session<W> {
         self.estimator.best_channel().map_or_else(Strength::default, of_channel)
     }
 
-    /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns and to maneuvers that were left
-    /// out, which the estimator does not know.
+    /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns, to a load beside the middle and
+    /// to maneuvers that were left out, which the estimator does not know.
     pub(super) fn host_sd_m(&self) -> f64 {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
         let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
         let by_mass_m = mass_sd_m(&self.estimator, self.speed_mps, mass_kg, height_m);
         let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
-        libm::hypot(libm::hypot(by_mass_m, self.strength().sd * height_m), left_out_m)
+        let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
+        let by_turns = libm::hypot(self.strength().sd, by_lean);
+        libm::hypot(libm::hypot(by_mass_m, by_turns * height_m), left_out_m)
     }
 
     /// The share of the unknown bank of the road in the variance of the height.

@@ -2,8 +2,6 @@
 //! thesis and of other publications. (The test of the energy is in `plant::energy`.)
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
-#[path = "../../../cg-logs/tests/common/mod.rs"]
-mod common;
 mod banked;
 mod convergence;
 mod linear;

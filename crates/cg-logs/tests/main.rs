@@ -1,0 +1,18 @@
+//! The tests of logs, their estimates and their calibration. They are one program, because to build one for each file
+//! takes longer than most of them.
+
+mod banked_roads;
+mod calibration;
+mod calibration_file;
+mod can;
+mod columns;
+mod common;
+mod fuzz_seeds;
+mod independent_truck;
+mod key_on;
+mod learn;
+mod log;
+mod output;
+mod shapes;
+mod twisting_frame;
+mod uncertain_runs;

@@ -1,0 +1,25 @@
+//! The tests of the nonlinear plant, and of the estimator with it. They are one program, because to build one for each file
+//! takes longer than most of them.
+
+mod acceleration_channel;
+mod articulation;
+#[path = "../../cg-logs/tests/common/mod.rs"]
+mod common;
+mod compensated;
+mod end_to_end;
+mod faults;
+mod friction;
+mod lane_changes;
+mod masses;
+mod nonlinear;
+mod payload_place;
+mod prediction;
+mod residual;
+mod road;
+mod road_sensors;
+mod rollover;
+mod sensors;
+mod tight_turns;
+mod truck_in_noise;
+mod twisting;
+mod tyre_slopes;
