@@ -19,6 +19,7 @@ mod road;
 mod road_sensors;
 mod rollover;
 mod sensors;
+mod threshold;
 mod tight_turns;
 mod truck_in_noise;
 mod twisting;
