@@ -52,9 +52,13 @@ impl MethodArgs {
     }
 }
 
+/// A payload of less than this is none, kg.
+const EMPTY_KG: f64 = 1.0;
+
 #[derive(Debug, Args)]
 pub(crate) struct LoadArgs {
-    /// Height of the c.g. of the trailer's sprung mass, m [default: from the vehicle file]
+    /// Height of the c.g. of the trailer's sprung mass, m [default: from the vehicle file, that of the empty trailer
+    /// without a payload]
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = height_m)]
     pub(crate) height_m: Option<f64>,
     /// Mass of the whole semitrailer, kg [default: from the vehicle file]
@@ -69,10 +73,11 @@ impl LoadArgs {
     pub(crate) fn load(&self, vehicle: &Vehicle) -> Load {
         let reference = vehicle.reference_load();
         let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
-        Load {
-            trailer_mass_kg: self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
-            cg_height_m: self.height_m.unwrap_or(reference.cg_height_m),
-        }
+        let trailer_mass_kg = self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg);
+        let is_empty = trailer_mass_kg < vehicle.empty_trailer_mass_kg() + EMPTY_KG;
+        let usual_m =
+            if is_empty { vehicle.trailer.tare.cg_height_m } else { reference.cg_height_m };
+        Load { trailer_mass_kg, cg_height_m: self.height_m.unwrap_or(usual_m) }
     }
 }
 

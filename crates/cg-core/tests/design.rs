@@ -422,3 +422,30 @@ fn a_heavier_trailer_needs_less_height_for_the_same_roll() {
         assert_eq!(outside, 0.0);
     }
 }
+
+/// A trailer of 20 t, of which 12 t are above the lightest mass of the design, whose c.g. is as high as the static
+/// stability factor says: a payload 0.05 m beside the middle moves the c.g. by 0.03 m.
+#[test]
+fn the_threshold_is_uncertain_by_model_and_place_of_the_load() {
+    let design = design();
+    let at = |design: &Design<f64, 2>, sd: f64| {
+        design.rollover(Measured { value: 2.0, sd }, 20e3, 20.0).unwrap()
+    };
+    let found = at(&design, 0.0);
+    let threshold_g = found.static_rollover_threshold_g.value;
+    let cg_m = design.rollover.half_track_m / found.static_stability_factor_g;
+    assert!(threshold_g < 0.5);
+    let expected = f64::hypot(0.015 * threshold_g, 0.03 / cg_m);
+    assert!((found.static_rollover_threshold_g.sd / expected - 1.0).abs() < 1e-12);
+    assert!((design.earlier_g(&found, 20e3, -0.1) + 0.06 / cg_m).abs() < 1e-12);
+    // The height adds its own: the slope between 1.98 and 2.02 m, times its standard deviation.
+    let sds = [0.1, 0.2].map(|sd| at(&design, sd).static_rollover_threshold_g.sd);
+    let by_height = sds.map(|sd| (sd * sd - expected * expected).sqrt());
+    assert!((by_height[1] / by_height[0] - 2.0).abs() < 1e-9 && by_height[0] > 0.0);
+    for (beside_m, is_possible) in
+        [(0.0, true), (-0.01, false), (f64::NAN, false), (f64::INFINITY, false)]
+    {
+        let valid = with(|d| &mut d.rollover.payload_beside_sd_m, beside_m);
+        assert_eq!(valid.is_ok(), is_possible, "{beside_m} {valid:?}");
+    }
+}

@@ -23,4 +23,5 @@ mod threshold;
 mod tight_turns;
 mod truck_in_noise;
 mod twisting;
+mod two_loads;
 mod tyre_slopes;

@@ -122,6 +122,9 @@ pub(crate) struct Result {
     pub(crate) road_share: Option<f64>,
     #[serde(skip)]
     pub(crate) measured_m: Option<Measured<f64>>,
+    /// How far the load may stand beside the middle, because the trailer leans; zero if it does not.
+    #[serde(skip)]
+    pub(crate) beside_m: f64,
     #[serde(skip)]
     pub(crate) threshold_g: Option<Measured<f64>>,
 }
@@ -168,10 +171,14 @@ impl Result {
 
     /// Sets the rollover threshold in a turn at this speed.
     pub(crate) fn at_speed(&mut self, design: &Design<f64>, speed_mps: f64) {
-        self.threshold_g = self
-            .measured_m
-            .and_then(|height_m| design.rollover(height_m, self.trailer_mass_kg, speed_mps))
-            .map(|rollover| rollover.static_rollover_threshold_g);
+        let mass_kg = self.trailer_mass_kg;
+        let rollover =
+            self.measured_m.and_then(|height_m| design.rollover(height_m, mass_kg, speed_mps));
+        self.threshold_g = rollover.map(|rollover| {
+            let Measured { value, sd } = rollover.static_rollover_threshold_g;
+            let earlier_g = design.earlier_g(&rollover, mass_kg, self.beside_m);
+            Measured { value, sd: libm::hypot(sd, earlier_g) }
+        });
         self.static_rollover_threshold_g = self.threshold_g.map(|threshold| threshold.value);
         self.static_rollover_threshold_ci95_g = self.threshold_g.map(interval);
     }

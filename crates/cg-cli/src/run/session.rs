@@ -44,8 +44,6 @@ pub(crate) struct Session<W: Write> {
     mass_source: MassSource,
     /// Stream time of the first sample; `None` after the nominal mass is reported or not needed.
     unweighed_us: Option<u64>,
-    /// Stream time of the first mass by a signal that is used.
-    weighed_us: Option<u64>,
     nominal_mass_reported: bool,
     /// The learning from empty driving.
     learning: Option<Learning>,
@@ -127,7 +125,6 @@ impl<W: Write> Session<W> {
             weighing: Weighing::EXACT,
             mass_source,
             unweighed_us: None,
-            weighed_us: None,
             learning: None,
             nominal_mass_reported: false,
             pace: Pace::default(),
@@ -300,7 +297,8 @@ impl<W: Write> Session<W> {
             let times_s = [self.time_s(self.now_us), self.offset_s];
             page.turn(self.estimator.design(), maneuver, &self.known, times_s);
         }
-        let weighed = self.weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
+        let weighed =
+            self.trailer_mass_kg.is_none() && self.weighing.weighed.covers(maneuver.start_us);
         self.learn(Some((maneuver, (self.time_s(maneuver.end_us), weighed))))?;
         self.compare(before)?;
         self.remark(maneuver)?;
@@ -336,6 +334,8 @@ impl<W: Write> Session<W> {
         self.known = self.weighing.of(self.estimator.design(), Known::new(combined, channel, mass));
         self.known.road_share = self.road_share();
         self.known.add_sd(self.host_sd_m());
+        let beside_m = self.leaning.beside_m(self.options.lean, self.known.trailer_mass_kg);
+        self.known.beside_m = beside_m.unwrap_or(0.0);
         self.known.at_speed(self.estimator.design(), self.speed_mps);
     }
 

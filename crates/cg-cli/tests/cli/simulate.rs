@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{Scratch, baseline, cg, estimate, height_m, kraz};
+use crate::common::{Scratch, baseline, cg, estimate, fixture, height_m, kraz};
 
 const MANEUVERS: [&str; 6] =
     ["rounded-step", "steady-turn", "lane-change", "sine", "ramp", "drive"];
@@ -393,4 +393,22 @@ fn a_log_of_a_truck_with_two_roll_sensors_has_the_column_of_the_second() {
         differ += usize::from((first_rad - second_rad).abs() > 1e-9);
     }
     assert!(differ > 20, "{differ}");
+}
+
+/// Without a payload the trailer is empty, and its c.g. is where that of the empty trailer is.
+#[test]
+fn an_empty_trailer_has_its_own_height() {
+    let scratch = Scratch::new();
+    let truck = fixture("vehicles/kraz.toml");
+    let height_of = |payload_kg: &str| {
+        let (log, truth) = (scratch.path(&format!("{payload_kg}.csv")), scratch.path("truth.json"));
+        let base = ["simulate", "--vehicle", &truck, "--maneuver", "sine", "--duration-s", "5"];
+        let more = ["--payload-kg", payload_kg, "--truth", &truth, "--force", "-o", &log];
+        cg(&[&base[..], &more].concat()).done();
+        let truth: Value = serde_json::from_slice(&std::fs::read(truth).unwrap()).unwrap();
+        height_m(&truth)
+    };
+    let vehicle = cg_vehicle::Vehicle::load(&truck).unwrap();
+    assert!((height_of("0") - vehicle.trailer.tare.cg_height_m).abs() < 1e-12);
+    assert!((height_of("1000") - vehicle.reference_load().cg_height_m).abs() < 1e-12);
 }

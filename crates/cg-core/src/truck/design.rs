@@ -238,7 +238,8 @@ impl<T: Real, const C: usize> Design<T, C> {
         positive(self.rollover.half_track_m, "rollover half_track_m")?;
         positive(self.rollover.unsprung_mass_kg, "rollover unsprung_mass_kg")?;
         positive(self.rollover.unsprung_height_m, "rollover unsprung_height_m")?;
-        if !(self.rollover.payload_beside_sd_m >= T::zero()) {
+        let beside_m = self.rollover.payload_beside_sd_m;
+        if !(beside_m >= T::zero() && beside_m.present()) {
             return Err(DesignError::NotPositive("rollover payload_beside_sd_m"));
         }
         let [lightest_kg, ..] = self.trailer_mass_kg;

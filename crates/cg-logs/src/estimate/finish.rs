@@ -117,7 +117,7 @@ impl LogEstimator {
     fn best_maneuver(&self, channel: Channel) -> Option<Maneuver<f64>> {
         let noise_m =
             |maneuver: &Maneuver<f64>| Some(maneuver.outcomes[channel.index()].height_m.ok()?.sd);
-        self.maneuvers
+        self.of_load()
             .iter()
             .filter_map(|maneuver| Some((maneuver, noise_m(maneuver)?)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -146,7 +146,7 @@ impl LogEstimator {
         estimate.height_m = Some(height);
         estimate.height_sd_m = Some(sd);
         estimate.height_random_sd_m = Some(fused.random_sd_m);
-        estimate.road_share = Some(RoadPart::of(&self.maneuvers).share(channel, fused));
+        estimate.road_share = Some(RoadPart::of(self.of_load()).share(channel, fused));
         estimate.height_ci95_m = Some([height - QUANTILE_95 * sd, height + QUANTILE_95 * sd]);
         let fit = best.outcomes[channel.index()].fit;
         estimate.snr_db = fit.map(|fit| fit.snr_db);
@@ -194,7 +194,7 @@ impl LogEstimator {
     /// Mean speed of the maneuvers that gave a height in one of these channels, m/s.
     pub(super) fn mean_speed_mps(&self, channels: &[Channel]) -> Option<f64> {
         let speeds: Vec<f64> = self
-            .maneuvers
+            .of_load()
             .iter()
             .filter(|maneuver| {
                 channels.iter().any(|channel| maneuver.outcomes[channel.index()].height_m.is_ok())

@@ -73,6 +73,10 @@ pub struct LogEstimator {
     pub(super) strong: StrongTurns,
     pub(super) left_out: LeftOut,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
+    /// Whether a signal gave the mass of each of them.
+    are_weighed: Vec<bool>,
+    /// The place of the first maneuver of the last load among them.
+    first_of_load: usize,
     /// Number of maneuvers that are not kept.
     pub(super) more_maneuvers: u64,
     /// Only while a calibration reads a log.
@@ -90,8 +94,6 @@ pub(super) struct SignalsSeen {
     pub(super) mass_sd_kg: Option<f64>,
     /// Its scale, likewise.
     pub(super) scale: Option<Scale>,
-    /// Time of the first one, µs.
-    pub(super) weighed_us: Option<u64>,
     pub(super) weighed: Weighed,
     /// The quantities that have arrived and are not used, in the order of [`Quantity::ALL`].
     pub(super) unscaled: [bool; Quantity::COUNT],
@@ -131,6 +133,8 @@ impl LogEstimator {
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
             maneuvers: Vec::new(),
+            are_weighed: Vec::new(),
+            first_of_load: 0,
             more_maneuvers: 0,
             recorder: None,
         }
@@ -211,13 +215,16 @@ impl LogEstimator {
         let last = self.engine.finish();
         self.keep(last.as_ref());
         let origin_s = self.origin_s.unwrap_or(0.0);
-        let weighed_us = self.seen.weighed_us.filter(|_| self.options.trailer_mass_kg.is_none());
-        self.maneuvers.into_iter().map(move |maneuver| {
+        self.maneuvers.into_iter().zip(self.are_weighed).map(move |(maneuver, weighed)| {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let end_s = origin_s + maneuver.end_us as f64 * 1e-6;
-            let weighed = weighed_us.is_some_and(|since_us| since_us <= maneuver.start_us);
             (maneuver, end_s, weighed)
         })
+    }
+
+    /// The maneuvers of the last load.
+    pub(super) fn of_load(&self) -> &[Maneuver<f64>] {
+        self.maneuvers.get(self.first_of_load..).unwrap_or_default()
     }
 
     /// The roll angles and inputs that the channels take from a row. A row without a speed has no
@@ -242,11 +249,18 @@ impl LogEstimator {
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
             self.strong.close(maneuver, is_first_of_load);
             self.left_out.close(maneuver, &self.engine, is_first_of_load);
+            if is_first_of_load {
+                self.first_of_load = self.maneuvers.len();
+            }
             if is_first_of_load && self.seen.mass_kg.is_some() {
                 self.seen.weighed.change_load(maneuver.start_us);
             }
         }
         if self.maneuvers.len() < MOST_MANEUVERS {
+            let is_of_log = self.options.trailer_mass_kg.is_none();
+            let is_weighed =
+                |one: &Maneuver<f64>| is_of_log && self.seen.weighed.covers(one.start_us);
+            self.are_weighed.extend(closed.map(is_weighed));
             self.maneuvers.extend(closed);
         } else {
             self.more_maneuvers += u64::from(closed.is_some());
@@ -284,7 +298,6 @@ impl LogEstimator {
                 let (quantity, _) = row.weighed(&self.settings)?;
                 Scale::in_log(quantity)
             });
-            self.seen.weighed_us.get_or_insert(time_us);
             self.seen.weighed.weigh(time_us);
         }
         if let Some(speed_mps) = self.options.speed_mps {

@@ -10,10 +10,12 @@ const LEAST_ROWS: f64 = 100.0;
 /// alone and for play of the springs. At 0.12 m the play of a fifth wheel has no effect; with leaf springs 6 t that stand
 /// 0.1 m to a side make a calibrated height 4 % too great, 2.5 standard deviations (docs/limits.md).
 const BESIDE_M: [f64; 2] = [0.12, 0.03];
-/// Distance of a load from the middle at which the play of springs makes a height uncertain by all of itself. It grows
-/// with the square of the distance: on the nonlinear plant with leaf springs, heights of 20 t are at most 4 % too great at
+/// No load stands farther from the middle: half a trailer is 1.2 m wide. A greater lean is an offset of the sensor.
+const FARTHEST_M: f64 = 0.6;
+/// Moment of a load about the middle at which the play of springs makes a height uncertain by all of itself, which grows
+/// with the square of the moment. On the nonlinear plant with leaf springs, heights of 20 t are at most 4 % too great at
 /// 0.13 m, 28 % at 0.2 m and 53 % at 0.3 m, within 1.8 standard deviations (test `payload_place` of cg-plant).
-const DOUBLES_M: f64 = 0.5;
+const DOUBLES_KGM: f64 = 10e3;
 
 /// The mean roll angle in straight driving.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -40,12 +42,16 @@ impl Leaning {
         let leans = self.rows >= LEAST_ROWS
             && self.mean_rad.abs() > least_rad
             && trailer_mass_kg > 1.1 * lean.empty_kg;
-        leans.then(|| lean.beside_m(self.mean_rad, trailer_mass_kg).abs())
+        let beside_m = lean.beside_m(self.mean_rad, trailer_mass_kg).abs();
+        (leans && beside_m <= FARTHEST_M).then_some(beside_m)
     }
 
     /// Relative standard deviation of the height due to a load beside the middle.
     pub fn height_sd(&self, lean: Option<Lean>, trailer_mass_kg: f64) -> f64 {
-        let share = self.beside_m(lean, trailer_mass_kg).unwrap_or(0.0) / DOUBLES_M;
+        let (Some(beside_m), Some(lean)) = (self.beside_m(lean, trailer_mass_kg), lean) else {
+            return 0.0;
+        };
+        let share = beside_m * (trailer_mass_kg - lean.empty_kg) / DOUBLES_KGM;
         (share * share).min(1.0)
     }
 
@@ -93,5 +99,10 @@ mod tests {
         assert!(found(0.022, 27e3).is_none() && found(0.03, 7.1e3).is_none());
         assert!(straight(99, 0.03).message(truck(), 27e3).is_none());
         assert!(straight(100, 0.03).message(None, 27e3).is_none());
+        // 30 mrad are 3000 kg m of 10 000; a light load would have to stand outside the trailer.
+        let sd = |rad: f64| straight(100, rad).height_sd(truck(), 27e3);
+        assert!((sd(0.03) - 0.09).abs() < 1e-9 && (sd(-0.03) - 0.09).abs() < 1e-9);
+        assert!(sd(0.022) < 1e-12 && straight(99, 0.03).height_sd(truck(), 27e3) < 1e-12);
+        assert!(found(0.03, 12.1e3).is_some() && found(0.03, 11.9e3).is_none());
     }
 }

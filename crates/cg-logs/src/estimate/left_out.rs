@@ -3,7 +3,7 @@
 //! The estimator leaves a maneuver out until a second one agrees with it. That is right for a single outlier, but if
 //! many are left out, the height depends on which came first.
 
-use cg_core::{CHANNELS, Channel, Maneuver};
+use cg_core::{CHANNELS, Channel, HeightError, Maneuver, Reject};
 use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
@@ -29,7 +29,12 @@ impl LeftOut {
 
     /// Takes a maneuver after the estimator has; `true` if it is the first of another load.
     pub fn close(&mut self, maneuver: &Maneuver<f64>, engine: &Engine, is_of_another_load: bool) {
-        let heights_m = maneuver.outcomes.map(|one| one.height_m.ok().map(|height| height.value));
+        // A height that no load can have contradicts the others as well.
+        let heights_m = maneuver.outcomes.map(|one| match one.height_m {
+            Ok(height) => Some(height.value),
+            Err(Reject::Height(HeightError::OutOfRange { height_m })) => Some(height_m),
+            Err(_) => None,
+        });
         let before = std::mem::replace(&mut self.fused, fused(engine));
         if is_of_another_load {
             self.heights_m.clear();
@@ -96,6 +101,21 @@ impl Doubt {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::options::EstimateOptions;
+    use crate::estimate::trial::{design, maneuver};
+
+    #[test]
+    fn a_height_that_no_load_can_have_contradicts_the_others() {
+        let engine = Engine::new(&design(), &EstimateOptions::default());
+        let mut left_out = LeftOut::new(&engine);
+        let mut impossible = maneuver();
+        let why = Reject::Height(HeightError::OutOfRange { height_m: 6.4 });
+        impossible.outcomes[Channel::Steer.index()].height_m = Err(why);
+        left_out.close(&impossible, &engine, false);
+        left_out.close(&maneuver(), &engine, false); // without a ratio
+        let message = left_out.doubt(Channel::Steer, (1.7, 9)).message().unwrap();
+        assert!(message.contains("1 of 10") && message.contains("6.40 m"), "{message}");
+    }
 
     /// By hand: one of nine is an outlier; two of four at 0.4 m are 0.4/√2 m.
     #[test]

@@ -163,12 +163,12 @@ impl LogEstimator {
         if !self.is_on_road() || !shown.feels_bank() {
             return None;
         }
-        RoadPart::message(fused.map(|fused| RoadPart::of(&self.maneuvers).share(shown, fused)))
+        RoadPart::message(fused.map(|fused| RoadPart::of(self.of_load()).share(shown, fused)))
     }
 
     /// Whether the bank of the road is unknown and changes a roll angle of the log.
     pub(super) fn is_on_road(&self) -> bool {
-        RoadPart::of(&self.maneuvers).is_unknown(self.options.road)
+        RoadPart::of(self.of_load()).is_unknown(self.options.road)
     }
 
     /// The heights of all channels in words.

@@ -25,7 +25,7 @@ impl LogEstimator {
     /// How much the ratios differ from curve to curve; `None` with fewer than two.
     pub(super) fn scatter(&self) -> Option<Scatter> {
         let place = Channel::LateralAcceleration.index();
-        let outcomes = self.maneuvers.iter().map(|maneuver| maneuver.outcomes[place]);
+        let outcomes = self.of_load().iter().map(|maneuver| maneuver.outcomes[place]);
         let fitted: Vec<_> = outcomes.filter(|outcome| outcome.fit.is_some()).collect();
         let believed =
             fitted.iter().filter(|one| matches!(one.height_m, Ok(_) | Err(Reject::Height(_))));
@@ -52,17 +52,20 @@ impl LogEstimator {
     pub(super) fn scattered(&self) -> Option<String> {
         let found = self.scatter().filter(|found| found.is_wide && !self.is_on_road())?;
         let Scatter { share, rejected: [rejected, all], .. } = found;
+        let rest = match rejected {
+            0 => String::new(),
+            _ => format!(", and {rejected} of {all} maneuvers gave no height"),
+        };
+        let percent = 100.0 * share;
         Some(format!(
-            "the ratio of roll angle and lateral acceleration differs by {:.0} % from curve to curve, and \
-             {rejected} of {all} maneuvers gave no height",
-            100.0 * share
+            "the ratio of roll angle and lateral acceleration differs by {percent:.0} % from curve to curve{rest}"
         ))
     }
 
     /// The likely cause if the suspension roll of a pair has the wrong sign.
     pub(super) fn reversed(&self, pair: Channel) -> Option<String> {
         let is_used = self.engine.height(pair).is_some();
-        let outcomes = self.maneuvers.iter().map(|maneuver| maneuver.outcomes[pair.index()]);
+        let outcomes = self.of_load().iter().map(|maneuver| maneuver.outcomes[pair.index()]);
         let fits: Vec<_> = outcomes.filter_map(|outcome| outcome.fit).collect();
         let reversed = fits.iter().filter(|fit| fit.ratio.value < -SURE * fit.ratio.sd).count();
         let (unit, prefix) = match pair {

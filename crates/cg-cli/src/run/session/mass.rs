@@ -16,7 +16,6 @@ impl<W: Write> Session<W> {
             self.unweighed_us.get_or_insert(sample.time_us);
             return Ok(());
         } else {
-            self.weighed_us.get_or_insert(sample.time_us);
             self.weighed_kg = Some(sample.trailer_mass_kg);
             self.weighing.weighed.weigh(sample.time_us);
         }
@@ -34,8 +33,8 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Shows no height of a load that is not on the trailer any more: of one before a restart at once, otherwise after the
-    /// time within which a mass varies in a turn. The next maneuver shows the same to the estimator, which then discards
+    /// Shows no height of a load that is not on the trailer any more: of one before a restart, or of one that was never weighed,
+    /// at once, otherwise after the time within which a mass varies in a turn. The next maneuver shows the same to the estimator, which then discards
     /// its heights.
     fn unload(&mut self, sample: &Sample<f64>) -> io::Result<()> {
         let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
@@ -47,7 +46,8 @@ impl<W: Write> Session<W> {
         }
         let since_us = *self.other_mass_us.get_or_insert(sample.time_us);
         let lasts = sample.time_us.saturating_sub(since_us) >= settings.weighing_us;
-        if !lasts && self.samples > 1 {
+        let was_weighed = self.mass_source != MassSource::Nominal;
+        if !lasts && self.samples > 1 && was_weighed {
             return Ok(());
         }
         self.known = Known::new(None, None, (mass_kg, self.mass_source));

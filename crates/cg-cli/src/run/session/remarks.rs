@@ -89,7 +89,10 @@ impl<W: Write> Session<W> {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
         let mass_kg = [known.trailer_mass_kg, known.trailer_mass_sd_kg];
-        let by_mass_m = mass_sd_m(&self.estimator, self.speed_mps, mass_kg, height_m);
+        // Right after a restart there is no speed yet.
+        let nominal_mps = self.estimator.design().nominal_speed_mps;
+        let speed_mps = if self.speed_mps.is_finite() { self.speed_mps } else { nominal_mps };
+        let by_mass_m = mass_sd_m(&self.estimator, speed_mps, mass_kg, height_m);
         let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
         let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
         let by_turns = libm::hypot(self.strength().sd, by_lean);

@@ -456,3 +456,32 @@ fn strong_turns_are_kept_while_there_is_no_height() {
     assert!(!session.has_height());
     assert_eq!(session.strength(), strength);
 }
+
+/// A trailer that was never weighed may have any load, after a restart as before it.
+#[test]
+fn the_interval_of_any_load_is_kept_over_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut before = kept_in(folder.path(), None);
+    before.speed_mps = design().nominal_speed_mps;
+    learn(&mut before, [Some(2.0), None]);
+    let memory = memory([Some(2.0), None], nominal_kg());
+    before.outputs.save(&memory, 5.0, SavedLoad::default(), Learned::default());
+    let mut after = kept_in(folder.path(), None);
+    assert!(after.restore().unwrap());
+    let [before, after] = [&before, &after].map(|one| one.status().result.height_sd_m.unwrap());
+    assert!(before > 0.1 && (after / before - 1.0).abs() < 1e-9, "{before} {after}");
+}
+
+/// A mass that arrives for the first time is not shown beside the height of another one.
+#[test]
+fn a_first_mass_hides_the_height_of_the_nominal_one_at_once() {
+    let mut session = session(None, 0.0);
+    session.samples = 1000;
+    learn(&mut session, [Some(2.0), None]);
+    assert!(session.has_height());
+    let mut weighed = sample(1_000_000);
+    weighed.trailer_mass_kg = 1.2 * nominal_kg();
+    session.tick(0.0, weighed.time_us);
+    session.push(weighed).unwrap();
+    assert!(!session.has_height());
+}
