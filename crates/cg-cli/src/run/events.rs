@@ -6,7 +6,7 @@
 use std::io;
 
 use cg_core::{Channel, Combined, Design, Maneuver, Measured, Reject};
-use cg_logs::estimate::{ManeuverEstimate, Method, QUANTILE_95, Verdict};
+use cg_logs::estimate::{ManeuverEstimate, Method, Verdict, interval_95, threshold_g};
 use cg_vehicle::scales::Scale;
 use serde::Serialize;
 
@@ -129,11 +129,6 @@ pub(crate) struct Result {
     pub(crate) threshold_g: Option<Measured<f64>>,
 }
 
-/// The 95 % interval of a value.
-fn interval(Measured { value, sd }: Measured<f64>) -> [f64; 2] {
-    [value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]
-}
-
 impl Result {
     /// The result from the fused height, if there is one. [`at_speed`](Self::at_speed) sets the
     /// threshold.
@@ -153,7 +148,7 @@ impl Result {
         Self {
             height_m: Some(value),
             height_sd_m: Some(sd),
-            height_ci95_m: Some(interval(height.height_m)),
+            height_ci95_m: Some(interval_95(height.height_m)),
             channel: Some(channel.map_or("combined".to_owned(), |channel| channel.to_string())),
             maneuvers: height.maneuvers,
             measured_m: Some(height.height_m),
@@ -166,21 +161,16 @@ impl Result {
         let Some(measured) = &mut self.measured_m else { return };
         measured.sd = libm::hypot(measured.sd, sd_m);
         self.height_sd_m = Some(measured.sd);
-        self.height_ci95_m = Some(interval(*measured));
+        self.height_ci95_m = Some(interval_95(*measured));
     }
 
     /// Sets the rollover threshold in a turn at this speed.
     pub(crate) fn at_speed(&mut self, design: &Design<f64>, speed_mps: f64) {
-        let mass_kg = self.trailer_mass_kg;
-        let rollover =
-            self.measured_m.and_then(|height_m| design.rollover(height_m, mass_kg, speed_mps));
-        self.threshold_g = rollover.map(|rollover| {
-            let Measured { value, sd } = rollover.static_rollover_threshold_g;
-            let earlier_g = design.earlier_g(&rollover, mass_kg, self.beside_m);
-            Measured { value, sd: libm::hypot(sd, earlier_g) }
-        });
+        let turn = [self.trailer_mass_kg, speed_mps];
+        self.threshold_g =
+            self.measured_m.and_then(|height_m| threshold_g(design, height_m, turn, self.beside_m));
         self.static_rollover_threshold_g = self.threshold_g.map(|threshold| threshold.value);
-        self.static_rollover_threshold_ci95_g = self.threshold_g.map(interval);
+        self.static_rollover_threshold_ci95_g = self.threshold_g.map(interval_95);
     }
 
     /// The threshold minus the absolute lateral acceleration, g.

@@ -5,7 +5,8 @@ use cg_core::{Maneuver, Reject};
 
 use super::answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 use super::intake::{Identified, LogEstimator};
-use super::options::QUANTILE_95;
+use super::leaning::threshold_g;
+use super::options::interval_95;
 use super::reason::reason;
 use super::road::RoadPart;
 
@@ -147,7 +148,7 @@ impl LogEstimator {
         estimate.height_sd_m = Some(sd);
         estimate.height_random_sd_m = Some(fused.random_sd_m);
         estimate.road_share = Some(RoadPart::of(self.of_load()).share(channel, fused));
-        estimate.height_ci95_m = Some([height - QUANTILE_95 * sd, height + QUANTILE_95 * sd]);
+        estimate.height_ci95_m = Some(interval_95(Measured { value: height, sd }));
         let fit = best.outcomes[channel.index()].fit;
         estimate.snr_db = fit.map(|fit| fit.snr_db);
         estimate.fit_percent = fit.map(|fit| fit.fit_percent);
@@ -173,15 +174,11 @@ impl LogEstimator {
         height: Measured<f64>,
         [trailer_mass_kg, speed_mps]: [f64; 2],
     ) {
-        let Some(rollover) = self.design.rollover(height, trailer_mass_kg, speed_mps) else {
-            return;
-        };
-        let Measured { value, sd } = rollover.static_rollover_threshold_g;
         let beside_m = self.leaning.beside_m(self.options.lean, trailer_mass_kg).unwrap_or(0.0);
-        let sd = libm::hypot(sd, self.design.earlier_g(&rollover, trailer_mass_kg, beside_m));
-        let by = QUANTILE_95 * sd;
-        estimate.static_rollover_threshold_g = Some(value);
-        estimate.static_rollover_threshold_ci95_g = Some([value - by, value + by]);
+        let turn = [trailer_mass_kg, speed_mps];
+        let found_g = threshold_g(&self.design, height, turn, beside_m);
+        estimate.static_rollover_threshold_g = found_g.map(|found_g| found_g.value);
+        estimate.static_rollover_threshold_ci95_g = found_g.map(interval_95);
     }
 
     /// Standard deviation of the height due to that of the trailer mass, m.

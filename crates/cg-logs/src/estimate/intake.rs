@@ -251,9 +251,9 @@ impl LogEstimator {
             self.left_out.close(maneuver, &self.engine, is_first_of_load);
             if is_first_of_load {
                 self.first_of_load = self.maneuvers.len();
-            }
-            if is_first_of_load && self.seen.mass_kg.is_some() {
-                self.seen.weighed.change_load(maneuver.start_us);
+                if self.seen.mass_kg.is_some() {
+                    self.seen.weighed.change_load(maneuver.start_us);
+                }
             }
         }
         if self.maneuvers.len() < MOST_MANEUVERS {

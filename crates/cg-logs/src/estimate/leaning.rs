@@ -1,6 +1,6 @@
 //! Whether the trailer leans in straight driving, so that its height can be wrong.
 
-use cg_core::{Sample, Status};
+use cg_core::{Design, Measured, Sample, Status};
 use cg_vehicle::lean::Lean;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +67,20 @@ impl Leaning {
             self.mean_rad.to_degrees(),
         ))
     }
+}
+
+/// Rollover threshold, g, of a height, m, at a trailer mass, kg, and a speed, m/s, of a load that may stand as far beside
+/// the middle, m, as its [lean](Leaning::beside_m) says.
+pub fn threshold_g(
+    design: &Design<f64>,
+    height: Measured<f64>,
+    [trailer_mass_kg, speed_mps]: [f64; 2],
+    beside_m: f64,
+) -> Option<Measured<f64>> {
+    let rollover = design.rollover(height, trailer_mass_kg, speed_mps)?;
+    let Measured { value, sd } = rollover.static_rollover_threshold_g;
+    let earlier_g = design.earlier_g(&rollover, trailer_mass_kg, beside_m);
+    Some(Measured { value, sd: libm::hypot(sd, earlier_g) })
 }
 
 #[cfg(test)]

@@ -59,9 +59,11 @@ pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
 pub use known::{known_mass, known_speed};
-pub use leaning::Leaning;
+pub use leaning::{Leaning, threshold_g};
 pub use left_out::{Doubt, LeftOut};
-pub use options::{ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad};
+pub use options::{
+    ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad, interval_95,
+};
 pub use prediction::Prediction;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;

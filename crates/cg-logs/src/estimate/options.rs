@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
-use cg_core::{CHANNELS, Channel, Outcome};
+use cg_core::{CHANNELS, Channel, Measured, Outcome};
 use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::calibration::Judgment;
 use cg_vehicle::floor::Floor;
@@ -14,6 +14,11 @@ use serde::{Deserialize, Serialize};
 
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE_95: f64 = 1.959_964;
+
+/// The 95 % interval of a value.
+pub fn interval_95(Measured { value, sd }: Measured<f64>) -> [f64; 2] {
+    [value - QUANTILE_95 * sd, value + QUANTILE_95 * sd]
+}
 
 /// Method by which the DC ratio is identified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -33,9 +33,9 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Shows no height of a load that is not on the trailer any more: of one before a restart, or of one that was never weighed,
-    /// at once, otherwise after the time within which a mass varies in a turn. The next maneuver shows the same to the estimator, which then discards
-    /// its heights.
+    /// Shows no height of a load that is not on the trailer any more: of one before a restart, or of one that was never
+    /// weighed, at once, otherwise after the time within which a mass varies in a turn. The next maneuver shows the same to
+    /// the estimator, which then discards its heights.
     fn unload(&mut self, sample: &Sample<f64>) -> io::Result<()> {
         let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
         let settings = Settings::<f64>::truck();
