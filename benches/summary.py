@@ -40,7 +40,7 @@ def main() -> None:
     print(f"| only parsing the log with the csv crate | {parse:.2f} s | |")
     print(f"| the log reader | {read:.2f} s | {parse / read:.2f} × its speed |")
     second = m["simulated_second baseline-tables"]
-    print(f"| nonlinear plant, five axles, 1 ms steps | {1 / second:.0f} × real time | target 500 |")
+    print(f"| nonlinear plant, five axles | {1 / second:.0f} × real time | target 500 |")
     print(f"| `cg estimate` on it, one thread | {whole:.2f} s | {parse / whole:.2f} × its speed (target 0.4) |\n")
 
 

@@ -34,7 +34,8 @@ pub struct PlantOptions {
     /// those heights, as in the linear model. The height of the load itself is always its height at
     /// rest.
     pub design_load: Option<Load>,
-    /// Step of the integration; half of it where a frame that twists on a hard fifth wheel needs it.
+    /// Longest step of the integration. The plant takes a shorter one where its fastest motion needs it
+    /// (a hard fifth wheel), and always a whole number of them in 10 ms.
     pub step_s: f64,
 }
 
@@ -48,7 +49,7 @@ impl Default for PlantOptions {
             payload_left_m: 0.0,
             payload_behind_m: 0.0,
             design_load: None,
-            step_s: 1e-3,
+            step_s: 2e-3,
         }
     }
 }

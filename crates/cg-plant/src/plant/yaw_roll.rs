@@ -29,7 +29,7 @@ impl YawRollPlant {
     ///
     /// # Errors
     /// [`VehicleError`] if the load is impossible, if there are too many axles or tires, or if the
-    /// fastest mode of the vehicle is too fast for the step.
+    /// fastest mode of the vehicle is too fast for any step.
     pub fn new(
         vehicle: &Vehicle,
         load: Load,
@@ -45,11 +45,7 @@ impl YawRollPlant {
             plant.lift_to(load.cg_height_m, vehicle.nominal_speed_mps)?;
         }
         let fastest_radps = plant.fastest_radps(vehicle.nominal_speed_mps)?;
-        if plant.parameters.front.is_some() && !Method::is_stable(fastest_radps, step_s) {
-            // A half of the trailer on a hard fifth wheel is faster than the whole by up to √2.
-            plant.step_s *= 0.5;
-        }
-        plant.method = Method::for_mode(fastest_radps, plant.step_s)?;
+        (plant.method, plant.step_s) = Method::for_mode(fastest_radps, step_s)?;
         Ok(plant)
     }
 

@@ -73,39 +73,30 @@ fn roll_deg(friction_deflection_m: f64, step_s: f64) -> Vec<f64> {
     roll
 }
 
-/// A joint as hard as the truck's (1561 rad/s) can be integrated with steps of 1 ms; longer steps are
-/// refused.
+/// A joint as hard as the truck's (1561 rad/s), and half of an empty trailer on one, which moves faster
+/// than the whole (2 700 rad/s), take the steps that they need.
 #[test]
-fn a_step_too_long_for_the_vehicle_is_an_error() {
-    let vehicle = vehicle("kraz");
-    let with = |step_s| {
-        let options = PlantOptions { step_s, ..PlantOptions::default() };
-        YawRollPlant::new(&vehicle, vehicle.reference_load(), &options)
+fn a_hard_joint_takes_shorter_steps() {
+    let truck = vehicle("kraz");
+    let flatbed = flatbed();
+    let empty = Load {
+        trailer_mass_kg: flatbed.empty_trailer_mass_kg(),
+        cg_height_m: flatbed.trailer.tare.cg_height_m,
     };
-    assert!(with(1e-3).is_ok());
-    let error = with(2e-3).unwrap_err().to_string();
-    assert!(error.contains("1561 rad/s: take 1.6e-3 s or less"), "{error}");
-}
-
-/// Half of an empty trailer on a hard joint moves faster than the whole, for which steps of 1 ms are
-/// enough.
-#[test]
-fn half_a_trailer_takes_half_a_step() {
-    let vehicle = flatbed();
-    let tare = &vehicle.trailer.tare;
-    let load =
-        Load { trailer_mass_kg: vehicle.empty_trailer_mass_kg(), cg_height_m: tare.cg_height_m };
-    let roll_rad = |step_s| {
-        let options = PlantOptions { step_s, ..PlantOptions::default() };
-        let plant = YawRollPlant::new(&vehicle, load, &options).unwrap();
-        let mut run = plant.start(50.0 * KMH).unwrap();
-        let samples = rounded(&mut run, 0.05, 50.0 * KMH, 3.0);
-        (plant.step_s(), samples.last().unwrap().trailer.roll_rad)
-    };
-    let ((taken_s, coarse_rad), (_, fine_rad)) = (roll_rad(1e-3), roll_rad(2.5e-4));
-    assert!((taken_s - 5e-4).abs() < 1e-12, "{taken_s}");
-    // As for the other loads below.
-    assert!((coarse_rad - fine_rad).abs().to_degrees() < 1e-4 && fine_rad > 0.0);
+    for (vehicle, load, steps) in [(&truck, truck.reference_load(), 7.0), (&flatbed, empty, 11.0)] {
+        let roll_rad = |step_s| {
+            let options = PlantOptions { step_s, ..PlantOptions::default() };
+            let plant = YawRollPlant::new(vehicle, load, &options).unwrap();
+            let mut run = plant.start(50.0 * KMH).unwrap();
+            let samples = rounded(&mut run, 0.05, 50.0 * KMH, 3.0);
+            (plant.step_s(), samples.last().unwrap().trailer.roll_rad)
+        };
+        let ((taken_s, coarse_rad), (_, fine_rad)) = (roll_rad(2e-3), roll_rad(2.5e-4));
+        println!("{taken_s} s: {:.1e} degrees", (coarse_rad - fine_rad).abs().to_degrees());
+        assert!((taken_s - 0.01 / steps).abs() < 1e-12, "{taken_s}");
+        // As for the other loads below.
+        assert!((coarse_rad - fine_rad).abs().to_degrees() < 1e-4 && fine_rad > 0.0);
+    }
 }
 
 /// The smallest friction deflection on an empty trailer is limited to the value that dissipates energy,
@@ -121,15 +112,16 @@ fn every_load_can_be_simulated() {
             let mut run = plant.start(50.0 * KMH).unwrap();
             rounded(&mut run, 0.05, 50.0 * KMH, 3.0).last().unwrap().trailer.roll_rad
         };
-        let (coarse, fine) = (roll_rad(1e-3), roll_rad(2.5e-4));
+        let (coarse, fine) = (roll_rad(2e-3), roll_rad(2.5e-4));
+        println!("{trailer_mass_kg} kg: {:.1e} degrees", (coarse - fine).abs().to_degrees());
         assert!(fine > 0.0 && (coarse - fine).abs().to_degrees() < 1e-4, "{trailer_mass_kg}");
     }
 }
 
-/// Friction reverses inside a step, so the order is lower than four there. A step of 1 ms is still
-/// accurate to a ten-thousandth of a degree, even with the stiffest friction of the thesis (0.26 mm).
+/// Friction reverses inside a step, so the order is lower than four there. A step of 2 ms is still
+/// accurate to two ten-thousandths of a degree, even with the stiffest friction of the thesis (0.26 mm).
 #[test]
-fn one_millisecond_is_converged() {
+fn two_milliseconds_are_converged() {
     for friction_deflection_m in [0.0045, 0.00026] {
         let fine = roll_deg(friction_deflection_m, 0.000_25);
         for (step_s, most_deg) in [(0.001, 1e-4), (0.002, 2e-4), (0.004, 1e-3)] {
