@@ -5,7 +5,7 @@ use std::fmt;
 use cg_core::{CHANNELS, Design, Measured};
 use cg_vehicle::belief::{Belief, Covariance};
 use cg_vehicle::calibration::{
-    Calibration, Fitted, Judgment, Prior, Procedure, Run, RunEntry, fit_from,
+    Calibration, Fitted, Judgment, Prior, Procedure, Run, RunEntry, fit_from, vehicle_crc32,
 };
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
@@ -46,6 +46,9 @@ pub struct Learned {
     /// Date of the calibration on which it rests; none if it rests on the vehicle file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     calibration_date: Option<String>,
+    /// The truck to which a text of its own belongs. (A state file says it for all of its content.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    vehicle_crc32: Option<u32>,
     #[serde(skip)]
     before: Option<Before>,
 }
@@ -151,12 +154,32 @@ impl Learned {
         if learned.is_sound() { Ok(learned) } else { Err("it contains impossible numbers".into()) }
     }
 
-    /// It as JSON text.
+    /// What a truck has learned, from its [text](Self::text_of).
     ///
     /// # Errors
-    /// A number cannot be written. This would be a bug.
-    pub fn to_text(&self) -> Result<String, serde_json::Error> {
-        serde_json::to_string(self)
+    /// As [`parse`](Self::parse); also if it is the text of another truck. A text that does not say of which truck it is, that
+    /// in a state file, is taken for one of this truck.
+    pub fn parse_of(text: &str, vehicle: &Vehicle) -> Result<Self, Malformed> {
+        let learned = Self::parse(text)?;
+        let own = vehicle_crc32(vehicle).map_err(|error| Malformed::from(error.to_string()))?;
+        match learned.vehicle_crc32 {
+            Some(crc32) if crc32 != own => Err(format!(
+                "this is what another truck than \"{}\" has learned, or its vehicle file has changed since; give what \
+                 this truck has learned, or nothing",
+                vehicle.name
+            )
+            .into()),
+            _ => Ok(learned),
+        }
+    }
+
+    /// It as JSON text, which says of which truck it is.
+    ///
+    /// # Errors
+    /// A number or the vehicle cannot be written. This would be a bug.
+    pub fn text_of(&self, vehicle: &Vehicle) -> Result<String, VehicleError> {
+        let own = Self { vehicle_crc32: Some(vehicle_crc32(vehicle)?), ..self.clone() };
+        serde_json::to_string(&own).map_err(|error| VehicleError::Model(error.to_string()))
     }
 
     /// The same on top of a calibration, or of the vehicle file without one. Trips that the calibration

@@ -244,8 +244,7 @@ pub(crate) fn learn_arrays(
     let design = *log.design();
     let mut learner = Learner::new(&vehicle.inner, options.variant, vehicle.learned(None)?);
     let taken = py.detach(|| learner.log(log)).map_err(vehicle_error)?;
-    let learned = learner.learned(&design).to_text();
-    let text = learned.map_err(|error| value_error(error.to_string()))?;
+    let text = learner.learned(&design).text_of(&vehicle.inner).map_err(vehicle_error)?;
     Ok((text, taken.iter().map(ToString::to_string).collect()))
 }
 

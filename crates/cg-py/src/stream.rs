@@ -207,7 +207,8 @@ impl Stream {
         };
         let design = *log.design();
         py.detach(|| learner.log(log)).map_err(vehicle_error)?;
-        learner.learned(&design).to_text().map_err(|error| value_error(error.to_string()))
+        let vehicle = self.source.vehicle.get();
+        learner.learned(&design).text_of(&vehicle.inner).map_err(vehicle_error)
     }
 
     /// Return the estimate so far, as if the log ended here; more rows may follow.

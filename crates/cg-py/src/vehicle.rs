@@ -74,7 +74,7 @@ impl Vehicle {
 
     /// What the truck has learned, from its text, on top of its calibration.
     pub(crate) fn learned(&self, text: Option<&str>) -> PyResult<Learned> {
-        let learned = text.map(Learned::parse).transpose();
+        let learned = text.map(|text| Learned::parse_of(text, &self.inner)).transpose();
         let learned = learned.map_err(|error| value_error(format!("learned: {error}")))?;
         Ok(learned.unwrap_or_default().on(self.calibration.as_ref()))
     }

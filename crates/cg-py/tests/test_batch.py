@@ -76,6 +76,8 @@ def test_polars_pandas_arrow_and_files_give_the_same(kraz, turn, tmp_path):
     lazy = pl.DataFrame(turn)
     assert cgheight.estimate_log(lazy, vehicle=kraz) == expected
     assert cgheight.estimate_log(turn, vehicle=kraz) == expected
+    with pytest.raises(ValueError, match=r"LazyFrame.*collect"):
+        cgheight.estimate_log(lazy.lazy(), vehicle=kraz)
     lazy.write_parquet(tmp_path / "a.parquet")
     pd.DataFrame(turn).to_parquet(tmp_path / "b.parquet")
     for name in ("a.parquet", "b.parquet"):

@@ -75,6 +75,16 @@ def test_what_was_not_learned_is_refused(kraz, learned):
             cgheight.Estimator(kraz, learned=text)
 
 
+def test_what_another_truck_has_learned_is_refused(kraz, learned):
+    other = kraz.with_({"steering_ratio": 20.0})
+    with pytest.raises(ValueError, match="another truck than"):
+        cgheight.Estimator(other, learned=learned)
+    # A state file says of which truck it is, its part of what was learned does not.
+    of_state = json.loads(learned)
+    del of_state["vehicle_crc32"]
+    cgheight.Estimator(kraz, learned=json.dumps(of_state))
+
+
 def test_a_trip_moves_a_calibration_unless_it_contains_the_trip(kraz, learned, tmp_path):
     def sd_m(truck, **options):
         return driven(truck, LADEN, **options).estimate().height_sd_m

@@ -1,34 +1,51 @@
 //! The roll angle at which a trailer stands whose load is beside the middle.
 //!
 //! The estimator takes a constant lean for an offset of the roll sensor, and with linear springs that does
-//! no harm. Springs and fifth wheels with play are another matter: a turn away from the heavy side brings
-//! the play into use at a lateral acceleration at which it would not with a load in the middle.
+//! no harm to the height. Springs and fifth wheels with play are another matter: a turn away from the heavy side brings
+//! the play into use at a lateral acceleration at which it would not with a load in the middle. Every trailer tips
+//! earlier to its heavy side.
 
 use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
-use crate::linear::NO_STEADY_TURN;
+use crate::linear::{NO_STEADY_TURN, SteadyLines};
 use crate::vehicle::Vehicle;
+use cg_core::Channel;
 
-/// The lean of a trailer whose springs or fifth wheel have play.
+/// What has play, so that a lean makes a height wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Play {
+    /// Nothing.
+    None,
+    /// The fifth wheel.
+    FifthWheel,
+    /// The springs.
+    Springs,
+}
+
+/// The lean of a trailer.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Lean {
     /// Roll angle per moment of the load about the middle, rad/(kg m).
     pub rad_per_kgm: f64,
+    /// The same of the suspension roll.
+    pub suspension_rad_per_kgm: f64,
+    /// Suspension roll per specific force with the reference load, rad/(m/s²).
+    pub suspension_rad_per_mps2: f64,
     /// Payload of the reference load, kg.
     pub reference_payload_kg: f64,
     /// Mass of the empty trailer, kg.
     pub empty_kg: f64,
-    /// Whether the springs have play, and not the fifth wheel alone.
-    pub of_springs: bool,
+    /// What has play.
+    pub play: Play,
 }
 
 impl Lean {
-    /// The lean of a vehicle; `None` if nothing has play.
+    /// The lean of a vehicle.
     ///
     /// # Errors
     /// As [`Equations::new`].
-    pub fn of(vehicle: &Vehicle) -> Result<Option<Self>, VehicleError> {
+    pub fn of(vehicle: &Vehicle) -> Result<Self, VehicleError> {
         let hitch = &vehicle.hitch;
         let slack = |n: &f64| *n <= 0.0;
         let springs = vehicle.axles().iter().any(|placed| {
@@ -36,38 +53,64 @@ impl Lean {
                 .spring_of(placed.axle)
                 .is_some_and(|spring| spring.extension_n.iter().any(slack))
         });
-        if !springs && hitch.separation_moment_nm.is_none() && hitch.lash_rad <= 0.0 {
-            return Ok(None);
-        }
+        let fifth_wheel = hitch.separation_moment_nm.is_some() || hitch.lash_rad > 0.0;
+        let play = match (springs, fifth_wheel) {
+            (true, _) => Play::Springs,
+            (false, true) => Play::FifthWheel,
+            (false, false) => Play::None,
+        };
         let load = vehicle.reference_load();
         let equations =
             Equations::new(vehicle, Variant::Complete, vehicle.nominal_speed_mps, load)?;
         let empty_kg = vehicle.empty_trailer_mass_kg();
-        Ok(Some(Self {
-            rad_per_kgm: vehicle.gravity_mps2 * equations.roll_per_moment()?,
+        let [roll, suspension_roll] = equations.rolls_per_moment()?;
+        let speed_mps = vehicle.nominal_speed_mps;
+        let lines = SteadyLines::new(vehicle, Variant::Complete, speed_mps, load)?;
+        Ok(Self {
+            rad_per_kgm: vehicle.gravity_mps2 * roll,
+            suspension_rad_per_kgm: vehicle.gravity_mps2 * suspension_roll,
+            suspension_rad_per_mps2: lines.channel(Channel::Suspension).ratio_at(load.cg_height_m),
             reference_payload_kg: load.trailer_mass_kg - empty_kg,
             empty_kg,
-            of_springs: springs,
-        }))
+            play,
+        })
     }
 
-    /// The lean with this roll angle per moment (rad/(kg m)), reference payload and empty mass (kg).
-    pub fn from_parts(
-        [rad_per_kgm, reference_payload_kg, empty_kg]: [f64; 3],
-        of_springs: bool,
-    ) -> Self {
-        Self { rad_per_kgm, reference_payload_kg, empty_kg, of_springs }
+    /// The lean with this roll angle per moment (rad/(kg m)), reference payload and empty mass (kg). The suspension rolls by
+    /// half of it, and by nothing on a banked road.
+    pub fn from_parts([rad_per_kgm, reference_payload_kg, empty_kg]: [f64; 3], play: Play) -> Self {
+        Self {
+            rad_per_kgm,
+            suspension_rad_per_kgm: 0.5 * rad_per_kgm,
+            suspension_rad_per_mps2: 0.0,
+            reference_payload_kg,
+            empty_kg,
+            play,
+        }
     }
 
-    /// Distance of a load from the middle at which the trailer leans by an angle.
-    pub fn beside_m(&self, lean_rad: f64, trailer_mass_kg: f64) -> f64 {
-        lean_rad / (self.rad_per_kgm * (trailer_mass_kg - self.empty_kg))
+    /// Moment of a load about the middle, kg m, at which the trailer leans by an angle.
+    pub fn moment_kgm(&self, lean_rad: f64) -> f64 {
+        lean_rad / self.rad_per_kgm
+    }
+
+    /// The same of a suspension roll under a specific force, which the bank of the road adds to it.
+    pub fn suspension_moment_kgm(
+        &self,
+        suspension_rad: f64,
+        force_mps2: f64,
+        trailer_mass_kg: f64,
+    ) -> f64 {
+        let share = trailer_mass_kg / (self.empty_kg + self.reference_payload_kg);
+        let by_force_rad = share * self.suspension_rad_per_mps2 * force_mps2;
+        (suspension_rad - by_force_rad) / self.suspension_rad_per_kgm
     }
 }
 
 impl Equations {
-    /// Roll angle at the sensor of the trailer per moment on its sprung mass, rad/(N m), of a standing vehicle.
-    fn roll_per_moment(&self) -> Result<f64, VehicleError> {
+    /// Roll angle at the sensor of the trailer and suspension roll per moment on its sprung mass, rad/(N m), of a standing
+    /// vehicle.
+    fn rolls_per_moment(&self) -> Result<[f64; 2], VehicleError> {
         let stiffness = self.stiffness_with_hitch();
         let n = stiffness.ncols() - q::ROLL_1;
         let rolls = stiffness.view((w::ROLL_1, q::ROLL_1), (n, n)).clone_owned();
@@ -78,7 +121,9 @@ impl Equations {
         }
         let none = || VehicleError::Model(NO_STEADY_TURN.to_owned());
         let angles = rolls.lu().solve(&moment).ok_or_else(none)?;
-        let row = self.trailer_roll(|twisting| twisting.roll_share);
-        Ok(row.rows(q::ROLL_1, n).dot(&angles))
+        let of_body = self.trailer_roll(|twisting| twisting.roll_share);
+        let mut of_suspension = -self.mean_axle_roll(1);
+        of_suspension[q::ROLL_2] += 1.0;
+        Ok([of_body, of_suspension].map(|row| row.rows(q::ROLL_1, n).dot(&angles)))
     }
 }

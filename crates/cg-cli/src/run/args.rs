@@ -59,12 +59,12 @@ pub(crate) struct RunArgs {
     pub(crate) metrics: Option<PathBuf>,
     /// Send height, threshold, margin and warning level on the interface as a Proprietary B message
     /// (see `fixtures/can/cg_height.dbc`)
-    #[arg(long, requires = "can")]
+    #[arg(long, conflicts_with_all = ["csv", "candump"])]
     pub(crate) transmit: bool,
     /// Source address of the sent frames
     #[arg(long, value_name = "ADDRESS", default_value = "0xD0", value_parser = address)]
     pub(crate) transmit_address: u8,
-    /// Warning levels, increasing, as shares of the lower bound of the rollover threshold
+    /// Warning levels, in any order, as shares of the lower bound of the rollover threshold
     #[arg(long, value_name = "SHARES", value_delimiter = ',', default_value = "0.6,0.75,0.9", value_parser = share_of_threshold)]
     pub(crate) warn: Vec<f64>,
     /// Hysteresis of the warning, as a share of the threshold: how far below its level a warning

@@ -25,19 +25,17 @@ pub(crate) fn mass_sd_m(
     estimator.design().mass_sd_m(with_height(estimator), speed_mps, mass_kg, height_m)
 }
 
-/// The message about channels that contradict each other.
-pub(crate) fn contradiction(estimator: &Engine) -> String {
+/// The heights of channels that contradict each other. Of those without a possible one, the channels that have signals are
+/// named.
+pub(crate) fn heights(estimator: &Engine, has_signals: impl Fn(Channel) -> bool) -> String {
     let of = |channel: Channel| match estimator.height(channel) {
         Some(height) => {
             let height_m = height.height_m;
             Some(format!("{channel} channel {:.2} ± {:.2} m", height_m.value, height_m.sd))
         }
-        // The others may have no sensors.
-        None if channel.feels_bank() => {
-            Some(format!("{channel} channel without a possible height"))
+        None => {
+            has_signals(channel).then(|| format!("{channel} channel without a possible height"))
         }
-        None => None,
     };
-    let heights: Vec<String> = Channel::ALL.into_iter().filter_map(of).collect();
-    format!("inconsistent, so there is no height: {}; check the sensors", heights.join(", "))
+    Channel::ALL.into_iter().filter_map(of).collect::<Vec<_>>().join(", ")
 }

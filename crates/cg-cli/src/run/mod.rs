@@ -113,6 +113,9 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     session.outputs.stop = Some(stop.clone());
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
+    if let Some(message) = session.outputs.try_state() {
+        session.notice("state", &message)?;
+    }
     start.map_or(Ok(()), |start| session.begin(start))?;
     let reason = match (&arguments.can, recording) {
         (Some(interface), _) => {

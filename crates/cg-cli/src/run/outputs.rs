@@ -115,6 +115,12 @@ impl<W: Write> Outputs<W> {
         (!told.is_empty()).then(|| told.join("; "))
     }
 
+    /// Returns a message if the state file cannot be written, so that it is known before the first turn.
+    pub(crate) fn try_state(&mut self) -> Option<String> {
+        let result = self.state.as_ref()?.try_open();
+        changed(&mut self.state_failed, result)
+    }
+
     /// Writes the metrics; returns a message if writing starts to fail or works again.
     pub(crate) fn measure(&mut self, status: &Status) -> Option<String> {
         let result = metrics::write(self.metrics.as_ref()?, status, self.latency.summary());

@@ -9,14 +9,14 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, StrongTurns, Verdict,
-    Weighed, add_force,
+    Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, StrongTurns, Unheard,
+    Verdict, Weighed, add_force,
 };
 use cg_logs::log::Signal;
 
 use crate::flags;
 
-use super::channels::{self, contradiction};
+use super::channels;
 use super::events::{Counters, Event, ManeuverLine, MassSource, Result as Known, Status};
 use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
@@ -60,8 +60,11 @@ pub(crate) struct Session<W: Write> {
     tells_lean: bool,
     strong: StrongTurns,
     left_out: LeftOut,
+    unheard: Unheard,
     /// Time since which the trailer has another mass than the load of the height, µs.
     other_mass_us: Option<u64>,
+    /// The mass of a load whose height is not shown because the trailer has another mass, kg.
+    hidden_kg: Option<f64>,
     /// The last mass by a signal, kg.
     weighed_kg: Option<f64>,
     told: ToldOfLoad,
@@ -135,7 +138,9 @@ impl<W: Write> Session<W> {
             tells_lean: true,
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
+            unheard: Unheard::default(),
             other_mass_us: None,
+            hidden_kg: None,
             weighed_kg: None,
             told: ToldOfLoad::default(),
             sensors: SensorCheck::default(),
@@ -241,7 +246,8 @@ impl<W: Write> Session<W> {
             // Clock and aligner prevent decreasing times. If there is one, the sample is not used.
             Err(SampleError::TimeOrder { .. } | _) => return Ok(()),
         };
-        self.leaning.push(sample, step.status);
+        let gravity_mps2 = self.estimator.design().gravity_mps2;
+        self.leaning.push(sample, step.status, gravity_mps2);
         self.strong.push(sample);
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
@@ -274,6 +280,7 @@ impl<W: Write> Session<W> {
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
         self.sensors.close();
+        self.unheard.push(maneuver);
         let since_us = self.estimator.load_since_us();
         let is_of_another_load = since_us == Some(maneuver.end_us);
         self.strong.close(maneuver, is_of_another_load);
@@ -281,6 +288,7 @@ impl<W: Write> Session<W> {
         if is_of_another_load {
             self.load_since_s = since_us.map(|us| self.time_s(us));
             (self.leaning, self.tells_lean) = (Leaning::default(), true);
+            self.hidden_kg = None;
             (self.roads, self.told) = (RoadPart::default(), ToldOfLoad::default());
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
@@ -327,6 +335,10 @@ impl<W: Write> Session<W> {
 
     /// Updates the result from the estimator.
     fn update(&mut self, trailer_mass_kg: f64) {
+        if let Some(mass_kg) = self.hidden_mass_kg() {
+            self.known = Known::new(None, None, (mass_kg, self.mass_source));
+            return;
+        }
         // One channel alone is named.
         let channel = channels::alone(&self.estimator);
         let mass = (trailer_mass_kg, self.mass_source);
@@ -344,7 +356,7 @@ impl<W: Write> Session<W> {
         if self.known.status != Verdict::Inconsistent || before == Verdict::Inconsistent {
             return Ok(());
         }
-        let message = self.wrong_signal().unwrap_or_else(|| contradiction(&self.estimator));
+        let message = self.wrong_signal().unwrap_or_else(|| self.contradiction());
         self.notice("channels", &message)
     }
 

@@ -91,6 +91,12 @@ impl StateFile {
         self.store_name()
     }
 
+    /// Whether the file could be written; it remains as it is.
+    pub(crate) fn try_open(&self) -> io::Result<()> {
+        // A draft that is not published is removed.
+        self.target.open().map(drop)
+    }
+
     /// Renames a state that another program has written since this one has read or written the file.
     fn keep_others(&mut self) -> io::Result<()> {
         // A device keeps nothing.

@@ -73,10 +73,13 @@ impl Weighing {
         if !is_given && self.weighed.is_of_another_load() {
             return design.any_load_sd_kg();
         }
+        let of_scale_kg =
+            || self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg));
         let logged_kg = self.logged_sd_kg.filter(|_| source == MassSource::Signal);
         self.sd_kg.or(logged_kg).unwrap_or_else(|| match source {
             MassSource::Nominal => design.any_load_sd_kg(),
-            _ => self.scale(source).map_or(0.0, |scale| self.scales.sd_kg(scale, mass_kg)),
+            MassSource::Signal => libm::hypot(of_scale_kg(), self.weighed.scatter_kg()),
+            MassSource::Kept | MassSource::Given => of_scale_kg(),
         })
     }
 }
@@ -126,7 +129,7 @@ mod tests {
             (MassSource::Signal, true),
         ] {
             let mut weighing = Weighing { sd_kg: Some(70.0), ..Weighing::EXACT };
-            weighing.weighed.weigh(1_000_000);
+            weighing.weighed.weigh(1_000_000, 20e3);
             assert!(weighing.unload(1_000_000, source).is_none());
             assert_eq!(weighing.unload(1_000_001, source).is_some(), is_outdated);
             let sd_kg = weighing.sd_kg(source, 20e3, &design);

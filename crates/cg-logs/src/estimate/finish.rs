@@ -41,7 +41,10 @@ impl LogEstimator {
         // The most important messages come first.
         let mut first: Vec<String> = together.remark.into_iter().collect();
         match together.verdict {
-            Verdict::Ok => first.extend(self.left_out()),
+            Verdict::Ok => {
+                let unheard = self.unheard.message(&self.design);
+                first.extend(unheard.or_else(|| self.left_out()));
+            }
             Verdict::Rejected => first.push(self.rejection(shown)),
             Verdict::Inconsistent => {}
         }
@@ -76,12 +79,13 @@ impl LogEstimator {
         let is_used = |one: Channel| {
             self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
         };
-        if let Some(remark) = self.sensors.wrong_force(self.design.gravity_mps2, is_used) {
+        let gravity_mps2 = self.design.gravity_mps2;
+        if let Some(remark) = self.sensors.wrong_chassis(gravity_mps2, self.options.road, is_used) {
             return inconsistent(remark);
         }
         let rolls = self.rolls.contradiction(&self.settings);
-        let signals = rolls.or_else(|| self.sensors.dead());
-        let signals = signals.or_else(|| self.check.contradiction(self.design.gravity_mps2));
+        let signals = rolls.or_else(|| self.sensors.missing());
+        let signals = signals.or_else(|| self.sensors.disagreed(gravity_mps2));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };
         }

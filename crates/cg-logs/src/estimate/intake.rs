@@ -14,8 +14,8 @@ use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::sensors::SensorCheck;
-use super::signals::SignalCheck;
 use super::strong::StrongTurns;
+use super::unheard::Unheard;
 use super::weighed::Weighed;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
@@ -66,12 +66,12 @@ pub struct LogEstimator {
     pub(super) seen: SignalsSeen,
     bus_scale: Option<Scale>,
     pub(super) trailer_mass_kg: f64,
-    pub(super) check: SignalCheck,
     pub(super) rolls: RollCheck,
     pub(super) sensors: SensorCheck,
     pub(super) leaning: Leaning,
     pub(super) strong: StrongTurns,
     pub(super) left_out: LeftOut,
+    pub(super) unheard: Unheard,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Whether a signal gave the mass of each of them.
     are_weighed: Vec<bool>,
@@ -126,12 +126,12 @@ impl LogEstimator {
             seen: SignalsSeen::default(),
             bus_scale: None,
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
-            check: SignalCheck::default(),
             rolls: RollCheck::default(),
             sensors: SensorCheck::default(),
             leaning: Leaning::default(),
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
+            unheard: Unheard::default(),
             maneuvers: Vec::new(),
             are_weighed: Vec::new(),
             first_of_load: 0,
@@ -159,11 +159,10 @@ impl LogEstimator {
         let sample = self.sample(row);
         let step = self.engine.push(&sample); // not moved, because of the room for a maneuver in it
         let step = step.as_ref().map_err(|error| *error)?;
-        self.check.push(&sample);
         self.rolls.push(row);
         self.sensors.level(|quantity| row.get(Signal::from(quantity)));
         self.sensors.push(&sample, self.design.gravity_mps2);
-        self.leaning.push(&sample, step.status);
+        self.leaning.push(&sample, step.status, self.design.gravity_mps2);
         self.strong.push(&sample);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
@@ -194,7 +193,10 @@ impl LogEstimator {
         match (self.scale(), self.options.trailer_mass_sd_kg.or(logged_kg)) {
             _ if self.is_of_another_load() => self.design.any_load_sd_kg(),
             (_, Some(sd_kg)) => sd_kg,
-            (Some(scale), None) => self.options.scales.sd_kg(scale, mass_kg),
+            (Some(scale), None) => {
+                let scatter_kg = if is_of_log { self.seen.weighed.scatter_kg() } else { 0.0 };
+                libm::hypot(self.options.scales.sd_kg(scale, mass_kg), scatter_kg)
+            }
             (None, None) => self.design.any_load_sd_kg(),
         }
     }
@@ -246,6 +248,7 @@ impl LogEstimator {
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
             self.sensors.close();
+            self.unheard.push(maneuver);
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
             self.strong.close(maneuver, is_first_of_load);
             self.left_out.close(maneuver, &self.engine, is_first_of_load);
@@ -298,7 +301,7 @@ impl LogEstimator {
                 let (quantity, _) = row.weighed(&self.settings)?;
                 Scale::in_log(quantity)
             });
-            self.seen.weighed.weigh(time_us);
+            self.seen.weighed.weigh(time_us, sample.trailer_mass_kg);
         }
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;

@@ -36,7 +36,8 @@ impl LogEstimator {
 
     pub(super) fn messages(&self) -> Vec<String> {
         let doubt = self.options.judgment.message();
-        let mut messages: Vec<String> = doubt.into_iter().chain(self.check.clock()).collect();
+        let mut messages: Vec<String> =
+            doubt.into_iter().chain(self.sensors.signals.clock()).collect();
         if let Some(drift) = Channel::ALL.into_iter().find_map(|channel| self.drift(channel)) {
             messages.push(format!(
                 "the roll sensor drifts by {drift:.1} degrees per minute; a constant drift was \
@@ -230,7 +231,7 @@ impl LogEstimator {
             trailer_mass_kg: self.trailer_mass_kg,
         };
         let mut causes = evidence.likely_causes();
-        if self.check.confirms_lateral(self.design.gravity_mps2) {
+        if self.sensors.signals.confirms_lateral(self.design.gravity_mps2) {
             causes.retain(|cause| !cause.is_of_lateral());
             if causes.is_empty() {
                 causes.extend(evidence.gain());

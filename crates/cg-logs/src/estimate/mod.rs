@@ -7,14 +7,16 @@
 //! | `engine` | the estimator with the chosen method |
 //! | `answer` | the result for a log |
 //! | `signals` | whether lateral acceleration, yaw rate and speed agree |
+//! | `agreement` | whether they agree at present, and specific forces with them |
 //! | `pair` | two signals compared |
 //! | `rolls` | whether two roll sensors agree |
 //! | `levels` | whether level sensors stand still |
 //! | `values` | whether values are missing samples, or in steps as large as the signal |
 //! | `forces` | whether a specific force contains gravity |
-//! | `sensors` | these three together |
+//! | `sensors` | these checks together |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `left_out` | maneuvers that contradict the height so far |
+//! | `unheard` | turns without a height, one after the other |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -32,6 +34,7 @@ mod answer;
 mod engine;
 mod pair;
 mod signals;
+mod agreement;
 mod rolls;
 mod levels;
 mod values;
@@ -39,6 +42,7 @@ mod forces;
 mod sensors;
 mod leaning;
 mod left_out;
+mod unheard;
 mod weighed;
 mod recorder;
 mod felt;
@@ -68,4 +72,5 @@ pub use prediction::Prediction;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;
 pub use strong::{Strength, StrongTurns};
+pub use unheard::Unheard;
 pub use weighed::Weighed;

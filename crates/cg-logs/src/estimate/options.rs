@@ -145,7 +145,7 @@ pub struct EstimateOptions {
     pub road: Option<RoadChoice>,
     /// Whether the runs of the calibration are possible; if not, the messages say so.
     pub judgment: Judgment,
-    /// The lean of a trailer whose load stands beside the middle, if that can make the height wrong.
+    /// The lean of a trailer whose load stands beside the middle.
     pub lean: Option<Lean>,
     /// Whether the place of the roll sensor matters and is not in the vehicle file.
     pub roll_sensor_is_unplaced: bool,
@@ -160,7 +160,7 @@ impl EstimateOptions {
     pub fn with_file(self, vehicle: &Vehicle) -> Self {
         let road = self.road.or_else(|| RoadChoice::of_vehicle(vehicle));
         // A vehicle without equations has no design either, and its error is that of the design.
-        let lean = Lean::of(vehicle).ok().flatten();
+        let lean = Lean::of(vehicle).ok();
         let roll_sensor_is_unplaced = has_unplaced_roll_sensor(vehicle);
         let (scales, floor) = (Scales::of(vehicle), Some(Floor::of(vehicle)));
         Self { scales, road, lean, roll_sensor_is_unplaced, floor, ..self }

@@ -2,12 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Correlation of two signals above which one may be the other with a lag: a lag of an eighth of a period.
+const LEAST_CORRELATION: f64 = 0.7;
+
 /// Running means and sums of products of two signals.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Pair {
     pub(super) mean: [f64; 2],
-    /// Sums of the squares of the first signal and of the products, about the means.
-    pub(super) sums: [f64; 2],
+    /// Sums of the squares of the first signal, of the products, and of the squares of the second one, about the means.
+    pub(super) sums: [f64; 3],
 }
 
 impl Pair {
@@ -17,11 +20,35 @@ impl Pair {
         self.mean[1] += before[1] / rows;
         self.sums[0] += before[0] * (x - self.mean[0]);
         self.sums[1] += before[0] * (y - self.mean[1]);
+        self.sums[2] += before[1] * (y - self.mean[1]);
+    }
+
+    /// What has been seen counts for half.
+    pub(super) fn forget_half(&mut self) {
+        self.sums = self.sums.map(|sum| 0.5 * sum);
     }
 
     /// Slope of the second signal with respect to the first.
     pub(super) fn slope(&self) -> f64 {
         self.sums[1] / self.sums[0]
+    }
+
+    /// How much the second signal varies compared with the first, which a lag does not change.
+    pub(super) fn ratio(&self) -> f64 {
+        (self.sums[2] / self.sums[0]).sqrt()
+    }
+
+    /// The slope, or the [ratio](Self::ratio) if that is nearer to one and the second signal may follow the first with a
+    /// lag, which makes the slope smaller.
+    pub(super) fn gain(&self) -> f64 {
+        let [slope, ratio] = [self.slope(), self.ratio()];
+        let lags = slope > LEAST_CORRELATION * ratio;
+        if lags && (ratio - 1.0).abs() < (slope - 1.0).abs() { ratio } else { slope }
+    }
+
+    /// Sum of the squares of the second signal about its mean.
+    pub(super) fn second_square(&self) -> f64 {
+        self.sums[2]
     }
 
     /// Sum of the squares of the first signal about its mean.

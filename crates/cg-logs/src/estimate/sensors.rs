@@ -3,13 +3,22 @@
 use cg_core::{Channel, Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
+use super::agreement::AgreementCheck;
 use super::forces::ForceCheck;
 use super::levels::LevelCheck;
+use super::options::RoadChoice;
+use super::signals::SignalCheck;
 use super::values::ValueCheck;
 
-/// Checks specific forces, levels and the values of all signals of a drive.
+/// Time of driving after which the mean over a drive that goes on is judged, s.
+const KNOWN_S: f64 = 120.0;
+
+/// Checks the signals of a drive.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct SensorCheck {
+    pub(super) signals: SignalCheck,
+    agreement: AgreementCheck,
+    was_wrong: bool,
     forces: ForceCheck,
     levels: LevelCheck,
     values: ValueCheck,
@@ -17,10 +26,33 @@ pub struct SensorCheck {
 }
 
 impl SensorCheck {
-    /// Takes the next sample.
-    pub fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) {
+    /// Takes the next sample; whether a stretch of driving was judged, so that [`disagreement`](Self::disagreement) may be
+    /// another one.
+    pub fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) -> bool {
         self.forces.push(sample, gravity_mps2);
         self.values.push(sample);
+        self.signals.push(sample);
+        self.agreement.push(sample)
+    }
+
+    /// Forgets the mean over the drive when signals agree again, for a drive that goes on.
+    pub fn forget_faults(&mut self) {
+        let is_wrong = self.agreement.contradiction().is_some();
+        if std::mem::replace(&mut self.was_wrong, is_wrong) && !is_wrong {
+            self.signals = SignalCheck::default();
+        }
+    }
+
+    /// The signals of turns that contradict each other, in a drive that goes on.
+    pub fn disagreement(&self, gravity_mps2: f64) -> Option<String> {
+        let is_known = self.signals.seconds() >= KNOWN_S;
+        let at_present = self.agreement.contradiction();
+        at_present.or_else(|| self.signals.contradiction(gravity_mps2).filter(|_| is_known))
+    }
+
+    /// The same at the end of a log.
+    pub(super) fn disagreed(&self, gravity_mps2: f64) -> Option<String> {
+        self.signals.contradiction(gravity_mps2).or_else(|| self.agreement.contradiction())
     }
 
     /// Takes the levels at one time, m; NaN without a value.
@@ -33,18 +65,22 @@ impl SensorCheck {
         self.levels.close();
     }
 
-    /// What is wrong with a specific force of a channel that is used.
-    pub fn wrong_force(
+    /// What is wrong with a level or with a specific force of a channel that is used, on these roads.
+    pub fn wrong_chassis(
         &self,
         gravity_mps2: f64,
+        road: Option<RoadChoice>,
         is_used: impl Fn(Channel) -> bool,
     ) -> Option<String> {
-        self.forces.contradiction(gravity_mps2, is_used)
+        let of_levels =
+            self.levels.contradiction().filter(|_| Channel::ALL.into_iter().any(&is_used));
+        let is_flat = road == Some(RoadChoice::FLAT);
+        of_levels.or_else(|| self.forces.contradiction(gravity_mps2, is_flat, is_used))
     }
 
-    /// The level sensor that stands still, or the signal with zeros for missing samples.
-    pub fn dead(&self) -> Option<String> {
-        self.levels.contradiction().or_else(|| self.values.missing())
+    /// The signal with zeros for missing samples.
+    pub fn missing(&self) -> Option<String> {
+        self.values.missing()
     }
 
     /// The signal whose steps are as large as its motion.

@@ -22,6 +22,8 @@ const TOLERANCE: f64 = 0.15;
 const NEAR: f64 = 0.1;
 /// Longest interval between two rows that the estimator accepts, s.
 const GAP_S: f64 = 0.5;
+/// Time of compared rows after which what was seen before counts for half, s.
+const REMEMBERED_S: f64 = 3600.0;
 
 /// Checks the samples of one log.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -30,6 +32,7 @@ pub(super) struct SignalCheck {
     /// Yaw rate times speed, lateral acceleration and roll, filtered.
     smooth: Option<[f64; 3]>,
     rows: f64,
+    seconds: f64,
     /// Lateral acceleration, and roll, as functions of yaw rate times speed.
     lateral: Pair,
     roll: Pair,
@@ -72,10 +75,21 @@ impl SignalCheck {
         }
         let [turn, lateral, roll] = *smooth;
         self.rows += 1.0;
+        self.seconds += interval_s.min(GAP_S);
         self.lateral.push(self.rows, [turn, lateral]);
         if roll.is_finite() {
             self.roll.push(self.rows, [turn, roll]);
         }
+        if self.seconds > REMEMBERED_S {
+            (self.rows, self.seconds) = (0.5 * self.rows, 0.5 * self.seconds);
+            self.lateral.forget_half();
+            self.roll.forget_half();
+        }
+    }
+
+    /// Time of the compared rows, s.
+    pub(super) fn seconds(&self) -> f64 {
+        self.seconds
     }
 
     /// Whether the lateral acceleration is that of yaw rate and speed, and nearer to it than one that also measures gravity
@@ -96,7 +110,7 @@ impl SignalCheck {
         if !enough {
             return None;
         }
-        let slope = self.lateral.slope();
+        let slope = self.lateral.gain();
         if (slope - 1.0).abs() <= TOLERANCE {
             return None;
         }
@@ -276,7 +290,10 @@ mod tests {
     /// What is said about a log with these statistics; the roll angle is 0.03 rad per m/s².
     fn gain_message(rows: f64, sd_mps2: f64, slope: f64) -> Option<String> {
         let square = rows * sd_mps2 * sd_mps2;
-        let pair = |slope: f64| Pair { mean: [0.0; 2], sums: [square, slope * square] };
+        let pair = |slope: f64| Pair {
+            mean: [0.0; 2],
+            sums: [square, slope * square, slope * slope * square],
+        };
         let check =
             SignalCheck { rows, lateral: pair(slope), roll: pair(0.03), ..SignalCheck::default() };
         check.contradiction(9.81)

@@ -68,7 +68,10 @@ mod tests {
     fn a_motion_that_is_too_fast_is_an_error() {
         assert!(Method::for_mode(4999.0, 2e-3).is_ok());
         let error = Method::for_mode(5001.0, 2e-3).unwrap_err().to_string();
-        assert!(error.contains("5001 rad/s cannot be integrated with steps of 0.0005 s"), "{error}");
+        assert!(
+            error.contains("5001 rad/s cannot be integrated with steps of 0.0005 s"),
+            "{error}"
+        );
         assert!(Method::for_mode(f64::NAN, 2e-3).is_err());
     }
 }

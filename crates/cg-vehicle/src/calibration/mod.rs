@@ -38,5 +38,5 @@ pub use entry::{
 pub use file::Calibration;
 pub use fit::{Fitted, Prior, Procedure, fit, fit_from};
 pub use judgment::Judgment;
-pub use part::Part;
+pub use part::{Part, vehicle_crc32};
 pub use ratios::{Misfit, Residual, Run, misfits};

@@ -87,6 +87,15 @@ pub(super) fn checksums(
     Ok(sums)
 }
 
+/// One checksum of all parts of a vehicle file on which a calibration depends.
+///
+/// # Errors
+/// The file cannot be written as TOML. This would be a bug.
+pub fn vehicle_crc32(vehicle: &Vehicle) -> Result<u32, VehicleError> {
+    let sums = checksums(vehicle, Part::Vehicle)?;
+    Ok(checksum(&sums.into_values().collect::<String>()))
+}
+
 /// What a file means that does not have keys of later versions.
 const LATER: [&str; 3] =
     ["spring_friction_sd = 0.3", "cornering_over_load_sd = 0.04", "payload_beside_sd_m = 0.05"];

@@ -10,16 +10,17 @@ use crate::run::events::{MassSource, Result as Known};
 impl<W: Write> Session<W> {
     /// Sets the mass of the sample, and reports its source.
     pub(super) fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
-        if let Some(mass_kg) = self.trailer_mass_kg {
+        let is_first = if let Some(mass_kg) = self.trailer_mass_kg {
             sample.trailer_mass_kg = mass_kg;
+            self.samples == 1
         } else if sample.trailer_mass_kg.is_nan() {
             self.unweighed_us.get_or_insert(sample.time_us);
             return Ok(());
         } else {
-            self.weighed_kg = Some(sample.trailer_mass_kg);
-            self.weighing.weighed.weigh(sample.time_us);
-        }
-        self.unload(sample)?;
+            self.weighing.weighed.weigh(sample.time_us, sample.trailer_mass_kg);
+            self.weighed_kg.replace(sample.trailer_mass_kg).is_none()
+        };
+        self.unload(sample, is_first)?;
         if self.trailer_mass_kg.is_none() && self.mass_source != MassSource::Signal {
             self.mass_source = MassSource::Signal;
             if self.nominal_mass_reported {
@@ -33,29 +34,42 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Shows no height of a load that is not on the trailer any more: of one before a restart, or of one that was never
-    /// weighed, at once, otherwise after the time within which a mass varies in a turn. The next maneuver shows the same to
-    /// the estimator, which then discards its heights.
-    fn unload(&mut self, sample: &Sample<f64>) -> io::Result<()> {
+    /// Shows no height of a load that is not on the trailer any more: of one before a restart (with the first mass of a
+    /// signal), or of one that was never weighed, at once, otherwise after the time within which a mass varies in a turn. The
+    /// next maneuver of the new load shows the same to the estimator, which then discards its heights.
+    fn unload(&mut self, sample: &Sample<f64>, is_first: bool) -> io::Result<()> {
         let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
+        if let Some(hidden_kg) = self.hidden_kg {
+            if !is_other_load(mass_kg, hidden_kg) {
+                self.update(hidden_kg); // the load is back
+            }
+            return Ok(());
+        }
         let settings = Settings::<f64>::truck();
-        let is_other = (mass_kg - known_kg).abs() > settings.mass_change * known_kg;
-        if self.known.height_m.is_none() || !is_other {
+        if self.known.height_m.is_none() || !is_other_load(mass_kg, known_kg) {
             self.other_mass_us = None;
             return Ok(());
         }
         let since_us = *self.other_mass_us.get_or_insert(sample.time_us);
         let lasts = sample.time_us.saturating_sub(since_us) >= settings.weighing_us;
         let was_weighed = self.mass_source != MassSource::Nominal;
-        if !lasts && self.samples > 1 && was_weighed {
+        if !lasts && !is_first && was_weighed {
             return Ok(());
         }
+        self.hidden_kg = Some(known_kg);
         self.known = Known::new(None, None, (mass_kg, self.mass_source));
         let message = format!(
             "the trailer mass is {mass_kg:.0} kg and was {known_kg:.0} kg: the height of the load before it is no longer \
              shown; the next turn gives that of the present load"
         );
         self.notice("load", &message)
+    }
+
+    /// The mass of a load whose height is hidden, if the trailer still has another one, kg.
+    pub(super) fn hidden_mass_kg(&mut self) -> Option<f64> {
+        let mass_kg = self.trailer_mass_kg.or(self.weighed_kg)?;
+        self.hidden_kg = self.hidden_kg.filter(|hidden_kg| is_other_load(mass_kg, *hidden_kg));
+        self.hidden_kg.map(|_| mass_kg)
     }
 
     /// Reports once that the vehicle file's mass is used as that of the trailer.
@@ -71,4 +85,9 @@ impl<W: Write> Session<W> {
         );
         self.notice("mass", &message)
     }
+}
+
+/// Whether a trailer of this mass has another load than one of the second mass.
+fn is_other_load(mass_kg: f64, known_kg: f64) -> bool {
+    (mass_kg - known_kg).abs() > Settings::<f64>::truck().mass_change * known_kg
 }

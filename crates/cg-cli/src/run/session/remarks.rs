@@ -2,11 +2,12 @@
 
 use std::io::{self, Write};
 
-use cg_core::{Channel, Combined, Maneuver, Outcome, Reject};
-use cg_logs::estimate::{Doubt, RoadPart, Strength};
+use cg_core::{Channel, Combined, Maneuver, Outcome, Quantity, Reject};
+use cg_logs::estimate::{Doubt, RoadPart, Strength, Verdict};
 
 use super::Session;
-use crate::run::channels::mass_sd_m;
+use crate::run::channels::{self, mass_sd_m};
+use crate::run::events::MassSource;
 
 impl<W: Write> Session<W> {
     /// Reports what the user should know, each once.
@@ -18,6 +19,9 @@ impl<W: Write> Session<W> {
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
+        }
+        if let Some(message) = self.unheard.news(self.estimator.design()) {
+            self.notice("turns", &message)?;
         }
         if let Some(message) = self.sensors.news() {
             self.notice("signal", &message)?;
@@ -111,14 +115,52 @@ impl<W: Write> Session<W> {
         wrong.or_else(|| self.estimator.combined())
     }
 
-    /// What is wrong with a specific force from which there is a height, with a level that stands still, or with any
-    /// signal that has zeros for missing samples.
+    /// What is said of channels that contradict each other.
+    pub(super) fn contradiction(&self) -> String {
+        let seen = |quantity: Quantity| self.seen[quantity.index()];
+        // Those of the chassis may have no sensors, and a roll angle may come from an inclinometer.
+        let has_signals = |channel: Channel| match channel {
+            Channel::Steer => seen(Quantity::Steer) || seen(Quantity::SteeringWheel),
+            Channel::LateralAcceleration => true,
+            _ => false,
+        };
+        let mass_kg = self.known.trailer_mass_kg;
+        let or_mass = match self.mass_source {
+            MassSource::Kept => format!(
+                ", or another load: the trailer mass of {mass_kg:.0} kg is from before the restart, and no signal \
+                 has given one since"
+            ),
+            MassSource::Nominal => format!(
+                ", or another load: the trailer mass of {mass_kg:.0} kg is from the vehicle file, and no signal gives \
+                 one"
+            ),
+            MassSource::Given | MassSource::Signal => String::new(),
+        };
+        let heights = channels::heights(&self.estimator, has_signals);
+        format!("inconsistent, so there is no height: {heights}; check the sensors{or_mass}")
+    }
+
+    /// Hides the height while the signals of turns contradict each other, and shows it again when they agree.
+    pub(super) fn judge_signals(&mut self) -> io::Result<()> {
+        self.sensors.forget_faults();
+        let before = self.known.status;
+        let is_wrong = self.wrong_signal().is_some();
+        if is_wrong == (before == Verdict::Inconsistent) {
+            return Ok(());
+        }
+        self.update(self.known.trailer_mass_kg);
+        self.compare(before)
+    }
+
+    /// What is wrong with levels or a specific force from which there is a height, with any signal that has zeros for missing
+    /// samples, or with signals that contradict each other in turns.
     pub(super) fn wrong_signal(&self) -> Option<String> {
         let is_used = |channel: Channel| self.estimator.height(channel).is_some();
         let gravity_mps2 = self.estimator.design().gravity_mps2;
-        let of_force = self.sensors.wrong_force(gravity_mps2, is_used);
-        let dead = || self.sensors.dead().filter(|_| self.estimator.combined().is_some());
-        let found = of_force.or_else(dead)?;
+        let of_chassis = self.sensors.wrong_chassis(gravity_mps2, self.options.road, is_used);
+        let missing = || self.sensors.missing().filter(|_| self.estimator.combined().is_some());
+        let disagreement = || self.sensors.disagreement(gravity_mps2);
+        let found = of_chassis.or_else(missing).or_else(disagreement)?;
         Some(format!("inconsistent, so there is no height: {found}"))
     }
 }

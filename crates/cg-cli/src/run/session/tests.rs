@@ -1,3 +1,5 @@
+mod mass;
+mod signals;
 mod warning;
 
 use std::cell::Cell;
@@ -269,7 +271,7 @@ fn a_maneuver_ends_with_its_result() {
 
 #[test]
 fn a_contradiction_of_the_channels_is_told_when_it_begins() {
-    let mut session = session(None, 0.0);
+    let mut session = session(Some(nominal_kg()), 0.0);
     learn(&mut session, [Some(1.5), Some(2.0)]);
     assert!(!session.has_height());
     session.compare(Verdict::Inconsistent).unwrap();

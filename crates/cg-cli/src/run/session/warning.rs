@@ -13,13 +13,16 @@ impl<W: Write> Session<W> {
     pub(super) fn warn(&mut self, sample: &Sample<f64>) -> io::Result<()> {
         let design = self.estimator.design();
         let mass_kg = self.trailer_mass_kg.unwrap_or(self.estimator.memory().trailer_mass_kg);
-        self.sensors.push(sample, design.gravity_mps2);
+        let is_judged = self.sensors.push(sample, design.gravity_mps2);
         let load = [mass_kg, self.known.height_m.unwrap_or(design.reference_height_m)];
         let lateral_mps2 = felt_mps2(design, sample, self.speed_mps, load);
         // Without a speed, the last one is used.
         if sample.speed_mps.is_finite() {
             self.speed_mps = sample.speed_mps;
             self.known.at_speed(self.estimator.design(), self.speed_mps);
+        }
+        if is_judged {
+            self.judge_signals()?;
         }
         self.follow(sample.time_us, lateral_mps2)
     }

@@ -42,7 +42,7 @@ fn reverse_the_yaw_rate(log: &mut LogEstimator) {
         sample.lateral_acceleration_mps2 = if k < 100 { 1.0 } else { -1.0 };
         sample.speed_mps = 10.0;
         sample.yaw_rate_radps = -0.1 * sample.lateral_acceleration_mps2;
-        log.check.push(&sample);
+        log.sensors.push(&sample, 9.81);
     }
 }
 

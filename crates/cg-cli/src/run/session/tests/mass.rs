@@ -1,0 +1,71 @@
+//! Heights of loads that are not on the trailer any more.
+
+use super::*;
+
+/// Straight driving with a mass, in which nothing is known of the roll angle.
+fn weighed(session: &mut Trial, time_us: u64, mass_kg: f64) {
+    let mut sample = Sample { trailer_mass_kg: mass_kg, ..sample(time_us) };
+    session.samples += 1;
+    session.weigh(&mut sample).unwrap();
+}
+
+/// A session after a restart with a height of 2 m of a load that was weighed.
+fn restarted() -> Trial {
+    let mut session = session(None, 0.0);
+    learn(&mut session, [Some(2.0), Some(2.0)]);
+    session.mass_source = MassSource::Kept;
+    session
+}
+
+/// The first mass of a bus comes after the first samples, and is of the present load as well.
+#[test]
+fn the_first_mass_of_a_signal_hides_the_height_of_another_load() {
+    let mut session = restarted();
+    for k in 0..100 {
+        weighed(&mut session, k * 10_000, f64::NAN);
+    }
+    assert!(session.known.height_m.is_some() && events(&mut session).is_empty());
+    weighed(&mut session, SECOND_US, 1.2 * nominal_kg());
+    assert_eq!(names(&mut session), ["load"]);
+    assert!(session.known.height_m.is_none());
+    // Later ones vary in a turn.
+    let mut session = restarted();
+    weighed(&mut session, 0, nominal_kg());
+    weighed(&mut session, SECOND_US, 1.2 * nominal_kg());
+    assert!(session.known.height_m.is_some() && events(&mut session).is_empty());
+}
+
+/// A turn of the load before that closes afterwards changes nothing; the mass of that load does.
+#[test]
+fn a_height_stays_hidden_until_its_load_is_back() {
+    let mut session = restarted();
+    weighed(&mut session, 0, 1.2 * nominal_kg());
+    assert!(session.known.height_m.is_none());
+    session.update(nominal_kg());
+    assert!(session.known.height_m.is_none());
+    let shown_kg = session.known.trailer_mass_kg;
+    assert!((shown_kg - 1.2 * nominal_kg()).abs() < 1e-6, "{shown_kg}");
+    weighed(&mut session, SECOND_US, 1.01 * nominal_kg());
+    assert!((session.known.height_m.unwrap() - 2.0).abs() < 1e-9);
+    assert_eq!(names(&mut session), ["load"]);
+}
+
+#[test]
+fn a_contradiction_names_a_mass_that_nothing_confirms() {
+    for (source, words) in [
+        (MassSource::Kept, Some("is from before the restart")),
+        (MassSource::Nominal, Some("is from the vehicle file")),
+        (MassSource::Signal, None),
+    ] {
+        let mut session = session(None, 0.0);
+        learn(&mut session, [None, Some(2.0)]);
+        session.mass_source = source;
+        let message = session.contradiction();
+        assert_eq!(message.contains("or another load"), words.is_some(), "{message}");
+        assert!(words.is_none_or(|words| message.contains(words)), "{message}");
+        // There is no steer angle.
+        assert!(!message.contains("steer"), "{message}");
+        session.seen[Quantity::Steer.index()] = true;
+        assert!(session.contradiction().contains("steer channel without a possible height"));
+    }
+}

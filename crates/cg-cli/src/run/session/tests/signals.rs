@@ -1,0 +1,77 @@
+//! Sensors that fail while the truck drives.
+
+use super::*;
+
+/// A minute of weaving at 15 m/s from a time on, s, with what sensors make of it.
+fn weave(session: &mut Trial, from_s: u64, sensors: impl Fn(&mut Sample<f64>)) {
+    for k in 0..3000_u32 {
+        let lateral_mps2 = 1.5 * (f64::from(k) * 0.02 * 0.5).sin();
+        let time_us = from_s * SECOND_US + u64::from(k) * 20_000;
+        let mut sample = Sample { trailer_mass_kg: nominal_kg(), ..sample(time_us) };
+        (sample.lateral_acceleration_mps2, sample.yaw_rate_radps) =
+            (lateral_mps2, lateral_mps2 / 15.0);
+        sample.roll_rad = 0.02 * lateral_mps2;
+        sensors(&mut sample);
+        session.tick(0.0, time_us);
+        session.push(sample).unwrap();
+    }
+}
+
+/// The height comes back with the signal.
+#[test]
+fn a_lateral_acceleration_that_dies_hides_the_height() {
+    let mut session = session(None, 0.0);
+    weave(&mut session, 0, |_| {});
+    learn(&mut session, [Some(2.0), Some(2.0)]);
+    events(&mut session);
+    weave(&mut session, 60, |sample| sample.lateral_acceleration_mps2 = 0.0);
+    assert_eq!(session.known.status, Verdict::Inconsistent);
+    assert!(session.known.height_m.is_none());
+    let told = events(&mut session);
+    let told: Vec<_> = told.iter().filter(|event| event["subject"] == "channels").collect();
+    let [event] = &told[..] else { panic!("{told:?}") };
+    let message = event["message"].as_str().unwrap();
+    assert!(message.contains("lateral_acceleration stood still in turns"), "{message}");
+    weave(&mut session, 120, |_| {});
+    assert_ne!(session.known.status, Verdict::Inconsistent);
+}
+
+/// Before there is any height, too.
+#[test]
+fn signals_that_never_agree_are_told() {
+    let mut session = session(None, 0.0);
+    weave(&mut session, 0, |sample| sample.speed_mps = 0.0);
+    assert_eq!(session.known.status, Verdict::Inconsistent);
+    assert!(names(&mut session).contains(&"channels".to_owned()));
+}
+
+/// A gain that one stretch does not show is known after two minutes.
+#[test]
+fn a_wrong_gain_of_the_lateral_acceleration_is_told() {
+    let mut session = session(None, 0.0);
+    let wrong = |sample: &mut Sample<f64>| sample.lateral_acceleration_mps2 *= 1.3;
+    weave(&mut session, 0, wrong);
+    assert!(session.wrong_signal().is_none());
+    weave(&mut session, 60, wrong);
+    weave(&mut session, 120, wrong);
+    assert!(session.wrong_signal().unwrap().contains("1.30 times the product"));
+}
+
+#[test]
+fn a_roll_sensor_that_dies_is_told_after_three_turns() {
+    let mut session = session(None, 0.0);
+    learn(&mut session, [Some(2.0), Some(2.0)]);
+    let stuck = |sample: &mut Sample<f64>| sample.roll_rad = 0.003;
+    for k in 0..4 {
+        // Straight driving ends each maneuver.
+        weave(&mut session, 100 * k, stuck);
+        weave(&mut session, 100 * k + 60, |sample| {
+            stuck(sample);
+            (sample.lateral_acceleration_mps2, sample.yaw_rate_radps) = (0.0, 0.0);
+        });
+    }
+    let told = events(&mut session);
+    let told: Vec<_> = told.iter().filter(|event| event["subject"] == "turns").collect();
+    let [event] = &told[..] else { panic!("{told:?}") };
+    assert!(event["message"].as_str().unwrap().starts_with("the last 3 turns gave no height"));
+}

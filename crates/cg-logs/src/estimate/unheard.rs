@@ -1,0 +1,99 @@
+//! Turns that give no height, one after the other.
+//!
+//! A sensor that dies in the course of a drive gives turns whose ratio means nothing. They are rightly not used, but the height
+//! of the turns before them then stays for ever.
+
+use cg_core::{Design, Maneuver, Reject};
+use serde::{Deserialize, Serialize};
+
+use super::reason::reason;
+
+/// Number of such turns in a row that are no chance.
+const MANY: u32 = 3;
+/// Relative standard deviation of a ratio above which it means nothing. Weak turns and noise leave less.
+const MEANINGLESS: f64 = 1.0;
+
+/// The turns since the last height.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Unheard {
+    turns: u32,
+    last: Option<Reject<f64>>,
+    is_told: bool,
+}
+
+impl Unheard {
+    /// Takes a maneuver.
+    pub fn push(&mut self, maneuver: &Maneuver<f64>) {
+        if maneuver.outcomes.iter().any(|one| one.height_m.is_ok()) {
+            *self = Self::default();
+            return;
+        }
+        let is_of_sensor = |reject: &Reject<f64>| match reject {
+            Reject::Imprecise { ratio_sd_relative } => !(*ratio_sd_relative <= MEANINGLESS),
+            Reject::Inconsistent(_) => true,
+            _ => false,
+        };
+        let mut rejects = maneuver.outcomes.iter().filter_map(|one| one.height_m.err());
+        if let Some(reject) = rejects.find(is_of_sensor) {
+            (self.turns, self.last) = (self.turns + 1, Some(reject));
+        }
+    }
+
+    /// What is said of many of them.
+    pub fn message(&self, design: &Design<f64>) -> Option<String> {
+        let last = self.last.filter(|_| self.turns >= MANY)?;
+        Some(format!(
+            "the last {} turns gave no height, so a height that is shown is of the turns before them and a change of the load \
+             is not noticed: {}; check the sensors",
+            self.turns,
+            reason(design, &last)
+        ))
+    }
+
+    /// The same, once for each time.
+    pub fn news(&mut self, design: &Design<f64>) -> Option<String> {
+        let found = self.message(design).filter(|_| !self.is_told)?;
+        self.is_told = true;
+        Some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::trial::{design, maneuver};
+    use cg_core::{Channel, Measured};
+
+    fn after(rejects: &[Option<Reject<f64>>]) -> Unheard {
+        let mut unheard = Unheard::default();
+        for reject in rejects {
+            let mut one = maneuver();
+            let outcome = &mut one.outcomes[Channel::Steer.index()];
+            outcome.height_m = reject.map_or(Ok(Measured { value: 2.0, sd: 0.1 }), Err);
+            unheard.push(&one);
+        }
+        unheard
+    }
+
+    #[test]
+    fn three_turns_without_a_meaning_are_told_once() {
+        let nothing = Some(Reject::Imprecise { ratio_sd_relative: 40.0 });
+        let weak = Some(Reject::Imprecise { ratio_sd_relative: 0.9 });
+        let too_fast = Some(Reject::OutsideDesign { speed_mps: 40.0, trailer_mass_kg: 20e3 });
+        let design = design();
+        for quiet in [
+            &[None, nothing, nothing][..],
+            &[nothing, nothing, None, nothing],
+            &[nothing, nothing, weak],
+            &[too_fast; 5],
+        ] {
+            assert_eq!(after(quiet).message(&design), None, "{quiet:?}");
+        }
+        let mut unheard = after(&[None, nothing, weak, nothing, nothing]);
+        let message = unheard.news(&design).unwrap();
+        assert!(
+            message.starts_with("the last 3 turns gave no height") && message.contains("1000 %")
+        );
+        assert_eq!(unheard.news(&design), None);
+    }
+}
