@@ -159,7 +159,8 @@ mod tests {
         let mut check = LevelCheck::default();
         for maneuver in 0..maneuvers {
             for k in 0..200_u32 {
-                let roll_m = 0.005 * (f64::from(k) / 20.0).sin();
+                // Two turns to each side.
+                let roll_m = 0.005 * (f64::from(k) * std::f64::consts::TAU / 100.0).sin();
                 let noise = if k % 2 == 0 { noise_m } else { -noise_m };
                 let heave_m = 0.5 * roll_m.abs();
                 check.push(|quantity| match quantity {

@@ -16,15 +16,15 @@
 //! | `sensors` | these checks together |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `left_out` | maneuvers that contradict the height so far |
-//! | `unheard` | turns without a height, one after the other |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
 //! | `felt` | the lateral acceleration that the truck feels, a specific force from other sensors |
 //! | `road` | how much of the uncertainty the bank of the road makes |
+//! | `reason` | why a maneuver has no height |
+//! | `unheard` | turns without a height, one after the other |
 //! | `intake` | processing of the rows |
 //! | `scatter` | whether curves contradict each other, as on a banked road |
-//! | `reason` | why a maneuver has no height |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
 
@@ -42,16 +42,16 @@ mod forces;
 mod sensors;
 mod leaning;
 mod left_out;
-mod unheard;
 mod weighed;
 mod recorder;
 mod felt;
 mod strong;
 mod road;
+mod reason;
+mod unheard;
 mod intake;
 mod diagnosis;
 mod scatter;
-mod reason;
 mod messages;
 mod finish;
 mod prediction;
