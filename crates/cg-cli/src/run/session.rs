@@ -279,10 +279,10 @@ impl<W: Write> Session<W> {
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
-        self.sensors.close();
-        self.unheard.push(maneuver);
         let since_us = self.estimator.load_since_us();
         let is_of_another_load = since_us == Some(maneuver.end_us);
+        self.sensors.close(is_of_another_load);
+        self.unheard.push(maneuver);
         self.strong.close(maneuver, is_of_another_load);
         self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {

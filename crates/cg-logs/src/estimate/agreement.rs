@@ -7,6 +7,7 @@ use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::pair::Pair;
+use super::signals::is_tight;
 
 /// Time constant of the filter before the comparison.
 const FILTER_S: f64 = 1.0;
@@ -141,7 +142,8 @@ impl AgreementCheck {
         self.last_us = Some(sample.time_us);
         let of = |quantity: Quantity, x: f64| if quantity.plausible(x) { x } else { f64::NAN };
         let speed_mps = of(Quantity::Speed, sample.speed_mps);
-        if !(speed_mps <= STANDS_MPS || speed_mps >= DRIVES_MPS) || interval_s > GAP_S {
+        let is_known = speed_mps <= STANDS_MPS || speed_mps >= DRIVES_MPS;
+        if !is_known || interval_s > GAP_S {
             self.smooth = None;
             return false;
         }
@@ -149,6 +151,11 @@ impl AgreementCheck {
         let by_steer = of(Quantity::Steer, sample.steer_rad) * speed_mps * speed_mps / WHEELBASE_M;
         let [path, trailer, tractor] =
             LATERALS.map(|lateral| of(lateral.quantity, (lateral.of)(sample)));
+        if speed_mps >= DRIVES_MPS
+            && [path, trailer, tractor].iter().any(|a| is_tight(speed_mps, &[turn, *a]))
+        {
+            return false;
+        }
         let found = [turn, by_steer, path, trailer, tractor];
         let share = interval_s / (FILTER_S + interval_s);
         let smooth = self.smooth.get_or_insert(found);

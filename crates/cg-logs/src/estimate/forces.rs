@@ -12,13 +12,12 @@
 use cg_core::{Channel, Input, Output, Sample, Signals};
 use serde::{Deserialize, Serialize};
 
+use super::signals::LEAST_RADIUS_M;
+
 /// Time constant of both filters before the comparison.
 const FILTER_S: f64 = 1.0;
 /// Speed below which the yaw rate is not used, m/s.
 const LEAST_MPS: f64 = 3.0;
-/// Least radius of a turn, m: in a tighter one the units stand at an angle to each other, so that the
-/// acceleration of one is not the yaw rate times the speed of the other.
-const LEAST_RADIUS_M: f64 = 30.0;
 /// Longest interval between two samples of one drive, s.
 const GAP_S: f64 = 0.5;
 /// Interval between the compared values, s: the filters pass nothing that is faster.
@@ -39,6 +38,10 @@ const BETTER: f64 = 0.5;
 /// adds 0.25 m/s² to 1 to 2 m/s².
 const POSSIBLE_FLAT: [f64; 2] = [0.85, 1.45];
 const POSSIBLE: [f64; 2] = [0.45, 1.6];
+
+/// Least share of `g s` in yaw rate times speed for this. An empty trailer has 0.02, in which friction of the springs and
+/// noise make the suspension follow worse than `U r`, a loaded one 0.06 to 0.12.
+const LOADED: f64 = 0.04;
 
 /// The compared signals: suspension roll, rate of change of `U r`, `f − U r`, and `f`.
 const COUNT: usize = 4;
@@ -97,12 +100,13 @@ impl Sums {
 
     /// Whether the force has no gravity.
     fn is_without_gravity(&self, gravity_mps2: f64) -> bool {
-        if self.turn().is_none() {
-            return false;
-        }
+        let Some(turn) = self.turn() else { return false };
         let rest = self.left(REST, false);
         let least = gravity_mps2 * gravity_mps2 * self.products[ROLL][ROLL];
-        rest < WITHOUT * WITHOUT * least || rest < BETTER * BETTER * self.left(FORCE, true)
+        let on_bank = rest < least
+            && least > LOADED * LOADED * turn
+            && rest < BETTER * BETTER * self.left(FORCE, true);
+        rest < WITHOUT * WITHOUT * least || on_bank
     }
 }
 

@@ -247,9 +247,9 @@ impl LogEstimator {
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
-            self.sensors.close();
-            self.unheard.push(maneuver);
             let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
+            self.sensors.close(is_first_of_load);
+            self.unheard.push(maneuver);
             self.strong.close(maneuver, is_first_of_load);
             self.left_out.close(maneuver, &self.engine, is_first_of_load);
             if is_first_of_load {

@@ -38,7 +38,10 @@ impl LogEstimator {
         let doubt = self.options.judgment.message();
         let mut messages: Vec<String> =
             doubt.into_iter().chain(self.sensors.signals.clock()).collect();
-        if let Some(drift) = Channel::ALL.into_iter().find_map(|channel| self.drift(channel)) {
+        // The bank of a road changes roll angles and suspension rolls just as slowly.
+        let mut of_roll =
+            Channel::ALL.into_iter().filter(|one| one.feels_bank() && !self.is_on_road());
+        if let Some(drift) = of_roll.find_map(|channel| self.drift(channel)) {
             messages.push(format!(
                 "the roll sensor drifts by {drift:.1} degrees per minute; a constant drift was \
                  removed from each maneuver"
@@ -106,15 +109,17 @@ impl LogEstimator {
         })
     }
 
-    /// That the roll angle stood still or was bent in some maneuvers, although others gave a height.
+    /// That the roll angle stood still or was bent in some maneuvers, although others gave a height. The bank of a road does the
+    /// same to a channel, which does not matter if another one gave the height.
     fn seized(&self) -> Option<String> {
         let is_of_sensor = |reject: &Reject<f64>| match reject {
             Reject::Inconsistent(found) => !matches!(found, Inconsistency::Misfit { .. }),
             _ => false,
         };
         let reason = |maneuver: &Maneuver<f64>| {
+            let has_height = maneuver.outcomes.iter().any(|one| one.height_m.is_ok());
             let mut rejects = maneuver.outcomes.iter().filter_map(|one| one.height_m.err());
-            rejects.find(is_of_sensor)
+            rejects.find(is_of_sensor).filter(|_| !has_height)
         };
         let reasons: Vec<_> = self.maneuvers.iter().filter_map(reason).collect();
         let is_used = Channel::ALL.into_iter().any(|one| self.engine.height(one).is_some());

@@ -12,8 +12,8 @@ const LEAST_ROWS: f64 = 100.0;
 /// Minimum standard deviation of the first roll angle for a comparison, rad: a third of a degree.
 const EXCITED_RAD: f64 = 0.006;
 /// Slopes of one roll sensor with respect to another on the same frame. The soft frame of an empty flatbed
-/// leans 1.5 times as far at its front as over the axles.
-const POSSIBLE: [f64; 2] = [0.4, 2.5];
+/// leans 1.5 times as far at its front as over the axles, and swings 2.8 times as far in a sine or a lane change.
+const POSSIBLE: [f64; 2] = [0.25, 4.0];
 
 /// Checks the roll angles of one log.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]

@@ -60,9 +60,12 @@ impl SensorCheck {
         self.levels.push(level_m);
     }
 
-    /// Ends a maneuver.
-    pub fn close(&mut self) {
+    /// Ends a maneuver; `true` if it is the first of another load, with which the suspension rolls otherwise.
+    pub fn close(&mut self, is_of_another_load: bool) {
         self.levels.close();
+        if is_of_another_load {
+            self.forces = ForceCheck::default();
+        }
     }
 
     /// What is wrong with a level or with a specific force of a channel that is used, on these roads.

@@ -12,6 +12,9 @@ use super::pair::Pair;
 const FILTER_S: f64 = 0.5;
 /// Speed below which the yaw rate is not used, m/s.
 const LEAST_MPS: f64 = 3.0;
+/// Least radius of a turn, m: in a tighter one the trailer stands at an angle to the tractor, whose yaw rate times speed is
+/// then not its lateral acceleration.
+pub(super) const LEAST_RADIUS_M: f64 = 30.0;
 /// Minimum standard deviation of yaw rate times speed for a comparison, m/s².
 const EXCITED_MPS2: f64 = 0.3;
 /// Minimum number of rows for a comparison.
@@ -25,6 +28,12 @@ const GAP_S: f64 = 0.5;
 /// Time of compared rows after which what was seen before counts for half, s.
 const REMEMBERED_S: f64 = 3600.0;
 
+/// Whether a turn is too tight by yaw rate times speed and by lateral acceleration, m/s²: a wrong unit makes one of them alone so.
+pub(super) fn is_tight(speed_mps: f64, [turn, lateral]: &[f64; 2]) -> bool {
+    let least_mps2 = speed_mps * speed_mps / LEAST_RADIUS_M;
+    turn.abs() > least_mps2 && lateral.abs() > least_mps2
+}
+
 /// Checks the samples of one log.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct SignalCheck {
@@ -33,6 +42,9 @@ pub(super) struct SignalCheck {
     smooth: Option<[f64; 3]>,
     rows: f64,
     seconds: f64,
+    /// Compared rows in turns, and rows in turns that are too tight.
+    turning_rows: f64,
+    tight_rows: f64,
     /// Lateral acceleration, and roll, as functions of yaw rate times speed.
     lateral: Pair,
     roll: Pair,
@@ -63,6 +75,10 @@ impl SignalCheck {
             of(Quantity::Roll, sample.roll_rad),
         ];
         // This form of the condition also excludes NaN.
+        if is_tight(speed_mps, &[found[0], found[1]]) {
+            self.tight_rows += 1.0;
+            return;
+        }
         if !(speed_mps > LEAST_MPS) || found[..2].iter().any(|x| x.is_nan()) {
             return;
         }
@@ -74,6 +90,7 @@ impl SignalCheck {
             }
         }
         let [turn, lateral, roll] = *smooth;
+        self.turning_rows += f64::from(u8::from(turn.abs() > EXCITED_MPS2));
         self.rows += 1.0;
         self.seconds += interval_s.min(GAP_S);
         self.lateral.push(self.rows, [turn, lateral]);
@@ -92,22 +109,26 @@ impl SignalCheck {
         self.seconds
     }
 
+    /// Whether the rows are enough for a comparison.
+    fn is_enough(&self) -> bool {
+        let spread_mps2 = (self.lateral.square() / self.rows).sqrt();
+        let enough = self.rows >= LEAST_ROWS && spread_mps2 > EXCITED_MPS2;
+        // The beginning and the end of a tight turn alone have lags.
+        enough && self.turning_rows > self.tight_rows
+    }
+
     /// Whether the lateral acceleration is that of yaw rate and speed, and nearer to it than one that also measures gravity
     /// would be.
     pub(super) fn confirms_lateral(&self, gravity_mps2: f64) -> bool {
-        let spread_mps2 = (self.lateral.square() / self.rows).sqrt();
-        let enough = self.rows >= LEAST_ROWS && spread_mps2 > EXCITED_MPS2;
         let off = (self.lateral.slope() - 1.0).abs();
-        enough && off < TOLERANCE && 2.0 * off < gravity_mps2 * self.roll.slope().abs()
+        self.is_enough() && off < TOLERANCE && 2.0 * off < gravity_mps2 * self.roll.slope().abs()
     }
 
     /// The contradiction between lateral acceleration and yaw rate times speed, if there is one.
     pub(super) fn contradiction(&self, gravity_mps2: f64) -> Option<String> {
-        let spread_mps2 = (self.lateral.square() / self.rows).sqrt();
-        let enough = self.rows >= LEAST_ROWS && spread_mps2 > EXCITED_MPS2;
         // Only yaw rate times speed must vary enough. A lateral acceleration in g, or one that is
         // nearly zero, is compared too.
-        if !enough {
+        if !self.is_enough() {
             return None;
         }
         let slope = self.lateral.gain();
@@ -242,10 +263,10 @@ mod tests {
         near(pair.slope(), 2.5);
     }
 
-    /// A sample at 10 m/s with this lateral acceleration by both sensors.
+    /// A sample at 20 m/s with this lateral acceleration by both sensors.
     fn sample(time_us: u64, lateral_mps2: f64) -> Sample<f64> {
         let mut sample = Sample::absent(time_us);
-        (sample.speed_mps, sample.yaw_rate_radps) = (10.0, lateral_mps2 / 10.0);
+        (sample.speed_mps, sample.yaw_rate_radps) = (20.0, lateral_mps2 / 20.0);
         sample.lateral_acceleration_mps2 = lateral_mps2;
         sample.roll_rad = 0.1 * lateral_mps2;
         sample
@@ -294,9 +315,9 @@ mod tests {
             mean: [0.0; 2],
             sums: [square, slope * square, slope * slope * square],
         };
-        let check =
-            SignalCheck { rows, lateral: pair(slope), roll: pair(0.03), ..SignalCheck::default() };
-        check.contradiction(9.81)
+        let (turning_rows, lateral, roll) = (rows, pair(slope), pair(0.03));
+        SignalCheck { rows, turning_rows, lateral, roll, ..SignalCheck::default() }
+            .contradiction(9.81)
     }
 
     #[test]

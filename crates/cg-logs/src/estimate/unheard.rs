@@ -3,7 +3,7 @@
 //! A sensor that dies in the course of a drive gives turns whose ratio means nothing. They are rightly not used, but the height
 //! of the turns before them then stays for ever.
 
-use cg_core::{Design, Maneuver, Reject};
+use cg_core::{Channel, Design, Maneuver, Reject};
 use serde::{Deserialize, Serialize};
 
 use super::reason::reason;
@@ -28,13 +28,16 @@ impl Unheard {
             *self = Self::default();
             return;
         }
-        let is_of_sensor = |reject: &Reject<f64>| match reject {
+        // A bank that changes along the truck makes a suspension roll inconsistent, too.
+        let is_of_sensor = |(channel, reject): &(Channel, Reject<f64>)| match reject {
             Reject::Imprecise { ratio_sd_relative } => !(*ratio_sd_relative <= MEANINGLESS),
-            Reject::Inconsistent(_) => true,
+            Reject::Inconsistent(_) => channel.feels_bank(),
             _ => false,
         };
-        let mut rejects = maneuver.outcomes.iter().filter_map(|one| one.height_m.err());
-        if let Some(reject) = rejects.find(is_of_sensor) {
+        let outcomes = Channel::ALL.into_iter().zip(&maneuver.outcomes);
+        let mut rejects =
+            outcomes.filter_map(|(one, outcome)| Some((one, outcome.height_m.err()?)));
+        if let Some((_, reject)) = rejects.find(is_of_sensor) {
             (self.turns, self.last) = (self.turns + 1, Some(reject));
         }
     }
@@ -62,7 +65,7 @@ impl Unheard {
 mod tests {
     use super::*;
     use crate::estimate::trial::{design, maneuver};
-    use cg_core::{Channel, Measured};
+    use cg_core::{Inconsistency, Measured};
 
     fn after(rejects: &[Option<Reject<f64>>]) -> Unheard {
         let mut unheard = Unheard::default();
@@ -88,6 +91,15 @@ mod tests {
             &[too_fast; 5],
         ] {
             assert_eq!(after(quiet).message(&design), None, "{quiet:?}");
+        }
+        // Of a suspension it may be the bank.
+        let stood = Reject::Inconsistent(Inconsistency::Standstill { roll_rad: 0.0 });
+        for (channel, is_told) in [(Channel::Steer, true), (Channel::Suspension, false)] {
+            let mut unheard = Unheard::default();
+            let mut one = maneuver();
+            one.outcomes[channel.index()].height_m = Err(stood);
+            (0..3).for_each(|_| unheard.push(&one));
+            assert_eq!(unheard.message(&design).is_some(), is_told);
         }
         let mut unheard = after(&[None, nothing, weak, nothing, nothing]);
         let message = unheard.news(&design).unwrap();
