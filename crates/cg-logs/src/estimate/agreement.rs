@@ -11,8 +11,9 @@ use super::signals::is_tight;
 
 /// Time constant of the filter before the comparison.
 const FILTER_S: f64 = 1.0;
-/// Longest interval between two samples of one drive, s.
+/// Longest interval between two samples of one drive, and least one between two that are taken, s.
 const GAP_S: f64 = 0.5;
+const STEP_S: f64 = 0.05;
 /// A truck below the first speed stands; between both a yaw rate can be that of a tractor that maneuvers, m/s.
 const STANDS_MPS: f64 = 0.1;
 const DRIVES_MPS: f64 = 2.0;
@@ -138,7 +139,10 @@ impl AgreementCheck {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let interval_s = self
             .last_us
-            .map_or(0.0, |last_us| sample.time_us.saturating_sub(last_us) as f64 * 1e-6);
+            .map_or(GAP_S, |last_us| sample.time_us.saturating_sub(last_us) as f64 * 1e-6);
+        if interval_s < STEP_S {
+            return false;
+        }
         self.last_us = Some(sample.time_us);
         let of = |quantity: Quantity, x: f64| if quantity.plausible(x) { x } else { f64::NAN };
         let speed_mps = of(Quantity::Speed, sample.speed_mps);
