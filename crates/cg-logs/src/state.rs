@@ -49,6 +49,9 @@ pub struct State {
     #[serde(default, skip_serializing_if = "Strength::is_none")]
     pub strength: Strength,
     memory: Stored,
+    /// Number of learned trips in the design that gave the heights. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trips_in_use: Option<usize>,
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
     pub learned: Learned,
@@ -115,6 +118,7 @@ impl State {
             scale: None,
             mass_is_of_another_load: false,
             strength: Strength::default(),
+            trips_in_use: None,
             learned,
             memory: Stored {
                 fused: memory.fused,
@@ -126,8 +130,18 @@ impl State {
         }
     }
 
-    /// The memory of the estimator.
-    pub fn memory(&self) -> Memory<f64> {
+    /// The memory of an estimator whose design contains this many learned trips. If it was saved with another number, the
+    /// truck is known otherwise now, and the heights are [those of another design](Memory::of_another_design).
+    pub fn memory(&self, trips_in_use: usize) -> Memory<f64> {
+        let memory = self.stored();
+        if self.trips_in_use.is_none_or(|saved| saved == trips_in_use) {
+            memory
+        } else {
+            memory.of_another_design()
+        }
+    }
+
+    fn stored(&self) -> Memory<f64> {
         let Stored { fused, correlation, trailer_mass_kg, load_mass_kg, waiting } = self.memory;
         Memory { fused, correlation, trailer_mass_kg, load_mass_kg, waiting }
     }
@@ -179,7 +193,7 @@ impl State {
         let state: Self =
             serde_json::from_str(json).map_err(|error| StateError::Content(error.to_string()))?;
         let parts =
-            [state.memory().is_sound(), state.learned.is_sound(), state.strength.is_sound()];
+            [state.stored().is_sound(), state.learned.is_sound(), state.strength.is_sound()];
         if parts.contains(&false) {
             return Err(StateError::Unsound);
         }

@@ -56,6 +56,8 @@ pub(crate) struct Start {
     /// The design with what was learned.
     pub(crate) design: Design<f64>,
     pub(crate) learning: Learning,
+    /// Number of trips in the design.
+    pub(crate) trips_in_use: usize,
     pub(crate) told: Vec<Told>,
 }
 
@@ -91,6 +93,7 @@ impl Start {
             }
         }
         Self {
+            trips_in_use: if known.is_some() { learned.trips() } else { 0 },
             design: known.unwrap_or(*design),
             learning: Learning { learner: Learner::new(vehicle, variant, learned), on },
             told: messages,

@@ -111,11 +111,9 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     }
     let stop = Stop::listen()?;
     session.outputs.stop = Some(stop.clone());
+    session.trips_in_use = start.as_ref().map_or(0, |start| start.trips_in_use);
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
-    if let Some(message) = session.outputs.try_state() {
-        session.notice("state", &message)?;
-    }
     start.map_or(Ok(()), |start| session.begin(start))?;
     let reason = match (&arguments.can, recording) {
         (Some(interface), _) => {
@@ -162,7 +160,7 @@ fn session<W: Write>(
     Ok(session)
 }
 
-/// Reports the start.
+/// Reports the start, and a state file that cannot be written.
 fn begin<W: Write>(
     arguments: &RunArgs,
     vehicle: &Vehicle,
@@ -179,6 +177,9 @@ fn begin<W: Write>(
         method: arguments.method.method,
         page: page.as_ref().map(|(url, _)| url.as_str()),
     })?;
+    if let Some(message) = session.outputs.try_state() {
+        session.notice("state", &message)?;
+    }
     if page.is_some_and(|(_, is_open)| is_open) { session.notice("page", OPEN) } else { Ok(()) }
 }
 

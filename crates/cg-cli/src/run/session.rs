@@ -47,6 +47,8 @@ pub(crate) struct Session<W: Write> {
     nominal_mass_reported: bool,
     /// The learning from empty driving.
     learning: Option<Learning>,
+    /// Number of learned trips in the design.
+    pub(crate) trips_in_use: usize,
     pace: Pace,
     warner: Warner<f64>,
     pub(crate) request: Option<SpeedRequest>,
@@ -129,6 +131,7 @@ impl<W: Write> Session<W> {
             mass_source,
             unweighed_us: None,
             learning: None,
+            trips_in_use: 0,
             nominal_mass_reported: false,
             pace: Pace::default(),
             warner,
@@ -163,7 +166,7 @@ impl<W: Write> Session<W> {
     pub(crate) fn restore(&mut self) -> io::Result<bool> {
         match self.outputs.load() {
             Some(Ok(Found::State(state))) => {
-                let memory = state.memory();
+                let memory = state.memory(self.trips_in_use);
                 let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
                 let Some(estimator) = restored else { return Ok(false) };
                 self.estimator = estimator;
@@ -457,7 +460,7 @@ impl<W: Write> Session<W> {
         let saved_s = self.time_s(self.now_us);
         let design = self.estimator.design();
         let learned = self.learning.as_ref().map(|learning| learning.learned(design));
-        let load = self.weighing.saved(self.load_since_s, self.strength());
+        let load = self.weighing.saved(self.load_since_s, self.strength(), self.trips_in_use);
         match self.outputs.save(&memory, saved_s, load, learned.unwrap_or_default()) {
             Some(message) => self.notice("state", &message),
             None => Ok(()),

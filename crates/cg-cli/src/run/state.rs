@@ -45,6 +45,8 @@ pub(crate) struct SavedLoad {
     pub(crate) mass_is_of_another_load: bool,
     /// What its turns came to.
     pub(crate) strength: Strength,
+    /// Number of learned trips in the design.
+    pub(crate) trips_in_use: usize,
 }
 
 /// The content of a state file.
@@ -81,6 +83,7 @@ impl StateFile {
         state.scale = load.scale;
         state.mass_is_of_another_load = load.mass_is_of_another_load;
         state.strength = load.strength;
+        state.trips_in_use = Some(load.trips_in_use);
         state.vehicle_crc32 = self.vehicle_crc32;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
@@ -222,10 +225,17 @@ mod tests {
         file.save(&memory, 1.5, load, Learned::default()).unwrap();
         let scale = Some(Scale::AxleLoad);
         let strength = Strength { greatest: 0.7, braking_mps2: 0.3, sd: 0.1 + 0.2 };
-        let load = SavedLoad { since_s: None, scale, mass_is_of_another_load: true, strength };
+        let load = SavedLoad {
+            since_s: None,
+            scale,
+            mass_is_of_another_load: true,
+            strength,
+            trips_in_use: 3,
+        };
         file.save(&memory, 2.5, load, Learned::default()).unwrap();
         let Found::State(state) = file.load().unwrap() else { panic!("a state") };
-        assert_eq!((state.memory(), state.saved_s, state.load_since_s), (memory, 2.5, None));
+        assert_eq!((state.memory(3), state.saved_s, state.load_since_s), (memory, 2.5, None));
+        assert_eq!(state.memory(2), memory.of_another_design());
         assert_eq!(state.scale, Some(Scale::AxleLoad));
         assert!(state.mass_is_of_another_load);
         assert_eq!(state.strength, strength);

@@ -42,10 +42,15 @@ impl Weighing {
         )
     }
 
-    /// What a restart needs of a load since this time, s, whose turns came to this.
-    pub(crate) fn saved(&self, since_s: Option<f64>, strength: Strength) -> SavedLoad {
+    /// What a restart needs of a load since this time, s, whose turns came to this, with a design of this many learned trips.
+    pub(crate) fn saved(
+        &self,
+        since_s: Option<f64>,
+        strength: Strength,
+        trips_in_use: usize,
+    ) -> SavedLoad {
         let mass_is_of_another_load = self.weighed.is_of_another_load();
-        SavedLoad { since_s, scale: self.scale, mass_is_of_another_load, strength }
+        SavedLoad { since_s, scale: self.scale, mass_is_of_another_load, strength, trips_in_use }
     }
 
     /// A result with the scale of its mass and its standard deviation.

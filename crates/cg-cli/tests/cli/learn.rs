@@ -56,6 +56,33 @@ fn what_is_learned_from_an_empty_trip_is_used_from_the_next_start_on() {
     assert_eq!(events(&twice, "learned").last().unwrap()["trips"], 2);
 }
 
+/// The heights of a load that were found before the truck knew itself do not contradict those of the same load after it: the
+/// design is another one, not the load.
+#[test]
+fn the_same_load_is_no_other_one_after_learning() {
+    let scratch = Scratch::new();
+    let state = scratch.path("state.json");
+    let rows = |log: &str, after_s: f64| {
+        let text = std::fs::read_to_string(fixture(log)).unwrap();
+        let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+        let shifted = rows.map(|row| {
+            let (time, rest) = row.split_once(',').unwrap();
+            format!("{:.2},{rest}\n", time.parse::<f64>().unwrap() + after_s)
+        });
+        shifted.collect::<String>()
+    };
+    let header = "time_s,steer_rad,roll_rad,speed_mps,lateral_acceleration_mps2,yaw_rate_radps,trailer_mass_kg\n";
+    let trip = scratch.path("trip.csv");
+    std::fs::write(&trip, format!("{header}{}{}", rows(EMPTY, 0.0), rows(LADEN, 100.0))).unwrap();
+    let first =
+        cg(&["run", "--csv", &trip, "--vehicle", &kraz(), "--status-s", "0", "--state", &state]);
+    assert_eq!(events(&lines(&first.done()), "load_changed").len(), 1);
+    let second = lines(&drive(LADEN, &state, &[]).done());
+    assert_eq!(events(&second, "learned").len(), 1);
+    assert_eq!(events(&second, "load_changed"), Vec::<&Value>::new());
+    assert!(error(&second) < 0.01);
+}
+
 #[test]
 fn learning_can_be_off() {
     let scratch = Scratch::new();

@@ -66,6 +66,14 @@ impl<T: Real> Fusion<T> {
         self.maneuvers = self.maneuvers.saturating_add(1);
     }
 
+    /// The same height as if all of its uncertainty were noise of its own.
+    #[must_use]
+    pub(crate) fn loosened(self) -> Self {
+        let Some(height) = self.height() else { return self };
+        let variance = height.height_m.sd * height.height_m.sd;
+        Self { weight: T::one() / variance, scatter: T::zero(), systematic: T::zero(), ..self }
+    }
+
     /// Whether every number is in its possible range. The limits are far beyond any truck. They are
     /// low enough that squares and quotients of two fusions remain finite in single precision.
     pub(crate) fn is_sound(&self) -> bool {

@@ -26,6 +26,13 @@ pub struct Memory<T, const C: usize = CHANNELS> {
 }
 
 impl<T: Real, const C: usize> Memory<T, C> {
+    /// The heights for an estimator with another design of the same truck, one that has learned: what was systematic in them is not
+    /// in the heights to come, so it counts as noise. A maneuver that waits for another one is forgotten.
+    #[must_use]
+    pub fn of_another_design(self) -> Self {
+        Self { fused: self.fused.map(Fusion::loosened), waiting: None, ..self }
+    }
+
     /// Whether every number is in its possible range.
     pub fn is_sound(&self) -> bool {
         let positive = |x: T| x.present() && x > T::zero();
@@ -54,6 +61,23 @@ mod tests {
             load_mass_kg: Some(20e3),
             waiting: Some([Some(GOOD), None]),
         }
+    }
+
+    /// The total standard deviation remains, and a height to come counts for what it knows.
+    #[test]
+    fn heights_of_another_design_do_not_bind() {
+        let mut memory = good();
+        memory.fused[0].push(Measured { value: 2.0, sd: 0.01 }, 0.1);
+        memory.fused[0].push(Measured { value: 2.0, sd: 0.01 }, 0.1);
+        let before = memory.fused[0].height().unwrap();
+        let mut after = memory.of_another_design();
+        let found = after.fused[0].height().unwrap();
+        assert!((found.height_m.sd - before.height_m.sd).abs() < 1e-12 && found.maneuvers == 2);
+        assert!((found.random_sd_m - before.height_m.sd).abs() < 1e-12);
+        assert!(after.waiting.is_none() && after.is_sound());
+        after.fused[0].push(Measured { value: 1.9, sd: 0.01 }, 0.02);
+        assert!((after.fused[0].height().unwrap().height_m.value - 1.901).abs() < 1e-4);
+        assert_eq!(after.fused[1].height(), None);
     }
 
     #[test]
