@@ -67,6 +67,7 @@ pub(crate) struct Session<W: Write> {
     other_mass_us: Option<u64>,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
     hidden_kg: Option<f64>,
+    kept_mass_is_doubted: bool,
     /// The last mass by a signal, kg.
     weighed_kg: Option<f64>,
     told: ToldOfLoad,
@@ -144,6 +145,7 @@ impl<W: Write> Session<W> {
             unheard: Unheard::default(),
             other_mass_us: None,
             hidden_kg: None,
+            kept_mass_is_doubted: false,
             weighed_kg: None,
             told: ToldOfLoad::default(),
             sensors: SensorCheck::default(),
@@ -194,7 +196,7 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// Sets the time of a frame or row: its time stamp and its stream time.
+    /// Sets the time stamp and the stream time of a frame or row.
     pub(crate) fn tick(&mut self, stamp_s: f64, stream_us: u64) {
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let stream_s = stream_us as f64 * 1e-6;
@@ -231,6 +233,9 @@ impl<W: Write> Session<W> {
         self.samples += 1;
         self.sampled_us = sample.time_us;
         add_force(&mut sample, self.estimator.design().gravity_mps2);
+        if self.missing.contains(&Signal::Speed.name()) {
+            sample.steer_rad = f64::NAN; // means nothing without a speed
+        }
         self.weigh(&mut sample)?;
         self.warn(&sample)?;
         let (samples, slow_s) = self.pace.push(sample);
@@ -300,6 +305,7 @@ impl<W: Write> Session<W> {
             }
         }
         self.roads.push(maneuver);
+        self.doubt_kept_mass(maneuver)?;
         let before = self.known.status;
         self.update(maneuver.trailer_mass_kg);
         let line = ManeuverLine::new(maneuver, self.known.clone(), self.offset_s);
@@ -336,13 +342,11 @@ impl<W: Write> Session<W> {
         }
     }
 
-    /// Updates the result from the estimator.
     fn update(&mut self, trailer_mass_kg: f64) {
         if let Some(mass_kg) = self.hidden_mass_kg() {
             self.known = Known::new(None, None, (mass_kg, self.mass_source));
             return;
         }
-        // One channel alone is named.
         let channel = channels::alone(&self.estimator);
         let mass = (trailer_mass_kg, self.mass_source);
         let combined = self.combined();

@@ -80,7 +80,9 @@ impl LogEstimator {
             self.options.channel.is_none_or(|only| only == one) && self.engine.height(one).is_some()
         };
         let gravity_mps2 = self.design.gravity_mps2;
-        if let Some(remark) = self.sensors.wrong_chassis(gravity_mps2, self.options.road, is_used) {
+        if let Some(remark) =
+            self.sensors.wrong_chassis((gravity_mps2, false), self.options.road, is_used)
+        {
             return inconsistent(remark);
         }
         let rolls = self.rolls.contradiction(&self.settings);

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::felt::{add_force, felt_mps2};
+use super::known::weighed_mass;
 use super::leaning::Leaning;
 use super::left_out::LeftOut;
 use super::options::EstimateOptions;
@@ -292,10 +293,12 @@ impl LogEstimator {
         }
         self.seen.speed |= sample.speed_mps.is_finite();
         if sample.trailer_mass_kg.is_finite() {
+            let logged_kg = sample.trailer_mass_kg;
+            sample.trailer_mass_kg = weighed_mass(&self.design, logged_kg);
             self.seen.mass_kg = Some(sample.trailer_mass_kg);
             self.seen.scale = self.bus_scale.or_else(|| {
                 // Most logs have the mass itself, which is then that of the sample.
-                if sample.trailer_mass_kg.to_bits() == row.trailer_mass_kg.to_bits() {
+                if logged_kg.to_bits() == row.trailer_mass_kg.to_bits() {
                     return Scale::in_log(Quantity::TrailerMass);
                 }
                 let (quantity, _) = row.weighed(&self.settings)?;

@@ -1,5 +1,6 @@
 //! Speed and trailer mass that are known and replace those of a log: what they may be.
 
+use cg_core::Design;
 use cg_vehicle::limits::{self, up_to};
 use cg_vehicle::{LinearModel, Load, Variant, Vehicle, VehicleError};
 
@@ -24,6 +25,17 @@ pub fn known_mass(vehicle: &Vehicle, trailer_mass_kg: f64) -> Result<f64, Vehicl
     possible("trailer_mass_kg", trailer_mass_kg, limits::GREATEST_TRAILER_MASS_KG)?;
     vehicle.trailer_sprung_mass(Load { trailer_mass_kg, ..vehicle.reference_load() })?;
     Ok(trailer_mass_kg)
+}
+
+/// Share of the empty trailer's mass down to which a scale is believed to have weighed it: two standard deviations of an EBS, and
+/// some more.
+const LEAST_EMPTY: f64 = 0.9;
+
+/// The trailer mass of a signal, kg, which is at least that of the empty trailer: a scale that shows a little less is wrong by as
+/// much.
+pub fn weighed_mass(design: &Design<f64>, mass_kg: f64) -> f64 {
+    let least_kg = design.trailer_mass_kg[0];
+    if (LEAST_EMPTY * least_kg..least_kg).contains(&mass_kg) { least_kg } else { mass_kg }
 }
 
 fn possible(name: &str, value: f64, greatest: f64) -> Result<f64, VehicleError> {
@@ -57,6 +69,24 @@ mod tests {
     fn kraz() -> Vehicle {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
         Vehicle::load(file).unwrap()
+    }
+
+    #[test]
+    fn a_scale_that_shows_a_little_less_has_weighed_the_empty_trailer() {
+        let vehicle = kraz();
+        let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        let empty_kg = vehicle.empty_trailer_mass_kg();
+        for (share, expected) in [(0.97, None), (0.905, None), (0.88, Some(0.88)), (1.3, Some(1.3))]
+        {
+            let found_kg = weighed_mass(&design, share * empty_kg);
+            let in_design = design.line(cg_core::Channel::Steer, 15.0, found_kg).is_some();
+            assert_eq!(in_design, share > 0.9, "{share}");
+            if let Some(expected) = expected {
+                assert!((found_kg / empty_kg - expected).abs() < 1e-12);
+            }
+            assert!(found_kg <= 1.3 * empty_kg);
+        }
+        assert!(weighed_mass(&design, f64::NAN).is_nan());
     }
 
     #[test]

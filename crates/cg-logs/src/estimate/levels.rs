@@ -16,6 +16,8 @@ const MOVES_M: f64 = 1e-3;
 /// is found, which makes a height 8 % too small. The statement needs three maneuvers, and three standard errors.
 const UNEQUAL: f64 = 0.04;
 const LEAST_MANEUVERS: f64 = 3.0;
+/// In a drive that goes on, so many maneuvers are judged, the last ones.
+const RECENT: usize = 3;
 /// Minimum number of rows for a statement on a maneuver.
 const LEAST_ROWS: f64 = 50.0;
 
@@ -41,15 +43,6 @@ impl Sides {
         let moves = self.levels_m.square() > MOVES_M * MOVES_M * self.rows;
         (self.rows >= LEAST_ROWS && moves).then(|| self.levels_m.slope())
     }
-
-    /// The side that stands still while the other one moves.
-    fn still(&self) -> Option<usize> {
-        match self.share()? {
-            share if share < LEAST_SHARE => Some(0),
-            share if share > 1.0 - LEAST_SHARE => Some(1),
-            _ => None,
-        }
-    }
 }
 
 /// One pair of level sensors.
@@ -63,28 +56,52 @@ struct Levels {
     shares: f64,
     mean: f64,
     squares: f64,
+    /// The last shares.
+    recent: [Option<f64>; RECENT],
 }
 
 impl Levels {
     fn close(&mut self) {
         if self.sides.rows >= LEAST_ROWS {
             self.maneuvers += 1;
-            if let Some(side) = self.sides.still() {
-                self.still[side] += 1;
-            }
             if let Some(share) = self.sides.share() {
-                self.shares += 1.0;
-                let before = share - self.mean;
-                self.mean += before / self.shares;
-                self.squares += before * (share - self.mean);
+                self.count(share);
+                self.recent.rotate_right(1);
+                self.recent[0] = Some(share);
             }
         }
         self.sides = Sides::default();
     }
 
-    /// What is wrong with the sensors of this unit.
-    fn contradiction(&self, unit: &str) -> Option<String> {
-        self.dead(unit).or_else(|| self.unequal(unit))
+    /// Counts the share of the left one in a maneuver.
+    fn count(&mut self, share: f64) {
+        if share < LEAST_SHARE {
+            self.still[0] += 1;
+        } else if share > 1.0 - LEAST_SHARE {
+            self.still[1] += 1;
+        }
+        self.shares += 1.0;
+        let before = share - self.mean;
+        self.mean += before / self.shares;
+        self.squares += before * (share - self.mean);
+    }
+
+    /// What is wrong with the sensors of this unit, at present or in the whole log.
+    fn contradiction(&self, unit: &str, at_present: bool) -> Option<String> {
+        let recent = self.recently();
+        let of_recent = || recent.dead(unit).or_else(|| recent.unequal(unit));
+        let of_all = || self.dead(unit).or_else(|| self.unequal(unit)).filter(|_| !at_present);
+        of_recent().or_else(of_all)
+    }
+
+    /// The last maneuvers alone.
+    fn recently(&self) -> Self {
+        let mut recent = Self::default();
+        for share in self.recent.into_iter().flatten() {
+            recent.maneuvers += 1;
+            recent.count(share);
+        }
+        recent
     }
 
     /// That one of them moves less than the other.
@@ -143,9 +160,10 @@ impl LevelCheck {
         self.tractor.close();
     }
 
-    /// The sensor that does not work, if there is one.
-    pub(super) fn contradiction(&self) -> Option<String> {
-        self.trailer.contradiction("trailer").or_else(|| self.tractor.contradiction("tractor"))
+    /// The sensor that does not work, at present or in the whole log.
+    pub(super) fn contradiction(&self, at_present: bool) -> Option<String> {
+        let of_tractor = || self.tractor.contradiction("tractor", at_present);
+        self.trailer.contradiction("trailer", at_present).or_else(of_tractor)
     }
 }
 
@@ -171,7 +189,7 @@ mod tests {
             }
             check.close();
         }
-        check.contradiction()
+        check.contradiction(false)
     }
 
     /// Levels of three maneuvers; the left one works up to this maneuver.
@@ -189,6 +207,32 @@ mod tests {
         assert!(less.starts_with("in turns the left level of the trailer changes 0.8"), "{less}");
         assert!(with(1.4, 3).unwrap().starts_with("in turns the right level"));
         assert_eq!(checked(3, 0.0, |maneuver, m| if maneuver == 1 { 0.5 * m } else { m }), None);
+    }
+
+    /// Two maneuvers after it works again, in a drive that goes on; a log remembers it.
+    #[test]
+    fn a_level_that_works_again_is_believed() {
+        let dead_then = |good: u32| {
+            let mut check = LevelCheck::default();
+            for maneuver in 0..4 + good {
+                for k in 0..100_u32 {
+                    let roll_m = 0.005 * (f64::from(k) * std::f64::consts::TAU / 100.0).sin();
+                    check.push(|quantity| match quantity {
+                        Quantity::LevelLeft if maneuver < 4 => 0.0,
+                        Quantity::LevelLeft => roll_m,
+                        Quantity::LevelRight => -roll_m,
+                        _ => f64::NAN,
+                    });
+                }
+                check.close();
+            }
+            check
+        };
+        for (good, is_told) in [(0, true), (1, true), (2, false), (9, false)] {
+            let found = dead_then(good).contradiction(true);
+            assert_eq!(found.is_some(), is_told, "{good}: {found:?}");
+        }
+        assert!(dead_then(9).contradiction(false).is_some());
     }
 
     #[test]

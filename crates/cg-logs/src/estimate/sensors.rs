@@ -62,21 +62,24 @@ impl SensorCheck {
 
     /// Ends a maneuver; `true` if it is the first of another load, with which the suspension rolls otherwise.
     pub fn close(&mut self, is_of_another_load: bool) {
-        self.levels.close();
         if is_of_another_load {
             self.forces = ForceCheck::default();
         }
+        self.levels.close();
     }
 
-    /// What is wrong with a level or with a specific force of a channel that is used, on these roads.
+    /// What is wrong with a level, at present or in the whole log, or with a specific force of a channel that is used, on these
+    /// roads.
     pub fn wrong_chassis(
         &self,
-        gravity_mps2: f64,
+        (gravity_mps2, at_present): (f64, bool),
         road: Option<RoadChoice>,
         is_used: impl Fn(Channel) -> bool,
     ) -> Option<String> {
-        let of_levels =
-            self.levels.contradiction().filter(|_| Channel::ALL.into_iter().any(&is_used));
+        let of_levels = self
+            .levels
+            .contradiction(at_present)
+            .filter(|_| Channel::ALL.into_iter().any(&is_used));
         let is_flat = road == Some(RoadChoice::FLAT);
         of_levels.or_else(|| self.forces.contradiction(gravity_mps2, is_flat, is_used))
     }

@@ -58,7 +58,7 @@ def table_signals(table: Any, maps: list[str], flips: list[str]) -> dict[str, ND
 def _columns(table: Any) -> list[tuple[str, Callable[[], Any]]]:
     """Return the columns: their names as text, and how to get their values."""
     if type(table).__name__ == "LazyFrame":
-        raise ValueError("log is a LazyFrame, which has no values yet: give what its collect() returns")
+        raise ValueError("log is a LazyFrame without values: give what its collect() returns")
     if isinstance(table, Mapping):
         keys = list(table)
     elif hasattr(table, "column_names"):  # a table of Arrow

@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use cg_core::{Sample, Settings};
+use cg_core::{HeightError, Maneuver, Reject, Sample, Settings};
+use cg_logs::estimate::weighed_mass;
 
 use super::Session;
 use crate::run::events::{MassSource, Result as Known};
@@ -17,6 +18,7 @@ impl<W: Write> Session<W> {
             self.unweighed_us.get_or_insert(sample.time_us);
             return Ok(());
         } else {
+            sample.trailer_mass_kg = weighed_mass(self.estimator.design(), sample.trailer_mass_kg);
             self.weighing.weighed.weigh(sample.time_us, sample.trailer_mass_kg);
             self.weighed_kg.replace(sample.trailer_mass_kg).is_none()
         };
@@ -65,8 +67,39 @@ impl<W: Write> Session<W> {
         self.notice("load", &message)
     }
 
+    /// Hides the height of a load that was weighed before a restart if a turn says that another one is on the trailer: at the
+    /// old mass its height is impossible. The next turn with a possible height shows it again.
+    pub(super) fn doubt_kept_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        let impossible_m = maneuver.outcomes.iter().find_map(|one| match one.height_m {
+            Err(Reject::Height(HeightError::OutOfRange { height_m })) => Some(height_m),
+            _ => None,
+        });
+        let is_possible = maneuver.outcomes.iter().any(|one| one.height_m.is_ok());
+        let was_doubted = self.kept_mass_is_doubted;
+        match impossible_m {
+            _ if is_possible || self.mass_source != MassSource::Kept => {
+                self.kept_mass_is_doubted = false;
+            }
+            Some(height_m) if !was_doubted => {
+                self.kept_mass_is_doubted = true;
+                let mass_kg = self.known.trailer_mass_kg;
+                let message = format!(
+                    "a turn gives a height of {height_m:.2} m, which no load has at the trailer mass of {mass_kg:.0} kg from \
+                     before the restart, and no signal has given another one: the trailer was loaded or unloaded, so the height \
+                     of the load before is not shown; give --trailer-mass-kg or a signal of the mass"
+                );
+                return self.notice("load", &message);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
     /// The mass of a load whose height is hidden, if the trailer still has another one, kg.
     pub(super) fn hidden_mass_kg(&mut self) -> Option<f64> {
+        if self.kept_mass_is_doubted && self.weighed_kg.is_none() {
+            return Some(self.known.trailer_mass_kg);
+        }
         let mass_kg = self.trailer_mass_kg.or(self.weighed_kg)?;
         self.hidden_kg = self.hidden_kg.filter(|hidden_kg| is_other_load(mass_kg, *hidden_kg));
         self.hidden_kg.map(|_| mass_kg)

@@ -157,7 +157,8 @@ impl<W: Write> Session<W> {
     pub(super) fn wrong_signal(&self) -> Option<String> {
         let is_used = |channel: Channel| self.estimator.height(channel).is_some();
         let gravity_mps2 = self.estimator.design().gravity_mps2;
-        let of_chassis = self.sensors.wrong_chassis(gravity_mps2, self.options.road, is_used);
+        let of_chassis =
+            self.sensors.wrong_chassis((gravity_mps2, true), self.options.road, is_used);
         let missing = || self.sensors.missing().filter(|_| self.estimator.combined().is_some());
         let disagreement = || self.sensors.disagreement(gravity_mps2);
         let found = of_chassis.or_else(missing).or_else(disagreement)?;

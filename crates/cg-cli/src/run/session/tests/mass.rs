@@ -1,5 +1,7 @@
 //! Heights of loads that are not on the trailer any more.
 
+use cg_core::{HeightError, Reject};
+
 use super::*;
 
 /// Straight driving with a mass, in which nothing is known of the roll angle.
@@ -67,5 +69,32 @@ fn a_contradiction_names_a_mass_that_nothing_confirms() {
         assert!(!message.contains("steer"), "{message}");
         session.seen[Quantity::Steer.index()] = true;
         assert!(session.contradiction().contains("steer channel without a possible height"));
+    }
+}
+
+/// A turn whose height is impossible at the mass of a load before the restart is of another load. One that is possible shows the
+/// height again.
+#[test]
+fn an_impossible_turn_after_a_restart_hides_the_height() {
+    let mut one = {
+        let mut session = session(Some(nominal_kg()), 0.0);
+        turn(&mut session, 0);
+        session.estimator.finish().unwrap()
+    };
+    let impossible = Reject::Height(HeightError::OutOfRange { height_m: 7.7 });
+    for (source, is_hidden) in [(MassSource::Kept, true), (MassSource::Signal, false)] {
+        let mut session = restarted();
+        session.mass_source = source;
+        for outcome in &mut one.outcomes {
+            outcome.height_m = Err(impossible);
+        }
+        session.maneuver(&one).unwrap();
+        assert_eq!(session.known.height_m.is_none(), is_hidden, "{source:?}");
+        assert_eq!(names(&mut session).contains(&"load".to_owned()), is_hidden);
+        session.maneuver(&one).unwrap();
+        assert!(!names(&mut session).contains(&"load".to_owned()), "told once");
+        one.outcomes[0].height_m = Ok(Measured { value: 2.0, sd: 0.1 });
+        session.maneuver(&one).unwrap();
+        assert!(session.known.height_m.is_some());
     }
 }
