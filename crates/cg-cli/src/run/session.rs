@@ -9,8 +9,8 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, StrongTurns, Unheard,
-    Verdict, Weighed, add_force,
+    Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, SinceStop, StrongTurns,
+    Unheard, Verdict, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -22,7 +22,6 @@ use super::learning::{Learning, Start, Told};
 use super::outputs::Outputs;
 use super::pace::{Pace, pacing, too_slow};
 use super::request::SpeedRequest;
-use super::state::Found;
 use super::weighing::Weighing;
 
 /// Time between two writes of the state without an event, in stream time, µs.
@@ -63,6 +62,7 @@ pub(crate) struct Session<W: Write> {
     strong: StrongTurns,
     left_out: LeftOut,
     unheard: Unheard,
+    stop: SinceStop,
     /// Time since which the trailer has another mass than the load of the height, µs.
     other_mass_us: Option<u64>,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
@@ -143,6 +143,7 @@ impl<W: Write> Session<W> {
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
+            stop: SinceStop::default(),
             other_mass_us: None,
             hidden_kg: None,
             kept_mass_is_doubted: false,
@@ -161,38 +162,6 @@ impl<W: Write> Session<W> {
             next: NextTimes::default(),
             status_us,
             outputs,
-        }
-    }
-
-    /// Restores the memory that was saved before a restart. Returns whether there was one.
-    pub(crate) fn restore(&mut self) -> io::Result<bool> {
-        match self.outputs.load() {
-            Some(Ok(Found::State(state))) => {
-                let memory = state.memory(self.trips_in_use);
-                let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
-                let Some(estimator) = restored else { return Ok(false) };
-                self.estimator = estimator;
-                (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
-                self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
-                self.strong = StrongTurns::kept(state.strength);
-                self.left_out = LeftOut::new(&self.estimator);
-                // The nominal mass means that the load was not weighed.
-                let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
-                let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
-                if weighed && self.mass_source == MassSource::Nominal {
-                    self.mass_source = MassSource::Kept;
-                }
-                self.update(memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg));
-                Ok(true)
-            }
-            Some(Ok(Found::PutAside(path, reason))) => {
-                let message = format!("not used and renamed to {}: {reason}", path.display());
-                self.notice("state", &message).map(|()| false)
-            }
-            Some(Err(error)) => {
-                self.notice("state", &format!("cannot be read: {error}")).map(|()| false)
-            }
-            Some(Ok(Found::Nothing)) | None => Ok(false),
         }
     }
 
@@ -257,6 +226,7 @@ impl<W: Write> Session<W> {
         let gravity_mps2 = self.estimator.design().gravity_mps2;
         self.leaning.push(sample, step.status, gravity_mps2);
         self.strong.push(sample);
+        self.stop.push(sample, &self.estimator);
         if let Some(maneuver) = step.closed {
             self.maneuver(&maneuver)?;
         }
@@ -287,14 +257,14 @@ impl<W: Write> Session<W> {
 
     fn maneuver(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         self.report_nominal_mass()?;
-        let since_us = self.estimator.load_since_us();
-        let is_of_another_load = since_us == Some(maneuver.end_us);
+        let engine = (&mut self.estimator, &self.options);
+        let is_of_another_load = self.stop.close(maneuver, engine);
         self.sensors.close(is_of_another_load);
         self.unheard.push(maneuver);
         self.strong.close(maneuver, is_of_another_load);
         self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {
-            self.load_since_s = since_us.map(|us| self.time_s(us));
+            self.load_since_s = Some(self.time_s(maneuver.end_us));
             (self.leaning, self.tells_lean) = (Leaning::default(), true);
             self.hidden_kg = None;
             (self.roads, self.told) = (RoadPart::default(), ToldOfLoad::default());

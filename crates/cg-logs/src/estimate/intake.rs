@@ -15,6 +15,7 @@ use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::sensors::SensorCheck;
+use super::since_stop::SinceStop;
 use super::strong::StrongTurns;
 use super::unheard::Unheard;
 use super::weighed::Weighed;
@@ -73,6 +74,7 @@ pub struct LogEstimator {
     pub(super) strong: StrongTurns,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
+    pub(super) stop: SinceStop,
     pub(super) maneuvers: Vec<Maneuver<f64>>,
     /// Whether a signal gave the mass of each of them.
     are_weighed: Vec<bool>,
@@ -133,6 +135,7 @@ impl LogEstimator {
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
+            stop: SinceStop::default(),
             maneuvers: Vec::new(),
             are_weighed: Vec::new(),
             first_of_load: 0,
@@ -165,6 +168,7 @@ impl LogEstimator {
         self.sensors.push(&sample, self.design.gravity_mps2);
         self.leaning.push(&sample, step.status, self.design.gravity_mps2);
         self.strong.push(&sample);
+        self.stop.push(&sample, &self.engine);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
         }
@@ -248,7 +252,8 @@ impl LogEstimator {
 
     pub(super) fn keep(&mut self, closed: Option<&Maneuver<f64>>) {
         if let Some(maneuver) = closed {
-            let is_first_of_load = self.engine.load_since_us() == Some(maneuver.end_us);
+            let engine = (&mut self.engine, &self.options);
+            let is_first_of_load = self.stop.close(maneuver, engine);
             self.sensors.close(is_first_of_load);
             self.unheard.push(maneuver);
             self.strong.close(maneuver, is_first_of_load);

@@ -74,7 +74,7 @@ impl LogEstimator {
         let mut unplaced = self.maneuvers.iter().map(|one| self.options.unplaced(&one.outcomes));
         messages.extend(unplaced.find_map(|found| found).map(str::to_owned));
         messages.extend(self.leaning.message(self.options.lean, self.trailer_mass_kg));
-        if let Some(since_us) = self.engine.load_since_us() {
+        if let Some(since_us) = self.stop.load_since_us() {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;
             messages.push(format!(

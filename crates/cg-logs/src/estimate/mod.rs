@@ -16,6 +16,7 @@
 //! | `sensors` | these checks together |
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `left_out` | maneuvers that contradict the height so far |
+//! | `since_stop` | whether the load was another one after a stop |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -42,6 +43,7 @@ mod forces;
 mod sensors;
 mod leaning;
 mod left_out;
+mod since_stop;
 mod weighed;
 mod recorder;
 mod felt;
@@ -71,6 +73,7 @@ pub use options::{
 pub use prediction::Prediction;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;
+pub use since_stop::SinceStop;
 pub use strong::{Strength, StrongTurns};
 pub use unheard::Unheard;
 pub use weighed::Weighed;

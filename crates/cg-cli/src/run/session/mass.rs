@@ -1,14 +1,49 @@
-//! The mass of the trailer: where it comes from, and whether it is that of the load whose height is known.
+//! The mass of the trailer: where it comes from, and whether it is that of the load whose height is known; the load before a
+//! restart.
 
 use std::io::{self, Write};
 
 use cg_core::{HeightError, Maneuver, Reject, Sample, Settings};
-use cg_logs::estimate::weighed_mass;
+use cg_logs::estimate::{Engine, LeftOut, SinceStop, StrongTurns, Weighed, weighed_mass};
 
 use super::Session;
 use crate::run::events::{MassSource, Result as Known};
+use crate::run::state::Found;
 
 impl<W: Write> Session<W> {
+    /// Restores the memory that was saved before a restart. Returns whether there was one.
+    pub(crate) fn restore(&mut self) -> io::Result<bool> {
+        match self.outputs.load() {
+            Some(Ok(Found::State(state))) => {
+                let memory = state.memory(self.trips_in_use);
+                let restored = Engine::restored(self.estimator.design(), &self.options, &memory);
+                let Some(estimator) = restored else { return Ok(false) };
+                self.estimator = estimator;
+                (self.load_since_s, self.weighing.scale) = (state.load_since_s, state.scale);
+                self.weighing.weighed = Weighed::kept(state.mass_is_of_another_load);
+                self.strong = StrongTurns::kept(state.strength);
+                self.left_out = LeftOut::new(&self.estimator);
+                self.stop = SinceStop::restarted(&self.estimator);
+                // The nominal mass means that the load was not weighed.
+                let nominal_kg = self.estimator.design().nominal_trailer_mass_kg;
+                let weighed = (memory.trailer_mass_kg - nominal_kg).abs() > 1e-6 * nominal_kg;
+                if weighed && self.mass_source == MassSource::Nominal {
+                    self.mass_source = MassSource::Kept;
+                }
+                self.update(memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg));
+                Ok(true)
+            }
+            Some(Ok(Found::PutAside(path, reason))) => {
+                let message = format!("not used and renamed to {}: {reason}", path.display());
+                self.notice("state", &message).map(|()| false)
+            }
+            Some(Err(error)) => {
+                self.notice("state", &format!("cannot be read: {error}")).map(|()| false)
+            }
+            Some(Ok(Found::Nothing)) | None => Ok(false),
+        }
+    }
+
     /// Sets the mass of the sample, and reports its source.
     pub(super) fn weigh(&mut self, sample: &mut Sample<f64>) -> io::Result<()> {
         let is_first = if let Some(mass_kg) = self.trailer_mass_kg {

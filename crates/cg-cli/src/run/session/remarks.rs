@@ -46,7 +46,9 @@ impl<W: Write> Session<W> {
         let share = self.known.road_share;
         let is_known = !self.roads.is_unknown(self.options.road);
         let hides = self.known.height_m.is_none() && maneuver.outcomes.iter().any(is_hidden);
-        if self.told.road || is_known || (share.is_none() && !hides) {
+        // A wrong signal hides it, too, and has a notice of its own.
+        let is_other = is_known || self.wrong_signal().is_some();
+        if self.told.road || is_other || (share.is_none() && !hides) {
             return Ok(());
         }
         let Some(message) = RoadPart::message(share) else { return Ok(()) };
