@@ -13,15 +13,12 @@ use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
 use cg_vehicle::design::design_with;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
-use crate::estimate::{EstimateOptions, LogEstimator, Method};
+use crate::estimate::{EMPTY_SHARE, EstimateOptions, LogEstimator, Method};
 use crate::malformed::Malformed;
 use crate::output::Place;
 
 /// Number of passes. A further pass would change the result by less than 0.1 %.
 const PASSES: usize = 2;
-
-/// Greatest relative difference between the mass in a log and that of the empty trailer.
-pub(crate) const EMPTY_SHARE: f64 = 0.03;
 
 /// A log with a known height.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,8 +17,7 @@ use cg_core::{CHANNELS, Channel, Design, HeightError, Maneuver, Measured, RatioL
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Variant, Vehicle, VehicleError};
 
-use crate::calibrate::EMPTY_SHARE;
-use crate::estimate::LogEstimator;
+use crate::estimate::{EMPTY_SHARE, LogEstimator};
 use crate::learned::empty;
 
 pub use crate::learned::{EmptyTrip, Learned, Taken};

@@ -67,11 +67,10 @@ fn an_empty_trip_makes_the_other_logs_true() {
     assert!(rms(&errors) <= 0.01 && largest(&errors) <= 0.03, "{}", rms(&errors));
 }
 
-/// The empty trailer of this truck has 8684 kg. The axis of the design begins 0.4 % below it, so a
-/// lighter trailer has no ratio.
+/// The empty trailer of this truck has 8684 kg. A scale that shows a little less has weighed the empty trailer.
 #[test]
 fn the_mass_must_be_that_of_the_empty_trailer_within_three_percent() {
-    for (share, expected) in [(1.029, 1), (0.997, 1), (1.031, 0), (0.99, 0)] {
+    for (share, expected) in [(1.029, 1), (0.997, 1), (0.975, 1), (1.031, 0), (0.96, 0)] {
         let (taken, _) = learned_from("A_p00", EstimateOptions::default(), |row| {
             row.trailer_mass_kg *= share;
         });

@@ -134,7 +134,7 @@ mod tests {
             (MassSource::Signal, true),
         ] {
             let mut weighing = Weighing { sd_kg: Some(70.0), ..Weighing::EXACT };
-            weighing.weighed.weigh(1_000_000, 20e3);
+            weighing.weighed.weigh(1_000_000, [20e3; 2]);
             assert!(weighing.unload(1_000_000, source).is_none());
             assert_eq!(weighing.unload(1_000_001, source).is_some(), is_outdated);
             let sd_kg = weighing.sd_kg(source, 20e3, &design);

@@ -309,7 +309,7 @@ impl LogEstimator {
                 let (quantity, _) = row.weighed(&self.settings)?;
                 Scale::in_log(quantity)
             });
-            self.seen.weighed.weigh(time_us, sample.trailer_mass_kg);
+            self.seen.weighed.weigh(time_us, [logged_kg, sample.trailer_mass_kg]);
         }
         if let Some(speed_mps) = self.options.speed_mps {
             sample.speed_mps = speed_mps;

@@ -76,4 +76,5 @@ pub use sensors::SensorCheck;
 pub use since_stop::SinceStop;
 pub use strong::{Strength, StrongTurns};
 pub use unheard::Unheard;
+pub(crate) use weighed::EMPTY_SHARE;
 pub use weighed::Weighed;

@@ -148,7 +148,8 @@ mod tests {
             let found = engine.height(Channel::Steer).unwrap();
             if changes {
                 assert!((found.height_m.value - height_m).abs() < 1e-9 && found.maneuvers == 3);
-                let next = Maneuver { end_us: turn.end_us + 1, ..turn };
+                let mut next = turn;
+                next.end_us += 1;
                 assert!(!stop.close(&next, (&mut engine, &options)), "once");
                 assert_eq!(stop.load_since_us(), Some(turn.end_us));
             }

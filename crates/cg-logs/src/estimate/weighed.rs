@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Greatest relative difference between the mass in a log and that of the empty trailer.
+pub(crate) const EMPTY_SHARE: f64 = 0.03;
+
 /// A maneuver is weighed if a signal has given the mass within this time before it, µs. Scales on a bus do so every ten
 /// seconds at least.
 const FRESH_US: u64 = 120_000_000;
@@ -17,6 +20,8 @@ pub struct Weighed {
     first_us: Option<u64>,
     last_us: Option<u64>,
     of_another_load: bool,
+    /// Whether it is too small even for the empty trailer, so that it teaches nothing.
+    is_light: bool,
     /// The mass of the last seconds, kg.
     recent_kg: f64,
     /// Time over which it is known, s, its mean, kg, and the integral of the squares of its deviations, kg² s.
@@ -31,6 +36,7 @@ impl Weighed {
         first_us: None,
         last_us: None,
         of_another_load: false,
+        is_light: false,
         recent_kg: f64::NAN,
         seconds: 0.0,
         mean_kg: 0.0,
@@ -42,8 +48,9 @@ impl Weighed {
         Self { of_another_load, ..Self::NEVER }
     }
 
-    /// Takes a mass by a signal, kg, and its time, µs.
-    pub fn weigh(&mut self, time_us: u64, mass_kg: f64) {
+    /// Takes a mass by a signal, kg, the one that is [used](super::weighed_mass) instead, and its time, µs.
+    pub fn weigh(&mut self, time_us: u64, [mass_kg, used_kg]: [f64; 2]) {
+        self.is_light = mass_kg < (1.0 - EMPTY_SHARE) * used_kg;
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
         let interval_s =
             self.last_us.map_or(0.0, |last_us| time_us.saturating_sub(last_us) as f64 * 1e-6);
@@ -71,10 +78,11 @@ impl Weighed {
     }
 
     /// Whether the mass of a maneuver from `start_us` on, µs, is that of its load: a signal gave it before, and not long
-    /// before, in which the trailer may have been loaded.
+    /// before, in which the trailer may have been loaded, and it is one that this trailer can have.
     pub fn covers(&self, start_us: u64) -> bool {
         let is_fresh = |last_us: u64| last_us.saturating_add(FRESH_US) >= start_us;
         !self.of_another_load
+            && !self.is_light
             && self.first_us.is_some_and(|first_us| first_us <= start_us)
             && self.last_us.is_some_and(is_fresh)
     }
@@ -107,14 +115,14 @@ mod tests {
     fn a_mass_counts_until_the_load_changes_without_a_new_one() {
         let mut weighed = Weighed::NEVER;
         assert!(!weighed.covers(1_000_000));
-        weighed.weigh(1_000_000, 20e3);
+        weighed.weigh(1_000_000, [20e3; 2]);
         let times_us = [999_999, 1_000_000, 121_000_000, 121_000_001];
         assert_eq!(times_us.map(|us| weighed.covers(us)), [false, true, true, false]);
         assert!(!weighed.change_load(1_000_000));
         assert!(!weighed.is_of_another_load());
         assert!(weighed.change_load(1_000_001));
         assert!(weighed.is_of_another_load() && !weighed.covers(1_000_001));
-        weighed.weigh(2_000_000, 20e3);
+        weighed.weigh(2_000_000, [20e3; 2]);
         assert!(weighed.covers(1_000_001));
         assert!(!weighed.is_of_another_load());
         // After a restart.
@@ -130,7 +138,7 @@ mod tests {
         let after = |mass_kg: fn(f64) -> f64, samples: u32| {
             let mut weighed = Weighed::NEVER;
             for k in 0..samples {
-                weighed.weigh(u64::from(k) * 100_000, mass_kg(f64::from(k)));
+                weighed.weigh(u64::from(k) * 100_000, [mass_kg(f64::from(k)); 2]);
             }
             weighed
         };

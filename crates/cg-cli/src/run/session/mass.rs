@@ -53,8 +53,9 @@ impl<W: Write> Session<W> {
             self.unweighed_us.get_or_insert(sample.time_us);
             return Ok(());
         } else {
-            sample.trailer_mass_kg = weighed_mass(self.estimator.design(), sample.trailer_mass_kg);
-            self.weighing.weighed.weigh(sample.time_us, sample.trailer_mass_kg);
+            let signal_kg = sample.trailer_mass_kg;
+            sample.trailer_mass_kg = weighed_mass(self.estimator.design(), signal_kg);
+            self.weighing.weighed.weigh(sample.time_us, [signal_kg, sample.trailer_mass_kg]);
             self.weighed_kg.replace(sample.trailer_mass_kg).is_none()
         };
         self.unload(sample, is_first)?;
