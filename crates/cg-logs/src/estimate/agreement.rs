@@ -74,13 +74,16 @@ enum Fault {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Stretch {
     seconds: f64,
+    /// Time without one of the signals, s.
+    absent_s: f64,
     rows: f64,
     both: Pair,
     fault: Option<Fault>,
 }
 
 impl Stretch {
-    /// Takes the acceleration that the turn has by other signals, and the lateral one; whether a stretch was judged.
+    /// Takes the acceleration that the turn has by other signals, and the lateral one; whether a stretch was judged. A fault of a
+    /// signal that does not come any more is forgotten.
     fn push(
         &mut self,
         interval_s: f64,
@@ -89,8 +92,10 @@ impl Stretch {
         judge: impl Fn(&Pair) -> Option<Fault>,
     ) -> bool {
         if !both.iter().all(|one| one.is_finite()) {
-            return false;
+            self.absent_s += interval_s;
+            return self.absent_s > STRAIGHT_S && self.fault.take().is_some();
         }
+        self.absent_s = 0.0;
         self.seconds += interval_s;
         self.rows += 1.0;
         self.both.push(self.rows, both);
@@ -326,6 +331,19 @@ mod tests {
         drive(&mut check, [3600, 3660], |sample, _| sample.lateral_acceleration_mps2 = 0.2);
         assert!(check.contradiction().is_some());
         drive(&mut check, [3660, 3721], good);
+        assert_eq!(check.contradiction(), None);
+    }
+
+    #[test]
+    fn a_signal_that_does_not_come_any_more_is_no_fault() {
+        let mut check = AgreementCheck::default();
+        drive(&mut check, [0, 40], |sample, _| sample.lateral_acceleration_mps2 = 0.0);
+        let without = |sample: &mut Sample<f64>, _: f64| {
+            (sample.yaw_rate_radps, sample.steer_rad) = (f64::NAN, f64::NAN);
+        };
+        assert_eq!(drive(&mut check, [40, 159], without), 0);
+        assert!(check.contradiction().is_some());
+        assert_eq!(drive(&mut check, [159, 170], without), 1);
         assert_eq!(check.contradiction(), None);
     }
 

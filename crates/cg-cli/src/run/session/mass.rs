@@ -77,6 +77,9 @@ impl<W: Write> Session<W> {
     /// next maneuver of the new load shows the same to the estimator, which then discards its heights.
     fn unload(&mut self, sample: &Sample<f64>, is_first: bool) -> io::Result<()> {
         let (mass_kg, known_kg) = (sample.trailer_mass_kg, self.known.trailer_mass_kg);
+        if std::mem::take(&mut self.kept_mass_is_doubted) && is_other_load(mass_kg, known_kg) {
+            self.hidden_kg = Some(known_kg); // the turns were right
+        }
         if let Some(hidden_kg) = self.hidden_kg {
             if !is_other_load(mass_kg, hidden_kg) {
                 self.update(hidden_kg); // the load is back
