@@ -144,7 +144,7 @@ pub(crate) fn empty(vehicle: &Vehicle) -> Load {
 }
 
 impl Learned {
-    /// Reads what [`to_text`](Self::to_text) wrote.
+    /// Reads what [`text_of`](Self::text_of) wrote.
     ///
     /// # Errors
     /// [`Malformed`] if the text is something else, or if it contains impossible numbers.

@@ -201,7 +201,7 @@ impl State {
     }
 }
 
-/// The trips with the empty trailer in some state files, or in texts of [`Learned::to_text`] (name and
+/// The trips with the empty trailer in some state files, or in texts of [`Learned::text_of`] (name and
 /// content), as runs of a calibration. The truck is as at the time of the newest one. A trip that is
 /// given twice counts once.
 ///
