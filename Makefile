@@ -164,7 +164,7 @@ python: venv cg
 	$(VENV)/bin/ruff check --config crates/cg-py/pyproject.toml crates/cg-py benches/python
 	$(VENV)/bin/ruff format --config crates/cg-py/pyproject.toml --check crates/cg-py benches/python
 	rm -rf $(VENV)/clean target/wheels && $(PYTHON) -m venv $(VENV)/clean
-	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --interpreter $(VENV)/bin/python --out target/wheels -m crates/cg-py/Cargo.toml
+	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
 

@@ -161,16 +161,22 @@ impl Learned {
     /// in a state file, is taken for one of this truck.
     pub fn parse_of(text: &str, vehicle: &Vehicle) -> Result<Self, Malformed> {
         let learned = Self::parse(text)?;
+        learned.belongs_to(vehicle)?;
+        Ok(learned)
+    }
+
+    /// Fails if it says that it is of another truck.
+    pub(crate) fn belongs_to(&self, vehicle: &Vehicle) -> Result<(), Malformed> {
         let own = vehicle_crc32(vehicle).map_err(|error| Malformed::from(error.to_string()))?;
-        match learned.vehicle_crc32 {
-            Some(crc32) if crc32 != own => Err(format!(
-                "this is what another truck than \"{}\" has learned, or its vehicle file has changed since; give what \
-                 this truck has learned, or nothing",
-                vehicle.name
-            )
-            .into()),
-            _ => Ok(learned),
+        if self.vehicle_crc32.is_none_or(|crc32| crc32 == own) {
+            return Ok(());
         }
+        Err(format!(
+            "this is what another truck than \"{}\" has learned, or its vehicle file has changed since; give what this \
+             truck has learned, or nothing",
+            vehicle.name
+        )
+        .into())
     }
 
     /// It as JSON text, which says of which truck it is.

@@ -218,6 +218,7 @@ pub fn runs_of(
         let refused = |reason: String| VehicleError::Model(format!("{name}: {reason}"));
         let text = std::str::from_utf8(bytes).ok();
         let learned = if let Some(learned) = text.and_then(|text| Learned::parse(text).ok()) {
+            learned.belongs_to(vehicle).map_err(|error| refused(error.to_string()))?;
             learned
         } else {
             let state = State::of_vehicle(bytes, design_crc32);

@@ -75,10 +75,12 @@ def test_what_was_not_learned_is_refused(kraz, learned):
             cgheight.Estimator(kraz, learned=text)
 
 
-def test_what_another_truck_has_learned_is_refused(kraz, learned):
+def test_what_another_truck_has_learned_is_refused(kraz, learned, tmp_path):
     other = kraz.with_({"steering_ratio": 20.0})
     with pytest.raises(ValueError, match="another truck than"):
         cgheight.Estimator(other, learned=learned)
+    with pytest.raises(ValueError, match="another truck than"):
+        cgheight.calibrate(other, [], tmp_path / "other.toml", from_state=[learned])
     # A state file says of which truck it is, its part of what was learned does not.
     of_state = json.loads(learned)
     del of_state["vehicle_crc32"]

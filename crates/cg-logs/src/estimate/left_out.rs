@@ -10,6 +10,8 @@ use super::engine::Engine;
 
 /// Share of left-out maneuvers from which on none of the others is known to be right.
 const MANY: f64 = 0.2;
+/// Relative difference of a height that contradicts nothing.
+const AGREES: f64 = 0.02;
 /// The most left-out maneuvers that are kept, the last ones.
 const MOST: usize = 1000;
 
@@ -59,7 +61,9 @@ impl LeftOut {
         let all = left_out + maneuvers;
         let is_wide = f64::from(left_out) > MANY * f64::from(all);
         let sd_m = if is_wide { (squares_m2 / f64::from(all)).sqrt() } else { 0.0 };
-        Doubt { left_out, all, range_m: [least_m, greatest_m], sd_m }
+        let range_m = [least_m, greatest_m];
+        let is_elsewhere = range_m.iter().all(|one_m| (one_m / height_m - 1.0).abs() < AGREES);
+        Doubt { left_out, all, range_m, is_elsewhere, sd_m }
     }
 }
 
@@ -74,6 +78,8 @@ pub struct Doubt {
     left_out: u32,
     all: u32,
     range_m: [f64; 2],
+    /// Whether these heights agree, so that those of another channel contradict.
+    is_elsewhere: bool,
     /// Standard deviation that this adds to the height, m: the root mean square of how far all maneuvers are from the
     /// fused ones, if more than a fifth were left out.
     pub sd_m: f64,
@@ -82,17 +88,24 @@ pub struct Doubt {
 impl Doubt {
     /// What is said of the maneuvers that were left out.
     pub fn message(&self) -> Option<String> {
-        let Self { left_out, all, range_m: [least_m, greatest_m], sd_m } = *self;
-        let heights = if left_out == 1 {
-            format!("with a height of {least_m:.2} m")
+        let Self { left_out, all, range_m: [least_m, greatest_m], is_elsewhere, sd_m } = *self;
+        let what = if is_elsewhere {
+            "contradict the others in another channel and are left out".to_owned()
+        } else if left_out == 1 {
+            format!(
+                "contradict the height of the others and are left out, with a height of {least_m:.2} m"
+            )
         } else {
-            format!("with heights from {least_m:.2} to {greatest_m:.2} m")
+            format!(
+                "contradict the height of the others and are left out, with heights from {least_m:.2} to \
+                 {greatest_m:.2} m"
+            )
         };
         let so = if sd_m > 0.0 { ", so the interval was made wider" } else { "" };
         (left_out > 0).then(|| {
             format!(
-                "{left_out} of {all} maneuvers contradict the height of the others and are left out, {heights}{so}: the \
-                 load shifted, or a sensor does not measure turns to both sides alike"
+                "{left_out} of {all} maneuvers {what}{so}: the load shifted, or a sensor does not measure turns to both sides \
+                 alike"
             )
         })
     }
@@ -137,6 +150,8 @@ mod tests {
         assert!((half.sd_m - 0.4 / 2.0_f64.sqrt()).abs() < 1e-12);
         let message = half.message().unwrap();
         assert!(message.contains("2 of 4") && message.contains("from 1.30 to 2.10 m, so"));
+        let elsewhere = left_out(&[1.72, 1.69]).doubt(Channel::Steer, (1.7, 8)).message().unwrap();
+        assert!(elsewhere.contains("in another channel"), "{elsewhere}");
         let other = left_out(&[2.1]).doubt(Channel::Tractor, (1.7, 1));
         assert_eq!(other.message(), None);
     }
