@@ -1,5 +1,6 @@
 //! Processing of samples: estimation, source of the mass, rollover warnings, and outputs.
 
+mod loads;
 mod mass;
 mod remarks;
 mod warning;

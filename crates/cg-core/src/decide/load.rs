@@ -12,15 +12,15 @@ use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 
 /// Speed below which the truck counts as stopped.
-const STANDING_MPS: f64 = 0.5;
+pub const STANDING_MPS: f64 = 0.5;
 /// Duration of a stop after which the truck may have another load.
-const STOP_US: u64 = 60_000_000;
+pub const STOP_US: u64 = 60_000_000;
 /// Standard deviations of a contradiction while driving, and after a stop.
 const CONTRADICTION: f64 = 4.0;
 const AFTER_A_STOP: f64 = 3.0;
 /// The share of the uncertainty of model and calibration that differs between maneuvers, because it
 /// depends on speed and steering. The rest is common to all maneuvers of a load.
-const NOT_COMMON: f64 = 0.3;
+pub const NOT_COMMON: f64 = 0.3;
 
 /// The result of a maneuver in one channel: the height with its standard deviation due to noise,
 /// and the systematic standard deviation. `None` if the channel has no height.

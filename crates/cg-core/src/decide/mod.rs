@@ -5,7 +5,7 @@ pub mod condition;
 pub mod consistency;
 pub mod height;
 pub mod combined;
-pub(crate) mod load;
+pub mod load;
 pub mod memory;
 pub mod maneuver;
 pub mod settings;

@@ -87,7 +87,7 @@ impl LogEstimator {
         }
         let rolls = self.rolls.contradiction(&self.settings);
         let signals = rolls.or_else(|| self.sensors.missing());
-        let signals = signals.or_else(|| self.sensors.disagreed(gravity_mps2));
+        let signals = signals.or_else(|| self.sensors.disagreement(gravity_mps2, false));
         if let Some(channel) = self.options.channel {
             return Together { remark: signals, ..plain(self.engine.height(channel)) };
         }

@@ -1,6 +1,6 @@
 //! Speed and trailer mass that are known and replace those of a log: what they may be.
 
-use cg_core::Design;
+use cg_core::{Design, Settings};
 use cg_vehicle::limits::{self, up_to};
 use cg_vehicle::{LinearModel, Load, Variant, Vehicle, VehicleError};
 
@@ -36,6 +36,11 @@ const LEAST_EMPTY: f64 = 0.9;
 pub fn weighed_mass(design: &Design<f64>, mass_kg: f64) -> f64 {
     let least_kg = design.trailer_mass_kg[0];
     if (LEAST_EMPTY * least_kg..least_kg).contains(&mass_kg) { least_kg } else { mass_kg }
+}
+
+/// Whether a trailer of a mass, kg, has another load than one of the second mass, as for the estimator.
+pub fn is_other_load(mass_kg: f64, known_kg: f64) -> bool {
+    (mass_kg - known_kg).abs() > Settings::<f64>::truck().mass_change * known_kg
 }
 
 fn possible(name: &str, value: f64, greatest: f64) -> Result<f64, VehicleError> {

@@ -43,16 +43,13 @@ impl SensorCheck {
         }
     }
 
-    /// The signals of turns that contradict each other, in a drive that goes on.
-    pub fn disagreement(&self, gravity_mps2: f64) -> Option<String> {
-        let is_known = self.signals.seconds() >= KNOWN_S;
-        let at_present = self.agreement.contradiction();
-        at_present.or_else(|| self.signals.contradiction(gravity_mps2).filter(|_| is_known))
-    }
-
-    /// The same at the end of a log.
-    pub(super) fn disagreed(&self, gravity_mps2: f64) -> Option<String> {
-        self.signals.contradiction(gravity_mps2).or_else(|| self.agreement.contradiction())
+    /// The signals of turns that contradict each other, at present or in the whole log.
+    pub fn disagreement(&self, gravity_mps2: f64, at_present: bool) -> Option<String> {
+        let is_known = !at_present || self.signals.seconds() >= KNOWN_S;
+        let of_all = self.signals.contradiction(gravity_mps2).filter(|_| is_known);
+        // That of the whole log knows the likely causes.
+        let of_now = self.agreement.contradiction();
+        if at_present { of_now.or(of_all) } else { of_all.or(of_now) }
     }
 
     /// Takes the levels at one time, m; NaN without a value.

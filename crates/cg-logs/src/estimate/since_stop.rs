@@ -5,21 +5,17 @@
 //! their mean is compared with that of the turns before.
 
 use cg_core::decide::height::Fusion;
+use cg_core::decide::load::{NOT_COMMON, STANDING_MPS, STOP_US};
 use cg_core::{CHANNELS, Channel, Height, Maneuver, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
 use super::options::EstimateOptions;
 
-/// Speed below which a truck stands, and the time after which it may have another load, as for the estimator.
-const STANDING_MPS: f64 = 0.5;
-const STOP_US: u64 = 60_000_000;
 /// Least number of turns since the stop.
 const LEAST_TURNS: u32 = 3;
 /// Standard deviations of a difference that is no chance, although it is looked at after every turn.
 const DIFFERENT: f64 = 4.5;
-/// The share of the systematic standard deviation that differs between turns, as for the estimator.
-const NOT_COMMON: f64 = 0.3;
 
 /// The heights before and since a stop.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::known::is_other_load;
+
 /// Greatest relative difference between the mass in a log and that of the empty trailer.
 pub(crate) const EMPTY_SHARE: f64 = 0.03;
 
@@ -11,8 +13,6 @@ const FRESH_US: u64 = 120_000_000;
 
 /// Time constant of the mean of masses, s. Noise averages out in a turn; what is left differs from turn to turn.
 const MEAN_S: f64 = 5.0;
-/// Relative change of the mass that is another load, as for the estimator.
-const OTHER_LOAD: f64 = 0.05;
 
 /// When signals gave the trailer mass, how steady it is, and whether the load changed since.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,8 +56,7 @@ impl Weighed {
             self.last_us.map_or(0.0, |last_us| time_us.saturating_sub(last_us) as f64 * 1e-6);
         self.first_us = self.first_us.or(Some(time_us));
         (self.last_us, self.of_another_load) = (Some(time_us), false);
-        // A first mass is not near NaN.
-        let is_near = (mass_kg - self.recent_kg).abs() <= OTHER_LOAD * self.recent_kg;
+        let is_near = !self.recent_kg.is_nan() && !is_other_load(mass_kg, self.recent_kg);
         if !is_near {
             (self.recent_kg, self.seconds, self.mean_kg, self.squares) =
                 (mass_kg, 0.0, mass_kg, 0.0);

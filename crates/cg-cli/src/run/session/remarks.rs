@@ -162,7 +162,7 @@ impl<W: Write> Session<W> {
         let of_chassis =
             self.sensors.wrong_chassis((gravity_mps2, true), self.options.road, is_used);
         let missing = || self.sensors.missing().filter(|_| self.estimator.combined().is_some());
-        let disagreement = || self.sensors.disagreement(gravity_mps2);
+        let disagreement = || self.sensors.disagreement(gravity_mps2, true);
         let found = of_chassis.or_else(missing).or_else(disagreement)?;
         Some(format!("inconsistent, so there is no height: {found}"))
     }
