@@ -56,3 +56,24 @@ impl Pair {
         self.sums[0]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lag of 0.6 rad makes a slope of cos 0.6 = 0.83 and leaves the ratio; one of 1.2 rad is no lag of a trailer.
+    #[test]
+    fn a_lag_does_not_change_a_gain() {
+        for (lag_rad, factor, gain) in
+            [(0.6, 1.0, 1.0), (0.6, 0.7, 0.7), (1.2, 1.0, 0.36), (3.0, 1.0, -0.99)]
+        {
+            let mut pair = Pair::default();
+            for k in 0..1000_u32 {
+                let angle_rad = f64::from(k) * std::f64::consts::TAU / 100.0;
+                let both = [angle_rad.sin(), factor * (angle_rad - lag_rad).sin()];
+                pair.push(f64::from(k + 1), both);
+            }
+            assert!((pair.gain() - gain).abs() < 0.01, "{lag_rad}: {}", pair.gain());
+        }
+    }
+}
