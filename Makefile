@@ -18,7 +18,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 .PHONY: test tools fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest \
   venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
-  windows arm armhf macos deb port-tools armhf-tools \
+  windows arm armhf macos deb port-tools arm-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
@@ -29,7 +29,7 @@ test: tools port-tools armhf-tools firmware-tools fmt $(TOOLS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := cg firmware arm rust-build venv rust-statistics rust python armhf windows lint bench-short docs deb package guest
+PARTS := cg firmware armhf rust-build venv rust-statistics rust python windows lint bench-short docs deb package guest
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust with rustup"; exit 1; }
@@ -106,11 +106,12 @@ cg:
 PORT := CARGO_TARGET_DIR=target/ports cargo build --package cg-cli --no-default-features --config ports/cheap.toml
 COMPARE := $(PYTHON) ports/compare.py --left-out
 
-arm: cg port-tools
+# Not a part of `make test`: that runs a program of 64 bits on this machine and one for ARM, which has 32 bits.
+arm: cg arm-tools
 	$(PORT) --target $(ARM64)
 	$(COMPARE) --quick target/debug/cg qemu-aarch64 target/ports/$(ARM64)/debug/cg
 
-# The same for ARM with 32 bits.
+# ARM with 32 bits.
 armhf: cg armhf-tools
 	$(PORT) --target $(ARMHF)
 	$(COMPARE) --quick target/debug/cg qemu-arm target/ports/$(ARMHF)/debug/cg
@@ -135,9 +136,12 @@ deb: cg
 	ports/deb/check.sh "$$(COMPRESSION=none ports/deb/build.sh target/debug/cg $$(dpkg --print-architecture) target/deb)"
 
 port-tools:
-	rustup target add $(ARM64) $(WINDOWS)
-	$(call install,qemu-aarch64:qemu-user x86_64-w64-mingw32-gcc:gcc-mingw-w64-x86-64-win32 wine:wine \
-	  systemd-analyze:systemd,--no-install-recommends)
+	rustup target add $(WINDOWS)
+	$(call install,x86_64-w64-mingw32-gcc:gcc-mingw-w64-x86-64-win32 wine:wine systemd-analyze:systemd,--no-install-recommends)
+
+arm-tools:
+	rustup target add $(ARM64)
+	$(call install,qemu-aarch64:qemu-user,--no-install-recommends)
 
 armhf-tools:
 	rustup target add $(ARMHF)
@@ -150,10 +154,12 @@ guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
+IN_VENV := VIRTUAL_ENV=$(CURDIR)/$(VENV) PATH=$(CURDIR)/$(VENV)/bin:$$PATH
 venv:
 	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/python -m pip install --quiet -r crates/cg-py/requirements-dev.txt
-	VIRTUAL_ENV=$(CURDIR)/$(VENV) $(VENV)/bin/maturin develop --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
+	$(VENV)/bin/python -m pip install --quiet uv
+	$(IN_VENV) $(VENV)/bin/uv pip install --quiet -r crates/cg-py/requirements-dev.txt
+	$(IN_VENV) $(VENV)/bin/maturin develop --uv --profile $(PROFILE) --extras all -m crates/cg-py/Cargo.toml
 
 # The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
@@ -194,7 +200,7 @@ dist-program:
 	$(call dist-static,$(STATIC),-C $(CURDIR)/target/dist libcg_fmi.so)
 	target/$(STATIC)/dist/cg estimate $(LOGS)/A_p20_h190_v50_L.csv --vehicle fixtures/vehicles/kraz.toml
 
-dist-arm: dist-program port-tools armhf-tools
+dist-arm: dist-program port-tools arm-tools armhf-tools
 	$(call install,aarch64-linux-gnu-gcc:gcc-aarch64-linux-gnu \
 	  /usr/aarch64-linux-gnu/include/stdlib.h:libc6-dev-arm64-cross,--no-install-recommends)
 	$(call dist-static,$(ARM64))

@@ -1,6 +1,6 @@
 //! The equations of motion with all terms, put together from bodies, axles and the fifth wheel.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use crate::balance::StaticBalance;
 use crate::cornering::group;
@@ -16,11 +16,28 @@ pub(crate) struct Parts<'a> {
     pub(crate) sprung: SprungMass,
     pub(crate) balance: &'a StaticBalance,
     pub(crate) motion: Motion,
+    /// [`axle_roll_stiffness`] in this motion.
+    pub(crate) roll_stiffness: &'a [f64],
+}
+
+/// Roll stiffness of each axle's springs under its load, in a motion, N m/rad.
+pub(crate) fn axle_roll_stiffness(
+    vehicle: &Vehicle,
+    balance: &StaticBalance,
+    motion: &Motion,
+) -> Vec<f64> {
+    let axles = vehicle.axles();
+    let of_axles = axles.iter().zip(&balance.axle_load_n).map(|(placed, &load_n)| {
+        let unit = usize::from(placed.on_trailer);
+        let (amplitude_rad, friction) = (motion.amplitude_rad[unit], motion.friction[unit]);
+        motion.stiffness[unit] * vehicle.roll_stiffness(placed, load_n, amplitude_rad, friction)
+    });
+    of_axles.collect()
 }
 
 /// The equations with all terms.
 pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
-    let Parts { vehicle, sprung, balance, motion } = parts;
+    let Parts { vehicle, sprung, balance, motion, roll_stiffness } = parts;
     let axles = vehicle.axles();
     let mut e = Equations::zeros(axles.len(), Twisting::of(vehicle), speed_mps);
     let (tractor, hitch) = (&vehicle.tractor, &vehicle.hitch);
@@ -36,6 +53,7 @@ pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
     let trailer_cg = add_trailer(&mut e, &at_hitch, sprung, vehicle);
     // The axles' body: the trailer, or its rear half.
     let on_axles = at_hitch
+        .clone()
         .moved(w::YAW_2, -sprung.cg_behind_hitch_m)
         .moved(w::ROLL_2, hitch.height_m - sprung.cg_height_m);
     for (index, inertia) in
@@ -56,13 +74,11 @@ pub(crate) fn complete(parts: &Parts<'_>, speed_mps: f64) -> Equations {
         } else {
             (placed.position_m, tractor.cg_height_m)
         };
-        let (total_n, unit) = (balance.axle_load_n[i], usize::from(placed.on_trailer));
-        let (amplitude_rad, friction) = (motion.amplitude_rad[unit], motion.friction[unit]);
+        let total_n = balance.axle_load_n[i];
         let load = AxleLoad {
             total_n,
             sprung_n: total_n - placed.axle.unsprung_mass_kg * vehicle.gravity_mps2,
-            roll_stiffness: motion.stiffness[unit]
-                * vehicle.roll_stiffness(placed, total_n, amplitude_rad, friction),
+            roll_stiffness: roll_stiffness[i],
             softer: motion.cornering[group(placed)],
         };
         add_axle(&mut e, i, placed, cg, (ahead_m, cg_height_m), &load);
@@ -83,16 +99,16 @@ pub(crate) struct Point {
 
 impl Point {
     /// The point so far ahead of, or below, this one, about the axis of a yaw or roll rate.
-    pub(crate) fn moved(&self, index: usize, arm_m: f64) -> Self {
-        let mut point = self.clone();
-        point.velocity[index] += arm_m;
-        point
+    pub(crate) fn moved(mut self, index: usize, arm_m: f64) -> Self {
+        self.velocity[index] += arm_m;
+        self
     }
 }
 
 /// The fifth wheel, about which the trailer moves.
 pub(crate) fn at_hitch(tractor_cg: &Point, tractor: &Tractor, hitch: &Hitch) -> Point {
     let mut point = tractor_cg
+        .clone()
         .moved(w::YAW_1, -tractor.hitch_behind_cg_m)
         .moved(w::ROLL_1, tractor.cg_height_m - hitch.height_m);
     point.on_trailer = true;
@@ -115,9 +131,9 @@ fn add_trailer(
         None => vec![Part::whole(sprung)],
     };
     let bodies = [front, w::ROLL_2];
-    let mut cg = at_hitch.moved(w::YAW_2, -sprung.cg_behind_hitch_m);
+    let mut cg = at_hitch.clone().moved(w::YAW_2, -sprung.cg_behind_hitch_m);
     for (part, body) in parts.iter().zip(bodies) {
-        let own = at_hitch.moved(w::YAW_2, -part.cg_behind_hitch_m).moved(body, below_m);
+        let own = at_hitch.clone().moved(w::YAW_2, -part.cg_behind_hitch_m).moved(body, below_m);
         add_mass(e, part.mass_kg, &own);
         e.mass[(w::YAW_2, w::YAW_2)] += part.yaw_inertia_kgm2;
         e.mass[(body, body)] += part.roll_inertia_kgm2;
@@ -143,9 +159,22 @@ fn add_trailer(
 /// Adds the inertia of a mass at a point: `m j (jᵀẇ + U r)`.
 fn add_mass(e: &mut Equations, mass_kg: f64, point: &Point) {
     let j = &point.velocity;
-    e.mass += mass_kg * j * j.transpose();
+    add_products(&mut e.mass, j, |i, k| mass_kg * j[i] * j[k]);
     let mut column = e.damping.column_mut(w::YAW_1);
     column += mass_kg * e.speed_mps * j;
+}
+
+/// Adds a product to each entry of the columns that the point moves: a few, and without a matrix for the sum.
+fn add_products(
+    matrix: &mut DMatrix<f64>,
+    velocity: &DVector<f64>,
+    product: impl Fn(usize, usize) -> f64,
+) {
+    for (k, mut column) in matrix.column_iter_mut().enumerate() {
+        if velocity[k].abs() > 0.0 {
+            column.iter_mut().enumerate().for_each(|(i, entry)| *entry += product(i, k));
+        }
+    }
 }
 
 struct AxleLoad {
@@ -171,8 +200,8 @@ fn add_axle(
     let (body_angle, own_angle) = (q::ROLL_1 + unit, q::AXLE + i);
     let below_cg_m = cg_height_m - axle.roll_center_height_m;
     let above_axle_m = axle.roll_center_height_m - axle.center_height_m;
-    let roll_center = cg.moved(yaw, ahead_m).moved(body, below_cg_m);
-    let contact = roll_center.moved(own, axle.roll_center_height_m).velocity;
+    let roll_center = cg.clone().moved(yaw, ahead_m).moved(body, below_cg_m);
+    let contact = roll_center.clone().moved(own, axle.roll_center_height_m).velocity;
 
     add_mass(e, axle.unsprung_mass_kg, &roll_center.moved(own, above_axle_m));
     e.mass[(own, own)] += axle.roll_inertia_kgm2;
@@ -183,7 +212,8 @@ fn add_axle(
     let (cornering, aligning) = placed.tyre.stiffness_at(load.total_n / placed.tyres());
     let mut force = -placed.tyres() * load.softer * cornering * &contact;
     force[yaw] += placed.tyres() * aligning;
-    e.damping -= &force * contact.transpose() / e.speed_mps;
+    let speed_mps = e.speed_mps;
+    add_products(&mut e.damping, &contact, |i, k| -(force[i] * contact[k] / speed_mps));
     if cg.on_trailer {
         let mut column = e.stiffness.column_mut(q::ARTICULATION);
         column -= &force;

@@ -26,7 +26,7 @@ use nalgebra::DVector;
 use cg_core::{CHANNELS, Channel, Input, Output, RatioLine};
 
 use crate::as_printed;
-use crate::assembly::{Parts, Point, at_hitch, complete};
+use crate::assembly::{Parts, Point, at_hitch, axle_roll_stiffness, complete};
 use crate::balance::{StaticBalance, static_balance};
 use crate::cornering::{Softer, TURNS_G, mean, softer_in};
 use crate::equations::{Equations, Motion, Variant, q, w};
@@ -51,6 +51,15 @@ struct Supports<'a> {
     vehicle: Cow<'a, Vehicle>,
     balance: StaticBalance,
     motion: Motion,
+    /// Roll stiffness of each axle's springs in this motion, N m/rad. Measured springs are half of the work of the equations.
+    roll_stiffness: Vec<f64>,
+}
+
+impl<'a> Supports<'a> {
+    fn new(vehicle: Cow<'a, Vehicle>, balance: StaticBalance, motion: Motion) -> Self {
+        let roll_stiffness = axle_roll_stiffness(&vehicle, &balance, &motion);
+        Self { vehicle, balance, motion, roll_stiffness }
+    }
 }
 
 impl<'a> Laden<'a> {
@@ -84,7 +93,7 @@ impl<'a> Laden<'a> {
         motion: Motion,
     ) -> Result<Self, VehicleError> {
         let balance = static_balance(&springs, load)?;
-        Ok(Self { vehicle, load, supports: Some(Supports { vehicle: springs, balance, motion }) })
+        Ok(Self { vehicle, load, supports: Some(Supports::new(springs, balance, motion)) })
     }
 
     /// The same with tires that have the cornering stiffness of the vehicle file: at their static load, without load
@@ -103,9 +112,8 @@ impl<'a> Laden<'a> {
 
     /// The same in another motion.
     pub(crate) fn moving(mut self, motion: Motion) -> Self {
-        if let Some(supports) = &mut self.supports {
-            supports.motion = motion;
-        }
+        self.supports =
+            self.supports.map(|known| Supports::new(known.vehicle, known.balance, motion));
         self
     }
 
@@ -136,7 +144,7 @@ impl<'a> Laden<'a> {
         &self,
         turns_g: [f64; N],
     ) -> Result<[Softer; N], VehicleError> {
-        let Some(Supports { vehicle, balance, motion }) = &self.supports else {
+        let Some(Supports { vehicle, balance, motion, .. }) = &self.supports else {
             return Ok([Softer::default(); N]);
         };
         let rolls = SteadyLines::at_speed(self, USUAL_SPEED_MPS)?.axle_rolls();
@@ -151,19 +159,25 @@ impl<'a> Laden<'a> {
     /// # Errors
     /// As [`Equations::new`].
     fn equations(&self, speed_mps: f64, cg_height_m: f64) -> Result<Equations, VehicleError> {
+        let mut equations = self.without_sensors(speed_mps, cg_height_m)?;
+        equations.place_sensors(self.vehicle);
+        Ok(equations)
+    }
+
+    /// The same without the places of sensors.
+    fn without_sensors(&self, speed_mps: f64, cg_height_m: f64) -> Result<Equations, VehicleError> {
         if !(speed_mps.is_finite() && speed_mps > 0.0) {
             return Err(VehicleError::Model(format!("speed {speed_mps} m/s must be positive")));
         }
         let load = Load { cg_height_m, ..self.load };
-        let mut equations = match &self.supports {
-            Some(Supports { vehicle, balance, motion }) => {
+        match &self.supports {
+            Some(Supports { vehicle, balance, motion, roll_stiffness }) => {
                 let sprung = vehicle.trailer_sprung_mass(load)?;
-                complete(&Parts { vehicle, sprung, balance, motion: *motion }, speed_mps)
+                let parts = Parts { vehicle, sprung, balance, motion: *motion, roll_stiffness };
+                Ok(complete(&parts, speed_mps))
             }
-            None => printed(self.vehicle, speed_mps, load)?,
-        };
-        equations.place_sensors(self.vehicle);
-        Ok(equations)
+            None => printed(self.vehicle, speed_mps, load),
+        }
     }
 }
 
@@ -211,6 +225,7 @@ impl Equations {
         velocity[w::LATERAL] = 1.0;
         let tractor_cg = Point { velocity, on_trailer: false };
         self.units[0].accelerometer = tractor_cg
+            .clone()
             .moved(w::YAW_1, ahead_m)
             .moved(w::ROLL_1, tractor.cg_height_m - place.height_m)
             .velocity;
@@ -277,20 +292,21 @@ impl SteadyLines {
     /// As [`new`](Self::new).
     pub fn at_speed(laden: &Laden<'_>, speed_mps: f64) -> Result<Self, VehicleError> {
         let load = laden.load;
-        let at = |cg_height_m: f64| {
-            let equations = laden.equations(speed_mps, cg_height_m)?;
+        let solved = |equations: &Equations| {
             let (steady, steer) = equations.steady();
             let lu = steady.lu();
             let determinant = lu.determinant();
             let none = || VehicleError::Model(NO_STEADY_TURN.to_owned());
             let unknowns = lu.solve(&steer).ok_or_else(none)? * determinant;
-            Ok::<_, VehicleError>((equations, unknowns, determinant))
+            Ok::<_, VehicleError>((unknowns, determinant))
         };
-        let (equations, here, determinant) = at(load.cg_height_m)?;
+        let equations = laden.equations(speed_mps, load.cg_height_m)?;
+        let (here, determinant) = solved(&equations)?;
         let (mut unknowns, mut determinants) = (vec![here], vec![determinant]);
         let others = if equations.twisting.is_some() { &[1.0, -1.0][..] } else { &[1.0] };
         for steps in others {
-            let (_, there, determinant) = at(load.cg_height_m + steps * STEP_M)?;
+            let height_m = load.cg_height_m + steps * STEP_M;
+            let (there, determinant) = solved(&laden.without_sensors(speed_mps, height_m)?)?;
             unknowns.push(there);
             determinants.push(determinant);
         }
