@@ -165,6 +165,39 @@ fn two_sensors_need_a_file_and_a_log_of_both() {
     assert!(height_m.is_none() && told.contains("flip second_roll"), "{told}");
 }
 
+/// Each sensor has a row of the model, so a wrong gain of one of them is told: the rear one cannot roll farther than the
+/// front one. Without this, 1.4 times its angle would make the height greater.
+#[test]
+fn two_sensors_check_each_other() {
+    let (known, van) = (known_in("euro-van"), van(Place::Both));
+    for load in ["p00", "p16"] {
+        let drive = Drive::of(&known, Place::Both, load);
+        let with_gain = |gain: f64, vehicle: Option<&Vehicle>| {
+            let options = EstimateOptions {
+                trailer_mass_kg: Some(drive.load.trailer_mass_kg),
+                ..EstimateOptions::default()
+            };
+            let options = vehicle.map_or(options, |vehicle| options.with_file(vehicle));
+            let design = design_with(&van, Variant::Complete, &Belief::prior(&van)).unwrap();
+            let mut estimator = LogEstimator::from_design(&design, van.align_settings(), options);
+            for mut row in drive.rows.iter().copied() {
+                row.second_roll_rad *= gain;
+                estimator.push(&row).unwrap();
+            }
+            let found = estimator.finish();
+            (found.height_m, found.messages.join("; "))
+        };
+        let (right_m, told) = with_gain(1.0, Some(&van));
+        assert!(right_m.is_some() && !told.contains("second roll sensor"), "{load} {told}");
+        let (wrong_m, told) = with_gain(1.4, Some(&van));
+        println!("{load}: {right_m:?} {:?} {told}", with_gain(1.4, None).0);
+        if load == "p16" {
+            assert!(wrong_m.is_none() && told.contains("on this frame"), "{told}");
+            assert!(with_gain(1.4, None).0.unwrap() > 1.05 * right_m.unwrap());
+        }
+    }
+}
+
 /// What a rigid frame in the file would do.
 #[test]
 fn a_frame_that_is_rigid_only_in_the_file_is_wrong_at_both_ends() {

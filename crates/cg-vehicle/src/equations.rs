@@ -219,6 +219,7 @@ impl Equations {
         }
         Ok(StateSpace {
             trailer_roll: angles(&self.trailer_roll(|twisting| twisting.roll_share)),
+            halves_roll: [1.0, 0.0].map(|share| angles(&self.trailer_roll(|_| share))),
             tractor_roll: state(nw + q::ROLL_1),
             trailer_yaw_rate: state(w::YAW_2),
             tractor_yaw_rate: state(w::YAW_1),

@@ -13,8 +13,10 @@ pub struct StateSpace {
     pub a: DMatrix<f64>,
     /// `b`, per radian of road-wheel steer angle.
     pub b: DVector<f64>,
-    /// Roll angle of the trailer's sprung mass, rad.
+    /// Roll angle of the trailer's sprung mass, rad: of two roll sensors, the sum with their shares.
     pub trailer_roll: DVector<f64>,
+    /// Roll angle of the front and of the rear half of the trailer, rad; the same if its frame is rigid.
+    pub halves_roll: [DVector<f64>; 2],
     /// Roll angle of the tractor's sprung mass, rad.
     pub tractor_roll: DVector<f64>,
     /// Yaw rate of the trailer, rad/s.

@@ -4,11 +4,13 @@
 //! stiffness is uncertain, and it moves both sensors in opposite directions. A sum of both roll angles
 //! with the right shares therefore does not depend on it. Since both have the same inputs and the same
 //! dynamics, that sum is the roll angle of one channel, and its shares are those of the least variance
-//! that the two heights of both sensors have together.
+//! that the two heights of both sensors have together. What each sensor shows alone is a row of the linear
+//! model, too, so that the two can be compared ([`slopes`]).
 
 use cg_core::Channel;
 
-use crate::belief::Belief;
+use crate::belief::{Belief, Deviations, Parameter, adjusted};
+use crate::equations::{Equations, Variant};
 use crate::error::VehicleError;
 use crate::influence::influences;
 use crate::load::Load;
@@ -69,4 +71,46 @@ impl SecondShare {
     fn square(&self) -> f64 {
         self.height_sd.iter().map(|sd| sd * sd).sum()
     }
+}
+
+/// Standard deviations of the frame's stiffness that are possible.
+const STIFFNESS_SDS: f64 = 2.0;
+/// How much more the roll angles of the two halves can differ in a lane change than in a steady turn: the soft frame of
+/// an empty flatbed leans 1.5 times as far at its front as over the axles, and swings 2.8 times as far (independent
+/// truck).
+const SWING: f64 = 4.0;
+
+/// Least and greatest roll angle of the second sensor over that of the first, empty and laden, in steady turns and lane
+/// changes, for a frame as stiff as the vehicle file says it may be. `None` if the log has no second sensor.
+///
+/// # Errors
+/// As [`Equations::new`].
+pub fn slopes(vehicle: &Vehicle) -> Result<Option<[f64; 2]>, VehicleError> {
+    let roll = &vehicle.sensors.roll;
+    let Some(second_m) = roll.second_share.and(roll.second_behind_hitch_m) else { return Ok(None) };
+    let joint_m = vehicle.trailer.payload.behind_hitch_m;
+    let half = |behind_hitch_m: f64| usize::from(behind_hitch_m >= joint_m);
+    let [first, second] = [roll.behind_hitch_m.unwrap_or(f64::INFINITY), second_m].map(half);
+    let frame = Parameter::FrameTorsionalStiffness as usize;
+    let sd = Belief::prior(vehicle).covariance[(frame, frame)].sqrt();
+    let mut bounds = [1.0_f64; 2];
+    for sds in [-STIFFNESS_SDS, 0.0, STIFFNESS_SDS] {
+        let mut deviations = Deviations::zeros();
+        deviations[frame] = sds * sd;
+        let vehicle = adjusted(vehicle, &deviations);
+        for load in [vehicle.empty_load(), vehicle.reference_load()] {
+            let speed_mps = vehicle.nominal_speed_mps;
+            let model =
+                Equations::new(&vehicle, Variant::Complete, speed_mps, load)?.state_space()?;
+            let at = |half: usize| model.steady(&model.halves_roll[half], 0.0);
+            let slope = at(second)? / at(first)?;
+            let swings = if slope > 1.0 {
+                1.0 + SWING * (slope - 1.0)
+            } else {
+                1.0 / (1.0 + SWING * (1.0 / slope - 1.0))
+            };
+            bounds = [bounds[0].min(swings), bounds[1].max(swings)];
+        }
+    }
+    Ok(Some(bounds))
 }

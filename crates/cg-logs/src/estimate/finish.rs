@@ -85,7 +85,7 @@ impl LogEstimator {
         {
             return inconsistent(remark);
         }
-        let rolls = self.rolls.contradiction(&self.settings);
+        let rolls = self.rolls.contradiction(&self.settings, self.options.second_roll_slopes);
         let signals = rolls.or_else(|| self.sensors.missing());
         let signals = signals.or_else(|| self.sensors.disagreement(gravity_mps2, false));
         if let Some(channel) = self.options.channel {

@@ -70,7 +70,7 @@ impl LogEstimator {
         messages.extend(self.sensors.coarse());
         messages.extend(self.seized());
         messages.extend(self.unscaled());
-        messages.extend(self.rolls.places(&self.settings));
+        messages.extend(self.rolls.places(&self.settings, self.options.second_roll_slopes));
         let mut unplaced = self.maneuvers.iter().map(|one| self.options.unplaced(&one.outcomes));
         messages.extend(unplaced.find_map(|found| found).map(str::to_owned));
         messages.extend(self.leaning.message(self.options.lean, self.trailer_mass_kg));

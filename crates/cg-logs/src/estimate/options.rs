@@ -9,6 +9,7 @@ use cg_vehicle::calibration::Judgment;
 use cg_vehicle::floor::Floor;
 use cg_vehicle::lean::Lean;
 use cg_vehicle::scales::Scales;
+use cg_vehicle::second_sensor::slopes;
 use cg_vehicle::{Variant, Vehicle};
 use serde::{Deserialize, Serialize};
 
@@ -151,11 +152,13 @@ pub struct EstimateOptions {
     pub roll_sensor_is_unplaced: bool,
     /// The floor on which a load stands, if it is known.
     pub floor: Option<Floor>,
+    /// Least and greatest roll angle of a second roll sensor over that of the first, if they are known.
+    pub second_roll_slopes: Option<[f64; 2]>,
 }
 
 impl EstimateOptions {
     /// The same options with what follows from the vehicle: its scales, its lean, whether its roll sensor
-    /// has a place, the floor, and the roads of its file if no others are given.
+    /// has a place, how two of them differ, the floor, and the roads of its file if no others are given.
     #[must_use]
     pub fn with_file(self, vehicle: &Vehicle) -> Self {
         let road = self.road.or_else(|| RoadChoice::of_vehicle(vehicle));
@@ -163,7 +166,8 @@ impl EstimateOptions {
         let lean = Lean::of(vehicle).ok();
         let roll_sensor_is_unplaced = has_unplaced_roll_sensor(vehicle);
         let (scales, floor) = (Scales::of(vehicle), Some(Floor::of(vehicle)));
-        Self { scales, road, lean, roll_sensor_is_unplaced, floor, ..self }
+        let second_roll_slopes = slopes(vehicle).unwrap_or_default();
+        Self { scales, road, lean, roll_sensor_is_unplaced, floor, second_roll_slopes, ..self }
     }
 
     /// What is said of a maneuver with these outcomes if the place of the roll sensor is missing.
@@ -194,6 +198,7 @@ impl Default for EstimateOptions {
             lean: None,
             roll_sensor_is_unplaced: false,
             floor: None,
+            second_roll_slopes: None,
         }
     }
 }

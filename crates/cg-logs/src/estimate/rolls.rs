@@ -11,9 +11,11 @@ use crate::log::LogRow;
 const LEAST_ROWS: f64 = 100.0;
 /// Minimum standard deviation of the first roll angle for a comparison, rad: a third of a degree.
 const EXCITED_RAD: f64 = 0.006;
-/// Slopes of one roll sensor with respect to another on the same frame. The soft frame of an empty flatbed
-/// leans 1.5 times as far at its front as over the axles, and swings 2.8 times as far in a sine or a lane change.
+/// Slopes of one roll sensor with respect to another on the same frame of which nothing is known: the soft frame of an
+/// empty flatbed swings 2.8 times as far at its front as over the axles.
 const POSSIBLE: [f64; 2] = [0.25, 4.0];
+/// By how much the gains of two sensors differ that are as good as usual: 3 % each, three standard deviations.
+const GAINS: f64 = 1.13;
 
 /// Checks the roll angles of one log.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
@@ -43,9 +45,13 @@ impl RollCheck {
     }
 
     /// The contradiction between two roll sensors, or of both with the vehicle file, if there is one.
-    pub(super) fn contradiction(&self, settings: &AlignSettings<f64>) -> Option<String> {
+    pub(super) fn contradiction(
+        &self,
+        settings: &AlignSettings<f64>,
+        slopes: Option<[f64; 2]>,
+    ) -> Option<String> {
         if settings.second_roll_share.is_some() {
-            return self.disagreement();
+            return self.disagreement(slopes);
         }
         (settings.roll_is_mean_of_two && self.has_second()).then(|| {
             "the log has a roll angle of each of two sensors, but the vehicle file has \
@@ -55,29 +61,36 @@ impl RollCheck {
         })
     }
 
-    fn disagreement(&self) -> Option<String> {
+    fn disagreement(&self, slopes: Option<[f64; 2]>) -> Option<String> {
         let spread_rad = (self.both.square() / self.both_rows).sqrt();
         let slope = self.both.slope();
         let compared = self.both_rows >= LEAST_ROWS && spread_rad > EXCITED_RAD;
-        if !compared || (POSSIBLE[0]..=POSSIBLE[1]).contains(&slope) {
+        let [least, greatest] =
+            slopes.map_or(POSSIBLE, |[least, greatest]| [least / GAINS, greatest * GAINS]);
+        if !compared || (least..=greatest).contains(&slope) {
             return None;
         }
         let cause = if slope < 0.0 {
             "one of them is reversed (⟨flip roll⟩ or ⟨flip second_roll⟩)"
         } else {
-            "the unit or the gain of one of them is wrong (⟨columns second_roll=NAME[deg]⟩)"
+            "the unit or the gain of one of them is wrong (⟨columns second_roll=NAME[deg]⟩), or the frame is \
+             not as stiff as in the vehicle file"
         };
         Some(format!(
-            "the second roll sensor shows {slope:.2} times the roll angle of the first, which no frame \
-             does: {cause}"
+            "the second roll sensor shows {slope:.2} times the roll angle of the first, but on this frame {least:.2} to \
+             {greatest:.2} times are possible: {cause}"
         ))
     }
 
     /// What is wrong with the sensors of a log, with the vehicle file's share of the second one.
-    pub(super) fn places(&self, settings: &AlignSettings<f64>) -> Option<String> {
+    pub(super) fn places(
+        &self,
+        settings: &AlignSettings<f64>,
+        slopes: Option<[f64; 2]>,
+    ) -> Option<String> {
         let [first, second] = self.alone;
         match settings.second_roll_share {
-            None if settings.roll_is_mean_of_two => self.contradiction(settings),
+            None if settings.roll_is_mean_of_two => self.contradiction(settings, slopes),
             None => self.has_second().then(|| {
                 "the log has the roll angle of a second sensor, but the vehicle file has no \
                  sensors.roll.second_share for it: it is not used"
@@ -113,15 +126,21 @@ mod tests {
 
     #[test]
     fn two_sensors_on_one_frame_agree_in_sign_and_size() {
-        let found = |slope: f64, rows: u32, size: f64| {
+        let both = |slope: f64, rows: u32, size: f64| {
             check((0..rows).map(|k| [size * swing(k), slope * size * swing(k) + 0.01]))
-                .disagreement()
         };
+        let found = |slope: f64, rows: u32, size: f64| both(slope, rows, size).disagreement(None);
         assert!(found(1.4, 200, 1.0).is_none() && found(0.6, 200, 1.0).is_none());
         assert!(found(-1.0, 200, 1.0).unwrap().contains("reversed"));
         assert!(found(57.3, 200, 1.0).unwrap().contains("unit"));
         // Too few rows, too little roll.
         assert!(found(-1.0, 99, 1.0).is_none() && found(-1.0, 200, 0.1).is_none());
+        // On a known frame, less is possible: a rear sensor after a front one.
+        let known = |slope: f64| both(slope, 200, 1.0).disagreement(Some([0.6, 1.0]));
+        assert!(known(0.55).is_none() && known(1.1).is_none());
+        let told = known(1.2).unwrap();
+        assert!(told.contains("on this frame 0.53 to 1.13 times are possible"), "{told}");
+        assert!(known(0.5).is_some());
     }
 
     #[test]
@@ -130,11 +149,13 @@ mod tests {
         let none = AlignSettings::NONE;
         let half = AlignSettings { second_roll_share: Some(0.5), ..none };
         let mean = AlignSettings { roll_is_mean_of_two: true, ..none };
-        assert!(both.places(&none).unwrap().contains("is not used"));
-        assert!(both.places(&half).is_none() && first.places(&none).is_none());
-        assert!(first.places(&half).unwrap().starts_with("1 rows"));
-        assert!(both.places(&mean).unwrap().contains("add second_share"));
-        assert!(both.contradiction(&mean).is_some() && both.contradiction(&none).is_none());
-        assert!(first.places(&mean).is_none() && first.contradiction(&mean).is_none());
+        assert!(both.places(&none, None).unwrap().contains("is not used"));
+        assert!(both.places(&half, None).is_none() && first.places(&none, None).is_none());
+        assert!(first.places(&half, None).unwrap().starts_with("1 rows"));
+        assert!(both.places(&mean, None).unwrap().contains("add second_share"));
+        assert!(
+            both.contradiction(&mean, None).is_some() && both.contradiction(&none, None).is_none()
+        );
+        assert!(first.places(&mean, None).is_none() && first.contradiction(&mean, None).is_none());
     }
 }

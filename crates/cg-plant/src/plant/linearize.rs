@@ -106,7 +106,9 @@ impl YawRollPlant {
         Ok(StateSpace {
             suspension_roll: [false, true].map(suspension_roll),
             specific_force: [1, 2].map(|k| (all.row(n + k).transpose(), by_steer[n + k])),
-            trailer_roll: self.with_front_roll(body(Coordinate::TrailerRoll)),
+            trailer_roll: self.with_front_roll(body(Coordinate::TrailerRoll), None),
+            halves_roll: [1.0, 0.0]
+                .map(|share| self.with_front_roll(body(Coordinate::TrailerRoll), Some(share))),
             tractor_roll: body(Coordinate::TractorRoll),
             trailer_yaw_rate: body(Coordinate::TrailerYawRate),
             tractor_yaw_rate: body(Coordinate::TractorYawRate),
@@ -120,13 +122,15 @@ impl YawRollPlant {
         })
     }
 
-    /// The roll angle at the sensors of the trailer, from that of the rear half.
-    fn with_front_roll(&self, mut rear: DVector<f64>) -> DVector<f64> {
+    /// The roll angle with a share of the front half's, from that of the rear half; by default at the sensors
+    /// of the trailer.
+    fn with_front_roll(&self, mut rear: DVector<f64>, share: Option<f64>) -> DVector<f64> {
         if let Some(front) = &self.parameters.front {
+            let share = share.unwrap_or(front.roll_share);
             // The front half is last: its roll and its rate.
             let own = rear.len() - 2;
-            rear *= 1.0 - front.roll_share;
-            rear[own] = front.roll_share;
+            rear *= 1.0 - share;
+            rear[own] = share;
         }
         rear
     }

@@ -51,8 +51,17 @@ impl Held {
 /// The reduced model of roll; the other quantities are steady-state values.
 struct Reduced {
     simulation: ReducedSimulation<f64>,
+    /// Roll angles of the trailer's halves over that of its sensors.
+    halves: [f64; 2],
     lateral_gain: f64,
     yaw_gain: f64,
+}
+
+/// Roll angles of the trailer's halves in a steady turn over that of its sensors.
+fn halves(model: &StateSpace) -> Result<[f64; 2], VehicleError> {
+    let roll = model.steady(&model.trailer_roll, 0.0)?;
+    let [front, rear] = model.halves_roll.each_ref().map(|half| model.steady(half, 0.0));
+    Ok([front? / roll, rear? / roll])
 }
 
 /// Which model.
@@ -98,6 +107,7 @@ impl Models {
                         interval_s,
                         0.0,
                     ),
+                    halves: halves(&model)?,
                     lateral_gain: model.lateral_gain()?,
                     yaw_gain: model.steady(&model.trailer_yaw_rate, 0.0)?,
                 })
@@ -131,8 +141,10 @@ impl Models {
             let still = Motion { steer_rad, speed_mps, ..Motion::default() };
             if let (Some(model), Some(run)) = (&self.reduced, &mut reduced) {
                 let roll_rad = if k > 0 { run.push(steer_rad) } else { 0.0 };
+                let roll_rad = held.push(roll_rad);
                 let motion = Motion {
-                    roll_rad: held.push(roll_rad),
+                    roll_rad,
+                    halves_roll_rad: model.halves.map(|half| half * roll_rad),
                     lateral_acceleration_mps2: model.lateral_gain * steer_rad,
                     yaw_rate_radps: model.yaw_gain * steer_rad,
                     ..still
@@ -152,8 +164,16 @@ impl Models {
             if k > 0 {
                 run.push(steer_rad);
             }
+            let linear_rad = model.trailer_roll.dot(&run.state);
+            let roll_rad = held.push(linear_rad);
+            // The friction of the springs holds the body, and with it both halves.
+            let held_rad = roll_rad - linear_rad;
             let motion = Motion {
-                roll_rad: held.push(model.trailer_roll.dot(&run.state)),
+                roll_rad,
+                halves_roll_rad: model
+                    .halves_roll
+                    .each_ref()
+                    .map(|half| half.dot(&run.state) + held_rad),
                 lateral_acceleration_mps2: model.lateral_acceleration.dot(&run.state)
                     + model.lateral_feedthrough * steer_rad,
                 yaw_rate_radps: model.trailer_yaw_rate.dot(&run.state),

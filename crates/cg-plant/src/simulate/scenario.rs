@@ -319,6 +319,8 @@ pub(super) struct Motion {
     pub(super) steer_rad: f64,
     pub(super) speed_mps: f64,
     pub(super) roll_rad: f64,
+    /// Those of the front and the rear half of the trailer.
+    pub(super) halves_roll_rad: [f64; 2],
     pub(super) lateral_acceleration_mps2: f64,
     pub(super) yaw_rate_radps: f64,
 }

@@ -67,6 +67,14 @@ impl Signals {
         self.roll_halves.is_some()
     }
 
+    /// The roll angles of the first and the second sensor, from that of the trailer and those of its halves.
+    pub(super) fn rolls_rad(&self, roll_rad: f64, halves_roll_rad: [f64; 2]) -> [f64; 2] {
+        match self.roll_halves {
+            Some(halves) => halves.map(|half| halves_roll_rad[half]),
+            None => [roll_rad, f64::NAN],
+        }
+    }
+
     /// Whether the vehicle has a gauge on the drive axles.
     pub(super) fn has_drive_pressure(&self) -> bool {
         self.drive_pressure.is_some()
@@ -75,10 +83,7 @@ impl Signals {
     /// The row of a sample.
     pub(super) fn row(&self, time_s: f64, sample: &PlantSample) -> LogRow {
         let (tractor, trailer) = (&sample.tractor, &sample.trailer);
-        let [roll_rad, second_roll_rad] = match self.roll_halves {
-            Some(halves) => halves.map(|half| sample.halves_roll_rad[half]),
-            None => [trailer.roll_rad, f64::NAN],
-        };
+        let [roll_rad, second_roll_rad] = self.rolls_rad(trailer.roll_rad, sample.halves_roll_rad);
         let row = LogRow {
             time_s,
             steer_rad: sample.steer_rad,

@@ -216,14 +216,14 @@ impl LogSimulation {
     /// The first error of `write`.
     pub fn run_true<E>(&self, mut write: impl FnMut(&LogRow) -> Result<(), E>) -> Result<(), E> {
         let trailer_mass_kg = self.scenario.load.trailer_mass_kg;
-        let two = self.signals.has_two_rolls();
         let write_motion = |time_s: f64, motion: Motion| {
+            let [roll_rad, second_roll_rad] =
+                self.signals.rolls_rad(motion.roll_rad, motion.halves_roll_rad);
             write(&LogRow {
                 time_s,
                 steer_rad: motion.steer_rad,
-                roll_rad: motion.roll_rad,
-                // A linear model has the roll angle of both sensors together only.
-                second_roll_rad: if two { motion.roll_rad } else { f64::NAN },
+                roll_rad,
+                second_roll_rad,
                 speed_mps: motion.speed_mps,
                 lateral_acceleration_mps2: motion.lateral_acceleration_mps2,
                 yaw_rate_radps: motion.yaw_rate_radps,

@@ -85,6 +85,8 @@ fn steady(model: &StateSpace) -> Vec<(&'static str, f64)> {
         ("φ1", dc(&model.tractor_roll)),
         ("ψ1−ψ2", dc(&model.articulation)),
         ("φ2", dc(&model.trailer_roll)),
+        ("front", dc(&model.halves_roll[0])),
+        ("rear", dc(&model.halves_roll[1])),
         ("a_y2", model.lateral_gain().unwrap()),
     ]
 }
