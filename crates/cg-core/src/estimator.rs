@@ -219,8 +219,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     }
 
     /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn,
-    /// so that another mass applies to the dynamics. The `first` measured mass is used at once,
-    /// because the nominal mass before it was an assumption.
+    /// so that another mass applies to the dynamics. On a straight road it is used at once, and so is the
+    /// `first` measured mass, because the nominal mass before it was an assumption.
     fn is_other_mass(&mut self, row: &Row<T, C>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {
@@ -229,7 +229,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         }
         let since_us = *self.other_since_us.get_or_insert(row.time_us);
         let lasting = row.time_us.saturating_sub(since_us) >= self.settings.weighing_us;
-        lasting || first || self.window.is_none()
+        lasting || first || !self.window.as_ref().is_some_and(Window::has_turned)
     }
 
     /// Initializes the identifiers for the dynamics at this trailer mass.
@@ -282,7 +282,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
                 window.look(place, row.time_us, roll_rad, [input_rad, model_rad]);
             }
         }
-        if window.push(row, self.settings.fade_us) {
+        if window.push(row, self.other_since_us.is_none(), self.settings.fade_us) {
             for lane in &mut self.lanes {
                 lane.identifier.forget(T::of(0.5));
             }

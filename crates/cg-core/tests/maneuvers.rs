@@ -155,6 +155,38 @@ fn another_mass_must_last() {
     }
 }
 
+/// A mass that does not last is none of the maneuver, and one that lasts ends the maneuver, whose mass is the one before.
+#[test]
+fn a_maneuver_has_the_mass_of_its_load_alone() {
+    for rows in [900, 1100] {
+        let mut road = road();
+        road.trailer_mass_kg = 28e3;
+        road.hold(500, ROLL_RAD);
+        road.trailer_mass_kg = 9e3;
+        road.hold(rows, ROLL_RAD);
+        road.trailer_mass_kg = 28e3;
+        road.hold(1, ROLL_RAD);
+        let ended = road.closed.first().copied().unwrap_or_else(|| road.finish());
+        assert!((ended.trailer_mass_kg - 28e3).abs() < 1e-8, "{rows}: {}", ended.trailer_mass_kg);
+        assert_eq!(ended.end_us, if rows > 1000 { 15_000_000 } else { 14_010_000 });
+    }
+}
+
+/// On a straight road a scale does not swing: what it shows is used at once, and the turn has that mass.
+#[test]
+fn another_mass_on_a_straight_road_is_believed_at_once() {
+    let mut road = road();
+    road.trailer_mass_kg = 9e3;
+    road.hold(600, 0.0);
+    road.trailer_mass_kg = 28e3;
+    road.hold(200, 0.0);
+    road.turn();
+    assert!(road.closed.is_empty());
+    let maneuver = road.finish();
+    assert!((maneuver.trailer_mass_kg - 28e3).abs() < 1e-8);
+    assert!(maneuver.start_us > 6_000_000);
+}
+
 /// The first measured mass is used at once, and so is any mass between two maneuvers.
 #[test]
 fn a_mass_is_believed_at_once_before_a_maneuver() {

@@ -31,8 +31,9 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) to_gravity: bool,
     /// Whether a lateral acceleration in its turns was that of the yaw rate.
     pub(crate) by_yaw_rate: bool,
-    /// Mean trailer mass of all rows, because the load signal oscillates, and their weight.
+    /// Mean trailer mass, because the load signal oscillates.
     pub(crate) trailer_mass_kg: T,
+    /// The weight of all rows.
     pub(crate) weight: T,
     /// One for each roll angle, at the place of its first channel. It starts with the first row,
     /// because a dead band shows at the beginning of a turn.
@@ -54,19 +55,26 @@ impl<T: Real, const C: usize> Window<T, C> {
             lateral_rows: T::zero(),
             to_gravity: false,
             by_yaw_rate: false,
-            trailer_mass_kg: T::zero(),
+            trailer_mass_kg: row.trailer_mass_kg,
             weight: T::zero(),
             sensor_checks: [None; C],
         }
     }
 
-    /// Adds a row. Returns `true` if the window is still straight and the weight of its rows is to
-    /// be halved.
-    pub(crate) fn push(&mut self, row: &Row<T, C>, fade_us: u64) -> bool {
+    /// Whether a turn has begun in it.
+    pub(crate) fn has_turned(&self) -> bool {
+        self.last_turn_us.is_some()
+    }
+
+    /// Adds a row; `is_of_load` says that its mass is that of the window's load, and not another one that may last.
+    /// Returns `true` if the window is still straight and the weight of its rows is to be halved.
+    pub(crate) fn push(&mut self, row: &Row<T, C>, is_of_load: bool, fade_us: u64) -> bool {
         self.last_us = row.time_us;
         // Means are updated recursively, because sums lose digits in single precision.
         self.weight += T::one();
-        self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) / self.weight;
+        if is_of_load {
+            self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) / self.weight;
+        }
         if row.turning {
             self.last_turn_us = Some(row.time_us);
             self.turning_rows += T::one();
@@ -136,7 +144,7 @@ mod tests {
                 turning: true,
                 usable: [true],
             };
-            window.get_or_insert_with(|| Window::new(&row)).push(&row, 2_000_000);
+            window.get_or_insert_with(|| Window::new(&row)).push(&row, true, 2_000_000);
         }
         window.map_or(f64::NAN, |window| window.lateral_mps2())
     }

@@ -447,8 +447,8 @@ impl<T: Real> ChannelDesign<T> {
     #[inline(never)]
     pub(super) fn line_of_speed(&self, place: usize, mass: &Weights<T>) -> RatioLine<T> {
         let mut sum = RatioLine::NONE;
-        let row = self.lines.get(place).into_iter().flatten();
-        for (line, m) in row.skip(mass.first).zip(mass.weights) {
+        let row = self.lines.get(place).and_then(|row| row.get(mass.first..));
+        for (line, m) in row.unwrap_or_default().iter().zip(mass.weights) {
             sum.add(line, m);
         }
         sum
