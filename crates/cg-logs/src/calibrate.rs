@@ -284,9 +284,15 @@ pub fn run(
             )));
         }
     }
+    if let Some(since_s) = identified.load_since_s {
+        return Err(VehicleError::Model(format!(
+            "{}: the load changed before {since_s:.0} s, but a run has one load: give a log of one of them",
+            known.log
+        )));
+    }
     if !identified.trailer_mass_is_known {
         return Err(VehicleError::Model(format!(
-            "{}: the log has no trailer mass; give it with the run's height (on the command line \
+            "{}: the log has no trailer mass in its turns; give it with the run's height (on the command line \
              LOG=HEIGHT_M,TRAILER_MASS_KG)",
             known.log
         )));

@@ -12,6 +12,7 @@ mod independent_truck;
 mod key_on;
 mod learn;
 mod log;
+mod mass_in_turns;
 mod output;
 mod shapes;
 mod twisting_frame;

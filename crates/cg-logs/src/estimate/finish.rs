@@ -144,7 +144,7 @@ impl LogEstimator {
         let by_mass_m = speed.map_or(0.0, |speed_mps| self.mass_sd_m(height, speed_mps, best));
         let strength = self.strong.strength(&self.design, (channel, height));
         let doubt = self.left_out.doubt(channel, (height, fused.maneuvers));
-        let lean_sd = self.leaning.height_sd(self.options.lean, self.trailer_mass_kg);
+        let lean_sd = self.leaning.height_sd(self.options.lean, self.turns_mass_kg());
         let sd = [by_mass_m, strength.sd * height, doubt.sd_m, lean_sd * height]
             .into_iter()
             .fold(fused.height_m.sd, libm::hypot);
@@ -230,14 +230,15 @@ impl LogEstimator {
     pub fn identified(mut self) -> Identified {
         let last = self.engine.finish();
         self.keep(last.as_ref());
+        let mass_kg = self.turns_mass_kg();
         let mut identified = Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),
             turn_g: self.strong.usual_g(self.design.gravity_mps2),
-            trailer_mass_kg: self.trailer_mass_kg,
-            trailer_mass_sd_kg: self.mass_sd_kg(self.trailer_mass_kg),
-            trailer_mass_is_known: self.seen.mass_kg.is_some()
-                || self.options.trailer_mass_kg.is_some(),
-            logged_mass_kg: self.seen.mass_kg,
+            trailer_mass_kg: mass_kg,
+            trailer_mass_sd_kg: self.mass_sd_kg(mass_kg),
+            trailer_mass_is_known: self.is_mass_known(),
+            logged_mass_kg: self.logged_kg(),
+            load_since_s: self.load_since_s(),
             ratio: [None; CHANNELS],
             messages: self.messages(),
         };
@@ -251,10 +252,9 @@ impl LogEstimator {
             let random_sd_m = libm::hypot(height.random_sd_m, doubt.sd_m);
             let doubted = Height { random_sd_m, ..height };
             // Heights do not depend on speed, so both ratios can refer to one speed.
-            let ratio =
-                self.ratio_of(channel, &doubted, identified.speed_mps, self.trailer_mass_kg);
+            let ratio = self.ratio_of(channel, &doubted, identified.speed_mps, mass_kg);
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
-            let lean_sd = self.leaning.height_sd(self.options.lean, self.trailer_mass_kg);
+            let lean_sd = self.leaning.height_sd(self.options.lean, mass_kg);
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
                 sd: libm::hypot(ratio.sd, libm::hypot(strength.sd, lean_sd) * ratio.value),
                 ..ratio
@@ -305,7 +305,7 @@ impl LogEstimator {
             method: self.options.method,
             channel: channel.map(|channel| channel.to_string()),
             speed_mps: None,
-            trailer_mass_kg: self.trailer_mass_kg,
+            trailer_mass_kg: self.turns_mass_kg(),
             snr_db: None,
             fit_percent: None,
             static_rollover_threshold_g: None,

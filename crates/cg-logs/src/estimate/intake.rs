@@ -43,8 +43,10 @@ pub struct Identified {
     pub trailer_mass_sd_kg: f64,
     /// Whether the mass comes from the log or the options, and not from the vehicle file.
     pub trailer_mass_is_known: bool,
-    /// The last trailer mass in the log, kg, also if an option replaced it.
+    /// The trailer mass in the log in the last turn, kg, also if an option replaced it.
     pub logged_mass_kg: Option<f64>,
+    /// When the load has changed in the log, s; the ratios are those of the last load.
+    pub load_since_s: Option<f64>,
     /// DC ratios in the order of [`Channel::ALL`](cg_core::Channel::ALL), with the standard deviation due to noise.
     pub ratio: [Option<Measured<f64>>; CHANNELS],
     /// Messages for the user.
@@ -90,7 +92,8 @@ pub struct LogEstimator {
 /// Which optional signals the log contains.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct SignalsSeen {
-    pub(super) speed: bool,
+    /// When the first speed came, µs.
+    pub(super) speed_since_us: Option<u64>,
     /// The last mass in the log, also if an option replaces it.
     pub(super) mass_kg: Option<f64>,
     /// The last standard deviation in the log, kg.
@@ -186,31 +189,6 @@ impl LogEstimator {
         self.bus_scale = scale;
     }
 
-    /// The scale of the trailer mass, if there is a mass.
-    pub(super) fn scale(&self) -> Option<Scale> {
-        self.options.trailer_mass_kg.map_or(self.seen.scale, |_| Some(Scale::Weighed))
-    }
-
-    /// Standard deviation of a trailer mass, kg.
-    pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
-        let is_of_log = self.options.trailer_mass_kg.is_none();
-        let logged_kg = self.seen.mass_sd_kg.filter(|_| is_of_log && self.seen.mass_kg.is_some());
-        match (self.scale(), self.options.trailer_mass_sd_kg.or(logged_kg)) {
-            _ if self.is_of_another_load() => self.design.any_load_sd_kg(),
-            (_, Some(sd_kg)) => sd_kg,
-            (Some(scale), None) => {
-                let scatter_kg = if is_of_log { self.seen.weighed.scatter_kg() } else { 0.0 };
-                libm::hypot(self.options.scales.sd_kg(scale, mass_kg), scatter_kg)
-            }
-            (None, None) => self.design.any_load_sd_kg(),
-        }
-    }
-
-    /// Whether the mass in the log ends before the last load begins.
-    pub(super) fn is_of_another_load(&self) -> bool {
-        self.options.trailer_mass_kg.is_none() && self.seen.weighed.is_of_another_load()
-    }
-
     /// The design of the truck.
     pub fn design(&self) -> &Design<f64> {
         &self.design
@@ -296,7 +274,9 @@ impl LogEstimator {
         if row.trailer_mass_sd_kg >= 0.0 {
             self.seen.mass_sd_kg = Some(row.trailer_mass_sd_kg);
         }
-        self.seen.speed |= sample.speed_mps.is_finite();
+        if sample.speed_mps.is_finite() {
+            self.seen.speed_since_us.get_or_insert(time_us);
+        }
         if sample.trailer_mass_kg.is_finite() {
             let logged_kg = sample.trailer_mass_kg;
             sample.trailer_mass_kg = weighed_mass(&self.design, logged_kg);
@@ -447,7 +427,7 @@ mod tests {
     #[test]
     fn the_last_mass_of_the_log_is_kept() {
         let mut log = plain();
-        assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed), (false, false));
+        assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed_since_us.is_some()), (false, false));
         for (mass_kg, speed_mps, kept_kg, seen) in [
             (f64::NAN, f64::NAN, MASS_KG, (false, false)),
             (21e3, f64::NAN, 21e3, (true, false)),
@@ -457,7 +437,7 @@ mod tests {
             let row = LogRow { time_s: 0.0, trailer_mass_kg: mass_kg, speed_mps, ..LogRow::ABSENT };
             log.sample(&row);
             assert_eq!(log.trailer_mass_kg.to_bits(), kept_kg.to_bits());
-            assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed), seen);
+            assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed_since_us.is_some()), seen);
         }
     }
 
@@ -473,7 +453,7 @@ mod tests {
         let sample = log.sample(&row);
         let found = [sample.speed_mps, sample.trailer_mass_kg, log.trailer_mass_kg];
         assert_eq!(found.map(f64::to_bits), [13.0, 25e3, 25e3].map(f64::to_bits));
-        assert!(log.seen.mass_kg.is_some() && log.seen.speed);
+        assert!(log.seen.mass_kg.is_some() && log.seen.speed_since_us.is_some());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Messages that explain a height or its absence.
 
-use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject, Word};
+use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject};
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -53,34 +53,15 @@ impl LogEstimator {
                 self.more_maneuvers
             ));
         }
-        if !self.seen.speed && self.options.speed_mps.is_none() {
-            messages.push(format!(
-                "no speed in the log: {:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
-                self.design.nominal_speed_mps
-            ));
-        }
-        if self.seen.mass_kg.is_none() && self.options.trailer_mass_kg.is_none() {
-            messages.push(format!(
-                "no trailer mass in the log: {:.0} kg from the vehicle file is used, and the \
-                 interval contains any load; give ⟨trailer_mass_kg⟩",
-                self.design.nominal_trailer_mass_kg
-            ));
-        }
-        messages.extend(self.weighed());
+        messages.extend(self.turns_messages());
         messages.extend(self.sensors.coarse());
         messages.extend(self.seized());
         messages.extend(self.unscaled());
         messages.extend(self.rolls.places(&self.settings, self.options.second_roll_slopes));
         let mut unplaced = self.maneuvers.iter().map(|one| self.options.unplaced(&one.outcomes));
         messages.extend(unplaced.find_map(|found| found).map(str::to_owned));
-        messages.extend(self.leaning.message(self.options.lean, self.trailer_mass_kg));
-        if let Some(since_us) = self.stop.load_since_us() {
-            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-            let since_s = self.origin_s.unwrap_or(0.0) + since_us as f64 * 1e-6;
-            messages.push(format!(
-                "the load changed before {since_s:.0} s: the height is that of the last load"
-            ));
-        }
+        messages.extend(self.leaning.message(self.options.lean, self.turns_mass_kg()));
+        messages.extend(self.changed());
         if self.absent_rows > 0 {
             messages.push(format!(
                 "{} of {} rows have no roll angle or no input and were left out",
@@ -88,25 +69,6 @@ impl LogEstimator {
             ));
         }
         messages
-    }
-
-    /// Where the trailer mass comes from, if it is not exact.
-    fn weighed(&self) -> Option<String> {
-        let (scale, mass_kg) = (self.scale()?, self.trailer_mass_kg);
-        if self.is_of_another_load() {
-            return Some(format!(
-                "the load changed, and no trailer mass in the log is of the last load: {mass_kg:.0} kg of \
-                 the one before is used, and the interval contains any load; give ⟨trailer_mass_kg⟩"
-            ));
-        }
-        let sd_kg = self.mass_sd_kg(mass_kg);
-        (sd_kg > 0.0).then(|| {
-            format!(
-                "the trailer mass of {mass_kg:.0} kg is from {}; its standard deviation of {sd_kg:.0} kg \
-                 is part of the interval",
-                scale.meaning()
-            )
-        })
     }
 
     /// That the roll angle stood still or was bent in some maneuvers, although others gave a height. The bank of a road does the
@@ -233,7 +195,7 @@ impl LogEstimator {
             ratio: [Channel::Steer, Channel::LateralAcceleration]
                 .map(|channel| self.pooled_ratio(channel, speed_mps)),
             speed_mps,
-            trailer_mass_kg: self.trailer_mass_kg,
+            trailer_mass_kg: self.turns_mass_kg(),
         };
         let mut causes = evidence.likely_causes();
         if self.sensors.signals.confirms_lateral(self.design.gravity_mps2) {
@@ -269,7 +231,7 @@ impl LogEstimator {
             weight += one;
             sum += one * fit.ratio.value / usual;
         }
-        let usual = at(speed_mps, self.trailer_mass_kg)? / self.design.compensation(channel);
+        let usual = at(speed_mps, self.turns_mass_kg())? / self.design.compensation(channel);
         (weight > 0.0).then(|| Measured { value: sum / weight * usual, sd: usual / weight.sqrt() })
     }
 

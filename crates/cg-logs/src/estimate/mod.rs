@@ -52,6 +52,7 @@ mod road;
 mod reason;
 mod unheard;
 mod intake;
+mod mass;
 mod diagnosis;
 mod scatter;
 mod messages;

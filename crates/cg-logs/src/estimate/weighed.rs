@@ -28,6 +28,8 @@ pub struct Weighed {
     seconds: f64,
     mean_kg: f64,
     squares: f64,
+    /// When the mass became that of another load, µs, and what it was before, kg.
+    before: Option<(u64, f64)>,
 }
 
 impl Weighed {
@@ -41,6 +43,7 @@ impl Weighed {
         seconds: 0.0,
         mean_kg: 0.0,
         squares: 0.0,
+        before: None,
     };
 
     /// After a restart, with a kept mass that may be of another load.
@@ -58,6 +61,9 @@ impl Weighed {
         (self.last_us, self.of_another_load) = (Some(time_us), false);
         let is_near = !self.recent_kg.is_nan() && !is_other_load(mass_kg, self.recent_kg);
         if !is_near {
+            if !self.recent_kg.is_nan() {
+                self.before = Some((time_us, self.recent_kg));
+            }
             (self.recent_kg, self.seconds, self.mean_kg, self.squares) =
                 (mass_kg, 0.0, mass_kg, 0.0);
         }
@@ -68,6 +74,20 @@ impl Weighed {
             let before_kg = self.recent_kg - self.mean_kg;
             self.mean_kg += before_kg * interval_s / self.seconds;
             self.squares += before_kg * (self.recent_kg - self.mean_kg) * interval_s;
+        }
+    }
+
+    /// When the first mass came, µs.
+    pub fn since_us(&self) -> Option<u64> {
+        self.first_us
+    }
+
+    /// The mass at a time, µs, that of the present load or of the one before, kg.
+    pub fn mass_at_kg(&self, time_us: u64) -> Option<f64> {
+        match self.before {
+            _ if self.first_us.is_none_or(|first_us| time_us < first_us) => None,
+            Some((since_us, before_kg)) if time_us < since_us => Some(before_kg),
+            _ => Some(self.recent_kg),
         }
     }
 

@@ -288,7 +288,10 @@ fn a_reason_of_several_channels_is_told_once() {
 fn a_mass_from_the_log_or_the_options_is_known() {
     let known = |options, seen: bool| {
         let mut log = one(options, [ABSENT, ABSENT]);
-        log.seen.mass_kg = seen.then_some(MASS_KG);
+        if seen {
+            log.seen.mass_kg = Some(MASS_KG);
+            log.seen.weighed.weigh(0, [MASS_KG; 2]);
+        }
         log.identified().trailer_mass_is_known
     };
     assert!(!known(EstimateOptions::default(), false));
