@@ -49,6 +49,8 @@ pub(crate) struct Presence {
     expected: [Option<Quantity>; PURPOSES.len()],
     pub(crate) seen: [bool; Quantity::COUNT],
     cadence: [Cadence; Quantity::COUNT],
+    /// When the last value came.
+    last_us: [u64; Quantity::COUNT],
     since_us: Option<u64>,
     settings: AlignSettings<f64>,
     mass_is_given: bool,
@@ -83,10 +85,20 @@ impl Presence {
         if let Some(seen) = self.seen.get_mut(index) {
             *seen = true;
         }
+        self.last_us[index] = now_us;
         let cadence = self.cadence.get_mut(index).filter(|_| MOTION.contains(&quantity))?;
         let slow = cadence.push(now_us);
         // Roll angles become samples, and the rate of samples is checked separately.
         slow.filter(|_| !ROLLS.contains(&quantity))
+    }
+
+    /// The signals of which a value has come, and none for longer than it serves.
+    pub(crate) fn stale(&self, now_us: u64) -> Vec<Quantity> {
+        let is_stale = |quantity: &Quantity| {
+            let age_us = now_us.saturating_sub(self.last_us[quantity.index()]);
+            self.seen[quantity.index()] && age_us > quantity.serves_us()
+        };
+        Quantity::ALL.into_iter().filter(is_stale).collect()
     }
 
     /// What is to be told, once and after the beginning, of signals that are not used because the vehicle file

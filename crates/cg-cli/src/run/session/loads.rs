@@ -77,8 +77,8 @@ impl<W: Write> Session<W> {
         self.notice("load", &message)
     }
 
-    /// Hides the height of a load that was weighed before a restart if a turn says that another one is on the trailer: at the
-    /// old mass its height is impossible. The next turn with a possible height shows it again.
+    /// Hides the height of a load that was weighed before a restart, or some minutes ago, if a turn says that another one is on
+    /// the trailer: at the old mass its height is impossible. The next turn with a possible height shows it again.
     pub(super) fn doubt_kept_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         let impossible_m = maneuver.outcomes.iter().find_map(|one| match one.height_m {
             Err(Reject::Height(HeightError::OutOfRange { height_m })) => Some(height_m),
@@ -86,17 +86,22 @@ impl<W: Write> Session<W> {
         });
         let is_possible = maneuver.outcomes.iter().any(|one| one.height_m.is_ok());
         let was_doubted = self.kept_mass_is_doubted;
+        let is_old = match self.mass_source {
+            MassSource::Kept => true,
+            MassSource::Signal => !self.weighing.weighed.covers(maneuver.start_us),
+            _ => false,
+        };
         match impossible_m {
-            _ if is_possible || self.mass_source != MassSource::Kept => {
+            _ if is_possible || !is_old => {
                 self.kept_mass_is_doubted = false;
             }
             Some(height_m) if !was_doubted => {
                 self.kept_mass_is_doubted = true;
                 let mass_kg = self.known.trailer_mass_kg;
                 let message = format!(
-                    "a turn gives a height of {height_m:.2} m, which no load has at the trailer mass of {mass_kg:.0} kg from \
-                     before the restart, and no signal has given another one: the trailer was loaded or unloaded, so the height \
-                     of the load before is not shown; give --trailer-mass-kg or a signal of the mass"
+                    "a turn gives a height of {height_m:.2} m, which no load has at the trailer mass of {mass_kg:.0} kg that was \
+                     known before, and no signal has given another one: the trailer was loaded or unloaded, so the height of the \
+                     load before is not shown; give --trailer-mass-kg or a signal of the mass"
                 );
                 return self.notice("load", &message);
             }
@@ -107,7 +112,7 @@ impl<W: Write> Session<W> {
 
     /// The mass of a load whose height is hidden, if the trailer still has another one, kg.
     pub(super) fn hidden_mass_kg(&mut self) -> Option<f64> {
-        if self.kept_mass_is_doubted && self.weighed_kg.is_none() {
+        if self.kept_mass_is_doubted {
             return Some(self.known.trailer_mass_kg);
         }
         let mass_kg = self.trailer_mass_kg.or(self.weighed_kg)?;

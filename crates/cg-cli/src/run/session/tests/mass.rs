@@ -75,16 +75,26 @@ fn a_contradiction_names_a_mass_that_nothing_confirms() {
 /// A turn whose height is impossible at the mass of a load before the restart is of another load. One that is possible shows the
 /// height again.
 #[test]
-fn an_impossible_turn_after_a_restart_hides_the_height() {
+fn an_impossible_turn_with_an_old_mass_hides_the_height() {
     let mut one = {
         let mut session = session(Some(nominal_kg()), 0.0);
         turn(&mut session, 0);
         session.estimator.finish().unwrap()
     };
     let impossible = Reject::Height(HeightError::OutOfRange { height_m: 7.7 });
-    for (source, is_hidden) in [(MassSource::Kept, true), (MassSource::Signal, false)] {
+    // The last mass of a signal may be older than two minutes.
+    let weighings = [
+        (MassSource::Kept, None, true),
+        (MassSource::Signal, Some(0), false),
+        (MassSource::Signal, Some(121), true),
+    ];
+    for (source, age_s, is_hidden) in weighings {
         let mut session = restarted();
         session.mass_source = source;
+        if let Some(age_s) = age_s {
+            session.weighing.weighed.weigh(0, [nominal_kg(); 2]);
+            (one.start_us, one.end_us) = (age_s * SECOND_US, (age_s + 10) * SECOND_US);
+        }
         for outcome in &mut one.outcomes {
             outcome.height_m = Err(impossible);
         }
