@@ -96,9 +96,9 @@ fn a_run_has_the_mass_of_its_turns() {
     let run = |rows: Vec<LogRow>, load: KnownLoad| {
         let logs = [KnownLog { log: "the.csv".to_owned(), load }];
         calibrate::<VehicleError>(&vehicle, CalibrateOptions::default(), &logs, |_, estimator| {
-            rows.iter().for_each(|row| {
+            for row in &rows {
                 estimator.push(row).unwrap();
-            });
+            }
             Ok(())
         })
     };

@@ -171,6 +171,29 @@ fn the_nominal_mass_is_told() {
     assert_eq!(last_status(&csv)["missing"], serde_json::json!(["trailer_mass"]));
 }
 
+/// A column of a CSV drive that ends is a signal that is missing, as on a bus.
+#[test]
+fn a_column_that_ends_is_missing() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.csv).unwrap();
+    let head = text.lines().find(|line| line.starts_with("time_s")).unwrap();
+    let roll = head.split(',').position(|name| name == "roll_rad").unwrap();
+    let rows = text.lines().skip_while(|line| !line.starts_with("time_s")).map(|row| {
+        let mut cells: Vec<&str> = row.split(',').collect();
+        if cells[0].parse::<f64>().is_ok_and(|time_s| time_s > 20.0) {
+            cells[roll] = "";
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(drive.path("ends.csv"), rows.collect::<String>()).unwrap();
+    let found = lines(&cg(&["run", "--vehicle", &drive.truck, "--csv", &drive.path("ends.csv")]));
+    let status = last_status(&found);
+    assert_eq!(status["missing"], serde_json::json!(["roll"]));
+    assert!(!status["present"].as_array().unwrap().contains(&Value::from("roll")), "{status}");
+    let states = events(&found, "state");
+    assert!(states.iter().any(|one| one["missing"] == serde_json::json!(["roll"])), "{states:?}");
+}
+
 /// The weight of the trailer on the bus is a sensor with 5 %, a column of a log is exact, and what the
 /// vehicle file and the option say counts more.
 #[test]

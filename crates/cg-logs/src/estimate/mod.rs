@@ -25,6 +25,7 @@
 //! | `reason` | why a maneuver has no height |
 //! | `unheard` | turns without a height, one after the other |
 //! | `intake` | processing of the rows |
+//! | `mass` | mass and speed in the turns of a log |
 //! | `scatter` | whether curves contradict each other, as on a banked road |
 //! | `diagnosis`, `messages`, `finish` | the end of a log: likely causes, messages, the result |
 //! | `prediction` | the roll angle that the model predicts, next to the measured one |
