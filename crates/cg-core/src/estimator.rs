@@ -219,8 +219,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     }
 
     /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn,
-    /// so that another mass applies to the dynamics. On a straight road it is used at once, and so is the
-    /// `first` measured mass, because the nominal mass before it was an assumption.
+    /// so that another mass applies to the dynamics. The `first` measured mass is used at once, because the nominal
+    /// mass before it was an assumption, and so is one that was there before the window: on a straight road, the
+    /// window begins anew every two seconds.
     fn is_other_mass(&mut self, row: &Row<T, C>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {
@@ -229,7 +230,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         }
         let since_us = *self.other_since_us.get_or_insert(row.time_us);
         let lasting = row.time_us.saturating_sub(since_us) >= self.settings.weighing_us;
-        lasting || first || !self.window.as_ref().is_some_and(Window::has_turned)
+        lasting || first || !self.window.as_ref().is_some_and(|window| since_us > window.start_us)
     }
 
     /// Initializes the identifiers for the dynamics at this trailer mass.

@@ -61,11 +61,6 @@ impl<T: Real, const C: usize> Window<T, C> {
         }
     }
 
-    /// Whether a turn has begun in it.
-    pub(crate) fn has_turned(&self) -> bool {
-        self.last_turn_us.is_some()
-    }
-
     /// Adds a row; `is_of_load` says that its mass is that of the window's load, and not another one that may last.
     /// Returns `true` if the window is still straight and the weight of its rows is to be halved.
     pub(crate) fn push(&mut self, row: &Row<T, C>, is_of_load: bool, fade_us: u64) -> bool {

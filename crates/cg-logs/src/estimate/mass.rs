@@ -131,12 +131,12 @@ impl LogEstimator {
     /// That the load has changed.
     pub(super) fn changed(&self) -> Option<String> {
         let since_s = self.load_since_s()?;
-        let before_kg =
-            self.maneuvers.iter().rev().find(|one| one.end_us < self.of_load_since_us());
+        let since_us = self.of_load().first().map_or(0, |one| one.start_us);
+        let before = self.maneuvers.iter().rev().find(|one| one.end_us < since_us);
         let stays = |before: &Maneuver<f64>| {
             (self.turns_mass_kg() / before.trailer_mass_kg - 1.0).abs() < SAME
         };
-        let doubt = if before_kg.is_some_and(stays) && self.is_mass_known() {
+        let doubt = if before.is_some_and(stays) && self.is_mass_known() {
             "; the trailer mass is the same as before, so give ⟨trailer_mass_kg⟩ if the trailer was not weighed again"
         } else {
             ""
@@ -144,11 +144,6 @@ impl LogEstimator {
         Some(format!(
             "the load changed before {since_s:.0} s: the height is that of the last load{doubt}"
         ))
-    }
-
-    /// The begin of the first maneuver of the last load, µs.
-    fn of_load_since_us(&self) -> u64 {
-        self.of_load().first().map_or(0, |one| one.start_us)
     }
 
     /// Where the trailer mass comes from, if it is not exact.
