@@ -230,7 +230,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         }
         let since_us = *self.other_since_us.get_or_insert(row.time_us);
         let lasting = row.time_us.saturating_sub(since_us) >= self.settings.weighing_us;
-        lasting || first || !self.window.as_ref().is_some_and(|window| since_us > window.start_us)
+        lasting || first || self.window.as_ref().is_none_or(|window| since_us <= window.start_us)
     }
 
     /// Initializes the identifiers for the dynamics at this trailer mass.
