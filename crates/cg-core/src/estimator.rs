@@ -30,6 +30,9 @@ use crate::truck::friction::Friction;
 /// enough for the unknowns of any identifier.
 const LEAST_ROWS: f64 = 12.0;
 
+/// Time on a straight road after which another mass is used: there a scale does not swing, but it may have noise.
+const STRAIGHT_WEIGHING_US: u64 = 2_000_000;
+
 /// Greatest factor, up or down, between a ratio and the one that follows from the height of another
 /// channel. Beyond it, the input of the channel is the cause of an impossible height. It is three
 /// times the uncertainty due to the tires.
@@ -218,10 +221,9 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         self.design().channel(best?.0)
     }
 
-    /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn,
-    /// so that another mass applies to the dynamics. The `first` measured mass is used at once, because the nominal
-    /// mass before it was an assumption, and so is one that was there before the window: on a straight road, the
-    /// window begins anew every two seconds.
+    /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn, or on a straight
+    /// road than its noise lasts, so that another mass applies to the dynamics. It is used at once if it was there
+    /// before the window, and if it is the `first` measured one, because the nominal mass was an assumption.
     fn is_other_mass(&mut self, row: &Row<T, C>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {
@@ -229,8 +231,18 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             return false;
         }
         let since_us = *self.other_since_us.get_or_insert(row.time_us);
-        let lasting = row.time_us.saturating_sub(since_us) >= self.settings.weighing_us;
-        lasting || first || self.window.as_ref().is_none_or(|window| since_us <= window.start_us)
+        let Some(window) = self.window.as_mut().filter(|one| !one.inherits_mass) else {
+            return true;
+        };
+        let wait_us = match window.last_turn_us {
+            Some(_) => self.settings.weighing_us,
+            None => STRAIGHT_WEIGHING_US,
+        };
+        let lasting = first || row.time_us.saturating_sub(since_us) >= wait_us;
+        if lasting {
+            window.trailer_mass_kg = window.settled_kg;
+        }
+        lasting
     }
 
     /// Initializes the identifiers for the dynamics at this trailer mass.

@@ -31,8 +31,11 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) to_gravity: bool,
     /// Whether a lateral acceleration in its turns was that of the yaw rate.
     pub(crate) by_yaw_rate: bool,
-    /// Mean trailer mass, because the load signal oscillates.
+    /// Whether another mass was there before its first row, and still is.
+    pub(crate) inherits_mass: bool,
+    /// Mean trailer mass, because the load signal oscillates, and the same before another mass came.
     pub(crate) trailer_mass_kg: T,
+    pub(crate) settled_kg: T,
     /// The weight of all rows.
     pub(crate) weight: T,
     /// One for each roll angle, at the place of its first channel. It starts with the first row,
@@ -55,7 +58,9 @@ impl<T: Real, const C: usize> Window<T, C> {
             lateral_rows: T::zero(),
             to_gravity: false,
             by_yaw_rate: false,
+            inherits_mass: true,
             trailer_mass_kg: row.trailer_mass_kg,
+            settled_kg: row.trailer_mass_kg,
             weight: T::zero(),
             sensor_checks: [None; C],
         }
@@ -67,8 +72,9 @@ impl<T: Real, const C: usize> Window<T, C> {
         self.last_us = row.time_us;
         // Means are updated recursively, because sums lose digits in single precision.
         self.weight += T::one();
+        self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) / self.weight;
         if is_of_load {
-            self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) / self.weight;
+            (self.settled_kg, self.inherits_mass) = (self.trailer_mass_kg, false);
         }
         if row.turning {
             self.last_turn_us = Some(row.time_us);
