@@ -223,7 +223,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     /// Whether the trailer mass has changed for longer than the load signal oscillates in a turn, or on a straight
     /// road than its noise lasts, so that another mass applies to the dynamics. It is used at once if it was there
-    /// before the window, and if it is the `first` measured one, because the nominal mass was an assumption.
+    /// before the window, and if it is the `first` measured one, because the nominal mass was an assumption. The
+    /// window that it ends keeps the mass before it.
     fn is_other_mass(&mut self, row: &Row<T, C>, first: bool) -> bool {
         let change_kg = (row.trailer_mass_kg - self.made_for_kg).abs();
         if !(change_kg > self.settings.mass_change * self.made_for_kg) {

@@ -86,11 +86,7 @@ const SWING: f64 = 4.0;
 /// # Errors
 /// As [`Equations::new`].
 pub fn slopes(vehicle: &Vehicle) -> Result<Option<[f64; 2]>, VehicleError> {
-    let roll = &vehicle.sensors.roll;
-    let Some(second_m) = roll.second_share.and(roll.second_behind_hitch_m) else { return Ok(None) };
-    let joint_m = vehicle.trailer.payload.behind_hitch_m;
-    let half = |behind_hitch_m: f64| usize::from(behind_hitch_m >= joint_m);
-    let [first, second] = [roll.behind_hitch_m.unwrap_or(f64::INFINITY), second_m].map(half);
+    let Some([first, second]) = vehicle.roll_halves() else { return Ok(None) };
     let frame = Parameter::FrameTorsionalStiffness as usize;
     let sd = Belief::prior(vehicle).covariance[(frame, frame)].sqrt();
     let mut bounds = [1.0_f64; 2];

@@ -105,12 +105,29 @@ impl Trailer {
     }
 }
 
+impl Vehicle {
+    /// The half of the trailer, 0 the front one and 1 the rear one, at a distance behind the fifth wheel: they meet in the
+    /// middle of the payload.
+    fn half_at(&self, behind_hitch_m: f64) -> usize {
+        usize::from(behind_hitch_m >= self.trailer.payload.behind_hitch_m)
+    }
+
+    /// The halves of the first and the second roll sensor; `None` if the log does not have both separately.
+    pub fn roll_halves(&self) -> Option<[usize; 2]> {
+        let roll = &self.sensors.roll;
+        let second_m = roll.second_share.and(roll.second_behind_hitch_m)?;
+        Some([roll.behind_hitch_m.unwrap_or(f64::INFINITY), second_m].map(|m| self.half_at(m)))
+    }
+}
+
 impl Twisting {
     /// The frame of a vehicle; `None` if it is rigid.
     pub fn of(vehicle: &Vehicle) -> Option<Self> {
         let stiffness_nm_per_rad = vehicle.trailer.frame_nm_per_rad()?;
-        let joint_m = vehicle.trailer.payload.behind_hitch_m;
-        let share = |behind_hitch_m: f64| f64::from(u8::from(behind_hitch_m < joint_m));
+        let share = |behind_hitch_m: f64| {
+            let is_front = vehicle.half_at(behind_hitch_m) == 0;
+            f64::from(u8::from(is_front))
+        };
         let (_, accelerometer_m) = vehicle.accelerometer_positions_m();
         let places = vehicle.sensors.roll.places_m();
         let roll_share = places.map(|(place_m, weight)| weight * share(place_m)).sum();

@@ -77,9 +77,8 @@ impl Frames {
         let now_us = self.sampler.now_us();
         if now_us.saturating_sub(self.looked_us) >= LOOK_US {
             self.looked_us = now_us;
-            let sampler = &self.sampler;
             session.seen = self.presence.seen;
-            session.missing(self.presence.missing(now_us, |q| sampler.is_stale(q)))?;
+            session.missing(self.presence.missing(now_us))?;
             for (signal, message) in self.presence.unscaled(now_us) {
                 session.notice(signal, message)?;
             }

@@ -92,15 +92,6 @@ impl Presence {
         slow.filter(|_| !ROLLS.contains(&quantity))
     }
 
-    /// The signals of which a value has come, and none for longer than it serves.
-    pub(crate) fn stale(&self, now_us: u64) -> Vec<Quantity> {
-        let is_stale = |quantity: &Quantity| {
-            let age_us = now_us.saturating_sub(self.last_us[quantity.index()]);
-            self.seen[quantity.index()] && age_us > quantity.serves_us()
-        };
-        Quantity::ALL.into_iter().filter(is_stale).collect()
-    }
-
     /// What is to be told, once and after the beginning, of signals that are not used because the vehicle file
     /// does not say what they mean.
     pub(crate) fn unscaled(&mut self, now_us: u64) -> Vec<(&'static str, &'static str)> {
@@ -117,11 +108,7 @@ impl Presence {
     }
 
     /// Names of the signals that are missing: lost, too slow, or never received.
-    pub(crate) fn missing(
-        &mut self,
-        now_us: u64,
-        is_stale: impl Fn(Quantity) -> bool,
-    ) -> Vec<&'static str> {
+    pub(crate) fn missing(&mut self, now_us: u64) -> Vec<&'static str> {
         let since_us = *self.since_us.get_or_insert(now_us);
         let begun = now_us.saturating_sub(since_us) >= BEGUN_US;
         let seen = |quantity: &Quantity| self.seen.get(quantity.index()) == Some(&true);
@@ -131,9 +118,13 @@ impl Presence {
                 .zip(self.expected)
                 .any(|(purpose, expected)| expected == Some(wanted) && !purpose.iter().any(seen))
         };
+        let stale = |quantity: Quantity| {
+            let age_us = now_us.saturating_sub(self.last_us[quantity.index()]);
+            seen(&quantity) && age_us > quantity.serves_us()
+        };
         let late = |quantity: Quantity| self.cadence.get(quantity.index()).is_some_and(|c| c.late);
         let missing = |quantity: &Quantity| {
-            is_stale(*quantity) || late(*quantity) || (begun && never(*quantity))
+            stale(*quantity) || late(*quantity) || (begun && never(*quantity))
         };
         Quantity::ALL.into_iter().filter(missing).map(|q| Signal::from(q).name()).collect()
     }
@@ -148,11 +139,17 @@ mod tests {
         let ratio = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
         let missing = |settings, given, mapped: &[Quantity], seen: &[Quantity]| {
             let mut presence = Presence::new(settings, given, mapped);
-            for quantity in seen {
-                presence.received(*quantity, 0);
+            for now_us in (0..=BEGUN_US).step_by(250_000) {
+                for quantity in seen {
+                    presence.received(*quantity, now_us);
+                }
+                let found = presence.missing(now_us);
+                if now_us == BEGUN_US {
+                    return found;
+                }
+                assert!(found.is_empty(), "{found:?}");
             }
-            assert!(presence.missing(0, |_| false).is_empty());
-            presence.missing(BEGUN_US, |_| false)
+            unreachable!("the steps end at the time")
         };
         let all = ["steering_wheel", "roll", "speed", "lateral_acceleration", "trailer_mass"];
         assert_eq!(missing(&ratio, false, &[], &[]), all);
@@ -171,9 +168,9 @@ mod tests {
             .filter_map(|k| presence.received(Quantity::YawRate, k * 1_000_000))
             .collect();
         assert_eq!(reported, [1.0]);
-        assert_eq!(presence.missing(9_000_001, |_| false), ["yaw_rate"]);
+        assert_eq!(presence.missing(9_000_001), ["yaw_rate"]);
         presence.received(Quantity::YawRate, 9_100_000);
-        assert!(presence.missing(9_100_000, |_| false).is_empty());
+        assert!(presence.missing(9_100_000).is_empty());
     }
 
     /// Three seconds after the first look, not after time zero.
@@ -182,18 +179,22 @@ mod tests {
         let mut presence = Presence::new(&AlignSettings::NONE, true, &[Quantity::Speed]);
         presence.expected = [None, None, Some(Quantity::Speed), None, None];
         for (now_us, missing) in [(60_000_000, false), (62_999_999, false), (63_000_000, true)] {
-            assert_eq!(presence.missing(now_us, |_| false).len(), usize::from(missing), "{now_us}");
+            assert_eq!(presence.missing(now_us).len(), usize::from(missing), "{now_us}");
         }
         presence.received(Quantity::Speed, 63_000_000);
-        assert!(presence.missing(63_000_000, |_| false).is_empty());
+        assert!(presence.missing(63_000_000).is_empty());
     }
 
     #[test]
     fn a_lost_signal_is_missing_at_once() {
         let mut presence = Presence::new(&AlignSettings::NONE, true, &[]);
         presence.received(Quantity::Tilt, 0);
-        assert_eq!(presence.missing(0, |quantity| quantity == Quantity::Tilt), ["tilt"]);
-        assert!(presence.missing(0, |_| false).is_empty());
+        assert!(presence.missing(500_000).is_empty());
+        assert_eq!(presence.missing(500_001), ["tilt"]);
+        // The first value after a gap is late, the next one is not.
+        presence.received(Quantity::Tilt, 550_000);
+        presence.received(Quantity::Tilt, 600_000);
+        assert!(presence.missing(600_000).is_empty());
     }
 
     /// The rate of roll angles is that of the samples, and speed and mass may change slowly.
@@ -211,7 +212,7 @@ mod tests {
             let steps: Vec<f64> =
                 (0..6_u64).filter_map(|k| presence.received(quantity, k * 700_000)).collect();
             assert_eq!(steps, vec![0.7; usize::from(reported)], "{quantity}");
-            assert_eq!(presence.missing(0, |_| false).len(), usize::from(late), "{quantity}");
+            assert_eq!(presence.missing(0).len(), usize::from(late), "{quantity}");
         }
     }
 }

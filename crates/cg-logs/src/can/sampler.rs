@@ -114,11 +114,6 @@ impl Sampler {
         self.values_of_other_sources
     }
 
-    /// Whether a quantity that was received before is missing.
-    pub fn is_stale(&self, quantity: Quantity) -> bool {
-        self.aligner.is_stale(quantity, self.now_us)
-    }
-
     /// Stream time of the last frame, µs.
     pub fn now_us(&self) -> u64 {
         self.now_us

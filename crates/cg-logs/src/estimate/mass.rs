@@ -58,9 +58,9 @@ impl LogEstimator {
     /// Standard deviation of a trailer mass, kg.
     pub(super) fn mass_sd_kg(&self, mass_kg: f64) -> f64 {
         let is_of_log = self.options.trailer_mass_kg.is_none();
-        let logged_kg = self.seen.mass_sd_kg.filter(|_| is_of_log && self.seen.mass_kg.is_some());
+        let logged_kg = self.seen.mass_sd_kg.filter(|_| is_of_log && self.is_mass_known());
         match (self.scale(), self.options.trailer_mass_sd_kg.or(logged_kg)) {
-            _ if self.is_of_another_load() || !self.is_mass_known() => self.design.any_load_sd_kg(),
+            _ if self.is_of_another_load() => self.design.any_load_sd_kg(),
             (_, Some(sd_kg)) => sd_kg,
             (Some(scale), None) => {
                 let scatter_kg = if is_of_log { self.seen.weighed.scatter_kg() } else { 0.0 };
@@ -77,27 +77,26 @@ impl LogEstimator {
 
     /// What is said of speed and mass.
     pub(super) fn turns_messages(&self) -> Vec<String> {
+        let when = |signal: &str, comes: bool| {
+            if comes {
+                format!("the {signal} in the log begins after the last turn")
+            } else {
+                format!("no {signal} in the log")
+            }
+        };
         let mut messages = Vec::new();
         if !self.is_speed_known() {
-            let when = if self.seen.speed_since_us.is_none() {
-                "no speed in the log"
-            } else {
-                "the speed in the log begins after the last turn"
-            };
             messages.push(format!(
-                "{when}: {:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
+                "{}: {:.2} m/s from the vehicle file is used; give ⟨speed_mps⟩",
+                when("speed", self.seen.speed_since_us.is_some()),
                 self.design.nominal_speed_mps
             ));
         }
         if !self.is_mass_known() {
-            let when = if self.seen.mass_kg.is_none() {
-                "no trailer mass in the log"
-            } else {
-                "the trailer mass in the log begins after the last turn"
-            };
             messages.push(format!(
-                "{when}: {:.0} kg from the vehicle file is used, and the interval contains any load; give \
+                "{}: {:.0} kg from the vehicle file is used, and the interval contains any load; give \
                  ⟨trailer_mass_kg⟩",
+                when("trailer mass", self.seen.mass_kg.is_some()),
                 self.turns_mass_kg()
             ));
         }

@@ -39,15 +39,8 @@ impl Signals {
             let per_kg = (q - p) / (b - a);
             [p - per_kg * a, per_kg]
         });
-        let joint_m = vehicle.trailer.payload.behind_hitch_m;
-        let half = |behind_hitch_m: f64| usize::from(behind_hitch_m >= joint_m);
-        let roll = places.roll;
-        let roll_halves = roll
-            .second_share
-            .and(roll.second_behind_hitch_m)
-            .map(|second_m| [half(roll.behind_hitch_m.unwrap_or(f64::INFINITY)), half(second_m)]);
         Self {
-            roll_halves,
+            roll_halves: vehicle.roll_halves(),
             has_chassis,
             gravity_mps2: vehicle.gravity_mps2,
             trailer_mass_kg,
