@@ -224,8 +224,8 @@ pub(crate) struct SimulateArgs {
     /// Distance of the payload's c.g. behind the fifth wheel, m [default: from the vehicle file]
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = payload_behind_hitch_m)]
     pub(crate) payload_behind_hitch_m: Option<f64>,
-    /// Distance of the payload's c.g. to the left of the middle, m, to the right if negative; for the
-    /// nonlinear plant
+    /// Distance of the payload's c.g. to the left of the middle, m, to the right if negative; it must
+    /// be 0 with the printed equations
     #[arg(long, value_name = "Y", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
     pub(crate) payload_left_m: f64,
     /// Forward speed, m/s; on a road, the greatest [default: from the vehicle file, or the limits of

@@ -221,6 +221,56 @@ fn heights_beside<const N: usize>(
     })
 }
 
+/// The true rows of a step with a payload this far to the left.
+fn rows_beside(vehicle: &Vehicle, plant: Plant, payload_left_m: f64) -> Vec<LogRow> {
+    let scenario = Scenario {
+        plant,
+        load: laden(vehicle, 20e3, 1.9),
+        payload_left_m,
+        rate_hz: 20.0,
+        duration_s: 6.0,
+        speed_mps: SPEED_MPS,
+        ..Scenario::of(vehicle, Maneuver::RoundedStep)
+    };
+    LogSimulation::new(vehicle, scenario).unwrap().rows()
+}
+
+fn rolls_rad(row: &LogRow) -> [f64; 2] {
+    [row.roll_rad, row.second_roll_rad]
+}
+
+/// The linear models lean as the nonlinear plant stands, at each of two roll sensors of a frame that twists, and the lean
+/// is all that a payload beside the middle adds to them.
+#[test]
+fn linear_models_lean_as_the_nonlinear_plant() {
+    let mut flatbed = vehicle("euro");
+    flatbed.trailer.frame_torsional_stiffness_nm_per_rad = Some(6e5);
+    let roll = &mut flatbed.sensors.roll;
+    (roll.behind_hitch_m, roll.second_behind_hitch_m) = (Some(0.5), Some(8.0));
+    roll.second_share = Some(0.5);
+    for vehicle in [vehicle("kraz"), vehicle("baseline"), flatbed] {
+        let at_rest = |left_m| rolls_rad(&rows_beside(&vehicle, Plant::Nonlinear, left_m)[0]);
+        let (left, right) = (at_rest(0.05), at_rest(-0.05));
+        let stands: [f64; 2] = std::array::from_fn(|sensor| 0.5 * (left[sensor] - right[sensor]));
+        assert!(stands[0] < -1e-3, "{stands:?}");
+        for plant in [Plant::Linear, Plant::Reduced] {
+            let (beside, centered) =
+                (rows_beside(&vehicle, plant, 0.05), rows_beside(&vehicle, plant, 0.0));
+            assert!(centered.iter().any(|row| row.roll_rad > 0.01));
+            for (beside, centered) in beside.iter().zip(&centered) {
+                let (beside, centered) = (rolls_rad(beside), rolls_rad(centered));
+                for sensor in [0, 1] {
+                    let lean = beside[sensor] - centered[sensor];
+                    // The mean of both sides has no second order; the third is the square of 1e-2 rad.
+                    let holds = (lean / stands[sensor] - 1.0).abs() < 1e-3;
+                    let absent = lean.is_nan() && stands[sensor].is_nan();
+                    assert!(holds || absent, "{}: {lean} {stands:?}", vehicle.name);
+                }
+            }
+        }
+    }
+}
+
 /// 20 t that stand 0.3 m to a side lean all the time. The identification takes the lean for an offset of
 /// the roll sensor, so the height stays.
 #[test]

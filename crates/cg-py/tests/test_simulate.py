@@ -91,7 +91,11 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
         ({"gate_m": 20.0}, 'gate_m for "lane-change"'),
         ({"turn_rad": 1.0, "maneuver": "steady-turn"}, 'need plant="nonlinear"'),
         ({"speed_change": 0.2}, 'for maneuver="drive"'),
-        ({"payload_left_m": 0.1}, 'payload_left_m needs plant="nonlinear"'),
+        (
+            {"payload_left_m": 0.1, "model": "as-printed"},
+            'payload_left_m needs model="complete"',
+        ),
+        ({"payload_left_m": 1.3}, "payload_left_m 1.3 must lie between -1.2 and 1.2"),
         ({"payload_behind_hitch_m": 30.0}, "payload_behind_hitch_m 30 must be positive"),
         ({"sensors": {"drop_out": 2.0}}, "drop-out"),
         ({"sensors": {"delay_s": "late"}}, "delay_s is not a number"),

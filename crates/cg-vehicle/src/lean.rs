@@ -8,8 +8,10 @@
 use crate::equations::{Equations, Variant, q, w};
 use crate::error::VehicleError;
 use crate::linear::{NO_STEADY_TURN, SteadyLines};
+use crate::load::Load;
 use crate::vehicle::Vehicle;
 use cg_core::Channel;
+use nalgebra::DVector;
 
 /// What has play, so that a lean makes a height wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -63,7 +65,9 @@ impl Lean {
         let equations =
             Equations::new(vehicle, Variant::Complete, vehicle.nominal_speed_mps, load)?;
         let empty_kg = vehicle.empty_trailer_mass_kg();
-        let [roll, suspension_roll] = equations.rolls_per_moment()?;
+        let angles = equations.angles_per_moment()?;
+        let roll = equations.trailer_roll(|twisting| twisting.roll_share).dot(&angles);
+        let suspension_roll = angles[q::ROLL_2] - equations.mean_axle_roll(1).dot(&angles);
         let speed_mps = vehicle.nominal_speed_mps;
         let lines = SteadyLines::new(vehicle, Variant::Complete, speed_mps, load)?;
         Ok(Self {
@@ -107,23 +111,49 @@ impl Lean {
     }
 }
 
+/// Roll angles of a standing trailer to the road, rad, right side down positive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Standing {
+    /// That at the roll sensor.
+    pub roll_rad: f64,
+    /// Those of the front and the rear half.
+    pub halves_roll_rad: [f64; 2],
+}
+
+impl Standing {
+    /// Those of a vehicle with a load whose payload stands `payload_left_m` to the left of the middle. To first order in this
+    /// distance nothing else changes in the linear model: it adds constants to the roll angles.
+    ///
+    /// # Errors
+    /// As [`Equations::new`].
+    pub fn of(vehicle: &Vehicle, load: Load, payload_left_m: f64) -> Result<Self, VehicleError> {
+        let payload_kg = load.trailer_mass_kg - vehicle.empty_trailer_mass_kg();
+        let moment_nm = -payload_kg * vehicle.gravity_mps2 * payload_left_m;
+        let speed_mps = vehicle.nominal_speed_mps;
+        let equations = Equations::new(vehicle, Variant::Complete, speed_mps, load)?;
+        let angles = equations.angles_per_moment()? * moment_nm;
+        let halves = [1.0, 0.0].map(|share| equations.trailer_roll(|_| share).dot(&angles));
+        let roll_rad = equations.trailer_roll(|twisting| twisting.roll_share).dot(&angles);
+        Ok(Self { roll_rad, halves_roll_rad: halves })
+    }
+}
+
 impl Equations {
-    /// Roll angle at the sensor of the trailer and suspension roll per moment on its sprung mass, rad/(N m), of a standing
-    /// vehicle.
-    fn rolls_per_moment(&self) -> Result<[f64; 2], VehicleError> {
+    /// The angles of a standing vehicle per roll moment on the trailer's sprung mass, rad/(N m).
+    fn angles_per_moment(&self) -> Result<DVector<f64>, VehicleError> {
         let stiffness = self.stiffness_with_hitch();
         let n = stiffness.ncols() - q::ROLL_1;
         let rolls = stiffness.view((w::ROLL_1, q::ROLL_1), (n, n)).clone_owned();
         let (front, _) = self.on_hitch();
-        let mut moment = nalgebra::DVector::zeros(n);
+        let mut moment = DVector::zeros(n);
         for body in [front, w::ROLL_2] {
             moment[body - w::ROLL_1] += 0.5;
         }
         let none = || VehicleError::Model(NO_STEADY_TURN.to_owned());
-        let angles = rolls.lu().solve(&moment).ok_or_else(none)?;
-        let of_body = self.trailer_roll(|twisting| twisting.roll_share);
-        let mut of_suspension = -self.mean_axle_roll(1);
-        of_suspension[q::ROLL_2] += 1.0;
-        Ok([of_body, of_suspension].map(|row| row.rows(q::ROLL_1, n).dot(&angles)))
+        let rolls = rolls.lu().solve(&moment).ok_or_else(none)?;
+        let mut angles = DVector::zeros(stiffness.ncols());
+        angles.rows_mut(q::ROLL_1, n).copy_from(&rolls);
+        Ok(angles)
     }
 }

@@ -265,9 +265,12 @@ fn paths_without_their_maneuver_or_plant_are_refused() {
     refused(&["--maneuver", "lane-change", "--gate-m", "20"], &["need --plant nonlinear"]);
     refused(&["--maneuver", "steady-turn", "--turn-deg", "0"], &["at least 1 or at most -1"]);
     refused(&["--maneuver", "sine", "--to-rollover"], &["need --plant nonlinear"]);
-    refused(&["--maneuver", "sine", "--payload-left-m", "0.1"], &["needs --plant nonlinear"]);
-    let beside = ["--maneuver", "sine", "--plant", "nonlinear", "--payload-left-m", "-1.3"];
-    refused(&beside, &["--payload-left-m -1.3 must lie between -1.2 and 1.2"]);
+    let printed = ["--maneuver", "sine", "--model", "as-printed", "--payload-left-m", "0.1"];
+    refused(&printed, &["--payload-left-m needs --model complete"]);
+    for plant in ["linear", "reduced", "nonlinear"] {
+        let beside = ["--maneuver", "sine", "--plant", plant, "--payload-left-m", "-1.3"];
+        refused(&beside, &["--payload-left-m -1.3 must lie between -1.2 and 1.2"]);
+    }
     refused(&["--maneuver", "sine", "--payload-behind-hitch-m", "0"], &["must be positive"]);
     refused(&["--maneuver", "sine", "--steering-wheel"], &["no steering_ratio"]);
     refused(&["--maneuver", "sine", "--jitter-s", "0.1"], &["jitter (s) 0.1", "0.0049"]);

@@ -77,5 +77,6 @@ pub use integrate::{Moment, Progress, Simulation};
 pub use options::{Characteristics, PlantOptions};
 pub use path::Path;
 pub use sample::{AxleSample, PlantSample, UnitSample};
+pub(crate) use setup::check_payload_left;
 pub use state::{AxleCoordinate, Coordinate, MAX_AXLES, State};
 pub use yaw_roll::YawRollPlant;

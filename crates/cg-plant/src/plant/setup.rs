@@ -126,7 +126,12 @@ fn check(
     if !options.payload_behind_m.is_finite() {
         return Err(model("the position of the payload must be finite".to_owned()));
     }
-    let (left_m, half_m) = (options.payload_left_m, 0.5 * vehicle.trailer.payload.width_m);
+    check_payload_left(vehicle, options.payload_left_m)
+}
+
+/// Whether a payload can have its c.g. this far to the left of the middle.
+pub(crate) fn check_payload_left(vehicle: &Vehicle, left_m: f64) -> Result<(), VehicleError> {
+    let half_m = 0.5 * vehicle.trailer.payload.width_m;
     if !(left_m.abs() <= half_m) {
         return Err(model(format!(
             "⟨payload_left_m⟩ {left_m} must lie between {} and {half_m}, half the width of the payload",

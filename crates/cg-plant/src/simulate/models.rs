@@ -11,6 +11,7 @@ use crate::maneuver::Histories;
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::friction::roll_friction;
+use cg_vehicle::lean::Standing;
 use cg_vehicle::reduction::reduce;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::{Variant, Vehicle};
@@ -24,6 +25,8 @@ pub(super) struct Models {
     reduced: Option<Reduced>,
     interval_s: f64,
     friction: Friction<f64>,
+    /// The roll angles straight ahead.
+    standing: Standing,
 }
 
 /// The roll angle of springs with friction, from that of a linear model.
@@ -118,7 +121,13 @@ impl Models {
             Variant::Complete => roll_friction(vehicle, scenario.load)?[Channel::Steer.index()],
             Variant::AsPrinted => Friction::NONE,
         };
-        Ok(Self { at, reduced, interval_s, friction })
+        let left_m = scenario.payload_left_m;
+        let standing = if left_m.abs() > 0.0 {
+            Standing::of(vehicle, scenario.load, left_m)?
+        } else {
+            Standing::default()
+        };
+        Ok(Self { at, reduced, interval_s, friction, standing })
     }
 
     /// Runs from rest, sample by sample.
@@ -128,6 +137,14 @@ impl Models {
         samples: u64,
         mut write: impl FnMut(f64, Motion) -> Result<(), E>,
     ) -> Result<(), E> {
+        let standing = self.standing;
+        let mut write = |time_s, mut motion: Motion| {
+            motion.roll_rad += standing.roll_rad;
+            for (half, stands) in motion.halves_roll_rad.iter_mut().zip(standing.halves_roll_rad) {
+                *half += stands;
+            }
+            write(time_s, motion)
+        };
         let mut reduced = self.reduced.as_ref().map(|reduced| reduced.simulation);
         let mut at = step_of(histories.speed_mps(0.0));
         let friction = self.friction;

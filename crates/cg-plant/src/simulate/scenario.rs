@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::Serialize;
 
 use crate::maneuver::{Course, Histories, Maneuver};
+use crate::plant::check_payload_left;
 use crate::road::Road;
 use crate::sensors::{ChassisSensors, Sensors};
 use cg_vehicle::error::VehicleError;
@@ -77,7 +78,7 @@ pub struct Scenario {
     pub load: Load,
     /// Distance of the payload's c.g. behind the fifth wheel.
     pub payload_behind_hitch_m: f64,
-    /// Distance of the payload's c.g. to the left of the middle; nonlinear plant only.
+    /// Distance of the payload's c.g. to the left of the middle. The linear models lean by it.
     pub payload_left_m: f64,
     /// Forward speed.
     pub speed_mps: f64,
@@ -156,12 +157,10 @@ impl Scenario {
         if is_printed && is_moved(vehicle, self.payload_behind_hitch_m) {
             return refuse("⟨payload_behind_hitch_m⟩ needs ⟨model complete⟩".into());
         }
-        if self.plant != Plant::Nonlinear && !(self.payload_left_m.abs() <= 0.0) {
-            return refuse(
-                "⟨payload_left_m⟩ needs ⟨plant nonlinear⟩: the linear model is symmetric".into(),
-            );
+        if is_printed && !(self.payload_left_m.abs() <= 0.0) {
+            return refuse("⟨payload_left_m⟩ needs ⟨model complete⟩".into());
         }
-        Ok(())
+        check_payload_left(vehicle, self.payload_left_m)
     }
 
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {

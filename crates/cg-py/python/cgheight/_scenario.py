@@ -159,8 +159,8 @@ class Scenario:
     payload_behind_hitch_m : float, optional
         Distance of the payload's c.g. behind the fifth wheel, m; if absent, as in the vehicle file.
     payload_left_m : float
-        Distance of the payload's c.g. to the left of the middle, m, negative to the right; with the
-        nonlinear plant only.
+        Distance of the payload's c.g. to the left of the middle, m, negative to the right. To the
+        linear and the reduced model it adds the lean; the printed equations have none.
     speed_mps : float, optional
         Forward speed, m/s, on a road the greatest one; if absent, the vehicle's nominal speed, or
         the limits of the road.
