@@ -24,13 +24,13 @@ CLOCK_HZ = 168e6  # an STM32F4, the common M4F
 CYCLES_PER_INSTRUCTION = 2.0  # a conservative assumption: loads and flash wait states included
 
 WORDS = {
-    "identify_mean": "identify, one sample of one channel (13 unknowns), mean",
-    "identify_worst": "identify, worst-case sample (reduces a block of four means)",
+    "identify_mean": "identify, one row of one channel (13 unknowns), mean",
+    "identify_worst": "identify, worst-case row (reduces a block of four)",
     "push_mean": "`push`, steer and lateral channel, mean",
     "pair_push_mean": "`push`, the suspensions of trailer and tractor, mean",
     "push_running_worst": "worst-case `push` while driving (filters rediscretized)",
     "push_closing_worst": "worst-case `push` (a maneuver ends: solve, check, fuse)",
-    "identify_jitter_mean": "identify, one sample, mean, if the interval differs from mean to mean",
+    "identify_jitter_mean": "identify, one row, mean, if the interval differs from row to row",
     "image": "image without the log",
     "ram": "RAM: state and maximum stack depth",
 }

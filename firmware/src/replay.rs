@@ -41,7 +41,7 @@ impl Cost {
 pub struct Report {
     /// All samples.
     pub all: Cost,
-    /// Samples that end no maneuver. Every sixteenth sample (at 100 Hz) reduces a block. A new interval, or a
+    /// Samples that end no maneuver. Every fourth mean reduces a block. A new interval, or a
     /// new start after a stop, rediscretizes the filters.
     pub running: Cost,
     /// Samples that end a maneuver: solve, check, fuse.
@@ -100,20 +100,18 @@ pub fn replay(
     report
 }
 
-/// Costs of the identifier alone, for one sample of one channel.
+/// Costs of the identifier alone, for one row of one channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IdentifyCosts {
-    /// At a constant interval; every fourth sample completes a mean, every sixteenth reduces a block.
+    /// At a constant interval; every fourth row reduces a block.
     pub even: Cost,
-    /// At an interval that changes with every mean, as with time stamps of arrival: the filters are
+    /// At an interval that changes with every row, as with time stamps of arrival: the filters are
     /// discretized again each time.
     pub jitter: Cost,
 }
 
-/// Number of samples with jitter.
+/// Number of rows with jitter.
 const JITTER_ROWS: usize = 400;
-/// Number of samples in a mean at 100 Hz.
-const TOGETHER: usize = 4;
 
 /// Measures the cost of the identifier alone on the log's lateral acceleration and roll.
 pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
@@ -124,8 +122,8 @@ pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
     let mut run = |jitter: bool, rows: usize| {
         let mut identifier = FilteredArx::for_model(&model, Prior::standard());
         for (k, sample) in log::samples().take(rows).enumerate() {
-            let late = jitter && k / TOGETHER % 2 == 1;
-            let interval_s = if late { 0.010_1 } else { 0.010 };
+            let late = jitter && k % 2 == 1;
+            let interval_s = if late { 0.060_1 } else { 0.060 };
             let start = clock();
             identifier.push(
                 0.02 * sample.lateral_acceleration_mps2,
@@ -135,7 +133,7 @@ pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
             );
             let cost = clock().wrapping_sub(start);
             match (k, jitter) {
-                (0..=TOGETHER, _) => {} // the first interval
+                (0 | 1, _) => {} // the first interval
                 (_, false) => costs.even.add(cost),
                 (_, true) => costs.jitter.add(cost),
             }

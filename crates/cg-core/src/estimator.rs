@@ -10,13 +10,14 @@ use core::borrow::Borrow;
 
 use crate::decide::combined::{Combined, Heights};
 use crate::decide::condition::{Conditioner, Row, SampleError};
-use crate::decide::consistency::Inconsistency;
+use crate::decide::consistency::{Inconsistency, Shown};
 use crate::decide::height::Height;
 use crate::decide::judge::Judge;
 use crate::decide::lane::Lane;
 use crate::decide::load::{LoadWatch, Said, Verdict};
 use crate::decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 use crate::decide::memory::Memory;
+use crate::decide::neighbors::Neighbors;
 use crate::decide::settings::Settings;
 use crate::decide::window::Window;
 use crate::identify::identifier::Identify;
@@ -26,9 +27,9 @@ use crate::truck::channel::{CHANNELS, Channel};
 use crate::truck::design::Design;
 use crate::truck::friction::Friction;
 
-/// Least number of rows of a maneuver, including the straight driving before it. Fewer rows are not
+/// Least number of samples of a maneuver, including the straight driving before it. Fewer are not
 /// enough for the unknowns of any identifier.
-const LEAST_ROWS: f64 = 12.0;
+const LEAST_SAMPLES: f64 = 12.0;
 
 /// Time on a straight road after which another mass is used: there a scale does not swing, but it may have noise.
 const STRAIGHT_WEIGHING_US: u64 = 2_000_000;
@@ -57,11 +58,13 @@ pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>, const C: usize = CH
     options: I::Options,
     /// The trailer mass of the models in the identifiers.
     made_for_kg: T,
-    /// Whether any sample so far has had a mass.
-    weighed: bool,
+    /// Whether any sample so far has had a mass, and whether a row has been made with it.
+    is_weighed: bool,
+    was_weighed: bool,
     /// Time since which the measured mass differs from `made_for_kg`.
     other_since_us: Option<u64>,
     conditioner: Conditioner<T, C>,
+    neighbors: Neighbors<T>,
     lanes: [Lane<T, I>; C],
     window: Option<Window<T, C>>,
     load: LoadWatch<T, C>,
@@ -78,9 +81,11 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             settings,
             options,
             made_for_kg: T::zero(), // the first row initializes the identifiers
-            weighed: false,
+            is_weighed: false,
+            was_weighed: false,
             other_since_us: None,
             conditioner: Conditioner::new(design),
+            neighbors: Neighbors::NONE,
             lanes: [Lane::EMPTY; C],
             window: None,
             load: LoadWatch::new(settings.mass_change),
@@ -100,29 +105,52 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     /// # Errors
     /// [`SampleError`] if the sample is refused. The state of the estimator is then unchanged.
     pub fn push(&mut self, sample: &Sample<T>) -> Result<Step<T, C>, SampleError> {
-        let Some(row) = self.conditioner.push(self.design.borrow(), sample)? else {
+        let Some(seen) = self.conditioner.look(self.design.borrow(), sample)? else {
             return Ok(Step { status: Status::Absent, closed: None });
         };
+        self.is_weighed |= sample.trailer_mass_kg.present();
+        let is_next = self.neighbors.ends_before(&seen, I::MOST_TOGETHER);
+        if !is_next {
+            self.neighbors.add(&seen);
+            if !self.neighbors.is_complete(I::MOST_TOGETHER) {
+                return Ok(Step { status: self.status(), closed: None });
+            }
+        }
+        let step = self.take_mean();
+        if is_next {
+            self.neighbors.add(&seen);
+        }
+        Ok(step)
+    }
+
+    fn status(&self) -> Status {
+        if self.conditioner.is_turning() { Status::Turning } else { Status::Straight }
+    }
+
+    /// Ends the drive: closes the open maneuver and returns its result. Samples that wait for others to be averaged with are
+    /// not in it.
+    pub fn finish(&mut self) -> Option<Maneuver<T, C>> {
+        self.close()
+    }
+
+    /// Takes the mean of the last samples.
+    #[inline(never)]
+    fn take_mean(&mut self) -> Step<T, C> {
+        let row = &self.conditioner.row(self.design.borrow(), &mut self.neighbors);
         self.load.drive(row.time_us, row.speed_mps);
-        let first = !self.weighed && sample.trailer_mass_kg.present();
-        self.weighed |= first;
-        let weighed = self.is_other_mass(&row, first);
-        let status = if row.turning { Status::Turning } else { Status::Straight };
-        if !weighed && !self.must_close(&row) {
-            self.take_row(&row);
-            return Ok(Step { status, closed: None });
+        let first = self.is_weighed && !self.was_weighed;
+        self.was_weighed |= first;
+        let weighed = self.is_other_mass(row, first);
+        if !weighed && !self.must_close(row) {
+            self.take_row(row);
+            return Step { status: self.status(), closed: None };
         }
         let closed = self.close();
         if weighed {
             self.make_for(row.trailer_mass_kg);
         }
-        self.take_row(&row);
-        Ok(Step { status, closed })
-    }
-
-    /// Ends the drive: closes the open maneuver and returns its result.
-    pub fn finish(&mut self) -> Option<Maneuver<T, C>> {
-        self.close()
+        self.take_row(row);
+        Step { status: self.status(), closed }
     }
 
     /// The learned state, which [`restored`](Self::restored) takes after a restart.
@@ -289,11 +317,11 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     /// Updates the window with this row.
     fn note(&mut self, row: &Row<T, C>) {
-        let seen = seen(self.design.borrow(), &self.lanes, row);
+        let shown = shown(self.design.borrow(), &self.lanes, row);
         let window = self.window.get_or_insert_with(|| Window::new(row));
-        for (place, [roll_rad, input_rad, model_rad]) in seen.into_iter().enumerate() {
-            if model_rad.present() {
-                window.look(place, row.time_us, roll_rad, [input_rad, model_rad]);
+        for (place, shown) in shown.iter().enumerate() {
+            if let Some(shown) = shown {
+                window.look(place, shown);
             }
         }
         if window.push(row, self.other_since_us.is_none(), self.settings.fade_us) {
@@ -305,9 +333,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     #[inline(never)]
     fn close(&mut self) -> Option<Maneuver<T, C>> {
-        let window = self.window.take()?;
-        let told = window.last_turn_us.is_some() && window.weight > T::of(LEAST_ROWS);
-        let maneuver = told.then(|| self.judge(&window));
+        let window = self.window.as_ref()?;
+        let told = window.last_turn_us.is_some() && window.weight > T::of(LEAST_SAMPLES);
+        let maneuver = if told { self.judge() } else { None };
+        self.window = None;
         for lane in &mut self.lanes {
             lane.identifier.clear();
         }
@@ -316,7 +345,8 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         Some(maneuver)
     }
 
-    fn judge(&mut self, window: &Window<T, C>) -> Maneuver<T, C> {
+    fn judge(&mut self) -> Option<Maneuver<T, C>> {
+        let window = self.window.as_ref()?;
         let design = self.design.borrow();
         let bank_free = self.lanes.iter().enumerate().any(|(place, lane)| {
             lane.last_us.is_some() && design.channel(place).is_some_and(|c| !c.feels_bank())
@@ -337,7 +367,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             lane.impossible = far.unwrap_or(lane.impossible);
         }
         share_faults(design, &mut outcomes);
-        Maneuver {
+        Some(Maneuver {
             start_us: window.start_us,
             end_us: window.last_us,
             speed_mps: window.speed_mps,
@@ -345,7 +375,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             to_gravity: window.to_gravity,
             outcomes,
             correlation: judge.correlation(),
-        }
+        })
     }
 
     fn fuse(&mut self, maneuver: &Maneuver<T, C>) {
@@ -410,31 +440,27 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     }
 }
 
-/// For each roll angle, at the place of its first channel: the measured one, the expected one from an
-/// input, and that of the reduced model; NaN if absent. Among several channels with this roll angle,
+/// What the row shows of each roll angle, at the place of its first channel. Among several channels with this roll angle,
 /// the input is that of the last, because the lateral acceleration does not depend on the tires, and
 /// the others are those of the first, because the model of the steer angle includes faster motion.
-fn seen<T: Real, I: Identify<T>, const C: usize>(
+fn shown<T: Real, I: Identify<T>, const C: usize>(
     design: &Design<T, C>,
     lanes: &[Lane<T, I>; C],
     row: &Row<T, C>,
-) -> [[T; 3]; C] {
-    let mut seen = [[T::absent(); 3]; C];
+) -> [Option<Shown<T>>; C] {
+    let mut all = [None; C];
     for (place, lane) in lanes.iter().enumerate() {
-        let first = seen.get_mut(design.first_with_output(place));
-        if let Some([roll, input, model]) = first
+        if let Some(first) = all.get_mut(design.first_with_output(place))
             && lane.last_us == Some(row.time_us)
         {
-            let expected_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
-            let [measured, its_input, its_model] =
-                lane.views_rad(expected_rad, design.feels_bank(place));
-            *input = its_input;
-            if !model.present() {
-                (*roll, *model) = (measured, its_model);
+            let input_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
+            match first {
+                Some(Shown { input_rad: last, .. }) => *last = input_rad,
+                None => *first = Some(lane.shows(row, input_rad, design.feels_bank(place))),
             }
         }
     }
-    seen
+    all
 }
 
 /// A faulty sensor affects all channels with its roll angle.

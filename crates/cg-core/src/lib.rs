@@ -68,13 +68,14 @@ pub mod decide;
 pub mod estimator;
 
 pub use decide::combined::Combined;
-pub use decide::condition::{Conditioner, SampleError, Signals};
+pub use decide::condition::{Conditioner, SampleError};
 pub use decide::consistency::Inconsistency;
 pub use decide::curve::curve_speed_mps;
 pub use decide::height::Height;
 pub use decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 pub use decide::memory::Memory;
 pub use decide::settings::Settings;
+pub use decide::signals::Signals;
 pub use decide::warning::Warner;
 pub use estimator::Estimator;
 pub use identify::arx::Arx;

@@ -148,11 +148,15 @@ fn single_precision_gives_the_same_height() {
                 };
                 let slim = Prior { dynamics_sd: narrow(dynamics_sd), ..Prior::<f32>::standard() };
                 let mut product = FilteredArx::new(&model, slim);
-                for &(u, y) in &data {
-                    // Both use the values in single precision, as from the sensors.
-                    let (u, y) = (narrow(u), narrow(y));
-                    witness.push(f64::from(u), f64::from(y), interval_s, true);
-                    product.push(u, y, narrow(interval_s), true);
+                // Both use the values in single precision, as from the sensors.
+                let slim: Vec<_> = data.iter().map(|&(u, y)| (narrow(u), narrow(y))).collect();
+                let wide: Vec<_> =
+                    slim.iter().map(|&(u, y)| (f64::from(u), f64::from(y))).collect();
+                for mean in common::means(&wide, interval_s) {
+                    witness.push_mean(&mean);
+                }
+                for mean in common::means(&slim, interval_s) {
+                    product.push_mean(&mean);
                 }
                 let (Answer::Ready(a), Answer::Ready(b)) = (witness.fit(), product.fit()) else {
                     panic!("excited")

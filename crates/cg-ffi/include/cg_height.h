@@ -110,7 +110,7 @@ typedef struct cg_design {
 } cg_design;
 
 /* Size of an estimator in bytes. */
-#define CG_ESTIMATOR_SIZE 4368
+#define CG_ESTIMATOR_SIZE 4392
 
 /* An estimator in memory of the caller, static or on a stack. Its contents are private. */
 typedef struct cg_estimator {

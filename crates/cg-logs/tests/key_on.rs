@@ -122,15 +122,16 @@ fn the_height_is_that_of_the_drive() {
     };
     assert_eq!(good(&whole), good(&plain));
     // Of the beginning, only two seconds of straight driving are part of a maneuver. They say a little more of the offset of
-    // the steer angle, which moves the height by less than its random error. The lateral acceleration has none.
+    // the steer angle, which moves the height by less than its random error. The lateral acceleration has none; but the means begin at other samples, and a line
+    // between them misses (ω τ)²/12 of the motion, 3e-4 at 1 rad/s.
     let random_sd_m = plain.height_random_sd_m.unwrap();
-    assert!(random_sd_m < 5e-3 * expected_m, "{random_sd_m}");
+    assert!(random_sd_m < 6e-3 * expected_m, "{random_sd_m}");
     same("in memory", whole.height_m.unwrap(), random_sd_m / expected_m);
     let [before_m, after_m] = [&plain, &whole].map(|answer| {
         let of_channel = |one: &&ChannelEstimate| one.channel == "lateral-acceleration";
         answer.channels.iter().find(of_channel).unwrap().height_m.unwrap()
     });
-    assert!((after_m / before_m - 1.0).abs() < 1e-4, "{after_m} {before_m}");
+    assert!((after_m / before_m - 1.0).abs() < 3e-4, "{after_m} {before_m}");
 
     // CSV: the numbers are read back unchanged.
     let folder = tempfile::tempdir().unwrap();

@@ -1,11 +1,6 @@
-//! From a sample to the two signals of each channel, the expected and the measured roll angle.
+//! From the signals of a sample, or from the mean of some, to the two roll angles of each channel: the expected and the
+//! measured one.
 //!
-//! * The roll angle comes from a roll sensor: relative to the road, or else relative to gravity
-//!   (`φ + β`; on a banked road this is another angle, see [`Row::to_gravity`]). An inclinometer
-//!   shows the specific force divided by g. With a known lateral acceleration it gives the roll
-//!   angle relative to gravity, `(f − a_y)/g`.
-//! * The lateral acceleration is measured, or it is the yaw rate times the speed, or the specific
-//!   force without its gravity, `f − g (φ + β)`.
 //! * Each input is multiplied by the roll angle that the design expects per unit of it at the
 //!   present speed and mass (at the reference height). The scaled input is the expected roll angle
 //!   in radians. The ratio identified from it is near one, and slow changes of the speed have no
@@ -20,9 +15,11 @@
 
 use core::fmt;
 
+use crate::decide::neighbors::{Neighbors, Together};
+use crate::decide::signals::{Seen, Signals, seconds};
 use crate::math::real::Real;
 use crate::signal::sample::Sample;
-use crate::truck::channel::{CHANNELS, Channel, Input, Output};
+use crate::truck::channel::{CHANNELS, Channel, Input};
 use crate::truck::design::Design;
 use crate::truck::gains::Gains;
 
@@ -71,11 +68,11 @@ impl fmt::Display for SampleError {
 
 impl core::error::Error for SampleError {}
 
-/// One conditioned sample, the input of the identification.
+/// One conditioned sample, or the mean of some, the input of the identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Row<T, const C: usize = CHANNELS> {
-    /// Time stamp, µs.
+    /// Time stamp of the last sample, µs.
     pub time_us: u64,
     /// Measured roll angle of each channel, rad; NaN if absent. The order is that of
     /// [`Design::channels`].
@@ -88,7 +85,7 @@ pub struct Row<T, const C: usize = CHANNELS> {
     pub to_gravity: bool,
     /// Whether the lateral acceleration is that of the yaw rate.
     pub by_yaw_rate: bool,
-    /// Last known speed, m/s.
+    /// Last known speed, m/s; the mean of those at the samples.
     pub speed_mps: T,
     /// Last known trailer mass, kg.
     pub trailer_mass_kg: T,
@@ -101,9 +98,39 @@ pub struct Row<T, const C: usize = CHANNELS> {
     /// design, the lateral acceleration is small enough, and for the steer angle the speed is
     /// steady.
     pub usable: [bool; C],
+    /// What it is the mean of.
+    pub(crate) of: Samples<T>,
 }
 
-/// Converts each [`Sample`] to a [`Row`].
+/// The samples of a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Samples<T> {
+    /// Time of the first one, and the mean of their times, µs.
+    pub(crate) first_us: u64,
+    pub(crate) middle_us: u64,
+    pub(crate) number: u32,
+    pub(crate) weight: T,
+    /// How much the trailer's roll angle scatters about its mean, and its smallest step.
+    pub(crate) scatter: [T; 3],
+    pub(crate) step_rad: Option<T>,
+}
+
+#[cfg(test)]
+impl<T: Real> Samples<T> {
+    /// A single sample.
+    pub(crate) fn single(time_us: u64) -> Self {
+        Self {
+            first_us: time_us,
+            middle_us: time_us,
+            number: 1,
+            weight: T::ONE,
+            scatter: [T::ZERO; 3],
+            step_rad: None,
+        }
+    }
+}
+
+/// Converts samples to rows.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -114,15 +141,21 @@ pub struct Row<T, const C: usize = CHANNELS> {
     ))
 )]
 pub struct Conditioner<T, const C: usize = CHANNELS> {
+    /// Time stamp of the last sample, and of the last row.
     previous_us: Option<u64>,
+    row_us: Option<u64>,
+    /// The last known speed.
+    known_mps: T,
+    /// The speed of the last row, at which the gains are.
     speed_mps: T,
     /// The speed after a first-order lag with the time constant [`SPEED_FILTER_S`].
     lagging_mps: Option<T>,
     trailer_mass_kg: T,
+    /// Whether the gains are not those of the mass.
+    is_other_mass: bool,
     turning: bool,
-    /// Time stamp and value of the lateral acceleration after a first-order lag with the time
-    /// constant [`FELT_FILTER_S`].
-    smooth: Option<(u64, T)>,
+    /// The lateral acceleration after a first-order lag with the time constant [`FELT_FILTER_S`].
+    smooth: Option<T>,
     /// Expected roll angle per unit of each input, at the reference height and the present speed
     /// and mass.
     gains: Option<[T; C]>,
@@ -136,9 +169,12 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
     pub fn new(design: &Design<T, C>) -> Self {
         let mut conditioner = Self {
             previous_us: None,
+            row_us: None,
+            known_mps: design.nominal_speed_mps,
             speed_mps: design.nominal_speed_mps,
             lagging_mps: None,
             trailer_mass_kg: design.nominal_trailer_mass_kg,
+            is_other_mass: false,
             turning: false,
             smooth: None,
             gains: None,
@@ -170,6 +206,11 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         }
     }
 
+    /// Whether the truck is in a turn.
+    pub(crate) fn is_turning(&self) -> bool {
+        self.turning
+    }
+
     /// Conditions one sample; `None` if no channel has both a roll angle and an input.
     ///
     /// # Errors
@@ -179,6 +220,23 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         design: &Design<T, C>,
         sample: &Sample<T>,
     ) -> Result<Option<Row<T, C>>, SampleError> {
+        let seen = self.look(design, sample)?;
+        Ok(seen.map(|seen| {
+            let mut alone = Neighbors::NONE;
+            alone.add(&seen);
+            self.row(design, &mut alone)
+        }))
+    }
+
+    /// The signals of one sample; `None` if no channel has both a roll angle and an input.
+    ///
+    /// # Errors
+    /// [`SampleError::TimeOrder`] if the time stamp is not greater than the previous one.
+    pub(crate) fn look(
+        &mut self,
+        design: &Design<T, C>,
+        sample: &Sample<T>,
+    ) -> Result<Option<Seen<T>>, SampleError> {
         let sample = &sample.checked();
         let time_us = sample.time_us;
         if let Some(previous_us) = self.previous_us
@@ -186,31 +244,48 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         {
             return Err(SampleError::TimeOrder { previous_us, time_us });
         }
-        let interval_us = self.previous_us.map_or(0, |previous_us| time_us - previous_us);
         self.previous_us = Some(time_us);
-        self.schedule(design, sample);
-        let steady = self.acceleration_mps2(seconds(interval_us)).abs() < T::of(STEADY_MPS2);
+        let (speed_mps, mass_kg) = (sample.speed_mps, sample.trailer_mass_kg);
+        if speed_mps.present() {
+            self.known_mps = speed_mps;
+        }
+        // A scale that shows zero has not measured yet.
+        if mass_kg > T::zero() && mass_kg != self.trailer_mass_kg {
+            (self.trailer_mass_kg, self.is_other_mass) = (mass_kg, true);
+        }
+        let signals = Signals::of(sample, self.known_mps, design.gravity_mps2);
+        let is_seen = (0..C).filter_map(|place| design.channel(place)).any(|channel| {
+            signals.output(channel.output()).present() && signals.input(channel.input()).present()
+        });
+        Ok(is_seen.then_some(Seen { time_us, signals, speed_mps: self.known_mps }))
+    }
 
-        let signals = Signals::of(sample, self.speed_mps, design.gravity_mps2);
+    /// The row of some samples, which are then forgotten.
+    #[inline(never)] // one copy in the firmware image, and its memory is free when a maneuver ends
+    pub(crate) fn row(&mut self, design: &Design<T, C>, samples: &mut Neighbors<T>) -> Row<T, C> {
+        let mean = samples.take();
+        let Together { last_us: time_us, ref signals, speed_mps, .. } = mean;
+        if speed_mps != self.speed_mps || self.is_other_mass {
+            (self.speed_mps, self.is_other_mass) = (speed_mps, false);
+            self.update_gains(design);
+        }
+        let interval_us = self.row_us.map_or(0, |row_us| time_us.saturating_sub(row_us));
+        let interval_s = seconds(interval_us);
+        self.row_us = Some(time_us);
+        let steady = self.acceleration_mps2(interval_s).abs() < T::of(STEADY_MPS2);
         let gains = self.gains.unwrap_or([T::absent(); C]);
         let (mut measured_rad, mut expected_rad) = ([T::absent(); C], [T::absent(); C]);
-        let mut absent = true;
         for (place, (measured, expected)) in
             measured_rad.iter_mut().zip(&mut expected_rad).enumerate()
         {
             let (Some(channel), Some(gain)) = (design.channel(place), gains.get(place)) else {
                 continue;
             };
-            let input = signals.input(channel.input());
             *measured = signals.output(channel.output());
-            *expected = *gain * input;
-            absent &= !(measured.present() && input.present());
+            *expected = *gain * signals.input(channel.input());
         }
-        if absent {
-            return Ok(None);
-        }
-        let felt = self.felt_mps2(design, &signals);
-        let smooth_mps2 = self.smooth_mps2(time_us, felt);
+        let felt = self.felt_mps2(design, signals);
+        let smooth_mps2 = self.smooth_mps2(interval_s, felt);
         let limit = if self.turning { STRAIGHT_MPS2 } else { TURNING_MPS2 };
         self.turning = smooth_mps2.abs() > T::of(limit);
         let linear = self.gains.is_some() && smooth_mps2.abs() < T::of(LINEAR_MPS2);
@@ -220,25 +295,34 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         {
             *usable = linear && steady;
         }
-        Ok(Some(Row {
+        Row {
             time_us,
             measured_rad,
             expected_rad,
-            to_gravity: signals.to_gravity,
-            by_yaw_rate: signals.by_yaw_rate,
-            speed_mps: self.speed_mps,
+            to_gravity: signals.to_gravity(),
+            by_yaw_rate: signals.by_yaw_rate(),
+            speed_mps,
             trailer_mass_kg: self.trailer_mass_kg,
             lateral_acceleration_mps2: felt,
             turning: self.turning,
             usable,
-        }))
+            of: Samples {
+                first_us: mean.first_us,
+                middle_us: mean.middle_us,
+                number: mean.samples,
+                weight: mean.weight,
+                scatter: mean.scatter,
+                step_rad: mean.step_rad,
+            },
+        }
     }
 
     /// The lateral acceleration: measured, or if absent, expected from the steer angle or else from
     /// a specific force.
     fn felt_mps2(&self, design: &Design<T, C>, signals: &Signals<T>) -> T {
-        if signals.lateral_mps2.present() {
-            return signals.lateral_mps2;
+        let lateral_mps2 = signals.input(Input::LateralAcceleration);
+        if lateral_mps2.present() {
+            return lateral_mps2;
         }
         let gain = |channel: Channel| {
             let gain = self.gains.as_ref().and_then(|gains| gains.get(design.place(channel)?));
@@ -247,15 +331,13 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         let roll = gain(Channel::LateralAcceleration);
         let usual = T::of(MOST_ROLL_RAD_PER_G) / design.gravity_mps2;
         let by_roll = if roll.present() { roll } else { usual };
-        let steered = gain(Channel::Steer) * signals.steer_rad / by_roll;
+        let steered = gain(Channel::Steer) * signals.input(Input::Steer) / by_roll;
         if steered.present() {
             return steered;
         }
-        let force = if signals.force_mps2.present() {
-            signals.force_mps2
-        } else {
-            signals.tractor_force_mps2
-        };
+        let (trailer, tractor) = (Input::SpecificForce, Input::TractorSpecificForce);
+        let force = signals.input(trailer);
+        let force = if force.present() { force } else { signals.input(tractor) };
         // f = a_y (1 + g R); without R the lateral acceleration appears a little too large.
         let roll = if roll.present() { roll } else { T::zero() };
         force / (T::one() + design.gravity_mps2 * roll)
@@ -263,14 +345,13 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
 
     /// The filtered lateral acceleration: the last one if the sample has none, and zero before the
     /// first.
-    fn smooth_mps2(&mut self, time_us: u64, felt: T) -> T {
+    fn smooth_mps2(&mut self, interval_s: T, felt: T) -> T {
         if felt.present() {
-            let (last_us, last) = self.smooth.unwrap_or((time_us, felt));
-            let interval_s: T = seconds(time_us - last_us);
+            let last = self.smooth.unwrap_or(felt);
             let share = interval_s / (T::of(FELT_FILTER_S) + interval_s);
-            self.smooth = Some((time_us, last + (felt - last) * share));
+            self.smooth = Some(last + (felt - last) * share);
         }
-        self.smooth.map_or(T::zero(), |(_, smooth)| smooth)
+        self.smooth.unwrap_or(T::zero())
     }
 
     /// The filtered longitudinal acceleration; zero while the speed is not known.
@@ -280,91 +361,4 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         *lagging += (self.speed_mps - *lagging) * interval_s / (filter_s + interval_s);
         (self.speed_mps - *lagging) / filter_s
     }
-
-    /// Stores the last known speed and mass, and the gains for them.
-    fn schedule(&mut self, design: &Design<T, C>, sample: &Sample<T>) {
-        let (speed, mass) = (sample.speed_mps, sample.trailer_mass_kg);
-        let new_speed = speed.present() && speed != self.speed_mps;
-        // A scale that shows zero has not measured yet.
-        let new_mass = mass > T::zero() && mass != self.trailer_mass_kg;
-        if new_speed {
-            self.speed_mps = speed;
-        }
-        if new_mass {
-            self.trailer_mass_kg = mass;
-        }
-        if new_speed || new_mass {
-            self.update_gains(design);
-        }
-    }
-}
-
-/// The roll angles and inputs of all channels in a sample; NaN if absent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Signals<T> {
-    steer_rad: T,
-    lateral_mps2: T,
-    force_mps2: T,
-    tractor_force_mps2: T,
-    roll_rad: T,
-    to_gravity: bool,
-    by_yaw_rate: bool,
-    suspension_rad: T,
-    tractor_suspension_rad: T,
-}
-
-impl<T: Real> Signals<T> {
-    /// The signals of a [checked](Sample::checked) sample at a speed.
-    pub fn of(sample: &Sample<T>, speed_mps: T, gravity_mps2: T) -> Self {
-        let or = |first: T, second: T| if first.present() { first } else { second };
-        let force_mps2 = or(sample.lateral_specific_force_mps2, gravity_mps2 * sample.tilt_rad);
-        let measured = or(sample.lateral_acceleration_mps2, sample.yaw_rate_radps * speed_mps);
-        let lateral_mps2 = or(measured, force_mps2 - gravity_mps2 * sample.roll_to_gravity_rad);
-        let to_gravity_rad =
-            or(sample.roll_to_gravity_rad, (force_mps2 - lateral_mps2) / gravity_mps2);
-        Self {
-            steer_rad: sample.steer_rad,
-            lateral_mps2,
-            force_mps2,
-            tractor_force_mps2: or(
-                sample.tractor_lateral_specific_force_mps2,
-                gravity_mps2 * sample.tractor_tilt_rad,
-            ),
-            roll_rad: or(sample.roll_rad, to_gravity_rad),
-            to_gravity: !sample.roll_rad.present() && to_gravity_rad.present(),
-            by_yaw_rate: measured.present() && !sample.lateral_acceleration_mps2.present(),
-            suspension_rad: sample.suspension_roll_rad,
-            tractor_suspension_rad: sample.tractor_suspension_roll_rad,
-        }
-    }
-
-    /// Whether the trailer's roll angle is relative to gravity.
-    pub fn to_gravity(&self) -> bool {
-        self.to_gravity
-    }
-
-    /// A roll angle, rad.
-    pub fn output(&self, output: Output) -> T {
-        match output {
-            Output::Roll => self.roll_rad,
-            Output::SuspensionRoll => self.suspension_rad,
-            Output::TractorSuspensionRoll => self.tractor_suspension_rad,
-        }
-    }
-
-    /// An input, rad or m/s².
-    pub fn input(&self, input: Input) -> T {
-        match input {
-            Input::Steer => self.steer_rad,
-            Input::LateralAcceleration => self.lateral_mps2,
-            Input::SpecificForce => self.force_mps2,
-            Input::TractorSpecificForce => self.tractor_force_mps2,
-        }
-    }
-}
-
-/// Microseconds to seconds.
-pub(crate) fn seconds<T: Real>(interval_us: u64) -> T {
-    // An interval of more than an hour is a gap of any length. Shorter intervals fit into 32 bits.
-    T::of(f64::from(u32::try_from(interval_us).unwrap_or(u32::MAX))) * T::of(1e-6)
 }

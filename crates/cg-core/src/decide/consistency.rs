@@ -4,7 +4,7 @@
 //! except for a little noise while the truck continues to roll. The value of a sensor with a coarse
 //! resolution is also constant, but only between two of its steps.
 
-use crate::decide::condition::seconds;
+use crate::decide::signals::seconds;
 use crate::math::real::Real;
 
 /// The roll angle counts as constant while it changes by less than this share of the expected
@@ -51,7 +51,6 @@ pub enum Inconsistency<T> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RollSensorCheck<T> {
     time_us: u64,
-    roll_rad: T,
     lagged_rad: T,
     /// Least and greatest values since the roll angle has been constant: of the roll angle and of
     /// both expected angles. The mean of both expected ranges is used, because a wrong model
@@ -71,12 +70,24 @@ fn extended<T: Real>([low, high]: [T; 2], x: T) -> [T; 2] {
     [if x < low { x } else { low }, if x > high { x } else { high }]
 }
 
+/// What a row shows of a roll angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown<T> {
+    pub(crate) time_us: u64,
+    pub(crate) roll_rad: T,
+    /// The smallest difference between successive values of the sensor that is not zero; `None` if there is none.
+    pub(crate) step_rad: Option<T>,
+    /// The roll angle expected by the input, and by the reduced model.
+    pub(crate) input_rad: T,
+    pub(crate) model_rad: T,
+}
+
 impl<T: Real> RollSensorCheck<T> {
     /// Starts at the first row of a maneuver.
-    pub(crate) fn new(time_us: u64, roll_rad: T, input_rad: T, model_rad: T) -> Self {
+    pub(crate) fn new(first: &Shown<T>) -> Self {
+        let Shown { time_us, roll_rad, input_rad, model_rad, .. } = *first;
         Self {
             time_us,
-            roll_rad,
             lagged_rad: input_rad,
             constant_range_rad: [roll_rad; 2],
             expected_ranges_rad: [[input_rad; 2], [model_rad; 2]],
@@ -88,13 +99,14 @@ impl<T: Real> RollSensorCheck<T> {
     }
 
     /// Adds the next row.
-    pub(crate) fn push(&mut self, time_us: u64, roll_rad: T, input_rad: T, model_rad: T) {
+    pub(crate) fn push(&mut self, shown: &Shown<T>) {
+        let Shown { time_us, roll_rad, step_rad, input_rad, model_rad } = *shown;
         let interval_s: T = seconds(time_us.saturating_sub(self.time_us));
         self.time_us = time_us;
         self.lagged_rad += (input_rad - self.lagged_rad) * interval_s / (T::of(LAG_S) + interval_s);
-        let step_rad = (roll_rad - self.roll_rad).abs();
-        self.roll_rad = roll_rad;
-        if step_rad > T::zero() && step_rad < self.least_step_rad {
+        if let Some(step_rad) = step_rad
+            && step_rad < self.least_step_rad
+        {
             self.least_step_rad = step_rad;
         }
         let expected_rad = [self.lagged_rad, model_rad];
@@ -156,9 +168,36 @@ impl<T: Real> RollSensorCheck<T> {
 mod tests {
     use super::*;
 
+    /// A check that sees every value of a sensor.
+    struct Watch {
+        check: RollSensorCheck<f64>,
+        before_rad: f64,
+    }
+
+    impl Watch {
+        fn new(time_us: u64, roll_rad: f64, input_rad: f64, model_rad: f64) -> Self {
+            let first = Shown { time_us, roll_rad, step_rad: None, input_rad, model_rad };
+            Self { check: RollSensorCheck::new(&first), before_rad: roll_rad }
+        }
+
+        fn push(&mut self, time_us: u64, roll_rad: f64, input_rad: f64, model_rad: f64) {
+            let step_rad = Some((roll_rad - self.before_rad).abs()).filter(|step| *step > 0.0);
+            self.before_rad = roll_rad;
+            self.check.push(&Shown { time_us, roll_rad, step_rad, input_rad, model_rad });
+        }
+
+        fn standstill(&self, share: f64, noise_rad2_s: f64) -> Option<Inconsistency<f64>> {
+            self.check.standstill(share, noise_rad2_s)
+        }
+
+        fn step_share(&self, noise_sd_rad: f64) -> f64 {
+            self.check.step_share(noise_sd_rad)
+        }
+    }
+
     /// A turn to 2.5 degrees in 5 s, measured by a sensor with this characteristic.
     fn shown(sensor: impl Fn(f64) -> f64) -> Option<Inconsistency<f64>> {
-        let mut check = RollSensorCheck::new(0, sensor(0.0), 0.0, 0.0);
+        let mut check = Watch::new(0, sensor(0.0), 0.0, 0.0);
         for k in 1..=1000_u32 {
             let expected = 2.5 * (f64::from(k) / 500.0).min(1.0);
             check.push(10_000 * u64::from(k), sensor(1.1 * expected), expected, expected);
@@ -183,18 +222,20 @@ mod tests {
     /// steps.
     #[test]
     fn coarse_steps_are_counted_unless_noise_carries_the_angle_over_them() {
-        let mut check = RollSensorCheck::new(0, 0.0, 0.0, 0.0);
+        let mut check = Watch::new(0, 0.0, 0.0, 0.0);
         for k in 1..=50_u32 {
             let expected = f64::from(k) * 0.05;
             check.push(slow(k), (f64::from(k) * 0.1).round() * 0.5, expected, expected);
         }
-        let (steps, motion) =
-            (0.5 / 12.0_f64.sqrt(), check.input_range_rad[1] - check.input_range_rad[0]);
+        let (steps, motion) = (
+            0.5 / 12.0_f64.sqrt(),
+            check.check.input_range_rad[1] - check.check.input_range_rad[0],
+        );
         assert!((motion - 2.5).abs() < 0.001);
         assert!((check.step_share(steps) - steps / motion).abs() < 1e-12);
         assert!(check.step_share(0.5_f64.hypot(steps)) < 0.003 * steps);
         assert!(check.step_share(0.0) > 0.0);
-        assert!(RollSensorCheck::new(0, 0.0, 0.0, 0.0).step_share(0.1) == 0.0);
+        assert!(Watch::new(0, 0.0, 0.0, 0.0).step_share(0.1) == 0.0);
     }
 
     #[test]
@@ -219,7 +260,7 @@ mod tests {
     fn a_seventh_of_the_motion_is_the_longest_standstill() {
         // Before and after, the angle also counts as constant within 2 % of the motion.
         for (share, hangs) in [(0.10, false), (0.16, true)] {
-            let mut check = RollSensorCheck::new(0, -1.0, -1.0, -1.0);
+            let mut check = Watch::new(0, -1.0, -1.0, -1.0);
             for k in 1..=2000_u32 {
                 let expected = f64::from(k) / 1000.0 - 1.0;
                 let stands = expected > 0.3 && expected <= 0.3 + 2.0 * share;
@@ -239,7 +280,7 @@ mod tests {
     #[test]
     fn three_steps_are_the_longest_standstill_of_a_coarse_sensor() {
         for (left_out, hangs) in [(1, false), (3, true)] {
-            let mut check = RollSensorCheck::new(0, 0.0, 0.0, 0.0);
+            let mut check = Watch::new(0, 0.0, 0.0, 0.0);
             for k in 1..=1000_u32 {
                 let place = k / 100;
                 let shown = if place > 4 && place <= 4 + left_out { 4 } else { place };
@@ -254,7 +295,7 @@ mod tests {
     /// reduces the effect of the steps to a quarter.
     #[test]
     fn noise_of_a_step_carries_by_the_law_that_is_written_there() {
-        let mut check = RollSensorCheck::new(0, 0.0, -1.0, -1.0);
+        let mut check = Watch::new(0, 0.0, -1.0, -1.0);
         for k in 1..=8_u32 {
             let expected = f64::from(k) / 4.0 - 1.0;
             check.push(slow(k), 0.25 * f64::from(k), expected, expected);

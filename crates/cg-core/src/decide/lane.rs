@@ -1,9 +1,12 @@
 //! The state of one channel: its identifier, the initial steady state, and the fused heights.
 
-use crate::decide::condition::{Row, seconds};
+use crate::decide::condition::Row;
+use crate::decide::consistency::Shown;
 use crate::decide::height::Fusion;
 use crate::decide::settings::Settings;
+use crate::decide::signals::seconds;
 use crate::identify::identifier::Identify;
+use crate::identify::mean::Mean;
 use crate::math::real::Real;
 use crate::truck::friction::{Friction, FrictionState};
 use crate::truck::lags::RollLags;
@@ -16,20 +19,23 @@ const VIEW_LAG_S: f64 = 0.8;
 /// to more than a second until a truck counts as turning.
 const SOON_US: u64 = 1_200_000;
 
-/// The state of one channel: its identifier, the time of its last sample, and its fused heights.
+/// The state of one channel: its identifier, the time of its last row, and its fused heights.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Lane<T: Real, I> {
     pub(crate) identifier: I,
+    /// Time of the last sample of the last row, and the mean of the times of its samples.
     pub(crate) last_us: Option<u64>,
+    middle_us: u64,
     settled_us: u64,
     measured_rad: T,
     lags: RollLags<T>,
     /// Of the springs of this channel, at the present mass.
     pub(crate) friction: Friction<T>,
     state: FrictionState<T>,
-    /// Expected and measured roll angle after [`VIEW_LAG_S`].
+    /// Expected and measured roll angle after [`VIEW_LAG_S`], and the last change of the latter.
     view_rad: [T; 2],
+    view_step_rad: T,
     rest: Rest<T>,
     pub(crate) fusion: Fusion<T>,
     /// Whether the last height of this channel is impossible for this trailer, and no other
@@ -43,19 +49,21 @@ pub(crate) struct Lane<T: Real, I> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Rest<T> {
     until_us: u64,
-    rows: T,
+    samples: T,
     mean_rad: [T; 2],
 }
 
 impl<T: Real> Rest<T> {
     const fn new(until_us: u64) -> Self {
-        Self { until_us, rows: T::ZERO, mean_rad: [T::ZERO; 2] }
+        Self { until_us, samples: T::ZERO, mean_rad: [T::ZERO; 2] }
     }
 
-    fn with(&mut self, angles_rad: [T; 2]) -> [T; 2] {
-        self.rows += T::one();
+    /// The mean with those of some more samples.
+    fn with(&mut self, angles_rad: [T; 2], samples: T) -> [T; 2] {
+        self.samples += samples;
+        let share = samples / self.samples;
         for (mean, angle) in self.mean_rad.iter_mut().zip(angles_rad) {
-            *mean += (angle - *mean) / self.rows;
+            *mean += (angle - *mean) * share;
         }
         self.mean_rad
     }
@@ -66,12 +74,14 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     pub(crate) const EMPTY: Self = Self {
         identifier: I::EMPTY,
         last_us: None,
+        middle_us: 0,
         settled_us: 0,
         measured_rad: T::ZERO,
         lags: RollLags::at_rest(T::ZERO),
         friction: Friction::NONE,
         state: FrictionState::at_rest(T::ZERO),
         view_rad: [T::ZERO; 2],
+        view_step_rad: T::ZERO,
         rest: Rest::new(0),
         fusion: Fusion::new(),
         impossible: false,
@@ -94,20 +104,10 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         if !expected_rad.present() || !measured_rad.present() {
             return;
         }
-        let interval_us = self.last_us.map(|last_us| row.time_us.saturating_sub(last_us));
-        match interval_us {
-            Some(interval_us) if interval_us <= settings.gap_us => {}
-            _ => {
-                self.identifier.restart();
-                // In a turn the filters start from a wrong steady state.
-                let wait = if row.turning { settings.settle_us } else { 0 };
-                self.settled_us = row.time_us.saturating_add(wait);
-                let rest_us = if row.turning { 0 } else { settings.rest_us };
-                self.rest = Rest::new(row.time_us.saturating_add(rest_us));
-                self.lags = RollLags::at_rest(measured_rad);
-                self.state = FrictionState::at_rest(measured_rad);
-                self.view_rad = [expected_rad, measured_rad];
-            }
+        let gap_us = self.last_us.map(|last_us| row.of.first_us.saturating_sub(last_us));
+        match gap_us {
+            Some(gap_us) if gap_us <= settings.gap_us => {}
+            _ => self.start(row, [expected_rad, measured_rad], settings),
         }
         // What looked like rest was the begin of this turn.
         let soon_us = self.rest.until_us.saturating_add(SOON_US);
@@ -115,9 +115,14 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
             self.settled_us = row.time_us.saturating_add(settings.settle_us);
             self.identifier.clear();
         }
-        self.last_us = Some(row.time_us);
+        let last_us = self.last_us.replace(row.time_us);
+        let middle_us = core::mem::replace(&mut self.middle_us, row.of.middle_us);
+        let since = |time_us: u64, past_us: u64| match last_us {
+            Some(_) => seconds::<T>(time_us.saturating_sub(past_us)),
+            None => T::zero(),
+        };
+        let interval_s = since(row.of.middle_us, middle_us);
         self.measured_rad = measured_rad;
-        let interval_s: T = seconds(interval_us.unwrap_or(0));
         let late_rad = self.lags.push(measured_rad, interval_s);
         let held_rad = self.state.push(&self.friction, late_rad);
         let free = |roll_rad| {
@@ -130,30 +135,63 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         let roll_rad = free(if lags { late_rad } else { measured_rad });
         let share = interval_s * T::of(1.0 / VIEW_LAG_S); // a gap ends at 0.5 s
         for (view, signal) in self.view_rad.iter_mut().zip([expected_rad, measured_rad]) {
-            *view += (signal - *view) * share;
+            self.view_step_rad = (signal - *view) * share; // that of the measured one is the last
+            *view += self.view_step_rad;
         }
         if row.time_us < self.rest.until_us && !row.turning {
-            let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad]);
+            let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad], row.of.weight);
             self.lags = RollLags::at_rest(mean_rad);
             self.identifier.restart();
             let roll_rad = if lags { free(mean_rad) } else { roll_rad };
             self.identifier.push(rest_rad, roll_rad, T::zero(), false);
             return;
         }
-        let use_row = usable && row.time_us >= self.settled_us;
-        self.identifier.push(expected_rad, roll_rad, interval_s, use_row);
+        self.identifier.push_mean(&Mean {
+            input: expected_rad,
+            roll_rad,
+            interval_s,
+            elapsed_s: since(row.time_us, last_us.unwrap_or(0)),
+            samples: row.of.number,
+            weight: row.of.weight,
+            is_used: usable && row.time_us >= self.settled_us,
+            // After the lags it says nothing, and the others do not have them.
+            scatter: if lags { [T::zero(); 3] } else { row.of.scatter },
+        });
+    }
+
+    /// Starts anew at a row.
+    fn start<const C: usize>(&mut self, row: &Row<T, C>, view_rad: [T; 2], settings: &Settings<T>) {
+        self.identifier.restart();
+        // In a turn the filters start from a wrong steady state.
+        let wait = if row.turning { settings.settle_us } else { 0 };
+        self.settled_us = row.time_us.saturating_add(wait);
+        let rest_us = if row.turning { 0 } else { settings.rest_us };
+        self.rest = Rest::new(row.time_us.saturating_add(rest_us));
+        let [_, measured_rad] = view_rad;
+        self.lags = RollLags::at_rest(measured_rad);
+        self.state = FrictionState::at_rest(measured_rad);
+        self.view_rad = view_rad;
     }
 
     /// What shows a roll angle that stands still: the measured one, and two views of the motion that
     /// is expected, by the input and by the reduced model. The roll angle of a suspension (which does
     /// not feel the bank) comes before its specific force; the same lag for both makes up for it.
-    pub(crate) fn views_rad(&self, expected_rad: T, feels_bank: bool) -> [T; 3] {
+    pub(crate) fn shows<const C: usize>(
+        &self,
+        row: &Row<T, C>,
+        input_rad: T,
+        feels_bank: bool,
+    ) -> Shown<T> {
+        let time_us = row.time_us;
         if feels_bank {
-            [self.measured_rad, expected_rad, self.identifier.expected_roll_rad()]
-        } else {
-            let [expected_late, measured_late] = self.view_rad;
-            [measured_late, expected_rad, expected_late]
+            let model_rad = self.identifier.expected_roll_rad();
+            let (roll_rad, step_rad) = (self.measured_rad, row.of.step_rad);
+            return Shown { time_us, roll_rad, step_rad, input_rad, model_rad };
         }
+        let [model_rad, roll_rad] = self.view_rad;
+        let step_rad = self.view_step_rad.abs();
+        let step_rad = (step_rad > T::zero()).then_some(step_rad);
+        Shown { time_us, roll_rad, step_rad, input_rad, model_rad }
     }
 
     /// Deletes the heights after a change of the load.
@@ -166,6 +204,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decide::condition::Samples;
     use crate::identify::identifier::{Answer, Unexcited};
     use crate::truck::ratio::Measured;
     use crate::truck::reduced::Reduced5;
@@ -179,10 +218,11 @@ mod tests {
 
     impl Identify<f64> for Recorder {
         type Options = ();
+        const MOST_TOGETHER: u32 = 1;
         const EMPTY: Self = Self { last: (0.0, 0.0, false), restarts: 0 };
         fn make_for(&mut self, _: &Reduced5<f64>, _: bool, (): ()) {}
-        fn push(&mut self, input: f64, _: f64, interval_s: f64, use_row: bool) {
-            self.last = (input, interval_s, use_row);
+        fn push_mean(&mut self, mean: &Mean<f64>) {
+            self.last = (mean.input, mean.interval_s, mean.is_used);
         }
         fn clear(&mut self) {}
         fn restart(&mut self) {
@@ -215,6 +255,7 @@ mod tests {
             lateral_acceleration_mps2: 0.0,
             turning,
             usable: [true; 2],
+            of: Samples::single(time_us),
         };
         lane.identify(&row, 1, false, &Settings::truck());
         lane.identifier.last

@@ -1,6 +1,8 @@
 //! Decisions: which samples form a maneuver, whether the signals are plausible, whether the load
 //! has changed, which height follows from all maneuvers, and when to warn.
 
+pub mod signals;
+pub(crate) mod neighbors;
 pub mod condition;
 pub mod consistency;
 pub mod height;

@@ -1,7 +1,7 @@
 //! Rollover warning: the share of the rollover threshold that the present turn uses, in levels with
 //! hysteresis.
 
-use crate::decide::condition::seconds;
+use crate::decide::signals::seconds;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 

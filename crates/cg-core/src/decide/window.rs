@@ -1,7 +1,7 @@
 //! The part of a drive whose rows are in the identifiers.
 
 use crate::decide::condition::{Row, STRAIGHT_MPS2};
-use crate::decide::consistency::RollSensorCheck;
+use crate::decide::consistency::{RollSensorCheck, Shown};
 use crate::math::real::Real;
 
 /// The part of the drive whose rows are in the identifiers.
@@ -20,13 +20,13 @@ pub(crate) struct Window<T, const C: usize> {
     pub(crate) last_turn_us: Option<u64>,
     faded_us: u64,
     pub(crate) start_speed_mps: T,
-    /// Mean speed of the rows in turns, and their number.
+    /// Mean speed of the samples in turns, and their number.
     pub(crate) speed_mps: T,
-    turning_rows: T,
-    /// Mean square of the lateral acceleration of the rows in turns that have one, m²/s⁴, and their
+    turning_samples: T,
+    /// Mean square of the lateral acceleration of the samples in turns that have one, m²/s⁴, and their
     /// number.
     lateral_square: T,
-    lateral_rows: T,
+    lateral_samples: T,
     /// Whether a roll angle in it was relative to gravity.
     pub(crate) to_gravity: bool,
     /// Whether a lateral acceleration in its turns was that of the yaw rate.
@@ -36,7 +36,7 @@ pub(crate) struct Window<T, const C: usize> {
     /// Mean trailer mass, because the load signal oscillates, and the same before another mass came.
     pub(crate) trailer_mass_kg: T,
     pub(crate) settled_kg: T,
-    /// The weight of all rows.
+    /// The weight of all samples.
     pub(crate) weight: T,
     /// One for each roll angle, at the place of its first channel. It starts with the first row,
     /// because a dead band shows at the beginning of a turn.
@@ -53,9 +53,9 @@ impl<T: Real, const C: usize> Window<T, C> {
             faded_us: row.time_us,
             start_speed_mps: row.speed_mps,
             speed_mps: T::zero(),
-            turning_rows: T::zero(),
+            turning_samples: T::zero(),
             lateral_square: T::zero(),
-            lateral_rows: T::zero(),
+            lateral_samples: T::zero(),
             to_gravity: false,
             by_yaw_rate: false,
             inherits_mass: true,
@@ -71,20 +71,22 @@ impl<T: Real, const C: usize> Window<T, C> {
     pub(crate) fn push(&mut self, row: &Row<T, C>, is_of_load: bool, fade_us: u64) -> bool {
         self.last_us = row.time_us;
         // Means are updated recursively, because sums lose digits in single precision.
-        self.weight += T::one();
-        self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) / self.weight;
+        let samples = row.of.weight;
+        self.weight += samples;
+        let share = samples / self.weight;
+        self.trailer_mass_kg += (row.trailer_mass_kg - self.trailer_mass_kg) * share;
         if is_of_load {
             (self.settled_kg, self.inherits_mass) = (self.trailer_mass_kg, false);
         }
         if row.turning {
             self.last_turn_us = Some(row.time_us);
-            self.turning_rows += T::one();
-            self.speed_mps += (row.speed_mps - self.speed_mps) / self.turning_rows;
+            self.turning_samples += samples;
+            self.speed_mps += (row.speed_mps - self.speed_mps) * samples / self.turning_samples;
             let lateral = row.lateral_acceleration_mps2;
             if lateral.present() {
-                self.lateral_rows += T::one();
+                self.lateral_samples += samples;
                 self.lateral_square +=
-                    (lateral * lateral - self.lateral_square) / self.lateral_rows;
+                    (lateral * lateral - self.lateral_square) * samples / self.lateral_samples;
             }
             self.to_gravity |= row.to_gravity;
             self.by_yaw_rate |= row.by_yaw_rate;
@@ -107,14 +109,11 @@ impl<T: Real, const C: usize> Window<T, C> {
         self.lateral_square.root().max(T::of(STRAIGHT_MPS2))
     }
 
-    /// Adds a measured roll angle, its input and the expected one to the check at this place.
-    pub(crate) fn look(&mut self, place: usize, time_us: u64, roll_rad: T, expected: [T; 2]) {
-        let [input_rad, model_rad] = expected;
+    /// Adds a measured roll angle to the check at this place.
+    pub(crate) fn look(&mut self, place: usize, shown: &Shown<T>) {
         match self.sensor_checks.get_mut(place) {
-            Some(Some(check)) => check.push(time_us, roll_rad, input_rad, model_rad),
-            Some(check) => {
-                *check = Some(RollSensorCheck::new(time_us, roll_rad, input_rad, model_rad));
-            }
+            Some(Some(check)) => check.push(shown),
+            Some(check) => *check = Some(RollSensorCheck::new(shown)),
             None => {}
         }
     }
@@ -128,6 +127,7 @@ impl<T: Real, const C: usize> Window<T, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decide::condition::Samples;
 
     /// The root mean square that remains of rows in a turn with these lateral accelerations.
     fn lateral_mps2(rows: &[f64]) -> f64 {
@@ -144,6 +144,7 @@ mod tests {
                 lateral_acceleration_mps2: *lateral,
                 turning: true,
                 usable: [true],
+                of: Samples::single(time_us),
             };
             window.get_or_insert_with(|| Window::new(&row)).push(&row, true, 2_000_000);
         }

@@ -1,6 +1,7 @@
 //! ARX least squares in the classical shift form (eqs. 5.1, 5.2).
 
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
+use crate::identify::mean::Mean;
 use crate::math::linalg::Triangle;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
@@ -222,6 +223,7 @@ impl<T: Real> SampledArx<T> {
 impl<T: Real> Identify<T> for SampledArx<T> {
     type Options = ArxOptions<T>;
 
+    const MOST_TOGETHER: u32 = 1;
     const EMPTY: Self = Self {
         arx: Arx::empty(),
         model: None,
@@ -240,13 +242,14 @@ impl<T: Real> Identify<T> for SampledArx<T> {
         };
     }
 
-    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
-        self.elapsed_s += interval_s;
+    fn push_mean(&mut self, mean: &Mean<T>) {
+        let Mean { input, roll_rad, elapsed_s, is_used, .. } = *mean;
+        self.elapsed_s += elapsed_s;
         let first = self.origin.is_none();
         let (input_0, roll_0) = *self.origin.get_or_insert((input, roll_rad));
         // A tolerance of half a percent of the interval allows for rounded time stamps.
         if first || self.elapsed_s >= self.interval_s * T::of(0.995) {
-            self.arx.push(input - input_0, roll_rad - roll_0, use_row);
+            self.arx.push(input - input_0, roll_rad - roll_0, is_used);
             if let Some(model) = &mut self.model {
                 if first {
                     model.rest(input);

@@ -1,7 +1,7 @@
 //! The equations of the filtered regression, from its rows to a triangle, and their solution.
 
 use crate::identify::long_run::LongRun;
-use crate::identify::neighbors::{Mean, Scatter};
+use crate::identify::mean::{Mean, Scatter};
 use crate::identify::pending::Pending;
 use crate::identify::unknowns::{DRIFT, HalfSquare, OFFSET, REGRESSORS};
 use crate::math::linalg::Triangle;
@@ -35,8 +35,8 @@ impl<T: Real> Gathered<T> {
     /// Adds the row that was made of a mean, with the weight of its samples. `rise` is how much the expected
     /// roll angle has grown since the mean before.
     pub(crate) fn push(&mut self, row: [T; REGRESSORS], observation: T, mean: &Mean<T>, rise: T) {
-        // A single sample is not compared with its neighbors: the first one has no interval.
-        if mean.samples > 1 {
+        // A single sample has no neighbors, and the first row no interval.
+        if mean.samples > 1 && mean.interval_s > T::zero() {
             self.scatter.push(mean.squares_about(rise / mean.interval_s), mean.weight);
         }
         self.long_run.push(&row, observation, [mean.weight, mean.elapsed_s]);

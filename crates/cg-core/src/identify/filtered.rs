@@ -3,7 +3,7 @@
 use crate::identify::equations::{Equations, Gathered, Solution};
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
-use crate::identify::neighbors::{Mean, Neighbors};
+use crate::identify::mean::Mean;
 use crate::identify::prior::Prior;
 use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
@@ -30,7 +30,7 @@ const BEND_RAD: f64 = 0.05;
 /// ARX on filtered signals, with a prior on the dynamics.
 ///
 /// Let `y_k` and `u_k` be the roll angle and the input filtered by `sᵏ/B(s)`, and `G = A/B` the
-/// reduced model. Neighboring samples are averaged, over 40 ms at most, and each mean gives one row in the
+/// reduced model. Each sample, or mean of neighboring samples, gives one row in the
 /// *deviations* from that model,
 ///
 /// ```text
@@ -58,9 +58,6 @@ pub struct FilteredArx<T: Real> {
     input: StateVariableFilter<T>,
     roll: StateVariableFilter<T>,
     started: bool,
-    neighbors: Neighbors<T>,
-    /// The number of samples in the last mean.
-    together: T,
     rows: Gathered<T>,
     moments: Moments<T>,
     reference_rad: T,
@@ -100,10 +97,9 @@ impl<T: Real> FilteredArx<T> {
         self.step = StepMatrices::new(&self.model, interval_s * self.scale_radps);
     }
 
-    /// Takes the mean of the last samples: advances the filters to it, and adds its row if it is to be used.
+    /// Advances the filters to a mean, and adds its row if it is to be used.
     #[inline(never)]
-    fn take_mean(&mut self) {
-        let mean = self.neighbors.take();
+    fn take_mean(&mut self, mean: &Mean<T>) {
         let before_rad = self.expected_rad;
         if self.started {
             if (mean.interval_s - self.interval_s).abs() > self.interval_s * T::machine_epsilon() {
@@ -111,18 +107,16 @@ impl<T: Real> FilteredArx<T> {
             }
             self.clock += mean.interval_s / T::of(DRIFT_S);
             self.input.push(&self.step, mean.input);
-            self.roll.push(&self.step, mean.roll);
+            self.roll.push(&self.step, mean.roll_rad);
         } else {
             self.started = true;
-            self.neighbors = Neighbors::NONE;
             self.input = StateVariableFilter::at_rest(&self.model, mean.input);
             self.roll = StateVariableFilter::at_rest(&self.model, T::zero());
         }
-        self.together = mean.weight;
         let u = self.input.derivatives(&self.model);
         self.expected_rad = self.model.response(&u);
         if mean.is_used {
-            self.add_row(&u, &mean, before_rad);
+            self.add_row(&u, mean, before_rad);
         }
     }
 
@@ -151,7 +145,7 @@ impl<T: Real> FilteredArx<T> {
         }
         self.roll_noise.add_row(self.step.newest_share(), mean.elapsed_s);
         self.moments.push_mean(mean);
-        self.rows.push(row, mean.roll - nominal, mean, nominal - before_rad);
+        self.rows.push(row, mean.roll_rad - nominal, mean, nominal - before_rad);
     }
 
     /// Standard deviation of the expected roll angle over the rows, radians.
@@ -190,9 +184,10 @@ impl<T: Real> FilteredArx<T> {
         }
     }
 
-    /// A mean has the noise of a sample divided by the number of samples.
+    /// A mean has the noise of a sample divided by the number of samples that come in its time.
     fn noise_products(&self) -> [T; ORDER + 1] {
-        self.step.noise_products(&self.model).map(|product| product / self.together)
+        let share = self.roll_noise.interval_s(self.moments.weight) / self.interval_s;
+        self.step.noise_products(&self.model).map(|product| product * share)
     }
 
     /// Solves the rows in the triangle together with the prior. `products` are the bias of the rows'
@@ -399,6 +394,7 @@ impl<T: Real> FilteredArx<T> {
 impl<T: Real> Identify<T> for FilteredArx<T> {
     type Options = Prior<T>;
 
+    const MOST_TOGETHER: u32 = 8;
     const EMPTY: Self = Self {
         model: Reduced5::EMPTY,
         pace: T::ZERO,
@@ -414,8 +410,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         input: StateVariableFilter::EMPTY,
         roll: StateVariableFilter::EMPTY,
         started: false,
-        neighbors: Neighbors::NONE,
-        together: T::ZERO,
         rows: Gathered::NONE,
         moments: Moments::new(),
         reference_rad: T::ZERO,
@@ -432,23 +426,21 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
         self.begin(&model.at_unit_gain(), lags, prior);
     }
 
-    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
+    fn push_mean(&mut self, mean: &Mean<T>) {
         // A large constant would cost digits in f32, so the first roll angle is subtracted if an offset is fitted.
         if !self.started && self.prior.offset_sd_rad > T::zero() {
-            self.reference_rad = roll_rad;
+            self.reference_rad = mean.roll_rad;
         }
-        if use_row {
-            self.input_noise.push(input, interval_s);
+        if mean.is_used {
+            self.input_noise.push(mean.input, mean.weight, mean.elapsed_s);
+        } else {
+            self.input_noise.interrupt();
         }
-        let roll_rad = roll_rad - self.reference_rad;
-        // The first sample is a mean of its own: the filters begin with it.
-        if self.neighbors.push(input, roll_rad, interval_s, use_row) || !self.started {
-            self.take_mean();
-        }
+        self.take_mean(&Mean { roll_rad: mean.roll_rad - self.reference_rad, ..*mean });
     }
 
     fn input_noise_rad2_s(&self) -> T {
-        self.input_noise.variance() * self.interval_s / self.together
+        self.input_noise.variance() * self.roll_noise.interval_s(self.moments.weight)
     }
 
     fn at_pace(&mut self, pace: T) {
@@ -466,7 +458,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
 
     /// Deletes the rows but not the states of the filters.
     fn clear(&mut self) {
-        self.neighbors.pass_over();
         self.rows = Gathered::NONE;
         self.moments = Moments::new();
         self.roll_noise.clear();
@@ -477,7 +468,6 @@ impl<T: Real> Identify<T> for FilteredArx<T> {
     /// Also resets the filters: the next sample is assumed to be in steady state.
     fn restart(&mut self) {
         self.started = false;
-        self.neighbors = Neighbors::NONE;
         self.clear();
     }
 

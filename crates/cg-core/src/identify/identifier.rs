@@ -15,7 +15,7 @@
 
 use core::fmt;
 
-use crate::identify::neighbors::Mean;
+use crate::identify::mean::Mean;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::Reduced5;
@@ -141,8 +141,8 @@ impl<T: Real> Moments<T> {
         let input = mean.input * mean.weight;
         self.input += input;
         self.input_square += input * mean.input;
-        self.roll += mean.roll * mean.weight;
-        self.roll_square += mean.roll_squares;
+        self.roll += mean.roll_rad * mean.weight;
+        self.roll_square += mean.roll_squares();
     }
 
     pub(crate) fn scale(&mut self, factor: T) {
@@ -191,6 +191,8 @@ pub trait Identify<T: Real>: Copy {
 
     /// An identifier without a model and without rows.
     const EMPTY: Self;
+    /// How many samples may be averaged to one row.
+    const MOST_TOGETHER: u32;
 
     /// Deletes all rows and samples and starts again with the reduced model of a channel. `lags` says
     /// whether the roll angle passes [`RollLags`](crate::truck::lags::RollLags), which make its noise
@@ -202,9 +204,13 @@ pub trait Identify<T: Real>: Copy {
         identifier.make_for(model, false, options);
         identifier
     }
-    /// Adds the next sample, `interval_s` after the previous one. Its row is used for the fit only
+    /// Adds the next row, which is the mean of some samples.
+    fn push_mean(&mut self, mean: &Mean<T>);
+    /// Adds the next sample, `interval_s` after the previous one, as a row of its own. It is used for the fit only
     /// if `use_row` is true.
-    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool);
+    fn push(&mut self, input: T, roll_rad: T, interval_s: T, use_row: bool) {
+        self.push_mean(&Mean::single(input, roll_rad, interval_s, use_row));
+    }
     /// Spectral density of the noise of the input, rad² s: the variance of a sample times the time
     /// between two. Zero if the identifier does not measure it.
     fn input_noise_rad2_s(&self) -> T {
@@ -221,8 +227,7 @@ pub trait Identify<T: Real>: Copy {
     fn restart(&mut self);
     /// Multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T);
-    /// The result for all rows so far, including rows that wait in a buffer, but not for the last samples if
-    /// they wait for more to be averaged with them.
+    /// The result for all rows so far, including rows that wait in a buffer.
     fn fit(&mut self) -> Answer<T>;
 }
 

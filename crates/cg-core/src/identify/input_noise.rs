@@ -38,14 +38,19 @@ impl<T: Real> InputNoise<T> {
         }
     }
 
-    /// Adds the next row, `interval_s` after the previous one.
-    pub(crate) fn push(&mut self, input: T, interval_s: T) {
-        self.sum += input;
-        self.rows += T::one();
-        self.elapsed_s += interval_s;
+    /// Adds the mean of the next `samples`, the last of which comes `elapsed_s` after the previous one.
+    pub(crate) fn push(&mut self, input: T, samples: T, elapsed_s: T) {
+        self.sum += input * samples;
+        self.rows += samples;
+        self.elapsed_s += elapsed_s;
         if self.elapsed_s >= T::of(MEAN_S) {
             self.close();
         }
+    }
+
+    /// The next row does not follow the last one: what the signal does between them is motion.
+    pub(crate) fn interrupt(&mut self) {
+        *self = Self { products: self.products, count: self.count, ..Self::new() };
     }
 
     fn close(&mut self) {
@@ -95,7 +100,7 @@ mod tests {
         let mut found = InputNoise::<f64>::new();
         for k in 0..10_000 {
             let time_s = f64::from(k) * 0.01;
-            found.push((3.0 * time_s).sin() + noise(k), 0.01);
+            found.push((3.0 * time_s).sin() + noise(k), 1.0, 0.01);
         }
         found.variance().root()
     }
@@ -112,6 +117,19 @@ mod tests {
         // Uniform over ±0.5: the variance is 1/12. With 1000 means its error is some 7 %.
         let sd = measured_sd(white);
         assert!((sd - (1.0_f64 / 12.0).sqrt()).abs() < 0.03, "{sd}");
+    }
+
+    /// A turn of which only the straight driving before it and the end are seen.
+    #[test]
+    fn what_happens_in_a_hole_is_no_noise() {
+        let mut found = InputNoise::<f64>::new();
+        for k in 0..100_u32 {
+            if k % 20 == 0 {
+                found.interrupt();
+            }
+            found.push(if k / 20 % 2 == 0 { 0.0 } else { 1.0 }, 1.0, 0.05);
+        }
+        assert!(found.variance() == 0.0);
     }
 
     #[test]
@@ -131,7 +149,7 @@ mod tests {
         assert!(found.variance() == 0.0);
         for value in [0.0, 0.0, 4.0, 0.0, 0.0] {
             for _ in 0..10 {
-                found.push(value, 0.01);
+                found.push(value, 1.0, 0.01);
             }
         }
         assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
@@ -139,7 +157,7 @@ mod tests {
         found.forget(0.25);
         assert!((found.variance() - 640.0 / 16.0).abs() < 1e-9);
         for _ in 0..10 {
-            found.push(0.0, 0.01);
+            found.push(0.0, 1.0, 0.01);
         }
         // The next second difference is 0: it adds nothing to the 160 of the products and one to
         // the count of 1.

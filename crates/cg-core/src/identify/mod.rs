@@ -1,6 +1,6 @@
 //! Identification of the transfer function from an input to the roll angle by ARX least squares.
 
-mod neighbors;
+pub mod mean;
 pub mod identifier;
 mod long_run;
 mod input_noise;

@@ -50,10 +50,15 @@ impl<T: Real> RollNoise<T> {
         }
     }
 
+    /// The time between two samples, whose weight is `samples`; zero if there are none.
+    pub(crate) fn interval_s(&self, samples: T) -> T {
+        if samples > T::zero() { self.seconds / samples } else { T::zero() }
+    }
+
     /// The long-run variance of the noise divided by its variance, if the sensor's noise is white.
     /// `rows` is their weight.
     pub(crate) fn inflation(&self, rows: T) -> T {
-        if self.lags { inflation(self.seconds / rows) } else { T::one() }
+        if self.lags { inflation(self.interval_s(rows)) } else { T::one() }
     }
 
     /// The long-run variance of a residual divided by its `variance`: a part of it is the response to

@@ -32,6 +32,8 @@ pub trait Real:
 {
     /// Zero as a constant.
     const ZERO: Self;
+    /// One, as a constant.
+    const ONE: Self;
 
     /// The nearest value to `value`.
     fn of(value: f64) -> Self;
@@ -53,6 +55,7 @@ pub trait Real:
 
 impl Real for f64 {
     const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
 
     fn of(value: f64) -> Self {
         value
@@ -79,6 +82,7 @@ impl Real for f64 {
 
 impl Real for f32 {
     const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
 
     #[allow(clippy::cast_possible_truncation)] // rounding to f32 is the purpose
     fn of(value: f64) -> Self {

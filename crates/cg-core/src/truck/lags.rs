@@ -5,7 +5,8 @@ use crate::truck::channel::ROLL_LAG_S;
 
 /// A roll angle after one and after two lags of [`ROLL_LAG_S`].
 ///
-/// The trapezoidal rule advances them: at 2 rad/s and 10 Hz it is wrong by 0.3 %.
+/// Between two values the angle is a line, as the signals of the regression's filters are, so that both miss the same where it
+/// is none.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RollLags<T> {
@@ -21,11 +22,16 @@ impl<T: Real> RollLags<T> {
 
     /// Advances to the next angle, `interval_s` after the previous one; returns it after both lags.
     pub fn push(&mut self, roll_rad: T, interval_s: T) -> T {
-        let half_s = interval_s * T::of(0.5);
-        let share = half_s / (T::of(ROLL_LAG_S) + half_s);
+        // By hand, for e^(−x) = (12 − 6x + x²)/(12 + 6x + x²), a Padé approximant that is wrong by 1e-5 at 60 ms.
+        let x = interval_s * T::of(1.0 / ROLL_LAG_S);
+        let (twelve, six_x, square) = (T::of(12.0), T::of(6.0) * x, x * x);
+        let below = T::one() / (twelve + six_x + square);
+        let (left, passed) = ((twelve - six_x + square) * below, twelve * x * below);
         let [before, once, twice] = self.angles_rad;
-        let next_once = once + (before + roll_rad - once - once) * share;
-        let next_twice = twice + (once + next_once - twice - twice) * share;
+        let rise = (roll_rad - before) * below;
+        let next_once = once + (before - once) * passed + rise * (six_x + square);
+        let by_once = x * left * (once - before);
+        let next_twice = twice + (before - twice) * passed + by_once + rise * (square + square);
         self.angles_rad = [roll_rad, next_once, next_twice];
         next_twice
     }
@@ -36,11 +42,11 @@ mod tests {
     use super::*;
 
     /// A sine of 2 rad/s after two lags of `T`: its amplitude is `1/(1 + (2 T)²)`, and it is late by twice
-    /// the angle whose tangent is `2 T`. The trapezoidal rule changes the tangent by a twelfth of the
-    /// square of the angle between two rows: 0.3 % at 10 Hz.
+    /// the angle whose tangent is `2 T`. A line between two values misses a twelfth of the
+    /// square of the angle between them: 0.3 % at 10 Hz.
     #[test]
     fn the_lags_are_those_of_the_model() {
-        for (rate_hz, tolerance) in [(10_u32, 2e-3), (100, 2e-5)] {
+        for (rate_hz, tolerance) in [(10_u32, 3.4e-3), (100, 3.4e-5)] {
             let mut lags = RollLags::at_rest(0.0_f64);
             let mut worst = 0.0_f64;
             for k in 1..20 * rate_hz {
@@ -56,5 +62,21 @@ mod tests {
             }
             assert!(worst < tolerance, "{rate_hz}: {worst}");
         }
+    }
+
+    /// Of a line nothing is missed, whatever the intervals: after a time `t` it is late by `2 T − (t + 2 T) e^(−t/T)`.
+    #[test]
+    fn a_line_is_exact() {
+        let mut lags = RollLags::at_rest(0.0_f64);
+        let (mut time_s, mut worst) = (0.0, 0.0_f64);
+        for interval_s in [0.04, 0.01, 0.1, 0.05, 0.04, 0.02, 0.1, 0.08] {
+            time_s += interval_s;
+            let found = lags.push(time_s, interval_s);
+            let twice_s = 2.0 * ROLL_LAG_S;
+            let decayed = libm::exp(-time_s / ROLL_LAG_S);
+            worst = worst.max((found - (time_s - twice_s + (time_s + twice_s) * decayed)).abs());
+        }
+        // The approximant is wrong by x⁵/720 in an interval of x T, in two of 0.1 s by 3.7e-4 of a difference below 0.25.
+        assert!(worst < 9e-5, "{worst}");
     }
 }

@@ -1,16 +1,22 @@
 //! The thesis's reduced model (eq. 5.12) as a plant, its rounded step, and white noise.
-#![allow(dead_code, clippy::cast_precision_loss, clippy::unwrap_used)] // each test file uses its part; indices are small
+#![allow(
+    dead_code,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::unwrap_used
+)] // each test file uses its part; indices are small
 
 pub(crate) mod told;
 
 use std::array::from_fn;
 
+use cg_core::identify::mean::Mean;
 use cg_core::truck::design::{MASSES, SPEEDS, SPRING_MASSES};
 use cg_core::truck::ratio::{Measured, RatioLine, solve_height};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{
-    Articulation, Channel, ChannelDesign, Design, Estimator, Friction, Reduced5, RolloverDesign,
-    Spread, ThresholdLine,
+    Articulation, Channel, ChannelDesign, Design, Estimator, Friction, Real, Reduced5,
+    RolloverDesign, Spread, ThresholdLine,
 };
 use rand::SeedableRng;
 use rand::rngs::StdRng;
@@ -55,6 +61,42 @@ pub(crate) fn with_noise(clean: &[(f64, f64)], snr_db: f64, seed: u64) -> Vec<(f
     let normal = Normal::new(0.0, sd).unwrap();
     let mut rng = StdRng::seed_from_u64(seed);
     clean.iter().map(|&(u, y)| (u, y + normal.sample(&mut rng))).collect()
+}
+
+/// The rows that the estimator makes of samples (input, roll angle) at equal intervals: the first one alone, then means over
+/// 60 ms, of eight samples at most. The last samples wait for others.
+pub(crate) fn means<T: Real>(data: &[(T, T)], interval_s: f64) -> Vec<Mean<T>> {
+    let many = (1..8_usize).find(|&n| (n + 1) as f64 * interval_s > 0.0604).unwrap_or(8);
+    let (first, rest) = data.split_first().unwrap();
+    let mut rows = vec![Mean::single(first.0, first.1, T::zero(), true)];
+    let mut middle = 0.0;
+    rows.extend(rest.chunks_exact(many).enumerate().map(|(k, samples)| {
+        let weight = T::of(many as f64);
+        let mean =
+            |value: &dyn Fn(usize) -> T| (0..many).fold(T::zero(), |a, i| a + value(i)) / weight;
+        let place = (1 + k * many) as f64 + 0.5 * (many - 1) as f64;
+        let between = place - std::mem::replace(&mut middle, place);
+        let times_s: Vec<T> = (0..many).map(|i| T::of(i as f64 * interval_s)).collect();
+        let time_s = mean(&|i| times_s[i]);
+        let more = |i: usize| samples[i].1 - samples[0].1;
+        let rise = mean(&more);
+        let (time, roll) = (|i: usize| times_s[i] - time_s, |i: usize| more(i) - rise);
+        Mean {
+            input: mean(&|i| samples[i].0),
+            roll_rad: samples[0].1 + rise,
+            interval_s: T::of(between * interval_s),
+            elapsed_s: T::of(many as f64 * interval_s),
+            samples: many as u32,
+            weight,
+            is_used: true,
+            scatter: [
+                mean(&|i| roll(i) * roll(i)) * weight,
+                mean(&|i| roll(i) * time(i)) * weight,
+                mean(&|i| time(i) * time(i)) * weight,
+            ],
+        }
+    }));
+    rows
 }
 
 /// The height in inches that follows from a ratio (eqs. 5.17–5.20), and its standard deviation.

@@ -1,6 +1,7 @@
 //! An estimator whose identifiers return prescribed results, on a drive at 100 Hz.
 
 use cg_core::Outcome;
+use cg_core::identify::mean::Mean;
 use cg_core::truck::lags::RollLags;
 use cg_core::{
     Answer, Channel, Design, Estimator, Fit, Identify, Maneuver, Measured, Reduced5, Sample,
@@ -37,6 +38,7 @@ pub(crate) struct Told<const C: usize = 2> {
 }
 
 impl<const C: usize> Identify<f64> for Told<C> {
+    const MOST_TOGETHER: u32 = 1;
     type Options = Says<C>;
 
     const EMPTY: Self = Self {
@@ -57,10 +59,11 @@ impl<const C: usize> Identify<f64> for Told<C> {
         *self = Self { says, place, lags, ..Self::EMPTY };
     }
 
-    fn push(&mut self, input: f64, roll_rad: f64, interval_s: f64, use_row: bool) {
+    fn push_mean(&mut self, mean: &Mean<f64>) {
+        let Mean { input, roll_rad, interval_s, is_used, .. } = *mean;
         self.input = input;
         let late = self.late.get_or_insert(RollLags::at_rest(input)).push(input, interval_s);
-        if use_row {
+        if is_used {
             self.rows += 1;
             self.weight += 1.0;
             let seen = if self.lags { late } else { input };

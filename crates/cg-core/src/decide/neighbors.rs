@@ -1,0 +1,308 @@
+//! Neighboring samples are averaged before everything that is decided or identified from them.
+//!
+//! Only what single samples show is taken from them first: how much the roll angle scatters about its mean, which is the
+//! white noise of its sensor, and its smallest step. See [`Mean`](crate::identify::mean::Mean) for the reasons.
+
+use crate::decide::signals::{Seen, Signals, seconds};
+use crate::math::real::Real;
+use crate::truck::channel::Output;
+
+/// Samples are averaged over at most this time, so that 20 samples a second stay as they are. In the band of usual maneuvers (up
+/// to ω = 6 rad/s) the signals scatter about their means by `(ω τ)²/12` = 1 % of their square in it, which is the information that
+/// is lost. It is slightly above a round number, so that rounding does not decide which sample is the last.
+const MEAN_US: u32 = 60_400;
+
+/// Samples that are averaged at most.
+const MOST_SAMPLES: u32 = 8;
+
+/// The mean of some samples in which the same signals are present.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Together<T> {
+    /// Times of the first and of the last sample, and the mean of all times.
+    pub(crate) first_us: u64,
+    pub(crate) last_us: u64,
+    pub(crate) middle_us: u64,
+    /// The number of samples, also as a number of the type of the signals.
+    pub(crate) samples: u32,
+    pub(crate) weight: T,
+    pub(crate) signals: Signals<T>,
+    pub(crate) speed_mps: T,
+    /// Of the trailer's roll angle, as in [`Mean::scatter`](crate::identify::mean::Mean::scatter).
+    pub(crate) scatter: [T; 3],
+    /// Smallest difference between two successive roll angles of the trailer that is not zero, if there is one.
+    pub(crate) step_rad: Option<T>,
+}
+
+/// The samples since the last mean.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Neighbors<T> {
+    first_us: u64,
+    last_us: u64,
+    /// Time between the last two samples, and since the last sample of the mean before; `None` before the first mean.
+    interval_us: u32,
+    elapsed_us: Option<u32>,
+    samples: u32,
+    weight: T,
+    /// Sums. The times are those since the first sample.
+    signals: Signals<T>,
+    speeds: T,
+    times_us: u32,
+    times: T,
+    time_squares: T,
+    /// The roll angle of the first sample and of the last one that had any, and sums of differences to the first.
+    first_rad: T,
+    last_rad: Option<T>,
+    rolls: T,
+    roll_squares: T,
+    products: T,
+    step_rad: Option<T>,
+}
+
+impl<T: Real> Neighbors<T> {
+    pub(crate) const NONE: Self = Self {
+        first_us: 0,
+        last_us: 0,
+        interval_us: 0,
+        elapsed_us: None,
+        samples: 0,
+        weight: T::ZERO,
+        signals: Signals::ZERO,
+        speeds: T::ZERO,
+        times_us: 0,
+        times: T::ZERO,
+        time_squares: T::ZERO,
+        first_rad: T::ZERO,
+        last_rad: None,
+        rolls: T::ZERO,
+        roll_squares: T::ZERO,
+        products: T::ZERO,
+        step_rad: None,
+    };
+
+    /// Whether a mean of so `many` samples at most ends before the next one: that has other signals, or comes much later.
+    pub(crate) fn ends_before(&self, next: &Seen<T>, many: u32) -> bool {
+        self.samples > 0
+            && (!next.signals.has_kinds_of(&self.signals)
+                || self.until_us(next.time_us) >= MEAN_US / 2
+                || self.is_complete(many))
+    }
+
+    /// Whether no sample is to be added. The first sample of a drive is a mean of its own.
+    pub(crate) fn is_complete(&self, many: u32) -> bool {
+        // One that comes as late after the last one as that after the one before it would be beyond the time of a mean.
+        let is_full = |us: u32| us.saturating_add(self.interval_us) > MEAN_US;
+        self.samples >= many.min(MOST_SAMPLES) || self.elapsed_us.is_none_or(is_full)
+    }
+
+    /// Time from the last sample to another one.
+    fn until_us(&self, time_us: u64) -> u32 {
+        u32::try_from(time_us.saturating_sub(self.last_us)).unwrap_or(u32::MAX)
+    }
+
+    /// Adds the next sample.
+    pub(crate) fn add(&mut self, seen: &Seen<T>) {
+        let roll_rad = seen.signals.output(Output::Roll);
+        if self.samples == 0 {
+            (self.first_us, self.first_rad) = (seen.time_us, roll_rad);
+            (self.signals, self.speeds) = (seen.signals, seen.speed_mps);
+        } else {
+            let since_us = seen.time_us.saturating_sub(self.first_us);
+            let (time_s, more_rad) = (seconds::<T>(since_us), roll_rad - self.first_rad);
+            self.signals.add(&seen.signals);
+            self.speeds += seen.speed_mps;
+            self.times_us = self.times_us.saturating_add(u32::try_from(since_us).unwrap_or(0));
+            self.times += time_s;
+            self.time_squares += time_s * time_s;
+            self.rolls += more_rad;
+            self.roll_squares += more_rad * more_rad;
+            self.products += more_rad * time_s;
+        }
+        if roll_rad.present() {
+            let before_rad = self.last_rad.replace(roll_rad).unwrap_or(roll_rad);
+            let step_rad = (roll_rad - before_rad).abs();
+            if step_rad > T::ZERO && self.step_rad.is_none_or(|least_rad| step_rad < least_rad) {
+                self.step_rad = Some(step_rad);
+            }
+        }
+        self.interval_us = self.until_us(seen.time_us);
+        self.elapsed_us = self.elapsed_us.map(|us| us.saturating_add(self.interval_us));
+        self.last_us = seen.time_us;
+        self.samples += 1;
+        self.weight += T::ONE;
+    }
+
+    /// The mean of the samples so far, of which there must be one.
+    pub(crate) fn take(&mut self) -> Together<T> {
+        let share = T::ONE / self.weight;
+        let (time_s, roll_rad) = (self.times * share, self.rolls * share);
+        let middle_us = self.times_us.checked_div(self.samples).unwrap_or(0);
+        let mean = Together {
+            first_us: self.first_us,
+            last_us: self.last_us,
+            middle_us: self.first_us.saturating_add(u64::from(middle_us)),
+            samples: self.samples,
+            weight: self.weight,
+            signals: self.signals.scaled(share),
+            speed_mps: self.speeds * share,
+            scatter: [
+                self.roll_squares - self.rolls * roll_rad,
+                self.products - self.times * roll_rad,
+                self.time_squares - self.times * time_s,
+            ],
+            step_rad: self.step_rad,
+        };
+        let Self { last_us, last_rad, .. } = *self;
+        *self = Self { last_us, elapsed_us: Some(0), last_rad, ..Self::NONE };
+        mean
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::signal::sample::Sample;
+    use crate::truck::channel::Input;
+
+    /// A sample with this roll angle and steer angle.
+    fn seen(time_us: u64, roll_rad: f64, steer_rad: f64) -> Seen<f64> {
+        let sample = Sample { steer_rad, roll_rad, ..Sample::absent(time_us) };
+        let signals = Signals::of(&sample, 10.0, 9.81);
+        Seen { time_us, signals, speed_mps: 10.0 + steer_rad }
+    }
+
+    /// Adds a sample as the estimator does.
+    fn push(neighbors: &mut Neighbors<f64>, next: &Seen<f64>, many: u32) -> Option<Together<f64>> {
+        let before = neighbors.ends_before(next, many).then(|| neighbors.take());
+        neighbors.add(next);
+        before.or_else(|| neighbors.is_complete(many).then(|| neighbors.take()))
+    }
+
+    /// The means of samples at these times; their steer angle is the time in seconds.
+    fn means(times_us: &[u64], many: u32, roll: impl Fn(usize, f64) -> f64) -> Vec<Together<f64>> {
+        let mut neighbors = Neighbors::NONE;
+        let push = |(k, time_us): (usize, &u64)| {
+            let time_s = seconds(*time_us);
+            push(&mut neighbors, &seen(*time_us, roll(k, time_s), time_s), many)
+        };
+        times_us.iter().enumerate().filter_map(push).collect()
+    }
+
+    fn close(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+
+    fn regular(interval_us: u64, samples: u64) -> Vec<u64> {
+        (1..=samples).map(|k| k * interval_us).collect()
+    }
+
+    #[test]
+    fn a_mean_is_complete_after_six_hundredths_of_a_second_or_eight_samples() {
+        for (interval_us, each) in
+            [(100_000, 1_u8), (50_000, 1), (30_000, 2), (20_000, 3), (10_000, 6), (1000, 8)]
+        {
+            // The first sample is alone.
+            let found = means(&regular(interval_us, 25), 8, |_, _| 0.0);
+            assert_eq!(found.len(), 1 + 24 / usize::from(each));
+            for (mean, k) in found[1..].iter().zip(0..) {
+                let each = u64::from(each);
+                assert_eq!(u64::from(mean.samples), each);
+                assert_eq!(mean.first_us, (2 + k * each) * interval_us);
+                assert_eq!(mean.last_us, (1 + (k + 1) * each) * interval_us);
+                assert_eq!(2 * mean.middle_us, mean.first_us + mean.last_us);
+                close(mean.weight, f64::from(mean.samples));
+            }
+        }
+        assert_eq!(means(&regular(1000, 17), 1, |_, _| 0.0).len(), 17);
+    }
+
+    /// At 20 samples a second and less, nothing is changed.
+    #[test]
+    fn a_single_sample_is_its_own_mean_to_the_last_bit() {
+        let times_us = regular(50_000, 9);
+        let found = means(&times_us, 8, |k, _| if k < 4 { 0.7 } else { 0.1 });
+        assert_eq!(found.len(), 9);
+        for (k, (mean, time_us)) in found.iter().zip(&times_us).enumerate() {
+            let mut alone = Neighbors::NONE;
+            alone.add(&seen(*time_us, if k < 4 { 0.7 } else { 0.1 }, seconds(*time_us)));
+            let alone = alone.take();
+            let step_rad = (k == 4).then_some(0.7 - 0.1);
+            // As text, in which numbers are exact and NaN is NaN.
+            let expected = std::format!("{:?}", Together { step_rad, ..alone });
+            assert_eq!(std::format!("{mean:?}"), expected);
+            assert!(mean.scatter.iter().all(|sum| sum.abs() <= 0.0));
+        }
+    }
+
+    /// The mean of the times of its samples is where a mean stands, whatever their intervals: of a line it
+    /// is the line there, and about the line nothing scatters.
+    #[test]
+    fn a_mean_stands_at_the_mean_of_the_times() {
+        let intervals_us = [10, 14, 20, 4, 20, 30, 10, 12, 13, 14].map(|ms| 3000 * ms / 3);
+        let times_us: Vec<u64> = intervals_us
+            .iter()
+            .scan(0, |time_us, interval_us| {
+                *time_us += interval_us;
+                Some(*time_us)
+            })
+            .collect();
+        let found = means(&times_us, 8, |_, time_s| 0.5 - 2.0 * time_s);
+        assert!(found.windows(2).any(|two| two[0].samples != two[1].samples));
+        for mean in found {
+            let [steer, roll] =
+                [mean.signals.input(Input::Steer), mean.signals.output(Output::Roll)];
+            close(roll, 0.5 - 2.0 * steer);
+            close(mean.speed_mps, 10.0 + steer);
+            // The time is a whole number of microseconds.
+            assert!((seconds::<f64>(mean.middle_us) - steer).abs() < 1e-6);
+            let [rolls, products, times] = mean.scatter;
+            close(rolls + 4.0 * products + 4.0 * times, 0.0);
+            assert!(mean.samples == 1 || rolls > 1e-5);
+        }
+    }
+
+    /// By hand: 3, 5 and 10 at 0, 10 and 20 ms.
+    #[test]
+    fn scatter_and_step_are_those_of_the_samples() {
+        let rolls = [9.0, 3.0, 5.0, 10.0, 10.0];
+        let found = means(&regular(10_000, 5), 3, |k, _| rolls[k]);
+        let [three] = found[1..] else { unreachable!() };
+        let [squares, products, times] = three.scatter;
+        close(squares, 9.0 + 1.0 + 16.0);
+        close(products, 0.07);
+        close(times, 2e-4);
+        assert_eq!(three.step_rad, Some(2.0));
+    }
+
+    /// A sample in which other signals are present, or that comes late, is in no mean with those before it.
+    #[test]
+    fn what_differs_is_apart() {
+        let mut neighbors = Neighbors::NONE;
+        let mut numbers = Vec::new();
+        for (time_us, roll_rad) in [
+            (0, 0.1),
+            (10_000, 0.1),
+            (20_000, f64::NAN),
+            (30_000, f64::NAN),
+            (40_000, 0.1),
+            (50_000, 0.1),
+            (90_000, 0.1),
+            (100_000, 0.1),
+        ] {
+            let mean = push(&mut neighbors, &seen(time_us, roll_rad, 0.0), 8);
+            numbers.extend(mean.map(|mean| (time_us, mean.last_us, mean.samples)));
+        }
+        let expected = [
+            (0, 0, 1),
+            (20_000, 10_000, 1),
+            (40_000, 30_000, 2),
+            (90_000, 50_000, 2),
+            (100_000, 90_000, 1),
+        ];
+        assert_eq!(numbers, expected);
+        assert_eq!(neighbors.take().last_us, 100_000);
+    }
+}
