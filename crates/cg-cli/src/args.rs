@@ -52,9 +52,6 @@ impl MethodArgs {
     }
 }
 
-/// A payload of less than this is none, kg.
-const EMPTY_KG: f64 = 1.0;
-
 #[derive(Debug, Args)]
 pub(crate) struct LoadArgs {
     /// Height of the c.g. of the trailer's sprung mass, m [default: from the vehicle file, that of the empty trailer
@@ -74,9 +71,7 @@ impl LoadArgs {
         let reference = vehicle.reference_load();
         let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
         let trailer_mass_kg = self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg);
-        let is_empty = trailer_mass_kg < vehicle.empty_trailer_mass_kg() + EMPTY_KG;
-        let usual_m =
-            if is_empty { vehicle.trailer.tare.cg_height_m } else { reference.cg_height_m };
+        let usual_m = vehicle.usual_height_m(trailer_mass_kg);
         Load { trailer_mass_kg, cg_height_m: self.height_m.unwrap_or(usual_m) }
     }
 }

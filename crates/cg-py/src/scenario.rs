@@ -174,10 +174,9 @@ pub(crate) fn load(
     let trailer_mass_kg = up_to("trailer_mass_kg", trailer_mass_kg, greatest_kg)?;
     let height_m = up_to("height_m", height_m, limits::GREATEST_HEIGHT_M)?;
     let payload = payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
-    Ok(Load {
-        trailer_mass_kg: trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg),
-        cg_height_m: height_m.unwrap_or(reference.cg_height_m),
-    })
+    let trailer_mass_kg = trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg);
+    let usual_m = vehicle.usual_height_m(trailer_mass_kg);
+    Ok(Load { trailer_mass_kg, cg_height_m: height_m.unwrap_or(usual_m) })
 }
 
 impl ChassisRequest {

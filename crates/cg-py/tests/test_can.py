@@ -92,6 +92,21 @@ def test_a_candump_log_is_the_simulated_one_to_half_a_bit(truck, drive):
     assert frame.attrs == {"remarks": []}
 
 
+@pytest.mark.parametrize("suffix", [".log", ".blf"])
+def test_a_frame_knows_how_exact_the_mass_on_the_bus_is(suffix, truck, drive, tmp_path):
+    log, _ = drive
+    path = tmp_path / f"turn{suffix}"
+    cgheight.write_log(log, path, vehicle=truck)
+    calibrated = cgheight.calibrate(truck.on_road("flat"), [(path, 1.9)], tmp_path / "c.toml")
+    expected = cgheight.estimate_log(path, vehicle=calibrated)
+    for frame in (cgheight.read_log(path), read_log(path)):
+        answer = cgheight.estimate_log(frame, vehicle=calibrated)
+        assert answer.height_sd_m == pytest.approx(expected.height_sd_m, rel=1e-6)
+        exact = frame.drop(columns="trailer_mass_sd_kg")
+        narrow = cgheight.estimate_log(exact, vehicle=calibrated)
+        assert narrow.height_sd_m < 0.7 * expected.height_sd_m
+
+
 @pytest.mark.parametrize("suffix", [".log", ".asc", ".blf", ".trc", ".mf4"])
 def test_every_format_gives_the_height_of_the_arrays(suffix, truck, drive, tmp_path):
     log, _ = drive

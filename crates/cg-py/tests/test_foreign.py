@@ -228,6 +228,36 @@ def test_matlab_files(form, kraz, turn, height, tmp_path):
     assert cgheight.estimate_log(path, vehicle=kraz).height_m == height
 
 
+def test_two_logs_in_a_file_are_not_mixed(kraz, turn, tmp_path):
+    filtered = {"time_s": turn["time_s"], "roll_rad": 1.2 * turn["roll_rad"]}
+    matlab, hdf5 = tmp_path / "two.mat", tmp_path / "two.h5"
+    scipy.io.savemat(matlab, {"raw": turn, "filtered": filtered})
+    with h5py.File(hdf5, "w") as file:
+        for group, signals in (("raw", turn), ("filtered", filtered)):
+            for name, values in signals.items():
+                file[f"{group}/{name}"] = values
+    for path in (matlab, hdf5):
+        with pytest.raises(ValueError, match="occurs twice, in (raw|filtered) and in"):
+            cgheight.estimate_log(path, vehicle=kraz)
+
+
+def test_a_damaged_file_spoils_no_batch(kraz, turn, tmp_path):
+    whole, damaged = tmp_path / "whole.mat", tmp_path / "damaged.mat"
+    scipy.io.savemat(whole, turn, do_compression=True)
+    data = whole.read_bytes()
+    damaged.write_bytes(data[: len(data) // 2] + bytes(50) + data[len(data) // 2 + 50 :])
+    answers = cgheight.estimate_logs([damaged, whole], vehicle=kraz, errors="reject")
+    assert [answer.status for answer in answers] == ["rejected", "ok"]
+    assert "damaged.mat: damaged, or not a MATLAB file" in answers[0].messages[0]
+
+
+def test_columns_of_lists_are_no_clocks(kraz, turn, height):
+    lists = [[1.0, 2.0]] * len(turn["time_s"])
+    for frame in (pd.DataFrame(turn).assign(x=lists), pl.DataFrame({**turn, "x": lists})):
+        answer = cgheight.estimate_log(frame, vehicle=kraz)
+        assert answer.height_m == pytest.approx(height, rel=1e-9)
+
+
 def test_what_a_matlab_file_lacks_is_said(kraz, tmp_path):
     path = tmp_path / "log.mat"
     scipy.io.savemat(path, {"x": np.eye(3)})

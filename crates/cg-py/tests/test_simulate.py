@@ -95,7 +95,7 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
             {"payload_left_m": 0.1, "model": "as-printed"},
             'payload_left_m needs model="complete"',
         ),
-        ({"payload_left_m": 1.3}, "payload_left_m 1.3 must lie between -1.2 and 1.2"),
+        ({"payload_left_m": 1.3}, "payload_left_m 1.3 must lie between -1.22 and 1.22"),
         ({"payload_behind_hitch_m": 30.0}, "payload_behind_hitch_m 30 must be positive"),
         ({"sensors": {"drop_out": 2.0}}, "drop-out"),
         ({"sensors": {"delay_s": "late"}}, "delay_s is not a number"),
@@ -113,6 +113,14 @@ def test_what_cannot_be_simulated_says_so_in_python_words(baseline, keywords, me
     with pytest.raises(ValueError, match=message) as raised:
         simulated()
     assert "--" not in str(raised.value)
+
+
+def test_an_empty_trailer_has_its_own_height(kraz):
+    empty = cgheight.simulate(kraz, Scenario("sine", payload_kg=0, duration_s=4)).truth
+    tare_m = tomllib.loads(kraz.toml)["trailer"]["tare"]["cg_height_m"]
+    assert empty["height_m"] == tare_m < kraz.reference_height_m
+    laden = cgheight.simulate(kraz, Scenario("sine", payload_kg=2, duration_s=4)).truth
+    assert laden["height_m"] == kraz.reference_height_m
 
 
 def test_the_payload_stands_where_the_scenario_says(baseline):

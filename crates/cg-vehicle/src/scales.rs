@@ -51,6 +51,13 @@ impl Scale {
             other => Self::in_log(other),
         }
     }
+
+    /// Standard deviation of a mass that the trailer itself tells on the bus, kg, unless its vehicle file says otherwise; `None`
+    /// for other scales, whose values remain in a log beside the mass.
+    pub fn usual_sd_kg(self, mass_kg: f64) -> Option<f64> {
+        let sd = MassUncertainty::default().vehicle_weight_sd;
+        (self == Self::VehicleWeight).then_some(sd * mass_kg)
+    }
 }
 
 /// How exact the scales of a vehicle are.

@@ -12,6 +12,9 @@ use crate::sensor_places::{Road, SensorPlaces, SuspensionPressure};
 use crate::tables::{AligningMomentTable, LateralForceTable, Spring};
 pub use crate::uncertainty::Uncertainty;
 
+/// A payload of less than this is none, kg.
+const EMPTY_KG: f64 = 1.0;
+
 /// A tractor-semitrailer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -458,6 +461,12 @@ impl Vehicle {
             trailer_mass_kg: self.empty_trailer_mass_kg(),
             cg_height_m: self.trailer.tare.cg_height_m,
         }
+    }
+
+    /// The height that a trailer of this mass usually has: that of the empty trailer, or else of the reference load.
+    pub fn usual_height_m(&self, trailer_mass_kg: f64) -> f64 {
+        let is_empty = trailer_mass_kg < self.empty_trailer_mass_kg() + EMPTY_KG;
+        if is_empty { self.trailer.tare.cg_height_m } else { self.trailer.reference_cg_height_m }
     }
 
     /// The reference load of the file.

@@ -22,10 +22,17 @@ def is_clock(values: Any) -> bool:
         return True
     if getattr(kind, "kind", "O") not in ("O", "U", "T"):
         return False
-    first = next((one for one in _some(values) if one is not None and one == one), None)
+    first = next((one for one in _some(values) if not _is_missing(one)), None)
     return isinstance(first, datetime | timedelta | np.datetime64 | np.timedelta64) or (
         isinstance(first, str) and _TIME_OF_DAY.search(first) is not None and "-" in first
     )
+
+
+def _is_missing(one: Any) -> bool:
+    try:
+        return one is None or bool(one != one)
+    except (TypeError, ValueError):
+        return False  # a list or an array in a cell
 
 
 def _some(values: Any) -> list[Any]:

@@ -62,11 +62,16 @@ def read_table(
     except ValueError as error:
         said = str(error).removeprefix("the table, line 1: ").removeprefix("the table: ")
         raise ValueError(f"{name}: {said}") from error
+    except (OSError, ImportError):
+        raise
+    except Exception as error:  # each of these readers raises its own exceptions
+        raise ValueError(f"{name}: damaged, or not a {kind} file: {error}") from error
 
 
 def _matlab(name: str) -> dict[str, NDArray[Any]]:
     held = need("scipy.io", "mat").loadmat(name, squeeze_me=True, struct_as_record=True)
     table: dict[str, NDArray[Any]] = {}
+    sources: dict[str, str] = {}
     for key, value in held.items():
         if key.startswith("__"):
             continue
@@ -76,6 +81,7 @@ def _matlab(name: str) -> dict[str, NDArray[Any]]:
         for field, item in [(key, array)] if not fields else [(f, array[f][0]) for f in fields]:
             item = np.atleast_1d(item)
             if item.ndim == 1 and item.dtype.kind in "biuf":
+                _once(sources, field, key if fields else "")
                 table[field] = item
     remedy = (
         "a table or a timetable must be saved as a structure of vectors: "
@@ -86,17 +92,31 @@ def _matlab(name: str) -> dict[str, NDArray[Any]]:
 
 def _hdf5(name: str) -> dict[str, NDArray[Any]]:
     table: dict[str, NDArray[Any]] = {}
+    sources: dict[str, str] = {}
 
     def visit(key: str, item: Any) -> None:
         kind = getattr(getattr(item, "dtype", None), "kind", "")
         if kind and kind in "biuf" and "#refs#" not in key:
             array = np.squeeze(item[()])
             if array.ndim == 1:
-                table[key.rpartition("/")[2]] = array
+                group, _, field = key.rpartition("/")
+                _once(sources, field, group)
+                table[field] = array
 
     with need("h5py", "mat").File(name, "r") as file:
         file.visititems(visit)
     return _rows_of(table, "save the log as numeric vectors of one length")
+
+
+def _once(sources: dict[str, str], field: str, source: str) -> None:
+    """Refuse a column that two structures or groups of a file have: they may be two logs."""
+    if field in sources:
+        both = " and in ".join(one or "the file itself" for one in (sources[field], source))
+        raise ValueError(
+            f"{field} occurs twice, in {both}: save one log in a file, or read the one that is "
+            "meant and give its columns as a dict"
+        )
+    sources[field] = source
 
 
 def _rows_of(table: dict[str, NDArray[Any]], remedy: str) -> dict[str, NDArray[Any]]:
