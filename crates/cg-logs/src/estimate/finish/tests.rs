@@ -37,9 +37,9 @@ fn one(options: EstimateOptions, heights: [Found; 2]) -> LogEstimator {
 
 /// Adds turns in which yaw rate times speed is the reverse of the lateral acceleration.
 fn reverse_the_yaw_rate(log: &mut LogEstimator) {
-    for k in 0..200_u64 {
+    for k in 0..2000_u64 {
         let mut sample = Sample::absent(k * 10_000);
-        sample.lateral_acceleration_mps2 = if k < 100 { 1.0 } else { -1.0 };
+        sample.lateral_acceleration_mps2 = if k < 1000 { 1.0 } else { -1.0 };
         sample.speed_mps = 10.0;
         sample.yaw_rate_radps = -0.1 * sample.lateral_acceleration_mps2;
         log.sensors.push(&sample, 9.81);
