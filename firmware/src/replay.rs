@@ -62,7 +62,8 @@ pub fn replay(
     clock: impl Fn() -> u32,
     mut told: impl FnMut(&Maneuver, Option<Height<f32>>),
 ) -> Report {
-    let mut estimator = Onboard::new(design, Settings::truck(), Prior::standard());
+    let settings = Settings::truck().averaged_over(MEAN_US);
+    let mut estimator = Onboard::new(design, settings, Prior::standard());
     let mut report = Report::default();
     let (mut mass_kg, mut speed_mps) = (design.nominal_trailer_mass_kg, f32::NAN);
     for sample in samples {
@@ -110,6 +111,8 @@ pub struct IdentifyCosts {
     pub jitter: Cost,
 }
 
+/// Samples are averaged over 60 ms, half as long again as usual, which saves a quarter of the instructions.
+const MEAN_US: u32 = 60_400;
 /// Number of rows with jitter.
 const JITTER_ROWS: usize = 400;
 

@@ -17,7 +17,7 @@ use crate::decide::lane::Lane;
 use crate::decide::load::{LoadWatch, Said, Verdict};
 use crate::decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 use crate::decide::memory::Memory;
-use crate::decide::neighbors::Neighbors;
+use crate::decide::neighbors::{Most, Neighbors};
 use crate::decide::settings::Settings;
 use crate::decide::window::Window;
 use crate::identify::identifier::Identify;
@@ -109,10 +109,11 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             return Ok(Step { status: Status::Absent, closed: None });
         };
         self.is_weighed |= sample.trailer_mass_kg.present();
-        let is_next = self.neighbors.ends_before(&seen, I::MOST_TOGETHER);
+        let most = Most { samples: I::MOST_TOGETHER, mean_us: self.settings.mean_us };
+        let is_next = self.neighbors.ends_before(&seen, most);
         if !is_next {
             self.neighbors.add(&seen);
-            if !self.neighbors.is_complete(I::MOST_TOGETHER) {
+            if !self.neighbors.is_complete(most) {
                 return Ok(Step { status: self.status(), closed: None });
             }
         }

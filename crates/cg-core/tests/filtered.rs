@@ -14,7 +14,7 @@ const INTERVAL_S: f64 = 0.01;
 /// Only the gain is free, and the noise floor is the last digit of a sensor, more than [`BETWEEN_MEANS`] of
 /// the roll angle.
 const GAIN_ALONE: Prior<f64> =
-    Prior { dynamics_sd: 0.0, noise_floor_rad: 5e-5, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
+    Prior { dynamics_sd: 0.0, noise_floor_rad: 2e-5, offset_sd_rad: 0.0, drift_sd_radps: 0.0 };
 
 fn pushed(prior: Prior<f64>, data: &[(f64, f64)]) -> FilteredArx<f64> {
     let mut identifier = FilteredArx::new(&EQ_5_12, prior);
@@ -51,13 +51,13 @@ fn bent(law: impl Fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
     step().into_iter().zip(time_s).map(|((u, y), t)| (u, law(t, y))).collect()
 }
 
-/// A line between means over τ = 60 ms misses a signal of ω = π/4 rad/s, the half cosine of [`drive`], by
+/// A line between means over τ = 40 ms misses a signal of ω = π/4 rad/s, the half cosine of [`drive`], by
 /// `(ω τ)²/12` of it.
-const BETWEEN_MEANS: f64 = 1.9e-4;
+const BETWEEN_MEANS: f64 = 8.3e-5;
 
-/// The sum of the squares of the roll angle in means of six samples, which the estimator makes at 100 Hz.
+/// The sum of the squares of the roll angle in means of four samples, which the estimator makes at 100 Hz.
 fn squares(rows: &[(f64, f64)]) -> f64 {
-    rows.chunks_exact(6).map(|mean| mean.iter().map(|(_, y)| y).sum::<f64>().powi(2) / 6.0).sum()
+    rows.chunks_exact(4).map(|mean| mean.iter().map(|(_, y)| y).sum::<f64>().powi(2) / 4.0).sum()
 }
 
 /// Standard deviation √(Σ (y − ȳ)²/n).
@@ -72,12 +72,12 @@ fn a_gain_alone_scales_the_whole_response() {
     let mut identifier = pushed(GAIN_ALONE, &bent(|_, y| 1.2 * y));
     let fit = ready(identifier.fit());
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - 1.2).abs() < 1.2 * BETWEEN_MEANS);
-    // The first sample, and 166 means of six. The last three wait for others.
+    // The first sample, and 249 means of four. The last three wait for others.
     assert_eq!((fit.rows, fit.misfit, fit.drift_radps.value), (997, 0.0, 0.0));
     // The standard deviation follows from the noise floor and the response's sum of squares.
-    let sd = 5e-5 * EQ_5_12.dc_gain() / squares(&step()[1..]).sqrt();
+    let sd = 2e-5 * EQ_5_12.dc_gain() / squares(&step()[1..]).sqrt();
     assert!((fit.ratio.sd / sd - 1.0).abs() < BETWEEN_MEANS, "{} {sd}", fit.ratio.sd);
-    assert!((fit.noise_sd_rad - 5e-5).abs() < 1e-18);
+    assert!((fit.noise_sd_rad - 2e-5).abs() < 1e-18);
     let model = identifier.model().unwrap();
     for (found, known) in model.numerator.iter().zip(EQ_5_12.numerator) {
         assert!((found - 1.2 * known).abs() < 1.2 * BETWEEN_MEANS * known.abs());
@@ -91,12 +91,12 @@ fn a_gain_alone_scales_the_whole_response() {
 fn the_excitation_is_what_the_input_moves() {
     let data = step();
     let identifier = pushed(GAIN_ALONE, &data);
-    let means = data[1..].chunks_exact(6);
-    let means = means.map(|six| six.iter().map(|(u, _)| u).sum::<f64>() / 6.0);
-    // All but the first sample have the weight of six.
-    let inputs = spread(means.flat_map(|mean| [mean; 6]).chain([data[0].0]));
+    let means = data[1..].chunks_exact(4);
+    let means = means.map(|four| four.iter().map(|(u, _)| u).sum::<f64>() / 4.0);
+    // All but the first sample have the weight of four.
+    let inputs = spread(means.flat_map(|mean| [mean; 4]).chain([data[0].0]));
     assert!((identifier.excitation_rad() / (inputs * EQ_5_12.dc_gain()) - 1.0).abs() < 1e-9);
-    let roll = data[991..997].iter().map(|(_, y)| y).sum::<f64>() / 6.0;
+    let roll = data[993..997].iter().map(|(_, y)| y).sum::<f64>() / 4.0;
     assert!((identifier.expected_roll_rad() / roll - 1.0).abs() < BETWEEN_MEANS);
 }
 
@@ -106,8 +106,8 @@ fn without_rows_or_without_motion_there_is_no_answer() {
         Answer::Unexcited(Unexcited::TooFewRows { rows }) => Some(rows),
         _ => None,
     };
-    // The first sample, and means of six.
-    assert_eq!((few(12), few(13), few(19)), (Some(7), None, None));
+    // The first sample, and means of four.
+    assert_eq!((few(12), few(13), few(17)), (Some(9), None, None));
     let still = vec![(0.01, 0.01); 500];
     assert_eq!(pushed(GAIN_ALONE, &still).fit(), Answer::Unexcited(Unexcited::Input));
     let mut cleared = pushed(GAIN_ALONE, &step());
@@ -115,7 +115,7 @@ fn without_rows_or_without_motion_there_is_no_answer() {
     assert_eq!(cleared.fit(), Answer::Unexcited(Unexcited::TooFewRows { rows: 0 }));
 }
 
-/// The prior is a free offset and a drift within 3e-4 rad/s. With a floor of 5e-5 rad the prior
+/// The prior is a free offset and a drift within 3e-4 rad/s. With a floor of 2e-5 rad the prior
 /// hardly affects the drift.
 #[test]
 fn a_drift_is_told_from_the_turn() {
@@ -191,20 +191,20 @@ fn a_late_roll_angle_does_not_fit_the_model() {
 /// Forgetting halves the weight of the earlier rows, as if their squares were half as large.
 #[test]
 fn forgetting_halves_the_weight_of_what_was() {
-    let data = drive(1405);
-    let (first, more) = data.split_at(1003);
+    let data = drive(1401);
+    let (first, more) = data.split_at(1001);
     let mut identifier = pushed(GAIN_ALONE, first);
     identifier.forget(0.5);
     let more: Vec<_> = more.iter().map(|&(u, y)| (u, 1.1 * y)).collect();
     let both: Vec<_> = first.iter().chain(&more).copied().collect();
-    for mean in &means(&both, INTERVAL_S)[168..] {
+    for mean in &means(&both, INTERVAL_S)[251..] {
         identifier.push_mean(mean);
     }
-    let (before, after) = (0.5 * squares(&first[1..]), squares(&data[1003..]));
+    let (before, after) = (0.5 * squares(&first[1..]), squares(&data[1001..]));
     let gain = (before + 1.1 * after) / (before + after);
     let fit = ready(identifier.fit());
     assert!((fit.ratio.value / EQ_5_12.dc_gain() - gain).abs() < BETWEEN_MEANS, "{gain}");
-    assert_eq!(fit.rows, 1405);
+    assert_eq!(fit.rows, 1401);
 }
 
 /// A row that is not used changes the states of the filters but not the result.
@@ -214,7 +214,7 @@ fn rows_that_do_not_count_only_move_the_filters() {
     let data: Vec<_> =
         (0..).zip(step()).map(|(k, (u, y))| (u, if k > 300 { y } else { 9.0 })).collect();
     for (k, mean) in means(&data, INTERVAL_S).into_iter().enumerate() {
-        identifier.push_mean(&Mean { is_used: k > 50, ..mean });
+        identifier.push_mean(&Mean { is_used: k > 75, ..mean });
     }
     let fit = ready(identifier.fit());
     assert_eq!(fit.rows, 696);

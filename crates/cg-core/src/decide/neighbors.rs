@@ -7,11 +7,6 @@ use crate::decide::signals::{Seen, Signals, seconds};
 use crate::math::real::Real;
 use crate::truck::channel::Output;
 
-/// Samples are averaged over at most this time, so that 20 samples a second stay as they are. In the band of usual maneuvers (up
-/// to ω = 6 rad/s) the signals scatter about their means by `(ω τ)²/12` = 1 % of their square in it, which is the information that
-/// is lost. It is slightly above a round number, so that rounding does not decide which sample is the last.
-const MEAN_US: u32 = 60_400;
-
 /// Samples that are averaged at most.
 const MOST_SAMPLES: u32 = 8;
 
@@ -33,15 +28,22 @@ pub(crate) struct Together<T> {
     pub(crate) step_rad: Option<T>,
 }
 
+/// What a mean has at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Most {
+    pub(crate) samples: u32,
+    pub(crate) mean_us: u32,
+}
+
 /// The samples since the last mean.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Neighbors<T> {
     first_us: u64,
     last_us: u64,
-    /// Time between the last two samples, and since the last sample of the mean before; `None` before the first mean.
+    /// Time between the last two samples, and since the last sample of the mean before; any time before the first mean.
     interval_us: u32,
-    elapsed_us: Option<u32>,
+    elapsed_us: u32,
     samples: u32,
     weight: T,
     /// Sums. The times are those since the first sample.
@@ -64,7 +66,7 @@ impl<T: Real> Neighbors<T> {
         first_us: 0,
         last_us: 0,
         interval_us: 0,
-        elapsed_us: None,
+        elapsed_us: u32::MAX,
         samples: 0,
         weight: T::ZERO,
         signals: Signals::ZERO,
@@ -80,19 +82,19 @@ impl<T: Real> Neighbors<T> {
         step_rad: None,
     };
 
-    /// Whether a mean of so `many` samples at most ends before the next one: that has other signals, or comes much later.
-    pub(crate) fn ends_before(&self, next: &Seen<T>, many: u32) -> bool {
+    /// Whether the mean ends before the next sample: that has other signals, or comes much later.
+    pub(crate) fn ends_before(&self, next: &Seen<T>, most: Most) -> bool {
         self.samples > 0
             && (!next.signals.has_kinds_of(&self.signals)
-                || self.until_us(next.time_us) >= MEAN_US / 2
-                || self.is_complete(many))
+                || self.until_us(next.time_us) >= most.mean_us / 2
+                || self.is_complete(most))
     }
 
     /// Whether no sample is to be added. The first sample of a drive is a mean of its own.
-    pub(crate) fn is_complete(&self, many: u32) -> bool {
+    pub(crate) fn is_complete(&self, most: Most) -> bool {
         // One that comes as late after the last one as that after the one before it would be beyond the time of a mean.
-        let is_full = |us: u32| us.saturating_add(self.interval_us) > MEAN_US;
-        self.samples >= many.min(MOST_SAMPLES) || self.elapsed_us.is_none_or(is_full)
+        let next_us = self.elapsed_us.saturating_add(self.interval_us);
+        self.samples >= most.samples.min(MOST_SAMPLES) || next_us > most.mean_us
     }
 
     /// Time from the last sample to another one.
@@ -126,7 +128,7 @@ impl<T: Real> Neighbors<T> {
             }
         }
         self.interval_us = self.until_us(seen.time_us);
-        self.elapsed_us = self.elapsed_us.map(|us| us.saturating_add(self.interval_us));
+        self.elapsed_us = self.elapsed_us.saturating_add(self.interval_us);
         self.last_us = seen.time_us;
         self.samples += 1;
         self.weight += T::ONE;
@@ -153,7 +155,7 @@ impl<T: Real> Neighbors<T> {
             step_rad: self.step_rad,
         };
         let Self { last_us, last_rad, .. } = *self;
-        *self = Self { last_us, elapsed_us: Some(0), last_rad, ..Self::NONE };
+        *self = Self { last_us, elapsed_us: 0, last_rad, ..Self::NONE };
         mean
     }
 }
@@ -175,10 +177,15 @@ mod tests {
     }
 
     /// Adds a sample as the estimator does.
-    fn push(neighbors: &mut Neighbors<f64>, next: &Seen<f64>, many: u32) -> Option<Together<f64>> {
-        let before = neighbors.ends_before(next, many).then(|| neighbors.take());
+    fn push(
+        neighbors: &mut Neighbors<f64>,
+        next: &Seen<f64>,
+        samples: u32,
+    ) -> Option<Together<f64>> {
+        let most = Most { samples, mean_us: 40_400 };
+        let before = neighbors.ends_before(next, most).then(|| neighbors.take());
         neighbors.add(next);
-        before.or_else(|| neighbors.is_complete(many).then(|| neighbors.take()))
+        before.or_else(|| neighbors.is_complete(most).then(|| neighbors.take()))
     }
 
     /// The means of samples at these times; their steer angle is the time in seconds.
@@ -200,9 +207,9 @@ mod tests {
     }
 
     #[test]
-    fn a_mean_is_complete_after_six_hundredths_of_a_second_or_eight_samples() {
+    fn a_mean_is_complete_after_four_hundredths_of_a_second_or_eight_samples() {
         for (interval_us, each) in
-            [(100_000, 1_u8), (50_000, 1), (30_000, 2), (20_000, 3), (10_000, 6), (1000, 8)]
+            [(100_000, 1_u8), (40_000, 1), (30_000, 1), (20_000, 2), (10_000, 4), (1000, 8)]
         {
             // The first sample is alone.
             let found = means(&regular(interval_us, 25), 8, |_, _| 0.0);
@@ -219,10 +226,10 @@ mod tests {
         assert_eq!(means(&regular(1000, 17), 1, |_, _| 0.0).len(), 17);
     }
 
-    /// At 20 samples a second and less, nothing is changed.
+    /// At 25 samples a second and less, nothing is changed.
     #[test]
     fn a_single_sample_is_its_own_mean_to_the_last_bit() {
-        let times_us = regular(50_000, 9);
+        let times_us = regular(40_000, 9);
         let found = means(&times_us, 8, |k, _| if k < 4 { 0.7 } else { 0.1 });
         assert_eq!(found.len(), 9);
         for (k, (mean, time_us)) in found.iter().zip(&times_us).enumerate() {

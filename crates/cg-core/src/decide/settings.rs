@@ -16,6 +16,10 @@ pub struct Settings<T> {
     pub straight_us: u64,
     /// Greatest duration of a maneuver; a longer turn is split.
     pub longest_us: u64,
+    /// Samples are averaged over at most this time. In the band of usual maneuvers (up to ω = 6 rad/s) the signals scatter
+    /// about their means by `(ω τ)²/12` of their square in it, which is the information that is lost: 0.5 % for the usual 40 ms. It
+    /// is slightly above a round number, so that rounding does not decide which sample is the last.
+    pub mean_us: u32,
     /// Greatest gap between two samples that is bridged by linear interpolation.
     pub gap_us: u64,
     /// Half-life of the weight of straight driving before a maneuver.
@@ -64,11 +68,18 @@ impl<T: Real> Settings<T> {
         Self { bank_sd_rad, bank_sd_to_road_rad: bank_sd_rad, ..self }
     }
 
+    /// The same settings with samples that are averaged over at most this time.
+    #[must_use]
+    pub fn averaged_over(self, mean_us: u32) -> Self {
+        Self { mean_us, ..self }
+    }
+
     /// Settings for trucks on roads.
     pub fn truck() -> Self {
         Self {
             straight_us: 4_000_000,
             longest_us: 40_000_000,
+            mean_us: 40_400,
             gap_us: 500_000,
             fade_us: 2_000_000,
             rest_us: 300_000,

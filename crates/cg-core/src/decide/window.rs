@@ -47,7 +47,7 @@ impl<T: Real, const C: usize> Window<T, C> {
     /// A window before its first row.
     pub(crate) fn new(row: &Row<T, C>) -> Self {
         Self {
-            start_us: row.time_us,
+            start_us: row.of.first_us,
             last_us: row.time_us,
             last_turn_us: None,
             faded_us: row.time_us,
@@ -96,7 +96,7 @@ impl<T: Real, const C: usize> Window<T, C> {
             self.last_turn_us.is_none() && row.time_us.saturating_sub(self.faded_us) >= fade_us;
         if fades {
             self.faded_us = row.time_us;
-            self.start_us = row.time_us;
+            self.start_us = row.of.first_us;
             self.start_speed_mps = row.speed_mps;
             self.weight *= T::of(0.5);
         }

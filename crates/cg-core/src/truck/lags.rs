@@ -22,7 +22,7 @@ impl<T: Real> RollLags<T> {
 
     /// Advances to the next angle, `interval_s` after the previous one; returns it after both lags.
     pub fn push(&mut self, roll_rad: T, interval_s: T) -> T {
-        // By hand, for e^(−x) = (12 − 6x + x²)/(12 + 6x + x²), a Padé approximant that is wrong by 1e-5 at 60 ms.
+        // By hand, for e^(−x) = (12 − 6x + x²)/(12 + 6x + x²), a Padé approximant that is wrong by 2e-6 at 40 ms.
         let x = interval_s * T::of(1.0 / ROLL_LAG_S);
         let (twelve, six_x, square) = (T::of(12.0), T::of(6.0) * x, x * x);
         let below = T::one() / (twelve + six_x + square);
