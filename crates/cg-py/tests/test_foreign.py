@@ -237,7 +237,7 @@ def test_two_logs_in_a_file_are_not_mixed(kraz, turn, tmp_path):
             for name, values in signals.items():
                 file[f"{group}/{name}"] = values
     for path in (matlab, hdf5):
-        with pytest.raises(ValueError, match="occurs twice, in (raw|filtered) and in"):
+        with pytest.raises(ValueError, match=r"occurs twice, in (raw|filtered) and in"):
             cgheight.estimate_log(path, vehicle=kraz)
 
 
