@@ -68,11 +68,8 @@ pub(crate) struct LoadArgs {
 
 impl LoadArgs {
     pub(crate) fn load(&self, vehicle: &Vehicle) -> Load {
-        let reference = vehicle.reference_load();
         let payload = self.payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
-        let trailer_mass_kg = self.trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg);
-        let usual_m = vehicle.usual_height_m(trailer_mass_kg);
-        Load { trailer_mass_kg, cg_height_m: self.height_m.unwrap_or(usual_m) }
+        vehicle.load_of(self.trailer_mass_kg.or(payload), self.height_m)
     }
 }
 

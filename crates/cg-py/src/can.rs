@@ -12,7 +12,7 @@ use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::error::{in_python, value_error, vehicle_error};
-use crate::log::{table, tell_mass_sd};
+use crate::log::table;
 use crate::options::{Options, word};
 use crate::reading::Reading;
 use crate::results;
@@ -119,7 +119,7 @@ impl FrameTable {
     /// End the log and return a dict of SI column names to arrays, without absent signals.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mut state = self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
-        let TableState { frames, values, rows, counts, .. } = &mut *state;
+        let TableState { frames, values, rows, .. } = &mut *state;
         let mut values = std::mem::take(values);
         values.sort_by_key(|(time_us, ..)| *time_us);
         // All values of an instant are added before its rows are made.
@@ -129,10 +129,7 @@ impl FrameTable {
             }
             rows.extend(std::iter::from_fn(|| frames.next_row()));
         }
-        let has_frames = counts.0 > 0;
-        let scale = frames.scale().filter(|_| has_frames);
         rows.extend(std::iter::from_fn(|| frames.rest()));
-        tell_mass_sd(rows, scale);
         table(py, rows)
     }
 

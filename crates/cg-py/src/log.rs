@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use cg_logs::estimate::LogEstimator;
 use cg_logs::log::{LogError, LogOptions, LogReader, LogRow, Signal};
-use cg_vehicle::scales::Scale;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -54,8 +53,7 @@ pub(crate) fn read_file(
     columns: Vec<String>,
     flip: Vec<String>,
 ) -> PyResult<Bound<'_, PyDict>> {
-    let (mut rows, _, scale) = read(py, &path, &log_options(&columns, &flip)?)?;
-    tell_mass_sd(&mut rows, scale);
+    let (rows, _) = read(py, &path, &log_options(&columns, &flip)?)?;
     table(py, &rows)
 }
 
@@ -67,26 +65,12 @@ pub(crate) fn read_frames(
     path: PathBuf,
     reading: Reading,
 ) -> PyResult<(Bound<'_, PyDict>, Vec<String>)> {
-    let (mut rows, remarks, scale) = read(py, &path, &reading.options()?)?;
-    tell_mass_sd(&mut rows, scale);
+    let (rows, remarks) = read(py, &path, &reading.options()?)?;
     Ok((table(py, &rows)?, remarks.iter().map(|remark| in_python(remark)).collect()))
 }
 
-/// The masses of rows from frames are those of a scale; in a table nothing else would say how exact that is.
-pub(crate) fn tell_mass_sd(rows: &mut [LogRow], scale: Option<Scale>) {
-    for row in rows {
-        let sd_kg = scale.and_then(|scale| scale.usual_sd_kg(row.trailer_mass_kg));
-        if let Some(sd_kg) = sd_kg.filter(|_| row.trailer_mass_sd_kg.is_nan()) {
-            row.trailer_mass_sd_kg = sd_kg;
-        }
-    }
-}
-
-/// All rows of a file, the remarks about it, and its scale if it has frames.
-type Rows = (Vec<LogRow>, Vec<String>, Option<Scale>);
-
-/// Reads all rows of a file.
-fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<Rows> {
+/// Reads all rows of a file, and the remarks about it.
+fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Vec<LogRow>, Vec<String>)> {
     let mut reader = py.detach(|| LogReader::open(path, options)).map_err(log_error)?;
     let mut rows: Vec<LogRow> = Vec::new();
     let mut read_some = || -> Result<bool, LogError> {
@@ -99,7 +83,7 @@ fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<Rows> {
     while py.detach(&mut read_some).map_err(log_error)? {
         py.check_signals()?;
     }
-    Ok((rows, reader.remarks(), reader.scale()))
+    Ok((rows, reader.remarks()))
 }
 
 /// Converts rows to a dict of SI column names to arrays, without absent signals.

@@ -169,14 +169,11 @@ pub(crate) fn load(
     if trailer_mass_kg.is_some() && payload_kg.is_some() {
         return Err(value_error("trailer_mass_kg and payload_kg are both given: give one"));
     }
-    let reference = vehicle.reference_load();
     let greatest_kg = limits::GREATEST_TRAILER_MASS_KG;
     let trailer_mass_kg = up_to("trailer_mass_kg", trailer_mass_kg, greatest_kg)?;
     let height_m = up_to("height_m", height_m, limits::GREATEST_HEIGHT_M)?;
     let payload = payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
-    let trailer_mass_kg = trailer_mass_kg.or(payload).unwrap_or(reference.trailer_mass_kg);
-    let usual_m = vehicle.usual_height_m(trailer_mass_kg);
-    Ok(Load { trailer_mass_kg, cg_height_m: height_m.unwrap_or(usual_m) })
+    Ok(vehicle.load_of(trailer_mass_kg.or(payload), height_m))
 }
 
 impl ChassisRequest {

@@ -463,10 +463,14 @@ impl Vehicle {
         }
     }
 
-    /// The height that a trailer of this mass usually has: that of the empty trailer, or else of the reference load.
-    pub fn usual_height_m(&self, trailer_mass_kg: f64) -> f64 {
+    /// The load of a mass and a height. If they are absent, they are those of the reference load, and the height of the empty
+    /// trailer is its own.
+    pub fn load_of(&self, trailer_mass_kg: Option<f64>, cg_height_m: Option<f64>) -> Load {
+        let reference = self.reference_load();
+        let trailer_mass_kg = trailer_mass_kg.unwrap_or(reference.trailer_mass_kg);
         let is_empty = trailer_mass_kg < self.empty_trailer_mass_kg() + EMPTY_KG;
-        if is_empty { self.trailer.tare.cg_height_m } else { self.trailer.reference_cg_height_m }
+        let usual = if is_empty { self.empty_load() } else { reference };
+        Load { trailer_mass_kg, cg_height_m: cg_height_m.unwrap_or(usual.cg_height_m) }
     }
 
     /// The reference load of the file.

@@ -15,7 +15,7 @@
 
 use core::fmt;
 
-use crate::decide::neighbors::{Neighbors, Together};
+use crate::decide::neighbors::{Neighbors, Samples, Together};
 use crate::decide::signals::{Seen, Signals, seconds};
 use crate::math::real::Real;
 use crate::signal::sample::Sample;
@@ -100,34 +100,6 @@ pub struct Row<T, const C: usize = CHANNELS> {
     pub usable: [bool; C],
     /// What it is the mean of.
     pub(crate) of: Samples<T>,
-}
-
-/// The samples of a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Samples<T> {
-    /// Time of the first one, and the mean of their times, µs.
-    pub(crate) first_us: u64,
-    pub(crate) middle_us: u64,
-    pub(crate) number: u32,
-    pub(crate) weight: T,
-    /// How much the trailer's roll angle scatters about its mean, and its smallest step.
-    pub(crate) scatter: [T; 3],
-    pub(crate) step_rad: Option<T>,
-}
-
-#[cfg(test)]
-impl<T: Real> Samples<T> {
-    /// A single sample.
-    pub(crate) fn single(time_us: u64) -> Self {
-        Self {
-            first_us: time_us,
-            middle_us: time_us,
-            number: 1,
-            weight: T::ONE,
-            scatter: [T::ZERO; 3],
-            step_rad: None,
-        }
-    }
 }
 
 /// Converts samples to rows.
@@ -306,14 +278,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             lateral_acceleration_mps2: felt,
             turning: self.turning,
             usable,
-            of: Samples {
-                first_us: mean.first_us,
-                middle_us: mean.middle_us,
-                number: mean.samples,
-                weight: mean.weight,
-                scatter: mean.scatter,
-                step_rad: mean.step_rad,
-            },
+            of: mean.of,
         }
     }
 

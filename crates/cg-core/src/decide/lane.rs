@@ -204,7 +204,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decide::condition::Samples;
+    use crate::decide::neighbors::Samples;
     use crate::identify::identifier::{Answer, Unexcited};
     use crate::truck::ratio::Measured;
     use crate::truck::reduced::Reduced5;

@@ -7,25 +7,44 @@ use crate::decide::signals::{Seen, Signals, seconds};
 use crate::math::real::Real;
 use crate::truck::channel::Output;
 
-/// Samples that are averaged at most.
-const MOST_SAMPLES: u32 = 8;
-
 /// The mean of some samples in which the same signals are present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Together<T> {
-    /// Times of the first and of the last sample, and the mean of all times.
-    pub(crate) first_us: u64,
+    /// Time of the last sample.
     pub(crate) last_us: u64,
-    pub(crate) middle_us: u64,
-    /// The number of samples, also as a number of the type of the signals.
-    pub(crate) samples: u32,
-    pub(crate) weight: T,
     pub(crate) signals: Signals<T>,
     pub(crate) speed_mps: T,
+    pub(crate) of: Samples<T>,
+}
+
+/// The samples of a mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Samples<T> {
+    /// Time of the first one, and the mean of their times.
+    pub(crate) first_us: u64,
+    pub(crate) middle_us: u64,
+    /// Their number, also as a number of the type of the signals.
+    pub(crate) number: u32,
+    pub(crate) weight: T,
     /// Of the trailer's roll angle, as in [`Mean::scatter`](crate::identify::mean::Mean::scatter).
     pub(crate) scatter: [T; 3],
     /// Smallest difference between two successive roll angles of the trailer that is not zero, if there is one.
     pub(crate) step_rad: Option<T>,
+}
+
+#[cfg(test)]
+impl<T: Real> Samples<T> {
+    /// A single sample.
+    pub(crate) fn single(time_us: u64) -> Self {
+        Self {
+            first_us: time_us,
+            middle_us: time_us,
+            number: 1,
+            weight: T::ONE,
+            scatter: [T::ZERO; 3],
+            step_rad: None,
+        }
+    }
 }
 
 /// What a mean has at most.
@@ -94,7 +113,7 @@ impl<T: Real> Neighbors<T> {
     pub(crate) fn is_complete(&self, most: Most) -> bool {
         // One that comes as late after the last one as that after the one before it would be beyond the time of a mean.
         let next_us = self.elapsed_us.saturating_add(self.interval_us);
-        self.samples >= most.samples.min(MOST_SAMPLES) || next_us > most.mean_us
+        self.samples >= most.samples || next_us > most.mean_us
     }
 
     /// Time from the last sample to another one.
@@ -140,19 +159,21 @@ impl<T: Real> Neighbors<T> {
         let (time_s, roll_rad) = (self.times * share, self.rolls * share);
         let middle_us = self.times_us.checked_div(self.samples).unwrap_or(0);
         let mean = Together {
-            first_us: self.first_us,
             last_us: self.last_us,
-            middle_us: self.first_us.saturating_add(u64::from(middle_us)),
-            samples: self.samples,
-            weight: self.weight,
             signals: self.signals.scaled(share),
             speed_mps: self.speeds * share,
-            scatter: [
-                self.roll_squares - self.rolls * roll_rad,
-                self.products - self.times * roll_rad,
-                self.time_squares - self.times * time_s,
-            ],
-            step_rad: self.step_rad,
+            of: Samples {
+                first_us: self.first_us,
+                middle_us: self.first_us.saturating_add(u64::from(middle_us)),
+                number: self.samples,
+                weight: self.weight,
+                scatter: [
+                    self.roll_squares - self.rolls * roll_rad,
+                    self.products - self.times * roll_rad,
+                    self.time_squares - self.times * time_s,
+                ],
+                step_rad: self.step_rad,
+            },
         };
         let Self { last_us, last_rad, .. } = *self;
         *self = Self { last_us, elapsed_us: 0, last_rad, ..Self::NONE };
@@ -216,11 +237,11 @@ mod tests {
             assert_eq!(found.len(), 1 + 24 / usize::from(each));
             for (mean, k) in found[1..].iter().zip(0..) {
                 let each = u64::from(each);
-                assert_eq!(u64::from(mean.samples), each);
-                assert_eq!(mean.first_us, (2 + k * each) * interval_us);
+                assert_eq!(u64::from(mean.of.number), each);
+                assert_eq!(mean.of.first_us, (2 + k * each) * interval_us);
                 assert_eq!(mean.last_us, (1 + (k + 1) * each) * interval_us);
-                assert_eq!(2 * mean.middle_us, mean.first_us + mean.last_us);
-                close(mean.weight, f64::from(mean.samples));
+                assert_eq!(2 * mean.of.middle_us, mean.of.first_us + mean.last_us);
+                close(mean.of.weight, f64::from(mean.of.number));
             }
         }
         assert_eq!(means(&regular(1000, 17), 1, |_, _| 0.0).len(), 17);
@@ -238,9 +259,10 @@ mod tests {
             let alone = alone.take();
             let step_rad = (k == 4).then_some(0.7 - 0.1);
             // As text, in which numbers are exact and NaN is NaN.
-            let expected = std::format!("{:?}", Together { step_rad, ..alone });
+            let expected =
+                std::format!("{:?}", Together { of: Samples { step_rad, ..alone.of }, ..alone });
             assert_eq!(std::format!("{mean:?}"), expected);
-            assert!(mean.scatter.iter().all(|sum| sum.abs() <= 0.0));
+            assert!(mean.of.scatter.iter().all(|sum| sum.abs() <= 0.0));
         }
     }
 
@@ -257,17 +279,17 @@ mod tests {
             })
             .collect();
         let found = means(&times_us, 8, |_, time_s| 0.5 - 2.0 * time_s);
-        assert!(found.windows(2).any(|two| two[0].samples != two[1].samples));
+        assert!(found.windows(2).any(|two| two[0].of.number != two[1].of.number));
         for mean in found {
             let [steer, roll] =
                 [mean.signals.input(Input::Steer), mean.signals.output(Output::Roll)];
             close(roll, 0.5 - 2.0 * steer);
             close(mean.speed_mps, 10.0 + steer);
             // The time is a whole number of microseconds.
-            assert!((seconds::<f64>(mean.middle_us) - steer).abs() < 1e-6);
-            let [rolls, products, times] = mean.scatter;
+            assert!((seconds::<f64>(mean.of.middle_us) - steer).abs() < 1e-6);
+            let [rolls, products, times] = mean.of.scatter;
             close(rolls + 4.0 * products + 4.0 * times, 0.0);
-            assert!(mean.samples == 1 || rolls > 1e-5);
+            assert!(mean.of.number == 1 || rolls > 1e-5);
         }
     }
 
@@ -277,11 +299,11 @@ mod tests {
         let rolls = [9.0, 3.0, 5.0, 10.0, 10.0];
         let found = means(&regular(10_000, 5), 3, |k, _| rolls[k]);
         let [three] = found[1..] else { unreachable!() };
-        let [squares, products, times] = three.scatter;
+        let [squares, products, times] = three.of.scatter;
         close(squares, 9.0 + 1.0 + 16.0);
         close(products, 0.07);
         close(times, 2e-4);
-        assert_eq!(three.step_rad, Some(2.0));
+        assert_eq!(three.of.step_rad, Some(2.0));
     }
 
     /// A sample in which other signals are present, or that comes late, is in no mean with those before it.
@@ -300,7 +322,7 @@ mod tests {
             (100_000, 0.1),
         ] {
             let mean = push(&mut neighbors, &seen(time_us, roll_rad, 0.0), 8);
-            numbers.extend(mean.map(|mean| (time_us, mean.last_us, mean.samples)));
+            numbers.extend(mean.map(|mean| (time_us, mean.last_us, mean.of.number)));
         }
         let expected = [
             (0, 0, 1),

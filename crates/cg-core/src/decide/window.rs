@@ -127,7 +127,7 @@ impl<T: Real, const C: usize> Window<T, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decide::condition::Samples;
+    use crate::decide::neighbors::Samples;
 
     /// The root mean square that remains of rows in a turn with these lateral accelerations.
     fn lateral_mps2(rows: &[f64]) -> f64 {

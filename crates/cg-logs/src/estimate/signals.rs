@@ -66,23 +66,20 @@ impl SignalCheck {
     pub(super) fn push(&mut self, sample: &Sample<f64>) {
         self.all_rows += 1;
         #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-        let interval_s = self
-            .last_us
-            .map_or(0.0, |last_us| sample.time_us.saturating_sub(last_us) as f64 * 1e-6);
-        self.last_us = Some(sample.time_us);
-        if interval_s > GAP_S {
+        let since_s =
+            |past_us: Option<u64>| Some(sample.time_us.saturating_sub(past_us?) as f64 * 1e-6);
+        let gap_s = since_s(self.last_us.replace(sample.time_us)).unwrap_or(0.0);
+        if gap_s > GAP_S {
             self.gaps += 1;
-            self.longest_gap_s = self.longest_gap_s.max(interval_s);
+            self.longest_gap_s = self.longest_gap_s.max(gap_s);
             self.smooth = None;
         }
-        #[allow(clippy::cast_precision_loss)]
-        let interval_s = self
-            .taken_us
-            .map_or(0.0, |taken_us| sample.time_us.saturating_sub(taken_us) as f64 * 1e-6);
-        if self.taken_us.is_some() && interval_s < STEP_S {
+        let interval_s = since_s(self.taken_us);
+        if interval_s.is_some_and(|interval_s| interval_s < STEP_S) {
             return;
         }
         self.taken_us = Some(sample.time_us);
+        let interval_s = interval_s.unwrap_or(0.0);
         // A log without a roll sensor uses its tilt.
         let of = |quantity: Quantity, x: f64| if quantity.plausible(x) { x } else { f64::NAN };
         let speed_mps = of(Quantity::Speed, sample.speed_mps);

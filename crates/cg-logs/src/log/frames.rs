@@ -44,6 +44,8 @@ pub struct FrameRows {
     origin_s: Option<f64>,
     /// The scale of the last row.
     scale: Option<Scale>,
+    /// Whether any value came in a frame.
+    hears_bus: bool,
 }
 
 impl FrameRows {
@@ -54,6 +56,7 @@ impl FrameRows {
             without_truck: options.settings.is_none(),
             origin_s: None,
             scale: None,
+            hears_bus: false,
         }
     }
 
@@ -63,6 +66,7 @@ impl FrameRows {
         let mut heard = false;
         let instant = self.sampler.push(frame, None, |_| heard = true);
         self.begin(frame.time_us, instant);
+        self.hears_bus |= heard;
         heard
     }
 
@@ -95,6 +99,11 @@ impl FrameRows {
         #[allow(clippy::cast_precision_loss)]
         let time_s = self.origin_s.unwrap_or(0.0) + sample.time_us as f64 * 1e-6;
         let mut row = LogRow::of_sample(time_s, sample);
+        // Whoever reads the row without the frames has nothing else that says how exact its mass is.
+        if let Some(scale) = self.scale.filter(|_| self.without_truck && self.hears_bus) {
+            let sd_kg = scale.usual_sd_kg(row.trailer_mass_kg);
+            row.trailer_mass_sd_kg = sd_kg.unwrap_or(f64::NAN);
+        }
         if self.sampler.shares_roll() {
             // The sample has the roll angle of both sensors together, so that of each in the row may be it.
             row.second_roll_rad = row.roll_rad;
