@@ -8,6 +8,8 @@ use cg_core::math::linalg::Triangle;
 use cg_core::truck::filters::{StateVariableFilter, StepMatrices};
 use cg_core::truck::simulation::Simulation;
 use cg_core::{Answer, FilteredArx, Fit, Identify, Prior, Unexcited};
+use rand::{Rng, SeedableRng, rngs::StdRng};
+use rand_distr::StandardNormal;
 
 const INTERVAL_S: f64 = 0.01;
 
@@ -318,5 +320,39 @@ fn means_of_neighbors_lose_nearly_no_information() {
             println!("{name} at {rate_hz} Hz: {:.3} % of the standard deviation", 100.0 * loss);
             assert!(loss.abs() < 0.01, "{name} {rate_hz}: {loss}");
         }
+    }
+}
+
+/// White noise of the input that has a twelfth of the response's variance makes a gain look smaller by as much. It is
+/// corrected as the true gain passes it, also where that is far from the model's.
+#[test]
+fn noise_of_the_input_moves_no_gain() {
+    const DRAWS: u32 = 200;
+    const NOISE: f64 = 0.04;
+    let prior = Prior { noise_floor_rad: 2e-4, ..GAIN_ALONE };
+    let input = |k: u32| 0.05 * (1.2 * f64::from(k) * INTERVAL_S).sin();
+    let mut random = StdRng::seed_from_u64(7);
+    for gain in [0.6, 1.0, 1.6] {
+        let [mut sum, mut squares] = [0.0; 2];
+        for _ in 0..DRAWS {
+            let mut plant = Simulation::new(&EQ_5_12, INTERVAL_S, 0.0);
+            let data: Vec<(f64, f64)> = (0..3000)
+                .map(|k| {
+                    let noise: f64 = random.sample(StandardNormal);
+                    // The filters begin at rest at the first input.
+                    let noise = if k == 0 { 0.0 } else { NOISE * noise };
+                    (input(k) + noise, gain * plant.push(input(k)))
+                })
+                .collect();
+            let ratio = ready(pushed(prior, &data).fit()).ratio;
+            let error = ratio.value / (gain * EQ_5_12.dc_gain()) - 1.0;
+            sum += error;
+            squares += error * error;
+        }
+        let draws = f64::from(DRAWS);
+        let mean = sum / draws;
+        let sd = (squares / draws - mean * mean).sqrt();
+        println!("gain {gain}: {:.3} % in the mean of {:.3} %", 100.0 * mean, 100.0 * sd);
+        assert!(mean.abs() < 3.0 * sd / draws.sqrt(), "{gain}: {mean}");
     }
 }

@@ -15,10 +15,11 @@ use crate::truck::reduced::{ORDER, Reduced5};
 
 const UNKNOWNS_F64: f64 = 13.0;
 
-/// Uncertainty of the correction for input noise, as a share of it. The noise is known within 15 %
-/// after 20 s. Terms of second order, which are neglected, are a third of the first-order term for
-/// noise as strong as that of an accelerometer on a rough engine (0.3 m/s² at 100 Hz).
-const INPUT_DOUBT: f64 = 0.35;
+/// The correction for noise of the input takes the dynamics for those of the model, from which they differ
+/// by 20 % as a rule; it is uncertain by as much.
+const DYNAMICS_DOUBT: f64 = 0.2;
+/// Share of the input that is not noise, at least. With less, the doubt makes the ratio unusable.
+const LEAST_KNOWN: f64 = 0.25;
 
 /// The ratio is corrected for a drift if the drift is greater than a third of a degree per minute
 /// and significant (the probability that chance exceeds it is 0.1 %).
@@ -244,15 +245,20 @@ impl<T: Real> FilteredArx<T> {
     ) {
         let (roll, input) = self.pulls(roll_variance, from_input, products);
         let input = answer.triangle.shift_for(&input, UNKNOWNS);
-        answer.input_shift = [input[0], input[GAIN]];
         let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
+        // The residual contains the response of the corrected gain to the noise of the input, so
+        // g = 1 + γ + roll + g input.
+        let known = (T::one() - input[GAIN]).max(T::of(LEAST_KNOWN));
+        let gain = (T::one() + answer.theta[GAIN] + roll[GAIN]) / known;
+        // A relative error of the noise's variance changes the correction by as much, and the gain in it.
+        answer.input_shift = [input[0], input[GAIN]].map(|shift| shift * gain / known);
         for (theta, (roll, input)) in answer.theta.iter_mut().zip(roll.iter().zip(input)) {
-            *theta += *roll + input;
+            *theta += *roll + input * gain;
         }
     }
 
-    /// The bias of `Σ φ e` due to noise in the regressors, with reversed sign and to first order:
-    /// for noise of the roll angle and for noise of the input.
+    /// The bias of `Σ φ e` due to noise in the regressors, with reversed sign and for the model's
+    /// dynamics: for noise of the roll angle, and for noise of the input per unit of the gain.
     ///
     /// White roll noise of variance σ² is contained in `−y_k` with the weight that the newest
     /// sample has in it, which gives the bias −σ² Σ weight (little after lags, and left out). White
@@ -324,9 +330,10 @@ impl<T: Real> FilteredArx<T> {
                 taken * taken - *slow_sd * *slow_sd * covariance * covariance / along[DRIFT];
             ratio - taken
         };
-        let doubt =
-            T::of(INPUT_DOUBT) * (gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[1]);
-        let ratio_sd = (variance + doubt * doubt).root();
+        let corrected = gradient[0] * input_shift[0] + gradient[GAIN] * input_shift[1];
+        let doubts =
+            [self.input_noise.doubt(), T::of(DYNAMICS_DOUBT)].map(|doubt| doubt * corrected);
+        let ratio_sd = doubts.iter().fold(variance, |sum, doubt| sum + *doubt * *doubt).root();
         // As noise of the sensor, before the lags.
         let slower = self.roll_noise.inflation(self.moments.weight);
         let (snr_db, fit_percent) = self.moments.quality(*noise_sd * *noise_sd, slower, rest);

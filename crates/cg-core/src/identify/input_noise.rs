@@ -79,6 +79,13 @@ impl<T: Real> InputNoise<T> {
         if variance > T::zero() { variance } else { T::zero() }
     }
 
+    /// Relative standard deviation of the variance: `√(6.125/n)` from `n` products, 18 % after 20 s. Second
+    /// differences of white noise have the covariances 6, −4 and 1 (of its variance), whence that of two products
+    /// `k` apart is `r_k² + r_{k+1} r_{k−1}`, and the sum of all of them is 98, divided by 4².
+    pub(crate) fn doubt(&self) -> T {
+        if self.count > T::zero() { (T::of(6.125) / self.count).root() } else { T::zero() }
+    }
+
     /// The variance of the noise, and that of the response of a model to it. `products` are the expected
     /// products of the filtered noise with this response, for noise of unit variance.
     pub(crate) fn passed(&self, model: &Reduced5<T>, products: &[T; ORDER + 1]) -> [T; 2] {
@@ -117,6 +124,26 @@ mod tests {
         // Uniform over ±0.5: the variance is 1/12. With 1000 means its error is some 7 %.
         let sd = measured_sd(white);
         assert!((sd - (1.0_f64 / 12.0).sqrt()).abs() < 0.03, "{sd}");
+    }
+
+    /// The standard deviation of 400 estimates from 20 s each, which is itself known to 1/√800 = 3.5 %, within three
+    /// times that. The products at the ends have fewer neighbors, which is 2 % in 200 means.
+    #[test]
+    fn the_doubt_is_the_scatter_of_the_variance() {
+        let [mut sum, mut squares, mut doubt] = [0.0; 3];
+        for draw in 0..400 {
+            let mut found = InputNoise::<f64>::new();
+            for k in 0..2000 {
+                found.push(white(2000 * draw + k), 1.0, 0.01);
+            }
+            let variance = 12.0 * found.variance();
+            sum += variance / 400.0;
+            squares += variance * variance / 400.0;
+            doubt = found.doubt();
+        }
+        let scatter = (squares - sum * sum).root();
+        assert!((sum - 1.0).abs() < 3.0 * doubt / 20.0, "{sum}");
+        assert!((scatter / doubt - 1.0).abs() < 0.105 + 0.02, "{scatter} {doubt}");
     }
 
     /// A turn of which only the straight driving before it and the end are seen.
