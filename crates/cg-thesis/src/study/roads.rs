@@ -162,7 +162,8 @@ fn conditions(vehicle: &Vehicle, load: Load) -> Vec<String> {
             ROADS.count()
         ),
         "bars: 95 % intervals, after a calibration with two drives on flat roads, empty and loaded; \
-         crosses: no drive gives a height"
+         crosses: no drive gives a height; bars are cut at ±100 %, which curves that contradict each \
+         other exceed"
             .to_owned(),
         "levels: noise 0.5 mm, steps 1 mm; accelerometers: offset 0.05 m/s², noise 0.1 m/s²; roll \
          to gravity and lateral acceleration: perfect"
@@ -247,7 +248,7 @@ fn answer(
     let relative = |height_m: f64| height_m / vehicle.reference_load().cg_height_m - 1.0;
     Ok(found.height_m.zip(found.height_ci95_m).map(|(height_m, ends_m)| Answer {
         error: relative(height_m),
-        interval: ends_m.map(relative),
+        interval: ends_m.map(|end_m| relative(end_m).clamp(-1.0, 1.0)),
     }))
 }
 
