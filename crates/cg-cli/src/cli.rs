@@ -207,15 +207,15 @@ pub(crate) struct SimulateArgs {
     /// chassis: rural, motorway, roundabouts or flat (--seed determines the curves), or a CSV file with the
     /// columns `distance_m`, `curvature_per_m`, `bank_rad` and, if it has limits or grades,
     /// `speed_mps` and `grade_rad`
-    #[arg(long, value_name = "KIND|FILE", conflicts_with_all = ["maneuver", "plant", "steer_rad",
+    #[arg(long, value_name = "KIND|FILE", conflicts_with_all = ["maneuver", "steer_rad",
         "start_s", "step_rate", "turn_deg", "radius_m", "gate_m", "speed_change", "to_rollover"])]
     pub(crate) road: Option<PathBuf>,
     /// Every axle stands on the bank of its own place; without it, the whole truck on one bank
     #[arg(long)]
     pub(crate) road_twist: bool,
-    /// Simulated vehicle
-    #[arg(long, value_parser = word::<Plant>(), default_value_t = Plant::Linear)]
-    pub(crate) plant: Plant,
+    /// Simulated vehicle [default: linear; on a road nonlinear, the only one that drives there]
+    #[arg(long, value_parser = word::<Plant>())]
+    pub(crate) plant: Option<Plant>,
     /// Equations of the vehicle model
     #[arg(long, value_parser = word::<Variant>(), default_value_t = Variant::Complete)]
     pub(crate) model: Variant,

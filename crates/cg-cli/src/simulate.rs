@@ -8,7 +8,7 @@ use cg_logs::output::{Draft, Files, Kind, Target};
 use cg_plant::maneuver::{Course, Maneuver};
 use cg_plant::road::{Road, RoadKind};
 use cg_plant::sensors::ChassisSensors;
-use cg_plant::simulate::{LogSimulation, Scenario};
+use cg_plant::simulate::{LogSimulation, Plant, Scenario};
 use cg_vehicle::Vehicle;
 
 use crate::cli::SimulateArgs;
@@ -41,13 +41,24 @@ fn road(arguments: &SimulateArgs) -> anyhow::Result<Option<Road>> {
     }))
 }
 
+/// The simulated vehicle. Only the nonlinear one drives along a road.
+fn plant(arguments: &SimulateArgs) -> anyhow::Result<Plant> {
+    match (arguments.plant, &arguments.road) {
+        (Some(plant), Some(_)) if plant != Plant::Nonlinear => Err(anyhow!(
+            "--plant {plant}: only the nonlinear plant drives along --road; leave --plant out"
+        )),
+        (plant, Some(_)) => Ok(plant.unwrap_or(Plant::Nonlinear)),
+        (plant, None) => Ok(plant.unwrap_or(Plant::Linear)),
+    }
+}
+
 fn scenario(arguments: &SimulateArgs, vehicle: &Vehicle) -> anyhow::Result<Scenario> {
     let usual = Scenario::of(vehicle, arguments.maneuver.unwrap_or(Maneuver::Drive));
     let scenario = Scenario {
         course: course(arguments)?,
         step_rate_per_s: arguments.step_rate,
         to_rollover: arguments.to_rollover,
-        plant: arguments.plant,
+        plant: plant(arguments)?,
         variant: arguments.model,
         load: arguments.load.load(vehicle),
         payload_behind_hitch_m: arguments

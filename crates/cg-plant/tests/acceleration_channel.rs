@@ -9,7 +9,7 @@ use cg_plant::maneuver::Maneuver;
 use cg_plant::sensors::Sensors;
 use cg_plant::simulate::{LogSimulation, Scenario};
 use cg_vehicle::design::design;
-use cg_vehicle::{Variant, Vehicle};
+use cg_vehicle::{Load, Variant, Vehicle};
 
 const SEEDS: u32 = 100;
 
@@ -63,6 +63,39 @@ fn noise_of_the_accelerometer_moves_no_height_at_any_speed() {
             // 1 m/s² of true acceleration with 0.2 m/s² of noise on 900 rows, a few of them a degree
             // of freedom of the filters: a percent or a few.
             assert!((0.002..0.05).contains(&scatter), "{name} {speed_mps}: {scatter}");
+        }
+    }
+}
+
+/// Light and heavy loads, whose gain is far from the nominal one: strong noise moves no height, and what is stated is
+/// not too small (the mean of 60 squares of a normal variable is below 1.55, three standard deviations of √(2/60)), nor
+/// more than twice too great. The bounds of the bias are those above, for 60 draws.
+#[test]
+fn loads_far_from_the_nominal_one_have_right_intervals_in_noise() {
+    const DRAWS: u32 = 60;
+    for name in ["kraz.toml", "euro.toml"] {
+        let vehicle = common::vehicle(name);
+        let design = design(&vehicle, Variant::Complete).unwrap();
+        for (trailer_mass_kg, cg_height_m) in [(14e3, 1.3), (26e3, 2.3)] {
+            let height = |seed: u32, lateral_noise_mps2: f64| {
+                let sensors =
+                    Sensors { lateral_noise_mps2, snr_db: Some(40.0), ..Sensors::default() };
+                let usual = Scenario::of(&vehicle, Maneuver::RoundedStep);
+                let load = Load { trailer_mass_kg, cg_height_m };
+                let scenario = Scenario { load, seed: u64::from(seed), sensors, ..usual };
+                turn(&vehicle, &design, scenario)
+            };
+            let [mut bias, mut square, mut normal] = [0.0; 3];
+            for seed in 0..DRAWS {
+                let [clean, noisy] = [0.0, 0.2].map(|noise_mps2| height(seed, noise_mps2));
+                let error_m = noisy.height_m.unwrap() - clean.height_m.unwrap();
+                bias += error_m / f64::from(DRAWS);
+                square += error_m * error_m / f64::from(DRAWS);
+                normal += (error_m / noisy.height_random_sd_m.unwrap()).powi(2) / f64::from(DRAWS);
+            }
+            println!("{name} {trailer_mass_kg}: {bias:+.4} of {:.4} m, {normal:.2}", square.sqrt());
+            assert!(bias.abs() < 0.7 * square.sqrt(), "{name} {trailer_mass_kg}: {bias}");
+            assert!((0.25..1.55).contains(&normal), "{name} {trailer_mass_kg}: {normal}");
         }
     }
 }

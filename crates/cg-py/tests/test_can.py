@@ -198,7 +198,7 @@ def test_measured_channels_of_an_mdf_file(truck, drive, tmp_path):
 # python-can does not close a file with a damaged header.
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-def test_what_is_wrong_with_a_log_or_its_names_is_said(drive, tmp_path):
+def test_what_is_wrong_with_a_log_or_its_names_is_said(truck, drive, tmp_path):
     log, path = drive
     with pytest.raises(FileNotFoundError, match=r"nowhere\.blf: cannot be read"):
         read_log(tmp_path / "nowhere.blf")
@@ -207,6 +207,11 @@ def test_what_is_wrong_with_a_log_or_its_names_is_said(drive, tmp_path):
     (tmp_path / "bad.blf").write_bytes(b"no frames here" * 20)
     with pytest.raises(ValueError, match=r"bad\.blf, after 0 frames: cannot be read in the format"):
         read_log(tmp_path / "bad.blf")
+    cgheight.write_log(log, tmp_path / "cut.blf", vehicle=truck)
+    whole = (tmp_path / "cut.blf").read_bytes()
+    (tmp_path / "cut.blf").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ValueError, match=rf"cut off: it has {len(whole) // 2} of {len(whole)} b"):
+        read_log(tmp_path / "cut.blf")
     (tmp_path / "no.log").write_text("(0.000000) can0 18FEF100#FF00FFFFFFFFFFFF\n")
     with pytest.raises(ValueError, match="none of its 1 frames contains a valid roll angle"):
         read_log(tmp_path / "no.log")

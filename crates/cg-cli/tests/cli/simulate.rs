@@ -292,6 +292,8 @@ fn a_road_brings_the_sensors_of_the_chassis_and_its_bank() {
         std::fs::read_to_string(path).unwrap()
     };
     let text = drive("log.csv", &["--level-noise-m", "0.0005"]);
+    let named = ["--level-noise-m", "0.0005", "--plant", "nonlinear"];
+    assert_eq!(drive("named.csv", &named), text);
     let truth: Value = serde_json::from_slice(&std::fs::read(&truth_file).unwrap()).unwrap();
     assert_eq!(truth["road"]["name"], "roundabouts");
     assert_eq!(truth["level_noise_m"], 0.0005);
@@ -335,6 +337,7 @@ fn a_road_is_a_kind_or_a_file_and_excludes_maneuvers() {
     let bad = scratch.file("bad.csv", "distance_m,curvature_per_m,bank_rad\n0,0,0\n9,0,x\n");
     simulate(&["--road", &bad]).refused(&["bad.csv: line 3, column 3 `bank_rad`"]);
     simulate(&["--road", "rural", "--maneuver", "sine"]).refused(&["--maneuver", "--road"]);
+    simulate(&["--road", "rural", "--plant", "linear"]).refused(&["--plant linear", "nonlinear"]);
     simulate(&["--road", "rural", "--inclinometer"]).refused(&["--inclinometer"]);
     simulate(&["--maneuver", "sine", "--level-noise-m", "0.001"]).refused(&["--road"]);
     simulate(&[]).refused(&["--maneuver"]);

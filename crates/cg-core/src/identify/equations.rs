@@ -3,9 +3,12 @@
 use crate::identify::long_run::LongRun;
 use crate::identify::mean::{Mean, Scatter};
 use crate::identify::pending::Pending;
-use crate::identify::unknowns::{DRIFT, HalfSquare, OFFSET, REGRESSORS};
+use crate::identify::unknowns::{DRIFT, GAIN, HalfSquare, OFFSET, REGRESSORS, UNKNOWNS};
 use crate::math::linalg::Triangle;
 use crate::math::real::Real;
+
+/// Share of the input that is not noise, at least. With less, the doubt makes the ratio unusable.
+const LEAST_KNOWN: f64 = 0.25;
 
 /// The triangle of the rows, stored in half the memory of a square array.
 pub(crate) type Equations<T> = Triangle<T, REGRESSORS, HalfSquare<T>>;
@@ -99,4 +102,20 @@ impl<T: Real> Solution<T> {
         input_shift: [T::ZERO; 2],
         triangle: Triangle::new(),
     };
+
+    /// Corrects the bias that noise of the roll angle and of the input cause: `roll` and, per unit of the gain,
+    /// `input` are that of `Σ φ e` with reversed sign.
+    pub(crate) fn correct(&mut self, roll: &[T; REGRESSORS], input: &[T; REGRESSORS]) {
+        let input = self.triangle.shift_for(input, UNKNOWNS);
+        let roll = self.triangle.shift_for(roll, UNKNOWNS);
+        // The residual contains the response of the corrected gain to the noise of the input, so
+        // g = 1 + γ + roll + g input.
+        let known = (T::one() - input[GAIN]).max(T::of(LEAST_KNOWN));
+        let gain = (T::one() + self.theta[GAIN] + roll[GAIN]) / known;
+        // A relative error of the noise's variance changes the correction by as much, and the gain in it.
+        self.input_shift = [input[0], input[GAIN]].map(|shift| shift * gain / known);
+        for (theta, (roll, input)) in self.theta.iter_mut().zip(roll.iter().zip(input)) {
+            *theta += *roll + input * gain;
+        }
+    }
 }

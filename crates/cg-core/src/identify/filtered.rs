@@ -18,8 +18,6 @@ const UNKNOWNS_F64: f64 = 13.0;
 /// The correction for noise of the input takes the dynamics for those of the model, from which they differ
 /// by 20 % as a rule; it is uncertain by as much.
 const DYNAMICS_DOUBT: f64 = 0.2;
-/// Share of the input that is not noise, at least. With less, the doubt makes the ratio unusable.
-const LEAST_KNOWN: f64 = 0.25;
 
 /// The ratio is corrected for a drift if the drift is greater than a third of a degree per minute
 /// and significant (the probability that chance exceeds it is 0.1 %).
@@ -211,25 +209,28 @@ impl<T: Real> FilteredArx<T> {
         // The weight of the prior depends on the noise, and the noise on the solution. Three
         // iterations are sufficient, because the residual hardly depends on the prior.
         let data = &self.rows.triangle;
-        let [mut residual, mut white] = [T::zero(); 2];
+        let mut of_roll = T::zero();
         answer.slow_sd = self.prior.noise_floor_rad;
-        for _ in 0..3 {
+        for round in 0..3 {
             answer.triangle = *data;
             self.prior.add_to(&mut answer.triangle, &self.model, answer.slow_sd, false);
             answer.theta = answer
                 .triangle
                 .solve(UNKNOWNS)
                 .map_err(|unknown| Unexcited::Direction { unknown })?;
-            [residual, white] = self.rows.variances(&answer.theta, weight, hidden);
+            let [residual, white] = self.rows.variances(&answer.theta, weight, hidden);
             answer.noise_sd = residual.root().max(floor);
+            // The first solution is that of a prior with hardly any weight.
+            let gain = if round == 0 { T::one() } else { self.gain(&answer.theta) };
+            let heard = from_input.map(|variance| variance * gain * gain);
+            of_roll = white.min((residual - heard[1]).max(T::zero()));
             let effective = self.effective(&answer.triangle, answer.slow_sd);
             hidden = T::of(UNKNOWNS_F64).max(effective * slower);
             let variance = answer.noise_sd * answer.noise_sd;
-            let usual = self.roll_noise.usual(slower, variance, from_input);
+            let usual = self.roll_noise.usual(slower, variance, heard);
             let inflation = self.rows.long_run.inflation(&answer.theta, effective, variance, usual);
             answer.slow_sd = answer.noise_sd * inflation.root();
         }
-        let of_roll = white.min((residual - from_input[1]).max(T::zero()));
         self.correct(answer, of_roll, from_input, products);
         Ok(())
     }
@@ -244,17 +245,12 @@ impl<T: Real> FilteredArx<T> {
         products: &[T; ORDER + 1],
     ) {
         let (roll, input) = self.pulls(roll_variance, from_input, products);
-        let input = answer.triangle.shift_for(&input, UNKNOWNS);
-        let roll = answer.triangle.shift_for(&roll, UNKNOWNS);
-        // The residual contains the response of the corrected gain to the noise of the input, so
-        // g = 1 + γ + roll + g input.
-        let known = (T::one() - input[GAIN]).max(T::of(LEAST_KNOWN));
-        let gain = (T::one() + answer.theta[GAIN] + roll[GAIN]) / known;
-        // A relative error of the noise's variance changes the correction by as much, and the gain in it.
-        answer.input_shift = [input[0], input[GAIN]].map(|shift| shift * gain / known);
-        for (theta, (roll, input)) in answer.theta.iter_mut().zip(roll.iter().zip(input)) {
-            *theta += *roll + input * gain;
-        }
+        answer.correct(&roll, &input);
+    }
+
+    /// The DC ratio divided by that of the model.
+    fn gain(&self, theta: &[T; REGRESSORS]) -> T {
+        (T::one() + theta[GAIN]) / (T::one() + theta[0] / self.model.denominator[0])
     }
 
     /// The bias of `Σ φ e` due to noise in the regressors, with reversed sign and for the model's

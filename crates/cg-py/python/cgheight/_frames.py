@@ -88,6 +88,7 @@ def _frames(name: str) -> Iterator[Frame]:
     frame, count = framed(), 0
     try:
         with can.LogReader(name) as reader:
+            _refuse_cut(name, reader)
             for message in reader:
                 count += 1
                 found = frame(message)
@@ -99,6 +100,15 @@ def _frames(name: str) -> Iterator[Frame]:
         raise ValueError(
             f"{name}, after {count} frames: cannot be read in the format of its name: {error}"
         ) from error
+
+
+def _refuse_cut(name: str, reader: Any) -> None:
+    """Refuse a BLF file that is shorter than its header says: python-can reads it without a word."""
+    if suffix(name) == ".blf" and (size := os.path.getsize(name)) < reader.file_size:
+        raise ValueError(
+            f"the file is cut off: it has {size} of {reader.file_size} bytes; copy it again, or let "
+            "its program save it anew"
+        )
 
 
 def _refuse_empty(name: str, rows: int, frames: int, remarks: list[str]) -> None:
