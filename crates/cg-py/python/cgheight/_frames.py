@@ -103,11 +103,11 @@ def _frames(name: str) -> Iterator[Frame]:
 
 
 def _refuse_cut(name: str, reader: Any) -> None:
-    """Refuse a BLF file that is shorter than its header says: python-can reads it without a word."""
+    """Refuse a BLF file that is shorter than its header says; python-can reads it all the same."""
     if suffix(name) == ".blf" and (size := os.path.getsize(name)) < reader.file_size:
         raise ValueError(
-            f"the file is cut off: it has {size} of {reader.file_size} bytes; copy it again, or let "
-            "its program save it anew"
+            f"the file is cut off: it has {size} of {reader.file_size} bytes; copy it again, or "
+            "let its program save it anew"
         )
 
 
