@@ -221,7 +221,8 @@ impl<T: Real> FilteredArx<T> {
             let [residual, white] = self.rows.variances(&answer.theta, weight, hidden);
             answer.noise_sd = residual.root().max(floor);
             // The first solution is that of a prior with hardly any weight.
-            let gain = if round == 0 { T::one() } else { self.gain(&answer.theta) };
+            let [ratio, _] = self.ratio(&answer.theta);
+            let gain = if round == 0 { T::one() } else { ratio / self.model.dc_gain() };
             let heard = from_input.map(|variance| variance * gain * gain);
             of_roll = white.min((residual - heard[1]).max(T::zero()));
             let effective = self.effective(&answer.triangle, answer.slow_sd);
@@ -248,9 +249,10 @@ impl<T: Real> FilteredArx<T> {
         answer.correct(&roll, &input);
     }
 
-    /// The DC ratio divided by that of the model.
-    fn gain(&self, theta: &[T; REGRESSORS]) -> T {
-        (T::one() + theta[GAIN]) / (T::one() + theta[0] / self.model.denominator[0])
+    /// The DC ratio and its change with `γ`: `A0 (1 + γ)/(B0 + δb_0)` and `A0/(B0 + δb_0)`.
+    fn ratio(&self, theta: &[T; REGRESSORS]) -> [T; 2] {
+        let gain = self.model.numerator[0] / (self.model.denominator[0] + theta[0]);
+        [gain * (T::one() + theta[GAIN]), gain]
     }
 
     /// The bias of `Σ φ e` due to noise in the regressors, with reversed sign and for the model's
@@ -294,10 +296,8 @@ impl<T: Real> FilteredArx<T> {
     #[inline(never)]
     fn describe(&self, solution: &Solution<T>) -> Fit<T> {
         let Solution { theta, noise_sd, slow_sd, input_shift, triangle } = solution;
-        // R = A0 (1 + γ) / (B0 + δb_0)
+        let [ratio, gain] = self.ratio(theta);
         let denominator = self.model.denominator[0] + theta[0];
-        let gain = self.model.numerator[0] / denominator;
-        let ratio = gain * (T::one() + theta[GAIN]);
         let mut gradient = [T::zero(); REGRESSORS];
         gradient[0] = -ratio / denominator;
         gradient[GAIN] = gain;
