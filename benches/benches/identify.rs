@@ -37,7 +37,7 @@ fn filtered_arx_row<T: Real>(bencher: Bencher) {
     let model = model::<T>();
     let interval_s = T::of(0.02);
     bencher.counter(ItemsCount::new(ROWS)).bench(|| {
-        let mut identifier = FilteredArx::for_model(&model, Prior::standard());
+        let mut identifier = <FilteredArx<_>>::for_model(&model, Prior::standard());
         for (u, y) in black_box(&data) {
             identifier.push(*u, *y, interval_s, true);
         }

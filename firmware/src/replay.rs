@@ -123,7 +123,7 @@ pub fn identify(clock: impl Fn() -> u32) -> IdentifyCosts {
     let model = place.and_then(|place| DESIGN.model(place, DESIGN.nominal_trailer_mass_kg));
     let Some(model) = model else { return costs };
     let mut run = |jitter: bool, rows: usize| {
-        let mut identifier = FilteredArx::for_model(&model, Prior::standard());
+        let mut identifier = <FilteredArx<_>>::for_model(&model, Prior::standard());
         for (k, sample) in log::samples().take(rows).enumerate() {
             let late = jitter && k % 2 == 1;
             let interval_s = if late { 0.060_1 } else { 0.060 };

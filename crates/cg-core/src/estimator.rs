@@ -10,15 +10,16 @@ use core::borrow::Borrow;
 
 use crate::decide::combined::{Combined, Heights};
 use crate::decide::condition::{Conditioner, Row, SampleError};
-use crate::decide::consistency::{Inconsistency, Shown};
+use crate::decide::consistency::Shown;
 use crate::decide::height::Height;
-use crate::decide::judge::Judge;
+use crate::decide::judge::{Judge, share_faults};
 use crate::decide::lane::Lane;
 use crate::decide::load::{LoadWatch, Said, Verdict};
 use crate::decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 use crate::decide::memory::Memory;
-use crate::decide::neighbors::{Most, Neighbors};
+use crate::decide::neighbors::{Most, Neighbors, Together};
 use crate::decide::settings::Settings;
+use crate::decide::signals::Seen;
 use crate::decide::window::Window;
 use crate::identify::identifier::Identify;
 use crate::math::real::Real;
@@ -64,7 +65,7 @@ pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>, const C: usize = CH
     /// Time since which the measured mass differs from `made_for_kg`.
     other_since_us: Option<u64>,
     conditioner: Conditioner<T, C>,
-    neighbors: Neighbors<T>,
+    neighbors: Neighbors<T, Seen<T>>,
     lanes: [Lane<T, I>; C],
     window: Option<Window<T, C>>,
     load: LoadWatch<T, C>,
@@ -109,19 +110,38 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             return Ok(Step { status: Status::Absent, closed: None });
         };
         self.is_weighed |= sample.trailer_mass_kg.present();
-        let most = Most { samples: I::MOST_TOGETHER, mean_us: self.settings.mean_us };
-        let is_next = self.neighbors.ends_before(&seen, most);
+        let most = self.most();
+        let is_next = self.neighbors.ends_before(sample.time_us, &seen, most);
         if !is_next {
-            self.neighbors.add(&seen);
+            self.neighbors.add(sample.time_us, &seen);
             if !self.neighbors.is_complete(most) {
                 return Ok(Step { status: self.status(), closed: None });
             }
         }
-        let step = self.take_mean();
+        let row = self.row();
+        let step = self.take_mean(&row);
         if is_next {
-            self.neighbors.add(&seen);
+            self.neighbors.add(sample.time_us, &seen);
         }
         Ok(step)
+    }
+
+    /// How many samples make a mean.
+    pub fn most(&self) -> Most {
+        Most { samples: I::MOST_TOGETHER, mean_us: self.settings.mean_us }
+    }
+
+    /// Processes the mean of some samples, all of them [checked](Sample::checked) and later than those before, by a caller
+    /// that makes the means itself.
+    pub fn push_mean(&mut self, together: &Together<T, Sample<T>>) -> Step<T, C> {
+        let Together { last_us, mean: sample, of } = together;
+        let Some(mean) = self.conditioner.see(self.design.borrow(), sample) else {
+            return Step { status: Status::Absent, closed: None };
+        };
+        self.is_weighed |= sample.trailer_mass_kg.present();
+        let mean = Together { last_us: *last_us, mean, of: *of };
+        let row = self.conditioner.row(self.design.borrow(), &mean);
+        self.take_mean(&row)
     }
 
     fn status(&self) -> Status {
@@ -134,10 +154,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         self.close()
     }
 
-    /// Takes the mean of the last samples.
+    /// The row of the last samples.
     #[inline(never)]
-    fn take_mean(&mut self) -> Step<T, C> {
-        let row = &self.conditioner.row(self.design.borrow(), &mut self.neighbors);
+    fn row(&mut self) -> Row<T, C> {
+        let mean = self.neighbors.take();
+        self.conditioner.row(self.design.borrow(), &mean)
+    }
+
+    /// Takes the row of a mean.
+    #[inline(never)]
+    fn take_mean(&mut self, row: &Row<T, C>) -> Step<T, C> {
         self.load.drive(row.time_us, row.speed_mps);
         let first = self.is_weighed && !self.was_weighed;
         self.was_weighed |= first;
@@ -462,22 +488,4 @@ fn shown<T: Real, I: Identify<T>, const C: usize>(
         }
     }
     all
-}
-
-/// A faulty sensor affects all channels with its roll angle.
-fn share_faults<T: Real, const C: usize>(design: &Design<T, C>, outcomes: &mut [Outcome<T>; C]) {
-    for place in 0..C {
-        let reason = match outcomes.get(place).map(|outcome| &outcome.height_m) {
-            Some(Err(Reject::Inconsistent(reason))) => *reason,
-            _ => continue,
-        };
-        if matches!(reason, Inconsistency::Misfit { .. }) {
-            continue;
-        }
-        for (other, outcome) in outcomes.iter_mut().enumerate() {
-            if outcome.height_m.is_ok() && design.output(other) == design.output(place) {
-                outcome.height_m = Err(Reject::Inconsistent(reason));
-            }
-        }
-    }
 }

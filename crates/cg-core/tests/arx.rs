@@ -143,7 +143,7 @@ fn an_order_beyond_the_room_is_the_greatest_that_fits() {
 fn the_expected_roll_is_the_models_whatever_the_logs_pace() {
     let model = common::EQ_5_12;
     let gain = model.dc_gain();
-    let mut fine = FilteredArx::for_model(&model, Prior::standard());
+    let mut fine = <FilteredArx<_>>::for_model(&model, Prior::standard());
     fine.push(0.0, 0.0, 0.0, false);
     for _ in 0..800 {
         fine.push(1.0, 0.0, 1e-3, false);

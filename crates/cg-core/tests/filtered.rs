@@ -226,7 +226,7 @@ fn rows_that_do_not_count_only_move_the_filters() {
 /// The estimator's inputs are expected roll angles, so the model is scaled to unit gain.
 #[test]
 fn made_for_a_model_the_ratio_is_one() {
-    let mut identifier = FilteredArx::for_model(&EQ_5_12, GAIN_ALONE);
+    let mut identifier = <FilteredArx<_>>::for_model(&EQ_5_12, GAIN_ALONE);
     for mean in means(&step(), INTERVAL_S) {
         identifier.push_mean(&Mean { input: mean.input * EQ_5_12.dc_gain(), ..mean });
     }

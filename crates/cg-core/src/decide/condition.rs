@@ -195,8 +195,8 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         let seen = self.look(design, sample)?;
         Ok(seen.map(|seen| {
             let mut alone = Neighbors::NONE;
-            alone.add(&seen);
-            self.row(design, &mut alone)
+            alone.add(sample.time_us, &seen);
+            self.row(design, &alone.take())
         }))
     }
 
@@ -209,7 +209,6 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
         design: &Design<T, C>,
         sample: &Sample<T>,
     ) -> Result<Option<Seen<T>>, SampleError> {
-        let sample = &sample.checked();
         let time_us = sample.time_us;
         if let Some(previous_us) = self.previous_us
             && time_us <= previous_us
@@ -217,6 +216,12 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             return Err(SampleError::TimeOrder { previous_us, time_us });
         }
         self.previous_us = Some(time_us);
+        Ok(self.see(design, &sample.checked()))
+    }
+
+    /// The signals of a [checked](Sample::checked) sample, or of the mean of some; `None` if no channel has both a roll angle
+    /// and an input.
+    pub(crate) fn see(&mut self, design: &Design<T, C>, sample: &Sample<T>) -> Option<Seen<T>> {
         let (speed_mps, mass_kg) = (sample.speed_mps, sample.trailer_mass_kg);
         if speed_mps.present() {
             self.known_mps = speed_mps;
@@ -226,17 +231,14 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             (self.trailer_mass_kg, self.is_other_mass) = (mass_kg, true);
         }
         let signals = Signals::of(sample, self.known_mps, design.gravity_mps2);
-        let is_seen = (0..C).filter_map(|place| design.channel(place)).any(|channel| {
-            signals.output(channel.output()).present() && signals.input(channel.input()).present()
-        });
-        Ok(is_seen.then_some(Seen { time_us, signals, speed_mps: self.known_mps }))
+        signals.are_seen_by(design).then_some(Seen { signals, speed_mps: self.known_mps })
     }
 
-    /// The row of some samples, which are then forgotten.
+    /// The row of a mean of some samples.
     #[inline(never)] // one copy in the firmware image, and its memory is free when a maneuver ends
-    pub(crate) fn row(&mut self, design: &Design<T, C>, samples: &mut Neighbors<T>) -> Row<T, C> {
-        let mean = samples.take();
-        let Together { last_us: time_us, ref signals, speed_mps, .. } = mean;
+    pub(crate) fn row(&mut self, design: &Design<T, C>, mean: &Together<T, Seen<T>>) -> Row<T, C> {
+        let Together { last_us: time_us, mean: Seen { signals, speed_mps }, of } = mean;
+        let (time_us, speed_mps) = (*time_us, *speed_mps);
         if speed_mps != self.speed_mps || self.is_other_mass {
             (self.speed_mps, self.is_other_mass) = (speed_mps, false);
             self.update_gains(design);
@@ -278,7 +280,7 @@ impl<T: Real, const C: usize> Conditioner<T, C> {
             lateral_acceleration_mps2: felt,
             turning: self.turning,
             usable,
-            of: mean.of,
+            of: *of,
         }
     }
 

@@ -199,3 +199,24 @@ impl<'a, T: Real, const C: usize> Judge<'a, T, C> {
         height_m >= self.design.least_height_m && height_m <= self.design.greatest_height_m
     }
 }
+
+/// A faulty sensor affects all channels with its roll angle.
+pub(crate) fn share_faults<T: Real, const C: usize>(
+    design: &Design<T, C>,
+    outcomes: &mut [Outcome<T>; C],
+) {
+    for place in 0..C {
+        let reason = match outcomes.get(place).map(|outcome| &outcome.height_m) {
+            Some(Err(Reject::Inconsistent(reason))) => *reason,
+            _ => continue,
+        };
+        if matches!(reason, Inconsistency::Misfit { .. }) {
+            continue;
+        }
+        for (other, outcome) in outcomes.iter_mut().enumerate() {
+            if outcome.height_m.is_ok() && design.output(other) == design.output(place) {
+                outcome.height_m = Err(Reject::Inconsistent(reason));
+            }
+        }
+    }
+}

@@ -9,6 +9,7 @@ use crate::truck::channel::CHANNELS;
 use crate::truck::ratio::{HeightError, Measured};
 
 /// State of the estimator after a sample.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// The sample has no roll angle or no input.

@@ -2,7 +2,7 @@
 //! has changed, which height follows from all maneuvers, and when to warn.
 
 pub mod signals;
-pub(crate) mod neighbors;
+pub mod neighbors;
 pub mod condition;
 pub mod consistency;
 pub mod height;

@@ -3,28 +3,30 @@
 //! Only what single samples show is taken from them first: how much the roll angle scatters about its mean, which is the
 //! white noise of its sensor, and its smallest step. See [`Mean`](crate::identify::mean::Mean) for the reasons.
 
-use crate::decide::signals::{Seen, Signals, seconds};
+use crate::decide::signals::{Averaged, seconds};
 use crate::math::real::Real;
-use crate::truck::channel::Output;
 
 /// The mean of some samples in which the same signals are present.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Together<T> {
-    /// Time of the last sample.
-    pub(crate) last_us: u64,
-    pub(crate) signals: Signals<T>,
-    pub(crate) speed_mps: T,
-    pub(crate) of: Samples<T>,
+pub struct Together<T, S> {
+    /// Time of the last sample, µs.
+    pub last_us: u64,
+    /// The mean.
+    pub mean: S,
+    /// What it is the mean of.
+    pub of: Samples<T>,
 }
 
 /// The samples of a mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Samples<T> {
-    /// Time of the first one, and the mean of their times.
-    pub(crate) first_us: u64,
-    pub(crate) middle_us: u64,
+#[non_exhaustive]
+pub struct Samples<T> {
+    /// Time of the first one, and the mean of their times, µs.
+    pub first_us: u64,
+    /// The mean of their times, µs.
+    pub middle_us: u64,
     /// Their number, also as a number of the type of the signals.
-    pub(crate) number: u32,
+    pub number: u32,
     pub(crate) weight: T,
     /// Of the trailer's roll angle, as in [`Mean::scatter`](crate::identify::mean::Mean::scatter).
     pub(crate) scatter: [T; 3],
@@ -49,15 +51,17 @@ impl<T: Real> Samples<T> {
 
 /// What a mean has at most.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Most {
-    pub(crate) samples: u32,
-    pub(crate) mean_us: u32,
+pub struct Most {
+    /// Number of samples.
+    pub samples: u32,
+    /// Their time, µs.
+    pub mean_us: u32,
 }
 
 /// The samples since the last mean.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Neighbors<T> {
+pub struct Neighbors<T, S> {
     first_us: u64,
     last_us: u64,
     /// Time between the last two samples, and since the last sample of the mean before; any time before the first mean.
@@ -66,8 +70,7 @@ pub(crate) struct Neighbors<T> {
     samples: u32,
     weight: T,
     /// Sums. The times are those since the first sample.
-    signals: Signals<T>,
-    speeds: T,
+    sum: S,
     times_us: u32,
     times: T,
     time_squares: T,
@@ -80,16 +83,16 @@ pub(crate) struct Neighbors<T> {
     step_rad: Option<T>,
 }
 
-impl<T: Real> Neighbors<T> {
-    pub(crate) const NONE: Self = Self {
+impl<T: Real, S: Averaged<T>> Neighbors<T, S> {
+    /// No samples yet.
+    pub const NONE: Self = Self {
         first_us: 0,
         last_us: 0,
         interval_us: 0,
         elapsed_us: u32::MAX,
         samples: 0,
         weight: T::ZERO,
-        signals: Signals::ZERO,
-        speeds: T::ZERO,
+        sum: S::NONE,
         times_us: 0,
         times: T::ZERO,
         time_squares: T::ZERO,
@@ -102,15 +105,21 @@ impl<T: Real> Neighbors<T> {
     };
 
     /// Whether the mean ends before the next sample: that has other signals, or comes much later.
-    pub(crate) fn ends_before(&self, next: &Seen<T>, most: Most) -> bool {
-        self.samples > 0
-            && (!next.signals.has_kinds_of(&self.signals)
-                || self.until_us(next.time_us) >= most.mean_us / 2
-                || self.is_complete(most))
+    #[inline]
+    pub fn ends_before(&self, time_us: u64, next: &S, most: Most) -> bool {
+        self.ends_by(time_us, most)
+            || self.samples > 0 && (!next.has_kinds_of(&self.sum) || self.is_complete(most))
+    }
+
+    /// Whether the mean ends before any sample at this time or later, because that comes much later.
+    #[inline]
+    pub fn ends_by(&self, time_us: u64, most: Most) -> bool {
+        self.samples > 0 && self.until_us(time_us) >= most.mean_us / 2
     }
 
     /// Whether no sample is to be added. The first sample of a drive is a mean of its own.
-    pub(crate) fn is_complete(&self, most: Most) -> bool {
+    #[inline]
+    pub fn is_complete(&self, most: Most) -> bool {
         // One that comes as late after the last one as that after the one before it would be beyond the time of a mean.
         let next_us = self.elapsed_us.saturating_add(self.interval_us);
         self.samples >= most.samples || next_us > most.mean_us
@@ -122,16 +131,15 @@ impl<T: Real> Neighbors<T> {
     }
 
     /// Adds the next sample.
-    pub(crate) fn add(&mut self, seen: &Seen<T>) {
-        let roll_rad = seen.signals.output(Output::Roll);
+    pub fn add(&mut self, time_us: u64, next: &S) {
+        let roll_rad = next.roll_rad();
         if self.samples == 0 {
-            (self.first_us, self.first_rad) = (seen.time_us, roll_rad);
-            (self.signals, self.speeds) = (seen.signals, seen.speed_mps);
+            (self.first_us, self.first_rad) = (time_us, roll_rad);
+            self.sum = *next;
         } else {
-            let since_us = seen.time_us.saturating_sub(self.first_us);
+            let since_us = time_us.saturating_sub(self.first_us);
             let (time_s, more_rad) = (seconds::<T>(since_us), roll_rad - self.first_rad);
-            self.signals.add(&seen.signals);
-            self.speeds += seen.speed_mps;
+            self.sum.add(next);
             self.times_us = self.times_us.saturating_add(u32::try_from(since_us).unwrap_or(0));
             self.times += time_s;
             self.time_squares += time_s * time_s;
@@ -146,22 +154,21 @@ impl<T: Real> Neighbors<T> {
                 self.step_rad = Some(step_rad);
             }
         }
-        self.interval_us = self.until_us(seen.time_us);
+        self.interval_us = self.until_us(time_us);
         self.elapsed_us = self.elapsed_us.saturating_add(self.interval_us);
-        self.last_us = seen.time_us;
+        self.last_us = time_us;
         self.samples += 1;
         self.weight += T::ONE;
     }
 
     /// The mean of the samples so far, of which there must be one.
-    pub(crate) fn take(&mut self) -> Together<T> {
+    pub fn take(&mut self) -> Together<T, S> {
         let share = T::ONE / self.weight;
         let (time_s, roll_rad) = (self.times * share, self.rolls * share);
         let middle_us = self.times_us.checked_div(self.samples).unwrap_or(0);
         let mean = Together {
             last_us: self.last_us,
-            signals: self.signals.scaled(share),
-            speed_mps: self.speeds * share,
+            mean: self.sum.scaled(share),
             of: Samples {
                 first_us: self.first_us,
                 middle_us: self.first_us.saturating_add(u64::from(middle_us)),
@@ -187,34 +194,38 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
+    use crate::decide::signals::{Seen, Signals};
     use crate::signal::sample::Sample;
-    use crate::truck::channel::Input;
+    use crate::truck::channel::{Input, Output};
 
-    /// A sample with this roll angle and steer angle.
-    fn seen(time_us: u64, roll_rad: f64, steer_rad: f64) -> Seen<f64> {
-        let sample = Sample { steer_rad, roll_rad, ..Sample::absent(time_us) };
-        let signals = Signals::of(&sample, 10.0, 9.81);
-        Seen { time_us, signals, speed_mps: 10.0 + steer_rad }
+    /// The signals of a sample with this roll angle and steer angle.
+    fn seen(roll_rad: f64, steer_rad: f64) -> Seen<f64> {
+        let sample = Sample { steer_rad, roll_rad, ..Sample::absent(0) };
+        Seen { signals: Signals::of(&sample, 10.0, 9.81), speed_mps: 10.0 + steer_rad }
     }
 
     /// Adds a sample as the estimator does.
     fn push(
-        neighbors: &mut Neighbors<f64>,
-        next: &Seen<f64>,
+        neighbors: &mut Neighbors<f64, Seen<f64>>,
+        (time_us, next): (u64, &Seen<f64>),
         samples: u32,
-    ) -> Option<Together<f64>> {
+    ) -> Option<Together<f64, Seen<f64>>> {
         let most = Most { samples, mean_us: 40_400 };
-        let before = neighbors.ends_before(next, most).then(|| neighbors.take());
-        neighbors.add(next);
+        let before = neighbors.ends_before(time_us, next, most).then(|| neighbors.take());
+        neighbors.add(time_us, next);
         before.or_else(|| neighbors.is_complete(most).then(|| neighbors.take()))
     }
 
     /// The means of samples at these times; their steer angle is the time in seconds.
-    fn means(times_us: &[u64], many: u32, roll: impl Fn(usize, f64) -> f64) -> Vec<Together<f64>> {
+    fn means(
+        times_us: &[u64],
+        many: u32,
+        roll: impl Fn(usize, f64) -> f64,
+    ) -> Vec<Together<f64, Seen<f64>>> {
         let mut neighbors = Neighbors::NONE;
         let push = |(k, time_us): (usize, &u64)| {
             let time_s = seconds(*time_us);
-            push(&mut neighbors, &seen(*time_us, roll(k, time_s), time_s), many)
+            push(&mut neighbors, (*time_us, &seen(roll(k, time_s), time_s)), many)
         };
         times_us.iter().enumerate().filter_map(push).collect()
     }
@@ -255,7 +266,7 @@ mod tests {
         assert_eq!(found.len(), 9);
         for (k, (mean, time_us)) in found.iter().zip(&times_us).enumerate() {
             let mut alone = Neighbors::NONE;
-            alone.add(&seen(*time_us, if k < 4 { 0.7 } else { 0.1 }, seconds(*time_us)));
+            alone.add(*time_us, &seen(if k < 4 { 0.7 } else { 0.1 }, seconds(*time_us)));
             let alone = alone.take();
             let step_rad = (k == 4).then_some(0.7 - 0.1);
             // As text, in which numbers are exact and NaN is NaN.
@@ -282,9 +293,9 @@ mod tests {
         assert!(found.windows(2).any(|two| two[0].of.number != two[1].of.number));
         for mean in found {
             let [steer, roll] =
-                [mean.signals.input(Input::Steer), mean.signals.output(Output::Roll)];
+                [mean.mean.signals.input(Input::Steer), mean.mean.signals.output(Output::Roll)];
             close(roll, 0.5 - 2.0 * steer);
-            close(mean.speed_mps, 10.0 + steer);
+            close(mean.mean.speed_mps, 10.0 + steer);
             // The time is a whole number of microseconds.
             assert!((seconds::<f64>(mean.of.middle_us) - steer).abs() < 1e-6);
             let [rolls, products, times] = mean.of.scatter;
@@ -321,7 +332,7 @@ mod tests {
             (90_000, 0.1),
             (100_000, 0.1),
         ] {
-            let mean = push(&mut neighbors, &seen(time_us, roll_rad, 0.0), 8);
+            let mean = push(&mut neighbors, (time_us, &seen(roll_rad, 0.0)), 8);
             numbers.extend(mean.map(|mean| (time_us, mean.last_us, mean.of.number)));
         }
         let expected = [

@@ -10,6 +10,7 @@
 use crate::math::real::Real;
 use crate::signal::sample::Sample;
 use crate::truck::channel::{Input, Output};
+use crate::truck::design::Design;
 
 /// The roll angles and inputs of all channels in a sample; NaN if absent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,13 @@ impl<T: Real> Signals<T> {
             to_gravity: !sample.roll_rad.present() && to_gravity_rad.present(),
             by_yaw_rate: measured.present() && !sample.lateral_acceleration_mps2.present(),
         }
+    }
+
+    /// Whether any channel of a design has both its roll angle and its input.
+    pub fn are_seen_by<const C: usize>(&self, design: &Design<T, C>) -> bool {
+        (0..C).filter_map(|place| design.channel(place)).any(|channel| {
+            self.output(channel.output()).present() && self.input(channel.input()).present()
+        })
     }
 
     /// Whether the trailer's roll angle is relative to gravity.
@@ -107,12 +115,52 @@ impl<T: Real> Signals<T> {
     }
 }
 
+/// What samples have of which a mean can be made.
+pub trait Averaged<T>: Copy {
+    /// A value before the first sample.
+    const NONE: Self;
+
+    /// The roll angle of the trailer, rad, whose scatter about the mean is kept; NaN if it is absent.
+    fn roll_rad(&self) -> T;
+
+    /// Whether the same signals are present in both, from the same sensors.
+    fn has_kinds_of(&self, other: &Self) -> bool;
+
+    /// Adds the values of another sample of the same kinds.
+    fn add(&mut self, other: &Self);
+
+    /// All sums multiplied by a factor.
+    #[must_use]
+    fn scaled(&self, factor: T) -> Self;
+}
+
 /// The signals of one sample, with the last known speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Seen<T> {
-    pub(crate) time_us: u64,
     pub(crate) signals: Signals<T>,
     pub(crate) speed_mps: T,
+}
+
+impl<T: Real> Averaged<T> for Seen<T> {
+    const NONE: Self = Self { signals: Signals::ZERO, speed_mps: T::ZERO };
+
+    fn roll_rad(&self) -> T {
+        self.signals.output(Output::Roll)
+    }
+
+    fn has_kinds_of(&self, other: &Self) -> bool {
+        self.signals.has_kinds_of(&other.signals)
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.signals.add(&other.signals);
+        self.speed_mps += other.speed_mps;
+    }
+
+    fn scaled(&self, factor: T) -> Self {
+        Self { signals: self.signals.scaled(factor), speed_mps: self.speed_mps * factor }
+    }
 }
 
 /// Microseconds to seconds.

@@ -16,16 +16,23 @@ pub(crate) type Equations<T> = Triangle<T, REGRESSORS, HalfSquare<T>>;
 /// Rows on their way into the triangle, several at a time, and what is kept of them beside it.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Gathered<T: Real> {
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: serde::Serialize, Pending<T, REGRESSORS, B>: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, Pending<T, REGRESSORS, B>: serde::Deserialize<'de>"
+    ))
+)]
+pub(crate) struct Gathered<T: Real, const B: usize> {
     pub(crate) triangle: Equations<T>,
     scatter: Scatter<T>,
     pub(crate) long_run: LongRun<T, REGRESSORS, HalfSquare<T>>,
-    pending: Pending<T, REGRESSORS>,
+    pending: Pending<T, REGRESSORS, B>,
     /// The weight of the last row and its root, which costs as much as a tenth of a row.
     weight: [T; 2],
 }
 
-impl<T: Real> Gathered<T> {
+impl<T: Real, const B: usize> Gathered<T, B> {
     /// No rows.
     pub(crate) const NONE: Self = Self {
         triangle: Triangle::new(),

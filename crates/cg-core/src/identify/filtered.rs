@@ -4,6 +4,7 @@ use crate::identify::equations::{Equations, Gathered, Solution};
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::input_noise::InputNoise;
 use crate::identify::mean::Mean;
+pub use crate::identify::pending::{BLOCK, LONG_BLOCK};
 use crate::identify::prior::Prior;
 use crate::identify::roll_noise::RollNoise;
 pub use crate::identify::unknowns::UNKNOWNS;
@@ -12,6 +13,8 @@ use crate::math::real::Real;
 use crate::truck::filters::{StateVariableFilter, StepMatrices};
 use crate::truck::ratio::Measured;
 use crate::truck::reduced::{ORDER, Reduced5};
+#[cfg(feature = "serde")]
+use serde::{Serialize, de::DeserializeOwned};
 
 const UNKNOWNS_F64: f64 = 13.0;
 
@@ -45,9 +48,11 @@ const BEND_RAD: f64 = 0.05;
 /// One additional column, `(G u)³`, is stored but not fitted. Its coefficient shows whether the
 /// measured roll angle is a nonlinear function of the expected one, for instance because the range
 /// of the sensor ends.
+///
+/// `B` rows at a time are added to the equations: [`BLOCK`], or [`LONG_BLOCK`] where memory is plentiful.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct FilteredArx<T: Real> {
+pub struct FilteredArx<T: Real, const B: usize = BLOCK> {
     model: Reduced5<T>, // in scaled time, at the pace `U0/U − 1`
     pace: T,
     scale_radps: T,
@@ -57,7 +62,8 @@ pub struct FilteredArx<T: Real> {
     input: StateVariableFilter<T>,
     roll: StateVariableFilter<T>,
     started: bool,
-    rows: Gathered<T>,
+    #[cfg_attr(feature = "serde", serde(bound = "Gathered<T, B>: Serialize + DeserializeOwned"))]
+    rows: Gathered<T, B>,
     moments: Moments<T>,
     reference_rad: T,
     /// The response of the model to the input.
@@ -76,7 +82,9 @@ impl<T: Real> FilteredArx<T> {
         identifier.begin(model, false, prior);
         identifier
     }
+}
 
+impl<T: Real, const B: usize> FilteredArx<T, B> {
     fn begin(&mut self, model: &Reduced5<T>, lags: bool, prior: Prior<T>) {
         self.scale_radps = model.time_scale_radps();
         self.model = model.in_scaled_time(self.scale_radps);
@@ -174,13 +182,11 @@ impl<T: Real> FilteredArx<T> {
     #[inline(never)]
     fn answer(&self, products: &[T; ORDER + 1]) -> Answer<T> {
         let mut solution = Solution::NONE;
-        match self.solve(products, &mut solution) {
-            Ok(()) => {
-                let fit = self.describe(&solution);
-                Answer::Ready(Fit { misfit: self.misfit(&mut solution), ..fit })
-            }
-            Err(reason) => Answer::Unexcited(reason),
+        if let Err(reason) = self.solve(products, &mut solution) {
+            return Answer::Unexcited(reason);
         }
+        let fit = self.describe(&solution);
+        Answer::Ready(Fit { misfit: self.misfit(&mut solution), ..fit })
     }
 
     /// A mean has the noise of a sample divided by the number of samples that come in its time.
@@ -394,7 +400,7 @@ impl<T: Real> FilteredArx<T> {
     }
 }
 
-impl<T: Real> Identify<T> for FilteredArx<T> {
+impl<T: Real, const B: usize> Identify<T> for FilteredArx<T, B> {
     type Options = Prior<T>;
 
     const MOST_TOGETHER: u32 = 8;

@@ -3,30 +3,34 @@
 use crate::math::linalg::{Rows, Triangle};
 use crate::math::real::Real;
 
-/// Number of rows that are added to the triangle at once. One more would save a chip 4 % of a sample, and cost
+/// Number of rows that are added to the triangle at once on a chip. One more would save it 4 % of a sample, and cost
 /// 184 bytes of its memory.
-const BLOCK: usize = 4;
+pub const BLOCK: usize = 4;
 
-/// Rows that wait until their block is full. The rest of the block is zero and has no effect.
+/// The same where memory is plentiful: half the time per row of [`BLOCK`], because the chain of roots and divisions, one per
+/// unknown and block, is what takes the time.
+pub const LONG_BLOCK: usize = 16;
+
+/// Rows that wait until their block of `B` is full. The rest of the block is zero and has no effect.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
     serde(bound(
-        serialize = "T: serde::Serialize, [[T; BLOCK]; N]: serde::Serialize",
-        deserialize = "T: serde::Deserialize<'de>, [[T; BLOCK]; N]: serde::Deserialize<'de>"
+        serialize = "T: serde::Serialize, [[T; B]; N]: serde::Serialize, [T; B]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [[T; B]; N]: serde::Deserialize<'de>, [T; B]: serde::Deserialize<'de>"
     ))
 )]
-pub(crate) struct Pending<T, const N: usize> {
+pub(crate) struct Pending<T, const N: usize, const B: usize> {
     rows: usize,
-    columns: [[T; BLOCK]; N],
-    observations: [T; BLOCK],
+    columns: [[T; B]; N],
+    observations: [T; B],
 }
 
-impl<T: Real, const N: usize> Pending<T, N> {
+impl<T: Real, const N: usize, const B: usize> Pending<T, N, B> {
     pub(crate) const fn new() -> Self {
         let zero = T::ZERO;
-        Self { rows: 0, columns: [[zero; BLOCK]; N], observations: [zero; BLOCK] }
+        Self { rows: 0, columns: [[zero; B]; N], observations: [zero; B] }
     }
 
     fn push(&mut self, row: [T; N], observation: T) {
@@ -49,7 +53,7 @@ impl<T: Real, const N: usize> Pending<T, N> {
         observation: T,
     ) {
         self.push(row, observation);
-        if self.rows == BLOCK {
+        if self.rows == B {
             self.fold_into(triangle);
         }
     }

@@ -1,7 +1,7 @@
 //! The prior of the identification.
 
 use crate::identify::equations::Equations;
-use crate::identify::pending::Pending;
+use crate::identify::pending::{BLOCK, Pending};
 use crate::identify::unknowns::{DRIFT, DRIFT_S, GAIN, OFFSET, REGRESSORS, UNKNOWNS};
 use crate::math::real::Real;
 use crate::truck::reduced::{ORDER, Reduced5};
@@ -50,7 +50,7 @@ impl<T: Real> Prior<T> {
         noise_sd: T,
         held: bool,
     ) {
-        let mut pending = Pending::new();
+        let mut pending = Pending::<T, REGRESSORS, BLOCK>::new();
         for k in 0..UNKNOWNS {
             if let Some(weight) = self.weight(model, k, noise_sd) {
                 let mut row = [T::zero(); REGRESSORS];

@@ -127,16 +127,18 @@ impl<T: Real> AlignSettings<T> {
             (true, false) => left,
             _ => right,
         };
-        [
+        for (quantity, value) in [
             (Quantity::TrailerMass, at(Quantity::TrailerMass)),
             (Quantity::TrailerAxleLoad, at(Quantity::TrailerAxleLoad)),
             (Quantity::TrailerSuspensionPressure, at(Quantity::TrailerSuspensionPressure)),
             (Quantity::DrivePressureLeft, mean),
-        ]
-        .into_iter()
-        .filter(|(quantity, value)| quantity.plausible(*value))
-        .map(|(quantity, value)| (quantity, self.mass_kg(quantity, value)))
-        .find(|(_, mass_kg)| mass_kg.present() && self.is_possible(*mass_kg))
+        ] {
+            let mass_kg = self.mass_kg(quantity, value);
+            if quantity.plausible(value) && mass_kg.present() && self.is_possible(mass_kg) {
+                return Some((quantity, mass_kg));
+            }
+        }
+        None
     }
 
     /// The trailer mass that follows from a value of this quantity, kg; absent if none follows.
