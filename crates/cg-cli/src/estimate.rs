@@ -206,8 +206,8 @@ pub(crate) fn feed(
     };
     let mut seen = 0;
     let mut rows = 0;
-    while let Some(row) = reader.next_row()? {
-        take(&row, reader.scale()).with_context(|| {
+    while reader.advance()? {
+        take(&reader.row(), reader.scale()).with_context(|| {
             let line = reader.line();
             format!("{name}, line {line}: time stamps must be at least a microsecond apart")
         })?;

@@ -131,9 +131,11 @@ pub(crate) fn push_some(
     path: &Path,
 ) -> Result<bool, Refused> {
     for _ in 0..ROWS_BETWEEN_LOOKS {
-        let Some(row) = reader.next_row().map_err(Refused::Log)? else { return Ok(false) };
+        if !reader.advance().map_err(Refused::Log)? {
+            return Ok(false);
+        }
         estimator.weighed_by(reader.scale());
-        estimator.push(&row).map_err(|error| {
+        estimator.push(&reader.row()).map_err(|error| {
             Refused::Sample(format!("{}, line {}: {error}", path.display(), reader.line()))
         })?;
     }

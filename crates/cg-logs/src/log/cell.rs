@@ -24,11 +24,13 @@ impl From<&Column> for Slot {
     }
 }
 
-/// How a file writes numbers: its delimiter, and the decimal sign that it has used so far.
+/// How a file writes numbers: its delimiter, and the decimal sign and digits that it has used so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Writing {
     pub(super) delimiter: u8,
     decimal: Option<u8>,
+    /// Whether a row has had numbers with many digits or an exponent.
+    pub(super) has_long_numbers: bool,
 }
 
 impl Writing {
@@ -40,7 +42,8 @@ impl Writing {
 
     /// A comma that separates fields is no decimal sign.
     pub(super) fn new(delimiter: u8) -> Self {
-        Self { delimiter, decimal: (delimiter == b',').then_some(b'.') }
+        let decimal = (delimiter == b',').then_some(b'.');
+        Self { delimiter, decimal, has_long_numbers: false }
     }
 
     /// Learns from a number with a decimal point, in a file that may have decimal commas. Returns

@@ -20,10 +20,36 @@ pub(super) fn read_numbers(
     plan: &[Option<Slot>],
     values: &mut [f64; Signal::COUNT],
 ) -> Option<usize> {
+    read_fields(text, delimiter, plan, |slot, field| slot.take(decimal(field)?, values))
+}
+
+/// The same for any finite numbers.
+#[inline(never)]
+pub(super) fn read_any_numbers(
+    text: &[u8],
+    delimiter: u8,
+    plan: &[Option<Slot>],
+    values: &mut [f64; Signal::COUNT],
+) -> Option<usize> {
+    read_fields(text, delimiter, plan, |slot, field| {
+        let is_whole =
+            |(_, length): &(f64, usize)| !matches!(field.get(*length), Some(b'e' | b'E'));
+        slot.take(decimal(field).filter(is_whole).or_else(|| general(field))?, values)
+    })
+}
+
+/// Reads the row at the beginning of `text` with `read`, which returns the length of a planned field. Returns that of the row.
+#[inline]
+fn read_fields(
+    text: &[u8],
+    delimiter: u8,
+    plan: &[Option<Slot>],
+    mut read: impl FnMut(&Slot, &[u8]) -> Option<usize>,
+) -> Option<usize> {
     let (mut slots, mut rest, mut ended) = (plan.iter(), text, false);
     for slot in &mut slots {
         let length = match slot {
-            Some(slot) => read_number(slot, rest, values)?,
+            Some(slot) => read(slot, rest)?,
             None => skipped(rest, delimiter)?,
         };
         rest = rest.get(length..)?;
@@ -54,23 +80,39 @@ fn skipped(rest: &[u8], delimiter: u8) -> Option<usize> {
     memchr::memchr2(delimiter, b'\n', rest)
 }
 
-/// Reads one number, and NaN from an empty field. Returns its length in bytes.
-#[inline]
-fn read_number(slot: &Slot, rest: &[u8], values: &mut [f64; Signal::COUNT]) -> Option<usize> {
-    let (value, length) = decimal(rest)?;
-    let place = values.get_mut(slot.signal)?;
-    *place = value;
-    if !slot.is_si {
-        *place = slot.si(value);
-        if place.is_infinite() {
-            return None;
+impl Slot {
+    /// Takes a number and its length in bytes, and returns the length.
+    #[inline]
+    fn take(
+        &self,
+        (value, length): (f64, usize),
+        values: &mut [f64; Signal::COUNT],
+    ) -> Option<usize> {
+        let place = values.get_mut(self.signal)?;
+        *place = value;
+        if !self.is_si {
+            *place = self.si(value);
+            if place.is_infinite() {
+                return None;
+            }
         }
+        Some(length)
     }
-    Some(length)
 }
 
-/// The number at the beginning of `text` and its length in bytes; NaN and zero if there is none. Its digits
-/// and its power of ten are exact, and their quotient is rounded once, as every correct parser does it. The
+/// A number with any digits and exponent, by the general parser; what is no finite decimal number is left to the slower
+/// reading.
+fn general(text: &[u8]) -> Option<(f64, usize)> {
+    let first = *text.strip_prefix(b"-").unwrap_or(text).first()?;
+    if !first.is_ascii_digit() && first != b'.' {
+        return None;
+    }
+    let (value, length) = fast_float2::parse_partial::<f64, _>(text).ok()?;
+    value.is_finite().then_some((value, length))
+}
+
+/// The number at the beginning of `text` and its length in bytes, if it has at most fifteen digits and no exponent; NaN and
+/// zero if there is none. Its digits and its power of ten are exact, and their quotient is rounded once, as every correct parser does it. The
 /// first eight bytes are read at once.
 #[inline]
 fn decimal(text: &[u8]) -> Option<(f64, usize)> {
@@ -175,6 +217,7 @@ mod tests {
     use super::*;
     use crate::log::cell::{Writing, read_plain};
     use crate::log::columns::Column;
+    use crate::log::signal::Signal;
 
     /// A number at the beginning of a text that goes on in the buffer.
     fn read(text: &str) -> Option<(u64, usize)> {
@@ -219,11 +262,12 @@ mod tests {
             let line = format!("{}{ending}\n", row.join(";"));
             let text = format!("{line}{:AHEAD$}", "");
             let [mut fast, mut slow] = [[0.0; Signal::COUNT]; 2];
-            if let Some(length) = read_numbers(text.as_bytes(), b';', &plan, &mut fast) {
+            for read in [read_numbers, read_any_numbers] {
+                let Some(length) = read(text.as_bytes(), b';', &plan, &mut fast) else { continue };
                 prop_assert_eq!(length + 1, line.len());
                 let mut writing = Writing::new(b';');
-                let row = line.trim_end();
-                prop_assert_eq!(read_plain(row.as_bytes(), &mut writing, &plan, &mut slow), Ok(()));
+                let cells = line.trim_end();
+                prop_assert_eq!(read_plain(cells.as_bytes(), &mut writing, &plan, &mut slow), Ok(()));
                 prop_assert_eq!(fast.map(f64::to_bits), slow.map(f64::to_bits));
             }
         }
@@ -260,6 +304,39 @@ mod tests {
                 let found = read(&format!("{cell}{rest}")).filter(|found| found.1 == cell.len());
                 assert_eq!(found, value.map(|value| (value.to_bits(), cell.len())), "{cell}");
             }
+        }
+    }
+
+    /// All of them in place, as the slower reading has them.
+    #[test]
+    fn finite_numbers_of_any_length_are_read_in_place() {
+        let plan = [Signal::Time, Signal::Roll].map(|signal| {
+            let index = signal as usize;
+            Some(Slot::from(&Column { index, signal, times: 1.0, per: 1.0, clock: false }))
+        });
+        for cell in [
+            "0.012345678901234567",
+            "-0.00000000000000000123456789",
+            "1e5",
+            "-1.25E-07",
+            ".5e1",
+            "9007199254740993",
+            "1714564800.123456789",
+            "1.7976931348623157e308",
+        ] {
+            let text = format!("{cell},{cell}\n{:AHEAD$}", "");
+            let mut values = [0.0; Signal::COUNT];
+            let length = read_any_numbers(text.as_bytes(), b',', &plan, &mut values);
+            assert_eq!(length, Some(2 * cell.len() + 1), "{cell}");
+            let known = cell.parse::<f64>().unwrap().to_bits();
+            let found =
+                [Signal::Time, Signal::Roll].map(|signal| values[signal as usize].to_bits());
+            assert_eq!(found, [known; 2], "{cell}");
+        }
+        for cell in ["nan", "inf", "-inf", "1e999", "+1", "1e", "0x1", "-", "1_0", " 1"] {
+            let text = format!("{cell},1\n{:AHEAD$}", "");
+            let mut values = [0.0; Signal::COUNT];
+            assert_eq!(read_any_numbers(text.as_bytes(), b',', &plan, &mut values), None, "{cell}");
         }
     }
 

@@ -11,13 +11,26 @@ use crate::place::Position;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plausibility {
     settings: AlignSettings<f64>,
+    /// Values of each quantity that are believed without a further look. It is empty if a mass follows from them, and
+    /// contains NaN nowhere.
+    usual: [[f64; 2]; Quantity::COUNT],
     tally: Tally,
 }
 
 impl Plausibility {
     /// For a truck with these sensor settings.
     pub fn new(settings: AlignSettings<f64>) -> Self {
-        Self { settings, tally: Tally::default() }
+        let usual = Quantity::ALL.map(|quantity| {
+            let [least, greatest] = quantity.limits().map(f64::from);
+            match (quantity, settings.mass_range_kg) {
+                (Quantity::TrailerMass, Some([least_kg, greatest_kg])) => {
+                    [least.max(least_kg), greatest.min(greatest_kg)]
+                }
+                _ if settings.mass_kg(quantity, 0.0).is_nan() => [least, greatest],
+                _ => [f64::INFINITY, f64::NEG_INFINITY],
+            }
+        });
+        Self { settings, usual, tally: Tally::default() }
     }
 
     /// Checks the values of a row, in the order of [`Signal::ALL`], of which only these quantities may be
@@ -31,6 +44,10 @@ impl Plausibility {
     ) {
         for &quantity in quantities {
             let value = &mut values[Signal::from(quantity) as usize];
+            let [least, greatest] = self.usual[quantity.index()];
+            if *value >= least && *value <= greatest {
+                continue;
+            }
             if !value.is_nan() && !self.settings.believes(quantity, *value) {
                 self.drop(quantity, value, position());
             }
@@ -63,15 +80,46 @@ impl Plausibility {
 mod tests {
     use super::*;
 
+    /// What is usual is a shortcut only.
+    #[test]
+    fn a_row_is_judged_as_each_value_is_by_itself() {
+        let ranges = [None, Some([6e3, 40e3]), Some([-1.0, 1e9])];
+        let lines = [None, Some([3000.0, 0.05])];
+        for (mass_range_kg, line) in
+            ranges.into_iter().flat_map(|one| lines.map(|line| (one, line)))
+        {
+            let settings = AlignSettings {
+                mass_range_kg,
+                mass_of_axle_load: line,
+                mass_of_suspension_pressure: line,
+                mass_of_drive_pressure: line,
+                ..AlignSettings::NONE
+            };
+            for quantity in Quantity::ALL {
+                let limits = quantity.limits().map(f64::from);
+                let edges = [limits, [6e3, 40e3]].concat();
+                let near = edges.into_iter().flat_map(|x| [x.next_down(), x, x.next_up()]);
+                for value in near.chain([0.0, 1e5, 3e5, f64::NAN, f64::INFINITY]) {
+                    let mut values = [f64::NAN; Signal::COUNT];
+                    values[Signal::from(quantity) as usize] = value;
+                    Plausibility::new(settings)
+                        .check(&[quantity], &mut values, || Position::Row(1));
+                    let is_kept = !values[Signal::from(quantity) as usize].is_nan();
+                    assert_eq!(is_kept, settings.believes(quantity, value), "{quantity:?} {value}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn impossible_values_are_absent_and_told_with_their_row() {
         let mut plausibility = Plausibility::new(AlignSettings::NONE);
         let mut values = [f64::NAN; Signal::COUNT];
-        for (row, speed_mps) in [(1, 12.0), (2, 79.97), (3, 81.0), (4, f64::NAN)] {
+        for (number, speed_mps) in [(1, 12.0), (2, 79.97), (3, 81.0), (4, f64::NAN)] {
             values[Signal::Speed as usize] = speed_mps;
             plausibility
-                .check(&[Quantity::Speed, Quantity::Roll], &mut values, || Position::Row(row));
-            assert_eq!(values[Signal::Speed as usize].is_nan(), row > 1);
+                .check(&[Quantity::Speed, Quantity::Roll], &mut values, || Position::Row(number));
+            assert_eq!(values[Signal::Speed as usize].is_nan(), number > 1);
         }
         assert_eq!(plausibility.values(), 2);
         assert_eq!(

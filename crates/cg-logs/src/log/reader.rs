@@ -50,8 +50,8 @@ pub struct LogReader {
     /// What the truck can have, if it is known.
     plausibility: Option<Plausibility>,
     preparation: Option<Preparation>,
-    /// The line of the row that was given last, if rows are prepared.
-    given_line: Option<u64>,
+    /// The row that was given last and its line, if rows are prepared.
+    given: Option<(u64, LogRow)>,
     /// Whether the rows of the file are at their end.
     at_end: bool,
     previous_s: f64,
@@ -155,7 +155,7 @@ impl LogReader {
             values: [f64::NAN; Signal::COUNT],
             plausibility: options.settings.map(Plausibility::new),
             preparation: None,
-            given_line: None,
+            given: None,
             at_end: false,
             previous_s: f64::NEG_INFINITY,
             begun: false,
@@ -195,25 +195,44 @@ impl LogReader {
     /// next call returns `None`. If the file cannot be read further, the next call returns `None`.
     #[inline]
     pub fn next_row(&mut self) -> Result<Option<LogRow>, LogError> {
-        if self.preparation.is_some() { self.next_prepared() } else { self.next_of_body() }
+        Ok(self.advance()?.then(|| self.row()))
     }
 
-    fn next_prepared(&mut self) -> Result<Option<LogRow>, LogError> {
+    /// Reads the next [row](Self::row), which is not copied unless it is looked at; `false` at the end of the log.
+    ///
+    /// # Errors
+    ///
+    /// As [`next_row`](Self::next_row).
+    #[inline]
+    pub fn advance(&mut self) -> Result<bool, LogError> {
+        if self.preparation.is_some() { self.advance_prepared() } else { self.advance_body() }
+    }
+
+    /// The row that was read last.
+    #[inline]
+    pub fn row(&self) -> LogRow {
+        match self.given {
+            Some((_, row)) => row,
+            None => LogRow::from_values(self.values),
+        }
+    }
+
+    fn advance_prepared(&mut self) -> Result<bool, LogError> {
         loop {
-            let Some(preparation) = &mut self.preparation else { return Ok(None) };
-            if let Some((line, row)) = preparation.next_row() {
-                self.given_line = Some(line);
-                return Ok(Some(row));
+            let Some(preparation) = &mut self.preparation else { return Ok(false) };
+            if let Some(next) = preparation.next_row() {
+                self.given = Some(next);
+                return Ok(true);
             }
             if self.at_end {
-                return Ok(None);
+                return Ok(false);
             }
-            self.given_line = None;
-            let row = self.next_of_body()?;
+            self.given = None;
+            let more = self.advance_body()?;
             let line = self.line();
-            let Some(preparation) = &mut self.preparation else { return Ok(None) };
-            if let Some(row) = row {
-                preparation.push(line, row);
+            let Some(preparation) = &mut self.preparation else { return Ok(false) };
+            if more {
+                preparation.push(line, LogRow::from_values(self.values));
             } else {
                 self.at_end = true;
                 preparation.finish();
@@ -222,7 +241,7 @@ impl LogReader {
     }
 
     #[inline]
-    fn next_of_body(&mut self) -> Result<Option<LogRow>, LogError> {
+    fn advance_body(&mut self) -> Result<bool, LogError> {
         let more = match &mut self.body {
             Body::Text(rows) => rows.read(&mut self.values),
             Body::Parquet(batches) => batches.read(&mut self.values),
@@ -246,7 +265,7 @@ impl LogReader {
                 let body = &self.body;
                 plausibility.check(&self.quantities, &mut self.values, || body.position());
             }
-            Ok(Some(LogRow::from_values(self.values)))
+            Ok(true)
         } else {
             let error = self.bad_time(time_s, previous_s);
             self.stopped(Err(error))
@@ -275,13 +294,13 @@ impl LogReader {
     }
 
     #[cold]
-    fn stopped(&mut self, more: Result<bool, LogError>) -> Result<Option<LogRow>, LogError> {
+    fn stopped(&mut self, more: Result<bool, LogError>) -> Result<bool, LogError> {
         let first = !std::mem::replace(&mut self.begun, true);
         match more {
             Err(error) if self.over_bad_rows => Err(error),
             Err(error) => Err(self.body.damage().unwrap_or(error)),
             Ok(_) if first => Err(self.body.no_rows()),
-            Ok(_) => Ok(None),
+            Ok(_) => Ok(false),
         }
     }
 
@@ -309,7 +328,7 @@ impl LogReader {
     /// The line of the last row, counted from one and with comments and blank lines. In a parquet
     /// file it is the number of the row.
     pub fn line(&self) -> u64 {
-        if let Some(line) = self.given_line {
+        if let Some((line, _)) = self.given {
             return line;
         }
         match self.body.position() {

@@ -8,7 +8,7 @@ use super::columns::{Column, column_name, resolve};
 use super::error::{ColumnName, LogError, Place, Position};
 use super::heading::{Heading, Stated, are_units};
 use super::lines::{Fault, LIMIT_BYTES, Lines};
-use super::numbers::read_numbers;
+use super::numbers::{read_any_numbers, read_numbers};
 use super::options::LogOptions;
 use super::quoted::Quoted;
 use super::signal::Signal;
@@ -108,8 +108,15 @@ impl Rows {
         if self.over || !self.writing.has_points() {
             return false;
         }
-        let text = self.lines.ahead();
-        let length = read_numbers(text, self.writing.delimiter, &self.plan, values);
+        let (text, delimiter) = (self.lines.ahead(), self.writing.delimiter);
+        let mut length = None;
+        if !self.writing.has_long_numbers {
+            length = read_numbers(text, delimiter, &self.plan, values);
+        }
+        if length.is_none() {
+            length = read_any_numbers(text, delimiter, &self.plan, values);
+            self.writing.has_long_numbers |= length.is_some();
+        }
         if !length.is_some_and(|length| self.lines.skip(length)) {
             return false;
         }

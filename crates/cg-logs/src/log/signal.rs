@@ -34,6 +34,7 @@ macro_rules! rows {
 
         impl LogRow {
             /// The value of a signal in its SI unit.
+            #[inline]
             pub const fn get(&self, signal: Signal) -> f64 {
                 match signal {
                     Signal::Time => self.time_s,
@@ -45,6 +46,7 @@ macro_rules! rows {
             }
 
             /// A row with these values in the order of [`Signal::ALL`].
+            #[inline]
             pub const fn from_values(values: [f64; Signal::COUNT]) -> Self {
                 let [time_s, $($field,)+ roll_rate_radps, axle_roll_to_gravity_rad, trailer_mass_sd_kg] =
                     values;
