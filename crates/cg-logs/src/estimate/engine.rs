@@ -1,7 +1,9 @@
 //! The estimator with the chosen method of identification.
 
 use cg_core::Maneuver;
+use cg_core::decide::neighbors::{Most, Together};
 use cg_core::identify::arx::{ArxOptions, SampledArx};
+use cg_core::identify::filtered::LONG_BLOCK;
 use cg_core::{
     Channel, Combined, Design, Estimator, FilteredArx, Height, Memory, Prior, Sample, SampleError,
     Settings, Step,
@@ -18,7 +20,7 @@ const ARX_INTERVAL_S: f64 = 0.05;
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Engine {
     /// ARX on filtered signals with prior dynamics.
-    Filtered(Box<Estimator<f64, FilteredArx<f64>>>),
+    Filtered(Box<Estimator<f64, FilteredArx<f64, LONG_BLOCK>>>),
     /// Classical ARX in shift form.
     Arx(Box<Estimator<f64, SampledArx<f64>>>),
 }
@@ -107,6 +109,22 @@ impl Engine {
         match self {
             Self::Filtered(estimator) => estimator.push(sample),
             Self::Arx(estimator) => estimator.push(sample),
+        }
+    }
+
+    /// How many samples make a mean, as [`Estimator::most`].
+    pub fn most(&self) -> Most {
+        match self {
+            Self::Filtered(estimator) => estimator.most(),
+            Self::Arx(estimator) => estimator.most(),
+        }
+    }
+
+    /// Processes the mean of some samples, as [`Estimator::push_mean`].
+    pub fn push_mean(&mut self, together: &Together<f64, Sample<f64>>) -> Step<f64> {
+        match self {
+            Self::Filtered(estimator) => estimator.push_mean(together),
+            Self::Arx(estimator) => estimator.push_mean(together),
         }
     }
 

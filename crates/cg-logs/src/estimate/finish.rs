@@ -24,8 +24,7 @@ struct Together {
 impl LogEstimator {
     /// Ends the log and returns its result.
     pub fn finish(mut self) -> LogEstimate {
-        let last = self.engine.finish();
-        self.keep(last.as_ref());
+        self.end();
         let channel = self.options.channel.or_else(|| self.engine.best_channel());
         // If no channel has a height, the reason comes from a channel whose signal is present.
         let there = |one: &Channel| self.last_reject(*one).is_some_and(|why| why != Reject::Absent);
@@ -228,8 +227,7 @@ impl LogEstimator {
     /// Ends the log and returns its DC ratios, also if the heights are impossible. The ratios are
     /// fused over the maneuvers and refer to the mean speed and trailer mass in the result.
     pub fn identified(mut self) -> Identified {
-        let last = self.engine.finish();
-        self.keep(last.as_ref());
+        self.end();
         let mass_kg = self.turns_mass_kg();
         let mut identified = Identified {
             speed_mps: self.mean_speed_mps(&Channel::ALL).unwrap_or(f64::NAN),

@@ -1,24 +1,25 @@
 //! Processes the rows of a log.
 
 use cg_core::Maneuver;
+use cg_core::decide::neighbors::{Neighbors, Together};
 use cg_core::{
     AlignSettings, CHANNELS, Design, Measured, Quantity, Sample, SampleError, Signals, Status,
 };
 use serde::{Deserialize, Serialize};
 
 use super::engine::Engine;
-use super::felt::{add_force, felt_mps2};
-use super::known::weighed_mass;
+use super::felt::felt_mps2;
 use super::leaning::Leaning;
 use super::left_out::LeftOut;
+use super::means::SampleSum;
 use super::options::EstimateOptions;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
+use super::row_sample::SignalsSeen;
 use super::sensors::SensorCheck;
 use super::since_stop::SinceStop;
 use super::strong::StrongTurns;
 use super::unheard::Unheard;
-use super::weighed::Weighed;
 use crate::log::{LogRow, Signal};
 use cg_vehicle::Vehicle;
 use cg_vehicle::design::design;
@@ -65,10 +66,17 @@ pub struct LogEstimator {
     pub(super) settings: AlignSettings<f64>,
     pub(super) engine: Engine,
     pub(super) origin_s: Option<f64>,
+    previous_us: Option<u64>,
+    /// The last speed, m/s.
+    known_mps: f64,
+    /// The signals of the last sample, and whether any channel has both its roll angle and its input.
+    seen_kinds: (u32, bool),
+    /// The samples since the last mean, and the state of the estimator after it.
+    neighbors: Neighbors<f64, SampleSum>,
+    status: Status,
     pub(super) rows: u64,
     pub(super) absent_rows: u64,
     pub(super) seen: SignalsSeen,
-    bus_scale: Option<Scale>,
     pub(super) trailer_mass_kg: f64,
     pub(super) rolls: RollCheck,
     pub(super) sensors: SensorCheck,
@@ -87,22 +95,6 @@ pub struct LogEstimator {
     /// Only while a calibration reads a log.
     #[serde(skip)]
     recorder: Option<Box<Recorder>>,
-}
-
-/// Which optional signals the log contains.
-#[derive(Clone, Copy, Default, Serialize, Deserialize)]
-pub(super) struct SignalsSeen {
-    /// When the first speed came, µs.
-    pub(super) speed_since_us: Option<u64>,
-    /// The last mass in the log, also if an option replaces it.
-    pub(super) mass_kg: Option<f64>,
-    /// The last standard deviation in the log, kg.
-    pub(super) mass_sd_kg: Option<f64>,
-    /// Its scale, likewise.
-    pub(super) scale: Option<Scale>,
-    pub(super) weighed: Weighed,
-    /// The quantities that have arrived and are not used, in the order of [`Quantity::ALL`].
-    pub(super) unscaled: [bool; Quantity::COUNT],
 }
 
 impl LogEstimator {
@@ -127,10 +119,14 @@ impl LogEstimator {
             options,
             settings,
             origin_s: None,
+            previous_us: None,
+            known_mps: design.nominal_speed_mps,
+            seen_kinds: (0, false),
+            neighbors: Neighbors::NONE,
+            status: Status::Straight,
             rows: 0,
             absent_rows: 0,
             seen: SignalsSeen::default(),
-            bus_scale: None,
             trailer_mass_kg: options.trailer_mass_kg.unwrap_or(design.nominal_trailer_mass_kg),
             rolls: RollCheck::default(),
             sensors: SensorCheck::default(),
@@ -164,29 +160,93 @@ impl LogEstimator {
     /// µs).
     pub fn push(&mut self, row: &LogRow) -> Result<Status, SampleError> {
         let sample = self.sample(row);
-        let step = self.engine.push(&sample); // not moved, because of the room for a maneuver in it
-        let step = step.as_ref().map_err(|error| *error)?;
+        let time_us = sample.time_us;
+        if let Some(previous_us) = self.previous_us.filter(|previous_us| time_us <= *previous_us) {
+            return Err(SampleError::TimeOrder { previous_us, time_us });
+        }
+        self.previous_us = Some(time_us);
+        self.rows += 1;
         self.rolls.push(row);
         self.sensors.level(|quantity| row.get(Signal::from(quantity)));
-        self.sensors.push(&sample, self.design.gravity_mps2);
-        self.leaning.push(&sample, step.status, self.design.gravity_mps2);
-        self.strong.push(&sample);
-        self.stop.push(&sample, &self.engine);
+        self.sensors.value(&sample);
         if let Some(recorder) = &mut self.recorder {
             recorder.push(&self.design, &sample)?;
         }
-        self.rows += 1;
+        if Quantity::Speed.plausible(sample.speed_mps) {
+            self.known_mps = sample.speed_mps;
+        }
+        let next = SampleSum::of(&sample, self.known_mps, self.design.gravity_mps2);
+        if self.seen_kinds.0 != next.kinds() {
+            let signals = Signals::of(&sample.checked(), self.known_mps, self.design.gravity_mps2);
+            self.seen_kinds = (next.kinds(), signals.are_seen_by(&self.design));
+        }
+        let (_, is_seen) = self.seen_kinds;
+        let take = if is_seen { Self::take } else { Self::take_alone };
+        Ok(take(self, time_us, &next))
+    }
+
+    /// Takes a sample that is averaged with its neighbors.
+    fn take(&mut self, time_us: u64, next: &SampleSum) -> Status {
+        let most = self.engine.most();
+        if self.neighbors.ends_before(time_us, next, most) {
+            self.take_neighbors();
+        }
+        self.neighbors.add(time_us, next);
+        if self.neighbors.is_complete(most) {
+            self.take_neighbors();
+        }
+        self.status
+    }
+
+    fn take_neighbors(&mut self) {
+        let together = self.neighbors.take();
+        self.status = self.take_mean(&together);
+    }
+
+    /// Takes a sample without a roll angle or without an input, which ends no mean, as in the estimator.
+    fn take_alone(&mut self, time_us: u64, next: &SampleSum) -> Status {
+        if self.neighbors.ends_by(time_us, self.engine.most()) {
+            self.take_neighbors();
+        }
+        let mut alone = Neighbors::NONE;
+        alone.add(time_us, next);
+        self.take_mean(&alone.take())
+    }
+
+    fn take_mean(&mut self, together: &Together<f64, SampleSum>) -> Status {
+        let Together { last_us, mean, of } = together;
+        let (last_us, of) = (*last_us, *of);
+        let together = Together { last_us, mean: mean.sample(last_us), of };
+        if let Some(masses_kg) = self.seen.to_weigh_kg.take() {
+            self.seen.weighed.weigh(last_us, masses_kg);
+        }
+        let step = self.engine.push_mean(&together); // not moved, because of the room for a maneuver in it
+        let mut sample = together.mean;
+        if !mean.has_speed() {
+            sample.speed_mps = f64::NAN;
+        }
+        let (sample, gravity_mps2) = (&sample, self.design.gravity_mps2);
+        self.sensors.push_mean(sample, gravity_mps2);
+        self.leaning.push_mean((sample, f64::from(of.number)), step.status, gravity_mps2);
+        self.strong.push(sample);
+        self.stop.push(sample, &self.engine);
         if step.status == Status::Absent {
-            self.absent_rows += 1;
+            self.absent_rows += u64::from(of.number);
         }
         self.keep(step.closed.as_ref());
-        Ok(step.status)
+        step.status
+    }
+
+    /// Ends the log and closes the last maneuver, without the samples that wait for others to be averaged with.
+    pub(super) fn end(&mut self) {
+        let last = self.engine.finish();
+        self.keep(last.as_ref());
     }
 
     /// Sets the scale on the bus from which the mass of the next rows follows; `None` if the rows are not
     /// from frames, or have the value of the scale itself.
     pub fn weighed_by(&mut self, scale: Option<Scale>) {
-        self.bus_scale = scale;
+        self.seen.bus_scale = scale;
     }
 
     /// The design of the truck.
@@ -197,14 +257,28 @@ impl LogEstimator {
     /// Ends the log and returns its maneuvers with the time of their end, s, and whether their mass is
     /// from a signal in the log.
     pub fn maneuvers(mut self) -> impl Iterator<Item = (Maneuver<f64>, f64, bool)> {
-        let last = self.engine.finish();
-        self.keep(last.as_ref());
+        self.end();
         let origin_s = self.origin_s.unwrap_or(0.0);
         self.maneuvers.into_iter().zip(self.are_weighed).map(move |(maneuver, weighed)| {
             #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
             let end_s = origin_s + maneuver.end_us as f64 * 1e-6;
             (maneuver, end_s, weighed)
         })
+    }
+
+    /// The sample of a row.
+    pub(super) fn sample(&mut self, row: &LogRow) -> Sample<f64> {
+        let origin_s = *self.origin_s.get_or_insert(row.time_s);
+        // Microseconds since the first row. The cast gives zero for a time before the first row,
+        // which is then refused.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let time_us = ((row.time_s - origin_s) * 1e6 + 0.5) as u64;
+        let of = (row, time_us);
+        let sample = self.seen.sample(of, &self.design, &self.settings, &self.options);
+        if sample.trailer_mass_kg.is_finite() {
+            self.trailer_mass_kg = sample.trailer_mass_kg;
+        }
+        sample
     }
 
     /// The maneuvers of the last load.
@@ -253,61 +327,13 @@ impl LogEstimator {
             self.more_maneuvers += u64::from(closed.is_some());
         }
     }
-
-    pub(super) fn sample(&mut self, row: &LogRow) -> Sample<f64> {
-        let origin_s = *self.origin_s.get_or_insert(row.time_s);
-        // Microseconds since the first row. The cast gives zero for a time before the first row,
-        // which the estimator then refuses.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let time_us = ((row.time_s - origin_s) * 1e6).round() as u64;
-        let mut sample = row.sample(time_us, &self.settings);
-        for (quantity, is_used) in [
-            (Quantity::SteeringWheel, sample.steer_rad.is_finite()),
-            (Quantity::LevelLeft, sample.suspension_roll_rad.is_finite()),
-            (Quantity::TractorLevelLeft, sample.tractor_suspension_roll_rad.is_finite()),
-            (Quantity::TrailerSuspensionPressure, sample.trailer_mass_kg.is_finite()),
-            (Quantity::DrivePressureLeft, sample.trailer_mass_kg.is_finite()),
-        ] {
-            self.seen.unscaled[quantity.index()] |=
-                !is_used && !row.get(Signal::from(quantity)).is_nan();
-        }
-        if row.trailer_mass_sd_kg >= 0.0 {
-            self.seen.mass_sd_kg = Some(row.trailer_mass_sd_kg);
-        }
-        if sample.speed_mps.is_finite() {
-            self.seen.speed_since_us.get_or_insert(time_us);
-        }
-        if sample.trailer_mass_kg.is_finite() {
-            let logged_kg = sample.trailer_mass_kg;
-            sample.trailer_mass_kg = weighed_mass(&self.design, logged_kg);
-            self.seen.mass_kg = Some(sample.trailer_mass_kg);
-            self.seen.scale = self.bus_scale.or_else(|| {
-                // Most logs have the mass itself, which is then that of the sample.
-                if logged_kg.to_bits() == row.trailer_mass_kg.to_bits() {
-                    return Scale::in_log(Quantity::TrailerMass);
-                }
-                let (quantity, _) = row.weighed(&self.settings)?;
-                Scale::in_log(quantity)
-            });
-            self.seen.weighed.weigh(time_us, [logged_kg, sample.trailer_mass_kg]);
-        }
-        if let Some(speed_mps) = self.options.speed_mps {
-            sample.speed_mps = speed_mps;
-        }
-        add_force(&mut sample, self.design.gravity_mps2);
-        if let Some(mass_kg) = self.options.trailer_mass_kg {
-            sample.trailer_mass_kg = mass_kg;
-        } else if sample.trailer_mass_kg.is_finite() {
-            self.trailer_mass_kg = sample.trailer_mass_kg;
-        }
-        sample
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::trial::{MASS_KG, design, maneuver};
+    use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, maneuver};
+    use cg_core::Channel;
 
     fn log(settings: AlignSettings<f64>, options: EstimateOptions) -> LogEstimator {
         LogEstimator::from_design(&design(), settings, options)
@@ -334,126 +360,47 @@ mod tests {
         }
     }
 
+    /// The means of a log are those that the estimator makes of its samples, although cells are missing: speeds in two rows of
+    /// three, roll angles here and there, the lateral acceleration for a while, and all of some seconds.
     #[test]
-    fn time_counts_from_the_first_row() {
-        let mut log = plain();
-        for (time_s, time_us) in
-            [(100.0, 0), (101.5, 1_500_000), (101.500_000_6, 1_500_001), (99.0, 0)]
-        {
-            assert_eq!(log.sample(&LogRow { time_s, ..LogRow::ABSENT }).time_us, time_us);
+    fn a_log_with_missing_cells_has_the_maneuvers_of_its_samples() {
+        let (mut log, mut theirs) = (plain(), Vec::new());
+        let mut engine = Engine::new(&design(), &EstimateOptions::default());
+        for k in (0..30_000_u32).filter(|k| k % 4000 < 3900) {
+            let (time_s, some) =
+                (0.01 * f64::from(k), |present, x| if present { x } else { f64::NAN });
+            let turn = (0.4 * time_s).sin();
+            let path_mps2 = if (k / 1600) % 2 == 0 { 2.0 * turn * turn * turn } else { 0.0 };
+            let row = LogRow {
+                time_s,
+                speed_mps: some(k % 3 == 0, SPEED_MPS + turn),
+                roll_rad: some(k % 53 > 2, 0.04 * path_mps2 + 1e-4 * f64::from(k * k % 7)),
+                yaw_rate_radps: path_mps2 / (SPEED_MPS + turn),
+                lateral_acceleration_mps2: some((k / 6000) % 2 == 0, path_mps2),
+                trailer_mass_kg: some(k % 100 == 50, MASS_KG + f64::from(k % 900)),
+                ..LogRow::ABSENT
+            };
+            let sample = log.sample(&row);
+            theirs.extend(engine.push(&sample).unwrap().closed);
+            log.push(&row).unwrap();
         }
-        assert_eq!(log.origin_s, Some(100.0));
-    }
-
-    #[test]
-    fn a_steering_wheel_counts_as_unscaled_if_it_gives_no_steer_angle() {
-        let row = |steer_rad: f64, steering_wheel_rad: f64| LogRow {
-            time_s: 0.0,
-            steer_rad,
-            steering_wheel_rad,
-            ..LogRow::ABSENT
-        };
-        let (absent, wheel) = (row(f64::NAN, f64::NAN), row(f64::NAN, 2.0));
-        for (rows, unscaled) in [
-            (vec![absent], false),
-            (vec![row(0.1, 2.0)], false),
-            (vec![wheel], true),
-            (vec![wheel, absent], true),
-            (vec![absent, wheel], true),
-        ] {
-            let mut log = plain();
-            for row in &rows {
-                log.sample(row);
+        theirs.extend(engine.finish());
+        log.end();
+        assert!(theirs.len() > 8 && theirs.len() == log.maneuvers.len());
+        let (mut heights, place) = (0, Channel::LateralAcceleration.index());
+        for (ours, theirs) in log.maneuvers.iter().zip(&theirs) {
+            assert_eq!((ours.start_us, ours.end_us), (theirs.start_us, theirs.end_us));
+            let [ours, theirs] = [ours, theirs].map(|one| one.outcomes[place]);
+            match (ours.height_m, theirs.height_m) {
+                (Ok(ours), Ok(theirs)) => {
+                    heights += 1;
+                    // A mean of a hundred numbers is rounded by 1e-14, which the conditions of the fit multiply.
+                    assert!((ours.value / theirs.value - 1.0).abs() < 1e-9, "{ours:?} {theirs:?}");
+                }
+                (ours, theirs) => assert_eq!(ours, theirs),
             }
-            assert_eq!(log.seen.unscaled[Quantity::SteeringWheel.index()], unscaled, "{rows:?}");
         }
-        let settings = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
-        let mut scaled = log(settings, EstimateOptions::default());
-        assert!((scaled.sample(&wheel).steer_rad - 0.1).abs() < 1e-12);
-        assert!(!scaled.seen.unscaled[Quantity::SteeringWheel.index()]);
-    }
-
-    #[test]
-    fn a_pressure_counts_as_unscaled_if_it_gives_no_mass() {
-        let row = |trailer_mass_kg: f64, trailer_suspension_pressure_pa: f64| LogRow {
-            time_s: 0.0,
-            trailer_mass_kg,
-            trailer_suspension_pressure_pa,
-            ..LogRow::ABSENT
-        };
-        let (absent, pressure) = (row(f64::NAN, f64::NAN), row(f64::NAN, 4e5));
-        for (rows, unscaled) in [
-            (vec![absent], false),
-            (vec![row(20e3, 4e5)], false),
-            (vec![pressure], true),
-            (vec![pressure, absent], true),
-            (vec![absent, pressure], true),
-        ] {
-            let mut log = plain();
-            for row in &rows {
-                log.sample(row);
-            }
-            assert_eq!(
-                log.seen.unscaled[Quantity::TrailerSuspensionPressure.index()],
-                unscaled,
-                "{rows:?}"
-            );
-        }
-    }
-
-    /// The column is that of the mass in the log, and an option counts more.
-    #[test]
-    fn the_log_says_how_exact_its_mass_is() {
-        let row = LogRow { trailer_mass_kg: 21e3, trailer_mass_sd_kg: 1500.0, ..LogRow::ABSENT };
-        let mass_sd_kg = |row: LogRow, options: EstimateOptions| {
-            let mut log = log(AlignSettings::NONE, options);
-            log.sample(&LogRow { time_s: 0.0, ..row });
-            log.mass_sd_kg(21e3)
-        };
-        let usual = EstimateOptions::default();
-        let given = EstimateOptions { trailer_mass_sd_kg: Some(300.0), ..usual };
-        let other = EstimateOptions { trailer_mass_kg: Some(20e3), ..usual };
-        for (row, options, sd_kg) in [
-            (row, usual, 1500.0),
-            (row, given, 300.0),
-            (row, other, 0.0),
-            (LogRow { trailer_mass_sd_kg: -1.0, ..row }, usual, 0.0),
-            (LogRow { trailer_mass_kg: f64::NAN, ..row }, usual, design().any_load_sd_kg()),
-        ] {
-            assert!((mass_sd_kg(row, options) - sd_kg).abs() < 1e-9, "{row:?}");
-        }
-    }
-
-    #[test]
-    fn the_last_mass_of_the_log_is_kept() {
-        let mut log = plain();
-        assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed_since_us.is_some()), (false, false));
-        for (mass_kg, speed_mps, kept_kg, seen) in [
-            (f64::NAN, f64::NAN, MASS_KG, (false, false)),
-            (21e3, f64::NAN, 21e3, (true, false)),
-            (f64::NAN, 12.0, 21e3, (true, true)),
-            (22e3, f64::NAN, 22e3, (true, true)),
-        ] {
-            let row = LogRow { time_s: 0.0, trailer_mass_kg: mass_kg, speed_mps, ..LogRow::ABSENT };
-            log.sample(&row);
-            assert_eq!(log.trailer_mass_kg.to_bits(), kept_kg.to_bits());
-            assert_eq!((log.seen.mass_kg.is_some(), log.seen.speed_since_us.is_some()), seen);
-        }
-    }
-
-    #[test]
-    fn speed_and_mass_of_the_options_replace_those_of_the_log() {
-        let options = EstimateOptions {
-            speed_mps: Some(13.0),
-            trailer_mass_kg: Some(25e3),
-            ..EstimateOptions::default()
-        };
-        let mut log = log(AlignSettings::NONE, options);
-        let row = LogRow { time_s: 0.0, trailer_mass_kg: 21e3, speed_mps: 12.0, ..LogRow::ABSENT };
-        let sample = log.sample(&row);
-        let found = [sample.speed_mps, sample.trailer_mass_kg, log.trailer_mass_kg];
-        assert_eq!(found.map(f64::to_bits), [13.0, 25e3, 25e3].map(f64::to_bits));
-        assert!(log.seen.mass_kg.is_some() && log.seen.speed_since_us.is_some());
+        assert!(heights > 4, "{heights} of {}", theirs.len());
     }
 
     #[test]

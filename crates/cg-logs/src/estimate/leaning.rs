@@ -35,9 +35,9 @@ struct Mean {
 }
 
 impl Mean {
-    fn push(&mut self, value: f64) {
-        self.rows += 1.0;
-        self.value += (value - self.value) / self.rows;
+    fn push(&mut self, value: f64, rows: f64) {
+        self.rows += rows;
+        self.value += (value - self.value) * rows / self.rows;
     }
 }
 
@@ -53,18 +53,28 @@ struct Beside {
 impl Leaning {
     /// Takes a sample and the state of the estimator after it.
     pub fn push(&mut self, sample: &Sample<f64>, status: Status, gravity_mps2: f64) {
+        self.push_mean((sample, 1.0), status, gravity_mps2);
+    }
+
+    /// The same for the mean of a number of samples.
+    pub(super) fn push_mean(
+        &mut self,
+        (sample, number): (&Sample<f64>, f64),
+        status: Status,
+        gravity_mps2: f64,
+    ) {
         if status != Status::Straight {
             return;
         }
         if sample.roll_rad.is_finite() {
-            self.roll_rad.push(sample.roll_rad);
+            self.roll_rad.push(sample.roll_rad, number);
         }
         let signals = Signals::of(sample, sample.speed_mps, gravity_mps2);
         let suspension_roll_rad = signals.output(Output::SuspensionRoll);
         let force_mps2 = signals.input(Input::SpecificForce);
         if suspension_roll_rad.is_finite() && force_mps2.is_finite() {
-            self.suspension_rad.push(suspension_roll_rad);
-            self.force_mps2.push(force_mps2);
+            self.suspension_rad.push(suspension_roll_rad, number);
+            self.force_mps2.push(force_mps2, number);
         }
     }
 

@@ -24,6 +24,8 @@
 //! | `road` | how much of the uncertainty the bank of the road makes |
 //! | `reason` | why a maneuver has no height |
 //! | `unheard` | turns without a height, one after the other |
+//! | `means` | means of neighboring samples |
+//! | `row_sample` | the sample of a row, and which signals a log has |
 //! | `intake` | processing of the rows |
 //! | `mass` | mass and speed in the turns of a log |
 //! | `scatter` | whether curves contradict each other, as on a banked road |
@@ -52,6 +54,8 @@ mod strong;
 mod road;
 mod reason;
 mod unheard;
+mod means;
+mod row_sample;
 mod intake;
 mod mass;
 mod diagnosis;

@@ -29,10 +29,20 @@ impl SensorCheck {
     /// Takes the next sample; whether a stretch of driving was judged, so that [`disagreement`](Self::disagreement) may be
     /// another one.
     pub fn push(&mut self, sample: &Sample<f64>, gravity_mps2: f64) -> bool {
-        self.forces.push(sample, gravity_mps2);
+        self.value(sample);
+        self.push_mean(sample, gravity_mps2)
+    }
+
+    /// Takes what only single samples show.
+    pub(super) fn value(&mut self, sample: &Sample<f64>) {
         self.values.push(sample);
-        self.signals.push(sample);
-        self.agreement.push(sample)
+    }
+
+    /// Takes the rest from the mean of some samples, as [`push`](Self::push).
+    pub(super) fn push_mean(&mut self, mean: &Sample<f64>, gravity_mps2: f64) -> bool {
+        self.forces.push(mean, gravity_mps2);
+        self.signals.push(mean);
+        self.agreement.push(mean)
     }
 
     /// Forgets the mean over the drive when signals agree again, for a drive that goes on.
