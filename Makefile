@@ -148,9 +148,9 @@ armhf-tools:
 	$(call install,qemu-arm:qemu-user arm-linux-gnueabihf-gcc:gcc-arm-linux-gnueabihf \
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
-# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus for a minute.
+# `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus, for a minute in `make bench`.
 guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
-	guest/run.sh target/debug/cg $(VENV)
+	CG_LOAD_SECONDS=20 guest/run.sh target/debug/cg $(VENV)
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
@@ -323,7 +323,7 @@ rollover-table:
 bench-short: venv cg
 	CG_BENCH_ROWS=50000 cargo bench --profile dev --workspace --bench identify --bench batch --bench plant \
 	  -- --sample-count 1 --sample-size 1
-	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
+	CG_BENCH_LOGS=10 OPENBLAS_NUM_THREADS=1 POLARS_MAX_THREADS=1 $(VENV)/bin/python benches/python/logs.py >/dev/null
 	CG_BENCH_TRIPS=10 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/spark_trips.py >/dev/null
 	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
 

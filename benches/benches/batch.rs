@@ -1,9 +1,10 @@
 //! The work of `cg estimate` on a long CSV file, compared with its named peer: only parsing the
-//! same file with the csv crate. `CG_BENCH_ROWS` sets the rows, 10 million by default.
+//! same file with the csv crate. The drive is at 100 Hz, of which four rows make a mean, and at 50 Hz, of which two do.
+//! `CG_BENCH_ROWS` sets the rows, 10 million by default.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
@@ -11,24 +12,31 @@ use cg_logs::log::{LogOptions, LogReader};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 
+/// Rates of the log, Hz.
+const RATES: [usize; 2] = [50, 100];
+
 fn main() {
     divan::main();
-    let _ = std::fs::remove_file(log());
+    for rate_hz in RATES {
+        let _ = std::fs::remove_file(log(rate_hz));
+    }
 }
 
 fn rows() -> usize {
     std::env::var("CG_BENCH_ROWS").ok().and_then(|rows| rows.parse().ok()).unwrap_or(10_000_000)
 }
 
-fn log() -> &'static Path {
-    static LOG: OnceLock<std::path::PathBuf> = OnceLock::new();
-    LOG.get_or_init(|| cg_bench::long_log(rows()).unwrap())
+fn log(rate_hz: usize) -> &'static Path {
+    static LOGS: OnceLock<[PathBuf; 2]> = OnceLock::new();
+    let logs =
+        LOGS.get_or_init(|| RATES.map(|rate_hz| cg_bench::long_log(rows(), rate_hz).unwrap()));
+    &logs[RATES.iter().position(|one| *one == rate_hz).unwrap()]
 }
 
 /// Peer: splits every row into fields and uses none of them.
-#[divan::bench(sample_count = 3, sample_size = 1)]
-fn csv_crate_parse_only(bencher: Bencher) {
-    let log = log();
+#[divan::bench(args = RATES, sample_count = 3, sample_size = 1)]
+fn csv_crate_parse_only(bencher: Bencher, rate_hz: usize) {
+    let log = log(rate_hz);
     bencher.counter(ItemsCount::new(rows())).bench(|| {
         let mut reader = csv::Reader::from_reader(File::open(log).unwrap());
         let mut record = csv::ByteRecord::new();
@@ -41,29 +49,29 @@ fn csv_crate_parse_only(bencher: Bencher) {
 }
 
 /// The log reader alone: fields, numbers, units, checks.
-#[divan::bench(sample_count = 3, sample_size = 1)]
-fn log_reader(bencher: Bencher) {
-    let log = log();
+#[divan::bench(args = RATES, sample_count = 3, sample_size = 1)]
+fn log_reader(bencher: Bencher, rate_hz: usize) {
+    let log = log(rate_hz);
     bencher.counter(ItemsCount::new(rows())).bench(|| {
         let mut reader = LogReader::open(log, &LogOptions::default()).unwrap();
         let mut sum = 0.0;
-        while let Some(row) = reader.next_row().unwrap() {
-            sum += row.roll_rad;
+        while reader.advance().unwrap() {
+            sum += reader.row().roll_rad;
         }
         sum
     });
 }
 
 /// The whole command: read, condition, identify both channels, fuse.
-#[divan::bench(sample_count = 3, sample_size = 1)]
-fn cg_estimate(bencher: Bencher) {
-    let log = log();
+#[divan::bench(args = RATES, sample_count = 3, sample_size = 1)]
+fn cg_estimate(bencher: Bencher, rate_hz: usize) {
+    let log = log(rate_hz);
     let estimator = LogEstimator::new(&cg_bench::kraz(), EstimateOptions::default()).unwrap();
     bencher.counter(ItemsCount::new(rows())).bench(|| {
         let mut reader = LogReader::open(log, &LogOptions::default()).unwrap();
         let mut estimator = estimator.clone();
-        while let Some(row) = reader.next_row().unwrap() {
-            estimator.push(&row).unwrap();
+        while reader.advance().unwrap() {
+            estimator.push(&reader.row()).unwrap();
         }
         estimator.finish()
     });

@@ -53,8 +53,8 @@ pub(crate) fn read_file(
     columns: Vec<String>,
     flip: Vec<String>,
 ) -> PyResult<Bound<'_, PyDict>> {
-    let (rows, _) = read(py, &path, &log_options(&columns, &flip)?)?;
-    table(py, &rows)
+    let (table, _) = read(py, &path, &log_options(&columns, &flip)?)?;
+    table.into_dict(py)
 }
 
 /// Read a candump log: a dict of SI column names to arrays, and the remarks about it.
@@ -65,37 +65,70 @@ pub(crate) fn read_frames(
     path: PathBuf,
     reading: Reading,
 ) -> PyResult<(Bound<'_, PyDict>, Vec<String>)> {
-    let (rows, remarks) = read(py, &path, &reading.options()?)?;
-    Ok((table(py, &rows)?, remarks.iter().map(|remark| in_python(remark)).collect()))
+    let (table, remarks) = read(py, &path, &reading.options()?)?;
+    Ok((table.into_dict(py)?, remarks.iter().map(|remark| in_python(remark)).collect()))
 }
 
 /// Reads all rows of a file, and the remarks about it.
-fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Vec<LogRow>, Vec<String>)> {
+fn read(py: Python<'_>, path: &Path, options: &LogOptions) -> PyResult<(Table, Vec<String>)> {
     let mut reader = py.detach(|| LogReader::open(path, options)).map_err(log_error)?;
-    let mut rows: Vec<LogRow> = Vec::new();
+    let mut table = Table::default();
     let mut read_some = || -> Result<bool, LogError> {
         for _ in 0..ROWS_BETWEEN_LOOKS {
-            let Some(row) = reader.next_row()? else { return Ok(false) };
-            rows.push(row);
+            if !reader.advance()? {
+                return Ok(false);
+            }
+            table.push(&reader.row());
         }
         Ok(true)
     };
     while py.detach(&mut read_some).map_err(log_error)? {
         py.check_signals()?;
     }
-    Ok((rows, reader.remarks()))
+    Ok((table, reader.remarks()))
+}
+
+/// The columns of rows, of one length; empty for absent signals.
+#[derive(Default)]
+struct Table {
+    columns: [Vec<f64>; Signal::COUNT],
+    rows: usize,
+}
+
+impl Table {
+    fn push(&mut self, row: &LogRow) {
+        for (column, signal) in self.columns.iter_mut().zip(Signal::ALL) {
+            let value = row.get(signal);
+            if column.is_empty() {
+                if value.is_nan() {
+                    continue;
+                }
+                column.resize(self.rows, f64::NAN);
+            }
+            column.push(value);
+        }
+        self.rows += 1;
+    }
+
+    /// A dict of SI column names to arrays.
+    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let table = PyDict::new(py);
+        for (column, signal) in self.columns.into_iter().zip(Signal::ALL) {
+            if !column.is_empty() {
+                table.set_item(signal.column(), PyArray1::from_vec(py, column))?;
+            }
+        }
+        Ok(table)
+    }
 }
 
 /// Converts rows to a dict of SI column names to arrays, without absent signals.
 pub(crate) fn table<'py>(py: Python<'py>, rows: &[LogRow]) -> PyResult<Bound<'py, PyDict>> {
-    let table = PyDict::new(py);
-    for signal in Signal::ALL {
-        if rows.iter().any(|row| !row.get(signal).is_nan()) {
-            let values = PyArray1::from_iter(py, rows.iter().map(|row| row.get(signal)));
-            table.set_item(signal.column(), values)?;
-        }
+    let mut table = Table::default();
+    for row in rows {
+        table.push(row);
     }
-    Ok(table)
+    table.into_dict(py)
 }
 
 /// Return the signals of logs: a dict of SI column names to their meanings.
