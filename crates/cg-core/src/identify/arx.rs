@@ -2,6 +2,7 @@
 
 use crate::identify::identifier::{Answer, Fit, Identify, Moments, Unexcited};
 use crate::identify::mean::Mean;
+use crate::identify::pending::{LONG_BLOCK, Pending};
 use crate::math::linalg::Triangle;
 use crate::math::real::Real;
 use crate::truck::ratio::Measured;
@@ -36,8 +37,8 @@ use crate::truck::simulation::Simulation;
 #[cfg_attr(
     feature = "serde",
     serde(bound(
-        serialize = "T: serde::Serialize, [T; N]: serde::Serialize, [[T; N]; N]: serde::Serialize",
-        deserialize = "T: serde::Deserialize<'de>, [T; N]: serde::Deserialize<'de>, [[T; N]; N]: serde::Deserialize<'de>"
+        serialize = "T: serde::Serialize, [T; N]: serde::Serialize, [[T; N]; N]: serde::Serialize, [[T; LONG_BLOCK]; N]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, [T; N]: serde::Deserialize<'de>, [[T; N]; N]: serde::Deserialize<'de>, [[T; LONG_BLOCK]; N]: serde::Deserialize<'de>"
     ))
 )]
 pub struct Arx<T, const N: usize> {
@@ -49,6 +50,7 @@ pub struct Arx<T, const N: usize> {
     past_u: [T; N],
     seen: usize,
     triangle: Triangle<T, N>,
+    pending: Pending<T, N, LONG_BLOCK>,
     moments: Moments<T>,
 }
 
@@ -70,6 +72,7 @@ impl<T: Real, const N: usize> Arx<T, N> {
             past_u: [T::ZERO; N],
             seen: 0,
             triangle: Triangle::new(),
+            pending: Pending::new(),
             moments: Moments::new(),
         }
     }
@@ -100,7 +103,7 @@ impl<T: Real, const N: usize> Arx<T, N> {
                 }
             }
             if use_row {
-                self.triangle.push(row, output);
+                self.pending.push_into(&mut self.triangle, row, output);
                 self.moments.push(input, output);
             }
         } else {
@@ -127,13 +130,14 @@ impl<T: Real, const N: usize> Arx<T, N> {
         if rows as usize <= unknowns {
             return Answer::Unexcited(Unexcited::TooFewRows { rows });
         }
-        let theta = match self.triangle.solve(unknowns) {
+        let triangle = self.settled();
+        let theta = match triangle.solve(unknowns) {
             Ok(theta) => theta,
             Err(unknown) => return Answer::Unexcited(Unexcited::Direction { unknown }),
         };
         #[allow(clippy::cast_possible_truncation)] // more rows than unknowns: it fits
         let freedom = T::of(f64::from(rows - unknowns as u32));
-        let variance = self.triangle.sum_of_squares_at(&theta) / freedom;
+        let variance = triangle.sum_of_squares_at(&theta) / freedom;
         let (mut denominator, mut numerator) = (T::one(), T::zero());
         for k in 0..N {
             if k < self.na {
@@ -151,7 +155,7 @@ impl<T: Real, const N: usize> Arx<T, N> {
                 gradient[k] = T::one() / denominator;
             }
         }
-        let ratio_sd = (variance * self.triangle.variance_of(&gradient, unknowns)).root();
+        let ratio_sd = (variance * triangle.variance_of(&gradient, unknowns)).root();
         let (snr_db, fit_percent) = self.moments.quality(variance, T::one(), T::zero());
         Answer::Ready(Fit {
             ratio: Measured { value: ratio, sd: ratio_sd },
@@ -169,7 +173,7 @@ impl<T: Real, const N: usize> Arx<T, N> {
     /// data do not determine them.
     pub fn covariance(&self) -> Option<[[T; N]; N]> {
         let Answer::Ready(fit) = self.fit() else { return None };
-        let mut covariance = self.triangle.covariance(self.unknowns());
+        let mut covariance = self.settled().covariance(self.unknowns());
         for entry in covariance.iter_mut().flatten() {
             *entry *= fit.noise_sd_rad * fit.noise_sd_rad;
         }
@@ -179,7 +183,14 @@ impl<T: Real, const N: usize> Arx<T, N> {
     /// The coefficients `a1 … a_na, b1 … b_nb` (and the constant); `None` if the data do not
     /// determine them.
     pub fn coefficients(&self) -> Option<[T; N]> {
-        self.triangle.solve(self.unknowns()).ok()
+        self.settled().solve(self.unknowns()).ok()
+    }
+
+    /// The triangle of all rows.
+    fn settled(&self) -> Triangle<T, N> {
+        let (mut triangle, mut pending) = (self.triangle, self.pending);
+        pending.fold_into(&mut triangle);
+        triangle
     }
 
     fn unknowns(&self) -> usize {
@@ -273,7 +284,7 @@ impl<T: Real> Identify<T> for SampledArx<T> {
     }
 
     fn clear(&mut self) {
-        self.arx.triangle = Triangle::new();
+        (self.arx.triangle, self.arx.pending) = (Triangle::new(), Pending::new());
         self.arx.moments = Moments::new();
     }
 
@@ -285,6 +296,7 @@ impl<T: Real> Identify<T> for SampledArx<T> {
     }
 
     fn forget(&mut self, factor: T) {
+        self.arx.pending.fold_into(&mut self.arx.triangle);
         self.arx.triangle.scale(factor.root());
         self.arx.moments.scale(factor);
     }
