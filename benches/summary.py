@@ -36,12 +36,15 @@ def main() -> None:
     arx = m["shift_form_arx_5_5_row f64"] * row
     print(f"| `Arx` [5 5 1], f64, one row, recursive | {arx:.0f} ns | nalgebra's batch QR: {peer:.0f} ns |")
     print(f"| `Estimator::push`, f32, both channels | {m['estimator_push f32'] * row:.0f} ns | |")
-    parse, read, whole = (m[k] for k in ("csv_crate_parse_only", "log_reader", "cg_estimate"))
-    print(f"| only parsing the log with the csv crate | {parse:.2f} s | |")
-    print(f"| the log reader | {read:.2f} s | {parse / read:.2f} × its speed |")
+    for rate in (50, 100):
+        names = ("csv_crate_parse_only", "log_reader", "cg_estimate")
+        parse, read, whole = (m[f"{name} {rate}"] for name in names)
+        print(f"| only parsing the log of {rate} Hz with the csv crate | {parse:.2f} s | |")
+        print(f"| the log reader | {read:.2f} s | {parse / read:.2f} × its speed |")
+        print(f"| `cg estimate` on it, one thread | {whole:.2f} s | {parse / whole:.2f} × its speed (target 0.4) |")
     second = m["simulated_second baseline-tables"]
     print(f"| nonlinear plant, five axles | {1 / second:.0f} × real time | target 500 |")
-    print(f"| `cg estimate` on it, one thread | {whole:.2f} s | {parse / whole:.2f} × its speed (target 0.4) |\n")
+    print()
 
 
 if __name__ == "__main__":

@@ -7,8 +7,8 @@ use crate::math::real::Real;
 /// 184 bytes of its memory.
 pub const BLOCK: usize = 4;
 
-/// The same where memory is plentiful: half the time per row of [`BLOCK`], because the chain of roots and divisions, one per
-/// unknown and block, is what takes the time.
+/// The same where memory is plentiful: a computer then waits less for the roots and divisions, one after the other, of each
+/// block.
 pub const LONG_BLOCK: usize = 16;
 
 /// Rows that wait until their block of `B` is full. The rest of the block is zero and has no effect.

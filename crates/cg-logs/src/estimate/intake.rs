@@ -332,16 +332,8 @@ impl LogEstimator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, maneuver};
+    use crate::estimate::trial::{MASS_KG, SPEED_MPS, design, maneuver, plain};
     use cg_core::Channel;
-
-    fn log(settings: AlignSettings<f64>, options: EstimateOptions) -> LogEstimator {
-        LogEstimator::from_design(&design(), settings, options)
-    }
-
-    fn plain() -> LogEstimator {
-        log(AlignSettings::NONE, EstimateOptions::default())
-    }
 
     #[test]
     fn maneuvers_beyond_the_limit_are_counted() {

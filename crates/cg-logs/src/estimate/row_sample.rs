@@ -19,8 +19,9 @@ pub(super) struct SignalsSeen {
     pub(super) mass_kg: Option<f64>,
     /// The last standard deviation in the log, kg.
     pub(super) mass_sd_kg: Option<f64>,
-    /// Its scale, likewise, and that on the bus.
+    /// Its scale, likewise.
     pub(super) scale: Option<Scale>,
+    /// The scale on the bus, if the rows are from frames.
     pub(super) bus_scale: Option<Scale>,
     /// The masses of the last sample that are to be [weighed](Weighed::weigh).
     pub(super) to_weigh_kg: Option<[f64; 2]>,
@@ -99,16 +100,7 @@ impl SignalsSeen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::intake::LogEstimator;
-    use crate::estimate::trial::{MASS_KG, design};
-
-    fn log(settings: AlignSettings<f64>, options: EstimateOptions) -> LogEstimator {
-        LogEstimator::from_design(&design(), settings, options)
-    }
-
-    fn plain() -> LogEstimator {
-        log(AlignSettings::NONE, EstimateOptions::default())
-    }
+    use crate::estimate::trial::{MASS_KG, design, log_with, plain};
 
     #[test]
     fn time_counts_from_the_first_row() {
@@ -144,7 +136,7 @@ mod tests {
             assert_eq!(log.seen.unscaled[Quantity::SteeringWheel.index()], unscaled, "{rows:?}");
         }
         let settings = AlignSettings { steering_ratio: Some(20.0), ..AlignSettings::NONE };
-        let mut scaled = log(settings, EstimateOptions::default());
+        let mut scaled = log_with(settings, EstimateOptions::default());
         assert!((scaled.sample(&wheel).steer_rad - 0.1).abs() < 1e-12);
         assert!(!scaled.seen.unscaled[Quantity::SteeringWheel.index()]);
     }
@@ -182,7 +174,7 @@ mod tests {
     fn the_log_says_how_exact_its_mass_is() {
         let row = LogRow { trailer_mass_kg: 21e3, trailer_mass_sd_kg: 1500.0, ..LogRow::ABSENT };
         let mass_sd_kg = |row: LogRow, options: EstimateOptions| {
-            let mut log = log(AlignSettings::NONE, options);
+            let mut log = log_with(AlignSettings::NONE, options);
             log.push(&LogRow { time_s: 0.0, ..row }).unwrap();
             log.mass_sd_kg(21e3)
         };
@@ -224,7 +216,7 @@ mod tests {
             trailer_mass_kg: Some(25e3),
             ..EstimateOptions::default()
         };
-        let mut log = log(AlignSettings::NONE, options);
+        let mut log = log_with(AlignSettings::NONE, options);
         let row = LogRow { time_s: 0.0, trailer_mass_kg: 21e3, speed_mps: 12.0, ..LogRow::ABSENT };
         let sample = log.sample(&row);
         let found = [sample.speed_mps, sample.trailer_mass_kg, log.trailer_mass_kg];

@@ -23,6 +23,16 @@ pub(super) fn design() -> Design<f64> {
     *DESIGN
 }
 
+/// An estimator for its logs.
+pub(super) fn log_with(settings: AlignSettings<f64>, options: EstimateOptions) -> LogEstimator {
+    LogEstimator::from_design(&design(), settings, options)
+}
+
+/// The same without sensor settings and options.
+pub(super) fn plain() -> LogEstimator {
+    log_with(AlignSettings::NONE, EstimateOptions::default())
+}
+
 fn round() -> Design<f64> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
     let vehicle = Vehicle::load(file).unwrap();
