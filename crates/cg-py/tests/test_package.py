@@ -198,7 +198,7 @@ EXTRAS = [
     ("can", "can", "cgheight.can"),
     ("control", "control", "lag.to_control()"),
     ("pandas", "pandas", "cgheight.reproduce('5.17')"),
-    ("scipy", "identify", "cgheight.arx([0, 1, 0, 2, 1], [0, 1, 2, 2, 3], 1, 1, 0, 1).step()"),
+    ("scipy", "identify", "cgheight.arx([0, 1, 0, 2, 1], [0, 1, 2, 2, 4], 1, 1, 0, 1).step()"),
     ("tqdm", "progress", "cgheight.estimate_logs([], vehicle=truck, progress=True)"),
 ]
 
