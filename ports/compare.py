@@ -100,12 +100,13 @@ def ended(command: list[str], folder: Path) -> subprocess.CompletedProcess[bytes
     """Run a command in a folder until it ends by itself.
 
     Wine 8 kills one in thirty programs that have a second thread (here the one for Ctrl-C) while they end, in place of
-    that thread. Such a command is run again in the folder as it was; seven times in a row are no accident (1 in 3e10).
+    that thread. On a busy machine it may also lose its own server, and says so on the program's standard error. Such a
+    command is run again in the folder as it was; seven times in a row are no accident (1 in 3e10).
     """
     before = {path: path.read_bytes() for path in folder.iterdir()}
     for _ in range(7):
         done = subprocess.run(command, cwd=folder, capture_output=True, timeout=600, stdin=subprocess.DEVNULL)
-        if done.returncode != -signal.SIGKILL:
+        if done.returncode != -signal.SIGKILL and b"wine client error:" not in done.stderr:
             break
         for path in folder.iterdir():
             path.unlink()
