@@ -166,13 +166,11 @@ fn the_expected_roll_is_the_models_whatever_the_logs_pace() {
 }
 
 /// By hand: the rows (0, 1), (−1, 0), (−2, 2) and (−2, 1) with 1, 2, 2 and 3 have the normal equations 9 a − 6 b = −12 and
-/// −6 a + 6 b = 8. Fewer rows than a block, and the answer in between changes nothing.
+/// −6 a + 6 b = 8. They are fewer than a block.
 #[test]
 fn a_few_rows_have_the_answer_of_the_normal_equations() {
     let mut arx = Arx::<f64, 10>::new(1, 1, 0).unwrap();
     for (u, y) in [(0.0, 0.0), (1.0, 1.0), (0.0, 2.0), (2.0, 2.0), (1.0, 3.0)] {
-        let before = arx.coefficients();
-        assert_eq!(arx.coefficients(), before);
         arx.push(u, y, true);
     }
     let [a, b, rest @ ..] = arx.coefficients().unwrap();

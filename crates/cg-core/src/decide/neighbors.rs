@@ -21,7 +21,7 @@ pub struct Together<T, S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Samples<T> {
-    /// Time of the first one, and the mean of their times, µs.
+    /// Time of the first one, µs.
     pub first_us: u64,
     /// The mean of their times, µs.
     pub middle_us: u64,

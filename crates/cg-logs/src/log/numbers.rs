@@ -103,10 +103,6 @@ impl Slot {
 /// A number with any digits and exponent, by the general parser; what is no finite decimal number is left to the slower
 /// reading.
 fn general(text: &[u8]) -> Option<(f64, usize)> {
-    let first = *text.strip_prefix(b"-").unwrap_or(text).first()?;
-    if !first.is_ascii_digit() && first != b'.' {
-        return None;
-    }
     let (value, length) = fast_float2::parse_partial::<f64, _>(text).ok()?;
     value.is_finite().then_some((value, length))
 }
