@@ -28,8 +28,9 @@ WORDS = {
     "identify_worst": "identify, worst-case row (reduces a block of four)",
     "push_mean": "`push`, steer and lateral channel, mean",
     "pair_push_mean": "`push`, the suspensions of trailer and tractor, mean",
-    "push_running_worst": "worst-case `push` while driving (filters rediscretized)",
-    "push_closing_worst": "worst-case `push` (a maneuver ends: solve, check, fuse)",
+    "push_worst": "worst-case `push`, steer and lateral channel (two stages of the solution of a maneuver)",
+    "pair_push_worst": "worst-case `push`, the suspensions of trailer and tractor",
+    "finish": "`finish` at the end of a drive, in a maneuver (the whole solution at once)",
     "identify_jitter_mean": "identify, one row, mean, if the interval differs from row to row",
     "image": "image without the log",
     "ram": "RAM: state and maximum stack depth",
@@ -123,7 +124,7 @@ def table(measured: dict[str, int], budgets: dict, said: dict[str, str]) -> str:
         ceiling = f"{spaced(limit)} {unit}" if limit else ""
         rows.append(f"| {words} | {spaced(measured[name])} {unit} | {ceiling} |")
     rate = lambda instructions: CLOCK_HZ / (CYCLES_PER_INSTRUCTION * instructions)
-    mean, worst = rate(measured["push_mean"]), rate(measured["push_closing_worst"])
+    mean, worst = rate(measured["push_mean"]), rate(measured["push_worst"])
     rows.append(f"| samples/s at 168 MHz and two cycles per instruction, mean | {spaced(mean)} | |")
     rows.append(f"| the same, if the worst-case `push` must end before the next sample | {spaced(worst)} | |")
     rows.append(f"| all answers, over {spaced(int(said['samples']))} samples | bit-identical to the host | |")

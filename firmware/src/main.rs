@@ -9,7 +9,7 @@ mod board;
 
 use board::{Counter, Line, Memory, output};
 use cg_firmware::log::samples;
-use cg_firmware::replay::{Cost, Report, replay};
+use cg_firmware::replay::{Report, replay};
 use cg_firmware::truck::DESIGN;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
@@ -67,13 +67,9 @@ fn control(index: u32) {
 }
 
 fn costs(out: &mut HostStream, counter: Counter, report: &Report) {
-    let mut cost = |mean: &str, worst: &str, cost: Cost| {
-        number(out, mean, cost.mean(), counter.unit());
-        number(out, worst, cost.worst, counter.unit());
-    };
-    cost("push_mean", "push_worst", report.all);
-    cost("push_running_mean", "push_running_worst", report.running);
-    cost("push_closing_mean", "push_closing_worst", report.closing);
+    number(out, "push_mean", report.all.mean(), counter.unit());
+    number(out, "push_worst", report.all.worst, counter.unit());
+    number(out, "finish", report.finish, counter.unit());
     number(out, "samples", report.all.calls, "");
 }
 

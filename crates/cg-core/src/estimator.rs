@@ -8,12 +8,11 @@
 
 use core::borrow::Borrow;
 
+use crate::decide::closing::Closing;
 use crate::decide::combined::{Combined, Heights};
 use crate::decide::condition::{Conditioner, Row, SampleError};
-use crate::decide::consistency::Shown;
 use crate::decide::height::Height;
-use crate::decide::judge::{Judge, share_faults};
-use crate::decide::lane::Lane;
+use crate::decide::lane::{Lane, shown};
 use crate::decide::load::{LoadWatch, Said, Verdict};
 use crate::decide::maneuver::{Maneuver, Outcome, Reject, Status, Step};
 use crate::decide::memory::Memory;
@@ -49,8 +48,8 @@ const ELSEWHERE: f64 = 1.5;
 #[cfg_attr(
     feature = "serde",
     serde(bound(
-        serialize = "T: serde::Serialize, D: serde::Serialize, I::Options: serde::Serialize, [T; C]: serde::Serialize, [Lane<T, I>; C]: serde::Serialize, Window<T, C>: serde::Serialize, LoadWatch<T, C>: serde::Serialize, [[T; C]; C]: serde::Serialize",
-        deserialize = "T: serde::Deserialize<'de>, D: serde::Deserialize<'de>, I::Options: serde::Deserialize<'de>, [T; C]: serde::Deserialize<'de>, [Lane<T, I>; C]: serde::Deserialize<'de>, Window<T, C>: serde::Deserialize<'de>, LoadWatch<T, C>: serde::Deserialize<'de>, [[T; C]; C]: serde::Deserialize<'de>"
+        serialize = "T: serde::Serialize, D: serde::Serialize, I::Options: serde::Serialize, [T; C]: serde::Serialize, [Lane<T, I>; C]: serde::Serialize, Window<T, C>: serde::Serialize, Closing<T, I::Work, C>: serde::Serialize, LoadWatch<T, C>: serde::Serialize, [[T; C]; C]: serde::Serialize",
+        deserialize = "T: serde::Deserialize<'de>, D: serde::Deserialize<'de>, I::Options: serde::Deserialize<'de>, [T; C]: serde::Deserialize<'de>, [Lane<T, I>; C]: serde::Deserialize<'de>, Window<T, C>: serde::Deserialize<'de>, Closing<T, I::Work, C>: serde::Deserialize<'de>, LoadWatch<T, C>: serde::Deserialize<'de>, [[T; C]; C]: serde::Deserialize<'de>"
     ))
 )]
 pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>, const C: usize = CHANNELS> {
@@ -68,6 +67,8 @@ pub struct Estimator<T: Real, I: Identify<T>, D = Design<T>, const C: usize = CH
     neighbors: Neighbors<T, Seen<T>>,
     lanes: [Lane<T, I>; C],
     window: Option<Window<T, C>>,
+    /// Solves the lanes of a window that has ended.
+    closing: Closing<T, I::Work, C>,
     load: LoadWatch<T, C>,
     load_since_us: Option<u64>,
     correlation: [[T; C]; C],
@@ -89,11 +90,17 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             neighbors: Neighbors::NONE,
             lanes: [Lane::EMPTY; C],
             window: None,
+            closing: Closing::none(I::NOT_BEGUN),
             load: LoadWatch::new(settings.mass_change),
             load_since_us: None,
             correlation: [[T::one(); C]; C],
             design: holder,
         }
+    }
+
+    /// From now on with the [settings for a microcontroller](Settings::light).
+    pub fn lighten(&mut self) {
+        self.settings = self.settings.light();
     }
 
     /// The design of the truck.
@@ -107,7 +114,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     /// [`SampleError`] if the sample is refused. The state of the estimator is then unchanged.
     pub fn push(&mut self, sample: &Sample<T>) -> Result<Step<T, C>, SampleError> {
         let Some(seen) = self.conditioner.look(self.design.borrow(), sample)? else {
-            return Ok(Step { status: Status::Absent, closed: None });
+            return Ok(Step { status: Status::Absent, closed: self.go_on() });
         };
         self.is_weighed |= sample.trailer_mass_kg.present();
         let most = self.most();
@@ -115,11 +122,14 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         if !is_next {
             self.neighbors.add(sample.time_us, &seen);
             if !self.neighbors.is_complete(most) {
+                if self.closing.is_open() {
+                    return Ok(Step { status: self.status(), closed: self.go_on() });
+                }
                 return Ok(Step { status: self.status(), closed: None });
             }
         }
         let row = self.row();
-        let step = self.take_mean(&row);
+        let step = self.take_mean(&row, row.of.number == 1);
         if is_next {
             self.neighbors.add(sample.time_us, &seen);
         }
@@ -136,12 +146,12 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     pub fn push_mean(&mut self, together: &Together<T, Sample<T>>) -> Step<T, C> {
         let Together { last_us, mean: sample, of } = together;
         let Some(mean) = self.conditioner.see(self.design.borrow(), sample) else {
-            return Step { status: Status::Absent, closed: None };
+            return Step { status: Status::Absent, closed: self.go_on() };
         };
         self.is_weighed |= sample.trailer_mass_kg.present();
         let mean = Together { last_us: *last_us, mean, of: *of };
         let row = self.conditioner.row(self.design.borrow(), &mean);
-        self.take_mean(&row)
+        self.take_mean(&row, true)
     }
 
     fn status(&self) -> Status {
@@ -151,7 +161,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
     /// Ends the drive: closes the open maneuver and returns its result. Samples that wait for others to be averaged with are
     /// not in it.
     pub fn finish(&mut self) -> Option<Maneuver<T, C>> {
-        self.close()
+        if !self.closing.is_open() {
+            self.close();
+        }
+        self.complete()
     }
 
     /// The row of the last samples.
@@ -161,10 +174,16 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         self.conditioner.row(self.design.borrow(), &mean)
     }
 
-    /// Takes the row of a mean.
+    /// Takes the row of a mean. `stages` says that it goes on with a solution; if the samples that wait for others to be
+    /// averaged with do that, the one that completes the mean does not.
     #[inline(never)]
-    fn take_mean(&mut self, row: &Row<T, C>) -> Step<T, C> {
+    fn take_mean(&mut self, row: &Row<T, C>, stages: bool) -> Step<T, C> {
         self.load.drive(row.time_us, row.speed_mps);
+        if self.closing.is_open() {
+            self.take_row(row);
+            let closed = if stages { self.go_on() } else { None };
+            return Step { status: self.status(), closed };
+        }
         let first = self.is_weighed && !self.was_weighed;
         self.was_weighed |= first;
         let weighed = self.is_other_mass(row, first);
@@ -172,8 +191,10 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             self.take_row(row);
             return Step { status: self.status(), closed: None };
         }
-        let closed = self.close();
-        if weighed {
+        self.close();
+        let closed = if self.settings.spreads { None } else { self.complete() };
+        // While a solution goes on, the other mass waits for the next row.
+        if weighed && !self.closing.is_open() {
             self.make_for(row.trailer_mass_kg);
         }
         self.take_row(row);
@@ -333,13 +354,19 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
 
     #[inline(never)]
     fn take_row(&mut self, row: &Row<T, C>) {
+        let is_solved = self.closing.is_open();
         let design = self.design.borrow();
         let pace = design.pace(row.speed_mps);
         for (place, lane) in self.lanes.iter_mut().enumerate() {
-            lane.identifier.at_pace(pace);
-            lane.identify(row, place, design.lags_roll(place), &self.settings);
+            if !is_solved {
+                lane.identifier.at_pace(pace);
+            }
+            let place = (place, design.lags_roll(place));
+            lane.identify(row, place, &self.settings, is_solved);
         }
-        self.note(row);
+        if !is_solved {
+            self.note(row);
+        }
     }
 
     /// Updates the window with this row.
@@ -358,51 +385,54 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
         }
     }
 
-    #[inline(never)]
-    fn close(&mut self) -> Option<Maneuver<T, C>> {
-        let window = self.window.as_ref()?;
-        let told = window.last_turn_us.is_some() && window.weight > T::of(LEAST_SAMPLES);
-        let maneuver = if told { self.judge() } else { None };
+    /// Ends the window. If it has anything to tell, its solution begins.
+    fn close(&mut self) {
+        let tells = |window: &Window<T, C>| {
+            window.last_turn_us.is_some() && window.weight > T::of(LEAST_SAMPLES)
+        };
+        if self.window.as_ref().is_some_and(tells) {
+            self.closing.begin();
+        } else {
+            self.leave();
+        }
+    }
+
+    /// Forgets the window and its rows.
+    fn leave(&mut self) {
         self.window = None;
         for lane in &mut self.lanes {
             lane.identifier.clear();
         }
-        let maneuver = maneuver?;
-        self.fuse(&maneuver);
-        Some(maneuver)
     }
 
+    /// Does all stages of a solution that are left.
+    #[inline(never)]
+    fn complete(&mut self) -> Option<Maneuver<T, C>> {
+        let mut closed = None;
+        while self.closing.is_open() {
+            closed = self.go_on();
+        }
+        closed
+    }
+
+    /// Goes on with a solution, if there is one; the last stage returns the maneuver.
+    #[inline(never)]
+    fn go_on(&mut self) -> Option<Maneuver<T, C>> {
+        if self.closing.advance(&mut self.lanes) { self.judge() } else { None }
+    }
+
+    /// The maneuver of the window whose lanes are solved.
+    #[inline(never)]
     fn judge(&mut self) -> Option<Maneuver<T, C>> {
-        let window = self.window.as_ref()?;
-        let design = self.design.borrow();
-        let bank_free = self.lanes.iter().enumerate().any(|(place, lane)| {
-            lane.last_us.is_some() && design.channel(place).is_some_and(|c| !c.feels_bank())
-        });
-        let judge = Judge::new(design, &self.settings, window, bank_free);
-        let mut outcomes = [Outcome::rejected(None, Reject::Absent); C];
-        let mut noise_rad2_s = [T::zero(); C]; // of all inputs that a roll angle is compared with
-        for (place, lane) in self.lanes.iter().enumerate() {
-            if let Some(noise) = noise_rad2_s.get_mut(design.first_with_output(place)) {
-                *noise = noise.max(lane.identifier.input_noise_rad2_s());
-            }
-        }
-        for (place, (lane, outcome)) in self.lanes.iter_mut().zip(&mut outcomes).enumerate() {
-            let answer = lane.last_us.is_some().then(|| lane.identifier.fit());
-            let noise = noise_rad2_s.get(design.first_with_output(place));
-            let (judged, far) = judge.outcome(place, answer, noise.copied().unwrap_or(T::zero()));
-            *outcome = judged;
-            lane.impossible = far.unwrap_or(lane.impossible);
-        }
-        share_faults(design, &mut outcomes);
-        Some(Maneuver {
-            start_us: window.start_us,
-            end_us: window.last_us,
-            speed_mps: window.speed_mps,
-            trailer_mass_kg: window.trailer_mass_kg,
-            to_gravity: window.to_gravity,
-            outcomes,
-            correlation: judge.correlation(),
-        })
+        let (design, settings) = (self.design.borrow(), &self.settings);
+        let judged = self
+            .window
+            .as_ref()
+            .map(|one| self.closing.judge(design, settings, one, &mut self.lanes));
+        self.leave();
+        let maneuver = judged?;
+        self.fuse(&maneuver);
+        Some(maneuver)
     }
 
     fn fuse(&mut self, maneuver: &Maneuver<T, C>) {
@@ -465,27 +495,4 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             }
         }
     }
-}
-
-/// What the row shows of each roll angle, at the place of its first channel. Among several channels with this roll angle,
-/// the input is that of the last, because the lateral acceleration does not depend on the tires, and
-/// the others are those of the first, because the model of the steer angle includes faster motion.
-fn shown<T: Real, I: Identify<T>, const C: usize>(
-    design: &Design<T, C>,
-    lanes: &[Lane<T, I>; C],
-    row: &Row<T, C>,
-) -> [Option<Shown<T>>; C] {
-    let mut all = [None; C];
-    for (place, lane) in lanes.iter().enumerate() {
-        if let Some(first) = all.get_mut(design.first_with_output(place))
-            && lane.last_us == Some(row.time_us)
-        {
-            let input_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
-            match first {
-                Some(Shown { input_rad: last, .. }) => *last = input_rad,
-                None => *first = Some(lane.shows(row, input_rad, design.feels_bank(place))),
-            }
-        }
-    }
-    all
 }

@@ -17,3 +17,4 @@ mod oracle;
 mod properties;
 mod road;
 mod signals;
+mod spread;

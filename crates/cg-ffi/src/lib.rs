@@ -16,7 +16,7 @@ use cg_core::{Channel, Estimator, FilteredArx, Prior, Settings, Status, Step};
 pub use types::{CHANNELS, CgHeight, CgMeasured, CgOutcome, CgRollover, CgSample, CgStep};
 
 /// Size of an estimator in bytes, as in the header.
-pub const CG_ESTIMATOR_SIZE: usize = 4392;
+pub const CG_ESTIMATOR_SIZE: usize = 5144;
 
 /// The errors of the header, with the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,6 +200,16 @@ unsafe fn make(
         (&raw mut (*state).mark).write(INITIALISED);
     }
     Ok(())
+}
+
+/// Settings for a microcontroller; see the header.
+///
+/// # Safety
+/// As [`cg_estimator_push`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cg_estimator_lighten(estimator: *mut CgEstimator) -> i32 {
+    // SAFETY: the caller guarantees it.
+    code(unsafe { running(estimator) }.map(Onboard::lighten))
 }
 
 /// Processes a sample; see the header.

@@ -12,7 +12,7 @@ use cg_core::{
 use cg_ffi::{
     CG_ESTIMATOR_SIZE, CHANNELS, CgError, CgEstimator, CgHeight, CgMeasured, CgRollover, CgStep,
     Design, cg_estimator_finish, cg_estimator_height, cg_estimator_init, cg_estimator_init_on_road,
-    cg_estimator_push, cg_estimator_threshold,
+    cg_estimator_lighten, cg_estimator_push, cg_estimator_threshold,
 };
 use proptest::prelude::*;
 
@@ -115,9 +115,15 @@ proptest! {
         samples in prop::collection::vec(sample(), 50..900),
         bank in prop::option::of(0.0_f32..0.05),
         to_gravity in any::<bool>(),
+        light in any::<bool>(),
     ) {
         let mut for_c = new(bank);
-        let settings = bank.map_or(Settings::truck(), |bank| Settings::truck().on_road(bank));
+        let mut settings = bank.map_or(Settings::truck(), |bank| Settings::truck().on_road(bank));
+        if light {
+            // SAFETY: an initialized estimator.
+            prop_assert_eq!(unsafe { cg_estimator_lighten(&raw mut for_c) }, CgError::Ok as i32);
+            settings = settings.light();
+        }
         let mut ours = Estimator::<f32, FilteredArx<f32>, &Design, CHANNELS>::new(
             &DESIGN, settings, Prior::standard());
         let (mut time_us, mut phase) = (0_u64, 0.0_f32);
@@ -196,5 +202,8 @@ fn a_bank_that_is_not_a_number_from_zero_is_refused() {
         };
         assert_eq!(code, CgError::BadRoad as i32);
         assert_eq!(height(&estimator, -1).err(), Some(CgError::NotInitialised as i32));
+        // SAFETY: a valid pointer.
+        let code = unsafe { cg_estimator_lighten(&raw mut estimator) };
+        assert_eq!(code, CgError::NotInitialised as i32);
     }
 }

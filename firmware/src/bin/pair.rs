@@ -39,6 +39,7 @@ fn show(counter: Counter, out: &mut HostStream) {
     let memory = Memory::measure();
     for (name, value, unit) in [
         ("pair_push_mean", report.all.mean(), counter.unit()),
+        ("pair_push_worst", report.all.worst, counter.unit()),
         ("pair_image", memory.image, "bytes"),
         ("pair_ram", memory.fixed + memory.stack, "bytes"),
     ] {

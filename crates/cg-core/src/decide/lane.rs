@@ -8,6 +8,7 @@ use crate::decide::signals::seconds;
 use crate::identify::identifier::Identify;
 use crate::identify::mean::Mean;
 use crate::math::real::Real;
+use crate::truck::design::Design;
 use crate::truck::friction::{Friction, FrictionState};
 use crate::truck::lags::RollLags;
 
@@ -88,13 +89,14 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     };
 
     /// Gives a row to the identifier of the channel at this `place` of the design. With `lags`, the
-    /// measured roll angle passes the two lags that the reduced model of the channel contains.
+    /// measured roll angle passes the two lags that the reduced model of the channel contains. While the rows so far
+    /// are being solved, none is added and none deleted.
     pub(crate) fn identify<const C: usize>(
         &mut self,
         row: &Row<T, C>,
-        place: usize,
-        lags: bool,
+        (place, lags): (usize, bool),
         settings: &Settings<T>,
+        is_solved: bool,
     ) {
         let (Some(&expected_rad), Some(&measured_rad), Some(&usable)) =
             (row.expected_rad.get(place), row.measured_rad.get(place), row.usable.get(place))
@@ -104,15 +106,10 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         if !expected_rad.present() || !measured_rad.present() {
             return;
         }
-        let gap_us = self.last_us.map(|last_us| row.of.first_us.saturating_sub(last_us));
-        match gap_us {
-            Some(gap_us) if gap_us <= settings.gap_us => {}
-            _ => self.start(row, [expected_rad, measured_rad], settings),
-        }
-        // What looked like rest was the begin of this turn.
-        let soon_us = self.rest.until_us.saturating_add(SOON_US);
-        if row.turning && self.settled_us <= self.rest.until_us && row.time_us < soon_us {
-            self.settled_us = row.time_us.saturating_add(settings.settle_us);
+        let begins = self.begins(row, [expected_rad, measured_rad], settings);
+        let rests = row.time_us < self.rest.until_us && !row.turning;
+        // Whoever solves the rows deletes them afterwards.
+        if (begins || rests) && !is_solved {
             self.identifier.clear();
         }
         let last_us = self.last_us.replace(row.time_us);
@@ -138,7 +135,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
             self.view_step_rad = (signal - *view) * share; // that of the measured one is the last
             *view += self.view_step_rad;
         }
-        if row.time_us < self.rest.until_us && !row.turning {
+        if rests {
             let [rest_rad, mean_rad] = self.rest.with([expected_rad, measured_rad], row.of.weight);
             self.lags = RollLags::at_rest(mean_rad);
             self.identifier.restart();
@@ -153,10 +150,31 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
             elapsed_s: since(row.time_us, last_us.unwrap_or(0)),
             samples: row.of.number,
             weight: row.of.weight,
-            is_used: usable && row.time_us >= self.settled_us,
+            is_used: usable && row.time_us >= self.settled_us && !is_solved,
             // After the lags it says nothing, and the others do not have them.
             scatter: if lags { [T::zero(); 3] } else { row.of.scatter },
         });
+    }
+
+    /// Whether the rows before this one do not belong to it: it starts anew, or it shows that what looked like rest was the
+    /// begin of a turn.
+    fn begins<const C: usize>(
+        &mut self,
+        row: &Row<T, C>,
+        view_rad: [T; 2],
+        settings: &Settings<T>,
+    ) -> bool {
+        let gap_us = self.last_us.map(|last_us| row.of.first_us.saturating_sub(last_us));
+        let starts = gap_us.is_none_or(|gap_us| gap_us > settings.gap_us);
+        if starts {
+            self.start(row, view_rad, settings);
+        }
+        let soon_us = self.rest.until_us.saturating_add(SOON_US);
+        let turns = row.turning && self.settled_us <= self.rest.until_us && row.time_us < soon_us;
+        if turns {
+            self.settled_us = row.time_us.saturating_add(settings.settle_us);
+        }
+        starts || turns
     }
 
     /// Starts anew at a row.
@@ -201,6 +219,29 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
     }
 }
 
+/// What the row shows of each roll angle, at the place of its first channel. Among several channels with this roll angle,
+/// the input is that of the last, because the lateral acceleration does not depend on the tires, and
+/// the others are those of the first, because the model of the steer angle includes faster motion.
+pub(crate) fn shown<T: Real, I: Identify<T>, const C: usize>(
+    design: &Design<T, C>,
+    lanes: &[Lane<T, I>; C],
+    row: &Row<T, C>,
+) -> [Option<Shown<T>>; C] {
+    let mut all = [None; C];
+    for (place, lane) in lanes.iter().enumerate() {
+        if let Some(first) = all.get_mut(design.first_with_output(place))
+            && lane.last_us == Some(row.time_us)
+        {
+            let input_rad = row.expected_rad.get(place).copied().unwrap_or(T::absent());
+            match first {
+                Some(Shown { input_rad: last, .. }) => *last = input_rad,
+                None => *first = Some(lane.shows(row, input_rad, design.feels_bank(place))),
+            }
+        }
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,6 +259,8 @@ mod tests {
 
     impl Identify<f64> for Recorder {
         type Options = ();
+        type Work = ();
+        const NOT_BEGUN: () = ();
         const MOST_TOGETHER: u32 = 1;
         const EMPTY: Self = Self { last: (0.0, 0.0, false), restarts: 0 };
         fn make_for(&mut self, _: &Reduced5<f64>, _: bool, (): ()) {}
@@ -232,8 +275,8 @@ mod tests {
             self.last.0
         }
         fn forget(&mut self, _: f64) {}
-        fn fit(&mut self) -> Answer<f64> {
-            Answer::Unexcited(Unexcited::Input)
+        fn fit_stage(&mut self, (): &mut ()) -> Option<Answer<f64>> {
+            Some(Answer::Unexcited(Unexcited::Input))
         }
     }
 
@@ -257,7 +300,7 @@ mod tests {
             usable: [true; 2],
             of: Samples::single(time_us),
         };
-        lane.identify(&row, 1, false, &Settings::truck());
+        lane.identify(&row, (1, false), &Settings::truck(), false);
         lane.identifier.last
     }
 

@@ -15,5 +15,6 @@ pub(crate) mod road;
 pub(crate) mod window;
 pub(crate) mod judge;
 pub(crate) mod lane;
+pub(crate) mod closing;
 pub mod warning;
 pub mod curve;

@@ -20,6 +20,10 @@ pub struct Settings<T> {
     /// about their means by `(ω τ)²/12` of their square in it, which is the information that is lost: 0.5 % for the usual 40 ms. It
     /// is slightly above a round number, so that rounding does not decide which sample is the last.
     pub mean_us: u32,
+    /// Whether the solution at the end of a maneuver is spread over the next samples, so that none of them costs as much
+    /// as the whole. The result then comes some samples later (two to three per channel), and these samples are in no
+    /// maneuver. Otherwise the sample that ends the maneuver does all.
+    pub spreads: bool,
     /// Greatest gap between two samples that is bridged by linear interpolation.
     pub gap_us: u64,
     /// Half-life of the weight of straight driving before a maneuver.
@@ -74,12 +78,26 @@ impl<T: Real> Settings<T> {
         Self { mean_us, ..self }
     }
 
+    /// The same settings with solutions that are spread over samples.
+    #[must_use]
+    pub fn spread(self) -> Self {
+        Self { spreads: true, ..self }
+    }
+
+    /// The same settings for a microcontroller: spread solutions, and means over 60 ms, which need a quarter fewer
+    /// instructions.
+    #[must_use]
+    pub fn light(self) -> Self {
+        self.averaged_over(60_400).spread()
+    }
+
     /// Settings for trucks on roads.
     pub fn truck() -> Self {
         Self {
             straight_us: 4_000_000,
             longest_us: 40_000_000,
             mean_us: 40_400,
+            spreads: false,
             gap_us: 500_000,
             fade_us: 2_000_000,
             rest_us: 300_000,

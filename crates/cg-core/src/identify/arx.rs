@@ -233,7 +233,9 @@ impl<T: Real> SampledArx<T> {
 
 impl<T: Real> Identify<T> for SampledArx<T> {
     type Options = ArxOptions<T>;
+    type Work = ();
 
+    const NOT_BEGUN: () = ();
     const MOST_TOGETHER: u32 = 1;
     const EMPTY: Self = Self {
         arx: Arx::empty(),
@@ -289,7 +291,6 @@ impl<T: Real> Identify<T> for SampledArx<T> {
     }
 
     fn restart(&mut self) {
-        self.clear();
         self.arx.seen = 0;
         self.elapsed_s = T::zero();
         self.origin = None;
@@ -301,7 +302,7 @@ impl<T: Real> Identify<T> for SampledArx<T> {
         self.arx.moments.scale(factor);
     }
 
-    fn fit(&mut self) -> Answer<T> {
-        self.arx.fit()
+    fn fit_stage(&mut self, (): &mut ()) -> Option<Answer<T>> {
+        Some(self.arx.fit())
     }
 }

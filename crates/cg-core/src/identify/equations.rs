@@ -86,6 +86,7 @@ impl<T: Real, const B: usize> Gathered<T, B> {
 
 /// The solution of the rows together with the prior.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Solution<T: Real> {
     /// Deviations from the reduced model.
     pub(crate) theta: [T; REGRESSORS],

@@ -92,6 +92,7 @@ pub struct Fit<T> {
 /// The result of an identifier. Data that do not determine a model are a normal result, not an
 /// error.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Answer<T> {
     /// An identified model.
     Ready(Fit<T>),
@@ -188,6 +189,11 @@ impl<T: Real> Moments<T> {
 pub trait Identify<T: Real>: Copy {
     /// Settings of this identifier.
     type Options: Copy;
+    /// What the stages of a solution leave for the next one.
+    type Work: Copy;
+
+    /// The work before the first stage.
+    const NOT_BEGUN: Self::Work;
 
     /// An identifier without a model and without rows.
     const EMPTY: Self;
@@ -223,12 +229,23 @@ pub trait Identify<T: Real>: Copy {
     fn expected_roll_rad(&self) -> T;
     /// Deletes the rows but keeps the past samples.
     fn clear(&mut self);
-    /// Deletes rows and past samples, so that the next sample is a new start.
+    /// Deletes the past samples but keeps the rows: the next sample is a new start.
     fn restart(&mut self);
     /// Multiplies the weight of all rows so far by `factor`.
     fn forget(&mut self, factor: T);
-    /// The result for all rows so far, including rows that wait in a buffer.
-    fn fit(&mut self) -> Answer<T>;
+    /// Does the next stage of the solution for all rows so far, including rows that wait in a buffer; the last one returns
+    /// the result. Before that, rows may neither be added nor be deleted, and the speed may not change, but samples without a
+    /// row are taken.
+    fn fit_stage(&mut self, work: &mut Self::Work) -> Option<Answer<T>>;
+    /// The result for all rows so far, by all stages at once.
+    fn fit(&mut self) -> Answer<T> {
+        let mut work = Self::NOT_BEGUN;
+        loop {
+            if let Some(answer) = self.fit_stage(&mut work) {
+                return answer;
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -9,5 +9,6 @@ mod pending;
 mod roll_noise;
 mod equations;
 pub mod prior;
+mod regression;
 pub mod arx;
 pub mod filtered;

@@ -28,6 +28,14 @@ pub struct Prior<T> {
 }
 
 impl<T: Real> Prior<T> {
+    /// No prior.
+    pub(crate) const NONE: Self = Self {
+        dynamics_sd: T::ZERO,
+        noise_floor_rad: T::ZERO,
+        offset_sd_rad: T::ZERO,
+        drift_sd_radps: T::ZERO,
+    };
+
     /// Dynamics within 20 %, a sensor resolution of 0.01 degrees (2e-4 rad), and a free offset that
     /// drifts by about one degree per minute (3e-4 rad/s). This is a large drift for a warm sensor
     /// and a usual one during warm-up.

@@ -19,5 +19,8 @@ pub(crate) const BEND: usize = 2 * ORDER + 3;
 /// Unit of time of the drift, s, chosen so that its regressor is of the size of the others.
 pub(crate) const DRIFT_S: f64 = 10.0;
 
+/// Unit of the roll angle in the regressor of the bend, chosen for the same reason.
+pub(crate) const BEND_RAD: f64 = 0.05;
+
 /// Half of a square array, which stores a triangle of equations.
 pub(crate) type HalfSquare<T> = Packed<T, REGRESSORS, { REGRESSORS * (REGRESSORS + 1) / 2 }>;

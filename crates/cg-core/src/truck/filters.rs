@@ -40,6 +40,17 @@ fn product<T: Real>(a: &Square<T>, b: &Square<T>) -> Square<T> {
     product
 }
 
+/// Adds `Φ W Φᵀ` to a symmetric matrix `W`. Returns whether that changes it.
+#[inline(never)]
+fn double<T: Real>(covariance: &mut Square<T>, transition: &Square<T>) -> bool {
+    let before = *covariance;
+    for (j, column) in covariance.iter_mut().enumerate() {
+        let row = from_fn(|k| transition[k][j]);
+        add(column, &times(transition, &times(&before, &row)), T::one());
+    }
+    *covariance != before
+}
+
 /// Adds `factor` times some numbers to others.
 #[inline(never)]
 fn add<T: Real>(sums: &mut [T], others: &[T], factor: T) {
@@ -76,6 +87,13 @@ impl<T: Real> StepMatrices<T> {
     };
 
     /// The step over an interval `step`, in the time unit of `model`.
+    pub fn new(model: &Reduced5<T>, step: T) -> Self {
+        let mut matrices = Self::STANDING;
+        matrices.renew(model, step);
+        matrices
+    }
+
+    /// Becomes that of another interval or model, without a copy on the stack.
     ///
     /// It is `exp(M) − I` by scaling, a 12-term Taylor series and `(I + F)² − I = 2F + F²`, with
     ///
@@ -87,7 +105,7 @@ impl<T: Real> StepMatrices<T> {
     ///
     /// Only its rows for x are computed.
     #[inline(never)]
-    pub fn new(model: &Reduced5<T>, step: T) -> Self {
+    pub fn renew(&mut self, model: &Reduced5<T>, step: T) {
         let sizes = model.denominator.iter().fold(T::one(), |sum, b| sum + b.abs());
         let (mut norm, mut step, mut ramp) = (sizes * step.abs(), step, T::one());
         // ‖A‖ ≤ 1/4 leaves a remainder of 4⁻¹³/13! = 2e-18. The second condition also ends at infinity.
@@ -119,7 +137,7 @@ impl<T: Real> StepMatrices<T> {
             ramp += ramp;
         }
         let [a, b, c, d, e, held, ramp] = sum;
-        Self { increment: [a, b, c, d, e], held, ramp }
+        *self = Self { increment: [a, b, c, d, e], held, ramp };
     }
 
     /// Weight of the newest sample in the signal filtered by `sᵏ/B(s)`, k = 0…4.
@@ -134,24 +152,23 @@ impl<T: Real> StepMatrices<T> {
     /// `x⁺ = Φ x`, and `Σ x xᵀ` is computed by doubling.
     #[inline(never)]
     pub fn noise_products(&self, model: &Reduced5<T>) -> [T; ORDER + 1] {
-        let (mut filter, mut products) = (StateVariableFilter::EMPTY, [T::zero(); ORDER + 1]);
-        filter.push(self, T::one());
-        let derivatives = filter.derivatives(model);
+        // The sample itself, and the one after it, at which the signal is zero again.
+        let first = StateVariableFilter { state: self.ramp, input: T::one() };
+        let derivatives = first.derivatives(model);
+        let mut products = [T::zero(); ORDER + 1];
         add(&mut products, &derivatives, model.response(&derivatives));
-        filter.push(self, T::zero());
+        let mut state = times(&self.increment, &self.ramp);
+        add(&mut state, &self.held, T::one());
         let mut transition = self.increment;
         for k in 0..ORDER {
             transition[k][k] += T::one();
         }
-        let mut covariance = filter.state.map(|scale| filter.state.map(|entry| entry * scale));
+        let mut covariance = [[T::zero(); ORDER]; ORDER];
+        for (column, scale) in covariance.iter_mut().zip(state) {
+            add(column, &state, scale);
+        }
         for _ in 0..DOUBLINGS {
-            // W is symmetric: W Φᵀ = (Φ W)ᵀ.
-            let half = product(&transition, &covariance);
-            let half = from_fn(|i| half.map(|column| column[i]));
-            let more = product(&transition, &half);
-            let before = covariance;
-            add(covariance.as_flattened_mut(), more.as_flattened(), T::one());
-            if covariance == before {
+            if !double(&mut covariance, &transition) {
                 break; // what follows is smaller still
             }
             transition = product(&transition, &transition);

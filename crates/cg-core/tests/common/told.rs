@@ -40,6 +40,8 @@ pub(crate) struct Told<const C: usize = 2> {
 impl<const C: usize> Identify<f64> for Told<C> {
     const MOST_TOGETHER: u32 = 1;
     type Options = Says<C>;
+    type Work = ();
+    const NOT_BEGUN: () = ();
 
     const EMPTY: Self = Self {
         says: Says::WELL,
@@ -82,7 +84,6 @@ impl<const C: usize> Identify<f64> for Told<C> {
     }
 
     fn restart(&mut self) {
-        self.clear();
         self.late = None;
     }
 
@@ -90,12 +91,12 @@ impl<const C: usize> Identify<f64> for Told<C> {
         self.weight *= factor;
     }
 
-    fn fit(&mut self) -> Answer<f64> {
+    fn fit_stage(&mut self, (): &mut ()) -> Option<Answer<f64>> {
         if self.rows == 0 {
-            return Answer::Unexcited(Unexcited::Input);
+            return Some(Answer::Unexcited(Unexcited::Input));
         }
         let k = self.place;
-        Answer::Ready(Fit {
+        Some(Answer::Ready(Fit {
             ratio: Measured { value: self.ratio, sd: self.says.ratio_sd[k] },
             drift_radps: Measured::exact(0.0),
             bend: self.says.bend[k],
@@ -104,7 +105,7 @@ impl<const C: usize> Identify<f64> for Told<C> {
             fit_percent: 100.0,
             misfit: self.says.misfit[k],
             rows: self.rows,
-        })
+        }))
     }
 }
 
