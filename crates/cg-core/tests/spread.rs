@@ -15,8 +15,15 @@ type Onboard = Pair<f64, FilteredArx<f64>>;
 /// A channel is solved in five stages, and the judgment of both comes in a call of its own. A sample does two of these eleven.
 const SAMPLES: usize = 6;
 
+/// The estimator of a truck whose dynamics change with the speed.
 fn onboard(settings: Settings<f64>) -> Onboard {
-    Estimator::new(design(), settings, Prior::standard())
+    let mut design = design();
+    for channel in &mut design.channels {
+        for model in &mut channel.models {
+            model.speed_slope = model.numerator.map(|a| 0.1 * a)[..5].try_into().unwrap();
+        }
+    }
+    Estimator::new(design, settings, Prior::standard())
 }
 
 /// A drive along this steer angle as a function of time, with noise of the roll sensor.
@@ -148,14 +155,18 @@ fn nothing_that_comes_meanwhile_changes_the_solution() {
     assert!(ended.finish().is_none());
 }
 
-/// The mass that ended a maneuver is that of the next one.
+/// The mass that ends a maneuver, because it lasts, is that of the next one.
 #[test]
 fn another_mass_is_used_after_the_solution() {
-    let mut samples = drive(40.0, 10_000, turns);
-    for sample in &mut samples[1200..] {
+    let mut samples = drive(60.0, 10_000, |t| 0.03 * (t / 3.0).sin());
+    for sample in &mut samples[1500..] {
         sample.trailer_mass_kg = 20e3;
     }
+    let at_once = maneuvers(onboard(Settings::truck()), &samples);
     let spread = maneuvers(onboard(Settings::truck().spread()), &samples);
+    // The last mean of ten seconds.
+    assert!((24_950_000..25_000_000).contains(&at_once[0].1.end_us), "{}", at_once[0].1.end_us);
+    assert_eq!(format!("{:?}", at_once[0].1), format!("{:?}", spread[0].1));
     let masses: Vec<f64> = spread.iter().map(|(_, one)| one.trailer_mass_kg).collect();
     assert!((masses[0] - 30e3).abs() < 1.0 && (masses[1] - 20e3).abs() < 1.0, "{masses:?}");
 }
