@@ -10,6 +10,9 @@ use cg_core::{Estimator, FilteredArx, Maneuver, Prior, Sample, Settings};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
+/// What comes otherwise than in the drive.
+type Change = fn(&mut Sample<f64>);
+
 type Onboard = Pair<f64, FilteredArx<f64>>;
 
 /// A channel is solved in five stages, and the judgment of both comes in a call of its own. A sample does two of these eleven.
@@ -27,12 +30,11 @@ fn onboard(settings: Settings<f64>) -> Onboard {
 }
 
 /// A drive along this steer angle as a function of time, with noise of the roll sensor.
-fn drive(seconds: f64, interval_us: u32, steer: impl Fn(f64) -> f64) -> Vec<Sample<f64>> {
+fn drive(seconds: u32, interval_us: u32, steer: impl Fn(f64) -> f64) -> Vec<Sample<f64>> {
     let interval_s = 1e-6 * f64::from(interval_us);
     let mut plant = Simulation::new(&EQ_5_12, interval_s, 0.0);
     let mut noise = StdRng::seed_from_u64(7);
-    (0_u32..)
-        .take_while(|k| f64::from(*k) * interval_s < seconds)
+    (0..seconds * 1_000_000 / interval_us)
         .map(|k| {
             let steer_rad = steer(f64::from(k) * interval_s);
             let mut sample = Sample::absent(u64::from(k * interval_us));
@@ -76,7 +78,7 @@ fn agree(a: &Maneuver<f64, 2>, b: &Maneuver<f64, 2>, share: f64) {
 #[test]
 fn maneuvers_come_some_samples_later_and_are_the_same() {
     for (interval_us, rests) in [(10_000, 3), (25_000, 1), (50_000, 1)] {
-        let samples = drive(70.0, interval_us, turns);
+        let samples = drive(70, interval_us, turns);
         let at_once = maneuvers(onboard(Settings::truck()), &samples);
         let spread = maneuvers(onboard(Settings::truck().spread()), &samples);
         assert_eq!((at_once.len(), spread.len()), (5, 5), "{interval_us}");
@@ -95,7 +97,7 @@ fn maneuvers_come_some_samples_later_and_are_the_same() {
 /// A long turn is cut after forty seconds. The samples of the solution are missing in the next part.
 #[test]
 fn a_turn_goes_on_while_it_is_solved() {
-    let samples = drive(130.0, 10_000, |t| 0.03 * (t / 3.0).sin());
+    let samples = drive(130, 10_000, |t| 0.03 * (t / 3.0).sin());
     let at_once = maneuvers(onboard(Settings::truck()), &samples);
     let spread = maneuvers(onboard(Settings::truck().spread()), &samples);
     assert_eq!((at_once.len(), spread.len()), (4, 4));
@@ -117,12 +119,11 @@ fn solving(samples: &[Sample<f64>]) -> (Onboard, usize) {
 /// Gaps, missing and impossible values, another mass, another speed, another road, and the end of the drive.
 #[test]
 fn nothing_that_comes_meanwhile_changes_the_solution() {
-    let samples = drive(30.0, 10_000, turns);
+    let samples = drive(30, 10_000, turns);
     let (estimator, next) = solving(&samples);
     let mut at_once = onboard(Settings::truck());
     let closed = samples[..next].iter().filter_map(|one| at_once.push(one).unwrap().closed);
     let expected = format!("{:?}", closed.last().unwrap());
-    type Change = fn(&mut Sample<f64>);
     let changes: [(&str, Change); 8] = [
         ("nothing", |_| {}),
         ("a gap", |sample| sample.time_us += 3_000_000),
@@ -158,7 +159,7 @@ fn nothing_that_comes_meanwhile_changes_the_solution() {
 /// The mass that ends a maneuver, because it lasts, is that of the next one.
 #[test]
 fn another_mass_is_used_after_the_solution() {
-    let mut samples = drive(60.0, 10_000, |t| 0.03 * (t / 3.0).sin());
+    let mut samples = drive(60, 10_000, |t| 0.03 * (t / 3.0).sin());
     for sample in &mut samples[1500..] {
         sample.trailer_mass_kg = 20e3;
     }
