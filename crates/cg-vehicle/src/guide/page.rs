@@ -3,7 +3,6 @@
 
 use std::fmt::Write;
 
-use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::{template, tree};
@@ -85,8 +84,12 @@ fn absent(key: &Key, path: &str, example: &Table) -> String {
     if let Some(table) = first(&mut without, path) {
         table.remove(key.name);
     }
-    let read = Vehicle::deserialize(without).ok().and_then(|read| Value::try_from(read).ok());
-    let value = read.and_then(|mut read| first(&mut read, path)?.remove(key.name));
+    // As text, because all that reads a vehicle from a value would be another tenth of the code of this crate.
+    let text = toml::to_string(&without).ok();
+    let read: Option<Vehicle> = text.and_then(|text| toml::from_str(&text).ok());
+    let value = read
+        .and_then(|read| Value::try_from(read).ok())
+        .and_then(|mut read| first(&mut read, path)?.remove(key.name));
     let value = value.filter(|value| value.as_array().is_none_or(|list| !list.is_empty()));
     value.map_or_else(|| "none".to_owned(), |value| value.to_string())
 }
