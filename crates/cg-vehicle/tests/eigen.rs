@@ -7,7 +7,7 @@ use cg_vehicle::matrix::eigenvalues;
 use cg_vehicle::response::StateSpace;
 use cg_vehicle::{Load, Variant, Vehicle};
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, ComplexField, DMatrix};
 
 /// The linear models of all vehicles that have one, slow and fast, low and high.
 fn models() -> Vec<(String, StateSpace)> {
@@ -52,7 +52,7 @@ fn eigenvalues_are_those_of_a_matrix_that_differs_by_rounding() {
         assert!(worst < 10.0, "{name}: {worst} n ε");
         // Each value once: their sum is the trace.
         let sum: Complex<f64> = values.iter().sum();
-        let error = (sum - model.a.trace()).norm() / balanced.norm();
+        let error = (sum - model.a.trace()).modulus() / balanced.norm();
         assert!(error < 100.0 * n as f64 * f64::EPSILON, "{name}: {error}");
     }
 }
@@ -73,9 +73,9 @@ fn the_transfer_function_vanishes_at_its_zeros() {
             for &(re, im) in &function.zeros {
                 let zero = Complex::new(re, im);
                 // A pole in the same place: the mode is not in this response, and the model is singular there.
-                let near = |&(re, im): &(f64, f64)| (Complex::new(re, im) - zero).norm();
+                let near = |&(re, im): &(f64, f64)| (Complex::new(re, im) - zero).modulus();
                 if function.poles.iter().map(near).fold(f64::INFINITY, f64::min)
-                    < 1e-6 * zero.norm()
+                    < 1e-6 * zero.modulus()
                 {
                     cancelled += 1;
                     continue;
@@ -84,8 +84,8 @@ fn the_transfer_function_vanishes_at_its_zeros() {
                 let state = lu.solve(&b).unwrap();
                 let slope = -c.dot(&lu.solve(&state).unwrap());
                 // What one step of Newton's method would still move.
-                let off = ((c.dot(&state) + system.d) / slope).norm();
-                let from_point = (zero - fastest).norm();
+                let off = ((c.dot(&state) + system.d) / slope).modulus();
+                let from_point = (zero - fastest).modulus();
                 let most = 1e6 * f64::EPSILON * from_point * from_point / fastest;
                 assert!(off < most, "{name} {output:?}: {zero} is off by {off}, at most {most}");
                 judged += 1;
