@@ -111,7 +111,8 @@ pub fn replay(mut told: impl FnMut(&Maneuver, &Onboard)) -> Trace {
     const STEERING_RATIO: f32 = 20.0;
     let mut aligner =
         Aligner::new(AlignSettings { steering_ratio: Some(STEERING_RATIO), ..AlignSettings::NONE });
-    let mut estimator = Onboard::new(&DESIGN, Settings::truck().on_road(0.0).light(), Prior::standard());
+    let mut estimator =
+        Onboard::new(&DESIGN, Settings::truck().on_road(0.0).light(), Prior::standard());
     let mut trace = Trace::default();
     for sample in log::samples() {
         for frame in frames(&sample, STEERING_RATIO) {
