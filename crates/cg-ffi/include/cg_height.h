@@ -249,8 +249,8 @@ typedef struct cg_outcome {
 typedef struct cg_step {
     /* enum cg_status. */
     int32_t status;
-    /* 1 if the sample ended a maneuver, which the following fields describe; otherwise 0, and these
-       fields are zero. */
+    /* 1 if the sample ended a maneuver (after cg_estimator_lighten, its solution), which the following
+       fields describe; otherwise 0, and these fields are zero. */
     int32_t closed;
     uint64_t start_us;
     uint64_t end_us;

@@ -155,6 +155,7 @@ pub struct Maneuver<T, const C: usize = CHANNELS> {
 pub struct Step<T, const C: usize = CHANNELS> {
     /// State of the estimator after the sample.
     pub status: Status,
-    /// The maneuver that this sample closed, if any.
+    /// The maneuver that this sample closed, if any; with [`Settings::spreads`](crate::Settings::spreads) the one whose
+    /// solution it completed.
     pub closed: Option<Maneuver<T, C>>,
 }
