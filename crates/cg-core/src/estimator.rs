@@ -391,7 +391,7 @@ impl<T: Real, I: Identify<T>, D: Borrow<Design<T, C>>, const C: usize> Estimator
             window.last_turn_us.is_some() && window.weight > T::of(LEAST_SAMPLES)
         };
         if self.window.as_ref().is_some_and(tells) {
-            self.closing.begin();
+            self.closing.begin(&self.lanes);
         } else {
             self.leave();
         }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::common::{EQ_5_12, Pair, design};
 use cg_core::truck::simulation::Simulation;
-use cg_core::{Estimator, FilteredArx, Maneuver, Prior, Sample, Settings};
+use cg_core::{Estimator, FilteredArx, Maneuver, Prior, Reject, Sample, Settings};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
@@ -154,6 +154,21 @@ fn nothing_that_comes_meanwhile_changes_the_solution() {
     let mut ended = estimator;
     assert_eq!(format!("{:?}", ended.finish().unwrap()), expected);
     assert!(ended.finish().is_none());
+}
+
+/// A channel whose input begins with the first sample of the solution is absent from the maneuver.
+#[test]
+fn a_channel_that_comes_meanwhile_is_not_of_the_maneuver() {
+    let mut samples = drive(30, 50_000, turns);
+    let first = maneuvers(onboard(Settings::truck()), &samples)[0].0;
+    for sample in &mut samples[..=first] {
+        sample.lateral_acceleration_mps2 = f64::NAN;
+    }
+    let at_once = maneuvers(onboard(Settings::truck()), &samples);
+    let spread = maneuvers(onboard(Settings::truck().spread()), &samples);
+    assert_eq!(at_once[0].0, first);
+    assert_eq!(at_once[0].1.outcomes[1].height_m, Err(Reject::Absent));
+    assert_eq!(format!("{:?}", at_once[0].1), format!("{:?}", spread[0].1));
 }
 
 /// The mass that ends a maneuver, because it lasts, is that of the next one.

@@ -5,7 +5,7 @@ use crate::decide::lane::Lane;
 use crate::decide::maneuver::{Maneuver, Outcome, Reject};
 use crate::decide::settings::Settings;
 use crate::decide::window::Window;
-use crate::identify::identifier::{Answer, Identify};
+use crate::identify::identifier::{Answer, Identify, Unexcited};
 use crate::math::real::Real;
 use crate::truck::design::Design;
 
@@ -26,7 +26,7 @@ pub(crate) struct Closing<T, W, const C: usize> {
     /// The place of the channel that is solved; `None` if no maneuver ends.
     place: Option<usize>,
     work: W,
-    /// Of the channels that had signals.
+    /// Of the channels that had signals when it began; any answer before they are solved.
     answers: [Option<Answer<T>>; C],
 }
 
@@ -42,8 +42,11 @@ impl<T: Real, W: Copy, const C: usize> Closing<T, W, C> {
     }
 
     /// Begins with the first channel.
-    pub(crate) fn begin(&mut self) {
-        (self.place, self.answers) = (Some(0), [None; C]);
+    pub(crate) fn begin<I: Identify<T, Work = W>>(&mut self, lanes: &[Lane<T, I>; C]) {
+        self.place = Some(0);
+        for (answer, lane) in self.answers.iter_mut().zip(lanes) {
+            *answer = lane.last_us.map(|_| Answer::Unexcited(Unexcited::Input));
+        }
     }
 
     /// Does the next [`STAGES`]. Returns whether all channels have their answers, which is a stage of its own.
@@ -59,10 +62,9 @@ impl<T: Real, W: Copy, const C: usize> Closing<T, W, C> {
         let Some(place) = &mut self.place else { return false };
         while let (Some(lane), Some(answer)) = (lanes.get_mut(*place), self.answers.get_mut(*place))
         {
-            if lane.last_us.is_some() {
-                *answer = lane.identifier.fit_stage(&mut self.work);
-                if answer.is_some() {
-                    self.work = I::NOT_BEGUN;
+            if let Some(answer) = answer {
+                if let Some(found) = lane.identifier.fit_stage(&mut self.work) {
+                    (*answer, self.work) = (found, I::NOT_BEGUN);
                     *place += 1;
                 }
                 return false;
