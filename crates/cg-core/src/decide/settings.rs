@@ -21,8 +21,8 @@ pub struct Settings<T> {
     /// is slightly above a round number, so that rounding does not decide which sample is the last.
     pub mean_us: u32,
     /// Whether the solution at the end of a maneuver is spread over the next samples, so that none of them costs as much
-    /// as the whole. The result then comes some samples later (two to three per channel), and these samples are in no
-    /// maneuver. Otherwise the sample that ends the maneuver does all.
+    /// as the whole. The result then comes some samples later (three per channel, and those that complete a mean), and
+    /// these samples are in no maneuver. Otherwise the sample that ends the maneuver does all.
     pub spreads: bool,
     /// Greatest gap between two samples that is bridged by linear interpolation.
     pub gap_us: u64,

@@ -105,7 +105,7 @@ impl<T: Real> StepMatrices<T> {
     ///
     /// Only its rows for x are computed.
     #[inline(never)]
-    pub fn renew(&mut self, model: &Reduced5<T>, step: T) {
+    pub(crate) fn renew(&mut self, model: &Reduced5<T>, step: T) {
         let sizes = model.denominator.iter().fold(T::one(), |sum, b| sum + b.abs());
         let (mut norm, mut step, mut ramp) = (sizes * step.abs(), step, T::one());
         // ‖A‖ ≤ 1/4 leaves a remainder of 4⁻¹³/13! = 2e-18. The second condition also ends at infinity.
