@@ -6,11 +6,11 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use cg_core::{Channel, Design};
+use cg_core::Channel;
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::shape::shapes;
 use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
-use cg_vehicle::design::design_with;
+use cg_vehicle::design::RatioDesign;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use crate::estimate::{EMPTY_SHARE, EstimateOptions, LogEstimator, Method};
@@ -156,17 +156,19 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     let mut outcome = None;
     let mut shape_runs = Vec::new();
     for pass in 1..=PASSES {
-        let design = ratio_design(vehicle, variant, &belief)?;
+        let design = RatioDesign::new(vehicle, variant, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
         for known in logs {
+            let (cg_height_m, trailer_mass_kg) = known.load.of(vehicle);
             let options = EstimateOptions {
                 variant,
                 method,
                 channel,
-                trailer_mass_kg: known.load.of(vehicle).1,
+                trailer_mass_kg,
                 ..EstimateOptions::default()
             }
             .with_file(vehicle);
+            let design = design.at_height(cg_height_m)?;
             let mut estimator =
                 LogEstimator::from_design(&design, vehicle.align_settings(), options);
             if pass == PASSES {
@@ -205,19 +207,6 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     }
     calibration.add_shapes(&shapes(vehicle, variant, &fitted.belief, &shape_runs)?);
     Ok(calibration)
-}
-
-/// A design for runs of known height: only the ratio is needed, so no height is rejected.
-///
-/// # Errors
-/// As [`design_with`].
-pub fn ratio_design(
-    vehicle: &Vehicle,
-    variant: Variant,
-    belief: &Belief,
-) -> Result<Design<f64>, VehicleError> {
-    let design = design_with(vehicle, variant, belief)?;
-    Ok(Design { least_height_m: -1e3, greatest_height_m: 1e3, ..design })
 }
 
 /// Checks what can be checked before a log is read.
@@ -262,7 +251,7 @@ fn is_same_log(one: &str, other: &str) -> bool {
     one == other || place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
 }
 
-/// The run of a log that an estimator with a [design for ratios](ratio_design) has read.
+/// The run of a log that an estimator with a [design for ratios](RatioDesign) has read.
 ///
 /// # Errors
 /// [`VehicleError`] if no ratio was identified, or if the mass is not known or is not that of the load.

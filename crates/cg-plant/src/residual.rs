@@ -12,11 +12,12 @@
 //! in turns, is that of the part of `residual_sd` which the plant knows. The rest of `residual_sd` is for what neither plant
 //! nor equations contain.
 
-use cg_core::Channel;
-use cg_logs::calibrate::{KnownLoad, KnownLog, ratio_design, run};
+use cg_core::{Channel, Design};
+use cg_logs::calibrate::{KnownLoad, KnownLog, run};
 use cg_logs::estimate::{EstimateOptions, LogEstimator};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::{Misfit, Run, misfits};
+use cg_vehicle::design::RatioDesign;
 use cg_vehicle::equations::Equations;
 use cg_vehicle::error::VehicleError;
 use cg_vehicle::steady_turn::steady_turn_threshold_g;
@@ -80,16 +81,19 @@ impl ModelResidual {
 /// [`VehicleError`] if the vehicle has no design, or if the plant cannot be computed.
 pub fn model_residual(vehicle: &Vehicle) -> Result<ModelResidual, VehicleError> {
     let variant = Variant::Complete;
-    let design = ratio_design(vehicle, variant, &Belief::prior(vehicle))?;
+    let design = RatioDesign::new(vehicle, variant, &Belief::prior(vehicle))?;
+    let designs: Vec<(Load, Design<f64>)> = (loads(vehicle).into_iter())
+        .map(|load| Ok((load, design.at_height(load.cg_height_m)?)))
+        .collect::<Result<_, VehicleError>>()?;
     let mut turns = Vec::new();
-    for load in loads(vehicle) {
+    for &(load, ref design) in &designs {
         let threshold_g = steady_turn_threshold_g(vehicle, load, vehicle.nominal_speed_mps)?;
         let usual = LATERAL_G.into_iter().filter(|g| *g < USUAL_SHARE * threshold_g);
-        turns.extend(usual.flat_map(|g| MANEUVERS.map(|maneuver| (load, maneuver, g))));
+        turns.extend(usual.flat_map(|g| MANEUVERS.map(|maneuver| (load, design, maneuver, g))));
     }
     let options = EstimateOptions::default().with_file(vehicle);
-    let of_turn = |&(load, maneuver, lateral_g): &(Load, Maneuver, f64)| {
-        let mut estimator = LogEstimator::from_design(&design, vehicle.align_settings(), options);
+    let of_turn = |&(load, design, maneuver, lateral_g): &(Load, &Design<f64>, Maneuver, f64)| {
+        let mut estimator = LogEstimator::from_design(design, vehicle.align_settings(), options);
         let scenario = scenario(vehicle, load, maneuver, lateral_g)?;
         for row in LogSimulation::new(vehicle, scenario)?.rows() {
             estimator.push(&row).map_err(|error| VehicleError::Model(error.to_string()))?;

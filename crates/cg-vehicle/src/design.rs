@@ -16,7 +16,7 @@ use crate::friction::roll_friction;
 use crate::linear::{Laden, ratio_line, ratio_line_at};
 use crate::load::Load;
 use crate::reduction::{ReducedModels, Shapes, reduce};
-use crate::steady_turn::{rollover, threshold_line};
+use crate::steady_turn::{rollover, thresholds_g};
 use crate::vehicle::Vehicle;
 
 /// Speed axis of a design; one of the speeds is replaced by the nominal speed of the vehicle.
@@ -41,15 +41,53 @@ pub fn design_with(
     variant: Variant,
     belief: &Belief,
 ) -> Result<Design<f64>, VehicleError> {
-    computed(file, variant, belief).map_err(|error| error.of_vehicle(file))
+    let vehicle = &belief.applied_to(file);
+    let complete = || {
+        let design = without_thresholds(file, vehicle, variant, belief)?;
+        with_thresholds(design, (vehicle, variant), belief.roll_gain(), heights(vehicle))
+    };
+    complete().map_err(|error| error.of_vehicle(file))
 }
 
-fn computed(
+/// What designs for runs of known height have in common. Only the ratio of a run is needed, so no height is rejected.
+#[derive(Debug)]
+pub struct RatioDesign {
+    vehicle: Vehicle,
+    variant: Variant,
+    roll_gain: f64,
+    design: Design<f64>,
+}
+
+impl RatioDesign {
+    /// For a vehicle with a distribution of its parameters.
+    ///
+    /// # Errors
+    /// As [`design_with`].
+    pub fn new(file: &Vehicle, variant: Variant, belief: &Belief) -> Result<Self, VehicleError> {
+        let vehicle = belief.applied_to(file);
+        let design = without_thresholds(file, &vehicle, variant, belief)
+            .map_err(|error| error.of_vehicle(file))?;
+        Ok(Self { vehicle, variant, roll_gain: belief.roll_gain(), design })
+    }
+
+    /// The design for runs of this height, m: all of its rollover thresholds are those of a load at this height.
+    ///
+    /// # Errors
+    /// [`VehicleError`] if the vehicle has no rollover threshold, or no usable design.
+    pub fn at_height(&self, cg_height_m: f64) -> Result<Design<f64>, VehicleError> {
+        let Self { vehicle, variant, roll_gain, design } = self;
+        let design = with_thresholds(*design, (vehicle, *variant), *roll_gain, [cg_height_m])?;
+        Ok(Design { least_height_m: -1e3, greatest_height_m: 1e3, ..design })
+    }
+}
+
+/// The design of a vehicle as the mean of a belief has it.
+fn without_thresholds(
     file: &Vehicle,
+    vehicle: &Vehicle,
     variant: Variant,
     belief: &Belief,
 ) -> Result<Design<f64>, VehicleError> {
-    let vehicle = &belief.applied_to(file);
     let load = vehicle.reference_load();
     let trailer_mass_kg = masses(vehicle, variant);
     let speed_mps = speeds(vehicle, variant, &trailer_mass_kg)?;
@@ -95,11 +133,30 @@ fn computed(
         trailer_wheelbase_m: vehicle.trailer_wheelbase_m(),
         gravity_mps2: vehicle.gravity_mps2,
         rollover: rollover(vehicle, load)?,
-        thresholds: thresholds(vehicle, variant, &trailer_mass_kg, belief.roll_gain())?,
+        thresholds: [ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] }; MASSES],
     };
     if variant == Variant::Complete && vehicle.has_measured_springs() {
         set_springs(&mut design, vehicle)?;
         add_interpolation_error(&mut design, vehicle)?;
+    }
+    Ok(design)
+}
+
+/// The design with the thresholds at these heights, of which there is one for all or one for each. Every roll angle
+/// is multiplied by `compliance`.
+fn with_thresholds<const N: usize>(
+    mut design: Design<f64>,
+    (vehicle, variant): (&Vehicle, Variant),
+    compliance: f64,
+    height_m: [f64; N],
+) -> Result<Design<f64>, VehicleError> {
+    let masses_kg = design.trailer_mass_kg;
+    for (line, mass_kg) in design.thresholds.iter_mut().zip(masses_kg) {
+        let load = at_mass(vehicle, variant, mass_kg);
+        let found = thresholds_g(vehicle, load, compliance, height_m)?;
+        for (line, found) in line.threshold_g.iter_mut().zip(found) {
+            *line = std::array::from_fn(|k| found[k.min(N - 1)]);
+        }
     }
     design.validate().map_err(|error| {
         VehicleError::Model(format!("vehicle \"{}\" gives no usable design: {error}", vehicle.name))
@@ -319,26 +376,10 @@ fn masses(vehicle: &Vehicle, variant: Variant) -> [f64; MASSES] {
     masses
 }
 
-/// The rollover thresholds of each mass, at heights equally spaced over the vehicle's range.
-fn thresholds(
-    vehicle: &Vehicle,
-    variant: Variant,
-    masses_kg: &[f64; MASSES],
-    compliance: f64,
-) -> Result<[ThresholdLine<f64>; MASSES], VehicleError> {
-    let (load, range) = (vehicle.reference_load(), &vehicle.height);
-    let mut lines = [ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] }; MASSES];
-    for (line, &mass_kg) in lines.iter_mut().zip(masses_kg) {
-        let trailer_mass_kg = match variant {
-            Variant::Complete => mass_kg,
-            Variant::AsPrinted => load.trailer_mass_kg,
-        };
-        let load = Load { trailer_mass_kg, ..load };
-        #[allow(clippy::cast_precision_loss)] // indices
-        let height_m = std::array::from_fn(|k| {
-            range.least_m + (range.greatest_m - range.least_m) * k as f64 / (HEIGHTS - 1) as f64
-        });
-        *line = threshold_line(vehicle, load, compliance, height_m)?;
-    }
-    Ok(lines)
+/// Heights equally spaced over the vehicle's range.
+#[allow(clippy::cast_precision_loss)] // indices
+fn heights(vehicle: &Vehicle) -> [f64; HEIGHTS] {
+    let range = &vehicle.height;
+    let span_m = range.greatest_m - range.least_m;
+    std::array::from_fn(|k| range.least_m + span_m * k as f64 / (HEIGHTS - 1) as f64)
 }

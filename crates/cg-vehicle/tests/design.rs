@@ -6,7 +6,7 @@ use cg_core::truck::ratio::solve_height;
 use cg_core::{CHANNELS, Channel, Design, Measured, RatioLine};
 use cg_vehicle::balance::static_balance;
 use cg_vehicle::belief::{Belief, Covariance, Deviations, Parameter, adjusted};
-use cg_vehicle::design::{design, design_with};
+use cg_vehicle::design::{RatioDesign, design, design_with};
 use cg_vehicle::linear::{Laden, ratio_line, ratio_line_at};
 use cg_vehicle::steady_turn::steady_turn_threshold_g;
 use cg_vehicle::tables::Spring;
@@ -254,6 +254,32 @@ fn friction_that_builds_up_at_once_does_not_move_the_threshold() {
                 for threshold_g in thresholds_g {
                     assert!((threshold_g / thresholds_g[0] - 1.0).abs() < 5e-5, "{thresholds_g:?}");
                 }
+            }
+        }
+    }
+}
+
+/// A run whose turns come near to tipping is judged by the threshold of its own height, whatever height its ratio
+/// would give.
+#[test]
+fn the_thresholds_of_a_run_are_those_of_its_height() {
+    let vehicle = common::vehicle("kraz.toml");
+    let belief = Belief::prior(&vehicle);
+    let moved = belief.applied_to(&vehicle);
+    let runs = RatioDesign::new(&vehicle, Variant::Complete, &belief).unwrap();
+    for cg_height_m in [1.3, 2.4] {
+        let design = runs.at_height(cg_height_m).unwrap();
+        for (trailer_mass_kg, kmh) in design.trailer_mass_kg.into_iter().zip([40.0, 90.0, 40.0]) {
+            let (load, speed_mps) = (Load { trailer_mass_kg, cg_height_m }, kmh / 3.6);
+            let known = steady_turn_threshold_g(&moved, load, speed_mps).unwrap();
+            for height_m in [-200.0, 1.8, 500.0] {
+                let height = Measured { value: height_m, sd: 0.0 };
+                let found = design.rollover(height, trailer_mass_kg, speed_mps).unwrap();
+                let found = found.static_rollover_threshold_g.value;
+                assert!(
+                    (found / known - 1.0).abs() < 1e-12,
+                    "{load:?} {kmh} km/h: {found} {known}"
+                );
             }
         }
     }

@@ -36,5 +36,5 @@ mod on_board;
 
 pub use at_rest::{side_pull_ratio, tilt_table_ratio};
 pub(crate) use half_track::rollover;
-pub(crate) use on_board::threshold_line;
+pub(crate) use on_board::thresholds_g;
 pub use on_board::{on_board, steady_turn_threshold_g};

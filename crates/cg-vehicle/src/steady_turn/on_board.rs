@@ -9,25 +9,25 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::vehicle::Vehicle;
 
-/// The thresholds of a load, in g, at several heights and in turns at [`TURN_MPS`]. Every roll
+/// The thresholds of a load, in g, in turns at [`TURN_MPS`] and at several heights. Every roll
 /// angle is multiplied by `compliance`, the compensation `R_c` of a calibration.
 ///
 /// # Errors
 /// [`VehicleError`] if the load is impossible.
-pub(crate) fn threshold_line(
+pub(crate) fn thresholds_g<const N: usize>(
     vehicle: &Vehicle,
     load: Load,
     compliance: f64,
-    height_m: [f64; HEIGHTS],
-) -> Result<ThresholdLine<f64>, VehicleError> {
+    height_m: [f64; N],
+) -> Result<[[f64; N]; 2], VehicleError> {
     let vehicle = &*vehicle.with_springs_at(load)?;
-    let mut line = ThresholdLine { threshold_g: [[0.0; HEIGHTS]; 2] };
+    let mut found_g = [[0.0; N]; 2];
     let mut plane = RollPlane::new(vehicle, load, TURN_MPS[0], compliance)?;
-    for (threshold_g, speed_mps) in line.threshold_g.iter_mut().zip(TURN_MPS) {
+    for (threshold_g, speed_mps) in found_g.iter_mut().zip(TURN_MPS) {
         plane = plane.at_speed(speed_mps)?;
         *threshold_g = height_m.map(|height_m| plane.threshold_g(height_m));
     }
-    Ok(line)
+    Ok(found_g)
 }
 
 /// The static stability factor and the threshold of a load in a steady turn at a speed, as the
@@ -43,7 +43,8 @@ pub fn on_board(
 ) -> Result<Rollover<f64>, VehicleError> {
     // The estimator on board uses the effective track at the reference load of the vehicle file.
     let design = rollover(vehicle, vehicle.reference_load())?;
-    let line = threshold_line(vehicle, load, 1.0, [load.cg_height_m; HEIGHTS])?;
+    let found_g = thresholds_g(vehicle, load, 1.0, [load.cg_height_m])?;
+    let line = ThresholdLine { threshold_g: found_g.map(|[threshold_g]| [threshold_g; HEIGHTS]) };
     let height = Measured::exact(load.cg_height_m);
     let span_m = [vehicle.height.least_m, vehicle.height.greatest_m];
     Ok(design.at(height, load.trailer_mass_kg, &line.at_speed(speed_mps), span_m))
