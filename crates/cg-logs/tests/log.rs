@@ -189,6 +189,15 @@ fn infinity_is_an_error_also_by_overflow() {
     refused("time_s,steer_rad,roll_rad,speed_mps,trailer_mass_t\n0,0,0,0,1e308", &["not finite"]);
 }
 
+/// Otherwise a mass that somebody knows to be inexact would count as exact.
+#[test]
+fn a_negative_standard_deviation_is_an_error() {
+    let header = "time_s,steer_rad,roll_rad,speed_mps,trailer_mass_kg,trailer_mass_sd_t";
+    let words =
+        ["line 3", "column 6 `trailer_mass_sd_t`", "-500 kg is negative", "leave the cell empty"];
+    refused(format!("{header}\n0,0,0,20,3e4,0.5\n1,0,0,20,3e4,-0.5\n"), &words);
+}
+
 #[test]
 fn a_row_with_too_few_or_too_many_fields_is_an_error_with_both_counts() {
     for (row, found) in [("1,0", 2), ("1,0,0,0", 4), ("1,\"0\"", 2), ("1,0,0,,,", 6), ("x", 1)] {

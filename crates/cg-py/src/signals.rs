@@ -161,25 +161,26 @@ impl<'a> Columns<'a> {
                 index - 1
             ));
         }
-        check_row(row).map_err(|(name, value)| match value {
-            None => format!("{name}[{index}] is NaN: every row needs a time stamp"),
-            Some(value) => {
-                format!("{name}[{index}] = {value} is not finite: use NaN where there is no value")
-            }
-        })
+        check_row(row).map_err(|(name, fault)| format!("{name}[{index}]{fault}"))
     }
 }
 
-/// Finds the first invalid value of a row: an absent time (`None`) or an infinite value.
-pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, Option<f64>)> {
+/// The first value of a row that is not valid: the name of its column, and what is wrong.
+pub(crate) fn check_row(row: &LogRow) -> Result<(), (&'static str, String)> {
     if row.time_s.is_nan() {
-        return Err((Signal::Time.column(), None));
+        return Err((Signal::Time.column(), " is NaN: every row needs a time stamp".into()));
     }
     for signal in Signal::ALL {
         let value = row.get(signal);
         if value.is_infinite() {
-            return Err((signal.column(), Some(value)));
+            let fault = format!(" = {value} is not finite: use NaN where there is no value");
+            return Err((signal.column(), fault));
         }
+    }
+    let sd_kg = row.trailer_mass_sd_kg;
+    if sd_kg < 0.0 {
+        let fault = format!(" = {sd_kg} is negative, which no standard deviation is");
+        return Err((Signal::TrailerMassSd.column(), fault));
     }
     Ok(())
 }

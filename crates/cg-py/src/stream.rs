@@ -54,10 +54,7 @@ struct Now {
 impl State {
     fn push(&mut self, mut values: [f64; Signal::COUNT]) -> Result<&'static str, String> {
         let row = LogRow::from_values(values);
-        check_row(&row).map_err(|(name, value)| match value {
-            None => format!("{name} is NaN: every row needs a time stamp"),
-            Some(value) => format!("{name} = {value} is not finite: use NaN if there is no value"),
-        })?;
+        check_row(&row).map_err(|(name, fault)| format!("{name}{fault}"))?;
         if row.time_s <= self.now.previous_s {
             return Err(format!(
                 "time_s = {} does not come after {}, the time of the previous row",
@@ -165,7 +162,8 @@ impl Stream {
     /// Raises
     /// ------
     /// ValueError
-    ///     The time is NaN or does not increase, or a value is infinite. The row is ignored.
+    ///     The time is NaN or does not increase, a value is infinite, or the standard deviation of
+    ///     the mass is negative. The row is ignored.
     /// TypeError
     ///     There is no such signal.
     #[pyo3(signature = (time_s, steer_rad = f64::NAN, roll_rad = f64::NAN, **signals))]

@@ -84,6 +84,13 @@ def test_infinity_is_refused(name, value, kraz, turn):
         cgheight.estimate(**changed(turn, name, 40, value), vehicle=kraz)
 
 
+def test_a_negative_standard_deviation_is_refused(kraz, turn):
+    sd_kg = np.full(len(turn["time_s"]), 500.0)
+    sd_kg[40] = -500.0
+    with pytest.raises(ValueError, match=r"trailer_mass_sd_kg\[40\] = -500 is negative"):
+        cgheight.estimate(**turn, trailer_mass_sd_kg=sd_kg, vehicle=kraz)
+
+
 def test_nothing_cannot_be_estimated(kraz, turn):
     empty = {name: column[:0] for name, column in turn.items()}
     with pytest.raises(ValueError, match="time_s is empty"):
@@ -191,6 +198,8 @@ def test_the_stream_refuses_a_row_and_goes_on(kraz, turn):
                 stream.push(7.0000001, 0.1, 0.1)
             with pytest.raises(ValueError, match="roll_rad = inf is not finite"):
                 stream.push(7.005, 0.1, np.inf)
+            with pytest.raises(ValueError, match="trailer_mass_sd_kg = -1 is negative"):
+                stream.push(7.005, 0.1, 0.1, trailer_mass_sd_kg=-1.0)
     assert stream.estimate().height_m == reference.estimate().height_m
 
 

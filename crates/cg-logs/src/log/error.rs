@@ -131,6 +131,12 @@ pub enum LogError {
     /// A cell contains infinity or a number that is too large.
     #[error("{place}, {column}: `{text}` is not finite; leave the cell empty if there is no value")]
     Infinite { place: Place, column: ColumnName, text: Box<str> },
+    /// A standard deviation is negative.
+    #[error(
+        "{place}, {column}: {value} kg is negative, which no standard deviation is; correct it, or leave \
+         the cell empty"
+    )]
+    NegativeSd { place: Place, column: ColumnName, value: f64 },
     /// A row has no time.
     #[error("{place}, {column}: the time is missing; remove the row or enter the time")]
     AbsentTime { place: Place, column: ColumnName },
@@ -166,6 +172,7 @@ impl LogError {
                 | Self::NotANumber { .. }
                 | Self::TwoDecimals { .. }
                 | Self::Infinite { .. }
+                | Self::NegativeSd { .. }
                 | Self::AbsentTime { .. }
                 | Self::TimeOrder { .. }
         )

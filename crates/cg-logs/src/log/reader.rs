@@ -45,7 +45,6 @@ pub struct LogReader {
     signals: Box<[Signal]>,
     /// Quantities that may have a value.
     quantities: Box<[Quantity]>,
-    time_index: usize,
     values: [f64; Signal::COUNT],
     /// What the truck can have, if it is known.
     plausibility: Option<Plausibility>,
@@ -150,7 +149,6 @@ impl LogReader {
         Self {
             signals: body.signals(),
             quantities: body.quantities(),
-            time_index: body.time_index(),
             body,
             values: [f64::NAN; Signal::COUNT],
             plausibility: options.settings.map(Plausibility::new),
@@ -254,13 +252,16 @@ impl LogReader {
             // A row of units may have said more than the header.
             self.signals = self.body.signals();
             self.quantities = self.body.quantities();
-            self.time_index = self.body.time_index();
         }
         let time_s = self.values[Signal::Time as usize];
         // The time is stored even if it decreased, because the following rows may be in order
         // again.
         let previous_s = std::mem::replace(&mut self.previous_s, time_s);
-        if time_s > previous_s {
+        let mass_sd_kg = self.values[Signal::TrailerMassSd as usize];
+        if time_s > previous_s && mass_sd_kg < 0.0 {
+            let error = self.negative_sd(mass_sd_kg);
+            self.stopped(Err(error))
+        } else if time_s > previous_s {
             if let Some(plausibility) = &mut self.plausibility {
                 let body = &self.body;
                 plausibility.check(&self.quantities, &mut self.values, || body.position());
@@ -306,13 +307,25 @@ impl LogReader {
 
     #[cold]
     fn bad_time(&mut self, time_s: f64, previous_s: f64) -> LogError {
-        let (place, column) = (self.body.place(), self.body.name(self.time_index));
+        let (place, column) = self.cell(Signal::Time);
         if time_s.is_nan() {
             self.previous_s = previous_s;
             LogError::AbsentTime { place, column }
         } else {
             LogError::TimeOrder { place, column, previous_s, time_s }
         }
+    }
+
+    #[cold]
+    fn negative_sd(&self, value: f64) -> LogError {
+        let (place, column) = self.cell(Signal::TrailerMassSd);
+        LogError::NegativeSd { place, column, value }
+    }
+
+    /// Where a signal is in the last row.
+    fn cell(&self, signal: Signal) -> (Place, ColumnName) {
+        let found = self.body.columns().iter().find(|column| column.signal == signal);
+        (self.body.place(), self.body.name(found.map_or(0, |column| column.index)))
     }
 
     /// Whether the log has a column for this signal.
@@ -381,11 +394,6 @@ impl Body {
     }
 
     /// Index of the column of the time.
-    fn time_index(&self) -> usize {
-        let time = self.columns().iter().find(|column| column.signal == Signal::Time);
-        time.map_or(0, |column| column.index)
-    }
-
     fn columns(&self) -> &[Column] {
         match self {
             Self::Text(rows) => rows.columns(),

@@ -145,6 +145,10 @@ impl LogWriter {
                 let (place, column) = (self.place(), self.name(signal));
                 return Err(LogError::Infinite { place, column, text: value.to_string().into() });
             }
+            if signal == Signal::TrailerMassSd && value < 0.0 {
+                let (place, column) = (self.place(), self.name(signal));
+                return Err(LogError::NegativeSd { place, column, value });
+            }
             if signal == Signal::Time {
                 push_time(&mut self.line, value);
             } else if !value.is_nan() {

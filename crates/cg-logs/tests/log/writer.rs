@@ -70,6 +70,9 @@ fn what_the_reader_would_refuse_is_not_written() {
     refuse(&[row(f64::NAN, 0.0, 0.0)], &["line 3", "`time_s`", "missing"]);
     refuse(&[row(1.0, 0.0, 0.0), row(1.000_000_1, 0.0, 0.0)], &["line 4", "does not come after"]);
     refuse(&[row(1.0, 0.0, f64::INFINITY)], &["line 3", "column 3 `roll_rad`", "not finite"]);
+    let unsure = LogRow { trailer_mass_kg: 2e4, trailer_mass_sd_kg: -1.0, ..row(1.0, 0.0, 0.0) };
+    let with_sd = [&COLUMNS[..], &[Signal::TrailerMass, Signal::TrailerMassSd]].concat();
+    says(&written(&[], &with_sd, &[unsure]).unwrap_err(), &["line 2", "column 5", "negative"]);
     let columns = |columns: &[Signal]| written(&[], columns, &[]).unwrap_err();
     says(&columns(&COLUMNS[..2]), &["roll_rad or tilt_rad"]);
     says(&columns(&[COLUMNS, COLUMNS].concat()), &["the log has time twice"]);
