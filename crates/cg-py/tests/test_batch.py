@@ -91,6 +91,25 @@ def test_polars_pandas_arrow_and_files_give_the_same(kraz, turn, tmp_path):
     assert any("1 of 1700 rows" in message for message in answer.messages)
 
 
+def test_simulated_logs_are_logs_alone_and_in_a_dict(kraz):
+    log = cgheight.simulate(kraz, cgheight.Scenario("rounded-step", duration_s=20.0, rate_hz=50.0))
+    expected = cgheight.estimate_log(log, vehicle=kraz)
+    assert list(cgheight.estimate_logs(log, vehicle=kraz)) == [expected]
+    assert cgheight.estimate_logs({"a": log}, vehicle=kraz).logs == ("a",)
+    with pytest.raises(ValueError, match="log is of type int: give a path"):
+        cgheight.estimate_logs(3, vehicle=kraz)
+
+
+@pytest.mark.parametrize(("compression", "name"), [("lz4", "LZ4"), ("brotli", "Brotli")])
+def test_a_compression_that_is_not_read_is_named(compression, name, kraz, turn, tmp_path):
+    path = tmp_path / "log.parquet"
+    pd.DataFrame(turn).to_parquet(path, compression=compression)
+    with pytest.raises(
+        ValueError, match=rf"{name}, which is not read here; export it again with snappy"
+    ):
+        cgheight.estimate_log(path, vehicle=kraz)
+
+
 def test_names_and_messages_are_escaped_in_a_notebook(kraz, tmp_path):
     batch = cgheight.estimate_logs(
         [tmp_path / "<b>x</b>.csv"], vehicle=kraz, errors="reject", jobs=1

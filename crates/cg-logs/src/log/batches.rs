@@ -2,9 +2,10 @@
 
 use std::fs::File;
 
+use parquet::basic::Compression;
 use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::FileMetaData;
+use parquet::file::metadata::{FileMetaData, ParquetMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::arrow_units;
@@ -63,7 +64,11 @@ impl Batches {
                 kind: kind.as_str().into(),
             }),
         };
-        let numbers = columns.iter().map(number).collect::<Result<_, _>>()?;
+        let numbers: Box<[(usize, Kind)]> = columns.iter().map(number).collect::<Result<_, _>>()?;
+        if let Some(format) = unread_compression(reader.metadata(), &numbers) {
+            let remedy = "export it again with snappy, zstd or gzip, or without compression";
+            return Err(LogError::OtherFormat { place, format, remedy });
+        }
         let rows = u64::try_from(metadata.num_rows()).unwrap_or(0);
         Ok(Self {
             file: name.into(),
@@ -165,6 +170,21 @@ impl Batches {
         self.next_group += 1;
         Ok(true)
     }
+}
+
+/// A compression of these columns that is not read.
+fn unread_compression(
+    metadata: &ParquetMetaData,
+    numbers: &[(usize, Kind)],
+) -> Option<&'static str> {
+    let groups = metadata.row_groups().iter();
+    let mut chunks = groups.flat_map(|group| numbers.iter().map(|(leaf, _)| group.column(*leaf)));
+    chunks.find_map(|chunk| match chunk.compression() {
+        Compression::LZO => Some("a parquet file compressed with LZO"),
+        Compression::LZ4 | Compression::LZ4_RAW => Some("a parquet file compressed with LZ4"),
+        Compression::BROTLI(_) => Some("a parquet file compressed with Brotli"),
+        _ => None,
+    })
 }
 
 /// A column of the file as its heading names it.

@@ -140,7 +140,7 @@ def named_logs(logs: Any) -> tuple[list[str], list[Any]]:
     """Return the names of logs and the logs, with the files that match a pattern in its place."""
     if isinstance(logs, Mapping) and all(_is_log(log) for log in logs.values()):
         return [str(name) for name in logs], list(logs.values())
-    one = isinstance(logs, str | os.PathLike | Mapping) or hasattr(logs, "columns")
+    one = _is_log(logs) or not isinstance(logs, Iterable)
     found: list[Any] = []
     for log in [logs] if one else logs:
         path = os.fspath(log) if isinstance(log, str | os.PathLike) else ""
@@ -159,7 +159,8 @@ def named_logs(logs: Any) -> tuple[list[str], list[Any]]:
 
 
 def _is_log(log: Any) -> bool:
-    return isinstance(log, str | os.PathLike | Mapping) or hasattr(log, "columns")
+    known = isinstance(log, str | os.PathLike | Mapping)
+    return known or hasattr(log, "columns") or hasattr(log, "signals")
 
 
 def estimate_logs(
