@@ -349,7 +349,7 @@ fn dot<T: Real, const B: usize>(a: &[T; B], b: &[T; B]) -> T {
             *lane += *a * *b;
         }
     }
-    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+    (lanes[0] + lanes[2]) + (lanes[1] + lanes[3])
 }
 
 /// Applies the reflection to one column `(top, rest)`.
