@@ -15,7 +15,7 @@ CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest \
+.PHONY: test tools packages browser fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest guest-tools \
   venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
   windows arm armhf macos deb port-tools arm-tools armhf-tools \
@@ -23,22 +23,26 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
 # The program, the Python package and the tests are one build, that of the dev profile, and each part of it is made once. The
 # tests of one part run while another part is built. Cargo builds in one folder at a time, so what can be built beside that has
-# a folder of its own. The guest has to keep up with a bus and runs alone.
-test: tools port-tools armhf-tools firmware-tools fmt $(TOOLS)
+# a folder of its own. Packages are installed beside the first build. The guest has to keep up with a bus and runs alone.
+test: tools fmt
 	$(MAKE) --jobs=4 --output-sync=target $(PARTS)
 	@echo "all checks passed"
 
 # Those that the others need come first, then the longest ones.
-PARTS := cg firmware armhf rust-build venv rust-statistics rust python windows lint bench-short docs deb package guest
+PARTS := packages cg venv firmware armhf rust-build rust-statistics rust python windows lint bench-short docs deb package guest
+
+# What the parts install, one after the other, because apt cannot be called twice at a time.
+packages: tools
+	set -e; for part in browser port-tools armhf-tools firmware-tools guest-tools; do $(MAKE) $$part; done
+
+browser port-tools arm-tools armhf-tools firmware-tools guest-tools: | $(filter packages,$(MAKECMDGOALS))
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust with rustup"; exit 1; }
 	@command -v gcc >/dev/null || { echo "gcc is missing: install it with your package manager"; exit 1; }
 	@$(PYTHON) -c 'import sys, venv; sys.exit(sys.version_info < (3, 11))' \
 	  || { echo "Python 3.11 or later with venv is missing"; exit 1; }
-	rustup target add thumbv7em-none-eabihf
 	rustup component add clippy rustfmt
-	$(call install,chromium:chromium chromedriver:chromium-driver java:default-jre-headless)
 
 # Installs packages whose command or file is missing: $(call install,command:package ...,options of apt-get).
 install = @missing=; for need in $(1); do \
@@ -62,14 +66,14 @@ package:
 
 # Unit, property, Monte-Carlo and command-line tests, and every example in the documentation. Those of cg-thesis and cg-cli,
 # which take half of the time, run beside the others.
-rust: rust-build
+rust: rust-build firmware-tools
 	cargo test --workspace --no-fail-fast --lib --bins --examples $(addprefix --test ,$(filter-out $(STATISTICS),$(TESTS)))
 	cargo test --workspace --no-fail-fast --doc
 
 rust-statistics: rust-build
 	cargo test --workspace --no-fail-fast $(addprefix --test ,$(STATISTICS))
 
-rust-build: cg firmware-tools
+rust-build: cg
 	cargo test --workspace --no-run
 
 STATISTICS := thesis cli
@@ -89,6 +93,7 @@ firmware-budgets: firmware-tools
 	$(PYTHON) firmware/check.py --update
 
 firmware-tools:
+	rustup target add $(CHIP)
 	@command -v qemu-system-arm >/dev/null && command -v arm-none-eabi-gcc >/dev/null \
 	  || { $(SUDO) apt-get update && $(SUDO) apt-get install --yes --no-install-recommends \
 	  qemu-system-arm gcc-arm-none-eabi libnewlib-arm-none-eabi; }
@@ -149,8 +154,11 @@ armhf-tools:
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus, for a minute in `make bench`.
-guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
+guest: venv cg guest-tools | $(filter-out guest,$(MAKECMDGOALS))
 	CG_LOAD_SECONDS=20 guest/run.sh target/debug/cg $(VENV)
+
+guest-tools:
+	guest/fetch.sh
 
 # The Python package in a fresh environment with every extra. `make venv PROFILE=release` builds it as users have it.
 PROFILE := dev
@@ -163,7 +171,7 @@ venv:
 
 # The Python package: tests (also of the HTML report and the live page in Chromium, of Spark, of the FMUs and of the notebooks), comparison of the stubs
 # with the binary, lint. Then a test of the wheel with only numpy installed.
-python: venv cg
+python: venv cg browser
 	CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python -m pytest -q -c crates/cg-py/pyproject.toml crates/cg-py/tests
 	$(VENV)/bin/python -m mypy --config-file crates/cg-py/pyproject.toml crates/cg-py/python/cgheight
 	$(VENV)/bin/python -m mypy.stubtest cgheight._native --mypy-config-file crates/cg-py/pyproject.toml
@@ -173,6 +181,10 @@ python: venv cg
 	$(VENV)/bin/maturin build --quiet --profile $(PROFILE) --out target/wheels -m crates/cg-py/Cargo.toml
 	$(VENV)/clean/bin/python -m pip install --quiet target/wheels/*.whl
 	$(VENV)/clean/bin/python -m doctest crates/cg-py/python/cgheight/__init__.py
+
+# For the tests of pages in Chromium, and of Spark.
+browser:
+	$(call install,chromium:chromium chromedriver:chromium-driver java:default-jre-headless)
 
 # Executes the notebooks and stores them with their output.
 notebook: venv cg
@@ -328,7 +340,7 @@ bench-short: venv cg
 	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
 
 # All benches with ten million rows and a thousand logs; writes benches/RESULTS.md.
-bench: firmware-tools
+bench: firmware-tools guest-tools
 	$(MAKE) venv PROFILE=dist
 	benches/run.sh
 

@@ -7,37 +7,14 @@ cd "$(dirname "$0")/.."
 cg=$(realpath "$1")
 venv=$(realpath "$2")
 work=target/guest
+packages=target/guest-packages # by guest/fetch.sh
 seconds=${CG_LOAD_SECONDS:-60}
 rate=${CG_LOAD_RATE:-8000}
 rm -rf "$work"
 mkdir -p "$work/root"
 
-as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
-need() { command -v "$1" >/dev/null || missing+=("$2"); }
-missing=()
-need qemu-system-x86_64 qemu-system-x86
-need busybox busybox-static
-need cpio cpio
-need kmod kmod
-need python3 python3
-if [ ${#missing[@]} -gt 0 ]; then
-  as_root apt-get update -q
-  as_root apt-get install -y -q --no-install-recommends "${missing[@]}"
-fi
-
-# The kernel and can-utils are unpacked, not installed.
-(
-  cd "$work"
-  image=$(apt-cache depends linux-image-amd64 2>/dev/null | sed -n 's/.*Depends: \(linux-image-[^ ]*\)/\1/p' | head -n 1)
-  if [ -z "$image" ]; then
-    as_root apt-get update -q
-    image=$(apt-cache depends linux-image-amd64 | sed -n 's/.*Depends: \(linux-image-[^ ]*\)/\1/p' | head -n 1)
-  fi
-  apt-get download -q "$image" can-utils
-  for package in ./*.deb; do dpkg -x "$package" packages; done
-)
-kernel=$(find "$work/packages/boot" -name 'vmlinuz-*')
-modules=$(find "$work/packages" -path '*/modules/*/kernel' -prune)
+kernel=$(find "$packages/boot" -name 'vmlinuz-*')
+modules=$(find "$packages" -path '*/modules/*/kernel' -prune)
 
 # A truck with a steering ratio, because J1939 carries the angle of the steering wheel; and its drive.
 # The plant's road is flat, so the roll angle on the bus, which is relative to gravity, contains no bank.
@@ -60,7 +37,7 @@ for applet in sh mount insmod ip sleep kill cat cut awk grep tail wc tar stty po
   ln -s busybox "$root/bin/$applet"
 done
 programs=("$cg")
-for tool in candump canplayer cangen; do programs+=("$work/packages/usr/bin/$tool"); done
+for tool in candump canplayer cangen; do programs+=("$packages/usr/bin/$tool"); done
 for program in "${programs[@]}"; do
   cp "$program" "$root/bin/"
   for library in $(ldd "$program" | grep -o '/[^ )]*'); do

@@ -1,12 +1,22 @@
 //! Every number of the thesis that can be reproduced is reproduced, and the others state why not.
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
+use std::collections::HashMap;
+use std::sync::{LazyLock, OnceLock};
+
 use cg_thesis::reproduce::{Options, Row, table, tables, title};
 use cg_thesis::verdict::Verdict;
 use cg_vehicle::VehicleError;
 
 /// Enough draws for the statements below, few enough for the debug profile.
 const OPTIONS: Options = Options { runs: 400, seed: 7 };
+
+/// A table with these options, which all tests share.
+fn shared(name: &str) -> &'static [Row] {
+    static TABLES: LazyLock<HashMap<&str, OnceLock<Vec<Row>>>> =
+        LazyLock::new(|| tables().iter().map(|name| (*name, OnceLock::new())).collect());
+    TABLES[name].get_or_init(|| table(name, &OPTIONS).unwrap())
+}
 
 /// Rows that may differ have a reason; the criterion of every comparison is a range with two ends.
 fn check(row: &Row) {
@@ -36,9 +46,9 @@ fn check(row: &Row) {
 #[test]
 fn every_comparison_has_a_criterion_and_every_difference_a_reason() {
     for name in tables() {
-        let rows = table(name, &OPTIONS).unwrap();
+        let rows = shared(name);
         assert!(!rows.is_empty(), "{name}");
-        for row in &rows {
+        for row in rows {
             assert_eq!(row.table, *name);
             check(row);
         }
@@ -50,7 +60,7 @@ fn every_comparison_has_a_criterion_and_every_difference_a_reason() {
 fn a_number_three_criteria_away_differs() {
     let mut moved = 0;
     for name in tables() {
-        for row in table(name, &OPTIONS).unwrap() {
+        for row in shared(name) {
             let (Verdict::Same, Some(criterion), Some(ours)) =
                 (row.verdict, row.criterion, row.ours)
             else {
@@ -71,7 +81,7 @@ fn a_number_three_criteria_away_differs() {
 #[test]
 fn what_the_print_determines_is_the_same() {
     for name in ["2.1", "2.2", "2.4", "2.9", "4.1", "4.2", "5.2", "5.3", "5.12", "5.17", "5.19"] {
-        for row in table(name, &OPTIONS).unwrap().iter().filter(|row| row.criterion.is_some()) {
+        for row in shared(name).iter().filter(|row| row.criterion.is_some()) {
             assert!(row.verdict == Verdict::Same || row.is_misprint(), "{name}: {}", row.item);
         }
     }
@@ -80,7 +90,7 @@ fn what_the_print_determines_is_the_same() {
 #[test]
 fn every_number_is_finite_and_what_is_missing_has_a_note() {
     for name in tables() {
-        for row in table(name, &OPTIONS).unwrap() {
+        for row in shared(name) {
             let numbers = [row.thesis, row.ours, row.relative_error, row.rounding];
             assert!(numbers.iter().flatten().all(|number| number.is_finite()), "{row:?}");
             if row.thesis.is_none() || row.ours.is_none() {
@@ -100,13 +110,13 @@ fn ours(rows: &[Row], item: &str) -> f64 {
 /// 1.25 · 20 %/√400 = 1.3 %; the claim of docs/thesis.md adds the bias of the noise.
 #[test]
 fn every_coefficient_is_identified_by_both() {
-    let rows = table("5.8", &OPTIONS).unwrap();
-    let plant = table("5.12", &OPTIONS).unwrap();
+    let rows = shared("5.8");
+    let plant = shared("5.12");
     for snr_db in [30, 25, 20, 15, 10, 5] {
         for coefficient in ["A0", "A1", "A2", "A3", "A4", "A5", "B0", "B1", "B2", "B3", "B4"] {
-            let by = |method: &str| ours(&rows, &format!("{snr_db} dB: {coefficient}, {method}"));
+            let by = |method: &str| ours(rows, &format!("{snr_db} dB: {coefficient}, {method}"));
             let (arx, filtered) = (by("the thesis's ARX"), by("filtered"));
-            let true_one = ours(&plant, coefficient);
+            let true_one = ours(plant, coefficient);
             assert!((filtered / true_one - 1.0).abs() < 0.12, "{snr_db} {coefficient} {filtered}");
             // ARX has poles near the sampling rate instead.
             assert!((arx / true_one).abs() > 7.0, "{snr_db} dB, {coefficient}: {arx} {true_one}");
@@ -119,7 +129,7 @@ fn every_coefficient_is_identified_by_both() {
 fn misprints_are_marked_and_ours_is_what_was_meant() {
     let mut found = 0;
     for name in tables() {
-        found += table(name, &OPTIONS).unwrap().iter().filter(|row| row.is_misprint()).count();
+        found += shared(name).iter().filter(|row| row.is_misprint()).count();
     }
     let known = [
         ("2.1", "Table 2.1: torsional stiffness of the frame, N m/deg", 4519.0, 0.5),
@@ -132,14 +142,14 @@ fn misprints_are_marked_and_ours_is_what_was_meant() {
     ];
     assert_eq!(found, known.len());
     for (name, item, meant, half_unit) in known {
-        let ours = ours(&table(name, &OPTIONS).unwrap(), item);
+        let ours = ours(shared(name), item);
         assert!((ours - meant).abs() <= half_unit, "{name} {item}: {ours}");
     }
 }
 
 #[test]
 fn thirty_seven_of_41_products_have_all_printed_digits() {
-    let rows = table("5.2", &OPTIONS).unwrap();
+    let rows = shared("5.2");
     let agree = rows.iter().filter(|row| row.agrees() == Some(true)).count();
     assert_eq!((agree, rows.len()), (37, 41));
 }
@@ -148,8 +158,8 @@ fn thirty_seven_of_41_products_have_all_printed_digits() {
 /// has condition numbers up to 1e13, which times 2e-16 is 2e-3.
 #[test]
 fn noise_free_identification_returns_the_model_that_made_the_data() {
-    let original = table("5.12", &OPTIONS).unwrap();
-    let identified = table("5.4", &OPTIONS).unwrap();
+    let original = shared("5.12");
+    let identified = shared("5.4");
     assert_eq!(identified.len(), 6 * original.len());
     for row in identified {
         let (_, name) = row.item.split_once(": ").unwrap();
@@ -170,7 +180,7 @@ fn noise_free_identification_returns_the_model_that_made_the_data() {
 /// 3e-4 of gain at the steepest point.
 #[test]
 fn gains_over_the_range_of_heights() {
-    let rows = table("5.11", &OPTIONS).unwrap();
+    let rows = shared("5.11");
     let gains = [
         ("1.854", [0.7610, 0.5291, 0.7655]),
         ("1.905", [0.7972, 0.5455, 0.8014]),
@@ -184,12 +194,12 @@ fn gains_over_the_range_of_heights() {
     for (height, known) in gains {
         let names = [("Yaw/Roll gain", 3e-4), ("gain, as printed", 1e-4), ("gain, complete", 1e-4)];
         for ((name, limit), known) in names.into_iter().zip(known) {
-            let ours = ours(&rows, &format!("true {height} m: {name}"));
+            let ours = ours(rows, &format!("true {height} m: {name}"));
             assert!((ours - known).abs() <= limit, "{height} {name}: {ours} {known}");
         }
     }
-    assert!((ours(&rows, "R_c, complete") - 0.994).abs() <= 0.5e-3);
-    assert!((ours(&rows, "R_c, as printed") - 1.489).abs() <= 0.5e-3 + 1e-4);
+    assert!((ours(rows, "R_c, complete") - 0.994).abs() <= 0.5e-3);
+    assert!((ours(rows, "R_c, as printed") - 1.489).abs() <= 0.5e-3 + 1e-4);
 }
 
 /// Bias and RMSE of the height at each noise level, compared with an independent study of at least 200
@@ -197,7 +207,7 @@ fn gains_over_the_range_of_heights() {
 /// sigma of both together); the bounds to their three known digits.
 #[test]
 fn the_source_s_identification_is_biased_and_its_bound_is_known() {
-    let rows = table("5.7", &OPTIONS).unwrap();
+    let rows = shared("5.7");
     let (theirs, mine) = (1.0 / 200.0, 1.0 / f64::from(OPTIONS.runs));
     let three_sigma = 3.0 * (theirs + mine).sqrt();
     for (snr_db, bias, rmse, bound, gain) in [
@@ -208,7 +218,7 @@ fn the_source_s_identification_is_biased_and_its_bound_is_known() {
         (10, -1.31, 2.38, 2.89, 1.96),
         (5, -1.24, 3.73, 5.14, 3.49),
     ] {
-        let at = |what: &str| ours(&rows, &format!("{snr_db} dB: {what}, %"));
+        let at = |what: &str| ours(rows, &format!("{snr_db} dB: {what}, %"));
         let scatter = f64::sqrt(rmse * rmse - bias * bias);
         let off = (at("ARX bias") - bias).abs();
         assert!(off <= three_sigma * scatter + 0.005, "{snr_db} dB: bias off by {off}");
@@ -226,9 +236,9 @@ fn the_source_s_identification_is_biased_and_its_bound_is_known() {
 #[test]
 fn the_product_s_identifier_is_nearly_unbiased_and_between_the_bounds() {
     let runs = f64::from(OPTIONS.runs);
-    let rows = table("5.7", &OPTIONS).unwrap();
+    let rows = shared("5.7");
     for snr_db in [30, 25, 20, 15, 10, 5] {
-        let at = |what: &str| ours(&rows, &format!("{snr_db} dB: {what}, %"));
+        let at = |what: &str| ours(rows, &format!("{snr_db} dB: {what}, %"));
         let (bias, rmse) = (at("filtered bias").abs(), at("filtered RMSE"));
         assert!(bias <= (0.3 + 3.0 / runs.sqrt()) * rmse, "{snr_db} dB: {bias} {rmse}");
         let scatter = 3.0 / (2.0 * runs).sqrt();
@@ -242,9 +252,9 @@ fn the_product_s_identifier_is_nearly_unbiased_and_between_the_bounds() {
 /// over the root of 400 draws, 0.3 points, is the greatest) less the draws at 30 dB.
 #[test]
 fn no_order_removes_the_bias() {
-    let rows = table("5.9", &OPTIONS).unwrap();
+    let rows = shared("5.9");
     for order in 1..=5 {
-        let at = |snr_db| ours(&rows, &format!("order {order}, {snr_db} dB: ARX bias, %"));
+        let at = |snr_db| ours(rows, &format!("order {order}, {snr_db} dB: ARX bias, %"));
         assert!(at(30) - at(5) > 1.0, "order {order}: {} {}", at(30), at(5));
     }
 }
@@ -254,7 +264,7 @@ fn no_order_removes_the_bias() {
 /// the seed is fixed).
 #[test]
 fn noisy_draws_of_table_5_9_come_from_our_distribution() {
-    let rows = table("5.9", &OPTIONS).unwrap();
+    let rows = shared("5.9");
     let noisy = rows.iter().filter(|row| {
         let item = row.item.as_str();
         row.criterion.is_some()
@@ -273,9 +283,9 @@ fn noisy_draws_of_table_5_9_come_from_our_distribution() {
 #[test]
 fn the_identifier_is_compared_with_arx_like_for_like() {
     let runs = f64::from(OPTIONS.runs);
-    let rows = table("5.7", &OPTIONS).unwrap();
+    let rows = shared("5.7");
     for snr_db in [30, 25, 20, 15, 10, 5] {
-        let at = |what: &str| ours(&rows, &format!("{snr_db} dB: {what}, %"));
+        let at = |what: &str| ours(rows, &format!("{snr_db} dB: {what}, %"));
         let (bias, rmse) = (
             at("filtered, dynamics 20 % off, bias").abs(),
             at("filtered, dynamics 20 % off, RMSE"),
@@ -285,7 +295,7 @@ fn the_identifier_is_compared_with_arx_like_for_like() {
         assert!(at("filtered, dynamics 20 % off, free offset, RMSE") > rmse, "{snr_db} dB");
     }
     // Faster sampling has more samples with the same noise, and more bias of ARX.
-    let at = |hz| ours(&rows, &format!("sampled at {hz} Hz, 20 dB: ARX bias, %"));
+    let at = |hz| ours(rows, &format!("sampled at {hz} Hz, 20 dB: ARX bias, %"));
     assert!(at(100) < at(50) && at(50) < at(20), "{} {} {}", at(20), at(50), at(100));
 }
 
@@ -324,8 +334,8 @@ fn no_runs_are_refused() {
 
 #[test]
 fn a_row_has_exactly_the_keys_of_the_contract() {
-    for row in table("5.1", &OPTIONS).unwrap() {
-        let value = serde_json::to_value(&row).unwrap();
+    for row in shared("5.1") {
+        let value = serde_json::to_value(row).unwrap();
         let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
         keys.sort_unstable();
         let known = [
