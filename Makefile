@@ -15,8 +15,8 @@ CHIP := thumbv7em-none-eabihf
 LOGS := fixtures/logs
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 
-.PHONY: test tools packages browser fmt lint package rust rust-build rust-statistics docs firmware firmware-tools firmware-budgets cg guest guest-tools \
-  venv python notebook bench-short \
+.PHONY: test tools packages browser fmt lint package rust rust-build rust-statistics docs \
+  firmware firmware-tools firmware-budgets cg guest guest-tools venv python notebook bench-short \
   dist dist-clean dist-crates dist-program dist-arm dist-windows dist-deb dist-python dist-c dist-firmware semver deny msrv \
   windows arm armhf macos deb port-tools arm-tools armhf-tools \
   fuzz fuzz-tools mutants mutants-short mutants-decisions mutants-tool soak rollover-table bench demo clean
@@ -154,7 +154,7 @@ armhf-tools:
 	  /usr/arm-linux-gnueabihf/lib/crt1.o:libc6-dev-armhf-cross,--no-install-recommends)
 
 # `cg run` on real SocketCAN: a kernel with vcan in QEMU replays a drive and loads the bus, for a minute in `make bench`.
-guest: venv cg guest-tools | $(filter-out guest,$(MAKECMDGOALS))
+guest: venv cg | $(filter-out guest,$(MAKECMDGOALS))
 	CG_LOAD_SECONDS=20 guest/run.sh target/debug/cg $(VENV)
 
 guest-tools:
@@ -340,7 +340,7 @@ bench-short: venv cg
 	CG_BENCH_SECONDS=4 CG=$(CURDIR)/target/debug/cg $(VENV)/bin/python benches/python/live_clients.py >/dev/null
 
 # All benches with ten million rows and a thousand logs; writes benches/RESULTS.md.
-bench: firmware-tools guest-tools
+bench: firmware-tools
 	$(MAKE) venv PROFILE=dist
 	benches/run.sh
 

@@ -7,12 +7,13 @@ cd "$(dirname "$0")/.."
 cg=$(realpath "$1")
 venv=$(realpath "$2")
 work=target/guest
-packages=target/guest-packages # by guest/fetch.sh
+packages=target/guest-packages
 seconds=${CG_LOAD_SECONDS:-60}
 rate=${CG_LOAD_RATE:-8000}
 rm -rf "$work"
 mkdir -p "$work/root"
 
+guest/fetch.sh
 kernel=$(find "$packages/boot" -name 'vmlinuz-*')
 modules=$(find "$packages" -path '*/modules/*/kernel' -prune)
 
