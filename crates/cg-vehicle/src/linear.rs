@@ -34,7 +34,7 @@ use crate::error::VehicleError;
 use crate::load::Load;
 use crate::response::StateSpace;
 use crate::twisting::Twisting;
-use crate::vehicle::Vehicle;
+use crate::vehicle::{PlacedAxle, Vehicle};
 
 /// A vehicle under a load, with what neither the speed nor the height of the load changes.
 #[derive(Clone, Debug)]
@@ -60,6 +60,13 @@ impl<'a> Supports<'a> {
         let roll_stiffness = axle_roll_stiffness(&vehicle, &balance, &motion);
         Self { vehicle, balance, motion, roll_stiffness }
     }
+
+    /// Small motion on the linear springs of the file, also where there are measured ones.
+    fn of_linear_springs(vehicle: &'a Vehicle, balance: StaticBalance) -> Self {
+        let stiffness = |placed: &PlacedAxle<'_>| placed.suspension_roll_stiffness_nm_per_rad();
+        let roll_stiffness = vehicle.axles().iter().map(stiffness).collect();
+        Self { vehicle: Cow::Borrowed(vehicle), balance, motion: Motion::SMALL, roll_stiffness }
+    }
 }
 
 impl<'a> Laden<'a> {
@@ -82,17 +89,8 @@ impl<'a> Laden<'a> {
             return Ok(Self { vehicle, load, supports: None });
         }
         let springs = vehicle.with_springs_at(load)?;
-        let motion = usual_motion(&springs, load.trailer_mass_kg, cornering)?;
-        Self::in_motion(vehicle, springs, load, motion)
-    }
-
-    fn in_motion(
-        vehicle: &'a Vehicle,
-        springs: Cow<'a, Vehicle>,
-        load: Load,
-        motion: Motion,
-    ) -> Result<Self, VehicleError> {
         let balance = static_balance(&springs, load)?;
+        let motion = usual_motion(&springs, (load.trailer_mass_kg, &balance), cornering)?;
         Ok(Self { vehicle, load, supports: Some(Supports::new(springs, balance, motion)) })
     }
 
@@ -409,20 +407,17 @@ const USUAL_SPEED_MPS: f64 = 13.889;
 /// The least amplitude at which a measured spring is linearized: a tenth of a degree.
 const LEAST_ROLL_RAD: f64 = 0.0017;
 
-/// The motion of a usual turn: the amplitudes at which measured springs are linearized, and how much softer tires
-/// are in it, unless that is known. It is that of the linear springs of the file and of a load at its reference height, so the ratio
-/// lines over the height stay straight.
+/// The motion of a usual turn with a trailer of this mass, which gives these static loads: the amplitudes at which measured
+/// springs are linearized, and how much softer tires are in it, unless that is known. It is that of the linear springs of the
+/// file and of a load at its reference height, so the ratio lines over the height stay straight.
 pub(crate) fn usual_motion(
     vehicle: &Vehicle,
-    trailer_mass_kg: f64,
+    (trailer_mass_kg, balance): (f64, &StaticBalance),
     cornering: Option<[f64; 3]>,
 ) -> Result<Motion, VehicleError> {
-    let mut linear = Cow::Borrowed(vehicle);
-    if vehicle.has_measured_springs() {
-        linear.to_mut().spring.clear();
-    }
     let load = Load { trailer_mass_kg, ..vehicle.reference_load() };
-    let laden = Laden::in_motion(&linear, Cow::Borrowed(&linear), load, Motion::SMALL)?;
+    let supports = Some(Supports::of_linear_springs(vehicle, balance.clone()));
+    let laden = Laden { vehicle, load, supports };
     let mut motion = Motion::SMALL;
     motion.cornering = match cornering {
         Some(known) => known,

@@ -84,7 +84,7 @@ pub(crate) fn stiffness_variances(vehicle: &Vehicle, load: Load) -> Result<[f64;
     }
     let vehicle = &*vehicle.with_springs_at(load)?;
     let balance = static_balance(vehicle, load)?;
-    let usual_rad = usual_motion(vehicle, load.trailer_mass_kg, None)?.amplitude_rad;
+    let usual_rad = usual_motion(vehicle, (load.trailer_mass_kg, &balance), None)?.amplitude_rad;
     let axles = vehicle.axles();
     Ok([false, true].map(|on_trailer| {
         let sum = |of: &dyn Fn(&PlacedAxle<'_>, f64) -> f64| {
