@@ -144,6 +144,19 @@ impl Parameter {
         }
     }
 
+    /// Whether the equations of a vehicle contain the parameter. They do not contain the gains of sensors, and not what the
+    /// vehicle does not have: a frame that twists, or springs with friction.
+    pub(crate) fn is_in_model_of(self, vehicle: &Vehicle) -> bool {
+        match self {
+            Self::FrameTorsionalStiffness => vehicle.trailer.frame_nm_per_rad().is_some(),
+            Self::TrailerSpringFriction => vehicle.has_measured_springs_on(true),
+            Self::TractorSpringFriction => vehicle.has_measured_springs_on(false),
+            _ => Channel::ALL.into_iter().all(|channel| {
+                self != Self::of_input(channel.input()) && self != Self::of_output(channel.output())
+            }),
+        }
+    }
+
     /// Whether the deviation is the logarithm of a factor; otherwise it is in meters.
     pub const fn is_factor(self) -> bool {
         !matches!(self, Self::RollCenterHeight | Self::TractorCgHeight)
@@ -178,10 +191,9 @@ impl Belief {
             Parameter::FrameTorsionalStiffness => {
                 vehicle.trailer.frame_sd(u.frame_torsional_stiffness_sd)
             }
-            Parameter::TrailerSpringFriction if vehicle.has_measured_springs_on(true) => {
-                u.spring_friction_sd
-            }
-            Parameter::TractorSpringFriction if vehicle.has_measured_springs_on(false) => {
+            Parameter::TrailerSpringFriction | Parameter::TractorSpringFriction
+                if parameter.is_in_model_of(vehicle) =>
+            {
                 u.spring_friction_sd
             }
             Parameter::TrailerSpringFriction | Parameter::TractorSpringFriction => 0.0,

@@ -4,7 +4,7 @@
 use cg_core::{CHANNELS, Channel};
 
 use crate::balance::static_balance;
-use crate::belief::{Belief, Deviations, PARAMETERS, Parameter, adjusted, log_gain};
+use crate::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
 use crate::cornering::{Softer, TURNS, TURNS_G};
 use crate::equations::Variant;
 use crate::error::VehicleError;
@@ -271,6 +271,22 @@ fn logarithms(laden: &Laden<'_>, speed_mps: f64) -> Result<[f64; CHANNELS], Vehi
 /// Logarithms of all channels' DC ratios, and their derivatives with respect to the parameters.
 type LogRatios = ([f64; CHANNELS], [Deviations; CHANNELS]);
 
+/// The logarithms at a height, in turns of one lateral acceleration, g, or in usual turns, for the vehicle file.
+///
+/// # Errors
+/// As [`ratio_line`](crate::linear::ratio_line); also if a ratio is not positive.
+pub(crate) fn log_ratios_of_file(
+    vehicle: &Vehicle,
+    variant: Variant,
+    (speed_mps, turn_g): (f64, Option<f64>),
+    load: Load,
+) -> Result<[f64; CHANNELS], VehicleError> {
+    logarithms(
+        &turning(&adjusted(vehicle, &Deviations::zeros()), variant, load, turn_g)?,
+        speed_mps,
+    )
+}
+
 /// The [logarithms and their derivatives](LogRatios) at a height, in turns of one lateral acceleration, g, or in usual
 /// turns.
 ///
@@ -295,33 +311,30 @@ fn log_ratios_at<const N: usize>(
     load: Load,
     mean: &Deviations,
 ) -> Result<[LogRatios; N], VehicleError> {
+    let truck = adjusted(vehicle, mean);
+    let laden = turning(&truck, variant, load, turn_g)?;
+    let mut all = [([0.0; CHANNELS], [Deviations::zeros(); CHANNELS]); N];
+    for ((logs, slopes), here) in all.iter_mut().zip(at_speeds(&laden, speeds_mps)?) {
+        for channel in Channel::ALL {
+            let i = channel.index();
+            logs[i] = here[i] + log_gain(mean, channel);
+            slopes[i] = gain_slopes(channel);
+        }
+    }
     // How much softer tires are in turns hardly depends on the parameters, but bends where a tire's load passes a node of its
     // table. The derivatives leave it as it is, so that they do not jump from one step of an iteration to the next.
-    let truck = adjusted(vehicle, mean);
-    let mut laden = Laden::new(&truck, variant, load)?;
-    if let Some(lateral_g) = turn_g {
-        laden = laden.in_turn(lateral_g)?;
-    }
     let tires = laden.motion().map(|motion| motion.cornering);
-    let at = |laden: &Laden<'_>, deviations: &Deviations| {
-        let mut logs = [[0.0; CHANNELS]; N];
-        for (logs, speed_mps) in logs.iter_mut().zip(speeds_mps) {
-            *logs = logarithms(laden, speed_mps)?;
-            for channel in Channel::ALL {
-                logs[channel.index()] += log_gain(deviations, channel);
-            }
-        }
-        Ok(logs)
-    };
     let near = |deviations: &Deviations| {
         let truck = adjusted(vehicle, deviations);
-        at(&Laden::with_tires(&truck, variant, load, tires)?, deviations)
+        at_speeds(&Laden::with_tires(&truck, variant, load, tires)?, speeds_mps)
     };
-    let mut all = at(&laden, mean)?.map(|here| (here, [Deviations::zeros(); CHANNELS]));
     // Central differences with a step of 1e-4: the error is 1e-8 of the third derivative, the
     // rounding error 1e-12/1e-4.
     let step = 1e-4;
-    for k in 0..PARAMETERS {
+    for parameter in
+        Parameter::ALL.into_iter().filter(|parameter| parameter.is_in_model_of(vehicle))
+    {
+        let k = parameter as usize;
         let (mut above, mut below) = (*mean, *mean);
         above[k] += step;
         below[k] -= step;
@@ -333,4 +346,82 @@ fn log_ratios_at<const N: usize>(
         }
     }
     Ok(all)
+}
+
+/// A vehicle under a load, in turns of one lateral acceleration, g, or in usual turns.
+fn turning(
+    truck: &Vehicle,
+    variant: Variant,
+    load: Load,
+    turn_g: Option<f64>,
+) -> Result<Laden<'_>, VehicleError> {
+    let laden = Laden::new(truck, variant, load)?;
+    match turn_g {
+        Some(lateral_g) => laden.in_turn(lateral_g),
+        None => Ok(laden),
+    }
+}
+
+fn at_speeds<const N: usize>(
+    laden: &Laden<'_>,
+    speeds_mps: [f64; N],
+) -> Result<[[f64; CHANNELS]; N], VehicleError> {
+    let mut logs = [[0.0; CHANNELS]; N];
+    for (logs, speed_mps) in logs.iter_mut().zip(speeds_mps) {
+        *logs = logarithms(laden, speed_mps)?;
+    }
+    Ok(logs)
+}
+
+/// The derivatives of [`log_gain`], which is linear.
+fn gain_slopes(channel: Channel) -> Deviations {
+    Deviations::from_fn(|k, _| log_gain(&Deviations::ith(k, 1.0), channel))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every parameter that is in the equations of a truck changes one of its ratios. What is not in them changes none, so that
+    /// its derivatives are those of the gains.
+    #[test]
+    fn what_is_not_in_the_equations_changes_no_ratio() {
+        // Seven gains; a rigid frame; the friction of tractor and trailer.
+        let cases =
+            [("baseline", 1e10, 7 + 1 + 2), ("baseline-tables", 1e10, 7 + 1), ("euro", 6e5, 7 + 2)];
+        for (file, frame_nm_per_rad, others) in cases {
+            let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles");
+            let mut vehicle = Vehicle::load(format!("{folder}/{file}.toml")).unwrap();
+            vehicle.trailer.frame_torsional_stiffness_nm_per_rad = Some(frame_nm_per_rad);
+            let (load, speed_mps) = (vehicle.reference_load(), vehicle.nominal_speed_mps);
+            let at = |deviations: &Deviations| {
+                let truck = adjusted(&vehicle, deviations);
+                logarithms(&Laden::new(&truck, Variant::Complete, load).unwrap(), speed_mps)
+                    .unwrap()
+            };
+            let usual = at(&Deviations::zeros()).map(f64::to_bits);
+            let changes = |parameter: &Parameter| {
+                at(&Deviations::ith(*parameter as usize, 0.1)).map(f64::to_bits) != usual
+            };
+            let (within, without): (Vec<_>, Vec<_>) = Parameter::ALL
+                .into_iter()
+                .partition(|parameter| parameter.is_in_model_of(&vehicle));
+            assert!(!without.iter().any(changes), "{file}: {without:?}");
+            assert!(within.iter().all(changes), "{file}: {within:?}");
+            assert_eq!(without.len(), others, "{file}: {without:?}");
+        }
+    }
+
+    /// A gain changes the ratios of its own channels alone, as much as itself.
+    #[test]
+    fn a_gain_changes_the_ratios_of_its_sensor() {
+        for channel in Channel::ALL {
+            let slopes = gain_slopes(channel);
+            for parameter in Parameter::ALL {
+                let is_own = parameter == Parameter::of_input(channel.input())
+                    || parameter == Parameter::of_output(channel.output());
+                assert!((slopes[parameter as usize] - f64::from(u8::from(is_own))).abs() < 1e-15);
+            }
+        }
+    }
 }

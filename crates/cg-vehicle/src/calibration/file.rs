@@ -20,7 +20,7 @@ use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::files::{self, Unsealed};
 use crate::load::Load;
-use crate::ratio_spread::log_ratios;
+use crate::ratio_spread::log_ratios_of_file;
 use crate::reduction::Shapes;
 use crate::vehicle::Vehicle;
 
@@ -303,14 +303,8 @@ impl Calibration {
         }
         for run in &self.run {
             let load = Load { trailer_mass_kg: run.trailer_mass_kg, cg_height_m: run.height_m };
-            let (logs, _) = log_ratios(
-                vehicle,
-                self.model,
-                (run.speed_mps, run.turn_g),
-                load,
-                &Deviations::zeros(),
-            )
-            .map_err(|error| error.to_string())?;
+            let logs = log_ratios_of_file(vehicle, self.model, (run.speed_mps, run.turn_g), load)
+                .map_err(|error| error.to_string())?;
             for entry in &run.channel {
                 let channel: Channel =
                     entry.name.parse().map_err(|error| format!("run {}: {error}", run.log))?;
