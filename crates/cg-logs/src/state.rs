@@ -212,6 +212,9 @@ pub fn runs_of(
     vehicle: &Vehicle,
     variant: Variant,
 ) -> Result<Vec<Run>, VehicleError> {
+    if files.is_empty() {
+        return Ok(Vec::new());
+    }
     let design_crc32 = design_crc32(&design(vehicle, variant)?);
     let mut all = Vec::new();
     for (name, bytes) in files {

@@ -40,19 +40,47 @@ impl Belief {
         speeds_mps: [f64; N],
         load: Load,
     ) -> Result<[[[f64; CHANNELS]; CHANNELS]; N], VehicleError> {
-        let all = log_ratios_at(vehicle, variant, (speeds_mps, None), load, &self.mean)?;
-        let mut parameters = self.covariance;
-        for (parameter, variance) in
-            STIFFNESSES.into_iter().zip(stiffness_variances(vehicle, load)?)
-        {
+        let changes = Changes::new(vehicle, variant, speeds_mps, load, &self.mean)?;
+        Ok(changes.covariances(self))
+    }
+}
+
+/// How the logarithms of all channels' DC ratios change at a load, at several speeds. It depends on the mean of a belief
+/// only.
+pub(crate) struct Changes<const N: usize> {
+    pub(crate) of_parameters: [LogRatios; N],
+    /// See [`place_change`].
+    pub(crate) by_place: [[f64; CHANNELS]; N],
+    by_turn: [Deviations; TURNS],
+    stiffness_variances: [f64; 2],
+}
+
+impl<const N: usize> Changes<N> {
+    pub(crate) fn new(
+        vehicle: &Vehicle,
+        variant: Variant,
+        speeds_mps: [f64; N],
+        load: Load,
+        mean: &Deviations,
+    ) -> Result<Self, VehicleError> {
+        Ok(Self {
+            of_parameters: log_ratios_at(vehicle, variant, (speeds_mps, None), load, mean)?,
+            by_place: place_changes(vehicle, variant, speeds_mps, load, mean)?,
+            by_turn: cornering_changes(&adjusted(vehicle, mean), variant, load)?,
+            stiffness_variances: stiffness_variances(vehicle, load)?,
+        })
+    }
+
+    /// Their covariance at each speed, if the parameters have that of a belief.
+    pub(crate) fn covariances(&self, belief: &Belief) -> [[[f64; CHANNELS]; CHANNELS]; N] {
+        let mut parameters = belief.covariance;
+        for (parameter, variance) in STIFFNESSES.into_iter().zip(self.stiffness_variances) {
             parameters[(parameter as usize, parameter as usize)] += variance;
         }
-        let by_place = place_changes(vehicle, variant, speeds_mps, load, &self.mean)?;
-        let by_turn = cornering_changes(&adjusted(vehicle, &self.mean), variant, load)?;
-        Ok(std::array::from_fn(|at| {
-            let ((_, slopes), by_place) = (&all[at], &by_place[at]);
+        std::array::from_fn(|at| {
+            let ((_, slopes), by_place) = (&self.of_parameters[at], &self.by_place[at]);
             let mut covariance = [[0.0; CHANNELS]; CHANNELS];
-            let by_turn = by_turn.map(|change| slopes.map(|slope| slope.dot(&change)));
+            let by_turn = self.by_turn.map(|change| slopes.map(|slope| slope.dot(&change)));
             for i in 0..CHANNELS {
                 let moved = parameters * slopes[i];
                 for j in 0..=i {
@@ -60,10 +88,10 @@ impl Belief {
                     covariance[i][j] = slopes[j].dot(&moved) + by_place[i] * by_place[j] + turning;
                     covariance[j][i] = covariance[i][j];
                 }
-                covariance[i][i] += self.residual_sd * self.residual_sd;
+                covariance[i][i] += belief.residual_sd * belief.residual_sd;
             }
             covariance
-        }))
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::belief::{Belief, Covariance, PARAMETERS};
 use crate::equations::Variant;
 use crate::error::VehicleError;
 use crate::load::Load;
-use crate::ratio_spread::{log_ratios, place_change};
+use crate::ratio_spread::Changes;
 use crate::vehicle::Vehicle;
 
 /// Relative standard deviation by noise of a usual ratio.
@@ -38,25 +38,29 @@ pub(super) fn advice(
     .map(|(trailer_mass_kg, cg_height_m)| Load { trailer_mass_kg, cg_height_m });
     let used =
         Channel::ALL.map(|channel| runs.iter().any(|run| run.ratio[channel.index()].is_some()));
-    let worst = |belief: &Belief| -> Result<(f64, Load), VehicleError> {
+    let at = |load| {
+        let speeds_mps = [vehicle.nominal_speed_mps];
+        Ok((load, Changes::new(vehicle, variant, speeds_mps, load, &belief.mean)?))
+    };
+    let changes = loads.into_iter().map(at).collect::<Result<Vec<_>, VehicleError>>()?;
+    let worst = |belief: &Belief| {
         let mut worst = (0.0, loads[0]);
-        for load in loads {
-            let speed_mps = vehicle.nominal_speed_mps;
-            let covariance = belief.ratio_covariance(vehicle, variant, speed_mps, load)?;
+        for (load, changes) in &changes {
+            let [covariance] = changes.covariances(belief);
             let sds = (0..CHANNELS).filter(|&k| used[k]).map(|k| covariance[k][k].sqrt());
             let sd = sds.fold(f64::INFINITY, f64::min);
             if sd > worst.0 {
-                worst = (sd, load);
+                worst = (sd, *load);
             }
         }
-        Ok(worst)
+        worst
     };
-    let (now, load) = worst(belief)?;
+    let (now, load) = worst(belief);
     let mut best = (now, loads[0]);
-    for load in loads {
-        let (then, _) = worst(&after(vehicle, variant, belief, (load, &used))?)?;
+    for (load, changes) in &changes {
+        let (then, _) = worst(&after(belief, changes, &used));
         if then < best.0 {
-            best = (then, load);
+            best = (then, *load);
         }
     }
     let least_certain = format!("{:.1} t", load.trailer_mass_kg / 1e3);
@@ -76,21 +80,14 @@ pub(super) fn advice(
     }))
 }
 
-/// The belief after one more run with this load, in these channels.
-fn after(
-    vehicle: &Vehicle,
-    variant: Variant,
-    belief: &Belief,
-    (load, used): (Load, &[bool; CHANNELS]),
-) -> Result<Belief, VehicleError> {
-    let speed_mps = vehicle.nominal_speed_mps;
-    let (_, slopes) = log_ratios(vehicle, variant, (speed_mps, None), load, &belief.mean)?;
+/// The belief after one more run with a load at which the ratios change like this, in these channels.
+fn after(belief: &Belief, changes: &Changes<1>, used: &[bool; CHANNELS]) -> Belief {
+    let ([(_, slopes)], [by_place]) = (&changes.of_parameters, &changes.by_place);
     let rows: Vec<usize> = (0..CHANNELS).filter(|&k| used[k]).collect();
     let h = DMatrix::from_fn(rows.len(), PARAMETERS, |i, j| slopes[rows[i]][j]);
     let p = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| belief.covariance[(i, j)]);
     let variance = belief.residual_sd * belief.residual_sd + NOISE_SD * NOISE_SD;
     let mut noise = DMatrix::from_diagonal(&DVector::from_element(rows.len(), variance));
-    let by_place = place_change(vehicle, variant, speed_mps, load, &belief.mean)?;
     let moved = DVector::from_iterator(rows.len(), rows.iter().map(|&k| by_place[k]));
     noise.ger(1.0, &moved, &moved, 1.0);
     let innovation = (&h * &p * h.transpose() + noise).cholesky();
@@ -99,5 +96,5 @@ fn after(
         |innovation| &p * h.transpose() * innovation.solve(&(&h * &p)),
     );
     let covariance = Covariance::from_fn(|i, j| p[(i, j)] - 0.5 * (told[(i, j)] + told[(j, i)]));
-    Ok(Belief { covariance, ..belief.clone() })
+    Belief { covariance, ..belief.clone() }
 }
