@@ -109,3 +109,40 @@ def test_one_state_may_stand_alone(kraz, tmp_path):
     assert all(truck.is_calibrated for truck in known)
     with pytest.raises(FileNotFoundError, match=r"nowhere\.json: cannot be read"):
         cgheight.calibrate(kraz, [], tmp_path / "x.toml", from_state="nowhere.json")
+
+
+@pytest.mark.parametrize("steer_rad", [np.nan, np.inf, -np.inf, 1.5])
+@pytest.mark.parametrize("plant", ["reduced", "linear", "nonlinear"])
+@pytest.mark.parametrize("maneuver", ["rounded-step", "lane-change", "drive"])
+def test_a_steer_angle_has_limits(steer_rad, plant, maneuver, kraz):
+    scenario = cgheight.Scenario(maneuver, plant=plant, steer_rad=steer_rad)
+    with pytest.raises(ValueError, match=r"steer_rad .* must lie between -1 and 1"):
+        cgheight.simulate(kraz, scenario)
+
+
+def test_a_mass_has_a_standard_deviation_however_it_is_given(kraz, turn):
+    rows, mass_kg, sd_kg = len(turn["time_s"]), turn["trailer_mass_kg"], 2000.0
+    one_kg = float(np.mean(mass_kg))
+
+    def height(mass, sd=None):
+        given = {**turn, "trailer_mass_kg": mass}
+        if sd is not None:
+            given["trailer_mass_sd_kg"] = sd
+        return cgheight.estimate(**given, vehicle=kraz)
+
+    exact = height(one_kg)
+    same = [
+        height((one_kg, sd_kg)),
+        height(one_kg, sd_kg),
+        height(one_kg, np.full(rows, sd_kg)),
+        height(np.full(rows, one_kg), sd_kg),
+        height(np.full(rows, one_kg), np.full(rows, sd_kg)),
+    ]
+    for found in same:
+        assert found.height_sd_m > 1.2 * exact.height_sd_m
+        # A mass of all rows and one in each row are smoothed differently.
+        assert found.height_sd_m == pytest.approx(same[0].height_sd_m, rel=1e-3)
+    with pytest.raises(ValueError, match="give one of them"):
+        height((one_kg, sd_kg), np.full(rows, sd_kg))
+    with pytest.raises(ValueError, match="negative"):
+        height(one_kg, -1.0)

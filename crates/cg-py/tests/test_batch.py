@@ -60,7 +60,7 @@ def test_a_frame_without_logs_has_the_columns_and_types_of_others(kraz):
 
 
 @pytest.mark.parametrize(("mass_kg", "shown_kg"), [
-    ((20_000.0, 300.0), 20_000.0), (21_000, 21_000.0), ("heavy", None), ((), None),
+    ((20_000.0, 300.0), 20_000.0), (21_000, 21_000.0), (None, None),
 ])  # fmt: skip
 def test_a_rejected_log_has_the_given_mass_however_it_was_given(mass_kg, shown_kg, kraz, tmp_path):
     logs = [PATHS[0], tmp_path / "nowhere.csv"]
@@ -132,3 +132,16 @@ def test_logs_are_read_into_frames_in_si_units(tmp_path):
     assert frame.time_s.tolist() == [0.0, 0.01]
     assert frame.roll_rad[0] == pytest.approx(-np.radians(2.0), rel=1e-15)
     assert pd.isna(frame.roll_rad[1])
+
+
+@pytest.mark.parametrize("option", [
+    {"method": "foo"}, {"channel": "roll"}, {"columns": ["a"]}, {"speed_mps": -1.0},
+    {"trailer_mass_kg": "heavy"},
+])  # fmt: skip
+def test_an_option_that_cannot_be_is_no_fault_of_a_log(option, kraz, tmp_path):
+    with pytest.raises(ValueError, match=next(iter(option))):
+        cgheight.estimate_logs(PATHS, vehicle=kraz, errors="reject", **option)
+    page = tmp_path / "report.html"
+    with pytest.raises(ValueError, match=next(iter(option))):
+        cgheight.report(PATHS, page, vehicle=kraz, errors="reject", **option)
+    assert not page.exists()

@@ -302,6 +302,20 @@ def measured(turn, tmp_path_factory):
 NAMES = {"steer": "Wheel", "lateral_acceleration": "ay"}
 
 
+def test_damaged_mf4_files_are_rejected_one_by_one(measured, kraz, tmp_path):
+    junk, cut = tmp_path / "junk.mf4", tmp_path / "cut.mf4"
+    junk.write_bytes(b"MDF     4.10" + b"x" * 200)
+    cut.write_bytes(measured.read_bytes()[:900])
+    for damaged in (junk, cut):
+        with pytest.raises(ValueError, match=rf"{damaged.name}: damaged"):
+            cgheight.read_log(damaged)
+        with pytest.raises(ValueError, match=rf"{damaged.name}: damaged"):
+            cgheight.estimate_log(damaged, vehicle=kraz)
+    some = [measured, junk, cut]
+    found = cgheight.estimate_logs(some, vehicle=kraz, columns=NAMES, errors="reject")
+    assert [answer.status for answer in found.estimates] == ["ok", "rejected", "rejected"]
+
+
 def test_channels_of_different_rasters_in_mf4(measured, kraz, height, tmp_path):
     answer = cgheight.estimate_log(measured, vehicle=kraz, columns=NAMES)
     # Interpolation between 50 Hz and 100 Hz in a turn that builds up in a second.

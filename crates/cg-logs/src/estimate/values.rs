@@ -26,11 +26,16 @@ const OF_BLOCK: u64 = 16;
 /// Share of the rounding of a step, its width over √12, in the root mean square of a signal, above which the
 /// height can be wrong by as much.
 const COARSE: f64 = 0.05;
-/// Share of changes that take back the one before, below which the noise of a signal in steps does not smooth it: with
-/// noise of half a step, neighbors are apart by chance, and two of three changes are taken back.
-const TAKEN_BACK: f64 = 0.5;
+/// Share of samples that differ from the one before, above which the noise of a signal in steps makes their mean true. With
+/// noise of 0.4 steps, neighbors differ by 0.4·2/√π steps in the mean, which is a change in 0.43 of the samples, and
+/// `e^(−2π²·0.4²)` = 4 % of the rounding are left.
+const NOISY: f64 = 0.43;
 /// Least number of changes to know the width of a step.
 const CHANGES: f64 = 10.0;
+
+/// Least distance of a value from zero in steps, for a zero beside it to be no measurement: one and a half steps of the sensor if
+/// four samples make a mean, whose steps are a quarter.
+const LEAST_STEPS: f64 = 6.0;
 
 /// Least value of an angle (rad), an acceleration (m/s²) and a yaw rate (rad/s) that is far from zero.
 const ANGLE: f64 = 0.002;
@@ -72,12 +77,11 @@ struct Values {
     /// Values large enough for a zero beside them to be no measurement, and such zeros.
     large: f64,
     zeros: f64,
-    /// The last value, zero or not, and the last change.
+    /// The last value, zero or not.
     before: Option<f64>,
-    change: f64,
-    /// Changes to another value, those that took back the one before, and the smallest one.
+    /// Values that follow another one, changes to another value, and the smallest one.
+    followers: f64,
     changes: f64,
-    taken_back: f64,
     step: f64,
 }
 
@@ -114,6 +118,7 @@ impl Values {
         let small = last.abs().min(value.abs());
         let is_large = last * value > 0.0
             && small > far
+            && small > LEAST_STEPS * self.step
             && self.pairs > LEAST_SAMPLES
             && small * small * self.pairs > JUMP * JUMP * self.difference_square
             && small * small * self.rows > LARGE * LARGE * self.square;
@@ -132,11 +137,10 @@ impl Values {
     /// The difference to the value before.
     fn step(&mut self, change: f64) {
         let size = change.abs();
+        self.followers += 1.0;
         if size > SAME {
             self.step = if self.changes > 0.0 { self.step.min(size) } else { size };
             self.changes += 1.0;
-            self.taken_back += f64::from(u8::from(change * self.change < 0.0));
-            self.change = change;
         }
     }
 
@@ -151,8 +155,8 @@ impl Values {
         let mean = self.sum / self.rows;
         let sd = (self.square / self.rows - mean * mean).max(0.0).sqrt();
         let share = self.step / 12.0_f64.sqrt() / sd;
-        let is_smooth = self.taken_back > TAKEN_BACK * self.changes;
-        (self.changes >= CHANGES && !is_smooth && share > COARSE).then_some((self.step, share))
+        let is_noisy = self.changes > NOISY * self.followers;
+        (self.changes >= CHANGES && !is_noisy && share > COARSE).then_some((self.step, share))
     }
 }
 
@@ -275,6 +279,20 @@ mod tests {
         }
     }
 
+    /// The difference of two levels that are rounded each by itself, with little noise: it is zero for many samples, and it
+    /// flickers when one of both changes.
+    #[test]
+    fn the_difference_of_coarse_levels_is_told() {
+        for noise_m in [2e-4, 5e-4, 1e-3] {
+            let level = |roll_rad: f64, k: u32| {
+                ((0.4 * roll_rad + 0.013 + noise_m * noise(k)) / 5e-3).round() * 5e-3
+            };
+            let found = check(|roll_rad, k| level(roll_rad, 2 * k) - level(-roll_rad, 2 * k + 1));
+            assert!(found.coarse().is_some_and(|told| told.contains("steps")), "{noise_m}");
+            assert_eq!(found.missing(), None, "{noise_m}");
+        }
+    }
+
     /// Steps of a sixth of the amplitude are coarse if the noise is less than they are; noise of half a step makes
     /// their mean true.
     #[test]
@@ -286,6 +304,8 @@ mod tests {
         let told = steps(5e-3, 0.0).unwrap();
         assert!(told.contains("roll comes in steps of 5.00e-3 rad"), "{told}");
         assert_eq!(steps(1e-3, 0.0), None);
+        // Some flicker between two steps does not make their mean true.
+        assert!(steps(5e-3, 1e-3).is_some());
         assert_eq!(steps(5e-3, 2.5e-3), None);
         assert_eq!(check(|roll_rad, k| roll_rad + 1e-3 * noise(k)).coarse(), None);
     }

@@ -163,10 +163,24 @@ impl Scenario {
         check_payload_left(vehicle, self.payload_left_m)
     }
 
+    fn check_steer(&self) -> Result<(), VehicleError> {
+        let greatest_rad = limits::GREATEST_STEER_RAD;
+        match self.steer_rad {
+            Some(steer_rad) if !(steer_rad.abs() <= greatest_rad) => {
+                Err(VehicleError::Model(format!(
+                    "⟨steer_rad⟩ {steer_rad} must lie between {} and {greatest_rad}",
+                    -greatest_rad
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
     pub(super) fn check(&self, vehicle: &Vehicle) -> Result<(), VehicleError> {
         let refuse = |text: String| Err(VehicleError::Model(text));
         self.load.check()?;
         self.check_place(vehicle)?;
+        self.check_steer()?;
         limits::positive("⟨speed_mps⟩", self.speed_mps, limits::GREATEST_SPEED_MPS)?;
         limits::positive("⟨rate_hz⟩", self.rate_hz, limits::GREATEST_RATE_HZ)?;
         limits::positive("⟨duration_s⟩", self.duration_s, limits::GREATEST_DURATION_S)?;

@@ -10,7 +10,8 @@ from glob import glob
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from cgheight import _native, _show
-from cgheight._estimate import estimate_log
+from cgheight._columns import flips, maps
+from cgheight._estimate import Estimator, EstimatorOptions, estimate_log
 from cgheight._extras import need
 from cgheight._results import Estimate, Maneuver, rejected
 
@@ -128,6 +129,14 @@ def _numbers(table: pd.DataFrame) -> pd.DataFrame:
 _UNITS = ("_m", "_s", "_sd", "_mps", "_kg", "_db", "_percent", "_g", "_share")
 
 
+def check_options(vehicle: _native.Vehicle, options: Mapping[str, Any]) -> None:
+    """Refuse options that no log can be estimated with."""
+    known = EstimatorOptions.__annotations__
+    Estimator(vehicle, **{name: value for name, value in options.items() if name in known})
+    maps(options.get("columns"))
+    flips(options.get("flip", ()))
+
+
 def check_work(jobs: int | None, errors: str) -> None:
     """Refuse numbers of threads and words for errors that there are not."""
     if errors not in ("raise", "reject"):
@@ -218,6 +227,7 @@ def estimate_logs(
     check_work(jobs, errors)
     names, known = named_logs(logs)
     truck = vehicle if calibration is None else vehicle.calibrated(calibration)
+    check_options(truck, options)
     bar = need("tqdm.auto", "progress").tqdm(total=len(known), unit="log") if progress else None
 
     def work(log: Any) -> Estimate:

@@ -110,8 +110,9 @@ def estimate(
         Equations of the vehicle.
     **signals : array, shape (n,), optional
         The other signals of `cgheight.SIGNALS`: ``lateral_acceleration_mps2``,
-        ``yaw_rate_radps``, …. ``speed_mps`` (m/s) and ``trailer_mass_kg`` (the whole semitrailer as
-        weighed, kg) may be one number for all rows; if absent, they are taken from the vehicle.
+        ``yaw_rate_radps``, …. ``speed_mps`` (m/s), ``trailer_mass_kg`` (the whole semitrailer as
+        weighed, kg) and ``trailer_mass_sd_kg`` may be one number for all rows, and the mass a pair
+        with its standard deviation; if absent, they are taken from the vehicle.
 
     Returns
     -------
@@ -129,18 +130,42 @@ def estimate(
     FileNotFoundError
         There is no such calibration file.
     """
-    scalars: dict[str, object] = {"speed_mps": None, "trailer_mass_kg": None}
+    scalars: dict[str, object] = {"speed_mps": None}
     given: dict[str, Any] = {"time_s": time_s, "steer_rad": steer_rad, "roll_rad": roll_rad}
     given |= signals
-    for name in scalars:
-        value = given.get(name)
-        if value is not None and np.ndim(value) == 0:
-            scalars[name], given[name] = value, None
+    scalars["trailer_mass_kg"] = _one_mass(given)
+    speed = given.get("speed_mps")
+    if speed is not None and np.ndim(speed) == 0:
+        scalars["speed_mps"], given["speed_mps"] = speed, None
     if is_clock(time_s):
         given["time_s"] = seconds("time_s", time_s)
     arrays = {name: column(name, values) for name, values in given.items() if values is not None}
     options = shared_options(method, channel, model, **scalars)
     return estimate_table(calibrated(vehicle, calibration), arrays, options)
+
+
+def _one_mass(signals: dict[str, Any]) -> object:
+    """Take the mass of all rows, or its pair with the standard deviation, out of the signals.
+
+    If one of both is an array, the other one becomes an array of the same number.
+    """
+    mass, sd = signals.get("trailer_mass_kg"), signals.get("trailer_mass_sd_kg")
+    if isinstance(mass, tuple) and sd is not None:
+        raise ValueError(
+            "trailer_mass_kg is a pair with a standard deviation, and trailer_mass_sd_kg is given "
+            "too: give one of them"
+        )
+    one_mass = mass is not None and (isinstance(mass, tuple) or np.ndim(mass) == 0)
+    one_sd = sd is not None and np.ndim(sd) == 0
+    if one_mass and (sd is None or one_sd):
+        signals["trailer_mass_kg"] = signals["trailer_mass_sd_kg"] = None
+        return mass if sd is None else (mass, sd)
+    rows = np.size(signals["time_s"])
+    if one_mass:
+        signals["trailer_mass_kg"] = np.full(rows, number("trailer_mass_kg", mass))
+    if one_sd:
+        signals["trailer_mass_sd_kg"] = np.full(rows, number("trailer_mass_sd_kg", sd))
+    return None
 
 
 def estimate_table(

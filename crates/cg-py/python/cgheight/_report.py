@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Literal
 
 from cgheight import _native
-from cgheight._batch import Estimates, check_work, named_logs
+from cgheight._batch import Estimates, check_options, check_work, named_logs
 from cgheight._estimate import calibrated, estimate_log, stream_options
 from cgheight._logs import signals
 from cgheight._results import Estimate, rejected
@@ -84,6 +84,7 @@ def report(
     }
     _native.may_write_report(request)
     truck = calibrated(vehicle, calibration)
+    check_options(truck, options)
     heights_m = true_heights_m or {}
 
     def work(name: str, log: Any) -> tuple[Estimate, _Entry]:

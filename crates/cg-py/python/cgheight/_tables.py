@@ -45,8 +45,17 @@ def is_table(path: str | os.PathLike[str], columns: Mapping[str, str] | None) ->
     kind = _kind(path)
     if kind != _MDF or columns:
         return kind is not None
-    with need("asammdf", "can").MDF(path) as file:
-        return not any(getattr(file, "bus_logging_map", {}).get("CAN", {}).values())
+    mdf = need("asammdf", "can").MDF
+    try:
+        with mdf(path) as file:
+            return not any(getattr(file, "bus_logging_map", {}).get("CAN", {}).values())
+    except OSError:
+        raise
+    except Exception as error:  # asammdf raises its own and many others
+        name = os.fspath(path)
+        raise ValueError(
+            f"{name}: damaged, or not an MF4 file: copy it again, or let its program save it anew"
+        ) from error
 
 
 def read_table(
