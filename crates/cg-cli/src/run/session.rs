@@ -271,9 +271,7 @@ impl<W: Write> Session<W> {
             (self.roads, self.told) = (RoadPart::default(), ToldOfLoad::default());
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
-            if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
-                self.notice("mass", message)?;
-            }
+            self.doubt_held_mass(maneuver)?;
         }
         self.roads.push(maneuver);
         self.doubt_kept_mass(maneuver)?;

@@ -38,6 +38,12 @@ pub fn weighed_mass(design: &Design<f64>, mass_kg: f64) -> f64 {
     if (LEAST_EMPTY * least_kg..least_kg).contains(&mass_kg) { least_kg } else { mass_kg }
 }
 
+/// Whether a trailer mass is that of another load before, and not a new measurement: two loads differ by more than a
+/// thousandth.
+pub fn is_held(mass_kg: f64, before_kg: f64) -> bool {
+    (mass_kg / before_kg - 1.0).abs() < 1e-3
+}
+
 /// Whether a trailer of a mass, kg, has another load than one of the second mass, as for the estimator.
 pub fn is_other_load(mass_kg: f64, known_kg: f64) -> bool {
     (mass_kg - known_kg).abs() > Settings::<f64>::truck().mass_change * known_kg

@@ -4,10 +4,7 @@ use cg_core::{Maneuver, Word};
 use cg_vehicle::scales::Scale;
 
 use super::intake::LogEstimator;
-use super::known::is_other_load;
-
-/// Relative change of a trailer mass below which it was not weighed again.
-const SAME: f64 = 1e-3;
+use super::known::{is_held, is_other_load};
 
 impl LogEstimator {
     /// The maneuvers of the last load that tell anything of it.
@@ -132,9 +129,7 @@ impl LogEstimator {
         let since_s = self.load_since_s()?;
         let since_us = self.of_load().first().map_or(0, |one| one.start_us);
         let before = self.maneuvers.iter().rev().find(|one| one.end_us < since_us);
-        let stays = |before: &Maneuver<f64>| {
-            (self.turns_mass_kg() / before.trailer_mass_kg - 1.0).abs() < SAME
-        };
+        let stays = |before: &Maneuver<f64>| is_held(self.turns_mass_kg(), before.trailer_mass_kg);
         let doubt = if before.is_some_and(stays) && self.is_mass_known() {
             "; the trailer mass is the same as before, so give ⟨trailer_mass_kg⟩ if the trailer was not weighed again"
         } else {

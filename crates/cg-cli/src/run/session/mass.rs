@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use cg_core::Sample;
-use cg_logs::estimate::weighed_mass;
+use cg_core::{Maneuver, Sample};
+use cg_logs::estimate::{is_held, weighed_mass};
 
 use super::Session;
 use crate::run::events::MassSource;
@@ -35,6 +35,22 @@ impl<W: Write> Session<W> {
             }
         }
         Ok(())
+    }
+
+    /// Says that the mass is that of the load before a turn with another load.
+    pub(super) fn doubt_held_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
+        let (mass_kg, before_kg) = (maneuver.trailer_mass_kg, self.known.trailer_mass_kg);
+        if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
+            self.notice("mass", message)
+        } else if self.mass_source != MassSource::Nominal && is_held(mass_kg, before_kg) {
+            let message = format!(
+                "a turn shows another load, but the trailer mass is still {mass_kg:.0} kg: if the trailer was not weighed \
+                 again, the height is wrong; give --trailer-mass-kg of this load or a signal of the mass"
+            );
+            self.notice("mass", &message)
+        } else {
+            Ok(())
+        }
     }
 
     /// Reports once that the vehicle file's mass is used as that of the trailer.

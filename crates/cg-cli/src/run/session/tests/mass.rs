@@ -116,3 +116,35 @@ fn an_impossible_turn_with_an_old_mass_hides_the_height() {
         assert!(session.known.height_m.is_some());
     }
 }
+
+/// A mass that nothing has weighed since a turn showed another load is doubted, wherever it is from, but for the vehicle
+/// file's, of which a message was given before.
+#[test]
+fn a_mass_that_stays_the_same_with_another_load_is_told() {
+    let mut one = {
+        let mut session = session(Some(nominal_kg()), 0.0);
+        turn(&mut session, 0);
+        session.estimator.finish().unwrap()
+    };
+    let cases = [
+        (MassSource::Signal, 1.0, true),
+        (MassSource::Given, 1.0, true),
+        (MassSource::Signal, 1.01, false),
+        (MassSource::Nominal, 1.0, false),
+    ];
+    for (source, times, is_told) in cases {
+        let mut session = restarted();
+        session.mass_source = source;
+        // A scale has weighed the trailer in this turn.
+        session.weighing.weighed.weigh(one.end_us, [nominal_kg(), nominal_kg()]);
+        one.trailer_mass_kg = times * session.known.trailer_mass_kg;
+        session.doubt_held_mass(&one).unwrap();
+        let told = events(&mut session);
+        let words = "the trailer mass is still";
+        assert_eq!(
+            told.iter().any(|event| event.to_string().contains(words)),
+            is_told,
+            "{source:?}"
+        );
+    }
+}
