@@ -122,7 +122,7 @@ pub(crate) struct CalibrateArgs {
     /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// A log with turns at steady speed and its known c.g. height, ? if it is not known, or LOG=empty
+    /// A log with turns at steady speed and its known c.g. height (of the whole sprung mass, load and body), ? if it is not known, or LOG=empty
     /// for the empty trailer, whose height and mass are in the vehicle file; may be repeated
     #[arg(
         long,

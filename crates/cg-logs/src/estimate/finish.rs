@@ -144,7 +144,9 @@ impl LogEstimator {
         let strength = self.strong.strength(&self.design, (channel, height));
         let doubt = self.left_out.doubt(channel, (height, fused.maneuvers));
         let lean_sd = self.leaning.height_sd(self.options.lean, self.turns_mass_kg());
-        let sd = [by_mass_m, strength.sd * height, doubt.sd_m, lean_sd * height]
+        let turn = [speed.unwrap_or(best.speed_mps), best.trailer_mass_kg];
+        let by_tilts_m = self.seen.tilts().height_sd_m(&self.design, (channel, height), turn);
+        let sd = [by_mass_m, strength.sd * height, doubt.sd_m, lean_sd * height, by_tilts_m]
             .into_iter()
             .fold(fused.height_m.sd, libm::hypot);
         estimate.messages.extend(strength.messages());

@@ -179,6 +179,7 @@ impl LogEstimator {
         if self.seen_kinds.0 != next.kinds() {
             let signals = Signals::of(&sample.checked(), self.known_mps, self.design.gravity_mps2);
             self.seen_kinds = (next.kinds(), signals.are_seen_by(&self.design));
+            self.seen.arrive(row);
         }
         let (_, is_seen) = self.seen_kinds;
         let take = if is_seen { Self::take } else { Self::take_alone };

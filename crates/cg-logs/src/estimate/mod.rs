@@ -17,6 +17,7 @@
 //! | `leaning` | whether the trailer leans in straight driving |
 //! | `left_out` | maneuvers that contradict the height so far |
 //! | `since_stop` | whether the load was another one after a stop |
+//! | `tilts` | what is not known of the gains of inclinometers |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -50,6 +51,7 @@ mod since_stop;
 mod weighed;
 mod recorder;
 mod felt;
+mod tilts;
 mod strong;
 mod road;
 mod reason;
@@ -81,6 +83,7 @@ pub use road::RoadPart;
 pub use sensors::SensorCheck;
 pub use since_stop::SinceStop;
 pub use strong::{Strength, StrongTurns};
+pub use tilts::Tilts;
 pub use unheard::Unheard;
 pub(crate) use weighed::EMPTY_SHARE;
 pub use weighed::Weighed;

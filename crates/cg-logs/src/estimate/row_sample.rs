@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::felt::add_force;
 use super::known::weighed_mass;
 use super::options::EstimateOptions;
+use super::tilts::Tilts;
 use super::weighed::Weighed;
-use crate::log::LogRow;
+use crate::log::{LogRow, Signal};
 use cg_vehicle::scales::Scale;
 
 /// Which optional signals the log contains.
@@ -28,6 +29,8 @@ pub(super) struct SignalsSeen {
     pub(super) weighed: Weighed,
     /// The quantities that have arrived and are not used, in the order of [`Quantity::ALL`].
     pub(super) unscaled: [bool; Quantity::COUNT],
+    /// The quantities that have arrived when the signals of the log changed, in the same order.
+    arrived: [bool; Quantity::COUNT],
 }
 
 impl SignalsSeen {
@@ -69,6 +72,19 @@ impl SignalsSeen {
             sample.trailer_mass_kg = mass_kg;
         }
         sample
+    }
+
+    /// Takes the quantities of a row whose sample has other signals than the one before.
+    #[cold]
+    pub(super) fn arrive(&mut self, row: &LogRow) {
+        for quantity in Quantity::ALL {
+            self.arrived[quantity.index()] |= row.get(Signal::from(quantity)).is_finite();
+        }
+    }
+
+    /// Which roll angles come from inclinometers.
+    pub(super) fn tilts(&self) -> Tilts {
+        Tilts::of(|quantity| self.arrived[quantity.index()] && !self.unscaled[quantity.index()])
     }
 
     /// Takes the quantities of a row from which its sample has nothing.

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Maneuver, Outcome, Quantity, Reject};
-use cg_logs::estimate::{Doubt, RoadPart, Strength, Verdict};
+use cg_logs::estimate::{Doubt, RoadPart, Strength, Tilts, Verdict};
 
 use super::Session;
 use crate::run::channels::{self, mass_sd_m};
@@ -89,8 +89,8 @@ impl<W: Write> Session<W> {
         self.estimator.best_channel().map_or_else(Strength::default, of_channel)
     }
 
-    /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns, to a load beside the middle and
-    /// to maneuvers that were left out, which the estimator does not know.
+    /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns, to a load beside the middle, to
+    /// maneuvers that were left out and to the gains of inclinometers, which the estimator does not know.
     pub(super) fn host_sd_m(&self) -> f64 {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
@@ -102,7 +102,13 @@ impl<W: Write> Session<W> {
         let left_out_m = self.doubt().map_or(0.0, |doubt| doubt.sd_m);
         let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
         let by_turns = libm::hypot(self.strength().sd, by_lean);
-        libm::hypot(libm::hypot(by_mass_m, by_turns * height_m), left_out_m)
+        let (design, turn) = (self.estimator.design(), [speed_mps, known.trailer_mass_kg]);
+        let tilts = Tilts::of(|quantity| self.seen[quantity.index()]);
+        let by_tilts_m = self
+            .estimator
+            .best_channel()
+            .map_or(0.0, |channel| tilts.height_sd_m(design, (channel, height_m), turn));
+        [by_turns * height_m, left_out_m, by_tilts_m].into_iter().fold(by_mass_m, libm::hypot)
     }
 
     /// The share of the unknown bank of the road in the variance of the height.
