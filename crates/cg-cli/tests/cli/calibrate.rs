@@ -122,6 +122,20 @@ fn runs_that_contradict_the_vehicle_file_need_force() {
     assert!(messages.contains("the runs of the calibration contradict"), "{messages}");
 }
 
+/// The lighter trailer of another truck rolls so little that no stiffness of this one explains it.
+#[test]
+fn a_log_of_another_truck_is_named_with_what_to_check() {
+    let scratch = Scratch::new();
+    let empty = format!("{}=empty", fixture("euro/A_p00_v50_L.csv.gz"));
+    let laden = format!("{}=2.001,30318", fixture("euro/A_p24_h200_v50_L.csv.gz"));
+    calibrate(&kraz(), &[empty, laden], &scratch.path("c.toml")).refused(&[
+        "fixtures/euro/A_p",
+        "check the heights and masses of the runs",
+        "are of this vehicle",
+    ]);
+    assert!(scratch.names().is_empty());
+}
+
 #[test]
 fn a_calibration_of_the_tractor_holds_with_another_trailer() {
     let scratch = Scratch::new();

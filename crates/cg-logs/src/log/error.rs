@@ -196,7 +196,7 @@ pub(super) fn shown(text: &str, limit: usize) -> String {
             out.push('…');
             break;
         }
-        if letter.is_control() || matches!(letter, '\u{200e}'..='\u{202e}' | '\u{feff}') {
+        if letter.is_control() || is_invisible(letter) {
             out.extend(letter.escape_default());
         } else {
             out.push(letter);
@@ -205,9 +205,30 @@ pub(super) fn shown(text: &str, limit: usize) -> String {
     out
 }
 
+/// Whether a letter is a mark of direction, the end of a line or paragraph, or a byte-order mark.
+fn is_invisible(letter: char) -> bool {
+    matches!(
+        letter,
+        '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}'
+    )
+}
+
 /// The beginning of a text of unknown encoding, shortened and escaped like [`shown`].
 pub(super) fn shown_bytes(bytes: &[u8]) -> Box<str> {
     const LIMIT: usize = 40;
     let head = bytes.get(..=4 * LIMIT).unwrap_or(bytes);
     shown(&String::from_utf8_lossy(head), LIMIT).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_shortened_once_and_its_marks_are_visible() {
+        let once = shown(&"x".repeat(50), 40);
+        assert_eq!((once.chars().count(), once.ends_with('…')), (41, true));
+        assert_eq!(shown(&once, 80), once);
+        assert_eq!(shown("Roll\u{202e}\u{2066}\n – “a”", 40), "Roll\\u{202e}\\u{2066}\\n – “a”");
+    }
 }

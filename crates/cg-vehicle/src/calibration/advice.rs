@@ -58,7 +58,7 @@ pub(super) fn advice(
     let (now, load) = worst(belief);
     let mut best = (now, loads[0]);
     for (load, changes) in &changes {
-        let (then, _) = worst(&after(belief, changes, &used));
+        let (then, _) = worst(&after(belief, changes, used));
         if then < best.0 {
             best = (then, *load);
         }
@@ -81,7 +81,7 @@ pub(super) fn advice(
 }
 
 /// The belief after one more run with a load at which the ratios change like this, in these channels.
-fn after(belief: &Belief, changes: &Changes<1>, used: &[bool; CHANNELS]) -> Belief {
+fn after(belief: &Belief, changes: &Changes<1>, used: [bool; CHANNELS]) -> Belief {
     let ([(_, slopes)], [by_place]) = (&changes.of_parameters, &changes.by_place);
     let rows: Vec<usize> = (0..CHANNELS).filter(|&k| used[k]).collect();
     let h = DMatrix::from_fn(rows.len(), PARAMETERS, |i, j| slopes[rows[i]][j]);

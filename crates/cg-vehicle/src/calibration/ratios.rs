@@ -145,7 +145,13 @@ impl<'a> Ratios<'a> {
             .iter()
             .map(|run| {
                 let turn = (run.speed_mps, run.turn_g);
-                log_ratios(self.vehicle, self.variant, turn, run.load, mean)
+                log_ratios(self.vehicle, self.variant, turn, run.load, mean).map_err(|error| {
+                    VehicleError::Model(format!(
+                        "{}: {error}; check the heights and masses of the runs, and whether their logs \
+                         are of this vehicle",
+                        run.log
+                    ))
+                })
             })
             .collect::<Result<Vec<_>, VehicleError>>()?;
         for (k, observation) in self.observations.iter().enumerate() {

@@ -150,9 +150,9 @@ impl Envelope {
             let [up, down] = [1.0, -1.0].map(|side| self.middle(middle_m + side * amplitude_m));
             let missing_n = load_n - f64::midpoint(up.0, down.0);
             if missing_n > 0.0 {
-                low_m = middle_m
+                low_m = middle_m;
             } else {
-                high_m = middle_m
+                high_m = middle_m;
             }
             let newton_m = middle_m + missing_n / f64::midpoint(up.1, down.1);
             let is_within = newton_m > low_m && newton_m < high_m;
