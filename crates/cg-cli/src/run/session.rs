@@ -66,6 +66,8 @@ pub(crate) struct Session<W: Write> {
     stop: SinceStop,
     /// Time since which the trailer has another mass than the load of the height, µs.
     other_mass_us: Option<u64>,
+    /// The mass in the last turn, kg; NaN before the first one.
+    pub(crate) turn_kg: f64,
     /// The mass of a load whose height is not shown because the trailer has another mass, kg.
     hidden_kg: Option<f64>,
     kept_mass_is_doubted: bool,
@@ -146,6 +148,7 @@ impl<W: Write> Session<W> {
             unheard: Unheard::default(),
             stop: SinceStop::default(),
             other_mass_us: None,
+            turn_kg: f64::NAN,
             hidden_kg: None,
             kept_mass_is_doubted: false,
             weighed_kg: None,
@@ -273,6 +276,7 @@ impl<W: Write> Session<W> {
             self.write_event(&Event::LoadChanged { message })?;
             self.doubt_held_mass(maneuver)?;
         }
+        self.turn_kg = maneuver.trailer_mass_kg;
         self.roads.push(maneuver);
         self.doubt_kept_mass(maneuver)?;
         let before = self.known.status;

@@ -29,7 +29,8 @@ impl<W: Write> Session<W> {
                 if weighed && self.mass_source == MassSource::Nominal {
                     self.mass_source = MassSource::Kept;
                 }
-                self.update(memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg));
+                self.turn_kg = memory.load_mass_kg.unwrap_or(memory.trailer_mass_kg);
+                self.update(self.turn_kg);
                 Ok(true)
             }
             Some(Ok(Found::PutAside(path, reason))) => {

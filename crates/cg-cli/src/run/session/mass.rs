@@ -39,7 +39,7 @@ impl<W: Write> Session<W> {
 
     /// Says that the mass is that of the load before a turn with another load.
     pub(super) fn doubt_held_mass(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
-        let (mass_kg, before_kg) = (maneuver.trailer_mass_kg, self.known.trailer_mass_kg);
+        let (mass_kg, before_kg) = (maneuver.trailer_mass_kg, self.turn_kg);
         if let Some(message) = self.weighing.unload(maneuver.start_us, self.mass_source) {
             self.notice("mass", message)
         } else if self.mass_source != MassSource::Nominal && is_held(mass_kg, before_kg) {

@@ -137,7 +137,8 @@ fn a_mass_that_stays_the_same_with_another_load_is_told() {
         session.mass_source = source;
         // A scale has weighed the trailer in this turn.
         session.weighing.weighed.weigh(one.end_us, [nominal_kg(), nominal_kg()]);
-        one.trailer_mass_kg = times * session.known.trailer_mass_kg;
+        session.turn_kg = nominal_kg();
+        one.trailer_mass_kg = times * nominal_kg();
         session.doubt_held_mass(&one).unwrap();
         let told = events(&mut session);
         let words = "the trailer mass is still";
