@@ -1,14 +1,13 @@
 //! What is not known of the gains of inclinometers.
 
 use cg_core::{Channel, Design, Quantity};
-use serde::{Deserialize, Serialize};
 
 /// Standard deviation of the difference of two gains, relative: half a percent for each of both sensors, by their scale and by
 /// their temperature. A calibration finds what the gains were then.
 const DIFFERENCE_SD: f64 = 0.005 * std::f64::consts::SQRT_2;
 
 /// Which roll angles come from inclinometers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 pub struct Tilts {
     /// The trailer's roll angle: what one inclinometer shows less the lateral acceleration.
     roll: bool,
@@ -19,7 +18,7 @@ pub struct Tilts {
 }
 
 impl Tilts {
-    /// Those of the quantities that have arrived.
+    /// Those of the quantities that have arrived and are used.
     pub fn of(has: impl Fn(Quantity) -> bool) -> Self {
         let without = |others: [Quantity; 2]| !others.into_iter().any(&has);
         Self {

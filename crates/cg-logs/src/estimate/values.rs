@@ -27,7 +27,7 @@ const OF_BLOCK: u64 = 16;
 /// height can be wrong by as much.
 const COARSE: f64 = 0.05;
 /// Share of samples that differ from the one before, above which the noise of a signal in steps makes their mean true. With
-/// noise of 0.4 steps, neighbors differ by 0.4·2/√π steps in the mean, which is a change in 0.43 of the samples, and
+/// noise of 0.4 steps, 0.43 of the samples differ from the one before, on average over where the signal stands between two steps, and
 /// `e^(−2π²·0.4²)` = 4 % of the rounding are left.
 const NOISY: f64 = 0.43;
 /// Least number of changes to know the width of a step.
