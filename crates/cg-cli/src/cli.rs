@@ -122,13 +122,14 @@ pub(crate) struct CalibrateArgs {
     /// Vehicle file
     #[arg(long, value_name = "V.toml")]
     pub(crate) vehicle: PathBuf,
-    /// A log with turns at steady speed and its known c.g. height (of the whole sprung mass, load and body), ? if it is not known, or LOG=empty
-    /// for the empty trailer, whose height and mass are in the vehicle file; may be repeated
+    /// A log with turns at steady speed and its known c.g. height (of the whole sprung mass, load and body), exact or
+    /// with its standard deviation (1.9±0.05 or 1.9+-0.05; the mass likewise), ? if it is not known, or LOG=empty for
+    /// the empty trailer, whose height and mass are in the vehicle file; may be repeated
     #[arg(
         long,
         required_unless_present = "from_state",
         allow_hyphen_values = true,
-        value_name = "LOG=HEIGHT_M|?[,TRAILER_MASS_KG]|LOG=empty"
+        value_name = "LOG=HEIGHT_M[±SD]|?[,TRAILER_MASS_KG[±SD]]|LOG=empty"
     )]
     pub(crate) run: Vec<KnownLog>,
     /// A state file of `cg run`, whose trips with the empty trailer become runs; may be repeated

@@ -4,7 +4,6 @@
 //! is therefore done twice. From the last pass it also learns the shapes of the responses.
 
 use std::path::Path;
-use std::str::FromStr;
 
 use cg_core::Channel;
 use cg_vehicle::belief::Belief;
@@ -14,97 +13,12 @@ use cg_vehicle::design::RatioDesign;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
 use crate::estimate::{EMPTY_SHARE, EstimateOptions, LogEstimator, Method};
-use crate::malformed::Malformed;
 use crate::output::Place;
+
+pub use crate::known::{KnownLoad, KnownLog, KnownMass};
 
 /// Number of passes. A further pass would change the result by less than 0.1 %.
 const PASSES: usize = 2;
-
-/// A log with a known height.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KnownLog {
-    /// Name of the log.
-    pub log: String,
-    /// What is known of the load.
-    pub load: KnownLoad,
-}
-
-/// What is known of the load of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum KnownLoad {
-    /// The empty trailer: height and mass are in the vehicle file.
-    Empty,
-    /// A load whose height was measured.
-    Laden {
-        /// Height of the c.g. of the trailer's sprung mass, m.
-        height_m: f64,
-        /// Mass of the whole semitrailer, kg; `None` uses the mass in the log.
-        trailer_mass_kg: Option<f64>,
-    },
-    /// A load of unknown height.
-    UnknownHeight {
-        /// As for a load of known height.
-        trailer_mass_kg: Option<f64>,
-    },
-}
-
-impl KnownLoad {
-    /// Height of the c.g. of the trailer's sprung mass, m, and the mass of the whole semitrailer, kg,
-    /// if it is known. An unknown height is that of the reference load.
-    pub fn of(self, vehicle: &Vehicle) -> (f64, Option<f64>) {
-        match self {
-            Self::Empty => {
-                (vehicle.trailer.tare.cg_height_m, Some(vehicle.empty_trailer_mass_kg()))
-            }
-            Self::Laden { height_m, trailer_mass_kg } => (height_m, trailer_mass_kg),
-            Self::UnknownHeight { trailer_mass_kg } => {
-                (vehicle.reference_load().cg_height_m, trailer_mass_kg)
-            }
-        }
-    }
-
-    /// Whether its height is known.
-    pub fn height_is_known(self) -> bool {
-        !matches!(self, Self::UnknownHeight { .. })
-    }
-}
-
-/// Reads `LOG=HEIGHT_M[,TRAILER_MASS_KG]`, the same with `?` for the height, and `LOG=empty`.
-impl FromStr for KnownLog {
-    type Err = Malformed;
-
-    fn from_str(text: &str) -> Result<Self, Malformed> {
-        let form = "expected LOG=HEIGHT_M, LOG=HEIGHT_M,TRAILER_MASS_KG or LOG=empty; ? is an unknown \
-                    height";
-        let (log, load) = text.rsplit_once('=').ok_or(form)?;
-        if log.is_empty() {
-            return Err(form.into());
-        }
-        let log = log.to_owned();
-        if load.trim() == "empty" {
-            return Ok(Self { log, load: KnownLoad::Empty });
-        }
-        let (height, mass) = match load.split_once(',') {
-            Some((height, mass)) => (height, Some(mass)),
-            None => (load, None),
-        };
-        let positive = |name: &str, text: &str| {
-            text.trim()
-                .parse::<f64>()
-                .ok()
-                .filter(|value| value.is_finite() && *value > 0.0)
-                .ok_or_else(|| format!("{name} \"{text}\" is not a positive number; {form}"))
-        };
-        let trailer_mass_kg = mass.map(|mass| positive("trailer mass", mass)).transpose()?;
-        let load = if height.trim() == "?" {
-            KnownLoad::UnknownHeight { trailer_mass_kg }
-        } else {
-            KnownLoad::Laden { height_m: positive("height", height)?, trailer_mass_kg }
-        };
-        Ok(Self { log, load })
-    }
-}
 
 /// Options of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -159,16 +73,17 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
         let design = RatioDesign::new(vehicle, variant, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
         for known in logs {
-            let (cg_height_m, trailer_mass_kg) = known.load.of(vehicle);
+            let trailer_mass = known.load.trailer_mass(vehicle);
             let options = EstimateOptions {
                 variant,
                 method,
                 channel,
-                trailer_mass_kg,
+                trailer_mass_kg: trailer_mass.map(|mass| mass.kg),
+                trailer_mass_sd_kg: trailer_mass.and_then(|mass| mass.sd_kg),
                 ..EstimateOptions::default()
             }
             .with_file(vehicle);
-            let design = design.at_height(cg_height_m)?;
+            let design = design.at_height(known.load.height_m(vehicle).value)?;
             let mut estimator =
                 LogEstimator::from_design(&design, vehicle.align_settings(), options);
             if pass == PASSES {
@@ -182,7 +97,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
                 run.turn_g = None;
             }
             // The model of a shape is that at the run's own height.
-            let recorder = recorder.filter(|_| run.height_is_known);
+            let recorder = recorder.filter(|_| run.height_is_known());
             shape_runs.extend(recorder.map(|recorder| recorder.finish(run.load, run.speed_mps)));
             runs.push(run);
         }
@@ -213,7 +128,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
 fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
     let (least_m, greatest_m) = (vehicle.height.least_m, vehicle.height.greatest_m);
     for (i, known) in logs.iter().enumerate() {
-        let (height_m, mass_kg) = known.load.of(vehicle);
+        let height_m = known.load.height_m(vehicle).value;
         if !(least_m..=greatest_m).contains(&height_m) {
             return Err(VehicleError::Model(format!(
                 "{}: height {height_m} m is outside the vehicle file's range {least_m} to {greatest_m} m",
@@ -228,7 +143,7 @@ fn check(vehicle: &Vehicle, logs: &[KnownLog]) -> Result<(), VehicleError> {
             };
             return Err(VehicleError::Model(format!("{names}: given twice")));
         }
-        if let Some(trailer_mass_kg) = mass_kg {
+        if let Some(KnownMass { kg: trailer_mass_kg, .. }) = known.load.trailer_mass(vehicle) {
             vehicle.trailer_sprung_mass(Load { trailer_mass_kg, cg_height_m: height_m })?;
             let greatest_kg =
                 vehicle.align_settings().mass_range_kg.map_or(f64::MAX, |range| range[1]);
@@ -293,16 +208,16 @@ pub fn run(
             identified.messages.join("; ")
         )));
     }
-    let (cg_height_m, _) = known.load.of(vehicle);
+    let height_m = known.load.height_m(vehicle);
     // That of the empty trailer is in its papers.
     let weighed = known.load != KnownLoad::Empty;
     let trailer_mass_sd_kg = if weighed { identified.trailer_mass_sd_kg } else { 0.0 };
-    let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m };
+    let load = Load { trailer_mass_kg: identified.trailer_mass_kg, cg_height_m: height_m.value };
     vehicle.trailer_sprung_mass(load)?;
     Ok(Run {
         log: known.log.clone(),
         load,
-        height_is_known: known.load.height_is_known(),
+        height_sd_m: height_m.sd,
         trailer_mass_sd_kg,
         speed_mps: identified.speed_mps,
         turn_g: identified.turn_g,

@@ -128,7 +128,7 @@ impl EmptyTrip {
         Run {
             log: format!("empty trip of {} maneuvers", self.maneuvers),
             load: empty(vehicle),
-            height_is_known: true,
+            height_sd_m: 0.0,
             trailer_mass_sd_kg: 0.0,
             speed_mps: self.speed_mps,
             turn_g: None,

@@ -45,6 +45,7 @@ pub mod log;
 pub mod estimate;
 pub mod web;
 pub mod report;
+mod known;
 pub mod calibrate;
 mod learned;
 pub mod learn;

@@ -102,7 +102,7 @@ fn a_run_has_the_mass_of_its_turns() {
             Ok(())
         })
     };
-    let laden = KnownLoad::Laden { height_m: 1.55, trailer_mass_kg: None };
+    let laden = KnownLoad::exact(1.55, None);
     let found = run(then_with(EMPTY_KG), laden).unwrap();
     assert!((found.run[0].trailer_mass_kg / LADEN_KG - 1.0).abs() < 1e-9);
     let told = run(then_with(EMPTY_KG), KnownLoad::Empty).unwrap_err().to_string();

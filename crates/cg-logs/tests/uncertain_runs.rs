@@ -1,4 +1,4 @@
-//! Calibration runs of which not everything is known: the mass has a standard deviation, or the height is
+//! Calibration runs of which not everything is known: mass or height have a standard deviation, or the height is
 //! unknown.
 #![allow(clippy::unwrap_used)] // helpers of tests
 
@@ -32,9 +32,9 @@ fn distances(vehicle: &Vehicle, belief: &Belief, probe: &Run) -> [f64; CHANNELS]
     })
 }
 
-/// Share of the intervals of predicted ratios that hold, over trucks drawn from the prior whose laden run
-/// was weighed with a drawn error of 5 %. The calibration takes the mass as `stated_sd`.
-fn coverage(draws: u32, stated_sd: f64) -> f64 {
+/// Share of the intervals of predicted ratios that hold, over trucks drawn from the prior whose laden run was measured
+/// with a drawn error, which `measure` adds and states.
+fn coverage(draws: u32, measure: impl Fn(&mut Run, f64)) -> f64 {
     let mut vehicle = vehicle("kraz.toml");
     vehicle.uncertainty.residual_sd = 0.0; // the ratios are exact
     let prior = Belief::prior(&vehicle);
@@ -45,20 +45,39 @@ fn coverage(draws: u32, stated_sd: f64) -> f64 {
         let truth: Deviations = prior.drawn(&mut normal);
         let mut runs = runs_of(&vehicle, &truth, &LOADS);
         let probe = runs.pop().unwrap();
-        runs[1].load.trailer_mass_kg *= 1.0 + 0.05 * normal();
-        runs[1].trailer_mass_sd_kg = stated_sd * runs[1].load.trailer_mass_kg;
+        measure(&mut runs[1], normal());
         let belief = fit(&vehicle, Variant::Complete, Procedure::default(), &runs).unwrap().belief;
         for (held, distance) in held.iter_mut().zip(distances(&vehicle, &belief, &probe)) {
             *held += u32::from(distance.abs() <= QUANTILE_95);
         }
     }
-    println!("stated {stated_sd}: {held:?} of {draws}");
+    println!("{held:?} of {draws}");
     f64::from(held.iter().sum::<u32>()) / (4.0 * f64::from(draws))
 }
 
 #[test]
 fn a_mass_with_a_standard_deviation_keeps_the_intervals_true() {
-    let (told, untold) = (coverage(400, 0.05), coverage(100, 0.0));
+    let weighed = |stated_sd: f64| {
+        move |run: &mut Run, error: f64| {
+            run.load.trailer_mass_kg *= 1.0 + 0.05 * error;
+            run.trailer_mass_sd_kg = stated_sd * run.load.trailer_mass_kg;
+        }
+    };
+    holds_only_if_told(coverage(400, weighed(0.05)), coverage(100, weighed(0.0)));
+}
+
+#[test]
+fn a_height_with_a_standard_deviation_keeps_the_intervals_true() {
+    let measured = |stated_sd_m: f64| {
+        move |run: &mut Run, error: f64| {
+            run.load.cg_height_m += 0.05 * error;
+            run.height_sd_m = stated_sd_m;
+        }
+    };
+    holds_only_if_told(coverage(400, measured(0.05)), coverage(100, measured(0.0)));
+}
+
+fn holds_only_if_told(told: f64, untold: f64) {
     // 1.1 % for 400 draws, if the channels of a draw were one.
     assert!((0.93..=0.97).contains(&told), "{told}");
     assert!(untold < 0.7, "{untold}");
@@ -69,7 +88,7 @@ fn calibration(vehicle: &Vehicle, mass_factor: f64) -> Calibration {
     let known = known();
     let pick = |name: &str| known.iter().find(|known| known.log.starts_with(name)).unwrap();
     let (empty, laden) = (pick("A_p00"), pick("A_p20_h190"));
-    let measured = KnownLoad::Laden { height_m: laden.load.cg_height_m, trailer_mass_kg: None };
+    let measured = KnownLoad::exact(laden.load.cg_height_m, None);
     let logs = [(empty, KnownLoad::Empty), (laden, measured)]
         .map(|(known, load)| KnownLog { log: known.log.clone(), load });
     calibrate::<VehicleError>(vehicle, CalibrateOptions::default(), &logs, |log, estimator| {
@@ -158,7 +177,7 @@ fn an_unknown_height_is_found_and_what_is_left_of_its_ratios_counts() {
         let probe = runs.pop().unwrap();
         let truth_m = [1, 2].map(|k| runs[k].load.cg_height_m);
         for run in &mut runs[1..] {
-            run.height_is_known = false;
+            run.height_sd_m = f64::INFINITY;
             run.load.cg_height_m = start_m;
         }
         let with = fitted(&vehicle, &runs);
@@ -199,7 +218,7 @@ fn a_run_of_unknown_height_with_one_ratio_tells_nothing() {
     truth[0] = 0.08;
     truth[6] = -0.1;
     let mut runs = runs_of(&vehicle, &truth, &LOADS);
-    runs[1].height_is_known = false;
+    runs[1].height_sd_m = f64::INFINITY;
     let from = |start_m: f64, runs: &[Run]| {
         let mut runs = runs.to_vec();
         runs[1].load.cg_height_m = start_m;
@@ -225,7 +244,7 @@ fn a_run_of_unknown_height_with_one_ratio_tells_nothing() {
 fn ratios_that_no_height_gives_are_refused() {
     let vehicle = vehicle("kraz.toml");
     let mut runs = runs_of(&vehicle, &Deviations::zeros(), &LOADS);
-    runs[1].height_is_known = false;
+    runs[1].height_sd_m = f64::INFINITY;
     let refused = |procedure, runs: &[Run]| {
         fit(&vehicle, Variant::Complete, procedure, runs).unwrap_err().to_string()
     };

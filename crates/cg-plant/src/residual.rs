@@ -148,7 +148,7 @@ fn scenario(
 fn known(vehicle: &Vehicle, load: Load, estimator: LogEstimator) -> Result<Run, VehicleError> {
     let (height_m, trailer_mass_kg) = (load.cg_height_m, Some(load.trailer_mass_kg));
     let log = format!("{:.0} kg at {height_m:.2} m", load.trailer_mass_kg);
-    let log = KnownLog { log, load: KnownLoad::Laden { height_m, trailer_mass_kg } };
+    let log = KnownLog { log, load: KnownLoad::exact(height_m, trailer_mass_kg) };
     // An interval does not know how strong its turns are.
     Ok(Run { turn_g: None, ..run(vehicle, &log, estimator)? })
 }

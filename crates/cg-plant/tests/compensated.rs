@@ -42,10 +42,7 @@ fn calibrated(vehicle: &Vehicle, logs: &[&Log]) -> Calibration {
         .iter()
         .map(|log| KnownLog {
             log: log.name.clone(),
-            load: KnownLoad::Laden {
-                height_m: log.load.cg_height_m,
-                trailer_mass_kg: Some(log.load.trailer_mass_kg),
-            },
+            load: KnownLoad::exact(log.load.cg_height_m, Some(log.load.trailer_mass_kg)),
         })
         .collect();
     calibrate::<VehicleError>(vehicle, CalibrateOptions::default(), &known, |known, estimator| {

@@ -38,7 +38,7 @@ fn drive(vehicle: &Vehicle, cg_height_m: f64, estimator: &mut LogEstimator) {
 
 /// Errors of the eight heights with one calibration, relative.
 fn errors(plant: &Vehicle, known: &Vehicle, variant: Variant) -> Vec<f64> {
-    let load = KnownLoad::Laden { height_m: CALIBRATED_AT_M, trailer_mass_kg: None };
+    let load = KnownLoad::exact(CALIBRATED_AT_M, None);
     let log = KnownLog { log: "plant at 1.973 m".to_owned(), load };
     // The way of the thesis: the printed model is known at one load only.
     let procedure = Procedure::Compensation;

@@ -149,7 +149,7 @@ fn subjects(name: &str) -> [Subject; 2] {
         .collect();
     let runs = [(0.0, 1.4, "light"), (18e3, 1.9, "heavy")].map(|(payload_kg, height_m, log)| {
         let step = scenario(&vehicle, Maneuver::RoundedStep, payload_kg, height_m);
-        let load = KnownLoad::Laden { height_m, trailer_mass_kg: None };
+        let load = KnownLoad::exact(height_m, None);
         let known = KnownLog { log: log.to_owned(), load };
         (known, rows(&vehicle, step))
     });

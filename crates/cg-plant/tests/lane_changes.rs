@@ -73,7 +73,7 @@ impl<'a> Drawn<'a> {
         let loads = [(0.0, self.file.trailer.tare.cg_height_m), (20e3, 1.9)];
         let logs = loads.map(|(payload_kg, height_m)| {
             let trailer_mass_kg = Some(self.load((payload_kg, height_m)).trailer_mass_kg);
-            let load = KnownLoad::Laden { height_m, trailer_mass_kg };
+            let load = KnownLoad::exact(height_m, trailer_mass_kg);
             KnownLog { log: format!("{payload_kg} kg"), load }
         });
         let runs = [0, 1].map(|k| self.drive(Maneuver::SteadyTurn, self.load(loads[k]), k as u64));

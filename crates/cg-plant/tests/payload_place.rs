@@ -139,7 +139,7 @@ fn run(vehicle: &Vehicle, truth: &Deviations, load: Load, behind_m: f64) -> Run 
     Run {
         log: "run".to_owned(),
         load,
-        height_is_known: true,
+        height_sd_m: 0.0,
         trailer_mass_sd_kg: 0.0,
         speed_mps: SPEED_MPS,
         turn_g: None,

@@ -61,10 +61,7 @@ fn calibrated(vehicle: &Vehicle, truck: &Vehicle, laden: Load) -> Design<f64> {
     let runs = [empty, laden].map(|load| step(truck, load));
     let logs = [
         KnownLog { log: "0".to_owned(), load: KnownLoad::Empty },
-        KnownLog {
-            log: "1".to_owned(),
-            load: KnownLoad::Laden { height_m: laden.cg_height_m, trailer_mass_kg: None },
-        },
+        KnownLog { log: "1".to_owned(), load: KnownLoad::exact(laden.cg_height_m, None) },
     ];
     let options = CalibrateOptions::default();
     let found = calibrate(vehicle, options, &logs, |log, estimator| {

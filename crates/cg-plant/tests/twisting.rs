@@ -300,10 +300,7 @@ fn calibrated_errors(place: Place, second_share: Option<f64>, factor: f64) -> Ve
     let known = [("empty", empty), ("laden", laden(&file, 16e3, 1.7))];
     let logs = known.map(|(log, load)| KnownLog {
         log: log.to_owned(),
-        load: KnownLoad::Laden {
-            height_m: load.cg_height_m,
-            trailer_mass_kg: Some(load.trailer_mass_kg),
-        },
+        load: KnownLoad::exact(load.cg_height_m, Some(load.trailer_mass_kg)),
     });
     let feed = |log: &KnownLog, estimator: &mut LogEstimator| {
         let (_, load) = known.iter().find(|(name, _)| *name == log.log).unwrap();

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use cg_core::AlignSettings;
-use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, calibrate_with_trips};
+use cg_core::{AlignSettings, Measured};
+use cg_logs::calibrate::{CalibrateOptions, KnownLoad, KnownLog, KnownMass, calibrate_with_trips};
 use cg_logs::estimate::{ChannelChoice, LogEstimator};
 use cg_logs::log::{LogOptions, LogReader};
 use cg_logs::output::{Draft, Files, Kind};
@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 
 use crate::error::{log_error, os_error, output_error, vehicle_error};
 use crate::log::{Refused, push_some};
-use crate::options::{text, word};
+use crate::options::{not_negative, text, word};
 use crate::reading::log_options;
 use crate::signals::{borrowed, columns};
 use crate::vehicle::Vehicle;
@@ -55,17 +55,27 @@ pub(crate) enum Source {
     File(PathBuf),
 }
 
+/// A number and its standard deviation, if it has one.
+type Given = (f64, Option<f64>);
+
 /// A run: the name of its log, whether it is the empty trailer, the height and the mass if they are
 /// known.
-type GivenRun = (String, bool, Option<f64>, Option<f64>);
+type GivenRun = (String, bool, Option<Given>, Option<Given>);
 
-fn known((log, is_empty, height_m, trailer_mass_kg): GivenRun) -> KnownLog {
+fn known((log, is_empty, height_m, mass): GivenRun) -> PyResult<KnownLog> {
+    let trailer_mass = match mass {
+        Some((kg, sd_kg)) => Some(KnownMass { kg, sd_kg: not_negative("trailer_mass_kg", sd_kg)? }),
+        None => None,
+    };
     let load = match height_m {
         _ if is_empty => KnownLoad::Empty,
-        Some(height_m) => KnownLoad::Laden { height_m, trailer_mass_kg },
-        None => KnownLoad::UnknownHeight { trailer_mass_kg },
+        Some((value, sd_m)) => {
+            let sd = not_negative("height_m", sd_m)?.unwrap_or(0.0);
+            KnownLoad::Laden { height_m: Measured { value, sd }, trailer_mass }
+        }
+        None => KnownLoad::UnknownHeight { trailer_mass },
     };
-    KnownLog { log, load }
+    Ok(KnownLog { log, load })
 }
 
 /// Names and contents of states: files, or texts with a name of their own.
@@ -111,7 +121,7 @@ pub(crate) fn calibrate_files(
     let target = files.writes("output", &output, Kind::Calibration).map_err(output_error)?;
     let vehicle = &vehicle.get().inner;
     let (runs, sources): (Vec<GivenRun>, Vec<Source>) = runs.into_iter().unzip();
-    let logs: Vec<KnownLog> = runs.into_iter().map(known).collect();
+    let logs = runs.into_iter().map(known).collect::<PyResult<Vec<KnownLog>>>()?;
     let source_of = |known: &KnownLog| {
         let place = logs.iter().position(|log| log.log == known.log);
         place.and_then(|place| sources.get(place))

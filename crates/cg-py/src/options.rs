@@ -76,7 +76,7 @@ pub(crate) fn channel(text: &str) -> PyResult<Option<Channel>> {
 }
 
 /// Checks that an optional standard deviation is one.
-fn not_negative(argument: &str, value: Option<f64>) -> PyResult<Option<f64>> {
+pub(crate) fn not_negative(argument: &str, value: Option<f64>) -> PyResult<Option<f64>> {
     match value {
         Some(number) if !(number.is_finite() && number >= 0.0) => Err(value_error(format!(
             "the standard deviation of {argument} is {number}: it must be finite and not negative"

@@ -67,6 +67,12 @@ def test_runs_that_cannot_be_are_refused_and_nothing_is_written(kraz, tmp_path):
         cgheight.calibrate(kraz, [(LADEN, 1.9, 500.0)], out)
     with pytest.raises(ValueError, match="outside the vehicle file's range"):
         cgheight.calibrate(kraz, [(LADEN, 190.0)], out)
+    with pytest.raises(ValueError, match=r"standard deviation of height_m is -0\.1"):
+        cgheight.calibrate(kraz, [(LADEN, (1.9, -0.1))], out)
+    with pytest.raises(ValueError, match="standard deviation of trailer_mass_kg is inf"):
+        cgheight.calibrate(kraz, [(LADEN, 1.9, (28684.0, float("inf")))], out)
+    with pytest.raises(ValueError, match="give a number, or a pair"):
+        cgheight.calibrate(kraz, [(LADEN, (1.9, 0.1, 0.2))], out)
     with pytest.raises(ValueError, match="given twice"):
         cgheight.calibrate(kraz, [RUNS[0], RUNS[0]], out)
     with pytest.raises(ValueError, match="exactly one run"):
@@ -115,6 +121,16 @@ def test_a_height_may_be_unknown_and_trips_may_be_runs_as_on_the_command_line(kr
     nothing = cgheight.learn_log(LADEN, vehicle=kraz)
     with pytest.raises(ValueError, match=r"from_state\[0\]: contains no trip"):
         cgheight.calibrate(kraz, [], alone, from_state=[nothing])
+
+
+def test_height_and_mass_may_be_pairs_with_their_standard_deviations(kraz, tmp_path):
+    python, program = tmp_path / "python.toml", tmp_path / "program.toml"
+    cgheight.calibrate(kraz, [(EMPTY, "empty"), (LADEN, (1.95, 0.05), (28_684, 10))], python)
+    runs = ["--run", f"{EMPTY}=empty", "--run", f"{LADEN}=1.95±0.05,28684±10"]
+    files = ["--vehicle", FIXTURES / "vehicles" / "kraz.toml", "--output", program]
+    subprocess.run([cg(), "calibrate", *runs, *files], check=True, stdout=subprocess.DEVNULL)
+    assert undated(python) == undated(program)
+    assert "known_height_sd_m = 0.05" in python.read_text()
 
 
 @pytest.mark.parametrize("keywords", [{"procedure": "compensation"}, {"part": "tractor"}])

@@ -105,11 +105,8 @@ impl Truck {
         let known = [laden(file, 0.0, 0.0), laden(file, 20e3, 2.1)];
         let runs = known.map(|load| self.rows(load, Maneuver::RoundedStep, STEP_G));
         let height_m = known[1].cg_height_m;
-        let logs = [
-            ("empty", KnownLoad::Empty),
-            ("laden", KnownLoad::Laden { height_m, trailer_mass_kg: None }),
-        ]
-        .map(|(log, load)| KnownLog { log: log.to_owned(), load });
+        let logs = [("empty", KnownLoad::Empty), ("laden", KnownLoad::exact(height_m, None))]
+            .map(|(log, load)| KnownLog { log: log.to_owned(), load });
         let found = calibrate(file, CalibrateOptions::default(), &logs, |log, estimator| {
             for row in &runs[usize::from(log.log == "laden")] {
                 estimator.push(row).unwrap();

@@ -63,7 +63,7 @@ fn calibrated(vehicle: &Vehicle, high_m: f64) -> Design<f64> {
     let known = [laden(vehicle, 2e3, 1.45), laden(vehicle, 22e3, high_m)];
     let logs = known.map(|load| KnownLog {
         log: format!("{} m", load.cg_height_m),
-        load: KnownLoad::Laden { height_m: load.cg_height_m, trailer_mass_kg: None },
+        load: KnownLoad::exact(load.cg_height_m, None),
     });
     let road = Road::kind(RoadKind::Rural, 99).unwrap().flat();
     let drives = known.map(|load| rows(vehicle, load, &road, 99));

@@ -60,10 +60,7 @@ fn replay(vehicle: &Vehicle, truth: &Truth) -> [f64; 4] {
     let rows = reader.collect::<Result<_, _>>().unwrap();
     let known = KnownLog {
         log: truth.log.clone(),
-        load: KnownLoad::Laden {
-            height_m: truth.load.cg_height_m,
-            trailer_mass_kg: Some(truth.load.trailer_mass_kg),
-        },
+        load: KnownLoad::exact(truth.load.cg_height_m, Some(truth.load.trailer_mass_kg)),
     };
     let log = Recorded { known, rows };
     let options = PlantOptions { bank_rad: truth.bank_rad, ..PlantOptions::default() };
@@ -123,7 +120,7 @@ fn calibrated_the_plant_rolls_as_the_independent_truck_does() {
         .filter_map(|name| truths.iter().find(|truth| truth.log.starts_with(name)))
         .map(|truth| KnownLog {
             log: truth.log.clone(),
-            load: KnownLoad::Laden { height_m: truth.load.cg_height_m, trailer_mass_kg: None },
+            load: KnownLoad::exact(truth.load.cg_height_m, None),
         })
         .collect();
     let calibration = calibrate::<VehicleError>(

@@ -77,10 +77,7 @@ fn calibrated(vehicle: &Vehicle) -> Design<f64> {
     let runs = known.map(|load| rows(vehicle, load, Maneuver::RoundedStep, 9));
     let logs = [
         KnownLog { log: "empty".to_owned(), load: KnownLoad::Empty },
-        KnownLog {
-            log: "laden".to_owned(),
-            load: KnownLoad::Laden { height_m: KNOWN.1, trailer_mass_kg: None },
-        },
+        KnownLog { log: "laden".to_owned(), load: KnownLoad::exact(KNOWN.1, None) },
     ];
     let found = calibrate(vehicle, CalibrateOptions::default(), &logs, |log, estimator| {
         for row in &runs[usize::from(log.log == "laden")] {

@@ -8,7 +8,7 @@ use crate::belief::{Belief, Deviations, Parameter, adjusted, log_gain};
 use crate::cornering::{Softer, TURNS, TURNS_G};
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::linear::{Laden, ratio_line_at, usual_motion};
+use crate::linear::{Laden, ratio_line, ratio_line_at, usual_motion};
 use crate::load::Load;
 use crate::vehicle::{PlacedAxle, Vehicle};
 
@@ -277,6 +277,24 @@ pub(crate) fn mass_change(
     change([-1.0, 1.0])
         .or_else(|_: VehicleError| change([0.0, 1.0]))
         .or_else(|_: VehicleError| change([-1.0, 0.0]))
+}
+
+/// Change of the logarithms of all channels' DC ratios if the c.g. is one standard deviation higher. A height that is not
+/// known (an infinite standard deviation) is a parameter of the fit instead, and changes nothing here.
+///
+/// # Errors
+/// As [`ratio_line`](crate::linear::ratio_line).
+pub(crate) fn height_change(
+    vehicle: &Vehicle,
+    variant: Variant,
+    speed_mps: f64,
+    (load, sd_m): (Load, f64),
+) -> Result<[f64; CHANNELS], VehicleError> {
+    if !(sd_m > 0.0 && sd_m.is_finite()) {
+        return Ok([0.0; CHANNELS]);
+    }
+    let lines = ratio_line(vehicle, variant, speed_mps, load)?;
+    Ok(lines.map(|line| sd_m * line.relative_slope_at(load.cg_height_m)))
 }
 
 /// Logarithms of all channels' DC ratios at the height of a load.

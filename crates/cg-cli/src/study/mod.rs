@@ -78,9 +78,9 @@ fn replayed(arguments: &StudyArgs, vehicle: &Vehicle) -> anyhow::Result<Study> {
     let mut logs = Vec::with_capacity(arguments.run.len());
     for run in &arguments.run {
         let known = run.clone();
-        if !known.load.height_is_known() {
+        if !known.load.is_exact() {
             return Err(anyhow!(
-                "replay: {}: a drive is simulated at a height; give it",
+                "replay: {}: a drive is simulated at a height; give it, without ? and ±",
                 known.log
             ));
         }

@@ -179,12 +179,42 @@ fn the_height_of_a_run_may_be_unknown() {
         .refused(&["a drive is simulated at a height"]);
 }
 
+/// 20 t at 1.90 m, whose height was measured 5 cm too high. The interval of another load contains its height if the
+/// standard deviation is stated, in either form.
+#[test]
+fn a_height_that_is_not_exact_has_a_standard_deviation() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    let log = fixture("logs/A_p20_h220_v50_L.csv");
+    let exact = "height taken as exact, so that no interval contains its error";
+    for (run, is_told) in [("1.95", false), ("1.95±0.05", true), ("1.95+-0.05,28684+-10", true)] {
+        let runs = [format!("{}=empty", fixture(EMPTY)), format!("{}={run}", fixture(LADEN))];
+        let made = calibrate(&kraz(), &runs, &file).done();
+        assert_eq!(made.out.contains("1.950 ± 0.050 m"), is_told, "{}", made.out);
+        assert_eq!(made.out.contains(exact), !is_told, "{}", made.out);
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert_eq!(text.contains("known_height_sd_m = 0.05"), is_told, "{text}");
+        assert_eq!(text.contains("trailer_mass_sd_kg = 10"), run.contains(','), "{text}");
+        let answer = estimate(&log, &kraz(), &["--calibration", &file]).done().answer();
+        let [low_m, high_m] = [0, 1].map(|end| answer["height_ci95_m"][end].as_f64().unwrap());
+        assert_eq!((low_m..=high_m).contains(&2.2), is_told, "{run}: {low_m} to {high_m}");
+    }
+    let runs = ["--run", &format!("{log}=2.2+-0.1"), "-o", &scratch.path("r")];
+    cg(&[&["study", "replay", "--vehicle", &kraz()][..], &runs].concat())
+        .refused(&["a drive is simulated at a height", "without ? and ±"]);
+}
+
 #[test]
 fn a_run_that_is_no_run_is_refused_with_the_form_it_needs() {
     let scratch = Scratch::new();
     let file = scratch.path("c.toml");
     let form = "expected LOG=HEIGHT_M";
-    let cases = [("log.csv", form), ("log.csv=high", "height \"high\""), ("log.csv=1.9,", form)];
+    let cases = [
+        ("log.csv", form),
+        ("log.csv=high", "height \"high\""),
+        ("log.csv=1.9,", form),
+        ("log.csv=1.9±x", "deviation of the height \"x\""),
+    ];
     for (run, part) in cases {
         calibrate(&kraz(), &[run.to_owned()], &file).refused(&[part]);
     }

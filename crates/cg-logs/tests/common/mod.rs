@@ -93,10 +93,7 @@ pub(crate) fn calibrated(vehicle: &Vehicle, runs: &[&Known]) -> Calibration {
         .iter()
         .map(|known| KnownLog {
             log: known.log.clone(),
-            load: KnownLoad::Laden {
-                height_m: known.load.cg_height_m,
-                trailer_mass_kg: Some(known.load.trailer_mass_kg),
-            },
+            load: KnownLoad::exact(known.load.cg_height_m, Some(known.load.trailer_mass_kg)),
         })
         .collect();
     calibrate::<VehicleError>(vehicle, CalibrateOptions::default(), &logs, |log, estimator| {
@@ -128,7 +125,7 @@ pub(crate) fn runs_of(
             Run {
                 log: format!("{trailer_mass_kg} kg"),
                 load,
-                height_is_known: true,
+                height_sd_m: 0.0,
                 trailer_mass_sd_kg: 0.0,
                 speed_mps,
                 turn_g: None,

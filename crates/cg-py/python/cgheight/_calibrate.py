@@ -16,15 +16,19 @@ from cgheight._logs import signals
 from cgheight._tables import is_table
 
 Log = str | os.PathLike[str] | Any
+# A number, or a pair with its standard deviation.
+Known = float | tuple[float, float]
 Run = (
-    tuple[Log, float]
-    | tuple[Log, float, float]
+    tuple[Log, Known]
+    | tuple[Log, Known, Known]
     | tuple[Log, None]
-    | tuple[Log, None, float]
+    | tuple[Log, None, Known]
     | tuple[Log, Literal["empty"]]
 )
-# The name of a run, whether the trailer is empty, and its height and mass if they are known.
-_Known = tuple[str, bool, float | None, float | None]
+# The name of a run, whether the trailer is empty, and its height and mass if they are known, each
+# with its standard deviation if it has one.
+_Pair = tuple[float, float | None]
+_Known = tuple[str, bool, _Pair | None, _Pair | None]
 
 
 class Reading(TypedDict, total=False):
@@ -68,7 +72,9 @@ def calibrate(
         Logs with turns at constant speed, in any form that `estimate_log` takes; height
         of the trailer's sprung c.g., m; mass of the
         whole semitrailer, kg, needed if it is not in the log. Height and mass of the empty trailer
-        are in the vehicle file. A height that is None is not known and is found.
+        are in the vehicle file. A height that is None is not known and is found. Each of height
+        and mass may be a pair with its standard deviation, ``(log, (1.9, 0.05))``; a height without
+        one counts as exact.
     output : str or os.PathLike
         The calibration file (TOML) to write; it appears only when it is complete.
     from_state : iterable of str or os.PathLike, or one of them
@@ -157,13 +163,22 @@ def _known(name: str, load: list[Any], run: Run) -> _Known:
         case [height_m]:
             return name, False, _optional("height_m", height_m), None
         case [height_m, mass_kg]:
-            mass_kg = number("trailer_mass_kg", mass_kg)
-            return name, False, _optional("height_m", height_m), mass_kg
+            mass = _pair("trailer_mass_kg", mass_kg)
+            return name, False, _optional("height_m", height_m), mass
     raise ValueError(f'run {run!r}: expected (log, height_m[, trailer_mass_kg]) or (log, "empty")')
 
 
-def _optional(name: str, value: float | None) -> float | None:
-    return None if value is None else number(name, value)
+def _optional(name: str, value: Known | None) -> _Pair | None:
+    return None if value is None else _pair(name, value)
+
+
+def _pair(name: str, value: Known) -> _Pair:
+    match value:
+        case (mean, sd):
+            return number(name, mean), number(f"the standard deviation of {name}", sd)
+        case tuple():
+            raise ValueError(f"{name} is {value!r}: give a number, or a pair with its deviation")
+    return number(name, value), None
 
 
 def _listed(

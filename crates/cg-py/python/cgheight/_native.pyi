@@ -289,7 +289,12 @@ def rollover_measures(
 
 def calibrate_files(
     vehicle: Vehicle,
-    runs: list[tuple[tuple[str, bool, float | None, float | None], Any]],
+    runs: list[
+        tuple[
+            tuple[str, bool, tuple[float, float | None] | None, tuple[float, float | None] | None],
+            Any,
+        ]
+    ],
     states: list[tuple[str, str | None]],
     output: str | os.PathLike[str],
     request: dict[str, object],

@@ -40,7 +40,8 @@ pub fn drive_again(
     let name = &log.known.log;
     let known = |of: fn(&LogRow) -> f64| log.rows.iter().map(of).find(|value| value.is_finite());
     let none = |what: &str| VehicleError::Model(format!("{name}: no row has {what}"));
-    let (cg_height_m, mass_kg) = log.known.load.of(vehicle);
+    let cg_height_m = log.known.load.height_m(vehicle).value;
+    let mass_kg = log.known.load.trailer_mass(vehicle).map(|mass| mass.kg);
     let trailer_mass_kg = mass_kg
         .or_else(|| known(|row| row.trailer_mass_kg))
         .ok_or_else(|| none("the trailer's mass; give it after the height"))?;
@@ -105,7 +106,7 @@ pub fn replay(
             });
         let name = &log.known.log;
         scenario.push(format!("{name}: roll {roll}; lateral acceleration {lateral}"));
-        let (height_m, _) = log.known.load.of(&vehicle);
+        let height_m = log.known.load.height_m(&vehicle).value;
         for (panel, values) in
             panels.iter_mut().zip([(&theirs[0], plant.roll_rad), (&theirs[1], plant.lateral_mps2)])
         {

@@ -210,7 +210,7 @@ fn calibrated(vehicle: &Vehicle) -> Result<Design<f64>, VehicleError> {
     for (load, seed) in [empty, vehicle.reference_load()].into_iter().zip(TRACKS) {
         let (height_m, mass_kg) = (load.cg_height_m, load.trailer_mass_kg);
         let log = format!("flat road {seed}");
-        let known = KnownLoad::Laden { height_m, trailer_mass_kg: Some(mass_kg) };
+        let known = KnownLoad::exact(height_m, Some(mass_kg));
         logs.push(KnownLog { log, load: known });
         drives.push(rows(vehicle, load, 0.0, seed)?);
     }

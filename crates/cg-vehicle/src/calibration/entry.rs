@@ -104,6 +104,9 @@ pub struct RunEntry {
     pub log: String,
     /// Height of the sprung c.g.
     pub height_m: f64,
+    /// Standard deviation with which it was known; 0 is exact.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub known_height_sd_m: f64,
     /// Standard deviation of a height that was not known but found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_sd_m: Option<f64>,
@@ -169,6 +172,7 @@ impl RunEntry {
         Self {
             log: run.log.clone(),
             height_m: run.load.cg_height_m,
+            known_height_sd_m: if run.height_is_known() { run.height_sd_m } else { 0.0 },
             height_sd_m: fitted.heights[index].map(|found| found.sd),
             trailer_mass_kg: run.load.trailer_mass_kg,
             trailer_mass_sd_kg: run.trailer_mass_sd_kg,

@@ -121,8 +121,8 @@ impl Fitted {
 
 fn check(procedure: Procedure, runs: &[Run]) -> Result<(), VehicleError> {
     let reason = match (procedure, runs) {
-        (Procedure::MaximumAPosteriori, _)
-        | (_, [Run { age_s: None, height_is_known: true, .. }]) => return Ok(()),
+        (Procedure::MaximumAPosteriori, _) => return Ok(()),
+        (_, [run @ Run { age_s: None, .. }]) if run.height_is_known() => return Ok(()),
         (_, [Run { age_s: None, .. }]) => "whose height is known".to_owned(),
         (_, [_]) => "not a trip in service".to_owned(),
         _ => format!("but there are {}", runs.len()),

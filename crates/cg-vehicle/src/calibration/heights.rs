@@ -33,7 +33,7 @@ pub(super) struct Heights {
 impl Heights {
     /// The unknown heights of runs.
     pub(super) fn of(vehicle: &Vehicle, runs: &[Run]) -> Self {
-        let run: Vec<usize> = (0..runs.len()).filter(|&i| !runs[i].height_is_known).collect();
+        let run: Vec<usize> = (0..runs.len()).filter(|&i| !runs[i].height_is_known()).collect();
         let range_m = [vehicle.height.least_m, vehicle.height.greatest_m];
         Self { sd_m: vec![f64::INFINITY; run.len()], run, range_m }
     }

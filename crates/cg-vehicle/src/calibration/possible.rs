@@ -99,6 +99,7 @@ pub(super) fn run(run: &RunEntry) -> Result<(), String> {
     };
     numbers().map_err(|error| format!("run {}: {error}", run.log))?;
     within("trailer_mass_sd_kg", run.trailer_mass_sd_kg, [0.0, GREATEST_TRAILER_MASS_KG])?;
+    within("known_height_sd_m", run.known_height_sd_m, [0.0, GREATEST_HEIGHT_M])?;
     if let Some(turn_g) = run.turn_g {
         within("turn_g", turn_g, [0.0, GREATEST_TURN_G])?;
     }

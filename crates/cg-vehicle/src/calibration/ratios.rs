@@ -9,8 +9,8 @@ use crate::error::VehicleError;
 use crate::linear::ratio_line;
 use crate::load::Load;
 use crate::ratio_spread::{
-    STIFFNESSES, cornering_change, cornering_changes, log_ratios, mass_change, place_change,
-    stiffness_variances,
+    STIFFNESSES, cornering_change, cornering_changes, height_change, log_ratios, mass_change,
+    place_change, stiffness_variances,
 };
 use crate::vehicle::Vehicle;
 
@@ -21,8 +21,8 @@ pub struct Run {
     pub log: String,
     /// Its load. A height that is not known is any possible one, from which the fit begins.
     pub load: Load,
-    /// Whether its height is known.
-    pub height_is_known: bool,
+    /// Standard deviation of its height, m; 0 is exact, and infinite not known.
+    pub height_sd_m: f64,
     /// Standard deviation of its mass, kg; 0 is exact.
     pub trailer_mass_sd_kg: f64,
     /// Mean speed of its turns, m/s.
@@ -36,6 +36,13 @@ pub struct Run {
     /// random walk. All such trips are alike, so they have the residual of the model in common. `None`
     /// for a run of a calibration.
     pub age_s: Option<f64>,
+}
+
+impl Run {
+    /// Whether its height is known, exactly or not.
+    pub fn height_is_known(&self) -> bool {
+        self.height_sd_m.is_finite()
+    }
 }
 
 /// An identified ratio compared with that of the model.
@@ -220,17 +227,19 @@ impl<'a> Ratios<'a> {
         Ok(noise)
     }
 
-    /// Adds the place of the payload and the error of its mass, which are others in each run and the same
-    /// for all ratios of a run.
+    /// Adds the place of the payload and the errors of its mass and its height, which are others in each run and the
+    /// same for all ratios of a run.
     fn add_loads(&self, noise: &mut DMatrix<f64>) -> Result<(), VehicleError> {
         let &Self { vehicle, variant, .. } = self;
         let Self { runs, observations, .. } = self;
         let file = Deviations::zeros();
         for (i, run) in runs.iter().enumerate() {
             let weighed = (run.load, run.trailer_mass_sd_kg);
+            let measured = (run.load, run.height_sd_m);
             for change in [
                 place_change(vehicle, variant, run.speed_mps, run.load, &file)?,
                 mass_change(vehicle, variant, run.speed_mps, weighed)?,
+                height_change(vehicle, variant, run.speed_mps, measured)?,
             ] {
                 let of_run =
                     |o: &Observation| if o.run == i { change[o.channel.index()] } else { 0.0 };

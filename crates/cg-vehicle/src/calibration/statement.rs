@@ -12,7 +12,7 @@ use super::shape::LEAST_RUNS;
 use crate::belief::Belief;
 use crate::equations::Variant;
 use crate::error::VehicleError;
-use crate::ratio_spread::mass_change;
+use crate::ratio_spread::{height_change, mass_change};
 use crate::vehicle::Vehicle;
 
 /// Share of the prior variance that the runs must remove so that a parameter counts as determined.
@@ -87,6 +87,7 @@ pub(super) fn statements(
     };
     statement.extend(certain_ratios(vehicle, variant, runs, fitted)?);
     statement.extend(found_heights(runs, fitted));
+    statement.extend(exact_heights(vehicle, runs));
     statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
     let mut contradiction = far_ratios(vehicle, variant, runs, fitted)?;
     contradiction.extend(far_parameters(parameter));
@@ -146,6 +147,19 @@ fn found_heights(runs: &[Run], fitted: &Fitted) -> impl Iterator<Item = String> 
     })
 }
 
+/// The runs with a load whose height was given without a standard deviation.
+fn exact_heights(vehicle: &Vehicle, runs: &[Run]) -> Option<String> {
+    let is_exact = |run: &&Run| run.height_sd_m <= 0.0 && run.load != vehicle.empty_load();
+    let logs: Vec<&str> = runs.iter().filter(is_exact).map(|run| run.log.as_str()).collect();
+    (!logs.is_empty()).then(|| {
+        format!(
+            "height taken as exact, so that no interval contains its error: {}; give its standard deviation too if \
+             it has one",
+            logs.join(", ")
+        )
+    })
+}
+
 /// The ratios that are far from those of the vehicle file.
 fn far_ratios(
     vehicle: &Vehicle,
@@ -161,7 +175,10 @@ fn far_ratios(
         let covariance = prior.ratio_covariance(vehicle, variant, run.speed_mps, run.load)?;
         let weighed = (run.load, run.trailer_mass_sd_kg);
         let by_mass = mass_change(vehicle, variant, run.speed_mps, weighed)?[k];
-        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance()) + by_mass * by_mass;
+        let measured = (run.load, run.height_sd_m);
+        let by_height = height_change(vehicle, variant, run.speed_mps, measured)?[k];
+        let by_load = by_mass * by_mass + by_height * by_height;
+        let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance()) + by_load;
         let distance = residual.before / (covariance[k][k] + noise).sqrt();
         if distance.abs() > FAR {
             far.push(format!(
