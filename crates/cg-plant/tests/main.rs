@@ -17,6 +17,7 @@ mod prediction;
 mod residual;
 mod road;
 mod road_sensors;
+mod roll_rate;
 mod rollover;
 mod sensors;
 mod threshold;

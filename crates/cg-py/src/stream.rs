@@ -64,6 +64,7 @@ impl State {
         let time_s = row.time_s;
         let now = &mut self.now;
         now.has_roll_rate |= row.roll_rate_radps.is_finite();
+        values[Signal::RollRate as usize] = f64::NAN; // not used
         now.rows += 1;
         let position = Position::Row(now.rows);
         now.plausibility.check(&Quantity::ALL, &mut values, || position);

@@ -146,8 +146,11 @@ impl LogEstimator {
         let lean_sd = self.leaning.height_sd(self.options.lean, self.turns_mass_kg());
         let turn = [speed.unwrap_or(best.speed_mps), best.trailer_mass_kg];
         let by_tilts_m = self.seen.tilts().height_sd_m(&self.design, (channel, height), turn);
-        let sd = [by_mass_m, strength.sd * height, doubt.sd_m, lean_sd * height, by_tilts_m]
+        let by_rate_m = self.rated.height_sd_m(&self.design, (channel, height), turn);
+        let by_turns_m = [strength.sd * height, lean_sd * height];
+        let sd = [by_mass_m, doubt.sd_m, by_tilts_m, by_rate_m]
             .into_iter()
+            .chain(by_turns_m)
             .fold(fused.height_m.sd, libm::hypot);
         estimate.messages.extend(strength.messages());
         estimate.messages.extend(doubt.message());
@@ -255,8 +258,10 @@ impl LogEstimator {
             let ratio = self.ratio_of(channel, &doubted, identified.speed_mps, mass_kg);
             let strength = self.strong.strength(&self.design, (channel, height.height_m.value));
             let lean_sd = self.leaning.height_sd(self.options.lean, mass_kg);
+            let by_turns = libm::hypot(strength.sd, lean_sd);
+            let relative_sd = libm::hypot(by_turns, self.rated.ratio_sd(channel));
             identified.ratio[channel.index()] = ratio.map(|ratio| Measured {
-                sd: libm::hypot(ratio.sd, libm::hypot(strength.sd, lean_sd) * ratio.value),
+                sd: libm::hypot(ratio.sd, relative_sd * ratio.value),
                 ..ratio
             });
             let mut told = strength.messages();

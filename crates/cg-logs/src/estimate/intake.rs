@@ -13,6 +13,7 @@ use super::leaning::Leaning;
 use super::left_out::LeftOut;
 use super::means::SampleSum;
 use super::options::EstimateOptions;
+use super::rated::Rated;
 use super::recorder::Recorder;
 use super::rolls::RollCheck;
 use super::row_sample::SignalsSeen;
@@ -82,6 +83,7 @@ pub struct LogEstimator {
     pub(super) sensors: SensorCheck,
     pub(super) leaning: Leaning,
     pub(super) strong: StrongTurns,
+    pub(super) rated: Rated,
     pub(super) left_out: LeftOut,
     pub(super) unheard: Unheard,
     pub(super) stop: SinceStop,
@@ -132,6 +134,7 @@ impl LogEstimator {
             sensors: SensorCheck::default(),
             leaning: Leaning::default(),
             strong: StrongTurns::default(),
+            rated: Rated::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
             stop: SinceStop::default(),
@@ -167,6 +170,7 @@ impl LogEstimator {
         self.previous_us = Some(time_us);
         self.rows += 1;
         self.rolls.push(row);
+        self.rated.push(row);
         self.sensors.level(|quantity| row.get(Signal::from(quantity)));
         self.sensors.value(&sample);
         if let Some(recorder) = &mut self.recorder {
@@ -312,6 +316,9 @@ impl LogEstimator {
             self.sensors.close(is_first_of_load);
             self.unheard.push(maneuver);
             self.strong.close(maneuver, is_first_of_load);
+            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+            let duration_s = maneuver.end_us.saturating_sub(maneuver.start_us) as f64 * 1e-6;
+            self.rated.close(duration_s, is_first_of_load);
             self.left_out.close(maneuver, &self.engine, is_first_of_load);
             if is_first_of_load {
                 self.first_of_load = self.maneuvers.len();

@@ -18,6 +18,7 @@
 //! | `left_out` | maneuvers that contradict the height so far |
 //! | `since_stop` | whether the load was another one after a stop |
 //! | `tilts` | what is not known of the gains of inclinometers |
+//! | `rated` | the noise of a roll rate whose integral is the roll angle |
 //! | `strong` | how near to rolling over the turns came |
 //! | `weighed` | whether the mass is that of the present load |
 //! | `recorder` | inputs and roll angles of a log, for the shapes of a calibration |
@@ -52,6 +53,7 @@ mod weighed;
 mod recorder;
 mod felt;
 mod tilts;
+mod rated;
 mod strong;
 mod road;
 mod reason;

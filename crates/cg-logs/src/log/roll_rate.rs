@@ -7,11 +7,11 @@
 //!     φ(t) = ∫ p dt + a + b t + c ψ(t)          ψ: the heading, the integral of the yaw rate
 //! ```
 //!
-//! where b is the offset and c the angle of the mounting. The vehicle stands upright on straight
-//! stretches before and after a turn, up to the bank of the road; least squares over their rows gives a, b
-//! and c. The offset changes as the sensor warms up, so a and b are those of the turn; c is that of the
-//! last turns too, with a memory of [`MEMORY`]. A turn without straight
-//! driving after it has no roll angle.
+//! where b is the offset and c the angle of the mounting. On straight stretches before and after a turn the vehicle
+//! stands upright, up to the bank of the road and to what is left of the lateral acceleration, `φ = s a_y`; least squares
+//! over their rows gives a, b, c and s. The offset changes as the sensor warms up, so a and b are those of the turn; c and
+//! s are those of the last turns too, with a memory of [`MEMORY`]. A turn without straight driving after it has no roll
+//! angle.
 //!
 //! If the log has a roll angle, all of its rows take the place of the straight stretches, and what the
 //! sum leaves of the angle is added again below [`BLEND_S`] (a complementary filter that runs in both
@@ -43,6 +43,8 @@ const GAP_S: f64 = 0.2;
 /// Standard deviations before the first turn: of the mounting (3°), and of the roll angle on a straight stretch (the crown of a road changes by 0.2°).
 const MOUNTING_SD_RAD: f64 = 0.05;
 const UPRIGHT_SD_RAD: f64 = 3.5e-3;
+/// The same of the roll angle at [`STRAIGHT_MPS2`], rad: trucks roll by 0.01 to 0.03 rad per m/s².
+const SWAY_SD_RAD: f64 = 0.01;
 /// Weight of all earlier turns beside a new one, so that about five turns count.
 const MEMORY: f64 = 0.8;
 /// Turns from which the mounting is learned before a turn has a roll angle: from fewer, the angle
@@ -59,6 +61,8 @@ struct Kept {
     line: u64,
     row: LogRow,
     straight: bool,
+    /// The lateral acceleration as a share of that of straight driving.
+    lateral: f64,
     /// Time since the first row, integral of the roll rate and heading.
     time_s: f64,
     rolled_rad: f64,
@@ -85,7 +89,7 @@ pub(super) struct RollAngles {
     /// Whether the rate is absent for too long since the last straight stretch.
     broken: bool,
     last_rate_s: f64,
-    common: Triangle<f64, 1>,
+    common: Triangle<f64, 2>,
     begun: bool,
     /// Number of turns from which the mounting is known.
     learned: u64,
@@ -142,6 +146,7 @@ impl RollAngles {
             line,
             row,
             straight,
+            lateral,
             time_s: before.0 + step_s,
             rolled_rad: before.1 + or_zero(rate_radps) * step_s,
             heading_rad: before.2 + or_zero(turn_radps) * step_s,
@@ -185,6 +190,10 @@ impl RollAngles {
         for (index, kept) in self.kept.drain(..emitted).enumerate() {
             let mut row = kept.row;
             let angle = fitted.as_ref().map_or(f64::NAN, |angles| angles[index]);
+            // A rate in a row with an angle to gravity is that of which the angle is the integral.
+            if self.angle == Angle::ToGravity {
+                row.roll_rate_radps = f64::NAN;
+            }
             match self.angle {
                 Angle::None if !angle.is_finite() => row.roll_to_gravity_rad = f64::NAN,
                 Angle::None => row.roll_to_gravity_rad = angle,
@@ -219,37 +228,34 @@ impl RollAngles {
         #[allow(clippy::cast_precision_loss)] // far below 2^52
         let count = straight.len() as f64;
         let over = |of: fn(&Kept) -> f64| straight.iter().map(|k| of(k)).sum::<f64>() / count;
-        let [time, rolled, heading] =
-            [over(|k| k.time_s), over(|k| k.rolled_rad), over(|k| k.heading_rad)];
+        let time = over(|k| k.time_s);
         // Each row counts as its share of the two stretches, whose bank is not known.
         let weight = 1.0 / (UPRIGHT_SD_RAD * (0.5 * count).sqrt());
         let times: f64 = straight.iter().map(|k| (k.time_s - time) * (k.time_s - time)).sum();
-        let slope = |of: fn(&Kept) -> f64| {
-            straight.iter().map(|k| (k.time_s - time) * of(k)).sum::<f64>() / times
+        // The line over time that straight rows have.
+        let line = |of: fn(&Kept) -> f64| {
+            let mean = over(of);
+            let slope = straight.iter().map(|k| (k.time_s - time) * of(k)).sum::<f64>() / times;
+            move |kept: &Kept| mean + slope * (kept.time_s - time)
         };
-        let (rolled_radps, heading_radps) = (slope(|k| k.rolled_rad), slope(|k| k.heading_rad));
+        let (roll_line, turn_line) = (line(|k| k.rolled_rad), line(|k| k.heading_rad));
+        let sway_line = line(|k| k.lateral);
         let mut common = self.common;
         common.scale(MEMORY.sqrt());
         if !std::mem::replace(&mut self.begun, true) {
-            common.push([1.0 / MOUNTING_SD_RAD], 0.0);
+            common.push([1.0 / MOUNTING_SD_RAD, 0.0], 0.0);
+            common.push([0.0, 1.0 / SWAY_SD_RAD], 0.0);
         }
-        // What a line over time leaves of both.
-        let left = |kept: &Kept| {
-            let since_s = kept.time_s - time;
-            (
-                kept.rolled_rad - rolled - rolled_radps * since_s,
-                kept.heading_rad - heading - heading_radps * since_s,
-            )
-        };
+        // What the lines leave.
+        let rolled = |kept: &Kept| kept.rolled_rad - roll_line(kept);
+        let turned_by = |kept: &Kept| kept.heading_rad - turn_line(kept);
         for kept in &straight {
-            let (roll, turn) = left(kept);
-            common.push([weight * turn], -weight * roll);
+            let swayed = kept.lateral - sway_line(kept);
+            common.push([weight * turned_by(kept), -weight * swayed], -weight * rolled(kept));
         }
-        let [mounting] = common.solve(1).ok()?;
-        let angle = |kept: &Kept| {
-            let (roll, turn) = left(kept);
-            roll + mounting * turn
-        };
+        let [mounting, sway] = common.solve(2).ok()?;
+        let angle =
+            |kept: &Kept| rolled(kept) + mounting * turned_by(kept) + sway * sway_line(kept);
         let angles = self.kept.iter().map(angle).collect();
         if turned {
             self.common = common;

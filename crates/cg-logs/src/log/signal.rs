@@ -24,7 +24,7 @@ macro_rules! rows {
             pub time_s: f64,
             $($(#[doc = $meaning])+ pub $field: f64,)+
             /// Roll rate of the trailer's sprung mass (a gyroscope on its body), positive if the right
-            /// side moves down.
+            /// side moves down. In a row for an estimator, it is that of which `roll_to_gravity_rad` is the integral.
             pub roll_rate_radps: f64,
             /// Roll angle of an axle of the trailer to gravity, positive right side down.
             pub axle_roll_to_gravity_rad: f64,
