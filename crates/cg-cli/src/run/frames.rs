@@ -78,6 +78,7 @@ impl Frames {
         if now_us.saturating_sub(self.looked_us) >= LOOK_US {
             self.looked_us = now_us;
             session.seen = self.presence.seen;
+            session.tilts = self.presence.tilts();
             session.missing(self.presence.missing(now_us))?;
             for (signal, message) in self.presence.unscaled(now_us) {
                 session.notice(signal, message)?;

@@ -1,8 +1,9 @@
 //! Detection of missing signals.
 
 use cg_core::{AlignSettings, Quantity};
+use cg_logs::estimate::Tilts;
 use cg_logs::log::Signal;
-use cg_logs::unscaled::unscaled;
+use cg_logs::unscaled::{is_unscaled, unscaled};
 
 use super::pace::{Cadence, MOTION};
 
@@ -107,6 +108,11 @@ impl Presence {
         found.into_iter().map(|(quantity, text)| (Signal::from(quantity).name(), text)).collect()
     }
 
+    /// Which roll angles come from inclinometers. Levels without their number in the vehicle file are not used.
+    pub(crate) fn tilts(&self) -> Tilts {
+        Tilts::of(|quantity| self.seen[quantity.index()] && !is_unscaled(&self.settings, quantity))
+    }
+
     /// Names of the signals that are missing: lost, too slow, or never received.
     pub(crate) fn missing(&mut self, now_us: u64) -> Vec<&'static str> {
         let since_us = *self.since_us.get_or_insert(now_us);
@@ -195,6 +201,28 @@ mod tests {
         presence.received(Quantity::Tilt, 550_000);
         presence.received(Quantity::Tilt, 600_000);
         assert!(presence.missing(600_000).is_empty());
+    }
+
+    /// Levels that are not used hide no inclinometers.
+    #[test]
+    fn a_suspension_roll_is_that_of_inclinometers_if_levels_lack_their_number() {
+        let of_tilts = [Quantity::Tilt, Quantity::AxleTilt];
+        let with_number =
+            AlignSettings { suspension_roll_of_level: Some(1.0), ..AlignSettings::NONE };
+        for (settings, used) in
+            [(AlignSettings::NONE, &of_tilts[..]), (with_number, &[Quantity::Tilt])]
+        {
+            let mut presence = Presence::new(&settings, true, &[]);
+            for quantity in of_tilts.into_iter().chain([Quantity::LevelLeft, Quantity::LevelRight])
+            {
+                presence.received(quantity, 0);
+            }
+            assert_eq!(
+                presence.tilts(),
+                Tilts::of(|quantity| used.contains(&quantity)),
+                "{used:?}"
+            );
+        }
     }
 
     /// The rate of roll angles is that of the samples, and speed and mass may change slowly.

@@ -195,6 +195,7 @@ pub(crate) fn csv<W: Write>(
         session.sensors.level(|level| row.get(Signal::from(level)));
         session.push(row.sample(instant.stream_us, &settings))?;
         session.seen = presence.seen;
+        session.tilts = presence.tilts();
         session.missing(presence.missing(instant.stream_us))?;
         for (signal, message) in presence.unscaled(instant.stream_us) {
             session.notice(signal, message)?;

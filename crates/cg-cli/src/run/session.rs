@@ -11,7 +11,7 @@ use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
     Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, SinceStop, StrongTurns,
-    Unheard, Verdict, add_force,
+    Tilts, Unheard, Verdict, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -80,6 +80,8 @@ pub(crate) struct Session<W: Write> {
     missing: Vec<&'static str>,
     /// The quantities that have arrived, in the order of [`Quantity::ALL`].
     pub(crate) seen: [bool; Quantity::COUNT],
+    /// Which roll angles come from inclinometers.
+    pub(crate) tilts: Tilts,
     samples: u64,
     pub(crate) counters: Counters,
     /// Time stamp minus stream time, s.
@@ -158,6 +160,7 @@ impl<W: Write> Session<W> {
             driving: "waiting",
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
+            tilts: Tilts::default(),
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,

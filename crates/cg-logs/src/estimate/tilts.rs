@@ -7,7 +7,7 @@ use cg_core::{Channel, Design, Quantity};
 const DIFFERENCE_SD: f64 = 0.005 * std::f64::consts::SQRT_2;
 
 /// Which roll angles come from inclinometers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tilts {
     /// The trailer's roll angle: what one inclinometer shows less the lateral acceleration.
     roll: bool,

@@ -15,12 +15,13 @@ use super::options::LogOptions;
 use super::signal::{LogRow, Signal};
 
 /// The signals of a sample.
-const SAMPLED: [Signal; 14] = [
+const SAMPLED: [Signal; 16] = [
     Signal::Time,
     Signal::Steer,
     Signal::Roll,
     Signal::RollToGravity,
     Signal::Tilt,
+    Signal::AxleTilt,
     Signal::SuspensionRoll,
     Signal::Speed,
     Signal::LateralAcceleration,
@@ -28,6 +29,7 @@ const SAMPLED: [Signal; 14] = [
     Signal::TractorSuspensionRoll,
     Signal::TractorLateralSpecificForce,
     Signal::TractorTilt,
+    Signal::TractorAxleTilt,
     Signal::YawRate,
     Signal::TrailerMass,
 ];
@@ -104,6 +106,7 @@ impl FrameRows {
             let sd_kg = scale.usual_sd_kg(row.trailer_mass_kg);
             row.trailer_mass_sd_kg = sd_kg.unwrap_or(f64::NAN);
         }
+        self.show_inclinometers(&mut row, sample.time_us);
         if self.sampler.shares_roll() {
             // The sample has the roll angle of both sensors together, so that of each in the row may be it.
             row.second_roll_rad = row.roll_rad;
@@ -122,6 +125,25 @@ impl FrameRows {
             }
             _ => row.get(signal),
         }))
+    }
+
+    /// Two inclinometers take the place of the suspension roll that follows from them, because whoever reads the row must
+    /// know that it depends on their gains.
+    fn show_inclinometers(&self, row: &mut LogRow, stream_us: u64) {
+        let axle_rad = |quantity| self.sampler.value(quantity, stream_us);
+        row.axle_tilt_rad = axle_rad(Quantity::AxleTilt);
+        row.tractor_axle_tilt_rad = axle_rad(Quantity::TractorAxleTilt);
+        for (suspension_rad, by_tilts_rad) in [
+            (&mut row.suspension_roll_rad, row.tilt_rad - row.axle_tilt_rad),
+            (
+                &mut row.tractor_suspension_roll_rad,
+                row.tractor_tilt_rad - row.tractor_axle_tilt_rad,
+            ),
+        ] {
+            if suspension_rad.to_bits() == by_tilts_rad.to_bits() {
+                *suspension_rad = f64::NAN;
+            }
+        }
     }
 
     /// The scale on the bus from which the trailer mass in the last row follows.
@@ -262,5 +284,48 @@ impl Frames {
         };
         remarks.extend(self.rows.remarks());
         remarks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::Signal;
+    use cg_core::AlignSettings;
+
+    /// The rows of a turn on a bus with these values.
+    fn row(values: &[(Quantity, f64)]) -> LogRow {
+        let settings = Some(AlignSettings::NONE);
+        let mut rows = FrameRows::new(&LogOptions { settings, ..LogOptions::default() });
+        for place in 0..20_u32 {
+            for (quantity, value) in values {
+                rows.push_value(*quantity, u64::from(place) * 20_000, *value);
+            }
+        }
+        std::iter::from_fn(|| rows.next_row()).last().unwrap()
+    }
+
+    /// The suspension roll of two inclinometers is that of an estimator, which learns where it comes from; a measured one
+    /// stays.
+    #[test]
+    fn inclinometers_stand_in_the_row_in_place_of_the_suspension_roll_that_follows_from_them() {
+        const FORCE: (Quantity, f64) = (Quantity::LateralSpecificForce, 1.5);
+        let tilts = [(Quantity::Tilt, 0.18), (Quantity::AxleTilt, 0.16), FORCE];
+        let by_tilts = row(&tilts);
+        let [tilt, axle, suspension] = [Signal::Tilt, Signal::AxleTilt, Signal::SuspensionRoll]
+            .map(|signal| by_tilts.get(signal));
+        assert!((tilt - 0.18).abs() < 1e-12 && (axle - 0.16).abs() < 1e-12, "{by_tilts:?}");
+        assert!(suspension.is_nan(), "{by_tilts:?}");
+        let sample = by_tilts.sample(0, &AlignSettings::NONE);
+        assert!((sample.suspension_roll_rad - 0.02).abs() < 1e-12, "{sample:?}");
+        let measured = row(&[&tilts[..], &[(Quantity::SuspensionRoll, 0.021)]].concat());
+        assert!((measured.suspension_roll_rad - 0.021).abs() < 1e-12, "{measured:?}");
+        let tractor = row(&[
+            (Quantity::TractorTilt, 0.18),
+            (Quantity::TractorAxleTilt, 0.15),
+            (Quantity::TractorLateralSpecificForce, 1.5),
+        ]);
+        assert!(tractor.tractor_suspension_roll_rad.is_nan(), "{tractor:?}");
+        assert!((tractor.tractor_axle_tilt_rad - 0.15).abs() < 1e-12, "{tractor:?}");
     }
 }

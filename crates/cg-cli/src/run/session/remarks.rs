@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use cg_core::{Channel, Combined, Maneuver, Outcome, Quantity, Reject};
-use cg_logs::estimate::{Doubt, RoadPart, Strength, Tilts, Verdict};
+use cg_logs::estimate::{Doubt, RoadPart, Strength, Verdict};
 
 use super::Session;
 use crate::run::channels::{self, mass_sd_m};
@@ -103,11 +103,10 @@ impl<W: Write> Session<W> {
         let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
         let by_turns = libm::hypot(self.strength().sd, by_lean);
         let (design, turn) = (self.estimator.design(), [speed_mps, known.trailer_mass_kg]);
-        let tilts = Tilts::of(|quantity| self.seen[quantity.index()]);
         let by_tilts_m = self
             .estimator
             .best_channel()
-            .map_or(0.0, |channel| tilts.height_sd_m(design, (channel, height_m), turn));
+            .map_or(0.0, |channel| self.tilts.height_sd_m(design, (channel, height_m), turn));
         [by_turns * height_m, left_out_m, by_tilts_m].into_iter().fold(by_mass_m, libm::hypot)
     }
 
