@@ -220,7 +220,7 @@ impl Plant {
     ///     Mean road-wheel angle at the end of the step, rad, positive to the left; it is reached
     ///     linearly. None or NaN: the driver steers.
     /// interval_s : float
-    ///     Length of the step, s. The plant divides it into steps of at most a millisecond.
+    ///     Length of the step, s. The plant divides it into steps of at most 2 ms.
     /// speed_mps, bank_rad, grade_rad : float, optional
     ///     Speed (m/s), bank and grade (rad) at the end of the step; without them they remain.
     ///

@@ -172,6 +172,9 @@ pub(crate) fn load(
     let greatest_kg = limits::GREATEST_TRAILER_MASS_KG;
     let trailer_mass_kg = up_to("trailer_mass_kg", trailer_mass_kg, greatest_kg)?;
     let height_m = up_to("height_m", height_m, limits::GREATEST_HEIGHT_M)?;
+    if let Some(payload_kg) = payload_kg.filter(|payload_kg| !(*payload_kg >= 0.0)) {
+        return Err(value_error(format!("payload_kg is {payload_kg}: it must be zero or more")));
+    }
     let payload = payload_kg.map(|payload| vehicle.empty_trailer_mass_kg() + payload);
     Ok(vehicle.load_of(trailer_mass_kg.or(payload), height_m))
 }

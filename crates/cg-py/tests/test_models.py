@@ -164,6 +164,8 @@ def test_the_prediction_follows_the_roll_angle(kraz, turn):
     assert np.mean(higher[steady]) > 1.1 * np.mean(predicted[steady])
     with pytest.raises(ValueError, match="height_m is -1"):
         cgheight.predict_roll(turn, -1.0, vehicle=kraz)
+    with pytest.raises(ValueError, match="lacks the input of the suspension channel"):
+        cgheight.predict_roll(turn, 1.7, vehicle=kraz, channel="suspension")
 
 
 def test_models_show_themselves(baseline):

@@ -244,3 +244,11 @@ def test_tables_and_calibrations_are_in_the_report(tmp_path, kraz, turn):
         cgheight.report([turn], page, vehicle=kraz, errors="skip")
     with pytest.raises(ValueError, match="jobs is 0"):
         cgheight.report([turn], page, vehicle=kraz, jobs=0)
+
+
+def test_true_heights_of_other_logs_only_are_refused(tmp_path, kraz):
+    page = tmp_path / "page.html"
+    known = {"other.csv": 1.7}
+    with pytest.raises(ValueError, match=r"none of its names \(other\.csv, …\) is that of a log"):
+        cgheight.report(PATHS[:1], page, vehicle=kraz, true_heights_m=known)
+    assert not page.exists()

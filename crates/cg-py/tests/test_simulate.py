@@ -95,6 +95,8 @@ def test_the_driver_and_the_nonlinear_plant(baseline):
             {"payload_left_m": 0.1, "model": "as-printed"},
             'payload_left_m needs model="complete"',
         ),
+        ({"payload_kg": -1.0}, "payload_kg is -1: it must be zero or more"),
+        ({"payload_kg": float("nan")}, "payload_kg is NaN: it must be zero or more"),
         ({"payload_left_m": 1.3}, r"payload_left_m 1\.3 must lie between -1\.22 and 1\.22"),
         ({"payload_behind_hitch_m": 30.0}, "payload_behind_hitch_m 30 must be positive"),
         ({"sensors": {"drop_out": 2.0}}, "drop-out"),

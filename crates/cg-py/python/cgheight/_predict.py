@@ -60,8 +60,15 @@ def predict_roll(
     FileNotFoundError
         There is no such file.
     ValueError
-        The log is not as described, or the vehicle cannot have the height, the speed or the mass.
+        The log is not as described, the vehicle cannot have the height, the speed or the mass, or
+        no row has a prediction.
     """
     options = shared_options("filtered", "auto", model, speed_mps, trailer_mass_kg)
     height = number("height_m", height_m)
-    return _native.predict_roll(vehicle, signals(log, columns, flip), channel, height, options)
+    roll_rad = _native.predict_roll(vehicle, signals(log, columns, flip), channel, height, options)
+    if np.isnan(roll_rad).all():
+        raise ValueError(
+            f"no row has a prediction: the log lacks the input of the {channel} channel, or its "
+            "speed or mass is outside the vehicle's range"
+        )
+    return roll_rad

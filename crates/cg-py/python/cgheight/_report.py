@@ -86,6 +86,11 @@ def report(
     truck = calibrated(vehicle, calibration)
     check_options(truck, options)
     heights_m = true_heights_m or {}
+    if heights_m and not {*names, *map(os.path.basename, names)} & heights_m.keys():
+        raise ValueError(
+            f"true_heights_m: none of its names ({', '.join(list(heights_m)[:3])}, …) is that of a "
+            f"log ({', '.join(names[:3])}, …)"
+        )
 
     def work(name: str, log: Any) -> tuple[Estimate, _Entry]:
         try:
