@@ -139,6 +139,7 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     if stays {
         stop.wait();
     }
+    session.outputs.unsaved()?;
     // A live run without a height ends normally.
     Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
 }

@@ -1,7 +1,8 @@
 //! All outputs: events, live page, state file, metrics, frames.
 //!
 //! A failure of an output is reported once and tried again later. It never stops the estimation. Only
-//! if standard output fails, the program stops as at a signal, so that the state is saved.
+//! if standard output fails, the program stops as at a signal, so that the state is saved. A state that
+//! is not saved at the end is an error.
 
 use std::io::{self, Write};
 
@@ -119,6 +120,18 @@ impl<W: Write> Outputs<W> {
     pub(crate) fn try_state(&mut self) -> Option<String> {
         let result = self.state.as_ref()?.try_open();
         changed(&mut self.state_failed, result)
+    }
+
+    /// The error if the state could not be written at last.
+    pub(crate) fn unsaved(&self) -> io::Result<()> {
+        match &self.state {
+            Some(state) if self.state_failed => Err(io::Error::other(format!(
+                "--state {}: could not be written, so what this run has learned is lost; the reason is in the last \
+                 notice of the subject \"state\"",
+                state.path().display()
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Writes the metrics; returns a message if writing starts to fail or works again.

@@ -94,6 +94,10 @@ impl StateFile {
         self.store_name()
     }
 
+    pub(crate) fn path(&self) -> &Path {
+        self.target.path()
+    }
+
     /// Whether the file could be written; it remains as it is.
     pub(crate) fn try_open(&self) -> io::Result<()> {
         // A draft that is not published is removed.

@@ -207,12 +207,16 @@ fn a_given_mass_is_taken_whatever_the_bus_says() {
     assert!(last(&given, "height_m") < 0.95 * last(&told, "height_m"));
 }
 
-/// A full disk prevents writing the file but not the estimation. It is reported once.
+/// A full disk prevents writing the file but not the estimation. It is reported once, and a state that is lost at the end is
+/// an error.
 #[test]
 fn a_full_disk_stops_nothing() {
     let drive = drive();
     let full = ["--state", "/dev/full", "--metrics", "/dev/full"];
-    let found = lines(&drive.replay(&drive.candump, &full).done());
+    let run = drive.replay(&drive.candump, &full);
+    let run =
+        run.told(2, &["--state /dev/full: could not be written, so what this run has learned"]);
+    let found = lines(&run);
     let notices = events(&found, "notice");
     let told = |subject: &str| {
         let of = |line: &&&Value| line["subject"] == subject;
