@@ -17,7 +17,7 @@ impl Belief {
     /// of the payload and the residual. The order is that of [`Channel::ALL`].
     ///
     /// # Errors
-    /// As [`ratio_line`](crate::linear::ratio_line).
+    /// As [`ratio_line`].
     pub fn ratio_covariance(
         &self,
         vehicle: &Vehicle,
@@ -32,7 +32,7 @@ impl Belief {
     /// The [covariances](Self::ratio_covariance) at several speeds.
     ///
     /// # Errors
-    /// As [`ratio_line`](crate::linear::ratio_line).
+    /// As [`ratio_line`].
     pub fn ratio_covariances<const N: usize>(
         &self,
         vehicle: &Vehicle,
@@ -283,7 +283,7 @@ pub(crate) fn mass_change(
 /// known (an infinite standard deviation) is a parameter of the fit instead, and changes nothing here.
 ///
 /// # Errors
-/// As [`ratio_line`](crate::linear::ratio_line).
+/// As [`ratio_line`].
 pub(crate) fn height_change(
     vehicle: &Vehicle,
     variant: Variant,
