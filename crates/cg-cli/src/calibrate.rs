@@ -152,12 +152,9 @@ fn report(calibration: &Calibration, output: &Path) -> anyhow::Result<()> {
 }
 
 fn height(run: &RunEntry) -> String {
-    match run.height_sd_m {
-        None if run.known_height_sd_m > 0.0 => {
-            format!("{:.3} ± {:.3} m", run.height_m, run.known_height_sd_m)
-        }
-        None => format!("{:.3} m", run.height_m),
-        Some(sd_m) => format!("{:.3} ± {sd_m:.3} m", run.height_m),
+    match run.height_sd_m.unwrap_or(run.known_height_sd_m) {
+        0.0 => format!("{:.3} m", run.height_m),
+        sd_m => format!("{:.3} ± {sd_m:.3} m", run.height_m),
     }
 }
 

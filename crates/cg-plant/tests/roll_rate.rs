@@ -19,7 +19,7 @@ use rand_distr::{Distribution, StandardNormal};
 const RATE_HZ: f64 = 50.0;
 const HEIGHT_M: f64 = 1.75;
 const PAYLOAD_KG: f64 = 14e3;
-/// A gyroscope: white noise of 0.016 °/s/√Hz, an offset, and a mounting that is not level.
+/// A gyroscope: white noise that is a random walk of 0.016 °/√s, an offset, and a mounting that is not level.
 const NOISE_RADPS: f64 = 2e-3;
 const OFFSET_RADPS: f64 = 3e-3;
 const MOUNTING_RAD: f64 = 0.02;

@@ -193,6 +193,7 @@ pub(crate) fn csv<W: Write>(
             session.weighing.logged_sd_kg = Some(row.trailer_mass_sd_kg);
         }
         session.sensors.level(|level| row.get(Signal::from(level)));
+        session.rated.push(&row);
         session.push(row.sample(instant.stream_us, &settings))?;
         session.seen = presence.seen;
         session.tilts = presence.tilts();

@@ -10,8 +10,8 @@ use std::io::{self, Write};
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
 use cg_logs::can::Instant;
 use cg_logs::estimate::{
-    Engine, EstimateOptions, Leaning, LeftOut, RoadPart, SensorCheck, SinceStop, StrongTurns,
-    Tilts, Unheard, Verdict, add_force,
+    Engine, EstimateOptions, Leaning, LeftOut, Rated, RoadPart, SensorCheck, SinceStop,
+    StrongTurns, Tilts, Unheard, Verdict, add_force,
 };
 use cg_logs::log::Signal;
 
@@ -82,6 +82,8 @@ pub(crate) struct Session<W: Write> {
     pub(crate) seen: [bool; Quantity::COUNT],
     /// Which roll angles come from inclinometers.
     pub(crate) tilts: Tilts,
+    /// The noise of a roll rate whose integral is the roll angle.
+    pub(crate) rated: Rated,
     samples: u64,
     pub(crate) counters: Counters,
     /// Time stamp minus stream time, s.
@@ -161,6 +163,7 @@ impl<W: Write> Session<W> {
             missing: Vec::new(),
             seen: [false; Quantity::COUNT],
             tilts: Tilts::default(),
+            rated: Rated::default(),
             samples: 0,
             counters: Counters::default(),
             offset_s: 0.0,
@@ -269,6 +272,7 @@ impl<W: Write> Session<W> {
         self.sensors.close(is_of_another_load);
         self.unheard.push(maneuver);
         self.strong.close(maneuver, is_of_another_load);
+        self.rated.close(maneuver, is_of_another_load);
         self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {
             self.load_since_s = Some(self.time_s(maneuver.end_us));

@@ -316,9 +316,7 @@ impl LogEstimator {
             self.sensors.close(is_first_of_load);
             self.unheard.push(maneuver);
             self.strong.close(maneuver, is_first_of_load);
-            #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
-            let duration_s = maneuver.end_us.saturating_sub(maneuver.start_us) as f64 * 1e-6;
-            self.rated.close(duration_s, is_first_of_load);
+            self.rated.close(maneuver, is_first_of_load);
             self.left_out.close(maneuver, &self.engine, is_first_of_load);
             if is_first_of_load {
                 self.first_of_load = self.maneuvers.len();

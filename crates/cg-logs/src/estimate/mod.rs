@@ -81,6 +81,7 @@ pub use options::{
     ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad, interval_95,
 };
 pub use prediction::Prediction;
+pub use rated::Rated;
 pub use road::RoadPart;
 pub use sensors::SensorCheck;
 pub use since_stop::SinceStop;

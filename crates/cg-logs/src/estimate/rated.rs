@@ -1,8 +1,9 @@
 //! What the noise of a roll rate makes of the ratios, if the roll angle is its integral.
 
-use cg_core::{Channel, Design, Output};
+use cg_core::{Channel, Design, Maneuver, Output};
 use serde::{Deserialize, Serialize};
 
+use super::tilts::height_sd_of_ratio_m;
 use crate::log::LogRow;
 
 /// Standard deviation of the gain of a turn over what the noise adds up to in it, `N √T/φ`, with the greatest roll angle `φ`
@@ -13,7 +14,7 @@ const SHARE: f64 = 0.4;
 
 /// The noise of the roll rate, and the turns of a load.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Rated {
+pub struct Rated {
     /// The last two rates, rad/s, and the time of the last one, s.
     last: Option<([f64; 2], f64)>,
     /// Mean of `N²`, the variance of the integral per second, rad²/s, and the number of rows.
@@ -21,14 +22,14 @@ pub(super) struct Rated {
     rows: f64,
     /// The greatest roll angle since the last maneuver, rad.
     greatest_rad: f64,
-    /// Sum of `T/φ²` over the maneuvers of the load, s/rad², and their number.
+    /// Sum of `T/φ²` over the maneuvers of the load that gave a height, s/rad², and their number.
     turns: f64,
     maneuvers: f64,
 }
 
 impl Rated {
     /// Takes a row.
-    pub(super) fn push(&mut self, row: &LogRow) {
+    pub fn push(&mut self, row: &LogRow) {
         let LogRow { time_s, roll_rate_radps, roll_to_gravity_rad, .. } = *row;
         if !(roll_rate_radps.is_finite() && roll_to_gravity_rad.is_finite()) {
             self.last = None;
@@ -45,13 +46,16 @@ impl Rated {
         self.last = Some(([before[1], roll_rate_radps], time_s));
     }
 
-    /// Takes the end of a maneuver of a duration, s; `true` if it is the first of another load.
-    pub(super) fn close(&mut self, duration_s: f64, is_of_another_load: bool) {
+    /// Takes the end of a maneuver; `true` if it is the first of another load.
+    pub fn close(&mut self, maneuver: &Maneuver<f64>, is_of_another_load: bool) {
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        let duration_s = maneuver.end_us.saturating_sub(maneuver.start_us) as f64 * 1e-6;
         if is_of_another_load {
             (self.turns, self.maneuvers) = (0.0, 0.0);
         }
         let greatest_rad = std::mem::take(&mut self.greatest_rad);
-        if greatest_rad > 0.0 {
+        let gave = maneuver.outcomes.iter().any(|outcome| outcome.height_m.is_ok());
+        if gave && greatest_rad > 0.0 {
             self.turns += duration_s / (greatest_rad * greatest_rad);
             self.maneuvers += 1.0;
         }
@@ -59,7 +63,7 @@ impl Rated {
 
     /// Relative standard deviation of the ratio of a channel; zero without a roll rate. The noise of each maneuver is
     /// another one.
-    pub(super) fn ratio_sd(&self, channel: Channel) -> f64 {
+    pub fn ratio_sd(&self, channel: Channel) -> f64 {
         if channel.output() != Output::Roll || self.maneuvers < 1.0 {
             return 0.0;
         }
@@ -67,23 +71,22 @@ impl Rated {
     }
 
     /// That of its height, m, at a speed, m/s, and a trailer mass, kg.
-    pub(super) fn height_sd_m(
+    pub fn height_sd_m(
         &self,
         design: &Design<f64>,
         (channel, height_m): (Channel, f64),
         [speed_mps, trailer_mass_kg]: [f64; 2],
     ) -> f64 {
         let Some(line) = design.line(channel, speed_mps, trailer_mass_kg) else { return 0.0 };
-        let sd_m = (self.ratio_sd(channel) / line.relative_slope_at(height_m)).abs();
-        // No height is more uncertain than by itself.
-        if sd_m < height_m { sd_m } else { height_m }
+        height_sd_of_ratio_m(&line, height_m, self.ratio_sd(channel))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::trial::{MASS_KG, design};
+    use crate::estimate::trial::{MASS_KG, design, maneuver};
+    use cg_core::Measured;
     use rand::{SeedableRng, rngs::StdRng};
     use rand_distr::{Distribution, StandardNormal};
 
@@ -105,7 +108,16 @@ mod tests {
                 ..LogRow::ABSENT
             });
         }
-        rated.close(20.0, false);
+        rated.close(&turn_of_20_s(true), false);
+    }
+
+    fn turn_of_20_s(gave: bool) -> Maneuver<f64> {
+        let mut turn = maneuver();
+        (turn.start_us, turn.end_us) = (0, 20_000_000);
+        if gave {
+            turn.outcomes[Channel::Steer.index()].height_m = Ok(Measured { value: 2.0, sd: 0.01 });
+        }
+        turn
     }
 
     #[test]
@@ -127,7 +139,11 @@ mod tests {
         }
         let four = rated.ratio_sd(Channel::Steer);
         assert!((four / expected * 2.0 - 1.0).abs() < 0.1, "{four} {expected}");
-        rated.close(20.0, true);
+        rated.greatest_rad = 0.03;
+        rated.close(&turn_of_20_s(false), false);
+        let with_rejected = rated.ratio_sd(Channel::Steer);
+        assert!((with_rejected / four - 1.0).abs() < 0.01, "a turn without a height counts not");
+        rated.close(&turn_of_20_s(true), true);
         assert!(rated.ratio_sd(Channel::Steer) <= 0.0, "the new load has no turn yet");
     }
 
@@ -137,8 +153,8 @@ mod tests {
         turn(&mut rated, 0.0, 1);
         assert!(rated.ratio_sd(Channel::Steer) < 1e-4, "{}", rated.ratio_sd(Channel::Steer));
         let mut measured = Rated::default();
-        measured.push(&LogRow { roll_to_gravity_rad: 0.03, ..LogRow::ABSENT });
-        measured.close(20.0, false);
+        measured.push(&LogRow { time_s: 0.0, roll_to_gravity_rad: 0.03, ..LogRow::ABSENT });
+        measured.close(&turn_of_20_s(true), false);
         assert!(measured.ratio_sd(Channel::Steer) <= 0.0);
     }
 }

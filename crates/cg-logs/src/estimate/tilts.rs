@@ -1,6 +1,6 @@
 //! What is not known of the gains of inclinometers.
 
-use cg_core::{Channel, Design, Quantity};
+use cg_core::{Channel, Design, Quantity, RatioLine};
 
 /// Standard deviation of the difference of two gains, relative: half a percent for each of both sensors, by their scale and by
 /// their temperature. A calibration finds what the gains were then.
@@ -53,11 +53,15 @@ impl Tilts {
         let line = |channel| design.line(channel, speed_mps, trailer_mass_kg);
         let (Some(own), Some(by_force)) = (line(channel), line(pair)) else { return 0.0 };
         let ratio = design.channels[pair.index()].compensation * by_force.ratio_at(height_m);
-        let relative_sd = DIFFERENCE_SD / (design.gravity_mps2 * ratio);
-        let sd_m = (relative_sd / own.relative_slope_at(height_m)).abs();
-        // No height is more uncertain than by itself.
-        if sd_m < height_m { sd_m } else { height_m }
+        height_sd_of_ratio_m(&own, height_m, DIFFERENCE_SD / (design.gravity_mps2 * ratio))
     }
+}
+
+/// Standard deviation of a height, m, whose ratio has a relative standard deviation. No height is more uncertain than by
+/// itself.
+pub(super) fn height_sd_of_ratio_m(line: &RatioLine<f64>, height_m: f64, relative_sd: f64) -> f64 {
+    let sd_m = (relative_sd / line.relative_slope_at(height_m)).abs();
+    if sd_m < height_m { sd_m } else { height_m }
 }
 
 #[cfg(test)]

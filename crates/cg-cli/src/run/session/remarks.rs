@@ -90,7 +90,8 @@ impl<W: Write> Session<W> {
     }
 
     /// Standard deviation of the height, m, due to that of the trailer mass, to strong turns, to a load beside the middle, to
-    /// maneuvers that were left out and to the gains of inclinometers, which the estimator does not know.
+    /// maneuvers that were left out, to the gains of inclinometers and to the noise of a roll rate, which the estimator does
+    /// not know.
     pub(super) fn host_sd_m(&self) -> f64 {
         let known = &self.known;
         let Some(height_m) = known.height_m else { return 0.0 };
@@ -103,11 +104,12 @@ impl<W: Write> Session<W> {
         let by_lean = self.leaning.height_sd(self.options.lean, known.trailer_mass_kg);
         let by_turns = libm::hypot(self.strength().sd, by_lean);
         let (design, turn) = (self.estimator.design(), [speed_mps, known.trailer_mass_kg]);
-        let by_tilts_m = self
-            .estimator
-            .best_channel()
-            .map_or(0.0, |channel| self.tilts.height_sd_m(design, (channel, height_m), turn));
-        [by_turns * height_m, left_out_m, by_tilts_m].into_iter().fold(by_mass_m, libm::hypot)
+        let by_sensors_m = self.estimator.best_channel().map_or(0.0, |channel| {
+            let height = (channel, height_m);
+            let by_tilts_m = self.tilts.height_sd_m(design, height, turn);
+            libm::hypot(by_tilts_m, self.rated.height_sd_m(design, height, turn))
+        });
+        [by_turns * height_m, left_out_m, by_sensors_m].into_iter().fold(by_mass_m, libm::hypot)
     }
 
     /// The share of the unknown bank of the road in the variance of the height.

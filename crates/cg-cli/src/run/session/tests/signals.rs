@@ -1,6 +1,8 @@
 //! Sensors that fail while the truck drives.
 
 use super::*;
+use cg_core::Channel;
+use cg_logs::log::LogRow;
 
 /// A minute of weaving at 15 m/s from a time on, s, with what sensors make of it.
 fn weave(session: &mut Trial, from_s: u64, sensors: impl Fn(&mut Sample<f64>)) {
@@ -77,4 +79,31 @@ fn a_roll_sensor_that_dies_is_told_after_three_turns() {
     let told: Vec<_> = told.iter().filter(|event| event["subject"] == "turns").collect();
     let [event] = &told[..] else { panic!("{told:?}") };
     assert!(event["message"].as_str().unwrap().starts_with("the last 3 turns gave no height"));
+}
+
+/// The noise of a roll rate whose integral is the roll angle is in the interval, as in `cg estimate`.
+#[test]
+fn the_noise_of_a_roll_rate_widens_the_interval() {
+    let mut one = {
+        let mut session = session(Some(nominal_kg()), 0.0);
+        turn(&mut session, 0);
+        session.estimator.finish().unwrap()
+    };
+    one.outcomes[1].height_m = Ok(Measured { value: 2.0, sd: 0.01 });
+    let mut session = session(None, 0.0);
+    learn(&mut session, [None, Some(2.0)]);
+    let before_m = session.host_sd_m();
+    for k in 0..1000_u32 {
+        let roll_rate_radps = if k % 2 == 0 { 2e-3 } else { -2e-3 };
+        let angle = LogRow { roll_to_gravity_rad: 0.03, ..LogRow::ABSENT };
+        session.rated.push(&LogRow { time_s: f64::from(k) * 0.02, roll_rate_radps, ..angle });
+    }
+    session.maneuver(&one).unwrap();
+    let by_rate = session.rated.ratio_sd(Channel::LateralAcceleration);
+    assert!(by_rate > 0.01, "{by_rate}");
+    let (design, height) = (session.estimator.design(), (Channel::LateralAcceleration, 2.0));
+    let turn = [design.nominal_speed_mps, session.known.trailer_mass_kg];
+    let by_rate_m = session.rated.height_sd_m(design, height, turn);
+    let after_m = session.host_sd_m();
+    assert!((after_m - before_m.hypot(by_rate_m)).abs() < 1e-9, "{before_m} {by_rate_m} {after_m}");
 }
