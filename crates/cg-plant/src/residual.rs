@@ -1,16 +1,26 @@
 //! What the equations of a vehicle leave out, as its own nonlinear plant shows it.
 //!
-//! The plant has the numbers of the vehicle file and perfect sensors. It makes rounded steps and drives with payloads
-//! over the whole range, and each identified DC ratio is compared with that of the equations at the true height:
+//! The plant has the numbers of the vehicle file and perfect sensors. It makes rounded steps, turns on a circle, lane
+//! changes and drives with payloads over the whole range, and each identified DC ratio is compared with that of the
+//! equations at the true height:
 //!
 //! ```text
 //!     m = ln(identified ratio / ratio of the equations)
 //! ```
 //!
-//! A misfit that is the same in all runs is a gain, which `[uncertainty]` describes and a calibration removes. The rest
-//! differs from run to run. Its variance, less what an interval has for the identification, measured springs and tires
-//! in turns, is that of the part of `residual_sd` which the plant knows. The rest of `residual_sd` is for what neither plant
-//! nor equations contain.
+//! A misfit that is the same in all runs is a gain `g`, which `[uncertainty]` describes and a calibration removes. The rest
+//! differs from run to run. For a part of it an interval has the variance `v` of the run: the identification, measured
+//! springs, and tires in turns. The part of `residual_sd` that the plant knows is the `r` with which the misfits of `n`
+//! runs are distributed as their intervals say:
+//!
+//! ```text
+//!     Σ (m − g)²/(v + r²) = n − 1,     g = Σ m/(v + r²) / Σ 1/(v + r²)
+//! ```
+//!
+//! The rest of `residual_sd` is for what neither plant nor equations contain.
+//!
+//! **Reference.** R. C. Paule and J. Mandel, Consensus values and weighting factors, *J. Res. Natl. Bur. Stand.* 87 (1982),
+//! 377–385.
 
 use cg_core::{Channel, Design};
 use cg_logs::calibrate::{KnownLoad, KnownLog, run};
@@ -24,7 +34,7 @@ use cg_vehicle::steady_turn::steady_turn_threshold_g;
 use cg_vehicle::{Load, Variant, Vehicle};
 use rayon::prelude::*;
 
-use crate::maneuver::Maneuver;
+use crate::maneuver::{Course, Maneuver};
 use crate::simulate::{LogSimulation, Plant, Scenario};
 
 /// Payloads beside the empty trailer, kg.
@@ -35,7 +45,13 @@ const ABOVE_FLOOR_M: [f64; 2] = [0.25, 0.75];
 const LATERAL_G: [f64; 3] = [0.08, 0.13, 0.18];
 /// Turns above this share of the rollover threshold are not usual, and an estimate says so.
 const USUAL_SHARE: f64 = 0.5;
-const MANEUVERS: [Maneuver; 2] = [Maneuver::RoundedStep, Maneuver::Drive];
+const MANEUVERS: [Maneuver; 4] =
+    [Maneuver::RoundedStep, Maneuver::SteadyTurn, Maneuver::LaneChange, Maneuver::Drive];
+/// Angle of a turn on a circle, and its speed: an exit of a motorway.
+const TURN_RAD: f64 = 0.7;
+const TURN_MPS: f64 = 20.0;
+/// Steer angle of a lane change over that of the steady turn with the lateral acceleration to which it comes.
+const LANE_CHANGE: f64 = 1.5;
 const RATE_HZ: f64 = 50.0;
 const DRIVE_S: f64 = 60.0;
 /// Greatest share by which the speed of a drive changes.
@@ -53,6 +69,8 @@ pub struct ChannelResidual {
     pub spread: f64,
     /// What an interval has for it without a residual.
     pub explained: f64,
+    /// The residual with which the runs differ as their intervals say.
+    pub residual_sd: f64,
 }
 
 /// What the equations of a vehicle leave out.
@@ -69,8 +87,7 @@ impl ModelResidual {
     /// What `residual_sd` of the vehicle file should be at least: the root mean square over the channels.
     #[allow(clippy::cast_precision_loss)] // a few
     pub fn residual_sd(&self) -> f64 {
-        let left = |one: &ChannelResidual| one.spread * one.spread - one.explained * one.explained;
-        let sum: f64 = self.channels.iter().map(|one| left(one).max(0.0)).sum();
+        let sum: f64 = self.channels.iter().map(|one| one.residual_sd * one.residual_sd).sum();
         libm::sqrt(sum / self.channels.len() as f64)
     }
 }
@@ -98,9 +115,12 @@ pub fn model_residual(vehicle: &Vehicle) -> Result<ModelResidual, VehicleError> 
         for row in LogSimulation::new(vehicle, scenario)?.rows() {
             estimator.push(&row).map_err(|error| VehicleError::Model(error.to_string()))?;
         }
-        known(vehicle, load, estimator)
+        // Friction may hold the springs in a gentle lane change. Without a ratio there is no interval.
+        let has_ratio = estimator.clone().identified().ratio.iter().any(Option::is_some);
+        has_ratio.then(|| known(vehicle, load, estimator)).transpose()
     };
-    let runs: Vec<Run> = turns.par_iter().map(of_turn).collect::<Result<_, _>>()?;
+    let runs = turns.par_iter().map(of_turn).collect::<Result<Vec<Option<Run>>, VehicleError>>()?;
+    let runs: Vec<Run> = runs.into_iter().flatten().collect();
     let misfits = misfits(vehicle, variant, &runs)?;
     let channels = Channel::ALL.into_iter().filter_map(|channel| of_channel(channel, &misfits));
     Ok(ModelResidual { runs: runs.len(), channels: channels.collect() })
@@ -129,19 +149,25 @@ fn scenario(
     maneuver: Maneuver,
     lateral_g: f64,
 ) -> Result<Scenario, VehicleError> {
-    let speed_mps = vehicle.nominal_speed_mps;
-    let model = Equations::new(vehicle, Variant::Complete, speed_mps, load)?.state_space()?;
-    let gain = model.lateral_gain()?;
     let usual = Scenario::of(vehicle, maneuver);
-    let drives = maneuver == Maneuver::Drive;
-    Ok(Scenario {
-        load,
-        plant: Plant::Nonlinear,
-        steer_rad: Some(lateral_g * vehicle.gravity_mps2 / gain),
-        rate_hz: RATE_HZ,
-        duration_s: if drives { DRIVE_S } else { usual.duration_s },
-        speed_change: if drives { SPEED_CHANGE } else { 0.0 },
-        ..usual
+    let scenario = Scenario { load, plant: Plant::Nonlinear, rate_hz: RATE_HZ, ..usual };
+    let lateral_mps2 = lateral_g * vehicle.gravity_mps2;
+    if maneuver == Maneuver::SteadyTurn {
+        let radius_m = TURN_MPS * TURN_MPS / lateral_mps2;
+        let course = Some(Course::Turn { angle_rad: TURN_RAD, radius_m });
+        return Ok(Scenario { course, speed_mps: TURN_MPS, ..scenario });
+    }
+    let model = Equations::new(vehicle, Variant::Complete, usual.speed_mps, load)?.state_space()?;
+    let steer_rad = lateral_mps2 / model.lateral_gain()?;
+    Ok(match maneuver {
+        Maneuver::LaneChange => Scenario { steer_rad: Some(LANE_CHANGE * steer_rad), ..scenario },
+        Maneuver::Drive => Scenario {
+            steer_rad: Some(steer_rad),
+            duration_s: DRIVE_S,
+            speed_change: SPEED_CHANGE,
+            ..scenario
+        },
+        _ => Scenario { steer_rad: Some(steer_rad), ..scenario },
     })
 }
 
@@ -164,5 +190,32 @@ fn of_channel(channel: Channel, misfits: &[Misfit]) -> Option<ChannelResidual> {
     let total = own.iter().map(|one| (one.log - mean) * (one.log - mean)).sum::<f64>() / (n - 1.0);
     let explained = own.iter().map(|one| one.variance).sum::<f64>() / n;
     let [spread, explained] = [total, explained].map(libm::sqrt);
-    Some(ChannelResidual { channel, mean, spread, explained })
+    let residual_sd = residual_sd(&own, spread);
+    Some(ChannelResidual { channel, mean, spread, explained, residual_sd })
+}
+
+/// The residual with which the misfits differ as their intervals say: their sum of squares falls as it grows, and is below
+/// their number less one where it alone is as great as their spread.
+#[allow(clippy::cast_precision_loss)] // dozens
+fn residual_sd(misfits: &[&Misfit], spread: f64) -> f64 {
+    const HALVINGS: usize = 40;
+    let is_too_small = |residual: f64| {
+        let weight = |one: &Misfit| 1.0 / (one.variance + residual * residual);
+        let weights: f64 = misfits.iter().map(|one| weight(one)).sum();
+        let gain = misfits.iter().map(|one| weight(one) * one.log).sum::<f64>() / weights;
+        let square = |one: &&Misfit| weight(one) * (one.log - gain) * (one.log - gain);
+        misfits.iter().map(square).sum::<f64>() > misfits.len() as f64 - 1.0
+    };
+    let (mut least, mut most) = (0.0, spread);
+    if is_too_small(least) {
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (least + most);
+            if is_too_small(middle) {
+                least = middle;
+            } else {
+                most = middle;
+            }
+        }
+    }
+    least
 }

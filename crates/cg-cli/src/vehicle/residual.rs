@@ -33,6 +33,7 @@ fn describe(found: &ModelResidual, file_sd: f64) -> Value {
             "mean": one.mean,
             "spread": one.spread,
             "explained": one.explained,
+            "residual_sd": one.residual_sd,
         })
     };
     json!({
@@ -46,7 +47,7 @@ fn describe(found: &ModelResidual, file_sd: f64) -> Value {
 fn print(found: &ModelResidual, file_sd: f64) -> String {
     let mut table = Table::new();
     table.load_preset(NOTHING);
-    table.set_header(["channel", "mean", "spread", "explained"]);
+    table.set_header(["channel", "mean", "spread", "explained", "rest"]);
     for one in &found.channels {
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
         table.add_row([
@@ -54,6 +55,7 @@ fn print(found: &ModelResidual, file_sd: f64) -> String {
             format!("{:+.2} %", 100.0 * one.mean),
             percent(one.spread),
             percent(one.explained),
+            percent(one.residual_sd),
         ]);
     }
     let found_sd = found.residual_sd();
@@ -63,10 +65,12 @@ fn print(found: &ModelResidual, file_sd: f64) -> String {
         "the rest is for what neither the plant nor the equations contain"
     };
     format!(
-        "identified DC ratio over that of the equations, {} steps and drives of the nonlinear plant:\n\
+        "identified DC ratio over that of the equations, {} runs of the nonlinear plant (steps, turns on a\n\
+         circle, lane changes and drives):\n\
          {table}\n\
          mean: a gain, which a calibration removes; spread: from run to run; explained: what an interval\n\
-         has for it (identification, measured springs, tires in turns)\n\
+         has for it (identification, measured springs, tires in turns); rest: the residual_sd with which the\n\
+         runs differ as their intervals say\n\
          residual_sd: the plant shows {found_sd:.4}, the file says {file_sd}: {verdict}\n",
         found.runs
     )

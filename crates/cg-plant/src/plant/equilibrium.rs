@@ -19,6 +19,8 @@ pub(super) struct Rest {
 
 /// Accelerations (m/s², rad/s²) due to rounding: forces of 1e5 N to 1e-16 on 500 kg, with a margin.
 const ROUNDING: f64 = 1e-10;
+/// Full steps that may lead away from rest, because a spring's curve has a bend between here and there.
+const LEAPS: u32 = 5;
 const BODIES: [Coordinate; 7] = [
     Coordinate::TractorHeight,
     Coordinate::TractorPitch,
@@ -102,6 +104,7 @@ pub(super) fn settle(
 ) -> Result<Rest, VehicleError> {
     let mut rest = Rest { state: *start, steer_rad: 0.0 }.relaxed(parameters, control);
     let mut residual = accelerations(parameters, &rest, control);
+    let mut leaps = LEAPS;
     for _ in 0..50 {
         if residual.amax() < ROUNDING {
             return Ok(rest);
@@ -121,16 +124,17 @@ pub(super) fn settle(
             jacobian.set_column(k, &((moved(&shifted).1 - &residual) / h));
         }
         let Some(step) = jacobian.lu().solve(&residual) else { break };
-        let mut share = 1.0;
-        let mut better = moved(&(&unknowns - &step));
-        while !(better.1.norm() < residual.norm()) && share > 1e-3 {
-            share *= 0.5;
-            better = moved(&(&unknowns - &step * share));
-        }
-        if !(better.1.norm() < residual.norm()) {
-            break;
-        }
-        (rest, residual) = better;
+        let full = moved(&(&unknowns - &step));
+        let shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share)).take(11);
+        let mut descent = shares.map(|share| moved(&(&unknowns - &step * share)));
+        (rest, residual) = match descent.find(|(_, left)| left.norm() < residual.norm()) {
+            Some(better) => better,
+            None if leaps > 0 => {
+                leaps -= 1;
+                full
+            }
+            None => break,
+        };
     }
     // Rounding may stop the descent slightly above its estimate.
     if residual.amax() < 1e3 * ROUNDING {

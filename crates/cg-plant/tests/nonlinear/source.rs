@@ -26,7 +26,8 @@ fn ratios(vehicle: &Vehicle) -> Vec<f64> {
 }
 
 /// Table 5.11 through eq. 5.17, with measured springs. The thesis's data of friction, fifth wheel and
-/// springs leave an uncertainty of 10 % (a fifth wheel of 3e5 instead of 4e5 N m/rad alone is 3 %).
+/// springs leave an uncertainty of 10 % (a fifth wheel of 3e5 instead of 4e5 N m/rad alone is 3 %, and friction within
+/// 4.5 instead of 5.6 mm another 3 %).
 #[test]
 fn steady_roll_over_height_with_measured_springs() {
     for (k, ratio) in ratios(&vehicle("baseline-tables")).iter().enumerate() {
@@ -89,23 +90,24 @@ fn peak_roll_in_a_turn_grows_by_four_degrees_per_meter() {
 }
 
 /// Sections 2.7.4, 2.7.5: air suspensions roll more, worn (stiffer) tires less, at about the same
-/// slope.
+/// slope: air suspensions over the range of heights, worn tires as long as no spring loses its load.
 #[test]
 fn air_suspensions_roll_more_and_worn_tyres_less() {
     let [base, air, third, half] =
         ["baseline-tables", "air", "worn-tyres-third", "worn-tyres-half"].map(|name| {
             let vehicle = vehicle(name);
-            [1.85, 2.05].map(|height_m| peak_roll_deg(&vehicle, height_m))
+            [1.85, 2.05, 2.25].map(|height_m| peak_roll_deg(&vehicle, height_m))
         });
     println!("measured {base:.3?}, air {air:.3?}, 1/3 tread {third:.3?}, 1/2 tread {half:.3?}");
-    for k in 0..2 {
+    for k in 0..3 {
         assert!(air[k] > base[k] && third[k] < half[k] && half[k] < base[k]);
     }
-    let slope = |peaks: [f64; 2]| (peaks[1] - peaks[0]) / 0.2;
     // "About the same" allows a quarter, "does not vary" a tenth.
-    assert!((slope(air) / slope(base) - 1.0).abs() < 0.25, "{}", slope(air) / slope(base));
+    let ratio = (air[2] - air[0]) / (base[2] - base[0]);
+    assert!((ratio - 1.0).abs() < 0.25, "{ratio}");
     for worn in [third, half] {
-        assert!((slope(worn) / slope(base) - 1.0).abs() < 0.10);
+        let ratio = (worn[1] - worn[0]) / (base[1] - base[0]);
+        assert!((ratio - 1.0).abs() < 0.10, "{ratio}");
     }
 }
 

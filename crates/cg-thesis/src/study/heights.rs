@@ -179,7 +179,7 @@ fn payload_statements(series: &[Series], slopes: &[f64]) -> Vec<Statement> {
             measured: slopes[0],
             unit: "°/m",
             criterion: Criterion::between(0.77, 0.91, "±60 mm has one digit: 55 to 65 mm"),
-            because: "the suspensions roll more at a light load",
+            because: "the suspensions have another roll stiffness at a light load",
         },
     ]
 }
