@@ -209,7 +209,7 @@ impl Envelope {
     /// would stay behind a rising curve by more than the friction. What another place allows counts as well, plus a quarter of
     /// the distance to it. So it does not jump where the slope of a table does: it is the greatest function that nowhere exceeds
     /// what the place itself allows and nowhere changes faster than a quarter of a meter per meter.
-    fn deflection_within_m(&self, x: f64, deflection_m: f64) -> f64 {
+    pub fn deflection_within_m(&self, x: f64, deflection_m: f64) -> f64 {
         self.within_m(self.index(x), x, deflection_m)
     }
 
