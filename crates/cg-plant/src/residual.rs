@@ -77,8 +77,10 @@ pub struct ChannelResidual {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ModelResidual {
-    /// Number of runs.
+    /// Number of runs with a ratio.
     pub runs: usize,
+    /// Number of runs without one, for example a gentle lane change in which friction holds the springs.
+    pub without_ratio: usize,
     /// The channels of the roll angle.
     pub channels: Vec<ChannelResidual>,
 }
@@ -115,7 +117,7 @@ pub fn model_residual(vehicle: &Vehicle) -> Result<ModelResidual, VehicleError> 
         for row in LogSimulation::new(vehicle, scenario)?.rows() {
             estimator.push(&row).map_err(|error| VehicleError::Model(error.to_string()))?;
         }
-        // Friction may hold the springs in a gentle lane change. Without a ratio there is no interval.
+        // Without a ratio there is no interval.
         let has_ratio = estimator.clone().identified().ratio.iter().any(Option::is_some);
         has_ratio.then(|| known(vehicle, load, estimator)).transpose()
     };
@@ -123,7 +125,8 @@ pub fn model_residual(vehicle: &Vehicle) -> Result<ModelResidual, VehicleError> 
     let runs: Vec<Run> = runs.into_iter().flatten().collect();
     let misfits = misfits(vehicle, variant, &runs)?;
     let channels = Channel::ALL.into_iter().filter_map(|channel| of_channel(channel, &misfits));
-    Ok(ModelResidual { runs: runs.len(), channels: channels.collect() })
+    let without_ratio = turns.len() - runs.len();
+    Ok(ModelResidual { runs: runs.len(), without_ratio, channels: channels.collect() })
 }
 
 fn loads(vehicle: &Vehicle) -> Vec<Load> {

@@ -38,6 +38,7 @@ fn describe(found: &ModelResidual, file_sd: f64) -> Value {
     };
     json!({
         "runs": found.runs,
+        "runs_without_ratio": found.without_ratio,
         "channels": found.channels.iter().map(channel).collect::<Vec<_>>(),
         "residual_sd": found.residual_sd(),
         "residual_sd_of_file": file_sd,
@@ -66,12 +67,12 @@ fn print(found: &ModelResidual, file_sd: f64) -> String {
     };
     format!(
         "identified DC ratio over that of the equations, {} runs of the nonlinear plant (steps, turns on a\n\
-         circle, lane changes and drives):\n\
+         circle, lane changes and drives; {} more gave no ratio):\n\
          {table}\n\
          mean: a gain, which a calibration removes; spread: from run to run; explained: what an interval\n\
          has for it (identification, measured springs, tires in turns); rest: the residual_sd with which the\n\
          runs differ as their intervals say\n\
          residual_sd: the plant shows {found_sd:.4}, the file says {file_sd}: {verdict}\n",
-        found.runs
+        found.runs, found.without_ratio
     )
 }

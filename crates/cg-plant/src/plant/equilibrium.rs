@@ -124,10 +124,12 @@ pub(super) fn settle(
             jacobian.set_column(k, &((moved(&shifted).1 - &residual) / h));
         }
         let Some(step) = jacobian.lu().solve(&residual) else { break };
+        let is_better = |(_, left): &(Rest, DVector<f64>)| left.norm() < residual.norm();
         let full = moved(&(&unknowns - &step));
-        let shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share)).take(11);
-        let mut descent = shares.map(|share| moved(&(&unknowns - &step * share)));
-        (rest, residual) = match descent.find(|(_, left)| left.norm() < residual.norm()) {
+        let halves = std::iter::successors(Some(0.5), |share| Some(0.5 * share)).take(10);
+        let mut shorter = halves.map(|share| moved(&(&unknowns - &step * share)));
+        let next = if is_better(&full) { Some(full.clone()) } else { shorter.find(is_better) };
+        (rest, residual) = match next {
             Some(better) => better,
             None if leaps > 0 => {
                 leaps -= 1;
