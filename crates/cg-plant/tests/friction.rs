@@ -35,7 +35,8 @@ fn the_suspension_is_straight_again_without_the_friction() {
         let mut state = FrictionState::at_rest(0.0);
         let (mut straight, mut square, mut still) = (0.0_f64, 0.0, 0_u32);
         for row in &rows {
-            let free_rad = row.suspension_roll_rad + state.push(&friction, row.suspension_roll_rad);
+            let free_rad =
+                row.suspension_roll_rad + state.push(&friction, row.suspension_roll_rad, 0.0);
             let is_still = row.lateral_specific_force_mps2.abs() < 0.02;
             still = if is_still { still + 1 } else { 0 };
             if still > 50 {

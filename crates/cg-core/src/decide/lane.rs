@@ -10,7 +10,7 @@ use crate::identify::mean::Mean;
 use crate::math::real::Real;
 use crate::truck::design::Design;
 use crate::truck::friction::{Friction, FrictionState};
-use crate::truck::lags::RollLags;
+use crate::truck::lags::{LateNoise, RollLags};
 
 /// Time constant of the lag after which measured and expected roll angle of a suspension are compared
 /// to find a sensor that stands still: more than the time by which the roll angle comes before the force.
@@ -31,6 +31,7 @@ pub(crate) struct Lane<T: Real, I> {
     settled_us: u64,
     measured_rad: T,
     lags: RollLags<T>,
+    noise: LateNoise<T>,
     /// Of the springs of this channel, at the present mass.
     pub(crate) friction: Friction<T>,
     state: FrictionState<T>,
@@ -79,6 +80,7 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         settled_us: 0,
         measured_rad: T::ZERO,
         lags: RollLags::at_rest(T::ZERO),
+        noise: LateNoise::NONE,
         friction: Friction::NONE,
         state: FrictionState::at_rest(T::ZERO),
         view_rad: [T::ZERO; 2],
@@ -119,15 +121,15 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
             None => T::zero(),
         };
         let interval_s = since(row.of.middle_us, middle_us);
-        self.measured_rad = measured_rad;
+        let change_rad = measured_rad - core::mem::replace(&mut self.measured_rad, measured_rad);
         let late_rad = self.lags.push(measured_rad, interval_s);
-        let held_rad = self.state.push(&self.friction, late_rad);
-        let free = |roll_rad| {
-            if self.friction.acts() {
-                self.state.free_rad(&self.friction, roll_rad, held_rad)
-            } else {
-                roll_rad
-            }
+        let held_rad = self.friction.acts().then(|| {
+            let noise_rad = self.noise.push(change_rad, interval_s);
+            self.state.push(&self.friction, late_rad, noise_rad)
+        });
+        let free = |roll_rad| match held_rad {
+            Some(held_rad) => self.state.free_rad(&self.friction, roll_rad, held_rad),
+            None => roll_rad,
         };
         let roll_rad = free(if lags { late_rad } else { measured_rad });
         let share = interval_s * T::of(1.0 / VIEW_LAG_S); // a gap ends at 0.5 s
@@ -187,6 +189,8 @@ impl<T: Real, I: Identify<T>> Lane<T, I> {
         self.rest = Rest::new(row.time_us.saturating_add(rest_us));
         let [_, measured_rad] = view_rad;
         self.lags = RollLags::at_rest(measured_rad);
+        self.measured_rad = measured_rad;
+        self.noise = LateNoise::NONE;
         self.state = FrictionState::at_rest(measured_rad);
         self.view_rad = view_rad;
     }

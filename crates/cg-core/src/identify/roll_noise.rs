@@ -80,20 +80,18 @@ fn inflation<T: Real>(interval_s: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::white::white;
     use crate::truck::lags::RollLags;
 
-    /// Numbers from a multiplicative congruential generator, through the lags.
+    /// White noise through the lags.
     #[test]
     fn the_inflation_is_that_of_block_sums() {
-        let (interval_s, mut state) = (0.01_f64, 1_u64);
+        let interval_s = 0.01_f64;
         let mut lags = RollLags::at_rest(0.0);
         let (mut square, mut block, mut blocks) = (0.0, 0.0, 0.0);
         let rows = 600_000_u32;
         for k in 0..rows {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            let noise =
-                f64::from(u32::try_from(state >> 33).unwrap()) / f64::from(1_u32 << 31) - 0.5;
-            let late = lags.push(noise, interval_s);
+            let late = lags.push(white(k), interval_s);
             square += late * late / f64::from(rows);
             block += late;
             if k % 150 == 149 {

@@ -4,3 +4,5 @@ pub mod real;
 pub mod linalg;
 #[cfg(feature = "serde")]
 mod packed_serde;
+#[cfg(test)]
+pub(crate) mod white;

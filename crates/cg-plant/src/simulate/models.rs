@@ -43,7 +43,7 @@ impl Held {
         let before = self.state;
         for _ in 0..10 {
             self.state = before;
-            let held_rad = self.state.push(&self.friction, self.roll_rad);
+            let held_rad = self.state.push(&self.friction, self.roll_rad, 0.0);
             self.roll_rad +=
                 linear_rad - self.state.free_rad(&self.friction, self.roll_rad, held_rad);
         }
