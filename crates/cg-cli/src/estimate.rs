@@ -209,7 +209,10 @@ pub(crate) fn feed(
     while reader.advance()? {
         take(&reader.row(), reader.scale()).with_context(|| {
             let line = reader.line();
-            format!("{name}, line {line}: time stamps must be at least a microsecond apart")
+            format!(
+                "{name}, line {line}: time stamps must be at least a microsecond apart (if they are days, as in \
+                 spreadsheets: --column time=NAME[d])"
+            )
         })?;
         rows += 1;
         if rows % ROWS_PER_TICK == 0 {

@@ -45,9 +45,50 @@ fn time_that_runs_backwards_is_named_with_both_times() {
 }
 
 #[test]
+fn a_time_of_day_that_passes_midnight_needs_its_date() {
+    let text = format!("{HEADER}\n23:59:59.99,0,0\n00:00:00.01,0,0\n");
+    let place = ", line 3, column 1 `time_s`";
+    refused("log.csv", text, &[place, "0.01 s does not come after", "write the date before it"]);
+}
+
+#[test]
+fn a_date_that_has_two_meanings_is_refused_with_one_that_has_not() {
+    let text = format!("{HEADER}\n05/01/2024 12:00:00,0,0\n05/01/2024 12:00:01,0,0\n");
+    refused("log.csv", text, &[", line 2, column 1 `time_s`", "2024-05-01 12:00:00.02"]);
+}
+
+#[test]
+fn lines_above_the_header_are_to_be_comments() {
+    let text = format!("Vehicle: 12\n{HEADER}\n0,0,0\n");
+    refused("log.csv", text, &[", line 1:", "the columns are Vehicle: 12;", "put # before"]);
+}
+
+#[test]
 fn time_that_steps_by_less_than_a_microsecond_is_named_with_its_line() {
     let text = format!("{HEADER}\n0,0,0\n0.0000001,0,0\n");
-    refused("log.csv", text, &[", line 3:", "at least a microsecond apart"]);
+    refused("log.csv", text, &[", line 3:", "at least a microsecond apart", "time=NAME[d]"]);
+}
+
+/// The points in time of a spreadsheet: days since 1900.
+#[test]
+fn days_of_a_spreadsheet_are_a_unit_of_the_time() {
+    let scratch = Scratch::new();
+    let log = std::fs::read_to_string(fixture("logs/A_p00_v50_L.csv")).unwrap();
+    let days: String = (log.lines().enumerate())
+        .map(|(k, line)| match line.split_once(',') {
+            Some((time_s, rest)) if k > 0 && !line.starts_with('#') => {
+                let days = 46_353.5 + time_s.parse::<f64>().unwrap() / 86_400.0;
+                format!("{days:.9},{rest}\n")
+            }
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    let with_days = scratch.file("days.csv", days);
+    let height_of = |log: &str, more: &[&str]| height_m(&estimate(log, &kraz(), more).answer());
+    let of_days = height_of(&with_days, &["--column", "time=time_s[d]"]);
+    let of_seconds = height_of(&fixture("logs/A_p00_v50_L.csv"), &[]);
+    // A day with nine decimals is exact to 0.1 ms, a hundredth of the sampling interval.
+    assert!((of_days - of_seconds).abs() < 1e-3 * of_seconds, "{of_days} {of_seconds}");
 }
 
 #[test]

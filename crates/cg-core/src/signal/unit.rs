@@ -71,6 +71,8 @@ impl Dimension {
                         // The micro sign and the Greek letter.
                         unit("us", &["us", "\u{b5}s", "\u{3bc}s"], 1.0, 1e6),
                         unit("ns", &["ns"], 1.0, 1e9),
+                        // The points in time of spreadsheets.
+                        unit("days", &["d", "days"], 86_400.0, 1.0),
                     ]
                 }
             }

@@ -134,6 +134,8 @@ fn remedy(cell: &[u8]) -> &'static str {
     let numeric = |byte: &u8| byte.is_ascii_digit() || b"+-,.".contains(byte);
     if cell.contains(&b',') && cell.len() < 40 && cell.iter().all(numeric) {
         "write decimals with a point, without thousands separators"
+    } else if cell.contains(&b'/') && cell.contains(&b':') {
+        "write dates with the year first, such as 2024-05-01 12:00:00.02"
     } else {
         "correct it, or leave the cell empty if there is no value"
     }

@@ -221,6 +221,9 @@ impl Header<'_> {
             let signal = near[0].0;
             format!("give its column with ⟨columns {signal}=NAME[{}]⟩", signal.usual_unit())
         };
+        // Whoever exports measurements often writes about them first.
+        let later = "; if the header is a later line, put # before the lines above it";
+        let remedy = remedy + if self.columns.is_empty() { later } else { "" };
         let found: Vec<_> = self.names.iter().map(|h| shown(&h.name, 40)).collect();
         LogError::MissingColumn {
             place: self.place.clone(),

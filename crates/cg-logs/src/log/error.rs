@@ -142,8 +142,8 @@ pub enum LogError {
     AbsentTime { place: Place, column: ColumnName },
     /// The time does not increase.
     #[error(
-        "{place}, {column}: time {time_s} s does not come after {previous_s} s; \
-         sort the log by time, or remove the duplicate row"
+        "{place}, {column}: time {time_s} s does not come after {previous_s} s; {}",
+        order_remedy(*.previous_s, *.time_s)
     )]
     TimeOrder { place: Place, column: ColumnName, previous_s: f64, time_s: f64 },
     /// A log of CAN frames cannot be read.
@@ -176,6 +176,16 @@ impl LogError {
                 | Self::AbsentTime { .. }
                 | Self::TimeOrder { .. }
         )
+    }
+}
+
+fn order_remedy(previous_s: f64, time_s: f64) -> &'static str {
+    const DAY_S: f64 = 86_400.0;
+    let of_day = time_s >= 0.0 && previous_s <= DAY_S;
+    if of_day && previous_s - time_s > 0.5 * DAY_S {
+        "a time of day begins again at midnight: write the date before it"
+    } else {
+        "sort the log by time, or remove the duplicate row"
     }
 }
 
