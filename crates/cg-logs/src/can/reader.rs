@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::io::{self, BufRead, Read};
+use std::time::Duration;
 
 use super::candump::{CandumpError, Content, Line, parse};
 use super::frame::Frame;
@@ -34,6 +35,17 @@ pub enum CandumpFault {
     NoTime {
         /// The line of the first frame.
         line: u64,
+    },
+    /// All time stamps are the same.
+    #[error(
+        "the time stamps of all {frames} frames are {time_s} s; record them with their times (`candump -L` or \
+         `candump -ta`)"
+    )]
+    Standing {
+        /// Number of frames with time stamps.
+        frames: u64,
+        /// The time stamp, s.
+        time_s: f64,
     },
     /// The requested bus is not in the log.
     #[error(
@@ -99,7 +111,10 @@ pub struct CandumpReader<R> {
     stamps: Stamps,
     ahead: VecDeque<Waiting>,
     ended: bool,
-    stamped: bool,
+    /// Number of lines with a time stamp, the first time stamp, µs, and whether another one has followed.
+    stamped: u64,
+    first_us: u64,
+    advances: bool,
     /// Number of frames of the buses in use.
     frames: u64,
     without_time: u64,
@@ -122,7 +137,9 @@ impl<R: BufRead> CandumpReader<R> {
             stamps: Stamps::Unknown,
             ahead: VecDeque::new(),
             ended: false,
-            stamped: false,
+            stamped: 0,
+            first_us: 0,
+            advances: false,
             frames: 0,
             without_time: 0,
             malformed: 0,
@@ -176,7 +193,11 @@ impl<R: BufRead> CandumpReader<R> {
     }
 
     fn take(&mut self, line: &Line<'_>) {
-        self.stamped = true;
+        if self.stamped == 0 {
+            self.first_us = line.time_us;
+        }
+        self.stamped += 1;
+        self.advances |= line.time_us != self.first_us;
         let bus = self.bus(line.interface);
         let listened = self.only.as_ref().is_none_or(|only| only == line.interface);
         if listened && line.content == Content::Error {
@@ -208,7 +229,7 @@ impl<R: BufRead> CandumpReader<R> {
             (self.first_malformed, self.fresh[0]) = (Some((self.number, error)), true);
         }
         self.without_time += u64::from(error == CandumpError::NoTime);
-        if !self.stamped && self.without_time >= PATIENCE { self.untimed() } else { Ok(()) }
+        if self.stamped == 0 && self.without_time >= PATIENCE { self.untimed() } else { Ok(()) }
     }
 
     fn untimed(&mut self) -> Result<(), CandumpFault> {
@@ -218,8 +239,14 @@ impl<R: BufRead> CandumpReader<R> {
     }
 
     fn complete(&mut self) -> Result<(), CandumpFault> {
-        if !self.stamped && self.without_time > 0 {
+        if self.stamped == 0 && self.without_time > 0 {
             return self.untimed();
+        }
+        // Differences that are all the same are frames at equal intervals.
+        let steps = matches!(self.stamps, Stamps::Differences(_)) && self.first_us > 0;
+        if self.stamped >= PATIENCE && !self.advances && !steps {
+            let time_s = Duration::from_micros(self.first_us).as_secs_f64();
+            return Err(CandumpFault::Standing { frames: self.stamped, time_s });
         }
         CandumpFault::check_bus(self.only.as_ref(), &self.buses)
     }
@@ -379,6 +406,30 @@ mod tests {
         let mut reader = reader(&text, None);
         assert!(reader.next_frame().unwrap().is_some());
         assert_eq!(reader.malformed(), 1);
+    }
+
+    /// In either form, and also if the frames come after one time; differences may all be the same.
+    #[test]
+    fn a_clock_that_stands_still_is_an_error() {
+        let end = |line: &str| {
+            let mut reader = reader(&line.repeat(10), None);
+            loop {
+                match reader.next_frame() {
+                    Ok(Some(_)) => {}
+                    Ok(None) => return None,
+                    Err(error) => return Some(error.to_string()),
+                }
+            }
+        };
+        for (line, time) in [
+            ("(0.000000) can0 123#00\n", "all 10 frames are 0 s"),
+            ("(1700000000.500000) can0 123#00\n", "are 1700000000.5 s"),
+            (" (000.000000)  can0  123   [1]  00\n", "are 0 s"),
+        ] {
+            let error = end(line).unwrap();
+            assert!(error.contains(time) && error.contains("candump -L"), "{error}");
+        }
+        assert_eq!(end(" (000.010000)  can0  123   [1]  00\n"), None);
     }
 
     const TWO: &str = "(1.000000) can0 123#00\n(1.100000) can1 123#01\n\
