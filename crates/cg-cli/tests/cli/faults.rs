@@ -453,3 +453,31 @@ fn zeros_for_missing_samples_and_coarse_steps_are_told() {
         }
     }
 }
+
+/// Fourteen curves are hardly a test track; one step may be, and who says so knows it.
+#[test]
+fn roads_of_which_nothing_is_said_count_as_flat_and_that_is_told() {
+    let told = |log: &str, more: &[&str]| {
+        let answer = estimate(&fixture(log), &kraz(), more).answer();
+        assert_eq!(answer["status"], "ok", "{answer}");
+        messages(&answer).contains("nothing says on which roads")
+    };
+    let drive = "logs/F_drive1_p15_h155.csv.gz";
+    assert!(told(drive, &[]));
+    assert!(!told(drive, &["--road", "flat"]));
+    assert!(!told("logs/A_p20_h190_v50_L.csv", &[]));
+    // Where a bank of the road is in the interval there is nothing to assume.
+    let answer = estimate(&fixture(drive), &kraz(), &["--road", "public"]).answer();
+    assert!(!messages(&answer).contains("nothing says"), "{answer}");
+}
+
+/// 20 t in place of the 28.7 t of the log; 28 t differ by less than a load does.
+#[test]
+fn a_mass_that_is_given_and_not_that_of_the_log_is_told() {
+    for (given_kg, is_told) in [("20000", true), ("28000", false)] {
+        let more = ["--trailer-mass-kg", given_kg];
+        let answer = estimate(&fixture("logs/A_p20_h190_v50_L.csv"), &kraz(), &more).answer();
+        let expected = format!("{given_kg} kg, but the log has 28684 kg");
+        assert_eq!(messages(&answer).contains(&expected), is_told, "{answer}");
+    }
+}

@@ -58,6 +58,7 @@ impl LogEstimator {
         estimate.messages.splice(0..0, first);
         let best = self.best_maneuver(shown);
         if let (Some(fused), Some(best)) = (together.height, best) {
+            estimate.messages.extend(self.assumed_flat(shown, &fused));
             self.answer(&mut estimate, shown, &fused, &best);
         }
         estimate

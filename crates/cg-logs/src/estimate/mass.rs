@@ -97,9 +97,21 @@ impl LogEstimator {
                 self.turns_mass_kg()
             ));
         }
+        messages.extend(self.contradicted());
         messages.extend(self.reloaded());
         messages.extend(self.weighed());
         messages
+    }
+
+    /// That the log has another mass than the one that was given.
+    fn contradicted(&self) -> Option<String> {
+        let (given_kg, logged_kg) = (self.options.trailer_mass_kg?, self.logged_kg()?);
+        is_other_load(given_kg, logged_kg).then(|| {
+            format!(
+                "the trailer mass that was given is used, {given_kg:.0} kg, but the log has {logged_kg:.0} kg in its \
+                 last turn: one of them is wrong"
+            )
+        })
     }
 
     /// That the trailer has another mass since the last turn.

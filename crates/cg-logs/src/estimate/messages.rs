@@ -134,6 +134,14 @@ impl LogEstimator {
         RoadPart::message(fused.map(|fused| RoadPart::of(self.of_load()).share(shown, fused)))
     }
 
+    /// That nothing says whether the roads of a height are flat, if it matters.
+    pub(super) fn assumed_flat(&self, shown: Channel, fused: &Height<f64>) -> Option<String> {
+        if self.is_on_road() || !shown.feels_bank() || self.scattered().is_some() {
+            return None;
+        }
+        RoadPart::assumed_flat(self.options.road, fused.maneuvers)
+    }
+
     /// Whether the bank of the road is unknown and changes a roll angle of the log.
     pub(super) fn is_on_road(&self) -> bool {
         RoadPart::of(self.of_load()).is_unknown(self.options.road)

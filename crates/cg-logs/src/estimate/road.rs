@@ -6,6 +6,8 @@ use super::options::RoadChoice;
 
 /// Share of the variance above which the bank of the road is reported.
 const MUCH: f64 = 0.25;
+/// Number of turns from which a log without a road counts as a drive on public ones. A test has one to three.
+const DRIVE_TURNS: u32 = 4;
 /// The sensors that would help.
 const REMEDY: &str = "a suspension roll with a specific force (level sensors and an accelerometer, or inclinometers on \
                       frame and axle) does not feel it; if the road was flat: ⟨road flat⟩";
@@ -47,6 +49,18 @@ impl RoadPart {
     pub fn is_unknown(&self, road: Option<RoadChoice>) -> bool {
         let known = road.is_some_and(|road| road.bank_sd_rad <= 0.0);
         !known && (road.is_some() || self.to_gravity)
+    }
+
+    /// That roads count as flat because nothing else was said, in a drive with this number of turns. The bank that all
+    /// curves have in common hides in their ratio; only differences are seen.
+    pub fn assumed_flat(road: Option<RoadChoice>, turns: u32) -> Option<String> {
+        let is_assumed = road.is_none() && turns >= DRIVE_TURNS;
+        is_assumed.then(|| {
+            "nothing says on which roads this was, so they count as flat, as on a test track: curves that all lean to \
+             their inside by 1 % would make the height about 5 % too low; if they were flat: ⟨road flat⟩, if not: \
+             ⟨road public⟩"
+                .to_owned()
+        })
     }
 
     /// The share of the bank in the variance of a height by this channel.
