@@ -17,10 +17,9 @@ use crate::math::real::Real;
 /// Motion that is not counted, because noise of the sensor would otherwise release the friction: this many standard
 /// deviations of it, at least this share of [`Friction::deflection_rad`] for noise that is too slow to be noticed.
 ///
-/// In noise the place follows the greatest of some hundred roll angles less the play. That is the roll angle itself
-/// with as many standard deviations as the greatest deviates by, three, and a reversal then loses nothing. What the
-/// share loses, each reversal loses: on the nonlinear plant with leaf springs, 0.03 makes lane changes worse, and 0.01
-/// steady turns with slow noise.
+/// The greatest of some hundred roll angles deviates by three standard deviations, so with this play the place follows
+/// the roll angle itself, and a reversal loses nothing. Every reversal loses the share: on the nonlinear plant with
+/// leaf springs, 0.03 makes lane changes worse, and 0.01 steady turns with slow noise.
 const PLAY: f64 = 3.0;
 const PLAY_SHARE: f64 = 0.02;
 
