@@ -6,7 +6,7 @@ use cg_logs::log::{LogRow, Signal};
 use cg_vehicle::belief::Belief;
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::design_with;
-use cg_vehicle::{Variant, Vehicle};
+use cg_vehicle::{Variant, Vehicle, hint};
 
 use crate::error::FmuError;
 use crate::subject::{Running, Subject};
@@ -236,12 +236,18 @@ impl Running for RunningEstimator {
     }
 
     fn messages(&self) -> Vec<String> {
-        self.estimator.clone().finish().messages
+        let messages = self.estimator.clone().finish().messages;
+        messages.iter().map(|message| hint::told(message, option)).collect()
     }
 
     fn copy(&self) -> Box<dyn Running> {
         Box::new(self.clone())
     }
+}
+
+/// An option in a message, of which an FMU has none: they are those of its maker and of the vehicle file.
+fn option(name: &str, value: &str) -> String {
+    format!("`{}`", [name, value].join(" ").trim_end())
 }
 
 impl RunningEstimator {
