@@ -12,7 +12,9 @@ use cg_vehicle::calibration::{Calibration, Judgment, Part, Procedure, Run, fit};
 use cg_vehicle::design::RatioDesign;
 use cg_vehicle::{Load, Variant, Vehicle, VehicleError};
 
-use crate::estimate::{EMPTY_SHARE, EstimateOptions, LogEstimator, Method};
+use crate::estimate::{
+    EMPTY_SHARE, EstimateOptions, Identified, LogEstimator, Method, mass_contradiction,
+};
 use crate::output::Place;
 
 pub use crate::known::{KnownLoad, KnownLog, KnownMass};
@@ -65,24 +67,15 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     mut feed: impl FnMut(&KnownLog, &mut LogEstimator) -> Result<(), E>,
 ) -> Result<Calibration, E> {
     check(vehicle, logs)?;
-    let CalibrateOptions { variant, method, channel, procedure, part, force } = options;
+    let CalibrateOptions { variant, procedure, part, force, .. } = options;
     let mut belief = Belief::prior(vehicle);
     let mut outcome = None;
-    let mut shape_runs = Vec::new();
+    let (mut shape_runs, mut doubts) = (Vec::new(), Vec::new());
     for pass in 1..=PASSES {
         let design = RatioDesign::new(vehicle, variant, &belief)?;
         let mut runs = Vec::with_capacity(logs.len());
         for known in logs {
-            let trailer_mass = known.load.trailer_mass(vehicle);
-            let options = EstimateOptions {
-                variant,
-                method,
-                channel,
-                trailer_mass_kg: trailer_mass.map(|mass| mass.kg),
-                trailer_mass_sd_kg: trailer_mass.and_then(|mass| mass.sd_kg),
-                ..EstimateOptions::default()
-            }
-            .with_file(vehicle);
+            let options = of_run(vehicle, options, known);
             let design = design.at_height(known.load.height_m(vehicle).value)?;
             let mut estimator =
                 LogEstimator::from_design(&design, vehicle.align_settings(), options);
@@ -91,7 +84,11 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
             }
             feed(known, &mut estimator)?;
             let recorder = estimator.recorder();
-            let mut run = run(vehicle, known, estimator)?;
+            let identified = estimator.identified();
+            if pass == PASSES {
+                doubts.extend(doubt(vehicle, known, &identified));
+            }
+            let mut run = run_of(vehicle, known, &identified)?;
             // The factor makes up for all that the model lacks in this log, its turns included.
             if procedure == Procedure::Compensation {
                 run.turn_g = None;
@@ -108,6 +105,7 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     }
     let (runs, fitted) = outcome.ok_or_else(|| VehicleError::Model("no pass".to_owned()))?;
     let mut calibration = Calibration::new(vehicle, variant, &runs, &fitted)?;
+    calibration.statement.append(&mut doubts);
     if let (Judgment::Contradictory { .. }, false) = (calibration.judgment(), force) {
         return Err(VehicleError::Model(format!(
             "no calibration is made: {}; ⟨force⟩ makes it nevertheless, with intervals {:.1} times as \
@@ -122,6 +120,28 @@ pub fn calibrate_with_trips<E: From<VehicleError>>(
     }
     calibration.add_shapes(&shapes(vehicle, variant, &fitted.belief, &shape_runs)?);
     Ok(calibration)
+}
+
+/// The options with which a run is identified.
+fn of_run(vehicle: &Vehicle, how: CalibrateOptions, known: &KnownLog) -> EstimateOptions {
+    let CalibrateOptions { variant, method, channel, .. } = how;
+    let trailer_mass = known.load.trailer_mass(vehicle);
+    EstimateOptions {
+        variant,
+        method,
+        channel,
+        trailer_mass_kg: trailer_mass.map(|mass| mass.kg),
+        trailer_mass_sd_kg: trailer_mass.and_then(|mass| mass.sd_kg),
+        ..EstimateOptions::default()
+    }
+    .with_file(vehicle)
+}
+
+/// What the log of a run says against the mass that was given for it. That of an empty trailer is in its papers.
+fn doubt(vehicle: &Vehicle, known: &KnownLog, identified: &Identified) -> Option<String> {
+    let given = known.load.trailer_mass(vehicle).filter(|_| known.load != KnownLoad::Empty)?;
+    let found = mass_contradiction(given.kg, identified.logged_mass_kg?)?;
+    Some(format!("{}: {found}", known.log))
 }
 
 /// Checks what can be checked before a log is read.
@@ -175,7 +195,14 @@ pub fn run(
     known: &KnownLog,
     estimator: LogEstimator,
 ) -> Result<Run, VehicleError> {
-    let identified = estimator.identified();
+    run_of(vehicle, known, &estimator.identified())
+}
+
+fn run_of(
+    vehicle: &Vehicle,
+    known: &KnownLog,
+    identified: &Identified,
+) -> Result<Run, VehicleError> {
     if known.load == KnownLoad::Empty
         && let Some(mass_kg) = identified.logged_mass_kg
     {

@@ -103,6 +103,20 @@ fn the_empty_run_needs_no_numbers() {
         .refused(&["the mass in the log is 28684 kg", "an empty trailer has 8684 kg"]);
 }
 
+/// A tenth less than the log has, which may be right: the statement says it, and the file keeps it.
+#[test]
+fn a_mass_that_the_log_contradicts_is_in_the_statement() {
+    let scratch = Scratch::new();
+    let file = scratch.path("c.toml");
+    let run = |mass: &str| vec![format!("{}=1.90{mass}", fixture(LADEN))];
+    let doubt = "26000 kg, but the log has 28684 kg";
+    for (mass, is_doubted) in [(",26000", true), (",28684", false), ("", false)] {
+        let made = calibrate(&kraz(), &run(mass), &file).done();
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert_eq!([made.out.contains(doubt), text.contains(doubt)], [is_doubted; 2], "{made:?}");
+    }
+}
+
 /// The laden log with a height of 1.3 m instead of 1.9 m: ratios that no truck of this file has.
 #[test]
 fn runs_that_contradict_the_vehicle_file_need_force() {

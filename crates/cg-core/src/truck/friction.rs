@@ -215,6 +215,7 @@ mod tests {
         // The play delays the way of 2 β by 0.3 β, less what uniform noise deviates by, √3 of 0.1 β.
         let expected = 1.0 - (0.3 - 0.1 * 3.0_f64.sqrt() - 2.0).exp();
         assert!((side(noise_rad) - expected).abs() < 0.01, "{} {expected}", side(noise_rad));
+        // About the middle by one step at most: √12 of a tenth of β, and 1 − e^(−0.35) = 0.3.
         assert!(side(0.0).abs() < 0.3, "{}", side(0.0));
     }
 

@@ -88,8 +88,9 @@ mod tests {
             square += lags.push(roll_rad, 0.04).powi(2) / f64::from(samples);
             before_rad = roll_rad;
         }
-        // Δ/(4 T) holds for short intervals; lines between the values of 40 ms leave some thousandths less. A
-        // variance of noise that lasts 4 T has a standard deviation of √(2 · 4 T/1600 s) = 2.7 %; three of them.
+        // Neighboring distances from the line have the correlations −2/3 and 1/6, so a variance from 40 000 of them has
+        // a standard deviation of √(2 (1 + 2 (4/9 + 1/36))/40 000) = 1.0 %; that of noise that lasts 4 T, one of
+        // √(2 · 4 T/1600 s) = 2.7 %. Three of each.
         assert!((found / 1e-6 / (0.04 / 4.0 / ROLL_LAG_S) - 1.0).abs() < 0.03, "{found}");
         assert!((square / found - 1.0).abs() < 0.08, "{square} {found}");
     }

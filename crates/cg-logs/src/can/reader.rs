@@ -408,7 +408,7 @@ mod tests {
         assert_eq!(reader.malformed(), 1);
     }
 
-    /// In either form, and also if the frames come after one time; differences may all be the same.
+    /// In either form of candump; differences may all be the same.
     #[test]
     fn a_clock_that_stands_still_is_an_error() {
         let end = |line: &str| {

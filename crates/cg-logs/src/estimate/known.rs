@@ -49,6 +49,16 @@ pub fn is_other_load(mass_kg: f64, known_kg: f64) -> bool {
     (mass_kg - known_kg).abs() > Settings::<f64>::truck().mass_change * known_kg
 }
 
+/// That a log has another mass, kg, than the one that was given for it.
+pub(crate) fn mass_contradiction(given_kg: f64, logged_kg: f64) -> Option<String> {
+    is_other_load(given_kg, logged_kg).then(|| {
+        format!(
+            "the trailer mass that was given is used, {given_kg:.0} kg, but the log has {logged_kg:.0} kg in its last \
+             turn: one of them is wrong"
+        )
+    })
+}
+
 fn possible(name: &str, value: f64, greatest: f64) -> Result<f64, VehicleError> {
     up_to(value, greatest)
         .map_err(|must| VehicleError::Model(format!("{name} is {value}: it {must}")))

@@ -4,7 +4,7 @@ use cg_core::{Maneuver, Word};
 use cg_vehicle::scales::Scale;
 
 use super::intake::LogEstimator;
-use super::known::{is_held, is_other_load};
+use super::known::{is_held, is_other_load, mass_contradiction};
 
 impl LogEstimator {
     /// The maneuvers of the last load that tell anything of it.
@@ -97,21 +97,11 @@ impl LogEstimator {
                 self.turns_mass_kg()
             ));
         }
-        messages.extend(self.contradicted());
+        let masses = self.options.trailer_mass_kg.zip(self.logged_kg());
+        messages.extend(masses.and_then(|(given, logged)| mass_contradiction(given, logged)));
         messages.extend(self.reloaded());
         messages.extend(self.weighed());
         messages
-    }
-
-    /// That the log has another mass than the one that was given.
-    fn contradicted(&self) -> Option<String> {
-        let (given_kg, logged_kg) = (self.options.trailer_mass_kg?, self.logged_kg()?);
-        is_other_load(given_kg, logged_kg).then(|| {
-            format!(
-                "the trailer mass that was given is used, {given_kg:.0} kg, but the log has {logged_kg:.0} kg in its \
-                 last turn: one of them is wrong"
-            )
-        })
     }
 
     /// That the trailer has another mass since the last turn.

@@ -74,6 +74,7 @@ pub use answer::{ChannelEstimate, LogEstimate, ManeuverEstimate, Verdict};
 pub use engine::Engine;
 pub use felt::{add_force, felt_mps2};
 pub use intake::{Identified, LogEstimator};
+pub(crate) use known::mass_contradiction;
 pub use known::{is_held, is_other_load, known_mass, known_speed, weighed_mass};
 pub use leaning::{Leaning, threshold_g};
 pub use left_out::{Doubt, LeftOut};
