@@ -454,6 +454,23 @@ fn zeros_for_missing_samples_and_coarse_steps_are_told() {
     }
 }
 
+/// Of a lane change within three seconds.
+#[test]
+fn rows_too_seldom_for_a_lane_change_are_told() {
+    let (scratch, truck) = (Scratch::new(), kraz());
+    for (rate_hz, is_told) in [("2.5", true), ("10", false)] {
+        let log = scratch.path(&format!("{rate_hz}.csv"));
+        let of = ["--maneuver", "lane-change", "--payload-kg", "12000", "--rate-hz", rate_hz];
+        cg(&[&["simulate", "--vehicle", &truck, "-o", &log], &of[..]].concat()).done();
+        let answer = estimate(&log, &truck, &[]).answer();
+        let run = lines(&cg(&["run", "--csv", &log, "--vehicle", &truck]));
+        for all in [messages(&answer), run_notices(&run)] {
+            assert_eq!(all.contains("changes so fast"), is_told, "{rate_hz}: {all}");
+            assert!(!all.contains("comes in steps"), "{all}");
+        }
+    }
+}
+
 /// Fourteen curves are hardly a test track; one step may be, and who says so knows it.
 #[test]
 fn roads_of_which_nothing_is_said_count_as_flat_and_that_is_told() {

@@ -7,6 +7,7 @@ use super::agreement::AgreementCheck;
 use super::forces::ForceCheck;
 use super::levels::LevelCheck;
 use super::options::RoadChoice;
+use super::seldom::SeldomCheck;
 use super::signals::SignalCheck;
 use super::values::ValueCheck;
 
@@ -22,6 +23,8 @@ pub struct SensorCheck {
     forces: ForceCheck,
     levels: LevelCheck,
     values: ValueCheck,
+    #[serde(default)]
+    seldom: SeldomCheck,
     coarse_is_told: bool,
 }
 
@@ -36,6 +39,7 @@ impl SensorCheck {
     /// Takes what only single samples show.
     pub(super) fn value(&mut self, sample: &Sample<f64>) {
         self.values.push(sample);
+        self.seldom.push(sample);
     }
 
     /// Takes the rest from the mean of some samples, as [`push`](Self::push).
@@ -96,14 +100,14 @@ impl SensorCheck {
         self.values.missing()
     }
 
-    /// The signal whose steps are as large as its motion.
+    /// The signal that is sampled too seldom, or whose steps are as large as its motion.
     pub fn coarse(&self) -> Option<String> {
-        self.values.coarse()
+        self.seldom.message().or_else(|| self.values.coarse())
     }
 
     /// The same, once.
     pub fn news(&mut self) -> Option<String> {
-        let found = self.values.coarse().filter(|_| !self.coarse_is_told)?;
+        let found = self.coarse().filter(|_| !self.coarse_is_told)?;
         self.coarse_is_told = true;
         Some(found)
     }

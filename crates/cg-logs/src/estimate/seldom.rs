@@ -1,0 +1,145 @@
+//! Whether inputs are sampled so seldom that lines between their values miss a part of the motion.
+
+use cg_core::{Quantity, Sample};
+use serde::{Deserialize, Serialize};
+
+/// Rows that are closer are close enough for every truck, s: at 10 Hz, a lane change within three seconds is missed by 0.4 %.
+const CLOSE_S: f64 = 0.11;
+/// Share of the motion that is missed, above which the height can be wrong by as much: half of an interval of ±2 %, the best
+/// there is.
+const MUCH: f64 = 0.01;
+/// Least number of rows beside two others.
+const LEAST_ROWS: f64 = 10.0;
+
+/// An input: where it is in a sample.
+type Input = (Quantity, fn(&Sample<f64>) -> f64);
+
+const INPUTS: [Input; 5] = [
+    (Quantity::Steer, |sample| sample.steer_rad),
+    (Quantity::LateralAcceleration, |sample| sample.lateral_acceleration_mps2),
+    (Quantity::LateralSpecificForce, |sample| sample.lateral_specific_force_mps2),
+    (Quantity::TractorLateralSpecificForce, |sample| sample.tractor_lateral_specific_force_mps2),
+    (Quantity::YawRate, |sample| sample.yaw_rate_radps),
+];
+
+/// One input.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Motion {
+    /// The last value, and the one before it.
+    last: [Option<f64>; 2],
+    /// Rows with two values before them; their sum, and that of their squares.
+    rows: f64,
+    sum: f64,
+    square: f64,
+    /// Sums of the squares of the change within one row, and within two.
+    changes: [f64; 2],
+}
+
+impl Motion {
+    fn push(&mut self, value: f64) {
+        if !value.is_finite() {
+            self.last = [None; 2];
+            return;
+        }
+        let before = self.last;
+        self.last = [Some(value), before[0]];
+        let [Some(last), Some(earlier)] = before else { return };
+        self.rows += 1.0;
+        self.sum += value;
+        self.square += value * value;
+        self.changes[0] += (value - last) * (value - last);
+        self.changes[1] += (value - earlier) * (value - earlier);
+    }
+
+    /// The share of the motion that lines between the values miss, if it matters.
+    ///
+    /// Of a sine of ω rad/s, lines between values that are `Δ` apart leave `sinc²(ω Δ/2)`, so they miss `(ω Δ)²/12`.
+    /// Its change within `Δ` has the mean square `(ω Δ)²` times its variance, and four times as much within `2 Δ`; white
+    /// noise has the same in both. A third of their difference is thus that of the motion alone.
+    fn missed(&self) -> Option<f64> {
+        let variance = self.square - self.sum * self.sum / self.rows;
+        let share = (self.changes[1] - self.changes[0]) / 36.0 / variance;
+        (self.rows >= LEAST_ROWS && share > MUCH).then_some(share)
+    }
+}
+
+/// Checks all inputs.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct SeldomCheck {
+    last_us: Option<u64>,
+    of_inputs: [Motion; INPUTS.len()],
+}
+
+impl SeldomCheck {
+    /// Takes the next sample.
+    pub(super) fn push(&mut self, sample: &Sample<f64>) {
+        let last_us = self.last_us.replace(sample.time_us);
+        #[allow(clippy::cast_precision_loss)] // 2^53 µs are 285 years
+        let is_close = last_us
+            .is_none_or(|last_us| sample.time_us.saturating_sub(last_us) as f64 * 1e-6 < CLOSE_S);
+        if is_close {
+            return;
+        }
+        for (motion, (_, value)) in self.of_inputs.iter_mut().zip(INPUTS) {
+            motion.push(value(sample));
+        }
+    }
+
+    /// The input of which most is missed, if it matters.
+    pub(super) fn message(&self) -> Option<String> {
+        let found = self.of_inputs.iter().zip(INPUTS);
+        let found = found.filter_map(|(motion, (input, _))| Some((motion.missed()?, input)));
+        let (share, input) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!(
+            "{} changes so fast that its rows miss {:.0} % of its motion: the height can be wrong by as much and more, \
+             which the interval does not contain; record ten or more rows per second",
+            input.name(),
+            100.0 * share
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lane change within three seconds after ten of straight driving, sampled at `rate_hz` with noise of this share.
+    fn check(rate_hz: f64, noise: f64) -> SeldomCheck {
+        let mut check = SeldomCheck::default();
+        for k in 0..(20.0 * rate_hz) as u32 {
+            let time_s = f64::from(k) / rate_hz;
+            let phase = std::f64::consts::TAU * (time_s - 10.0) / 3.0;
+            let motion = if (10.0..13.0).contains(&time_s) { phase.sin() } else { 0.0 };
+            let white = if k.wrapping_mul(2_654_435_761) >> 31 == 0 { noise } else { -noise };
+            check.push(&Sample {
+                steer_rad: 0.02 * (motion + white),
+                ..Sample::absent((time_s * 1e6).round() as u64)
+            });
+        }
+        check
+    }
+
+    #[test]
+    fn a_lane_change_of_a_few_rows_is_told() {
+        for (rate_hz, noise) in [(2.0, 0.0), (2.5, 0.0), (3.3, 0.0), (5.0, 0.0), (2.0, 0.1)] {
+            let found = check(rate_hz, noise);
+            let told = found.message().unwrap();
+            assert!(told.starts_with("steer changes so fast"), "{told}");
+        }
+        // By hand: 0, 0, s, s, 0, −s, −s, 0, 0 with s² = 0.75 has the squares 4 s², within one row the changes 4 s², and
+        // within two 10 s².
+        let shown = check(2.0, 0.0).of_inputs[0].missed().unwrap();
+        assert!((shown - 6.0 / 36.0 / 4.0).abs() < 1e-9, "{shown}");
+    }
+
+    #[test]
+    fn enough_rows_and_noise_are_not_told() {
+        for (rate_hz, noise) in [(8.0, 0.0), (8.0, 0.3), (10.0, 0.0), (10.0, 0.3), (100.0, 0.0)] {
+            assert_eq!(check(rate_hz, noise).message(), None, "{rate_hz} {noise}");
+        }
+        // The gap of a lost row is no motion.
+        let mut found = check(100.0, 0.0);
+        found.push(&Sample { steer_rad: 0.02, ..Sample::absent(21_000_000) });
+        assert!(found.message().is_none());
+    }
+}
