@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use cg_core::{AlignSettings, Design, Estimator, FilteredArx, Prior, Quantity, Sample, Settings};
 use cg_logs::can::{Content, Decoder, Frame, MappedSignal, Sampler, SignalMap, parse};
 use cg_logs::log::{LogError, LogOptions, LogReader, Signal};
-use cg_logs::state::{State, design_crc32};
+use cg_logs::state::{Owner, State, design_crc32};
 use cg_vehicle::calibration::Calibration;
 use cg_vehicle::design::{design, design_with};
 use cg_vehicle::{Variant, Vehicle};
@@ -287,7 +287,8 @@ pub fn state_file(data: &[u8]) -> bool {
         let json = with_design(&String::from_utf8_lossy(line), crc32);
         bytes = format!("{json}\ncrc32 {:08x}\n", crc32fast::hash(json.as_bytes())).into_bytes();
     }
-    match State::parse(&bytes, crc32) {
+    let own = Owner::of(&TRUCK, None, &DESIGN).expect("a fixture");
+    match State::parse(&bytes, &own) {
         Ok(state) => {
             let (settings, prior) = (Settings::truck(), Prior::standard());
             let estimator: Option<Estimator<f64, FilteredArx<f64>>> =

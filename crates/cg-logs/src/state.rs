@@ -7,7 +7,7 @@
 
 use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Design, Measured, Memory};
-use cg_vehicle::calibration::Run;
+use cg_vehicle::calibration::{Calibration, Run, vehicle_crc32};
 use cg_vehicle::design::design;
 use cg_vehicle::files::{self, Unsealed};
 use cg_vehicle::scales::Scale;
@@ -32,9 +32,12 @@ pub struct State {
     version: u32,
     /// Checksum of the design (vehicle file and calibration, without what was learned).
     design_crc32: u32,
-    /// Checksum of the design without the calibration, if there is one.
+    /// The same without the calibration, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub vehicle_crc32: Option<u32>,
+    vehicle_crc32: Option<u32>,
+    /// Name of the vehicle and [checksum](vehicle_crc32) of its file. Older files do not have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    truck: Option<(String, u32)>,
     /// Time of saving, s, in the time of the frames (usually Unix time).
     pub saved_s: f64,
     /// Time of the last detected change of the load, s; `None` if no change was detected.
@@ -55,6 +58,36 @@ pub struct State {
     /// What the truck has learned from empty driving. Older files do not have it.
     #[serde(default, skip_serializing_if = "Learned::is_empty")]
     pub learned: Learned,
+}
+
+/// The truck, as its vehicle file and calibration describe it, to which a state belongs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Owner {
+    design_crc32: u32,
+    /// Of the design without the calibration, if there is one.
+    vehicle_crc32: Option<u32>,
+    /// The name, and the checksum of what the file says beside the design too, such as the places of sensors.
+    truck: (String, u32),
+}
+
+impl Owner {
+    /// A truck with a calibration or none, and the design of both.
+    ///
+    /// # Errors
+    /// As those of [`design`].
+    pub fn of(
+        vehicle: &Vehicle,
+        calibration: Option<&Calibration>,
+        of_both: &Design<f64>,
+    ) -> Result<Self, VehicleError> {
+        let without = |calibration: &Calibration| design(vehicle, calibration.model);
+        let without = calibration.map(without).transpose()?;
+        Ok(Self {
+            design_crc32: design_crc32(of_both),
+            vehicle_crc32: without.as_ref().map(design_crc32),
+            truck: (vehicle.name.clone(), vehicle_crc32(vehicle)?),
+        })
+    }
 }
 
 /// The memory of the estimator, channels in the order of the design.
@@ -99,10 +132,9 @@ pub enum StateError {
 }
 
 impl State {
-    /// A state for the design with this [checksum](design_crc32). `saved_s` and `load_since_s` are
-    /// in seconds.
+    /// A state of this truck. `saved_s` and `load_since_s` are in seconds.
     pub fn new(
-        design_crc32: u32,
+        owner: Owner,
         memory: &Memory<f64>,
         saved_s: f64,
         load_since_s: Option<f64>,
@@ -111,8 +143,9 @@ impl State {
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
-            design_crc32,
-            vehicle_crc32: None,
+            design_crc32: owner.design_crc32,
+            vehicle_crc32: owner.vehicle_crc32,
+            truck: Some(owner.truck),
             saved_s,
             load_since_s,
             scale: None,
@@ -155,31 +188,29 @@ impl State {
         Ok(files::sealed(&json, CHECKSUM))
     }
 
-    /// Reads a state and checks that it is complete and belongs to the design with this
-    /// [checksum](design_crc32).
+    /// Reads a state and checks that it is complete and belongs to this truck.
     ///
     /// # Errors
     /// [`StateError`] with the reason.
-    pub fn parse(bytes: &[u8], design_crc32: u32) -> Result<Self, StateError> {
-        let state = Self::of_any_design(bytes)?;
-        if state.design_crc32 != design_crc32 {
-            return Err(StateError::OtherDesign);
-        }
-        Ok(state)
+    pub fn parse(bytes: &[u8], own: &Owner) -> Result<Self, StateError> {
+        Self::of_any_truck(bytes)?.of_truck(own, |state| state.design_crc32)
     }
 
-    /// The same for a vehicle with any calibration or none; the [checksum](design_crc32) is of the design
-    /// without one.
-    fn of_vehicle(bytes: &[u8], vehicle_crc32: u32) -> Result<Self, StateError> {
-        let state = Self::of_any_design(bytes)?;
-        if state.vehicle_crc32.unwrap_or(state.design_crc32) != vehicle_crc32 {
-            return Err(StateError::OtherDesign);
-        }
-        Ok(state)
+    /// The same for a truck with any calibration or none; `own` is without one.
+    fn of_vehicle(bytes: &[u8], own: &Owner) -> Result<Self, StateError> {
+        let without = |state: &Self| state.vehicle_crc32.unwrap_or(state.design_crc32);
+        Self::of_any_truck(bytes)?.of_truck(own, without)
     }
 
-    /// Reads a state of any design and checks that it is complete.
-    fn of_any_design(bytes: &[u8]) -> Result<Self, StateError> {
+    /// This state, if it is of the truck `own` and of its design.
+    fn of_truck(self, own: &Owner, crc32: impl Fn(&Self) -> u32) -> Result<Self, StateError> {
+        let is_truck = self.truck.as_ref().is_none_or(|truck| *truck == own.truck);
+        let is_own = is_truck && crc32(&self) == own.design_crc32;
+        if is_own { Ok(self) } else { Err(StateError::OtherDesign) }
+    }
+
+    /// Reads a state of any truck and checks that it is complete.
+    fn of_any_truck(bytes: &[u8]) -> Result<Self, StateError> {
         let text = std::str::from_utf8(bytes).map_err(|_| StateError::NotText)?;
         let json = files::unsealed(text, CHECKSUM)?;
         let version = serde_json::from_str::<serde_json::Value>(json)
@@ -215,7 +246,7 @@ pub fn runs_of(
     if files.is_empty() {
         return Ok(Vec::new());
     }
-    let design_crc32 = design_crc32(&design(vehicle, variant)?);
+    let own = Owner::of(vehicle, None, &design(vehicle, variant)?)?;
     let mut all = Vec::new();
     for (name, bytes) in files {
         let refused = |reason: String| VehicleError::Model(format!("{name}: {reason}"));
@@ -224,7 +255,7 @@ pub fn runs_of(
             learned.belongs_to(vehicle).map_err(|error| refused(error.to_string()))?;
             learned
         } else {
-            let state = State::of_vehicle(bytes, design_crc32);
+            let state = State::of_vehicle(bytes, &own);
             state.map_err(|error| refused(error.to_string()))?.learned
         };
         if learned.trips() == 0 {
@@ -263,6 +294,7 @@ pub fn design_crc32(design: &Design<f64>) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cg_core::{Estimator, FilteredArx, Prior, Settings};
 
     /// Multiplies every number that the checksum depends on, other than the axes.
     fn scaled(design: &Design<f64>, factor: f64) -> Design<f64> {
@@ -277,6 +309,36 @@ mod tests {
             spread.covariance.iter_mut().flatten().for_each(|entry| *entry *= factor);
         }
         design
+    }
+
+    /// The design is that of a calibration or none; the file says more than the design. A state of an older program says
+    /// nothing of it.
+    #[test]
+    fn a_state_is_of_one_truck_with_its_sensors_and_its_calibration() {
+        let kraz = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+        let vehicle = Vehicle::load(kraz).unwrap();
+        let here = design(&vehicle, Variant::Complete).unwrap();
+        let own = Owner::of(&vehicle, None, &here).unwrap();
+        let estimator: Estimator<f64, FilteredArx<f64>> =
+            Estimator::new(here, Settings::truck(), Prior::standard());
+        let state = State::new(own.clone(), &estimator.memory(), 1.0, None, Learned::default());
+        let bytes = state.to_text().unwrap().into_bytes();
+        let with = |change: &dyn Fn(&mut Vehicle)| {
+            let mut other = vehicle.clone();
+            change(&mut other);
+            // None of these changes the design.
+            assert_eq!(design(&other, Variant::Complete).unwrap(), here);
+            Owner::of(&other, None, &here).unwrap()
+        };
+        let read = |own: &Owner| (State::parse(&bytes, own), State::of_vehicle(&bytes, own));
+        assert_eq!(read(&own), (Ok(state.clone()), Ok(state.clone())));
+        let refused = || Err(StateError::OtherDesign);
+        assert_eq!(read(&with(&|other| other.name.push('2'))), (refused(), refused()));
+        let ratio = with(&|other| other.steering_ratio = Some(23.0));
+        assert_eq!(read(&ratio), (refused(), refused()));
+        let older = State { truck: None, ..state };
+        let bytes = older.to_text().unwrap().into_bytes();
+        assert_eq!(State::parse(&bytes, &ratio), Ok(older));
     }
 
     #[test]

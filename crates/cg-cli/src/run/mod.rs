@@ -52,12 +52,11 @@ use cg_core::{Design, Warner};
 use cg_logs::estimate::{EstimateOptions, Method};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
-use cg_logs::state::design_crc32;
-use cg_vehicle::Vehicle;
+use cg_logs::state::Owner;
 use cg_vehicle::calibration::Calibration;
-use cg_vehicle::design::design;
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
+use cg_vehicle::{Vehicle, VehicleError};
 
 use crate::outcome::Outcome;
 use events::Event;
@@ -96,8 +95,11 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let mut frames = Frames::new(options.decoder(), settings, mass_is_given, live);
     // The state belongs to the design without what was learned.
     let calibration = arguments.truck.calibration(&vehicle)?;
-    let mut state = state.map(|target| StateFile::new(target, &own));
-    name_vehicle(&mut state, (&vehicle, calibration.as_ref()))?;
+    let owner = |target| {
+        let owner = Owner::of(&vehicle, calibration.as_ref(), &own)?;
+        Ok::<_, VehicleError>(StateFile::new(target, owner))
+    };
+    let mut state = state.map(owner).transpose()?;
     let truck = (&vehicle, calibration.as_ref(), &own);
     let start = state.as_mut().map(|state| learned(arguments, truck, state));
     let design = start.as_ref().map_or(own, |start| start.design);
@@ -255,17 +257,6 @@ fn refuse_endless_warnings(arguments: &RunArgs) -> anyhow::Result<()> {
         ),
         _ => Ok(()),
     }
-}
-
-/// A state with a calibration also belongs to the vehicle without it.
-fn name_vehicle(
-    state: &mut Option<StateFile>,
-    (vehicle, calibration): (&Vehicle, Option<&Calibration>),
-) -> anyhow::Result<()> {
-    if let (Some(state), Some(calibration)) = (state, calibration) {
-        state.vehicle_crc32 = Some(design_crc32(&design(vehicle, calibration.model)?));
-    }
-    Ok(())
 }
 
 /// What the truck starts with.

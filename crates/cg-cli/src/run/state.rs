@@ -9,11 +9,11 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use cg_core::{Design, Memory};
+use cg_core::Memory;
 use cg_logs::estimate::Strength;
 use cg_logs::learn::Learned;
 use cg_logs::output::{Draft, Target};
-use cg_logs::state::{State, StateError, design_crc32};
+use cg_logs::state::{Owner, State, StateError};
 use cg_vehicle::files::checksum;
 use cg_vehicle::scales::Scale;
 
@@ -24,9 +24,7 @@ const LONGEST: u64 = 1 << 20;
 #[derive(Debug)]
 pub(crate) struct StateFile {
     target: Target,
-    design_crc32: u32,
-    /// Checksum of the design without the calibration, if there is one.
-    pub(crate) vehicle_crc32: Option<u32>,
+    owner: Owner,
     /// Checksum of the file as this process has first read or last written it; that of no bytes if
     /// there was none.
     known_crc32: Option<u32>,
@@ -61,14 +59,8 @@ pub(crate) enum Found {
 }
 
 impl StateFile {
-    pub(crate) fn new(target: Target, design: &Design<f64>) -> Self {
-        Self {
-            target,
-            design_crc32: design_crc32(design),
-            vehicle_crc32: None,
-            known_crc32: None,
-            aside: None,
-        }
+    pub(crate) const fn new(target: Target, owner: Owner) -> Self {
+        Self { target, owner, known_crc32: None, aside: None }
     }
 
     /// Writes a state; it replaces the previous one of this process.
@@ -79,12 +71,11 @@ impl StateFile {
         load: SavedLoad,
         learned: Learned,
     ) -> io::Result<()> {
-        let mut state = State::new(self.design_crc32, memory, saved_s, load.since_s, learned);
+        let mut state = State::new(self.owner.clone(), memory, saved_s, load.since_s, learned);
         state.scale = load.scale;
         state.mass_is_of_another_load = load.mass_is_of_another_load;
         state.strength = load.strength;
         state.trips_in_use = Some(load.trips_in_use);
-        state.vehicle_crc32 = self.vehicle_crc32;
         let text = state.to_text()?;
         let (draft, mut file) = self.target.open()?;
         file.write_all(text.as_bytes())?;
@@ -158,7 +149,7 @@ impl StateFile {
     fn parsed(&mut self) -> io::Result<Option<Result<State, StateError>>> {
         let bytes = self.bytes()?;
         self.known_crc32.get_or_insert(crc32(bytes.as_deref().unwrap_or_default()));
-        Ok(bytes.map(|bytes| State::parse(&bytes, self.design_crc32)))
+        Ok(bytes.map(|bytes| State::parse(&bytes, &self.owner)))
     }
 
     /// The bytes of the file, if there is one.
@@ -211,12 +202,18 @@ mod tests {
     }
 
     fn subject(folder: &Path) -> (StateFile, Memory<f64>) {
+        subject_named(folder, "a truck")
+    }
+
+    fn subject_named(folder: &Path, name: &str) -> (StateFile, Memory<f64>) {
         let vehicle = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
-        let vehicle = Vehicle::load(vehicle).unwrap();
+        let mut vehicle = Vehicle::load(vehicle).unwrap();
+        name.clone_into(&mut vehicle.name);
         let design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
         let estimator: Estimator<f64, FilteredArx<f64>> =
             Estimator::new(design, Settings::truck(), Prior::standard());
-        (StateFile::new(target(folder), &design), estimator.memory())
+        let owner = Owner::of(&vehicle, None, &design).unwrap();
+        (StateFile::new(target(folder), owner), estimator.memory())
     }
 
     #[test]
@@ -258,10 +255,10 @@ mod tests {
             bad[bit / 8] ^= 1 << (bit % 8);
             // White space at the end and the case of the checksum's digits have no effect.
             let harmless = bad.trim_ascii_end().eq_ignore_ascii_case(good.trim_ascii_end());
-            assert!(harmless || State::parse(&bad, file.design_crc32).is_err(), "bit {bit}");
+            assert!(harmless || State::parse(&bad, &file.owner).is_err(), "bit {bit}");
         }
         for length in 0..good.len() - 1 {
-            assert!(State::parse(&good[..length], file.design_crc32).is_err(), "{length} bytes");
+            assert!(State::parse(&good[..length], &file.owner).is_err(), "{length} bytes");
         }
         for n in 1..3 {
             fs::write(file.target.path(), &good[..40]).unwrap();
@@ -288,7 +285,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (mut file, memory) = subject(folder.path());
         file.save(&memory, 1.5, SavedLoad::default(), Learned::default()).unwrap();
-        file.design_crc32 ^= 1;
+        let (mut file, _) = subject_named(folder.path(), "another truck");
         let Found::PutAside(_, reason) = file.load().unwrap() else { panic!("aside") };
         assert_eq!(reason, StateError::OtherDesign);
     }

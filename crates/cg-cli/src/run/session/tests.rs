@@ -11,6 +11,7 @@ use cg_core::decide::height::Fusion;
 use cg_core::{CHANNELS, Measured, Memory, ThresholdLine};
 use cg_logs::learn::Learned;
 use cg_logs::output::{Files, Kind, Target};
+use cg_logs::state::Owner;
 use cg_vehicle::scales::Scale;
 use cg_vehicle::{Variant, Vehicle};
 use serde_json::Value;
@@ -23,12 +24,21 @@ type Trial = Session<Vec<u8>>;
 
 const SECOND_US: u64 = 1_000_000;
 
+fn truck() -> Vehicle {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
+    Vehicle::load(file).unwrap()
+}
+
+/// Its state file.
+fn state(folder: &Path) -> StateFile {
+    let owner = Owner::of(&truck(), None, &design()).unwrap();
+    StateFile::new(target(folder, Kind::State), owner)
+}
+
 /// A truck with a threshold of 0.4 g at every height, mass and speed.
 fn design() -> Design<f64> {
     static DESIGN: LazyLock<Design<f64>> = LazyLock::new(|| {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/vehicles/kraz.toml");
-        let vehicle = Vehicle::load(file).unwrap();
-        let mut design = cg_vehicle::design::design(&vehicle, Variant::Complete).unwrap();
+        let mut design = cg_vehicle::design::design(&truck(), Variant::Complete).unwrap();
         design.thresholds = [ThresholdLine { threshold_g: [[0.4; 8]; 2] }; 6];
         design
     });
@@ -55,8 +65,7 @@ fn target(folder: &Path, kind: Kind) -> Target {
 
 /// A session with a state file.
 fn kept_in(folder: &Path, mass_kg: Option<f64>) -> Trial {
-    let state = StateFile::new(target(folder, Kind::State), &design());
-    session_with(mass_kg, 0.0, Outputs::new(Vec::new(), Some(state), None, None))
+    session_with(mass_kg, 0.0, Outputs::new(Vec::new(), Some(state(folder)), None, None))
 }
 
 /// The events since the last call.
@@ -374,9 +383,9 @@ fn an_output_that_fails_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let inside = folder.path().join("gone");
     std::fs::create_dir(&inside).unwrap();
-    let state = StateFile::new(target(&inside, Kind::State), &design());
     let metrics = Some(target(&inside, Kind::Metrics));
-    let mut session = session_with(None, 0.0, Outputs::new(Vec::new(), Some(state), metrics, None));
+    let outputs = Outputs::new(Vec::new(), Some(state(&inside)), metrics, None);
+    let mut session = session_with(None, 0.0, outputs);
     std::fs::remove_dir(&inside).unwrap();
     session.stop("end").unwrap();
     assert_eq!(names(&mut session), ["state", "metrics", "stop"]);
