@@ -36,6 +36,12 @@ impl Floor {
         let above_tare_m = payload_above_tare_m(cg_height_m - self.tare_height_m, share);
         (share >= LEAST_SHARE).then_some(self.tare_height_m + above_tare_m)
     }
+
+    /// Height of the sprung c.g., m, of a trailer of this mass, if it differs from that of the empty one by this share at most.
+    pub fn empty_height_m(&self, trailer_mass_kg: f64, share: f64) -> Option<f64> {
+        let empty_kg = self.unsprung_kg + self.tare_kg;
+        ((trailer_mass_kg / empty_kg - 1.0).abs() <= share).then_some(self.tare_height_m)
+    }
 }
 
 #[cfg(test)]
@@ -50,5 +56,8 @@ mod tests {
         assert!((payload_m - 2.0).abs() < 1e-12, "{payload_m}");
         assert!(floor.payload_height_m(6.9e3, 1.3).is_none());
         assert!(floor.payload_height_m(6e3, 1.3).is_none());
+        let empty_m =
+            [5.8e3, 5.85e3, 6.15e3, 6.2e3, f64::NAN].map(|kg| floor.empty_height_m(kg, 0.03));
+        assert_eq!(empty_m, [None, Some(1.2), Some(1.2), None, None]);
     }
 }

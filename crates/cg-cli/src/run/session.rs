@@ -5,6 +5,7 @@ mod mass;
 mod remarks;
 mod warning;
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use cg_core::{Design, Maneuver, Quantity, Sample, SampleError, Status as Driving, Warner};
@@ -58,8 +59,6 @@ pub(crate) struct Session<W: Write> {
     load_since_s: Option<f64>,
     /// The roll angle of this load in straight driving.
     leaning: Leaning,
-    /// Whether its lean is still to be reported.
-    tells_lean: bool,
     strong: StrongTurns,
     left_out: LeftOut,
     unheard: Unheard,
@@ -73,7 +72,8 @@ pub(crate) struct Session<W: Write> {
     kept_mass_is_doubted: bool,
     /// The last mass by a signal, kg.
     weighed_kg: Option<f64>,
-    told: ToldOfLoad,
+    /// The subjects that were reported of this load.
+    told: BTreeSet<&'static str>,
     pub(crate) sensors: SensorCheck,
     roads: RoadPart,
     driving: &'static str,
@@ -93,17 +93,6 @@ pub(crate) struct Session<W: Write> {
     next: NextTimes,
     status_us: Option<u64>,
     pub(crate) outputs: Outputs<W>,
-}
-
-/// What is reported once for each load.
-#[derive(Clone, Copy, Debug, Default)]
-struct ToldOfLoad {
-    /// The bank of the road.
-    road: bool,
-    /// A turn that came near to rolling over, or in which the truck braked.
-    strong: bool,
-    /// Maneuvers that were left out.
-    left_out: bool,
 }
 
 /// Stream times of the next periodic actions.
@@ -146,7 +135,6 @@ impl<W: Write> Session<W> {
             request: None,
             load_since_s: None,
             leaning: Leaning::default(),
-            tells_lean: true,
             strong: StrongTurns::default(),
             left_out: LeftOut::default(),
             unheard: Unheard::default(),
@@ -156,7 +144,7 @@ impl<W: Write> Session<W> {
             hidden_kg: None,
             kept_mass_is_doubted: false,
             weighed_kg: None,
-            told: ToldOfLoad::default(),
+            told: BTreeSet::new(),
             sensors: SensorCheck::default(),
             roads: RoadPart::default(),
             driving: "waiting",
@@ -276,9 +264,10 @@ impl<W: Write> Session<W> {
         self.left_out.close(maneuver, &self.estimator, is_of_another_load);
         if is_of_another_load {
             self.load_since_s = Some(self.time_s(maneuver.end_us));
-            (self.leaning, self.tells_lean) = (Leaning::default(), true);
+            self.leaning = Leaning::default();
             self.hidden_kg = None;
-            (self.roads, self.told) = (RoadPart::default(), ToldOfLoad::default());
+            self.roads = RoadPart::default();
+            self.told.clear();
             let message = "the heights so far belong to another load and were discarded";
             self.write_event(&Event::LoadChanged { message })?;
             self.doubt_held_mass(maneuver)?;

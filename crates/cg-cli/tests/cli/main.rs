@@ -34,6 +34,7 @@ mod can;
 mod common;
 mod consistent;
 mod design;
+mod empty;
 mod faults;
 mod gateway;
 #[cfg(unix)]

@@ -176,6 +176,10 @@ impl LogEstimator {
         );
         estimate.messages.extend(Self::unusual(height));
         estimate.messages.extend(self.sunk(height, best.trailer_mass_kg));
+        if self.is_mass_known() {
+            let (mass_kg, found) = (self.turns_mass_kg(), Measured { value: height, sd });
+            estimate.messages.extend(self.options.unlike_empty(mass_kg, found));
+        }
     }
 
     /// Sets the rollover threshold of a height, m, at a trailer mass, kg, and a speed, m/s.

@@ -13,6 +13,12 @@ use cg_vehicle::second_sensor::slopes;
 use cg_vehicle::{Variant, Vehicle};
 use serde::{Deserialize, Serialize};
 
+use super::weighed::EMPTY_SHARE;
+
+/// Standard deviation of the height of a trailer that is empty by its mass, m: goods of 3 % of it, whose c.g. is 1.3 m above its
+/// own, raise it by two of them.
+const EMPTY_SD_M: f64 = 0.02;
+
 /// Two-sided 95 % quantile of the normal distribution.
 pub const QUANTILE_95: f64 = 1.959_964;
 
@@ -179,6 +185,22 @@ impl EstimateOptions {
              frame that twists, one further forward gives a wrong height, which the interval may miss: give \
              sensors.roll.behind_hitch_m",
         )
+    }
+
+    /// That a trailer that is empty by its known mass, kg, has another height than that in the vehicle file.
+    pub fn unlike_empty(&self, mass_kg: f64, height: Measured<f64>) -> Option<String> {
+        let empty_m = self.floor?.empty_height_m(mass_kg, EMPTY_SHARE)?;
+        let sd_m = libm::hypot(height.sd, EMPTY_SD_M);
+        let [low_m, high_m] = interval_95(height);
+        let differs = (height.value - empty_m).abs() > QUANTILE_95 * sd_m;
+        differs.then(|| {
+            format!(
+                "by its mass the trailer is empty, with its c.g. at {empty_m:.2} m as the vehicle file says, but the turns \
+                 say {:.2} m ({low_m:.2} to {high_m:.2} m): an axle is lifted, trailer or springs are others than in the file, or the gain of a \
+                 sensor is wrong; heights of loads are then wrong, too",
+                height.value
+            )
+        })
     }
 }
 

@@ -16,6 +16,7 @@ impl<W: Write> Session<W> {
         self.report_road(maneuver)?;
         self.report_strength()?;
         self.report_left_out()?;
+        self.report_empty()?;
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
@@ -29,49 +30,64 @@ impl<W: Write> Session<W> {
         Ok(())
     }
 
-    /// Reports once for each load that the trailer leans in straight driving.
+    /// Reports something of a load, once for each.
+    fn notice_of_load(&mut self, subject: &'static str, messages: &[String]) -> io::Result<()> {
+        if messages.is_empty() || !self.told.insert(subject) {
+            return Ok(());
+        }
+        messages.iter().try_for_each(|message| self.notice(subject, message))
+    }
+
+    /// Reports that the trailer leans in straight driving.
     fn report_lean(&mut self) -> io::Result<()> {
         let mass_kg = self.known.trailer_mass_kg;
         let found = self.leaning.message(self.options.lean, mass_kg);
-        let Some(message) = found.filter(|_| self.tells_lean) else { return Ok(()) };
-        self.tells_lean = false;
-        self.notice("lean", &message)
+        self.notice_of_load("lean", found.as_slice())
     }
 
-    /// Reports once for each load that the unknown bank of the road makes much of the uncertainty, or hides
-    /// the height.
+    /// Reports that the unknown bank of the road makes much of the uncertainty, or hides the height, or that it counts as
+    /// flat because nothing else was said.
     fn report_road(&mut self, maneuver: &Maneuver<f64>) -> io::Result<()> {
         let is_hidden =
             |outcome: &Outcome<f64>| matches!(outcome.height_m, Err(Reject::Road { .. }));
         let share = self.known.road_share;
-        let is_known = !self.roads.is_unknown(self.options.road);
         let hides = self.known.height_m.is_none() && maneuver.outcomes.iter().any(is_hidden);
         // A wrong signal hides it, too, and has a notice of its own.
-        let is_other = is_known || self.wrong_signal().is_some();
-        if self.told.road || is_other || (share.is_none() && !hides) {
+        if self.wrong_signal().is_some() {
             return Ok(());
         }
-        let Some(message) = RoadPart::message(share) else { return Ok(()) };
-        self.told.road = true;
-        self.notice("road", &message)
+        let message = if self.roads.is_unknown(self.options.road) {
+            (share.is_some() || hides).then(|| RoadPart::message(share)).flatten()
+        } else {
+            let feels_bank = self.estimator.best_channel().is_some_and(Channel::feels_bank);
+            let turns = self.known.maneuvers;
+            feels_bank.then(|| RoadPart::assumed_flat(self.options.road, turns)).flatten()
+        };
+        self.notice_of_load("road", message.as_slice())
     }
 
-    /// Reports once for each load that a turn came near to rolling over, or that the truck braked in turns.
+    /// Reports that a turn came near to rolling over, or that the truck braked in turns.
     fn report_strength(&mut self) -> io::Result<()> {
         let messages = self.strength().messages();
-        if self.told.strong || self.known.height_m.is_none() || messages.is_empty() {
+        if self.known.height_m.is_none() {
             return Ok(());
         }
-        self.told.strong = true;
-        messages.iter().try_for_each(|message| self.notice("strong_turn", message))
+        self.notice_of_load("strong_turn", &messages)
     }
 
-    /// Reports once for each load that maneuvers contradict the others.
+    /// Reports that maneuvers contradict the others.
     fn report_left_out(&mut self) -> io::Result<()> {
         let message = self.doubt().and_then(|doubt| doubt.message());
-        let Some(message) = message.filter(|_| !self.told.left_out) else { return Ok(()) };
-        self.told.left_out = true;
-        self.notice("left_out", &message)
+        self.notice_of_load("left_out", message.as_slice())
+    }
+
+    /// Reports that a trailer that is empty by its mass has another height than it should.
+    fn report_empty(&mut self) -> io::Result<()> {
+        let is_weighed = matches!(self.mass_source, MassSource::Signal | MassSource::Given);
+        let found = self.known.measured_m.filter(|_| is_weighed);
+        let mass_kg = self.known.trailer_mass_kg;
+        let message = found.and_then(|height| self.options.unlike_empty(mass_kg, height));
+        self.notice_of_load("empty", message.as_slice())
     }
 
     /// What the left-out maneuvers of the load say of its height.
