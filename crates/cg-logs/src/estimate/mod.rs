@@ -12,6 +12,7 @@
 //! | `rolls` | whether two roll sensors agree |
 //! | `levels` | whether level sensors stand still |
 //! | `values` | whether values are missing samples, or in steps as large as the signal |
+//! | `near_zero` | whether a signal has a dead band |
 //! | `seldom` | whether an input is sampled too seldom for its motion |
 //! | `forces` | whether a specific force contains gravity |
 //! | `sensors` | these checks together |
@@ -44,6 +45,7 @@ mod signals;
 mod agreement;
 mod rolls;
 mod levels;
+mod near_zero;
 mod values;
 mod seldom;
 mod forces;

@@ -103,17 +103,17 @@ impl SeldomCheck {
 mod tests {
     use super::*;
 
-    /// A lane change within three seconds after ten of straight driving, sampled at `rate_hz` with noise of this share.
-    fn check(rate_hz: f64, noise: f64) -> SeldomCheck {
+    /// A lane change within three seconds after ten of straight driving, sampled every `step_us` with noise of this share.
+    fn check(step_us: usize, noise: f64) -> SeldomCheck {
         let mut check = SeldomCheck::default();
-        for k in 0..(20.0 * rate_hz) as u32 {
-            let time_s = f64::from(k) / rate_hz;
+        for (k, time_us) in (0_u32..).zip((0..20_000_000_u32).step_by(step_us)) {
+            let time_s = f64::from(time_us) * 1e-6;
             let phase = std::f64::consts::TAU * (time_s - 10.0) / 3.0;
             let motion = if (10.0..13.0).contains(&time_s) { phase.sin() } else { 0.0 };
             let white = if k.wrapping_mul(2_654_435_761) >> 31 == 0 { noise } else { -noise };
             check.push(&Sample {
                 steer_rad: 0.02 * (motion + white),
-                ..Sample::absent((time_s * 1e6).round() as u64)
+                ..Sample::absent(u64::from(time_us))
             });
         }
         check
@@ -121,24 +121,28 @@ mod tests {
 
     #[test]
     fn a_lane_change_of_a_few_rows_is_told() {
-        for (rate_hz, noise) in [(2.0, 0.0), (2.5, 0.0), (3.3, 0.0), (5.0, 0.0), (2.0, 0.1)] {
-            let found = check(rate_hz, noise);
+        for (step_us, noise) in
+            [(500_000, 0.0), (400_000, 0.0), (300_000, 0.0), (200_000, 0.0), (500_000, 0.1)]
+        {
+            let found = check(step_us, noise);
             let told = found.message().unwrap();
             assert!(told.starts_with("steer changes so fast"), "{told}");
         }
         // By hand: 0, 0, s, s, 0, −s, −s, 0, 0 with s² = 0.75 has the squares 4 s², within one row the changes 4 s², and
         // within two 10 s².
-        let shown = check(2.0, 0.0).of_inputs[0].missed().unwrap();
+        let shown = check(500_000, 0.0).of_inputs[0].missed().unwrap();
         assert!((shown - 6.0 / 36.0 / 4.0).abs() < 1e-9, "{shown}");
     }
 
     #[test]
     fn enough_rows_and_noise_are_not_told() {
-        for (rate_hz, noise) in [(8.0, 0.0), (8.0, 0.3), (10.0, 0.0), (10.0, 0.3), (100.0, 0.0)] {
-            assert_eq!(check(rate_hz, noise).message(), None, "{rate_hz} {noise}");
+        for (step_us, noise) in
+            [(125_000, 0.0), (125_000, 0.3), (100_000, 0.0), (100_000, 0.3), (10_000, 0.0)]
+        {
+            assert_eq!(check(step_us, noise).message(), None, "{step_us} {noise}");
         }
         // The gap of a lost row is no motion.
-        let mut found = check(100.0, 0.0);
+        let mut found = check(10_000, 0.0);
         found.push(&Sample { steer_rad: 0.02, ..Sample::absent(21_000_000) });
         assert!(found.message().is_none());
     }

@@ -100,9 +100,9 @@ impl SensorCheck {
         self.values.missing()
     }
 
-    /// The signal that is sampled too seldom, or whose steps are as large as its motion.
+    /// The signal that is sampled too seldom, that has a dead band, or whose steps are as large as its motion.
     pub fn coarse(&self) -> Option<String> {
-        self.seldom.message().or_else(|| self.values.coarse())
+        self.seldom.message().or_else(|| self.values.dead()).or_else(|| self.values.coarse())
     }
 
     /// The same, once.

@@ -4,6 +4,8 @@
 use cg_core::{Quantity, Sample};
 use serde::{Deserialize, Serialize};
 
+use super::near_zero::NearZero;
+
 /// Samples without a zero before zeros are judged.
 const LEAST_SAMPLES: f64 = 50.0;
 /// How much greater than the usual difference of neighbors a value must be, for a zero beside it to be no
@@ -36,6 +38,9 @@ const CHANGES: f64 = 10.0;
 /// Least distance of a value from zero in steps, for a zero beside it to be no measurement: one and a half steps of the sensor if
 /// four samples make a mean, whose steps are a quarter.
 const LEAST_STEPS: f64 = 6.0;
+
+/// Speed from which on a truck does not stand, m/s.
+const MOVING_MPS: f64 = 3.0;
 
 /// Least value of an angle (rad), an acceleration (m/s²) and a yaw rate (rad/s) that is far from zero.
 const ANGLE: f64 = 0.002;
@@ -83,18 +88,27 @@ struct Values {
     followers: f64,
     changes: f64,
     step: f64,
+    #[serde(default)]
+    near_zero: NearZero,
 }
 
 impl Values {
     /// The next value has no neighbor before it.
     fn interrupt(&mut self) {
         (self.last, self.zeros_since, self.before) = (None, 0, None);
+        self.near_zero.interrupt();
     }
 
-    fn push(&mut self, value: f64, far: f64) {
+    fn push(&mut self, value: f64, far: f64, is_moving: bool) {
         if !value.is_finite() {
             self.interrupt();
             return;
+        }
+        // Sensors are set to zero at standstill.
+        if is_moving {
+            self.near_zero.push(value);
+        } else {
+            self.near_zero.interrupt();
         }
         if let Some(before) = self.before.replace(value) {
             self.step(value - before);
@@ -179,8 +193,9 @@ impl ValueCheck {
         if is_later && of_block == 0 {
             self.of_signals.iter_mut().for_each(Values::interrupt);
         }
+        let is_moving = !(sample.speed_mps < MOVING_MPS);
         for (of_signal, (_, far, value)) in self.of_signals.iter_mut().zip(SIGNALS) {
-            of_signal.push(value(sample), far);
+            of_signal.push(value(sample), far, is_moving);
         }
     }
 
@@ -194,6 +209,20 @@ impl ValueCheck {
              count as measured; leave such cells empty",
             100.0 * share,
             signal.name()
+        ))
+    }
+
+    /// The signal with a dead band about zero, if there is one.
+    pub(super) fn dead(&self) -> Option<String> {
+        let found = self.of_signals.iter().zip(SIGNALS);
+        let found = found
+            .filter_map(|(one, (signal, ..))| Some((one.near_zero.dead_share(one.step)?, signal)));
+        let (share, signal) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!(
+            "{} is exactly 0 in {:.0} % of the rows, although it has noise: it has a dead band there, so that the height can \
+             be wrong by 20 %, which the interval does not contain; record it without one",
+            signal.name(),
+            100.0 * share
         ))
     }
 
@@ -308,6 +337,22 @@ mod tests {
         assert!(steps(5e-3, 1e-3).is_some());
         assert_eq!(steps(5e-3, 2.5e-3), None);
         assert_eq!(check(|roll_rad, k| roll_rad + 1e-3 * noise(k)).coarse(), None);
+    }
+
+    /// A sensor that shows nothing within a tenth of the greatest angle; at standstill all of them show nothing.
+    #[test]
+    fn a_dead_band_is_told() {
+        let noisy = |roll_rad: f64, k: u32| roll_rad + 5e-4 * noise(k);
+        let cut = |roll_rad: f64| (roll_rad.abs() - 3e-3).max(0.0).copysign(roll_rad);
+        let told = check(|roll_rad, k| cut(noisy(roll_rad, k))).dead().unwrap();
+        assert!(told.starts_with("roll is exactly 0 in"), "{told}");
+        assert_eq!(check(noisy).dead(), None);
+        let mut parked = check(noisy);
+        for k in 0..3000_u32 {
+            let time_us = 60_000_000 + u64::from(k) * 20_000;
+            parked.push(&Sample { roll_rad: 0.0, speed_mps: 0.0, ..Sample::absent(time_us) });
+        }
+        assert_eq!(parked.dead(), None);
     }
 
     /// In a long drive, of which a part is judged, zeros that come late are told, and blocks make none.

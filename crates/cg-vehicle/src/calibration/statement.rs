@@ -1,6 +1,8 @@
 //! The statement of a calibration file: what the runs could and could not determine, and whether they
 //! are possible.
 
+use std::fmt;
+
 use cg_core::{CHANNELS, Channel};
 
 use super::advice::advice;
@@ -19,8 +21,10 @@ use crate::vehicle::Vehicle;
 const DETERMINED: f64 = 0.5;
 /// Below this share a parameter counts as not determined.
 const UNDETERMINED: f64 = 0.1;
-/// Prior standard deviations beyond which a parameter or a ratio is named.
+/// Prior standard deviations beyond which a parameter or a ratio is named as a contradiction, and those beyond which the
+/// statement says what to check of a ratio: one in twenty is by chance.
 const FAR: f64 = 3.0;
+const UNUSUAL: f64 = 1.96;
 
 fn what_was_determined(parameter: &[ParameterEntry]) -> Vec<String> {
     let named = |title: &str, wanted: &dyn Fn(f64) -> bool| {
@@ -89,7 +93,12 @@ pub(super) fn statements(
     statement.extend(found_heights(runs, fitted));
     statement.extend(exact_heights(vehicle, runs));
     statement.extend(advice(vehicle, variant, runs, &fitted.belief)?);
-    let mut contradiction = far_ratios(vehicle, variant, runs, fitted)?;
+    let distances = distances(vehicle, variant, runs, fitted)?;
+    statement.extend(distances.iter().filter(|one| one.sds.abs() <= FAR).map(|one| {
+        format!("{one}: check that no axle was lifted, and trailer, springs, mass and sensors of the run")
+    }));
+    let mut contradiction: Vec<String> =
+        distances.iter().filter(|one| one.sds.abs() > FAR).map(ToString::to_string).collect();
     contradiction.extend(far_parameters(parameter));
     if fitted.judgment() != Judgment::Sound {
         contradiction.push(format!(
@@ -160,15 +169,34 @@ fn exact_heights(vehicle: &Vehicle, runs: &[Run]) -> Option<String> {
     })
 }
 
-/// The ratios that are far from those of the vehicle file.
-fn far_ratios(
+/// How far a ratio is from that of the vehicle file.
+#[derive(Debug)]
+struct Distance<'a> {
+    log: &'a str,
+    channel: Channel,
+    /// In prior standard deviations.
+    sds: f64,
+}
+
+impl fmt::Display for Distance<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { log, channel, sds } = self;
+        write!(
+            f,
+            "{log}: the {channel} ratio is {sds:+.1} standard deviations from that of the vehicle file"
+        )
+    }
+}
+
+/// The ratios that are [unusually](UNUSUAL) far from those of the vehicle file.
+fn distances<'a>(
     vehicle: &Vehicle,
     variant: Variant,
-    runs: &[Run],
+    runs: &'a [Run],
     fitted: &Fitted,
-) -> Result<Vec<String>, VehicleError> {
+) -> Result<Vec<Distance<'a>>, VehicleError> {
     let prior = Belief::prior(vehicle);
-    let mut far = Vec::new();
+    let mut all = Vec::new();
     for residual in &fitted.residuals {
         let run = &runs[residual.run];
         let k = residual.channel.index();
@@ -179,15 +207,11 @@ fn far_ratios(
         let by_height = height_change(vehicle, variant, run.speed_mps, measured)?[k];
         let by_load = by_mass * by_mass + by_height * by_height;
         let noise = run.ratio[k].map_or(0.0, |ratio| ratio.relative_variance()) + by_load;
-        let distance = residual.before / (covariance[k][k] + noise).sqrt();
-        if distance.abs() > FAR {
-            far.push(format!(
-                "{}: the {} ratio is {distance:+.1} standard deviations from that of the vehicle file",
-                run.log, residual.channel
-            ));
-        }
+        let sds = residual.before / (covariance[k][k] + noise).sqrt();
+        all.push(Distance { log: &run.log, channel: residual.channel, sds });
     }
-    Ok(far)
+    all.retain(|one| one.sds.abs() > UNUSUAL);
+    Ok(all)
 }
 
 /// The parameters that are far from the vehicle file.
