@@ -6,6 +6,7 @@
 //! | `live`, `socket` | a CAN interface: frames with kernel time stamps, errors, loss of the interface (Linux) |
 //! | `no_live` | in place of both on other systems, which can only replay |
 //! | `replay` | candump and CSV logs |
+//! | `stall` | input that may stall |
 //! | `frames` | conversion of frames to samples |
 //! | `presence`, `pace` | checks that signals are present and frequent enough |
 //! | `session` | processing of samples to events |
@@ -38,6 +39,7 @@ mod session;
 mod signals;
 #[cfg(target_os = "linux")]
 mod socket;
+mod stall;
 mod state;
 mod transmit;
 mod wall;

@@ -17,6 +17,7 @@ use super::pace::too_slow;
 use super::presence::Presence;
 use super::session::Session;
 use super::signals::Stop;
+use super::stall::Stalling;
 
 /// Waits until as much time has passed as between the time stamps.
 struct Pace<'a> {
@@ -59,9 +60,11 @@ impl<'a> Recording<'a> {
     ) -> anyhow::Result<Option<Self>> {
         Ok(match (&arguments.candump, &arguments.csv) {
             (Some(path), _) if is_pipe(path) => Some(Self::Frames(path, None)),
-            (Some(path), _) => Some(Self::Frames(path, Some(lines(path)?))),
+            (Some(path), _) => Some(Self::Frames(path, Some(lines(path, Box::new(open(path)?))?))),
             (_, Some(path)) if is_pipe(path) => Some(Self::Rows(path, None)),
-            (_, Some(path)) => Some(Self::Rows(path, Some(rows(path, options)?))),
+            (_, Some(path)) => {
+                Some(Self::Rows(path, Some(rows(path, LogReader::open(path, options)?)?)))
+            }
             (None, None) => None,
         })
     }
@@ -88,11 +91,31 @@ fn open(path: &Path) -> anyhow::Result<File> {
     Ok(file)
 }
 
+/// The stream of a pipe or of standard input.
+fn piped(path: &Path, stop: &Stop) -> anyhow::Result<Text> {
+    let file = path.to_owned();
+    let open = move || -> io::Result<Text> {
+        if is_standard_input(&file) {
+            Ok(Box::new(io::stdin()))
+        } else {
+            Ok(Box::new(File::open(file)?))
+        }
+    };
+    let stream = Stalling::new(open, stop);
+    Ok(Box::new(stream.with_context(|| format!("{}: cannot be read", name(path)))?))
+}
+
+/// What was read; nothing if the program was asked to stop, because reading then fails.
+fn unless_stopped<T, E>(read: Result<T, E>, stop: &Stop) -> Result<Option<T>, E> {
+    match read {
+        Err(_) if stop.is_requested() => Ok(None),
+        read => read.map(Some),
+    }
+}
+
 /// The lines of a candump log.
-fn lines(path: &Path) -> anyhow::Result<Text> {
+fn lines(path: &Path, stream: Text) -> anyhow::Result<Text> {
     let name = name(path);
-    let stream: Text =
-        if is_standard_input(path) { Box::new(io::stdin()) } else { Box::new(open(path)?) };
     match FrameText::of(&name, stream)? {
         FrameText::Candump(text) => Ok(text),
         FrameText::Rows => {
@@ -105,17 +128,24 @@ fn lines(path: &Path) -> anyhow::Result<Text> {
 }
 
 /// The reader of a CSV log, which has read the header.
-fn rows(path: &Path, options: &LogOptions) -> anyhow::Result<Box<LogReader>> {
-    let name = name(path);
-    let reader = if is_standard_input(path) {
-        LogReader::from_reader(&name, Box::new(io::stdin()), options)?
-    } else {
-        LogReader::open(path, options)?
-    };
+fn rows(path: &Path, reader: LogReader) -> anyhow::Result<Box<LogReader>> {
     if reader.is_of_frames() {
-        bail!("{name}: the log contains CAN frames; give it with --candump instead of --csv");
+        bail!(
+            "{}: the log contains CAN frames; give it with --candump instead of --csv",
+            name(path)
+        );
     }
     Ok(Box::new(reader))
+}
+
+/// The reader of rows that come in through a pipe.
+fn piped_rows(
+    path: &Path,
+    options: &LogOptions,
+    stop: &Stop,
+) -> anyhow::Result<Option<Box<LogReader>>> {
+    let reader = LogReader::from_reader(&name(path), piped(path, stop)?, options);
+    unless_stopped(reader, stop)?.map(|reader| rows(path, reader)).transpose()
 }
 
 /// Replays a candump log. Invalid lines are skipped, counted and reported once.
@@ -128,14 +158,16 @@ pub(crate) fn candump<W: Write>(
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
     let name = name(path);
-    let text = opened.map_or_else(|| lines(path), Ok)?;
+    let text = opened.map_or_else(|| lines(path, piped(path, stop)?), Ok);
+    let Some(text) = unless_stopped(text, stop)? else { return Ok("signal") };
     let mut reader = CandumpReader::new(BufReader::new(text), bus);
     let mut pace = Pace { began: None, realtime, stop };
     loop {
         if stop.is_requested() {
             return Ok("signal");
         }
-        let frame = reader.next_frame().with_context(|| name.clone())?;
+        let read = unless_stopped(reader.next_frame(), stop).with_context(|| name.clone())?;
+        let Some(frame) = read else { return Ok("signal") };
         session.counters.malformed = reader.malformed();
         session.counters.error_frames = reader.error_frames();
         for message in reader.news() {
@@ -158,7 +190,9 @@ pub(crate) fn csv<W: Write>(
     session: &mut Session<W>,
     stop: &Stop,
 ) -> anyhow::Result<&'static str> {
-    let reader = opened.map_or_else(|| rows(path, options), Ok)?;
+    let opened =
+        opened.map_or_else(|| piped_rows(path, options, stop), |reader| Ok(Some(reader)))?;
+    let Some(reader) = opened else { return Ok("signal") };
     let mut reader = reader.over_bad_rows();
     let settings = options.settings.unwrap_or_default();
     let mut clock = Clock::default();
@@ -167,7 +201,10 @@ pub(crate) fn csv<W: Write>(
         if stop.is_requested() {
             return Ok("signal");
         }
-        let Some(row) = next_row(&mut reader, session)? else { break };
+        let Some(read) = unless_stopped(next_row(&mut reader, session), stop)? else {
+            return Ok("signal");
+        };
+        let Some(row) = read else { break };
         // The reader ensures that there is a time; microseconds since 1970 fit.
         #[allow(clippy::cast_possible_truncation)]
         let stamp_us = (row.time_s * 1e6).round() as i64;

@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use crate::interrupt;
 
 /// Longest time between two looks for a request.
-const LOOK: Duration = Duration::from_millis(100);
+pub(crate) const LOOK: Duration = Duration::from_millis(100);
 
 /// Whether the program was asked to stop.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Stop(Arc<AtomicBool>);
 
 impl Stop {

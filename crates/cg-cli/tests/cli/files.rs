@@ -358,24 +358,23 @@ fn what_a_killed_run_left_is_removed_by_the_next_and_what_a_living_one_writes_is
 
 /// The second signal ends `cg run` at once and leaves no draft.
 #[test]
-fn a_second_signal_ends_a_live_run_at_once() {
-    let scratch = Scratch::new();
-    let fifo = scratch.path("frames");
-    assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
-    // Nothing writes to this pipe, so the first signal has no effect yet.
-    let mut child = command(&["run", "--vehicle", &kraz(), "--candump", &fifo])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+fn a_second_signal_ends_a_run_at_once() {
+    let inputs = Inputs::new();
+    let before = inputs.scratch.names();
+    // Nobody reads the events, which are more than a pipe holds, so that the first signal has no effect yet.
+    let run = ["run", "--vehicle", &inputs.vehicle, "--csv", &inputs.log, "--status-s", "0.001"];
+    let mut child = command(&run).stdout(Stdio::piped()).spawn().unwrap();
+    let mut out = BufReader::with_capacity(1, child.stdout.take().unwrap());
     let mut first = String::new();
-    BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
+    out.read_line(&mut first).unwrap();
     assert!(first.contains("\"event\":\"start\""), "{first}");
+    std::thread::sleep(Duration::from_secs(1));
     send("-TERM", &child);
     std::thread::sleep(Duration::from_millis(200));
     assert!(child.try_wait().unwrap().is_none());
     send("-TERM", &child);
     assert_eq!(child.wait().unwrap().signal(), Some(15));
-    assert_eq!(scratch.names(), ["frames"]);
+    assert_eq!(inputs.scratch.names(), before);
 }
 
 #[test]

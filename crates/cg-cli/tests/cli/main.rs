@@ -9,6 +9,7 @@
 //! | `faults` | faults of trucks in service, each with a message |
 //! | `logs` | files that are not logs, and logs without a result |
 //! | `state` | the state file: unreadable, shared by two programs, and when standard output fails |
+//! | `stopping` | `cg run` ends in order: signals while its input stalls, damaged logs |
 //! | `streams` | endless lines, standard input, closed pipes |
 //! | `vehicles` | vehicle files with one mistake each |
 //! | `new_truck` | `cg vehicle`: from a new vehicle file to a height |
@@ -55,6 +56,8 @@ mod serve;
 mod simulate;
 #[cfg(target_os = "linux")]
 mod state;
+#[cfg(target_os = "linux")]
+mod stopping;
 mod streams;
 mod study;
 mod usage;

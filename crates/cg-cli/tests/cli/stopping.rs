@@ -1,0 +1,98 @@
+//! `cg run` ends in order at a signal while its input stalls.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::common::command;
+use crate::run::drive;
+
+/// Starts `cg run` with a standard input that stays open and with the usual handling of SIGHUP.
+fn begin(arguments: &[&str]) -> Child {
+    let cg = command(arguments);
+    let mut program = Command::new("env");
+    program.arg("--default-signal=HUP").arg(cg.get_program()).args(cg.get_args());
+    program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Reads events until one has this text.
+fn read_until(out: &mut BufReader<ChildStdout>, text: &str) {
+    let mut line = String::new();
+    while !line.contains(text) {
+        line.clear();
+        assert!(out.read_line(&mut line).unwrap() > 0, "the output ended before {text}");
+    }
+}
+
+/// Sends a signal and returns the exit status, which must come while the input still stalls.
+fn stopped(child: &mut Child, signal: &str) -> Option<i32> {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+    let until = Instant::now() + Duration::from_secs(60);
+    while Instant::now() < until {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status.code();
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    panic!("{signal} had no effect");
+}
+
+/// The last event of the rest of the output.
+fn last_event(mut out: BufReader<ChildStdout>) -> Value {
+    let mut rest = String::new();
+    out.read_to_string(&mut rest).unwrap();
+    serde_json::from_str(rest.lines().last().unwrap()).unwrap()
+}
+
+/// Half of a drive with a height, or only half of a header. The last line has not come as a whole.
+#[test]
+fn a_signal_ends_a_run_in_order_while_its_input_stalls() {
+    let drive = drive();
+    let first = |path: &str, bytes: usize| fs::read_to_string(path).unwrap()[..bytes].to_owned();
+    let frames = first(&drive.candump, fs::read(&drive.candump).unwrap().len() / 2);
+    let (head, whole_lines) = (first(&drive.csv, 30), frames.matches('\n').count());
+    let cases = [
+        ("--candump", frames.as_str(), &[][..], "-TERM", Some(0), whole_lines),
+        ("--candump", &frames, &["--serve", "0"], "-INT", Some(0), whole_lines),
+        ("--candump", "", &[], "-HUP", Some(1), 0),
+        ("--csv", &head, &[], "-TERM", Some(1), 0),
+    ];
+    for (k, (source, sent, more, signal, code, count)) in cases.into_iter().enumerate() {
+        let state = drive.path(&format!("{k}.json"));
+        let run = ["run", "--vehicle", &drive.truck, source, "-", "--state", &state];
+        let mut child = begin(&[&run, more].concat());
+        let mut pipe = child.stdin.take().unwrap();
+        pipe.write_all(sent.as_bytes()).unwrap();
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        read_until(&mut out, if code == Some(0) { "\"height_m\":1." } else { "\"start\"" });
+        // Time to read what has been sent.
+        std::thread::sleep(Duration::from_secs(1));
+        assert_eq!(stopped(&mut child, signal), code, "{source} {signal}");
+        let stop = last_event(out);
+        assert_eq!((&stop["event"], &stop["reason"]), (&"stop".into(), &"signal".into()));
+        assert_eq!(stop["frames"].as_u64(), Some(count as u64), "{source} {signal}");
+        assert!(fs::read_to_string(&state).unwrap().contains("crc32 "), "{source} {signal}");
+        drop(pipe);
+    }
+}
+
+/// Opening such a pipe waits for a program that writes to it.
+#[test]
+fn a_signal_ends_a_run_in_order_before_anything_writes_to_its_pipe() {
+    let drive = drive();
+    let fifo = drive.path("frames");
+    assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+    for source in ["--candump", "--csv"] {
+        let mut child = begin(&["run", "--vehicle", &drive.truck, source, &fifo]);
+        let mut out = BufReader::new(child.stdout.take().unwrap());
+        read_until(&mut out, "\"start\"");
+        assert_eq!(stopped(&mut child, "-TERM"), Some(1));
+        assert_eq!(last_event(out)["reason"], "signal");
+    }
+}
