@@ -60,7 +60,7 @@ use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Vehicle, VehicleError};
 
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, error_message};
 use events::Event;
 use frames::Frames;
 use learning::Start;
@@ -119,33 +119,52 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let restored = session.restore()?;
     begin(arguments, &vehicle, &mut session, restored)?;
     start.map_or(Ok(()), |start| session.begin(start))?;
-    let reason = match (&arguments.can, recording) {
-        (Some(interface), _) => {
-            let address = arguments.transmit.then_some(arguments.transmit_address);
-            live::run(interface, address, &mut frames, &mut session, &stop)?
-        }
-        (_, Some(Recording::Frames(path, file))) => {
-            let (bus, log) = (options.can.bus.clone(), (path, file));
-            replay::candump(log, bus, arguments.realtime, &mut frames, &mut session, &stop)?
-        }
-        (_, Some(Recording::Rows(path, rows))) => {
-            let (mut presence, log) = (Presence::new(&settings, mass_is_given, &[]), (path, rows));
-            replay::csv(log, arguments.realtime, &options, &mut presence, &mut session, &stop)?
-        }
-        _ => "no source",
-    };
-    let stays = !stop.is_requested() && arguments.is_of_a_file() && session.outputs.page.is_some();
+    let processed = process(arguments, (recording, &options), &mut frames, &mut session, &stop);
+    let ends = stop.is_requested() || processed.is_err();
+    let stays = !ends && arguments.is_of_a_file() && session.outputs.page.is_some();
     if stays {
         session.notice("page", STAYS)?;
     }
-    session.stop(reason)?;
-    session.outputs.failed()?;
+    if let Err(error) = &processed {
+        session.notice("source", &error_message(error))?;
+    }
+    session.stop(processed.as_ref().map_or("error", |reason| reason))?;
+    session.outputs.failed().context("standard output: cannot be written")?;
+    processed?;
     if stays {
         stop.wait();
     }
     session.outputs.unsaved()?;
-    // A live run without a height ends normally.
-    Ok(if live || session.has_height() { Outcome::Done } else { Outcome::NoAnswer })
+    // A run on a bus without a height ends normally.
+    let is_done = arguments.can.is_some() || session.has_height();
+    Ok(if is_done { Outcome::Done } else { Outcome::NoAnswer })
+}
+
+/// Processes the source until it ends or the program is asked to stop, and returns the reason.
+fn process<W: Write>(
+    arguments: &RunArgs,
+    (recording, options): (Option<Recording<'_>>, &LogOptions),
+    frames: &mut Frames,
+    session: &mut Session<W>,
+    stop: &Stop,
+) -> anyhow::Result<&'static str> {
+    match (&arguments.can, recording) {
+        (Some(interface), _) => {
+            let address = arguments.transmit.then_some(arguments.transmit_address);
+            Ok(live::run(interface, address, frames, session, stop)?)
+        }
+        (_, Some(Recording::Frames(path, file))) => {
+            let (bus, log) = (options.can.bus.clone(), (path, file));
+            replay::candump(log, bus, arguments.realtime, frames, session, stop)
+        }
+        (_, Some(Recording::Rows(path, rows))) => {
+            let settings = options.settings.unwrap_or_default();
+            let mass_is_given = arguments.trailer_mass_kg.is_some();
+            let (mut presence, log) = (Presence::new(&settings, mass_is_given, &[]), (path, rows));
+            replay::csv(log, arguments.realtime, options, &mut presence, session, stop)
+        }
+        _ => Ok("no source"),
+    }
 }
 
 /// The processing of samples with the options of this run.

@@ -119,7 +119,8 @@ fn the_state_is_saved_if_standard_output_fails() {
                 pipe
             });
             let run: Run = child.wait_with_output().unwrap().into();
-            let said = if is_full { &["No space left on device"][..] } else { &[] };
+            let complaint = ["standard output: cannot be written", "No space left on device"];
+            let said = if is_full { &complaint[..] } else { &[] };
             run.told(code, said);
             drop(writer.join().unwrap());
         });

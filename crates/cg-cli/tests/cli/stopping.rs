@@ -1,14 +1,16 @@
-//! `cg run` ends in order at a signal while its input stalls.
+//! `cg run` ends in order: at a signal while its input stalls, and at a log that cannot be read to its end.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use serde_json::Value;
 
-use crate::common::command;
-use crate::run::drive;
+use crate::common::{Run, cg, command};
+use crate::run::{drive, events, lines};
 
 /// Starts `cg run` with a standard input that stays open and with the usual handling of SIGHUP.
 fn begin(arguments: &[&str]) -> Child {
@@ -94,5 +96,39 @@ fn a_signal_ends_a_run_in_order_before_anything_writes_to_its_pipe() {
         read_until(&mut out, "\"start\"");
         assert_eq!(stopped(&mut child, "-TERM"), Some(1));
         assert_eq!(last_event(out)["reason"], "signal");
+    }
+}
+
+/// The frames before the damage count, and the state is saved.
+#[test]
+fn a_log_that_cannot_be_read_to_its_end_ends_with_a_stop_event() {
+    let drive = drive();
+    let mut packer = GzEncoder::new(Vec::new(), Compression::fast());
+    packer.write_all(&fs::read(&drive.candump).unwrap()).unwrap();
+    let packed = packer.finish().unwrap();
+    let (log, state) = (drive.path("cut.log.gz"), drive.path("state.json"));
+    fs::write(&log, &packed[..packed.len() / 2]).unwrap();
+    let run = drive.replay(&log, &["--state", &state]).told(2, &["cut.log.gz", "cannot be read"]);
+    let found = lines(&run);
+    let stop = found.last().unwrap();
+    assert_eq!((&stop["event"], &stop["reason"]), (&"stop".into(), &"error".into()));
+    assert!(stop["frames"].as_u64() > Some(1000), "{stop}");
+    let told = events(&found, "notice").into_iter().filter(|line| line["subject"] == "source");
+    assert_eq!(told.filter(|line| line["message"].to_string().contains("cut.log.gz")).count(), 1);
+    assert!(fs::read_to_string(&state).unwrap().contains("crc32 "));
+}
+
+/// The log ends before its first turn.
+#[test]
+fn a_replay_without_a_height_ends_with_status_1_whatever_its_speed() {
+    let drive = drive();
+    let text = fs::read_to_string(&drive.csv).unwrap();
+    let begun: Vec<&str> = text.lines().take(100).collect();
+    let log = drive.path("short.csv");
+    fs::write(&log, begun.join("\n") + "\n").unwrap();
+    for more in [&[][..], &["--realtime"]] {
+        let run = ["run", "--vehicle", &drive.truck, "--csv", &log];
+        let run: Run = cg(&[&run, more].concat()).told(1, &[]);
+        assert_eq!(lines(&run).last().unwrap()["reason"], "end of log");
     }
 }
