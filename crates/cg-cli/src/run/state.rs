@@ -97,10 +97,6 @@ impl StateFile {
 
     /// Renames a state that another program has written since this one has read or written the file.
     fn keep_others(&mut self) -> io::Result<()> {
-        // A device keeps nothing.
-        if !fs::metadata(self.target.path()).is_ok_and(|about| about.is_file()) {
-            return Ok(());
-        }
         let present = self.bytes()?.unwrap_or_default();
         if !present.is_empty() && self.known_crc32 != Some(crc32(&present)) {
             self.aside = Some(self.put_aside()?);

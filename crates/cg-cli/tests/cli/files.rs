@@ -117,8 +117,10 @@ fn two_outputs_of_a_call_are_two_files() {
         inputs.clash(&[&simulate[..], &["--truth", other]].concat(), ["--output", "--truth"]);
     }
     // A device can be given several times.
-    let null = ["--state", "/dev/null", "--metrics", "/dev/null", "--status-s", "0"];
-    cg(&[&["run", "--vehicle", v, "--csv", a][..], &null].concat()).told(0, &[]);
+    let null = inputs.scratch.path("null.csv");
+    symlink("/dev/null", &null).unwrap();
+    let null = ["--maneuver", "sine", "-o", &null, "--truth", "/dev/null"];
+    cg(&[&["simulate", "--vehicle", v][..], &null].concat()).told(0, &[]);
 }
 
 /// `/dev/stdout` is the file that the shell has opened. A new file is filled, an existing one is
@@ -279,6 +281,25 @@ fn a_state_that_is_none_is_refused_at_the_start_and_stays_where_it_is() {
         "not an existing device",
         "--state",
     ]);
+}
+
+/// Nothing can be read back from a device, and the reading of a pipe would wait for ever.
+#[test]
+fn a_state_is_kept_in_a_file_and_nowhere_else() {
+    let inputs = Inputs::new();
+    let (fifo, link) = (inputs.scratch.path("fifo"), inputs.scratch.path("loop"));
+    assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+    symlink("loop", &link).unwrap();
+    let (pipe, itself) = ("is a device or a pipe", "is a link that leads back to itself");
+    for (state, what) in [("/dev/null", pipe), (&fifo, pipe), (&link, itself)] {
+        let run = ["run", "--vehicle", &inputs.vehicle, "--csv", &inputs.log, "--state", state];
+        for force in [&[][..], &["--force"]] {
+            cg(&[&run[..], force].concat()).refused(&[state, what, "give --state a file"]);
+        }
+    }
+    let report = ["estimate", "--vehicle", &inputs.vehicle, &inputs.log, "--report", &link];
+    cg(&report).refused(&[itself, "give --report a file"]);
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
 }
 
 /// Starts `cg` with the usual handling of SIGHUP: `nohup make test` would have it ignored.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::io::Read;
 use std::os::unix::net::UnixDatagram;
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
@@ -207,26 +207,28 @@ fn a_given_mass_is_taken_whatever_the_bus_says() {
     assert!(last(&given, "height_m") < 0.95 * last(&told, "height_m"));
 }
 
-/// A full disk prevents writing the file but not the estimation. It is reported once, and a state that is lost at the end is
-/// an error.
+/// A disk without room prevents writing the files but not the estimation: here no file may have a byte. It is reported once, and a
+/// state that is lost at the end is an error.
 #[test]
 fn a_full_disk_stops_nothing() {
     let drive = drive();
-    let full = ["--state", "/dev/full", "--metrics", "/dev/full"];
-    let run = drive.replay(&drive.candump, &full);
-    let run =
-        run.told(2, &["--state /dev/full: could not be written, so what this run has learned"]);
+    let cg = command(&["run", "--vehicle", &drive.truck, "--candump", &drive.candump]);
+    let (state, metrics) = (drive.path("state.json"), drive.path("cg.prom"));
+    let mut program = Command::new("sh");
+    program.args(["-c", "trap '' XFSZ && ulimit -f 0 && exec \"$0\" \"$@\""]);
+    program.arg(cg.get_program()).args(cg.get_args());
+    program.args(["--state", &state, "--metrics", &metrics]);
+    let run: Run = program.stdin(Stdio::null()).output().unwrap().into();
+    let run = run.told(2, &["state.json: could not be written, so what this run has learned"]);
     let found = lines(&run);
-    let notices = events(&found, "notice");
-    let told = |subject: &str| {
-        let of = |line: &&&Value| line["subject"] == subject;
-        notices.iter().filter(of).map(|line| line["message"].to_string()).collect::<Vec<_>>()
-    };
-    assert!(told("metrics").len() == 1 && told("metrics")[0].contains("No space left"));
-    // A device is not a state file and is neither read nor renamed.
-    assert!(told("state")[0].contains("not a regular file"));
-    assert!(told("state")[1].contains("No space left") && told("state").len() == 2);
-    assert!(Path::new("/dev/full").exists());
+    for subject in ["state", "metrics"] {
+        let told: Vec<_> = events(&found, "notice")
+            .into_iter()
+            .filter(|line| line["subject"] == subject)
+            .collect();
+        assert!(told.len() == 1 && told[0]["message"].to_string().contains("File too large"));
+    }
+    assert!(!Path::new(&state).exists() && !Path::new(&metrics).exists());
     assert!(last_height(&found) > 1.0);
 }
 
@@ -406,7 +408,7 @@ fn mistakes_are_refused_before_anything_runs() {
 }
 
 pub(crate) fn ask_to_stop(child: &Child) {
-    let kill = std::process::Command::new("kill").args(["-15", &child.id().to_string()]).status();
+    let kill = Command::new("kill").args(["-15", &child.id().to_string()]).status();
     assert!(kill.unwrap().success());
 }
 

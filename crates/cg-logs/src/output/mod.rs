@@ -13,7 +13,7 @@
 //!   differently;
 //! * an existing file that is not an output of the same kind, or that is write-protected, unless
 //!   forced;
-//! * a folder or a disk.
+//! * a folder, a disk, a link that leads back to itself, or for a state a device or a pipe.
 //!
 //! The [`Target`] that it returns checks again before the file gets its name, because hours may
 //! have passed.

@@ -37,10 +37,16 @@ impl Target {
         let output = || self.flag.clone();
         let no_file = |what| Err(OutputError::NoFile { path: path(), what, output: output() });
         let resolved = place::resolved(&self.path);
-        let Ok(about) = fs::metadata(&self.path) else {
+        let about = match fs::metadata(&self.path) {
+            Ok(about) => about,
             // A mistyped device name must not create a file in `/dev`.
-            let in_dev = resolved.parent() == Some(Path::new("/dev"));
-            return if in_dev { no_file("not an existing device") } else { Ok(Some(resolved)) };
+            Err(_) if resolved.parent() == Some(Path::new("/dev")) => {
+                return no_file("not an existing device");
+            }
+            Err(_) if fs::read_link(&resolved).is_ok() => {
+                return no_file("a link that leads back to itself");
+            }
+            Err(_) => return Ok(Some(resolved)),
         };
         if about.is_dir() {
             return no_file("a folder");
@@ -49,7 +55,8 @@ impl Target {
             return no_file("a disk");
         }
         if !about.is_file() {
-            return Ok(None);
+            // What is to be kept cannot be read back from a device, and reading a pipe may never end.
+            return if self.kind == Kind::State { no_file("a device or a pipe") } else { Ok(None) };
         }
         if self.kind == Kind::State {
             // It may hold what a truck has learned in many trips, which is never replaced unread.
