@@ -79,6 +79,7 @@ impl Frames {
             self.looked_us = now_us;
             session.seen = self.presence.seen;
             session.tilts = self.presence.tilts();
+            self.presence.unheard = self.sampler.unheard();
             session.missing(self.presence.missing(now_us))?;
             for (signal, message) in self.presence.unscaled(now_us) {
                 session.notice(signal, message)?;
@@ -106,6 +107,9 @@ impl Frames {
             session.weighing.scale = self.sampler.scale(sample.time_us).or(session.weighing.scale);
             session.sensors.level(|level| self.sampler.value(level, sample.time_us));
             session.push(sample)?;
+        }
+        for (signal, message) in self.sampler.last_news() {
+            session.notice(signal, &message)?;
         }
         Ok(())
     }

@@ -53,6 +53,8 @@ pub(crate) struct Presence {
     /// When the last value came.
     last_us: [u64; Quantity::COUNT],
     since_us: Option<u64>,
+    /// Signals that the only address from which they are accepted does not send.
+    pub(crate) unheard: Vec<Quantity>,
     settings: AlignSettings<f64>,
     mass_is_given: bool,
     /// The signals of which is told that they are not used.
@@ -130,7 +132,8 @@ impl Presence {
         };
         let late = |quantity: Quantity| self.cadence.get(quantity.index()).is_some_and(|c| c.late);
         let missing = |quantity: &Quantity| {
-            stale(*quantity) || late(*quantity) || (begun && never(*quantity))
+            let is_unheard = self.unheard.contains(quantity);
+            is_unheard || stale(*quantity) || late(*quantity) || (begun && never(*quantity))
         };
         Quantity::ALL.into_iter().filter(missing).map(|q| Signal::from(q).name()).collect()
     }

@@ -8,6 +8,7 @@
 //! | `consistent` | channels that contradict each other |
 //! | `faults` | faults of trucks in service, each with a message |
 //! | `logs` | files that are not logs, and logs without a result |
+//! | `sources` | options for frames: an address that nobody sends, and options that no log can use |
 //! | `state` | the state file: unreadable, shared by two programs, and when standard output fails |
 //! | `stopping` | `cg run` ends in order: signals while its input stalls, damaged logs |
 //! | `streams` | endless lines, standard input, closed pipes |
@@ -54,6 +55,7 @@ mod rollover;
 #[cfg(unix)]
 mod serve;
 mod simulate;
+mod sources;
 #[cfg(target_os = "linux")]
 mod state;
 #[cfg(target_os = "linux")]

@@ -1,5 +1,6 @@
 //! Decoding of CAN frames into values, by the J1939 table or by signals of a DBC file.
 
+use std::fmt;
 use std::str::FromStr;
 
 use cg_core::Quantity;
@@ -23,6 +24,18 @@ const WITHOUT_PRIORITY: u32 = 0x03FF_FFFF;
 pub struct DeviceFilter {
     quantity: Quantity,
     address: u8,
+}
+
+impl DeviceFilter {
+    pub(super) fn quantity(self) -> Quantity {
+        self.quantity
+    }
+}
+
+impl fmt::Display for DeviceFilter {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}=0x{:02X}", self.quantity.name(), self.address)
+    }
 }
 
 impl FromStr for DeviceFilter {
@@ -135,6 +148,36 @@ impl Decoder {
         Slope::of(frame.identifier, frame.data()).filter(|_| listens(Quantity::Roll))
     }
 
+    /// Calls `found` with each quantity of a frame that is not used because a [filter](DeviceFilter) accepts it from
+    /// another source address, and with the address of the frame.
+    pub(super) fn refused(&self, frame: &Frame, mut found: impl FnMut(Quantity, u8)) {
+        if self.filters.is_empty() || !frame.extended {
+            return;
+        }
+        let address = frame.identifier.to_le_bytes()[0];
+        let found = |quantity, _, _: f64| {
+            let is_mapped = self.reads(quantity, frame);
+            let quantity = self.meant(quantity);
+            let is_wanted = !is_mapped && !self.is_replaced(quantity);
+            if is_wanted && !self.accepts(quantity, frame.identifier) {
+                found(quantity, address);
+            }
+        };
+        j1939::decode(frame.identifier, frame.data(), self.compensation, found);
+    }
+
+    /// Whether some frame could have a value of this quantity, or of another one that the same sensor measures.
+    pub fn may_give(&self, quantity: Quantity) -> bool {
+        let is_of = |of: Quantity| siblings(self.meant(of)).contains(&quantity);
+        self.mapped().any(|mapped| mapped == quantity)
+            || j1939::TABLE.iter().any(|(_, of, _)| is_of(*of))
+    }
+
+    /// The filters of source addresses.
+    pub(super) fn filters(&self) -> &[DeviceFilter] {
+        &self.filters
+    }
+
     /// The quantity that a signal of J1939 measures.
     fn meant(&self, quantity: Quantity) -> Quantity {
         match (quantity, self.vdc2) {
@@ -212,7 +255,7 @@ impl Decoder {
 }
 
 /// The quantities of which one sensor measures one or the other.
-const fn siblings(quantity: Quantity) -> &'static [Quantity] {
+pub(super) const fn siblings(quantity: Quantity) -> &'static [Quantity] {
     const ALL: &[Quantity] = &Quantity::ALL;
     match quantity {
         Quantity::Roll | Quantity::RollToGravity | Quantity::Tilt => {

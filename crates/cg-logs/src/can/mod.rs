@@ -9,6 +9,7 @@
 //! | `decoder` | values of frames: J1939 and the mapped signals |
 //! | `clock` | a continuous time from time stamps |
 //! | `sampler` | samples from frames, with all of these |
+//! | `sources` | the addresses that send what is accepted from one address only |
 //! | `tally` | counts of implausible values, each reported once |
 //!
 //! The J1939 table and the alignment of values to samples are [`cg_core::signal::j1939`] and
@@ -23,6 +24,7 @@ mod dbc_file;
 mod decoder;
 mod reader;
 mod asc;
+mod sources;
 mod tally;
 mod sampler;
 

@@ -7,6 +7,7 @@ use cg_vehicle::scales::Scale;
 use super::clock::{Clock, Instant};
 use super::decoder::Decoder;
 use super::frame::Frame;
+use super::sources::Sources;
 use super::tally::Tally;
 
 /// Converts frames to samples, live and from a log.
@@ -19,12 +20,14 @@ pub struct Sampler {
     now_us: u64,
     tally: Tally,
     values_of_other_sources: u64,
+    sources: Sources,
 }
 
 impl Sampler {
     /// A sampler without frames.
     pub fn new(decoder: Decoder, settings: AlignSettings<f64>) -> Self {
         Self {
+            sources: Sources::new(decoder.filters()),
             decoder,
             settings,
             aligner: Aligner::new(settings),
@@ -47,8 +50,14 @@ impl Sampler {
         let instant = self.clock.stream(frame.time_us, monotonic_us);
         let now_us = instant.stream_us;
         self.now_us = now_us;
-        let Self { decoder, aligner, tally, values_of_other_sources, .. } = self;
+        let Self { decoder, aligner, tally, values_of_other_sources, sources, .. } = self;
+        sources.begin(now_us);
+        decoder.refused(frame, |quantity, address| {
+            sources.refused(quantity, address);
+            *values_of_other_sources += 1;
+        });
         let slope = decoder.decode(frame, |quantity, device, value| {
+            sources.heard(quantity);
             match aligner.push(quantity, device, now_us, value) {
                 Taken::Yes => heard(quantity),
                 Taken::OtherSource => *values_of_other_sources += 1,
@@ -109,7 +118,8 @@ impl Sampler {
         self.aligner.next(u64::MAX)
     }
 
-    /// Number of values that were ignored because another device sends the same quantity.
+    /// Number of values that were ignored because another device sends the same quantity, or because the quantity is
+    /// accepted from another source address only.
     pub fn values_of_other_sources(&self) -> u64 {
         self.values_of_other_sources
     }
@@ -131,11 +141,27 @@ impl Sampler {
 
     /// Findings about values since the last call, each as signal and sentence.
     pub fn news(&mut self) -> Vec<(&'static str, String)> {
-        self.tally.news(&self.settings)
+        let mut news = self.tally.news(&self.settings);
+        if self.sources.has_begun(self.now_us) {
+            news.extend(self.sources.news());
+        }
+        news
+    }
+
+    /// Findings at the end of a log that were not part of [`news`](Self::news).
+    pub fn last_news(&mut self) -> Vec<(&'static str, String)> {
+        self.sources.news()
+    }
+
+    /// The quantities that should have come from the only source address from which they are accepted, and have not.
+    pub fn unheard(&self) -> Vec<Quantity> {
+        if self.sources.has_begun(self.now_us) { self.sources.unheard() } else { Vec::new() }
     }
 
     /// All findings about values so far, with their counts.
     pub fn remarks(&self) -> Vec<String> {
-        self.tally.remarks(&self.settings)
+        let of_sources = self.sources.remarks().into_iter();
+        let of_sources = of_sources.map(|(signal, sentence)| format!("{signal}: {sentence}"));
+        self.tally.remarks(&self.settings).into_iter().chain(of_sources).collect()
     }
 }

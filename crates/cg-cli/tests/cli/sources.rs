@@ -1,0 +1,63 @@
+//! A source address that nobody sends.
+
+use serde_json::Value;
+
+use crate::common::estimate;
+use crate::run::{drive, events, lines};
+
+/// The messages of the notices with a subject.
+fn told(lines: &[Value], subject: &str) -> Vec<String> {
+    let of = events(lines, "notice").into_iter().filter(|line| line["subject"] == subject);
+    of.map(|line| line["message"].as_str().unwrap().to_owned()).collect()
+}
+
+/// The address of the simulated roll sensor is 0xE4, that of VDC2 is 0x0B.
+#[test]
+fn an_address_that_nobody_sends_is_told_and_its_signal_is_missing() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.candump).unwrap();
+    let rolls = text.lines().filter(|line| line.contains("0CF029E4#")).count();
+    assert!(rolls > 10_000);
+    let wrong = ["--source-of", "roll=0x99"];
+    let parts = ["--source-of roll=0x99", "those of 0xE4 are", "--source-of roll=0xE4"];
+    let found = lines(&drive.replay(&drive.candump, &wrong).told(1, &[]));
+    let notices = told(&found, "roll");
+    assert_eq!(notices.len(), 1, "{notices:?}");
+    let status = *events(&found, "status").last().unwrap();
+    assert!(status["missing"].as_array().unwrap().contains(&"roll".into()), "{status}");
+    assert_eq!(status["values_of_other_sources"].as_u64(), Some(rolls as u64));
+    // Without a roll angle, the log has no samples.
+    let refused = estimate(&drive.candump, &drive.truck, &wrong);
+    for part in parts {
+        assert!(notices[0].contains(part), "{notices:?}");
+    }
+    refused.refused(&parts);
+    // The lateral acceleration of the same device is enough for a height.
+    let wrong = ["--source-of", "steering_wheel=0x99"];
+    let whole = lines(&drive.replay(&drive.candump, &wrong).done());
+    assert!(told(&whole, "steering_wheel")[0].contains("those of 0x0B are"));
+    let status = *events(&whole, "status").last().unwrap();
+    assert_eq!(status["missing"].to_string(), "[\"steering_wheel\"]");
+    let answer = estimate(&drive.candump, &drive.truck, &wrong).done().answer();
+    let message = "--source-of steering_wheel=0x0B";
+    assert!(answer["messages"].to_string().contains(message), "{answer}");
+    let right = lines(&drive.replay(&drive.candump, &["--source-of", "roll=0xE4"]).done());
+    assert!(told(&right, "roll").is_empty());
+    assert_eq!(events(&right, "status").last().unwrap()["values_of_other_sources"], 0);
+}
+
+/// A log of two seconds ends before the devices have had their time.
+#[test]
+fn a_short_log_tells_it_at_its_end() {
+    let drive = drive();
+    let text = std::fs::read_to_string(&drive.candump).unwrap();
+    let short: String = text
+        .lines()
+        .take_while(|line| !line.starts_with("(2."))
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    let log = drive.path("short.log");
+    std::fs::write(&log, short).unwrap();
+    let run = drive.replay(&log, &["--source-of", "roll=0x99"]).told(1, &[]);
+    assert_eq!(told(&lines(&run), "roll").len(), 1);
+}

@@ -1,0 +1,130 @@
+//! Which source addresses send the quantities that are accepted from one address only.
+
+use std::collections::BTreeSet;
+
+use cg_core::Quantity;
+
+use super::decoder::{DeviceFilter, siblings};
+
+/// Time after the first frame within which a device should have sent a value, µs (a mass is sent once a second).
+const BEGUN_US: u64 = 3_000_000;
+
+/// What has come from the wanted addresses and from others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sources {
+    wanted: Vec<Wanted>,
+    since_us: Option<u64>,
+}
+
+/// A filter and what has come.
+#[derive(Clone, Debug)]
+struct Wanted {
+    filter: DeviceFilter,
+    /// Whether an accepted value has come.
+    is_heard: bool,
+    /// Addresses whose values are not accepted.
+    others: BTreeSet<u8>,
+    is_told: bool,
+}
+
+impl Sources {
+    pub(super) fn new(filters: &[DeviceFilter]) -> Self {
+        let wanted = |filter: &DeviceFilter| Wanted {
+            filter: *filter,
+            is_heard: false,
+            others: BTreeSet::new(),
+            is_told: false,
+        };
+        Self { wanted: filters.iter().map(wanted).collect(), since_us: None }
+    }
+
+    fn of(&mut self, quantity: Quantity) -> impl Iterator<Item = &mut Wanted> {
+        let is_of = move |one: &&mut Wanted| siblings(quantity).contains(&one.filter.quantity());
+        self.wanted.iter_mut().filter(is_of)
+    }
+
+    /// Sets the time of a frame.
+    pub(super) fn begin(&mut self, now_us: u64) {
+        self.since_us.get_or_insert(now_us);
+    }
+
+    /// Registers an accepted value.
+    pub(super) fn heard(&mut self, quantity: Quantity) {
+        self.of(quantity).for_each(|one| one.is_heard = true);
+    }
+
+    /// Registers a value of an address from which the quantity is not accepted.
+    pub(super) fn refused(&mut self, quantity: Quantity, address: u8) {
+        self.of(quantity).for_each(|one| {
+            one.others.insert(address);
+        });
+    }
+
+    /// Whether the devices have had time to send.
+    pub(super) fn has_begun(&self, now_us: u64) -> bool {
+        self.since_us.is_some_and(|since_us| now_us.saturating_sub(since_us) >= BEGUN_US)
+    }
+
+    /// The quantities of which no accepted value has come.
+    pub(super) fn unheard(&self) -> Vec<Quantity> {
+        let unheard = self.wanted.iter().filter(|one| !one.is_heard);
+        unheard.map(|one| one.filter.quantity()).collect()
+    }
+
+    /// The sentences about filters to which only other addresses have sent, each as signal and sentence.
+    pub(super) fn remarks(&self) -> Vec<(&'static str, String)> {
+        self.wanted.iter().filter_map(Wanted::remark).collect()
+    }
+
+    /// Those sentences that have not been told.
+    pub(super) fn news(&mut self) -> Vec<(&'static str, String)> {
+        let untold = self.wanted.iter_mut().filter(|one| !one.is_told);
+        let tell = |one: &mut Wanted| {
+            let remark = one.remark();
+            one.is_told = remark.is_some();
+            remark
+        };
+        untold.filter_map(tell).collect()
+    }
+}
+
+impl Wanted {
+    fn remark(&self) -> Option<(&'static str, String)> {
+        let first = self.others.first().filter(|_| !self.is_heard)?;
+        let (filter, name) = (self.filter, self.filter.quantity().name());
+        let others: Vec<String> = self.others.iter().map(|one| format!("0x{one:02X}")).collect();
+        let sentence = format!(
+            "no value comes from the address of ⟨source_of {filter}⟩, and those of {} are not used; correct the \
+             address, as in ⟨source_of {name}=0x{first:02X}⟩",
+            others.join(", ")
+        );
+        Some((name, sentence))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_that_sends_nothing_is_told_once_with_those_that_do() {
+        let filters = ["roll=0x99", "speed=0"].map(|text| text.parse().unwrap());
+        let mut sources = Sources::new(&filters);
+        sources.begin(7);
+        assert!(!sources.has_begun(3_000_006) && sources.has_begun(3_000_007));
+        // A slope sensor has one address for what it measures.
+        sources.refused(Quantity::Tilt, 0xE5);
+        sources.refused(Quantity::RollToGravity, 0xE4);
+        sources.heard(Quantity::Speed);
+        assert_eq!(sources.unheard(), [Quantity::Roll]);
+        let told = sources.news();
+        assert_eq!((told.len(), told[0].0), (1, "roll"));
+        for part in ["⟨source_of roll=0x99⟩", "0xE4, 0xE5 are", "⟨source_of roll=0xE4⟩"] {
+            assert!(told[0].1.contains(part), "{told:?}");
+        }
+        assert!(sources.news().is_empty());
+        assert_eq!(sources.remarks(), told);
+        sources.heard(Quantity::Tilt);
+        assert!(sources.remarks().is_empty() && sources.unheard().is_empty());
+    }
+}
