@@ -25,6 +25,25 @@ impl ColumnArgs {
         let (columns, flip) = (self.column.clone(), self.flip.clone());
         LogOptions { columns, flip, ..LogOptions::default() }
     }
+
+    /// Refuses these options where they do not apply to CAN frames that are read with `options`, and there is nothing
+    /// else.
+    pub(crate) fn refuse_for_frames(&self, options: &LogOptions) -> anyhow::Result<()> {
+        if !self.column.is_empty() {
+            bail!(
+                "--column is for columns, but CAN frames have none; remove it, or map a signal of a DBC file with --dbc \
+                 and --signal"
+            );
+        }
+        let decoder = options.decoder();
+        let may_come = |signal: Signal| signal.quantity().is_some_and(|one| decoder.may_give(one));
+        match self.flip.iter().find(|signal| !may_come(**signal)) {
+            Some(signal) => bail!(
+                "--flip {signal}: no CAN frame gives this signal; remove it, or map the signal with --dbc and --signal"
+            ),
+            None => Ok(()),
+        }
+    }
 }
 
 /// How the DC ratio is identified.

@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
                 estimator.weighed_by(scale);
                 estimator.push(row).map(|_| ())
             };
-            let remarks =
+            let (remarks, _) =
                 feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
             for remark in remarks {
                 print_error(&anyhow!("{}: {remark}", known.log));

@@ -64,8 +64,8 @@ impl CanArgs {
         Ok(LogOptions { can: self.options()?, settings, ..columns.options() })
     }
 
-    /// Refuses these options for a source without CAN frames.
-    pub(crate) fn refuse(&self, source: &str) -> anyhow::Result<()> {
+    /// Refuses these options where there are no CAN frames. `why` says so, and what to do.
+    pub(crate) fn refuse(&self, why: &str) -> anyhow::Result<()> {
         let given = [
             ("--dbc", self.dbc.is_some()),
             ("--source-of", !self.source_of.is_empty()),
@@ -74,10 +74,7 @@ impl CanArgs {
             ("--bus", self.bus.is_some()),
         ];
         match given.into_iter().find(|(_, given)| *given) {
-            Some((flag, _)) => Err(anyhow!(
-                "{flag} is for CAN frames, but {source} has none; remove it, or give --candump or \
-                 --can instead of {source}"
-            )),
+            Some((flag, _)) => Err(anyhow!("{flag} is for CAN frames, but {why}")),
             None => Ok(()),
         }
     }

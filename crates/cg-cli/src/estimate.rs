@@ -60,6 +60,7 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
             .collect()
     });
     progress.finish_and_clear();
+    refuse_unused(arguments, &log_options, &results)?;
 
     let Batch { answers, unreadable, outcome } = gathered(&logs, results, truth.as_ref());
     let page = match &target {
@@ -147,7 +148,7 @@ fn gathered(
     for (log, result) in logs.iter().zip(results) {
         let name = log.display().to_string();
         match result {
-            Ok((estimate, trace)) => {
+            Ok(Estimated { estimate, trace, .. }) => {
                 if estimate.status != Verdict::Ok {
                     batch.outcome = batch.outcome.max(Outcome::NoAnswer);
                 }
@@ -164,8 +165,30 @@ fn gathered(
     batch
 }
 
-/// The result for a log, and its signals if they fit into memory.
-type Estimated = (LogEstimate, Option<Trace>);
+/// The result for a log.
+struct Estimated {
+    estimate: LogEstimate,
+    /// Its signals, if they fit into memory.
+    trace: Option<Trace>,
+    is_of_frames: bool,
+}
+
+/// Refuses options that none of the logs can use. What a log is that cannot be read is not known.
+fn refuse_unused(
+    arguments: &EstimateArgs,
+    options: &LogOptions,
+    results: &[anyhow::Result<Estimated>],
+) -> anyhow::Result<()> {
+    let kinds = results.iter().map(|result| result.as_ref().ok().map(|one| one.is_of_frames));
+    let Some(kinds) = kinds.collect::<Option<Vec<bool>>>() else { return Ok(()) };
+    if !kinds.contains(&true) {
+        arguments.frames.refuse("no log has any; remove it, or give a log of frames")?;
+    }
+    if kinds.contains(&false) {
+        return Ok(());
+    }
+    arguments.columns.refuse_for_frames(options)
+}
 
 fn estimate_log(
     log: &Path,
@@ -175,7 +198,7 @@ fn estimate_log(
     progress: &ProgressBar,
 ) -> anyhow::Result<Estimated> {
     let mut trace = room.map(Trace::new);
-    let remarks = feed(log, options, progress, |row, scale| {
+    let (remarks, is_of_frames) = feed(log, options, progress, |row, scale| {
         estimator.weighed_by(scale);
         estimator.push(row)?;
         if let Some(trace) = &mut trace {
@@ -188,16 +211,17 @@ fn estimate_log(
     for message in &mut estimate.messages {
         *message = flags::with_flags(message);
     }
-    Ok((estimate, trace))
+    Ok(Estimated { estimate, trace, is_of_frames })
 }
 
-/// Passes the rows of a log to `take`, with the scale of frames, and returns the messages of the reader.
+/// Passes the rows of a log to `take`, with the scale of frames. Returns the messages of the reader, and whether the log has
+/// frames.
 pub(crate) fn feed(
     log: &Path,
     options: &LogOptions,
     progress: &ProgressBar,
     mut take: impl FnMut(&LogRow, Option<Scale>) -> Result<(), SampleError>,
-) -> anyhow::Result<Vec<String>> {
+) -> anyhow::Result<(Vec<String>, bool)> {
     let name = if log.as_os_str() == "-" { "standard input".into() } else { log.to_string_lossy() };
     let mut reader = if log.as_os_str() == "-" {
         LogReader::from_reader(&name, Box::new(std::io::stdin()), options)?
@@ -221,7 +245,7 @@ pub(crate) fn feed(
         }
     }
     progress.inc(reader.bytes_read() - seen);
-    Ok(reader.remarks())
+    Ok((reader.remarks(), reader.is_of_frames()))
 }
 
 /// A progress bar over the bytes of all logs, shown only on a terminal.

@@ -300,12 +300,17 @@ fn learned(
 /// The options for reading the source. Options that do not apply to it are refused.
 fn log_options(arguments: &RunArgs, vehicle: &Vehicle) -> anyhow::Result<LogOptions> {
     if arguments.csv.is_some() {
-        arguments.frames.refuse("--csv")?;
+        let why = "--csv has none; remove it, or give --candump or --can instead of --csv";
+        arguments.frames.refuse(why)?;
     }
     if arguments.can.is_some() && arguments.frames.bus.is_some() {
         bail!("--bus selects a bus of a log, but --can names the interface; remove --bus");
     }
-    arguments.frames.log_options(&arguments.columns, vehicle)
+    let options = arguments.frames.log_options(&arguments.columns, vehicle)?;
+    if arguments.csv.is_none() {
+        arguments.columns.refuse_for_frames(&options)?;
+    }
+    Ok(options)
 }
 
 fn source(arguments: &RunArgs) -> String {

@@ -1,8 +1,8 @@
-//! A source address that nobody sends.
+//! Options for CAN frames: a source address that nobody sends, and options that no log can use.
 
 use serde_json::Value;
 
-use crate::common::estimate;
+use crate::common::{cg, estimate};
 use crate::run::{drive, events, lines};
 
 /// The messages of the notices with a subject.
@@ -60,4 +60,26 @@ fn a_short_log_tells_it_at_its_end() {
     std::fs::write(&log, short).unwrap();
     let run = drive.replay(&log, &["--source-of", "roll=0x99"]).told(1, &[]);
     assert_eq!(told(&lines(&run), "roll").len(), 1);
+}
+
+/// A mixture of logs may have options for both kinds.
+#[test]
+fn options_that_no_log_can_use_are_refused() {
+    let drive = drive();
+    let bus = ["--bus", "can0"];
+    let column = ["--column", "speed=speed_mps"];
+    estimate(&drive.csv, &drive.truck, &bus).refused(&[
+        "--bus is for CAN",
+        "no log has any",
+        "remove it",
+    ]);
+    let frames = ["--column is for", "--signal", "remove it"];
+    estimate(&drive.candump, &drive.truck, &column).refused(&frames);
+    drive.replay(&drive.candump, &column).refused(&frames);
+    let flip = ["--flip", "roll,second_roll"];
+    let parts = ["--flip second_roll: no CAN frame gives", "--signal"];
+    estimate(&drive.candump, &drive.truck, &flip).refused(&parts);
+    drive.replay(&drive.candump, &flip).refused(&parts);
+    let both = ["estimate", &drive.csv, &drive.candump, "--vehicle", &drive.truck];
+    cg(&[&both[..], &bus, &column].concat()).done();
 }
