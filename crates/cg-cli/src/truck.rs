@@ -81,7 +81,7 @@ impl TruckArgs {
     /// contradict the vehicle file is told on standard error.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
         let (design, judgment) = self.judged_design(vehicle)?;
-        if let Some(message) = judgment.message() {
+        if let Some(message) = judgment.and_then(|judgment| judgment.message()) {
             print_error(&anyhow!(message));
         }
         Ok(design)
@@ -101,14 +101,14 @@ impl TruckArgs {
         Ok(Some(calibration))
     }
 
-    /// The design, and whether the runs of the calibration are possible.
+    /// The design, and whether the runs of the calibration are possible; `None` without one.
     pub(crate) fn judged_design(
         &self,
         vehicle: &Vehicle,
-    ) -> anyhow::Result<(Design<f64>, Judgment)> {
+    ) -> anyhow::Result<(Design<f64>, Option<Judgment>)> {
         let (belief, judgment) = match self.calibration(vehicle)? {
-            Some(calibration) => (calibration.belief(), calibration.judgment()),
-            None => (Belief::prior(vehicle), Judgment::Sound),
+            Some(calibration) => (calibration.belief(), Some(calibration.judgment())),
+            None => (Belief::prior(vehicle), None),
         };
         Ok((design_with(vehicle, self.model, &belief)?, judgment))
     }

@@ -70,7 +70,7 @@ impl EstimatorSubject {
         calibration: Option<&Calibration>,
     ) -> Result<Self, FmuError> {
         let variant = calibration.map_or(Variant::Complete, |calibration| calibration.model);
-        let judgment = calibration.map(Calibration::judgment).unwrap_or_default();
+        let judgment = calibration.map(Calibration::judgment);
         let belief = calibration.map_or_else(|| Belief::prior(&vehicle), Calibration::belief);
         let design = design_with(&vehicle, variant, &belief)?;
         let options = EstimateOptions { variant, judgment, ..EstimateOptions::default() };

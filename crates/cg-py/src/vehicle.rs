@@ -68,7 +68,7 @@ impl Vehicle {
 
     /// The options with the roads of the vehicle and the judgment of its calibration.
     pub(crate) fn options(&self, options: EstimateOptions) -> EstimateOptions {
-        let judgment = self.calibration.as_ref().map(Calibration::judgment).unwrap_or_default();
+        let judgment = self.calibration.as_ref().map(Calibration::judgment);
         EstimateOptions { judgment, ..options }.with_file(&self.inner)
     }
 

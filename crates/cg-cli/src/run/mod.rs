@@ -55,7 +55,7 @@ use cg_logs::estimate::{EstimateOptions, Method};
 use cg_logs::log::LogOptions;
 use cg_logs::output::{Files, Kind, Target};
 use cg_logs::state::Owner;
-use cg_vehicle::calibration::Calibration;
+use cg_vehicle::calibration::{Calibration, Judgment};
 use cg_vehicle::scales::Scales;
 use cg_vehicle::sensor_places::Road;
 use cg_vehicle::{Vehicle, VehicleError};
@@ -108,7 +108,8 @@ pub(crate) fn run(arguments: &RunArgs, files: Files) -> anyhow::Result<Outcome> 
     let lines: LineWriter<Stdout> = LineWriter::new(io::stdout());
     let mut outputs = Outputs::new(lines, state, metrics, None);
     outputs.page = arguments.serve.as_ref().map(Page::open).transpose()?;
-    let mut session = session(arguments, &vehicle, &design, outputs)?;
+    let judgment = calibration.as_ref().map(Calibration::judgment);
+    let mut session = session(arguments, (&vehicle, judgment), &design, outputs)?;
     if arguments.can.is_some() {
         #[allow(clippy::cast_precision_loss)] // microseconds since 1970
         session.tick(wall::now_us() as f64 * 1e-6, 0);
@@ -170,13 +171,14 @@ fn process<W: Write>(
 /// The processing of samples with the options of this run.
 fn session<W: Write>(
     arguments: &RunArgs,
-    vehicle: &Vehicle,
+    (vehicle, judgment): (&Vehicle, Option<Judgment>),
     design: &Design<f64>,
     outputs: Outputs<W>,
 ) -> anyhow::Result<Session<W>> {
     let warner = Warner::new(&arguments.warn, arguments.warn_hysteresis)
         .context("--warn, --warn-hysteresis")?;
     let (mass_kg, options) = (arguments.trailer_mass_kg, identification(arguments, vehicle)?);
+    let options = EstimateOptions { judgment, ..options };
     let mut session = Session::new((design, options), warner, mass_kg, arguments.status_s, outputs);
     session.request = arguments.speed_request.map(SpeedRequest::new);
     session.weighing.sd_kg = arguments.trailer_mass_sd_kg;

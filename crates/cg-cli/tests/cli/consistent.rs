@@ -22,6 +22,10 @@ fn faulty(scratch: &Scratch) -> [String; 2] {
         cells.join(",") + "\n"
     });
     let log = scratch.file("faulty.csv", scaled.collect::<String>());
+    [log, calibration(scratch)]
+}
+
+fn calibration(scratch: &Scratch) -> String {
     let calibration = scratch.path("calibration.toml");
     let runs = two_runs();
     let arguments = [
@@ -36,7 +40,7 @@ fn faulty(scratch: &Scratch) -> [String; 2] {
         &calibration,
     ];
     cg(&arguments).done();
-    [log, calibration]
+    calibration
 }
 
 #[test]
@@ -78,4 +82,24 @@ fn cg_run_says_so_too() {
     let notices = events(&lines, "notice");
     let told = notices.iter().filter(|line| line["subject"] == "channels").count();
     assert_eq!(told, 1, "{notices:?}");
+}
+
+/// An accelerometer on the body measures gravity when it rolls, which only the yaw rate, or a calibration with it, can show.
+#[test]
+fn a_lateral_acceleration_that_nothing_confirms_is_told() {
+    let (scratch, truck) = (Scratch::new(), kraz());
+    let text = std::fs::read_to_string(fixture("logs/A_p20_h190_v50_L.csv")).unwrap();
+    let alone = scratch.file("alone.csv", text.replace("yaw_rate_radps", "unused"));
+    let both = scratch.file("both.csv", text);
+    let calibration = ["--calibration", &calibration(&scratch)];
+    for (log, more, is_told) in
+        [(&alone, &[][..], true), (&both, &[], false), (&alone, &calibration, false)]
+    {
+        let of = [&["--vehicle", &truck][..], more].concat();
+        let estimate = cg(&[&["estimate", log, "--format", "json"], &of[..]].concat()).done();
+        let run = cg(&[&["run", "--csv", log], &of[..]].concat()).done();
+        for out in [estimate.out, run.out] {
+            assert_eq!(out.contains("contains gravity"), is_told, "{log} {more:?}: {out}");
+        }
+    }
 }

@@ -35,7 +35,7 @@ impl LogEstimator {
     }
 
     pub(super) fn messages(&self) -> Vec<String> {
-        let doubt = self.options.judgment.message();
+        let doubt = self.options.judgment.and_then(|judgment| judgment.message());
         let mut messages: Vec<String> =
             doubt.into_iter().chain(self.sensors.signals.clock()).collect();
         // The bank of a road changes roll angles and suspension rolls just as slowly.
@@ -140,6 +140,14 @@ impl LogEstimator {
             return None;
         }
         RoadPart::assumed_flat(self.options.road, fused.maneuvers)
+    }
+
+    /// That nothing shows whether the lateral acceleration of the height contains gravity.
+    pub(super) fn unconfirmed(&self) -> Option<&'static str> {
+        let channel = Channel::LateralAcceleration;
+        let is_used = self.options.channel.is_none_or(|only| only == channel)
+            && self.engine.height(channel).is_some();
+        self.options.unconfirmed(|one| self.seen.has(one)).filter(|_| is_used)
     }
 
     /// Whether the bank of the road is unknown and changes a roll angle of the log.

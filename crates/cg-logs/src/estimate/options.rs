@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use cg_core::decide::settings::PUBLIC_BANK_SD_RAD;
-use cg_core::{CHANNELS, Channel, Measured, Outcome};
+use cg_core::{CHANNELS, Channel, Measured, Outcome, Quantity};
 use cg_vehicle::assumptions::has_unplaced_roll_sensor;
 use cg_vehicle::calibration::Judgment;
 use cg_vehicle::floor::Floor;
@@ -14,6 +14,10 @@ use cg_vehicle::{Variant, Vehicle};
 use serde::{Deserialize, Serialize};
 
 use super::weighed::EMPTY_SHARE;
+
+const GRAVITY: &str = "nothing in the log shows whether lateral_acceleration contains gravity, as that of an accelerometer on the \
+                       body does while the body rolls: the height would be 9 to 18 % too low, which the interval does \
+                       not contain; record the yaw rate, too, or calibrate with this sensor, empty and laden";
 
 /// Standard deviation of the height of a trailer that is empty by its mass, m: goods of 3 % of it, whose c.g. is 1.3 m above its
 /// own, raise it by two of them.
@@ -150,8 +154,8 @@ pub struct EstimateOptions {
     /// The roads of the log. `None`: roll angles relative to gravity are taken as measured on
     /// public roads, roll angles relative to the road as measured on a flat test track.
     pub road: Option<RoadChoice>,
-    /// Whether the runs of the calibration are possible; if not, the messages say so.
-    pub judgment: Judgment,
+    /// Whether the runs of the calibration are possible; if not, the messages say so. `None` without a calibration.
+    pub judgment: Option<Judgment>,
     /// The lean of a trailer whose load stands beside the middle.
     pub lean: Option<Lean>,
     /// Whether the place of the roll sensor matters and is not in the vehicle file.
@@ -187,6 +191,13 @@ impl EstimateOptions {
         )
     }
 
+    /// That nothing shows whether the lateral acceleration contains gravity, if these quantities have come. A calibration
+    /// with the same sensor would contain what it does.
+    pub fn unconfirmed(&self, has: impl Fn(Quantity) -> bool) -> Option<&'static str> {
+        let is_alone = has(Quantity::LateralAcceleration) && !has(Quantity::YawRate);
+        (is_alone && self.judgment.is_none()).then_some(GRAVITY)
+    }
+
     /// That a trailer that is empty by its known mass, kg, has another height than that in the vehicle file.
     pub fn unlike_empty(&self, mass_kg: f64, height: Measured<f64>) -> Option<String> {
         let empty_m = self.floor?.empty_height_m(mass_kg, EMPTY_SHARE)?;
@@ -216,7 +227,7 @@ impl Default for EstimateOptions {
             trailer_mass_sd_kg: None,
             scales: Scales::EXACT,
             road: None,
-            judgment: Judgment::Sound,
+            judgment: None,
             lean: None,
             roll_sensor_is_unplaced: false,
             floor: None,

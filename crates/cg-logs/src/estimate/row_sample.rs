@@ -82,6 +82,11 @@ impl SignalsSeen {
         }
     }
 
+    /// Whether a quantity has come.
+    pub(super) fn has(&self, quantity: Quantity) -> bool {
+        self.arrived[quantity.index()]
+    }
+
     /// Which roll angles come from inclinometers.
     pub(super) fn tilts(&self) -> Tilts {
         Tilts::of(|quantity| self.arrived[quantity.index()] && !self.unscaled[quantity.index()])

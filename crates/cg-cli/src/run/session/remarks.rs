@@ -17,6 +17,7 @@ impl<W: Write> Session<W> {
         self.report_strength()?;
         self.report_left_out()?;
         self.report_empty()?;
+        self.report_unconfirmed()?;
         if let Some(message) = self.options.unplaced(&maneuver.outcomes) {
             self.options.roll_sensor_is_unplaced = false; // is told
             self.notice("roll_sensor", message)?;
@@ -79,6 +80,14 @@ impl<W: Write> Session<W> {
     fn report_left_out(&mut self) -> io::Result<()> {
         let message = self.doubt().and_then(|doubt| doubt.message());
         self.notice_of_load("left_out", message.as_slice())
+    }
+
+    /// Reports that nothing shows whether the lateral acceleration contains gravity.
+    fn report_unconfirmed(&mut self) -> io::Result<()> {
+        let is_used = self.estimator.height(Channel::LateralAcceleration).is_some();
+        let seen = |quantity: Quantity| self.seen[quantity.index()];
+        let found = self.options.unconfirmed(seen).filter(|_| is_used).map(str::to_owned);
+        self.notice_of_load("lateral_acceleration", found.as_slice())
     }
 
     /// Reports that a trailer that is empty by its mass has another height than it should.
