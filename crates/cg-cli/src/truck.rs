@@ -81,7 +81,7 @@ impl TruckArgs {
     /// contradict the vehicle file is told on standard error.
     pub(crate) fn design(&self, vehicle: &Vehicle) -> anyhow::Result<Design<f64>> {
         let (design, judgment) = self.judged_design(vehicle)?;
-        if let Some(message) = judgment.and_then(|judgment| judgment.message()) {
+        if let Some(message) = judgment.and_then(Judgment::message) {
             print_error(&anyhow!(message));
         }
         Ok(design)

@@ -1,6 +1,7 @@
 //! Messages that explain a height or its absence.
 
 use cg_core::{Channel, Height, Inconsistency, Maneuver, Measured, Reject};
+use cg_vehicle::calibration::Judgment;
 
 use super::diagnosis::Evidence;
 use super::intake::LogEstimator;
@@ -35,7 +36,7 @@ impl LogEstimator {
     }
 
     pub(super) fn messages(&self) -> Vec<String> {
-        let doubt = self.options.judgment.and_then(|judgment| judgment.message());
+        let doubt = self.options.judgment.and_then(Judgment::message);
         let mut messages: Vec<String> =
             doubt.into_iter().chain(self.sensors.signals.clock()).collect();
         // The bank of a road changes roll angles and suspension rolls just as slowly.
