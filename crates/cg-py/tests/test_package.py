@@ -302,7 +302,7 @@ def test_every_option_that_a_message_names_is_a_keyword():
                 keywords |= set(inspect.signature(thing).parameters)
             if thing is cgheight.Plant:
                 keywords |= set(inspect.signature(thing.step).parameters)
-    # `bus` exists on the command line only: python-can opens one bus at a time. Messages name roads
-    # as `Vehicle.on_road`; the keyword `road` is that of `Scenario`.
-    assert named - keywords == {"bus"}
+    # `bus` and `source_of` exist on the command line only: python-can opens one bus at a time.
+    # Messages name roads as `Vehicle.on_road`; the keyword `road` is that of `Scenario`.
+    assert named - keywords == {"bus", "source_of"}
     assert callable(cgheight.Vehicle.on_road)
