@@ -1,5 +1,6 @@
 //! `cg calibrate`: a calibration file from logs with known height.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ use comfy_table::{CellAlignment, Table};
 use indicatif::ProgressBar;
 
 use crate::cli::CalibrateArgs;
-use crate::estimate::feed;
+use crate::estimate::{feed, refuse_unused};
 use crate::outcome::{Outcome, print_error};
 use crate::truck;
 
@@ -51,20 +52,26 @@ pub(crate) fn run(arguments: &CalibrateArgs, files: Files) -> anyhow::Result<Out
     let &CalibrateArgs { model: variant, method, procedure, part, channel, .. } = arguments;
     let how = CalibrateOptions { variant, method, channel: channel.into(), procedure, part, force };
     let trips = runs_of(&contents(&arguments.from_state)?, &vehicle, variant)?;
+    let mut are_of_frames = BTreeMap::new();
     let mut calibration =
         calibrate_with_trips(&vehicle, how, (logs, &trips), |known, estimator| {
             let take = |row: &_, scale| {
                 estimator.weighed_by(scale);
                 estimator.push(row).map(|_| ())
             };
-            let (remarks, _) =
+            let (remarks, is_of_frames) =
                 feed(Path::new(&known.log), &options, &progress, take).map_err(Failure)?;
-            for remark in remarks {
-                print_error(&anyhow!("{}: {remark}", known.log));
+            // Each log is read twice.
+            if are_of_frames.insert(known.log.clone(), is_of_frames).is_none() {
+                for remark in remarks {
+                    print_error(&anyhow!("{}: {remark}", known.log));
+                }
             }
             Ok(())
         })
         .map_err(|failure: Failure| failure.0)?;
+    let kinds: Vec<bool> = are_of_frames.into_values().collect();
+    refuse_unused((&arguments.columns, &arguments.frames), &options, &kinds)?;
     calibration.date = Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true);
     target.write(&calibration.to_toml()?)?.map_or(Ok(()), Draft::publish)?;
     report(&calibration, &arguments.output).context("standard output: cannot be written")?;

@@ -17,6 +17,8 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 use crate::answer::Answer;
+use crate::args::ColumnArgs;
+use crate::can::CanArgs;
 use crate::cli::EstimateArgs;
 use crate::flags;
 use crate::outcome::{Outcome, error_message, print_error};
@@ -60,7 +62,11 @@ pub(crate) fn run(arguments: &EstimateArgs, files: Files) -> anyhow::Result<Outc
             .collect()
     });
     progress.finish_and_clear();
-    refuse_unused(arguments, &log_options, &results)?;
+    // What a log is that cannot be read is not known.
+    let kinds = results.iter().map(|result| result.as_ref().ok().map(|one| one.is_of_frames));
+    if let Some(kinds) = kinds.collect::<Option<Vec<bool>>>() {
+        refuse_unused((&arguments.columns, &arguments.frames), &log_options, &kinds)?;
+    }
 
     let Batch { answers, unreadable, outcome } = gathered(&logs, results, truth.as_ref());
     let page = match &target {
@@ -173,21 +179,18 @@ struct Estimated {
     is_of_frames: bool,
 }
 
-/// Refuses options that none of the logs can use. What a log is that cannot be read is not known.
-fn refuse_unused(
-    arguments: &EstimateArgs,
+/// Refuses options that none of the logs can use, which are of frames or not.
+pub(crate) fn refuse_unused(
+    (columns, frames): (&ColumnArgs, &CanArgs),
     options: &LogOptions,
-    results: &[anyhow::Result<Estimated>],
+    are_of_frames: &[bool],
 ) -> anyhow::Result<()> {
-    let kinds = results.iter().map(|result| result.as_ref().ok().map(|one| one.is_of_frames));
-    let Some(kinds) = kinds.collect::<Option<Vec<bool>>>() else { return Ok(()) };
-    if !kinds.contains(&true) {
-        arguments.frames.refuse("no log has any; remove it, or give a log of frames")?;
+    if !are_of_frames.contains(&true) {
+        frames.refuse("no log has any; remove it, or give a log of frames")?;
+    } else if !are_of_frames.contains(&false) {
+        columns.refuse_for_frames(options)?;
     }
-    if kinds.contains(&false) {
-        return Ok(());
-    }
-    arguments.columns.refuse_for_frames(options)
+    Ok(())
 }
 
 fn estimate_log(

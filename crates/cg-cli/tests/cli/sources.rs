@@ -83,3 +83,21 @@ fn options_that_no_log_can_use_are_refused() {
     let both = ["estimate", &drive.csv, &drive.candump, "--vehicle", &drive.truck];
     cg(&[&both[..], &bus, &column].concat()).done();
 }
+
+/// A calibration reads each log twice, says what is wrong once, and keeps the file that is there.
+#[test]
+fn a_calibration_refuses_them_too() {
+    let drive = drive();
+    let (run, of) = (format!("{}=1.9", drive.candump), drive.path("c.toml"));
+    let calibrate = ["calibrate", "--vehicle", &drive.truck, "--run", &run, "-o", &of];
+    let column = ["--column", "speed=speed_mps"];
+    cg(&[&calibrate[..], &column].concat()).refused(&["--column is for", "remove it"]);
+    assert!(!std::path::Path::new(&of).exists());
+    let wrong = ["--source-of", "steering_wheel=0x99"];
+    let told = cg(&[&calibrate[..], &wrong].concat()).told(0, &["those of 0x0B are"]);
+    assert_eq!(told.err.matches("those of 0x0B are").count(), 1, "{told:?}");
+    let csv = format!("{}=1.9", drive.csv);
+    let calibrate = ["calibrate", "--vehicle", &drive.truck, "--run", &csv, "-o", &of];
+    cg(&[&calibrate[..], &["--bus", "can0"]].concat())
+        .refused(&["--bus is for CAN", "no log has any"]);
+}
