@@ -82,6 +82,7 @@ pub(crate) use known::mass_contradiction;
 pub use known::{is_held, is_other_load, known_mass, known_speed, weighed_mass};
 pub use leaning::{Leaning, threshold_g};
 pub use left_out::{Doubt, LeftOut};
+pub(crate) use options::EMPTY_SHARE;
 pub use options::{
     ChannelChoice, EstimateOptions, Method, QUANTILE_95, RoadChoice, UnknownRoad, interval_95,
 };
@@ -93,5 +94,4 @@ pub use since_stop::SinceStop;
 pub use strong::{Strength, StrongTurns};
 pub use tilts::Tilts;
 pub use unheard::Unheard;
-pub(crate) use weighed::EMPTY_SHARE;
 pub use weighed::Weighed;

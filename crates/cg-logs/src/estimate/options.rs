@@ -13,7 +13,8 @@ use cg_vehicle::second_sensor::slopes;
 use cg_vehicle::{Variant, Vehicle};
 use serde::{Deserialize, Serialize};
 
-use super::weighed::EMPTY_SHARE;
+/// Greatest relative difference between the mass in a log and that of the empty trailer.
+pub(crate) const EMPTY_SHARE: f64 = 0.03;
 
 const GRAVITY: &str = "nothing in the log shows whether lateral_acceleration contains gravity, as that of an accelerometer on the \
                        body does while the body rolls: the height would be 9 to 18 % too low, which the interval does \

@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::known::is_other_load;
-
-/// Greatest relative difference between the mass in a log and that of the empty trailer.
-pub(crate) const EMPTY_SHARE: f64 = 0.03;
+use super::options::EMPTY_SHARE;
 
 /// A maneuver is weighed if a signal has given the mass within this time before it, µs. Scales on a bus do so every ten
 /// seconds at least.
