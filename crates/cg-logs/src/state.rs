@@ -295,6 +295,7 @@ pub fn design_crc32(design: &Design<f64>) -> u32 {
 mod tests {
     use super::*;
     use cg_core::{Estimator, FilteredArx, Prior, Settings};
+    use cg_vehicle::sensor_places::LevelSensors;
 
     /// Multiplies every number that the checksum depends on, other than the axes.
     fn scaled(design: &Design<f64>, factor: f64) -> Design<f64> {
@@ -334,6 +335,9 @@ mod tests {
         assert_eq!(read(&own), (Ok(state.clone()), Ok(state.clone())));
         let refused = || Err(StateError::OtherDesign);
         assert_eq!(read(&with(&|other| other.name.push('2'))), (refused(), refused()));
+        let level = |spread_m| Some(LevelSensors { spread_m, gain: 1.0 });
+        let levels = with(&|other| other.sensors.tractor_level = level(0.97));
+        assert_eq!(read(&levels), (refused(), refused()));
         let ratio = with(&|other| other.steering_ratio = Some(23.0));
         assert_eq!(read(&ratio), (refused(), refused()));
         let older = State { truck: None, ..state };

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Least number of zeros in a row that are no chance, if no value is held: with noise of two steps, a value is the one in the middle in one of five
-/// samples, and three times in a row in 0.8 % of all places.
+/// Least number of zeros in a row that are no chance, if no value is held: with noise of two steps, a value is the one in the
+/// middle in one of five samples, and three times in a row in 0.8 % of all places.
 const IN_A_ROW: f64 = 3.0;
 /// Least share of such zeros, and least number of them, to be a dead band.
 const SHARE: f64 = 0.05;

@@ -36,9 +36,14 @@ struct Motion {
 }
 
 impl Motion {
+    /// The next value has no neighbor before it.
+    fn interrupt(&mut self) {
+        self.last = [None; 2];
+    }
+
     fn push(&mut self, value: f64) {
         if !value.is_finite() {
-            self.last = [None; 2];
+            self.interrupt();
             return;
         }
         let before = self.last;
@@ -67,6 +72,8 @@ impl Motion {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct SeldomCheck {
     last_us: Option<u64>,
+    /// Whether the last row was far enough from the one before.
+    is_apart: bool,
     of_inputs: [Motion; INPUTS.len()],
 }
 
@@ -78,8 +85,13 @@ impl SeldomCheck {
         let is_close = last_us
             .is_none_or(|last_us| sample.time_us.saturating_sub(last_us) as f64 * 1e-6 < CLOSE_S);
         if is_close {
+            // Rows beside two gaps are no neighbors.
+            if std::mem::take(&mut self.is_apart) {
+                self.of_inputs.iter_mut().for_each(Motion::interrupt);
+            }
             return;
         }
+        self.is_apart = true;
         for (motion, (_, value)) in self.of_inputs.iter_mut().zip(INPUTS) {
             motion.push(value(sample));
         }
@@ -141,9 +153,15 @@ mod tests {
         {
             assert_eq!(check(step_us, noise).message(), None, "{step_us} {noise}");
         }
-        // The gap of a lost row is no motion.
-        let mut found = check(10_000, 0.0);
-        found.push(&Sample { steer_rad: 0.02, ..Sample::absent(21_000_000) });
-        assert!(found.message().is_none());
+        // Rows beside gaps of half a motion of 3 s are no neighbors, in a log of 100 Hz with a gap in each 0.8 s.
+        let mut gaps = SeldomCheck::default();
+        for time_us in
+            (0..60_000_000_u32).step_by(10_000).filter(|time_us| time_us % 800_000 > 200_000)
+        {
+            let phase = f64::from(time_us) * 1e-6 * std::f64::consts::TAU / 3.0;
+            let sample = Sample::absent(u64::from(time_us));
+            gaps.push(&Sample { steer_rad: 0.02 * phase.sin(), ..sample });
+        }
+        assert_eq!(gaps.message(), None);
     }
 }
