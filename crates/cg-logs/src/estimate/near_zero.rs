@@ -123,6 +123,16 @@ mod tests {
         assert!(check(0.03, both).dead_share(0.01).is_some());
     }
 
+    /// A truck that shakes in turns and stands straight without any noise, as a simulated one does.
+    #[test]
+    fn noise_that_comes_with_the_motion_is_none_at_zero() {
+        let shaken = |value: f64, k: u32| {
+            let side = if k.is_multiple_of(2) { 0.03 } else { -0.03 };
+            if value != 0.0 && k % 500 > 100 { value + side } else { value }
+        };
+        assert_eq!(check(0.0, shaken).dead_share(1e-9), None);
+    }
+
     #[test]
     fn rest_without_noise_and_rounding_are_none() {
         assert_eq!(check(0.0, |value, _| value).dead_share(1e-9), None);
